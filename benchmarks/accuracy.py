@@ -11,16 +11,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from fastlink.catalogue.evaluate import read_facts
-from fastlink.catalogue.tables import angle_tables
+from fastlink.app.accuracy import USUAL, Method, accuracy_table, curves_by_numpy, draw, measure, methods_for
+from fastlink.app.study import read_study
 from fastlink.codegen.kernel import MachineCode, llvm_text
 from fastlink.codegen.machine import compile_object
-from fastlink.diagnostics.methods import USUAL, Method, curves_by_numpy, methods_for
-from fastlink.diagnostics.pareto import accuracy_table
-from fastlink.diagnostics.picture import draw
-from fastlink.diagnostics.work_precision import measure
+from fastlink.facts.evaluate import read_facts
 from fastlink.facts.names import derivative_name
-from fastlink.study.study import read_study
+from fastlink.facts.tables import angle_tables
 
 #: Freedoms of arithmetic in LLVM's words: sums are regrouped, products fused with them.
 RELAXED = ("reassoc", "contract", "arcp", "nsz")

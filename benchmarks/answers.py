@@ -78,7 +78,7 @@ def requested(label):
     import fastlink as fl
 
     if label == COMMAND:
-        from fastlink.study.study import read_study
+        from fastlink.app.study import read_study
 
         study = read_study(STUDY)
         return study.mechanism, study.space, study.quantities, study.options
@@ -109,7 +109,7 @@ def import_all():
     fl.sweep, fl.evaluate  # noqa: B018
     for name in (
         *("h5netcdf", "llvmlite.binding", "xarray", "filelock"),
-        *("fastlink.engine.resolve", "fastlink.study.study", "fastlink.mechanisms.planar_4r"),
+        *("fastlink.engine.resolve", "fastlink.app.study", "fastlink.mechanisms.planar_4r"),
     ):
         if importlib.util.find_spec(name):
             importlib.import_module(name)

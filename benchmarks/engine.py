@@ -9,11 +9,9 @@ import numpy as np
 from benchmarks.inputs import CASES, INPUTS, aligned_copy, designs
 from fastlink.codegen.kernel import BACKENDS, kernel_of
 from fastlink.codegen.runtime.cells import LANES
-from fastlink.engine.binding import KernelTask, aligned
-from fastlink.engine.executor import BLOCK_DESIGNS, Job, run
+from fastlink.engine.run import BLOCK_DESIGNS, Job, KernelTask, aligned, run
 from fastlink.mechanisms import catalogue
-from fastlink.plan.pointwise import make_program
-from fastlink.plan.program import Program
+from fastlink.plan.programs import Program, make_program
 
 DENSE = ("dense",)
 
@@ -110,7 +108,7 @@ def job_of(program, size, K, pool=BLOCK_DESIGNS):
 
 
 def threads(case, seconds=1.2, repeats=3, K=360):
-    """Return the run time in s through `fastlink.engine.executor` with one thread and with two, and configurations."""
+    """Return the run time in s through `fastlink.engine.run` with one thread and with two, and configurations."""
     program = program_of(case, K)
     size = 4096
 

@@ -14,9 +14,9 @@ from scipy.optimize import brentq
 from benchmarks import c_kernel, engine
 from benchmarks.families import FAMILIES
 from benchmarks.inputs import INPUTS, race, round_bars
-from fastlink.catalogue.evaluate import read_facts
+from fastlink.facts.evaluate import read_facts
 from fastlink.mechanisms import catalogue
-from fastlink.plan.plan import make_plan
+from fastlink.plan.programs import make_plan
 from fastlink.precision.reference import DIGITS
 
 PLANAR = catalogue("planar_4r")

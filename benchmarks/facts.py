@@ -95,7 +95,7 @@ def start(repeats=5):
     for _ in range(repeats):
         best = {name: min(best[name], python(code)) for name, code in codes.items()}
         begun = time.perf_counter()
-        main = "from fastlink.cli import main; main()"
+        main = "from fastlink.app.cli import main; main()"
         subprocess.run([sys.executable, "-c", main, "--help"], check=True, capture_output=True)
         help_time = min(help_time, time.perf_counter() - begun)
     libraries = best.pop("libraries")

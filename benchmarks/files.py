@@ -15,9 +15,9 @@ import fastlink as fl
 from benchmarks import output
 from benchmarks.output import RAW_BLOCK, clock, lengths, write_raw
 from benchmarks.report import fact_table
-from fastlink.io.dataset import Variable
-from fastlink.io.writing import values_file
-from fastlink.io.writing.writer import Writer
+from fastlink.io import writer
+from fastlink.io.layout import Variable
+from fastlink.io.writer import Writer
 
 ANGLES = 360
 LAYOUTS = ("curves", "maps")
@@ -47,7 +47,7 @@ def write_map(path, rows):
 def write_unchecked(path, rows):
     """Write them without checksums."""
     with (
-        mock.patch.object(values_file, "of_pieces", return_value=[]),
+        mock.patch.object(writer, "of_pieces", return_value=[]),
         mock.patch.object(Writer, "_write_checksums"),
     ):
         write_map(path, rows)

@@ -14,7 +14,7 @@ from benchmarks.engine import angles, bind_results, program_of
 from benchmarks.inputs import aligned_copy, race
 from benchmarks.report import fact_table
 from fastlink.mechanisms import catalogue
-from fastlink.plan.pointwise import make_program
+from fastlink.plan.programs import make_program
 
 FOUR_BAR = ("a", "b", "c", "d", "rho", "completion")
 HART = ("m", "n", "d", "kappa")

@@ -17,7 +17,7 @@ from pathlib import Path
 from benchmarks import c_kernel
 from fastlink.codegen.kernel import kernel_of
 from fastlink.codegen.runtime.cells import LANES, MOST_LANES
-from fastlink.engine.binding import aligned
+from fastlink.engine.run import aligned
 from fastlink.numerics.compiler import COMPILED_AS
 
 HEADER = """#include <math.h>

@@ -8,8 +8,8 @@ arrays stay in the cache. Of curves, what the design alone determines is compute
 import numpy as np
 
 from benchmarks.numpy_baseline import PIECE
-from fastlink.catalogue.evaluate import evaluate_step
-from fastlink.engine.binding import aligned
+from fastlink.engine.run import aligned
+from fastlink.facts.evaluate import evaluate_step
 
 
 def last_uses(steps, kept):

@@ -13,7 +13,7 @@ from benchmarks import focal
 from benchmarks.engine import bind_results
 from benchmarks.inputs import CASES, INPUTS, designs, race
 from benchmarks.report import fact_table
-from fastlink.diagnostics.explain import explain_request
+from fastlink.app.explain import explain_request
 from fastlink.engine.resolve import resolve
 
 #: Thirty curves of the planar 4R, in tenths of what belongs together.

@@ -11,10 +11,10 @@ from benchmarks import c_kernel
 from benchmarks.engine import bind_results
 from benchmarks.inputs import aligned_copy, empty, race
 from benchmarks.numpy_baseline import PIECE
-from fastlink.catalogue.evaluate import read_facts
-from fastlink.catalogue.tables import angle_tables
+from fastlink.facts.evaluate import read_facts
+from fastlink.facts.tables import angle_tables
 from fastlink.mechanisms import catalogue
-from fastlink.plan.pointwise import make_program
+from fastlink.plan.programs import make_program
 
 MINKOWSKI = catalogue("minkowski_4r")
 LENGTHS = ("a", "b", "g", "h")

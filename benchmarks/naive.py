@@ -9,8 +9,8 @@ import numpy as np
 
 from benchmarks.families import near_change_point, near_toggle
 from benchmarks.inputs import CASES, INPUTS, round_bars
-from fastlink.catalogue.evaluate import read_facts
-from fastlink.catalogue.tables import angle_tables
+from fastlink.facts.evaluate import read_facts
+from fastlink.facts.tables import angle_tables
 from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.precision.reference import HighPrecision

@@ -13,9 +13,9 @@ from typing import Any
 
 import fastlink as fl
 from fastlink.engine import labels
-from fastlink.engine.evaluation import Evaluation
-from fastlink.engine.executor import run
 from fastlink.engine.resolve import resolve
+from fastlink.engine.run import run
+from fastlink.engine.sweep import Evaluation
 
 FIXED = {"a1": 0.4, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
 NAMES = ["omega4_max", "transmission_angle_min", "shaking_force_max"]

@@ -16,10 +16,9 @@ from typer.main import get_command
 from typer.testing import CliRunner
 
 import fastlink as fl
-from fastlink.cli import app
-from fastlink.cli.app import ELSEWHERE
+from fastlink.app import study
+from fastlink.app.cli import ELSEWHERE, app
 from fastlink.mechanisms import NAMES
-from fastlink.study import study as study_module
 from tests.support.refusals import assert_refusal
 
 HEAVY = (
@@ -34,7 +33,7 @@ HEAVY = (
     "pandas",
     "mpmath",
 )
-MAIN = [sys.executable, "-c", "from fastlink.cli import main; main()"]
+MAIN = [sys.executable, "-c", "from fastlink.app.cli import main; main()"]
 STUDY = """
 mechanism = "planar_4r"
 quantities = ["omega4_max"]
@@ -159,7 +158,7 @@ def test_an_interrupt_is_one_line(folder, monkeypatch):
     def interrupted(*args, **options):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(study_module, "sweep", interrupted)
+    monkeypatch.setattr(study, "sweep", interrupted)
     done = called("run", "study.toml")
     assert (done.exit_code, done.stdout, done.stderr) == (130, "", "fastlink: interrupted\n")
 
@@ -471,10 +470,10 @@ def test_the_version():
 def test_help_imports_nothing_heavy(arguments):
     # typer itself takes pydantic for the arguments of a command
     heavy = [name for name in HEAVY if name != "pydantic" or arguments == ["--help"]]
-    heavy += ["fastlink.study.study", "fastlink.mechanisms"]
+    heavy += ["fastlink.app.study", "fastlink.mechanisms"]
     script = (
         "import sys\n"
-        "from fastlink.cli import app\n"
+        "from fastlink.app.cli import app\n"
         "try:\n"
         f"    app({arguments!r}, prog_name='fastlink')\n"
         "except SystemExit as done:\n"
@@ -508,7 +507,7 @@ def test_a_name_that_is_no_text_is_printed_to_a_strict_terminal_too(folder):
 
 def test_the_names_of_the_package_are_functions_whatever_was_imported():
     script = (
-        "import fastlink.engine.sweep, fastlink.space.samplers, fastlink.report.summary\n"
+        "import fastlink.engine.sweep, fastlink.space.samplers, fastlink.app.report\n"
         "import fastlink as fl\n"
         "others = ('focal', 'hart', 'minkowski', 'planar', '__version__')\n"
         "assert all(callable(getattr(fl, name)) for name in fl.__all__ if name not in others)\n"

@@ -197,7 +197,7 @@ def test_the_quantity_of_contributing_works():
 def test_the_reduction_of_contributing_works():
     *_, example = code_blocks((ROOT / "CONTRIBUTING.md").read_text(), "python")
     run_example(
-        "from fastlink.plan.reductions import Reduction, register\n" + example + "\nimport fastlink as fl\n"
+        "from fastlink.plan.query import Reduction, register\n" + example + "\nimport fastlink as fl\n"
         "design = fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=25.0)\n"
         "asked = ['omega4_range', 'omega4_max', 'omega4_min']\n"
         "result = fl.sweep('planar_4r', design, asked, theta1=8, extrema='sampled', verify=1)\n"

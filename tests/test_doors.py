@@ -10,8 +10,8 @@ import pytest
 from typer.testing import CliRunner
 
 import fastlink as fl
-from fastlink.cli import app
-from fastlink.doors import CallError, door
+from fastlink.app.cli import app
+from fastlink.errors import CallError, door
 from tests.support.refusals import refused
 from tests.support.study_files import BARE, GOOD, LENGTHS, written
 
@@ -243,7 +243,7 @@ from fastlink import errors, planar
 import fastlink as fl
 
 assert fl.planar is planar is fastlink.planar is sys.modules["fastlink.planar"]
-assert fl.planar.cognates is sys.modules["fastlink.analysis.planar"].cognates
+assert fl.planar.cognates is sys.modules["fastlink.planar"].cognates
 assert fl.focal.T_deviation is deviation
 assert sextic is fl.minkowski.sextic
 assert errors is sys.modules["fastlink.errors"]

@@ -7,7 +7,7 @@ from typer.testing import CliRunner
 
 import fastlink as fl
 from fastlink._text import short_repr
-from fastlink.cli import app
+from fastlink.app.cli import app
 from fastlink.errors import InputError, Pair, Problem, Problems, Samples, Setting, Wording
 from tests.support.study_files import GOOD, written
 

@@ -8,10 +8,10 @@ import pytest
 from typer.testing import CliRunner
 
 import fastlink as fl
-from fastlink import threads
-from fastlink.cli import app
+from fastlink import machine
+from fastlink.app.cli import app
 from fastlink.engine.options import MOST_THREADS, is_reserved
-from fastlink.options import LONGEST_NAME
+from fastlink.errors import LONGEST_FILE_NAME
 from tests.support.refusals import assert_refusal, refused
 from tests.support.study_files import GOOD, written
 
@@ -177,7 +177,13 @@ def test_a_path_may_begin_at_home_and_be_any_path_like(folder, monkeypatch):
 
 
 def test_the_longest_name_has_room_for_what_is_beside_it(folder):
-    for length in (LONGEST_NAME - 20, LONGEST_NAME - 13, LONGEST_NAME - 12, LONGEST_NAME - 5, LONGEST_NAME):
+    for length in (
+        LONGEST_FILE_NAME - 20,
+        LONGEST_FILE_NAME - 13,
+        LONGEST_FILE_NAME - 12,
+        LONGEST_FILE_NAME - 5,
+        LONGEST_FILE_NAME,
+    ):
         try:
             sweep(to="x" * length, verify=0).close()
         except fl.InputError as error:
@@ -314,7 +320,7 @@ def test_a_seed_that_no_file_holds_is_refused():
 
 @pytest.mark.parametrize("started", [0, 1, 3])
 def test_a_system_that_starts_few_threads_computes_all_the_same(monkeypatch, started):
-    usual = threads.ThreadPoolExecutor.submit
+    usual = machine.ThreadPoolExecutor.submit
     count = 0
 
     def limited(pool, work):
@@ -326,7 +332,7 @@ def test_a_system_that_starts_few_threads_computes_all_the_same(monkeypatch, sta
 
     space = fl.grid(a1=0.4, a2=np.linspace(1.1, 1.3, 64), a3=0.8, a4=1.0, omega1=25.0)
     expected = fl.sweep("planar_4r", space, ["omega4_max"], threads=1)
-    monkeypatch.setattr(threads.ThreadPoolExecutor, "submit", limited)
+    monkeypatch.setattr(machine.ThreadPoolExecutor, "submit", limited)
     maps = fl.sweep("planar_4r", space, ["omega4_max"], threads=4, block=4)
     assert count > started
     assert maps.omega4_max.equals(expected.omega4_max)

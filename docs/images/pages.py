@@ -19,7 +19,7 @@ from pathlib import Path
 from PIL import Image
 from tests.support.commands import code_blocks
 
-from fastlink.cli import app
+from fastlink.app.cli import app
 
 DOCS = Path(__file__).resolve().parents[1]
 DATA = DOCS.parent / "data"

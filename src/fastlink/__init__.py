@@ -13,39 +13,39 @@ if TYPE_CHECKING:
     from fastlink import hart as hart
     from fastlink import minkowski as minkowski
     from fastlink import planar as planar
-    from fastlink._version import __version__ as __version__
-    from fastlink.diagnostics import accuracy as accuracy
-    from fastlink.diagnostics import accuracy_table as accuracy_table
-    from fastlink.diagnostics.explain import explain as explain
-    from fastlink.diagnostics.tolerance import tolerance as tolerance
-    from fastlink.drawing.draw import draw as draw
+    from fastlink._text import __version__ as __version__
+    from fastlink.app.accuracy import accuracy as accuracy
+    from fastlink.app.accuracy import accuracy_table as accuracy_table
+    from fastlink.app.explain import explain as explain
+    from fastlink.app.report import quantities as quantities
+    from fastlink.app.report import summary as summary
+    from fastlink.app.study import run_study as run_study
+    from fastlink.app.tolerance import tolerance as tolerance
+    from fastlink.design.best import best as best
+    from fastlink.design.search import join as join
+    from fastlink.design.search import search as search
     from fastlink.engine.evaluate import evaluate as evaluate
-    from fastlink.engine.extending import extend as extend
+    from fastlink.engine.extend import extend as extend
     from fastlink.engine.function import function as function
     from fastlink.engine.sweep import sweep as sweep
     from fastlink.errors import InputError as InputError
     from fastlink.errors import InputWarning as InputWarning
-    from fastlink.exploring.explore import explore as explore
-    from fastlink.io.check import check as check
-    from fastlink.io.converting.convert import convert as convert
+    from fastlink.io.convert import convert as convert
+    from fastlink.io.reader import check as check
     from fastlink.maps import finite as finite
     from fastlink.maps import open as open
     from fastlink.mechanisms.listing import mechanisms as mechanisms
-    from fastlink.plot.plot_designs import plot_designs as plot_designs
-    from fastlink.plot.plot_designs import plot_front as plot_front
-    from fastlink.plot.plot_map import plot_map as plot_map
-    from fastlink.report.quantities import quantities as quantities
-    from fastlink.report.summary import summary as summary
-    from fastlink.searching.best import best as best
-    from fastlink.searching.join import join as join
-    from fastlink.searching.search import search as search
+    from fastlink.pictures.designs import plot_designs as plot_designs
+    from fastlink.pictures.designs import plot_front as plot_front
+    from fastlink.pictures.draw import draw as draw
+    from fastlink.pictures.explore import explore as explore
+    from fastlink.pictures.maps import plot_map as plot_map
     from fastlink.space.design_space import DesignSpace as DesignSpace
-    from fastlink.space.links import round_bar as round_bar
+    from fastlink.space.design_space import round_bar as round_bar
     from fastlink.space.samplers import grid as grid
     from fastlink.space.samplers import latin_hypercube as latin_hypercube
     from fastlink.space.samplers import sobol as sobol
-    from fastlink.space.samplers import table as table
-    from fastlink.study.study import run_study as run_study
+    from fastlink.space.tables import table as table
 else:
 
     def _modules() -> dict[str, str]:

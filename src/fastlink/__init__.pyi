@@ -12,36 +12,36 @@ from fastlink import focal as focal
 from fastlink import hart as hart
 from fastlink import minkowski as minkowski
 from fastlink import planar as planar
-from fastlink._version import __version__ as __version__
-from fastlink.diagnostics import accuracy as accuracy
-from fastlink.diagnostics import accuracy_table as accuracy_table
-from fastlink.diagnostics.explain import explain as explain
-from fastlink.diagnostics.tolerance import tolerance as tolerance
-from fastlink.drawing.draw import draw as draw
-from fastlink.engine.extending import Extension
-from fastlink.engine.extending import extend as extend
+from fastlink._text import __version__ as __version__
+from fastlink.app.accuracy import accuracy as accuracy
+from fastlink.app.accuracy import accuracy_table as accuracy_table
+from fastlink.app.explain import explain as explain
+from fastlink.app.report import QuantityList
+from fastlink.app.report import summary as summary
+from fastlink.app.study import run_study as run_study
+from fastlink.app.tolerance import tolerance as tolerance
+from fastlink.design.best import best as best
+from fastlink.design.search import join as join
+from fastlink.design.search import search as search
+from fastlink.engine.extend import Extension
+from fastlink.engine.extend import extend as extend
 from fastlink.engine.function import Function
 from fastlink.errors import InputError as InputError
 from fastlink.errors import InputWarning as InputWarning
-from fastlink.exploring.explore import explore as explore
-from fastlink.io.check import check as check
-from fastlink.io.converting.convert import convert as convert
+from fastlink.io.convert import convert as convert
+from fastlink.io.reader import check as check
 from fastlink.maps import finite as finite
 from fastlink.maps import open as open
 from fastlink.mechanisms.listing import mechanisms as mechanisms
-from fastlink.plot.plot_designs import plot_designs as plot_designs
-from fastlink.plot.plot_designs import plot_front as plot_front
-from fastlink.plot.plot_map import plot_map as plot_map
-from fastlink.report.quantities import QuantityList
-from fastlink.report.summary import summary as summary
-from fastlink.searching.best import best as best
-from fastlink.searching.join import join as join
-from fastlink.searching.search import search as search
+from fastlink.pictures.designs import plot_designs as plot_designs
+from fastlink.pictures.designs import plot_front as plot_front
+from fastlink.pictures.draw import draw as draw
+from fastlink.pictures.explore import explore as explore
+from fastlink.pictures.maps import plot_map as plot_map
 from fastlink.space.design_space import DesignSpace as DesignSpace
-from fastlink.space.links import Links
-from fastlink.space.links import round_bar as round_bar
-from fastlink.space.samplers import table as table
-from fastlink.study.study import run_study as run_study
+from fastlink.space.design_space import Links
+from fastlink.space.design_space import round_bar as round_bar
+from fastlink.space.tables import table as table
 from fastlink.typing import (
     FocalDriver,
     FocalInput,
@@ -106,6 +106,13 @@ __all__ = [
     "tolerance",
 ]
 
+def quantities(
+    mechanism: MechanismName | str | Extension | None = ...,
+    internal: bool = ...,
+    input: str | None = ...,
+    *,
+    find: str | None = ...,
+) -> QuantityList: ...
 @overload
 def evaluate(
     mechanism: Literal["planar_4r"],
@@ -144,13 +151,13 @@ def evaluate(
     T_load_quadratic: Any = ...,
     M_x: Any = ...,
     M_y: Any = ...,
-    alpha1: Any = ...,
     counterweight1_mass: Any = ...,
     counterweight1_radius: Any = ...,
     counterweight1_direction: Any = ...,
     counterweight3_mass: Any = ...,
     counterweight3_radius: Any = ...,
     counterweight3_direction: Any = ...,
+    alpha1: Any = ...,
     density: Any = ...,
     radius: Any = ...,
     theta1: Any = ...,
@@ -254,9 +261,9 @@ def evaluate(
     G2_u: Any = ...,
     G2_v: Any = ...,
     m3: Any = ...,
+    F_load: Any = ...,
     density: Any = ...,
     radius: Any = ...,
-    F_load: Any = ...,
     theta: Any = ...,
     theta_deg: Any = ...,
 ) -> dict[str, Any]: ...
@@ -313,13 +320,13 @@ def function(
     T_load_quadratic: Any = ...,
     M_x: Any = ...,
     M_y: Any = ...,
-    alpha1: Any = ...,
     counterweight1_mass: Any = ...,
     counterweight1_radius: Any = ...,
     counterweight1_direction: Any = ...,
     counterweight3_mass: Any = ...,
     counterweight3_radius: Any = ...,
     counterweight3_direction: Any = ...,
+    alpha1: Any = ...,
     density: Any = ...,
     radius: Any = ...,
     theta1: Any = ...,
@@ -435,9 +442,9 @@ def function(
     G2_u: Any = ...,
     G2_v: Any = ...,
     m3: Any = ...,
+    F_load: Any = ...,
     density: Any = ...,
     radius: Any = ...,
-    F_load: Any = ...,
     theta: Any = ...,
     theta_deg: Any = ...,
 ) -> Function: ...
@@ -633,13 +640,6 @@ def sweep(
     backend: str | None = ...,
     **positions: int | ArrayLike | None,
 ) -> xr.Dataset: ...
-def quantities(
-    mechanism: MechanismName | str | Extension | None = ...,
-    internal: bool = ...,
-    input: str | None = ...,
-    *,
-    find: str | None = ...,
-) -> QuantityList: ...
 def grid(
     axes: Mapping[str, ArrayLike] | None = ...,
     /,
@@ -672,13 +672,13 @@ def grid(
     T_load_quadratic: ArrayLike = ...,
     M_x: ArrayLike = ...,
     M_y: ArrayLike = ...,
-    alpha1: ArrayLike = ...,
     counterweight1_mass: ArrayLike = ...,
     counterweight1_radius: ArrayLike = ...,
     counterweight1_direction: ArrayLike = ...,
     counterweight3_mass: ArrayLike = ...,
     counterweight3_radius: ArrayLike = ...,
     counterweight3_direction: ArrayLike = ...,
+    alpha1: ArrayLike = ...,
     density: ArrayLike = ...,
     radius: ArrayLike = ...,
     joint_omega_1: ArrayLike = ...,
@@ -742,13 +742,13 @@ def latin_hypercube(
     T_load_quadratic: ArrayLike = ...,
     M_x: ArrayLike = ...,
     M_y: ArrayLike = ...,
-    alpha1: ArrayLike = ...,
     counterweight1_mass: ArrayLike = ...,
     counterweight1_radius: ArrayLike = ...,
     counterweight1_direction: ArrayLike = ...,
     counterweight3_mass: ArrayLike = ...,
     counterweight3_radius: ArrayLike = ...,
     counterweight3_direction: ArrayLike = ...,
+    alpha1: ArrayLike = ...,
     density: ArrayLike = ...,
     radius: ArrayLike = ...,
     joint_omega_1: ArrayLike = ...,
@@ -811,13 +811,13 @@ def sobol(
     T_load_quadratic: ArrayLike = ...,
     M_x: ArrayLike = ...,
     M_y: ArrayLike = ...,
-    alpha1: ArrayLike = ...,
     counterweight1_mass: ArrayLike = ...,
     counterweight1_radius: ArrayLike = ...,
     counterweight1_direction: ArrayLike = ...,
     counterweight3_mass: ArrayLike = ...,
     counterweight3_radius: ArrayLike = ...,
     counterweight3_direction: ArrayLike = ...,
+    alpha1: ArrayLike = ...,
     density: ArrayLike = ...,
     radius: ArrayLike = ...,
     joint_omega_1: ArrayLike = ...,

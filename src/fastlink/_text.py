@@ -10,9 +10,12 @@ import re
 import reprlib
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
+from importlib import metadata
 from typing import Any
 
 __all__ = [
+    "__version__",
     "aligned",
     "counted",
     "duration",
@@ -24,7 +27,9 @@ __all__ = [
     "short_repr",
     "size",
     "unwritable",
+    "version",
 ]
+
 
 BYTES = (" B", " kB", " MB", " GB", " TB")
 
@@ -33,17 +38,6 @@ def aligned(
     rows: Sequence[Sequence[str]], *, right: int | None = None, ruled: bool = False, indent: str = ""
 ) -> str:
     """Return rows of cells as lines of text, with columns below each other.
-
-    Parameters
-    ----------
-    rows : sequence of sequence of str
-        All of one length.
-    right : int, optional
-        The first of the columns that are flush right; none by default.
-    ruled : bool
-        Draw a line below the first row.
-    indent : str
-        What each line starts with.
 
     Examples
     --------
@@ -245,3 +239,21 @@ def short_repr(value: object) -> str:
         return " ".join(_Short().repr(value).split())
     except Exception:  # such as a whole number of more digits than Python writes
         return f"a value of type {type(value).__name__}"
+
+
+# -- The version of fastlink, and of what it is built on
+
+
+UNKNOWN = "unknown"  # run from a source tree that is not installed
+
+
+@cache
+def version(distribution: str) -> str:
+    """Return the version of an installed distribution."""
+    try:
+        return metadata.version(distribution)
+    except metadata.PackageNotFoundError:
+        return UNKNOWN
+
+
+__version__ = version("fastlink-linkages")

@@ -1,5 +1,41 @@
-"""Functions of Burmester's focal mechanism; see `fastlink.analysis.focal`."""
+"""Functions of Burmester's focal mechanism; see `fastlink.focal`."""
 
-from fastlink.analysis.focal import *  # noqa: F403
-from fastlink.analysis.focal import __all__ as __all__
-from fastlink.analysis.focal import __dir__ as __dir__
+from fastlink.analysis.focal import (
+    Construction,
+    InscribedConic,
+    Involution,
+    StraightLine,
+    T_deviation,
+    best_point,
+    cubic,
+    cubic_points,
+    five_bar,
+    from_five_bar,
+    from_point,
+    held_at_AB,
+    inscribed_conics,
+    involution,
+    straight_line,
+)
+
+__all__ = [
+    "Construction",
+    "InscribedConic",
+    "Involution",
+    "StraightLine",
+    "T_deviation",
+    "best_point",
+    "cubic",
+    "cubic_points",
+    "five_bar",
+    "from_five_bar",
+    "from_point",
+    "held_at_AB",
+    "inscribed_conics",
+    "involution",
+    "straight_line",
+]
+
+
+def __dir__() -> list[str]:
+    return __all__

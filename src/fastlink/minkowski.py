@@ -1,5 +1,55 @@
-"""Functions of the planar 4R of the Minkowski plane; see `fastlink.analysis.minkowski`."""
+"""Functions of the planar 4R of the Minkowski plane; see `fastlink.minkowski`."""
 
-from fastlink.analysis.minkowski import *  # noqa: F403
-from fastlink.analysis.minkowski import __all__ as __all__
-from fastlink.analysis.minkowski import __dir__ as __dir__
+from fastlink.analysis.minkowski import (
+    CouplerCircles,
+    PureTriangle,
+    boost,
+    causal_type,
+    conjugate,
+    cosine_rule,
+    cosine_rule_angle,
+    coupler_circles,
+    hyperbolic_angle,
+    linkage_table,
+    motion,
+    moved,
+    multiply,
+    norm,
+    orientation,
+    polar,
+    pure_triangle,
+    quadrilateral_excess,
+    rapidity,
+    scalar_product,
+    sextic,
+    triangle_excess,
+)
+
+__all__ = [
+    "CouplerCircles",
+    "PureTriangle",
+    "boost",
+    "causal_type",
+    "conjugate",
+    "cosine_rule",
+    "cosine_rule_angle",
+    "coupler_circles",
+    "hyperbolic_angle",
+    "linkage_table",
+    "motion",
+    "moved",
+    "multiply",
+    "norm",
+    "orientation",
+    "polar",
+    "pure_triangle",
+    "quadrilateral_excess",
+    "rapidity",
+    "scalar_product",
+    "sextic",
+    "triangle_excess",
+]
+
+
+def __dir__() -> list[str]:
+    return __all__

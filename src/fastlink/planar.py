@@ -1,5 +1,49 @@
-"""Functions of the planar 4R; see `fastlink.analysis.planar`."""
+"""Functions of the planar 4R; see `fastlink.planar`."""
 
-from fastlink.analysis.planar import *  # noqa: F403
-from fastlink.analysis.planar import __all__ as __all__
-from fastlink.analysis.planar import __dir__ as __dir__
+from fastlink.analysis.planar import (
+    Cognate,
+    bar_properties,
+    cognates,
+    crunode_count,
+    crunodes,
+    curve_area,
+    curve_length,
+    curve_straightness,
+    cusp_count,
+    cusps,
+    flywheel_inertia,
+    force_balance,
+    force_equations,
+    force_hypothesis,
+    inflections,
+    io_coefficients,
+    rate_extrema,
+    sextic,
+    straightness,
+)
+
+__all__ = [
+    "Cognate",
+    "bar_properties",
+    "cognates",
+    "crunode_count",
+    "crunodes",
+    "curve_area",
+    "curve_length",
+    "curve_straightness",
+    "cusp_count",
+    "cusps",
+    "flywheel_inertia",
+    "force_balance",
+    "force_equations",
+    "force_hypothesis",
+    "inflections",
+    "io_coefficients",
+    "rate_extrema",
+    "sextic",
+    "straightness",
+]
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -13,11 +13,11 @@ import string
 from collections.abc import Callable, Iterator
 from typing import Any, Literal
 
-from fastlink.catalogue.catalogue import Catalogue
+from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.names import Quantity, Reduced
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.mechanisms import catalogue as find_catalogue
-from fastlink.plan.reductions import REDUCTIONS
+from fastlink.plan.query import REDUCTIONS
 
 
 def _catalogues(mechanism: str) -> Iterator[Catalogue]:

@@ -11,9 +11,9 @@ from tests.support.refusals import refused
 from tests.support.registry import MULTIPLE
 
 import fastlink as fl
-from fastlink.catalogue.evaluate import read_facts
+from fastlink.facts.evaluate import read_facts
 from fastlink.numerics.compensated import UNIT_ROUNDING
-from fastlink.plan.validate import variants_of
+from fastlink.plan.request import variants_of
 
 HAYES = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
 BARS = fl.round_bar(7750.0, 0.01)

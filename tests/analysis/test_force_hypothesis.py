@@ -11,7 +11,7 @@ import xarray as xr
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.study.study import read_study
+from fastlink.app.study import read_study
 
 STUDY = Path(__file__).parents[2] / "data" / "studies" / "force_hypothesis.toml"
 TURN = 2.0 * np.pi

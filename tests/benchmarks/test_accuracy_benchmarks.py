@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from benchmarks import accuracy
-from fastlink.diagnostics.work_precision import measure
+from fastlink.app.accuracy import measure
+from fastlink.app.study import read_study
 from fastlink.numerics.compensated import UNIT_ROUNDING
-from fastlink.study.study import read_study
 
 STUDY = """
 mechanism = "planar_4r"

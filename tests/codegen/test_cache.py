@@ -18,8 +18,8 @@ import pytest
 from typer.testing import CliRunner
 
 import fastlink
-from fastlink.cli import app
-from fastlink.codegen import cache, notice
+from fastlink.app.cli import app
+from fastlink.codegen import cache
 from fastlink.codegen.kernel import MachineCode, llvm_text, load_kernel
 from fastlink.codegen.machine import compile_object
 from fastlink.codegen.source import Array, Source
@@ -458,9 +458,9 @@ class Terminal(io.StringIO):
 def terminal(monkeypatch):
     found = Terminal()
     # The notice's own: pytest puts another one in the place of the system's.
-    monkeypatch.setattr(notice, "sys", SimpleNamespace(stderr=found))
-    monkeypatch.setattr(notice, "PATIENCE", 0.05)
-    monkeypatch.setattr(notice, "_ended", float("-inf"))
+    monkeypatch.setattr(cache, "sys", SimpleNamespace(stderr=found))
+    monkeypatch.setattr(cache, "PATIENCE", 0.05)
+    monkeypatch.setattr(cache, "_ended", float("-inf"))
     return found
 
 
@@ -472,31 +472,31 @@ def wait_for(terminal):
 
 
 def test_what_takes_long_is_told_and_wiped_out(terminal):
-    with notice.notice():
+    with cache.notice():
         wait_for(terminal)
-        assert terminal.getvalue() == f"\r{notice.TEXT}"
-    assert terminal.getvalue() == f"\r{notice.TEXT}\r{' ' * len(notice.TEXT)}\r"
+        assert terminal.getvalue() == f"\r{cache.TEXT}"
+    assert terminal.getvalue() == f"\r{cache.TEXT}\r{' ' * len(cache.TEXT)}\r"
 
 
 def test_what_is_quick_is_not_told(terminal, monkeypatch):
-    monkeypatch.setattr(notice, "PATIENCE", 60.0)
-    with notice.notice():
+    monkeypatch.setattr(cache, "PATIENCE", 60.0)
+    with cache.notice():
         pass
     assert terminal.getvalue() == ""
 
 
 def test_many_short_ones_are_one_wait(terminal, monkeypatch):
-    monkeypatch.setattr(notice, "PAUSE", 60.0)
-    with notice.notice():
+    monkeypatch.setattr(cache, "PAUSE", 60.0)
+    with cache.notice():
         pass
     time.sleep(0.05)
-    with notice.notice():
+    with cache.notice():
         wait_for(terminal)
-    assert terminal.getvalue().startswith(f"\r{notice.TEXT}")
+    assert terminal.getvalue().startswith(f"\r{cache.TEXT}")
 
 
 def test_what_fails_is_wiped_out_too(terminal):
-    with contextlib.suppress(ValueError), notice.notice():
+    with contextlib.suppress(ValueError), cache.notice():
         wait_for(terminal)
         raise ValueError
     assert terminal.getvalue().endswith(" \r")
@@ -504,9 +504,9 @@ def test_what_fails_is_wiped_out_too(terminal):
 
 @pytest.mark.parametrize("stream", [io.StringIO(), None])
 def test_without_a_terminal_nothing_is_told(monkeypatch, stream):
-    monkeypatch.setattr(notice, "sys", SimpleNamespace(stderr=stream))
-    monkeypatch.setattr(notice, "PATIENCE", 0.0)
-    with notice.notice():
+    monkeypatch.setattr(cache, "sys", SimpleNamespace(stderr=stream))
+    monkeypatch.setattr(cache, "PATIENCE", 0.0)
+    with cache.notice():
         time.sleep(0.05)
     assert stream is None or stream.getvalue() == ""
 

@@ -14,7 +14,7 @@ HEAD = '''"""A kernel."""
 import math
 import numpy as np
 from numpy import array
-from fastlink.codegen.runtime.linear_solve import solve_lanes
+from fastlink.codegen.runtime.systems import solve_lanes
 from fastlink.numerics.compiler import entries, lanes
 from fastlink.numerics.elementary import atan2, select, sqrt
 

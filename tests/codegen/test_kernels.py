@@ -9,12 +9,12 @@ import pytest
 from tests.support.configurations import PLANAR
 
 import fastlink as fl
-from fastlink.catalogue.catalogue import Catalogue, Input
 from fastlink.codegen.kernel import kernel_of, llvm_text
 from fastlink.engine.evaluate import evaluate
+from fastlink.facts.catalogue import Catalogue
+from fastlink.facts.fact import Input
 from fastlink.mechanisms import NAMES, catalogue
-from fastlink.plan.plan import make_plan
-from fastlink.plan.pointwise import make_program
+from fastlink.plan.programs import make_plan, make_program
 
 GIVEN = tuple(PLANAR.inputs)
 #: The plans of the benchmarks, and what the lanes are in each.

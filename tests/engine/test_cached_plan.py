@@ -10,12 +10,13 @@ import pytest
 from tests.support.configurations import PLANAR
 
 import fastlink as fl
-from fastlink.catalogue.catalogue import Catalogue, Input
+from fastlink.app.study import read_study
 from fastlink.codegen.kernel import kernel_of
 from fastlink.engine.evaluate import evaluate
 from fastlink.engine.resolve import cached_plan, resolve
-from fastlink.plan.plan import make_plan
-from fastlink.study.study import read_study
+from fastlink.facts.catalogue import Catalogue
+from fastlink.facts.fact import Input
+from fastlink.plan.programs import make_plan
 
 BAR = fl.round_bar(density=7750.0, radius=0.01)
 LENGTHS = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}

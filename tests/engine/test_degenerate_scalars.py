@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import fastlink as fl
-from fastlink.catalogue.evaluate import evaluate_on_doubles
-from fastlink.catalogue.tables import angle_tables
+from fastlink.facts.evaluate import evaluate_on_doubles
+from fastlink.facts.tables import angle_tables
 from fastlink.mechanisms import NAMES, catalogue, inputs_of
 
 POSITIONS = [0.0, np.pi, np.pi / 2, 1.0, -1.0, 0.3, 2.0 * np.pi]

@@ -13,7 +13,7 @@ from numpy.testing import assert_array_equal
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.space.degrees import DEGREE, DEGREE_LOW, looks_like_degrees, radians
+from fastlink.space.design_space import DEGREE, DEGREE_LOW, looks_like_degrees, radians
 
 DESIGN = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
 WEIGHT = {"counterweight1_mass": 1.0, "counterweight1_radius": 0.1}

@@ -12,8 +12,8 @@ from numpy.testing import assert_array_equal
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.io.writing.writer import Writer
-from fastlink.report.summary import contents
+from fastlink.app.report import contents
+from fastlink.io.writer import Writer
 
 FIXED = {"a1": 0.4, "a4": 1.0, "omega1": 25.0}
 GRID = fl.grid(a2=[1.1, 1.2, 5.0], a3=[0.7, 0.8], **FIXED)

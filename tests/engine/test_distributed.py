@@ -18,10 +18,10 @@ from distributed import Client, LocalCluster
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.engine import distributed
-from fastlink.engine.executor import Job
-from fastlink.engine.on_worker import Report
-from fastlink.io.writing.writer import Writer
+from fastlink.engine import cluster
+from fastlink.engine.cluster import Report
+from fastlink.engine.run import Job
+from fastlink.io.writer import Writer
 
 SPACE = {"a1": 0.4, "a2": np.linspace(1.0, 1.2, 30), "a3": np.linspace(0.7, 0.9, 20), "a4": 1.0}
 NAMES = ["transmission_angle", "transmission_angle_max"]
@@ -88,8 +88,8 @@ def assert_same(found, expected):
 @pytest.fixture
 def small_tasks(monkeypatch):
     """Make a task of few designs, so that there are many."""
-    monkeypatch.setattr(distributed, "FIRST_DESIGNS", 32)
-    monkeypatch.setattr(distributed, "GROWTH", 1)
+    monkeypatch.setattr(cluster, "FIRST_DESIGNS", 32)
+    monkeypatch.setattr(cluster, "GROWTH", 1)
 
 
 @pytest.fixture
@@ -136,7 +136,7 @@ def test_results_come_back_from_workers_that_do_not_see_the_file(
         raise FileNotFoundError(path)
 
     first, _ = workers.nthreads()
-    workers.run(_change, "fastlink.io.writing.partial_file", "opened", no_such_file, workers=[first])
+    workers.run(_change, "fastlink.io.partial_file", "opened", no_such_file, workers=[first])
     with swept(client=workers, to=tmp_path / "maps.h5", verify=4, **options) as maps:
         assert set(written) == {"write", "merge"}  # one sees it, and one does not
         with swept(threads=1, to=tmp_path / "one.h5", verify=4, **options) as expected:
@@ -154,14 +154,14 @@ def test_another_file_of_the_same_name_is_not_written(workers, small_tasks, writ
         other.write_bytes(path.read_bytes()[:4096].ljust(1 << 20, b"\0"))
         return os.open(other, os.O_RDWR)
 
-    workers.run(_change, "fastlink.io.writing.partial_file", "opened", opened_another)
+    workers.run(_change, "fastlink.io.partial_file", "opened", opened_another)
     with swept(client=workers, to=tmp_path / "maps.h5") as maps:
         assert_same(maps, swept(threads=1))
     assert set(written) == {"write"}
 
 
 def test_an_interrupt_keeps_what_is_recorded(workers, small_tasks, monkeypatch, tmp_path):
-    reports, learn, target = [], distributed._Length.learn, tmp_path / "maps.h5"
+    reports, learn, target = [], cluster._Length.learn, tmp_path / "maps.h5"
 
     def interrupt(self, designs, seconds):
         learn(self, designs, seconds)
@@ -169,7 +169,7 @@ def test_an_interrupt_keeps_what_is_recorded(workers, small_tasks, monkeypatch, 
         if len(reports) % 10 == 9:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(distributed._Length, "learn", interrupt)
+    monkeypatch.setattr(cluster._Length, "learn", interrupt)
     for _ in range(2):  # the second goes on with the first
         with pytest.raises(KeyboardInterrupt) as caught:
             swept(client=workers, to=target)
@@ -190,7 +190,7 @@ def test_what_a_worker_cannot_bring_to_the_disk_is_not_recorded(workers, small_t
     def failing(fd):
         raise OSError(5, "Input/output error")
 
-    workers.run(_change, "fastlink.io.writing.elsewhere", "synchronise", failing)
+    workers.run(_change, "fastlink.io.writer", "synchronise", failing)
     with refused("worker", "choose another place"):
         swept(client=workers, to=tmp_path / "maps.h5")
     assert list(tmp_path.iterdir()) == []
@@ -249,9 +249,9 @@ class Simulated:
 )
 def test_the_client_keeps_up_with_any_number_of_threads(monkeypatch, threads, work, used, longest):
     client = Simulated(threads)
-    monkeypatch.setattr(distributed, "queue", SimpleNamespace(SimpleQueue=lambda: client, Empty=queue.Empty))
+    monkeypatch.setattr(cluster, "queue", SimpleNamespace(SimpleQueue=lambda: client, Empty=queue.Empty))
     job = Job((), [((28,), "float64")], int(threads * work / 3e-6))
-    distributed.Cluster(client).run(job, print, travels=True)
+    cluster.Cluster(client).run(job, print, travels=True)
     assert sum(client.seconds) == pytest.approx(threads * work)
     assert sum(client.seconds) / threads / client.now >= used
     assert client.busy / client.now < 0.8
@@ -288,7 +288,7 @@ def test_a_client_that_is_closed_is_refused(workers):
 )
 def test_a_worker_with_another_version_is_refused_beforehand(workers, tmp_path, name, value):
     first, _ = workers.nthreads()
-    workers.run(_change, "fastlink.engine.on_worker", name, value, workers=[first])
+    workers.run(_change, "fastlink.engine.cluster", name, value, workers=[first])
     with refused(f"{first}", "install the version"):
         swept(client=workers, to=tmp_path / "maps.h5")
     assert list(tmp_path.iterdir()) == []
@@ -297,7 +297,7 @@ def test_a_worker_with_another_version_is_refused_beforehand(workers, tmp_path, 
 def test_a_study_runs_on_a_cluster(workers, tmp_path):
     from typer.testing import CliRunner
 
-    from fastlink.cli import app
+    from fastlink.app.cli import app
 
     study, target = tmp_path / "study.toml", tmp_path / "maps.h5"
     study.write_text(
@@ -318,7 +318,7 @@ def test_a_worker_without_fastlink_is_refused_beforehand(workers):
         raise ModuleNotFoundError("No module named 'fastlink'")
 
     first, _ = workers.nthreads()
-    workers.run(_change, "fastlink.engine.on_worker", "about", absent, workers=[first])
+    workers.run(_change, "fastlink.engine.cluster", "about", absent, workers=[first])
     with refused(f"{first}", "install the version"):
         swept(client=workers)
 
@@ -339,7 +339,7 @@ def test_the_designs_of_a_lost_worker_are_done_again(
     workers, small_tasks, monkeypatch, tmp_path, to_file, count
 ):
     pids, reports = workers.run(os.getpid), []
-    learn = distributed._Length.learn
+    learn = cluster._Length.learn
 
     def kill_then_learn(self, designs, seconds):
         reports.append(designs)
@@ -351,13 +351,13 @@ def test_the_designs_of_a_lost_worker_are_done_again(
     def slowly(*args, **options):
         import time
 
-        from fastlink.engine.executor import run
+        from fastlink.engine.run import run
 
         time.sleep(0.02)
         run(*args, **options)
 
-    workers.run(_change, "fastlink.engine.on_worker", "run", slowly)
-    monkeypatch.setattr(distributed._Length, "learn", kill_then_learn)
+    workers.run(_change, "fastlink.engine.cluster", "run", slowly)
+    monkeypatch.setattr(cluster._Length, "learn", kill_then_learn)
     maps = swept(client=workers, to=tmp_path / "maps.h5" if to_file else None)
     with maps:
         assert_same(maps, swept(threads=1))

@@ -20,14 +20,12 @@ from tests.support.study_files import GOOD, written
 from typer.testing import CliRunner
 
 import fastlink as fl
-from fastlink import threads
-from fastlink.cli import app
+from fastlink import machine
+from fastlink.app.cli import app
 from fastlink.errors import InputWarning
-from fastlink.io import joining
-from fastlink.io.checksums import sealed_labels
-from fastlink.io.stored import Stored
-from fastlink.io.writing import journal
-from fastlink.io.writing.writer import Writer
+from fastlink.io import joining, partial_file
+from fastlink.io.checksums import Stored, sealed_labels
+from fastlink.io.writer import Writer
 
 #: What a joined map says of its making, and a sweep otherwise.
 OF_MAKING = {
@@ -293,8 +291,8 @@ PROCESSES = """
 import os, signal, sys, time
 from pathlib import Path
 import fastlink as fl
-from fastlink.io.writing import journal
-from fastlink.io.writing.writer import Writer
+from fastlink.io import partial_file
+from fastlink.io.writer import Writer
 from tests.support.faults import Injector
 from tests.support.part_requests import sweep
 
@@ -329,7 +327,7 @@ def join(at, fault, to, copy):
     fl.join(folder / "m.part-*-of-16.h5", to=to, copy=copy).close()
 
 of, folder = sys.argv[1], Path(sys.argv[2])
-journal.STEP_SECONDS = 0.0
+partial_file.STEP_SECONDS = 0.0
 sweep(of, part=(1, 16))  # its kernels are loaded
 children = [forked(lambda: run(k, k == 5)) for k in range(1, 17)]
 print([os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) for child in children])
@@ -367,7 +365,7 @@ def test_sixteen_processes_at_once_and_a_join_that_fails_at_any_call(tmp_path, f
 
 
 def test_a_join_that_is_interrupted_goes_on(tmp_path, monkeypatch):
-    monkeypatch.setattr(journal, "STEP_SECONDS", 0.0)
+    monkeypatch.setattr(partial_file, "STEP_SECONDS", 0.0)
     paths, record = parts_of("grid", tmp_path, 5), Writer.record
     copied = []
 
@@ -380,7 +378,7 @@ def test_a_join_that_is_interrupted_goes_on(tmp_path, monkeypatch):
         record(self, start, stop)
         copied.append((start, stop))
 
-    monkeypatch.setattr("fastlink.searching.join.MOST_THREADS", 1)
+    monkeypatch.setattr("fastlink.design.search.MOST_THREADS", 1)
     with monkeypatch.context() as patched:
         patched.setattr(Writer, "record", interrupted)
         with pytest.raises(KeyboardInterrupt) as caught:
@@ -396,7 +394,7 @@ def test_a_join_that_is_interrupted_goes_on(tmp_path, monkeypatch):
 
 def test_a_thread_of_a_join_that_has_failed_takes_no_further_piece(tmp_path, monkeypatch):
     """One thread may work for two: what failed half-way is in no checksum of the journal, and nothing has changed."""
-    monkeypatch.setattr(journal, "STEP_SECONDS", 0.0)
+    monkeypatch.setattr(partial_file, "STEP_SECONDS", 0.0)
     paths, write, written = parts_of("grid", tmp_path, 5), Writer.write_pieces, []
 
     def failing(self, name, pieces):
@@ -407,7 +405,7 @@ def test_a_thread_of_a_join_that_has_failed_takes_no_further_piece(tmp_path, mon
 
     with monkeypatch.context() as patched:
         patched.setattr(Writer, "write_pieces", failing)
-        patched.setattr(threads, "ThreadPoolExecutor", lambda count, **options: ThreadPoolExecutor(1))
+        patched.setattr(machine, "ThreadPoolExecutor", lambda count, **options: ThreadPoolExecutor(1))
         with pytest.raises(OSError, match="I/O"):
             fl.join(paths, to=tmp_path / "maps.h5", copy=True)
     assert len(written) == 6
@@ -489,7 +487,7 @@ def flip(path, offset):
 
 
 def test_a_damaged_part_is_refused_by_name_and_its_new_run_joined(tmp_path, monkeypatch):
-    monkeypatch.setattr(journal, "STEP_SECONDS", 0.0)
+    monkeypatch.setattr(partial_file, "STEP_SECONDS", 0.0)
     of = (*LARGE, {"theta1": 72})
     paths = parts_of(of, tmp_path)
     with h5py.File(paths[2], "r") as file:

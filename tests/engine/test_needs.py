@@ -9,19 +9,19 @@ import pytest
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink import memory
+from fastlink import machine
 from fastlink.codegen.kernel import Kernel
-from fastlink.engine.binding import LANES, aligned
-from fastlink.engine.needs import needs_of
+from fastlink.codegen.runtime.cells import LANES
 from fastlink.engine.resolve import resolve
-from fastlink.engine.scaling import BLOCK_BYTES
+from fastlink.engine.run import BLOCK_BYTES, aligned
+from fastlink.engine.sinks import needs_of
 
 LENGTHS = {"a1": 0.4, "a2": 1.1, "a3": 0.8, "a4": 1.0}
 
 
 @pytest.fixture
 def small_machine(monkeypatch):
-    monkeypatch.setattr(memory, "available_memory", lambda: 100 << 20)
+    monkeypatch.setattr(machine, "available_memory", lambda: 100 << 20)
 
 
 def wide(**axes):
@@ -69,7 +69,7 @@ def test_a_function_of_too_many_designs_is_refused(small_machine):
 
 
 def test_an_allocation_that_the_system_refuses_is_one_line_too(monkeypatch):
-    monkeypatch.setattr(memory, "available_memory", lambda: None)
+    monkeypatch.setattr(machine, "available_memory", lambda: None)
     with refused("the result", "to='maps.h5'"):
         fl.sweep("planar_4r", wide(a1=2**15, a2=2**15, a3=2**15, a4=2**10), ["theta4"])
 
@@ -125,18 +125,18 @@ def test_memory_of_a_container_is_that_of_its_narrowest_group(tmp_path):
         (place / "memory.max").write_text(f"{most}\n")
         (place / "memory.current").write_text(f"{used}\n")
         (place / "memory.stat").write_text("anon 7\ninactive_file 50\nactive_file 40\n")
-    assert sorted(memory._of_groups(own, tmp_path)) == [1000 - 400 + 90, 2000 - 300 + 90]
+    assert sorted(machine._of_groups(own, tmp_path)) == [1000 - 400 + 90, 2000 - 300 + 90]
     old = tmp_path / "memory"
     old.mkdir()
     own.write_text("4:cpu,memory:/host/path/that/is/not/here\n1:cpu:/x\n")
     (old / "memory.limit_in_bytes").write_text("700")
     (old / "memory.usage_in_bytes").write_text("600")
-    assert list(memory._of_groups(own, tmp_path)) == [100]
-    assert list(memory._of_groups(tmp_path / "absent", tmp_path)) == []
+    assert list(machine._of_groups(own, tmp_path)) == [100]
+    assert list(machine._of_groups(tmp_path / "absent", tmp_path)) == []
 
 
 def test_this_machine_says_what_is_left():
-    available = memory.available_memory()
+    available = machine.available_memory()
     assert available is None or LANES < available < 2**50
 
 

@@ -14,10 +14,10 @@ from tests.support.study_files import GOOD, written
 from typer.testing import CliRunner
 
 import fastlink as fl
-from fastlink.cli import app
-from fastlink.io.parts import Part
-from fastlink.io.writing import journal
-from fastlink.io.writing.writer import Writer
+from fastlink.app.cli import app
+from fastlink.io import partial_file
+from fastlink.io.reader import Part
+from fastlink.io.writer import Writer
 
 
 def assert_is_part(part, whole, swept):
@@ -82,7 +82,7 @@ def test_an_axis_that_only_scales_results_has_the_same_bits_in_parts(order):
 
 @pytest.mark.parametrize("order", [("a2", "a3", "omega1"), ("omega1", "a2", "a3")])
 def test_a_part_that_is_interrupted_goes_on(tmp_path, monkeypatch, order):
-    monkeypatch.setattr(journal, "STEP_SECONDS", 0.0)
+    monkeypatch.setattr(partial_file, "STEP_SECONDS", 0.0)
     space = fl.grid(a1=0.4, a4=1.0, **{name: AXES[name] for name in order})
     of, path = ("planar_4r", lambda: space, ["omega4"], {"theta1": 4}), tmp_path / "m.h5"
     options = {"part": (2, 3), "verify": 2, "to": path}

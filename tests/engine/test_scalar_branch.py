@@ -8,7 +8,7 @@ import xarray as xr
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.report.summary import contents
+from fastlink.app.report import contents
 
 LENGTHS = {"a1": 0.4, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
 SPACE = fl.grid(a2=[1.1, 1.2, 5.0], **LENGTHS)

@@ -9,9 +9,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 import fastlink as fl
 from fastlink.engine.resolve import resolve
 from fastlink.engine.scaling import ScalingAxis
+from fastlink.facts.homogeneity import homogeneity_degrees
 from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
-from fastlink.symbolic.homogeneity import homogeneity_degrees
 
 PLANAR = catalogue("planar_4r")
 BAR = fl.round_bar(density=7750.0, radius=0.01)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import fastlink as fl
-from fastlink.catalogue.sizes import dimensions
+from fastlink.facts.sizes import dimensions
 from fastlink.mechanisms import catalogue
 
 PLANAR = catalogue("planar_4r")

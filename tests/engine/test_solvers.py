@@ -6,11 +6,11 @@ import pytest
 from tests.support.study_files import written
 
 import fastlink as fl
+from fastlink.app.study import run_study
 from fastlink.engine.resolve import resolve
 from fastlink.facts.fact import System
 from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
-from fastlink.study.study import run_study
 
 pytestmark = pytest.mark.usefixtures("folder")
 

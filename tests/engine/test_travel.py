@@ -12,8 +12,8 @@ from tests.support.refusals import assert_refusal, refused
 from tests.support.registry import ENTRIES
 
 import fastlink as fl
-from fastlink.engine.executor import run
 from fastlink.engine.resolve import resolve
+from fastlink.engine.run import run
 from fastlink.mechanisms import NAMES, catalogue, inputs_of
 from fastlink.mechanisms.planar_4r import planar_4r
 
@@ -45,7 +45,7 @@ def of_pickled_job(data):
 
     import numpy as np
 
-    from fastlink.engine.executor import run
+    from fastlink.engine.run import run
 
     job = pickle.loads(data)
     arrays = [np.zeros((job.size, *shape), dtype) for shape, dtype in job.shapes]

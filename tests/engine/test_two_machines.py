@@ -14,7 +14,7 @@ from distributed import Client, LocalCluster
 from numpy.testing import assert_array_equal
 
 import fastlink as fl
-from fastlink.io.writing.writer import Writer
+from fastlink.io.writer import Writer
 
 
 @pytest.mark.stress

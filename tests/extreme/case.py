@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 import fastlink as fl
-from fastlink.catalogue.catalogue import Catalogue
+from fastlink.facts.catalogue import Catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from tests.extreme.exact import CONTEXT, TINY, Configuration, Size
 

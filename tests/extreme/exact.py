@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from functools import lru_cache, partial
 from typing import Any
 
-from fastlink.catalogue.catalogue import Catalogue
+from fastlink.facts.catalogue import Catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.precision.reference import CONTEXT, HighPrecision
 

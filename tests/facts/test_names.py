@@ -12,8 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import fastlink as fl
-from fastlink.catalogue.catalogue import Catalogue, CatalogueError, Fact, Input
 from fastlink.errors import InputError
+from fastlink.facts.catalogue import Catalogue
+from fastlink.facts.fact import CatalogueError, Fact, Input
 from fastlink.facts.names import (
     Below,
     Change,
@@ -32,7 +33,7 @@ from fastlink.facts.names import (
 )
 from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
-from fastlink.plan.plan import make_plan
+from fastlink.plan.programs import make_plan
 from fastlink.plan.query import REDUCTIONS, parse_request, reduced_names
 
 SOURCE = Path(__file__).parents[2] / "src" / "fastlink"

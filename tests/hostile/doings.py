@@ -11,9 +11,9 @@ import numpy as np
 from typer.testing import CliRunner
 
 import fastlink as fl
-from fastlink.cli import app
+from fastlink.app.cli import app
+from fastlink.app.study import read_study
 from fastlink.errors import InputError
-from fastlink.study.study import read_study
 from tests.hostile import checks
 from tests.hostile.judge import complaint_about
 from tests.hostile.studies import meant

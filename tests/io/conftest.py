@@ -10,7 +10,7 @@ from fastlink.io import checksums
 @pytest.fixture
 def small_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
     """Make the blocks of checksums as small as those of a large map are to it."""
-    for module in ("checksums", "writing.skeleton", "writing.resume"):
+    for module in ("checksums", "writer"):
         monkeypatch.setattr(f"fastlink.io.{module}.BLOCK_BYTES", 256)
-    monkeypatch.setattr("fastlink.io.writing.resume.READ_BYTES", 1024)
+    monkeypatch.setattr("fastlink.io.writer.READ_BYTES", 1024)
     monkeypatch.setattr(checksums, "READ_BYTES", 1000)

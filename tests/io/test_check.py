@@ -15,8 +15,7 @@ from tests.support.map_files import SPACES, Sample
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.io import checksums
-from fastlink.io.writing import journal
+from fastlink.io import checksums, partial_file
 
 
 def test_a_sum_of_pieces_in_any_order_is_the_crc_of_the_block():
@@ -105,7 +104,7 @@ def interrupted(tmp_path, monkeypatch, small_blocks):
     """A partial file of 40 of 64 designs, and the whole map in memory."""
     path = tmp_path / "m.h5"
     with monkeypatch.context() as patch:
-        patch.setattr(journal, "STEP_SECONDS", 0.0)
+        patch.setattr(partial_file, "STEP_SECONDS", 0.0)
         failing_after(patch, 5, KeyboardInterrupt())
         with pytest.raises(KeyboardInterrupt):
             sweep(path)

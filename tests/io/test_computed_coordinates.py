@@ -12,9 +12,9 @@ from numpy.testing import assert_array_equal
 from tests.io.test_resume import interrupt_after
 
 import fastlink as fl
-from fastlink.engine.evaluation import Evaluation
 from fastlink.engine.resolve import resolve
-from fastlink.io.placement import Placement
+from fastlink.engine.sweep import Evaluation
+from fastlink.io.layout import Placement
 
 FIXED = {"a1": 0.4, "a4": 1.0}
 NAMES = ["omega4_max", "transmission_angle_min"]

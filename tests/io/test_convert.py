@@ -24,9 +24,7 @@ from tests.support.map_files import digest, left_in, raising
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.io import checksums
-from fastlink.io.converting import compression, hdf5_file, source, tables, zarr_folder
-from fastlink.io.writing import partial_file
+from fastlink.io import checksums, convert, partial_file
 
 QUANTITIES = ["theta4", "omega4_max", "transmission_angle_min", "omega4_error", "grashof_class"]
 #: What each format holds of a map as it is: all of it.
@@ -70,10 +68,10 @@ def sampled(folder):
 @pytest.fixture
 def small_blocks(monkeypatch):
     """Blocks and chunks as small as those of a large map are to it."""
-    monkeypatch.setattr(source, "BLOCK_BYTES", 4000)
-    monkeypatch.setattr(tables, "BLOCK_BYTES", 20_000)
-    monkeypatch.setattr(hdf5_file, "CHUNK_BYTES", 1000)
-    monkeypatch.setattr(zarr_folder, "CHUNK_BYTES", 2000)
+    monkeypatch.setattr(convert, "BLOCK_BYTES", 4000)
+    monkeypatch.setattr(convert, "BLOCK_BYTES", 20_000)
+    monkeypatch.setattr(convert, "CHUNK_BYTES", 1000)
+    monkeypatch.setattr(convert, "CHUNK_BYTES", 2000)
 
 
 def loaded(path):
@@ -364,7 +362,7 @@ def test_what_fails_leaves_nothing_and_touches_nothing(
 ):
     path = fl.convert(grid, tmp_path / name)
     before = left_in(tmp_path)
-    owner, function = (partial_file, "write_all") if name == "out.h5" else (source.Source, "read")
+    owner, function = (partial_file, "write_all") if name == "out.h5" else (convert.Source, "read")
     real, count = getattr(owner, function), iter(range(100))
 
     def failing(*args):
@@ -386,14 +384,14 @@ def test_what_fails_leaves_nothing_and_touches_nothing(
 KILLED = """
 import os, signal, sys
 import fastlink as fl
-from fastlink.io.converting import source
-source.BLOCK_BYTES = 1000
-read, count = source.Source.read, iter(range(10**6))
+from fastlink.io import convert
+convert.BLOCK_BYTES = 1000
+read, count = convert.Source.read, iter(range(10**6))
 def killing(*args):
     if next(count) == 9:
         os.kill(os.getpid(), signal.SIGKILL)
     return read(*args)
-source.Source.read = killing
+convert.Source.read = killing
 fl.convert(sys.argv[1], sys.argv[2], overwrite=True, compress=sys.argv[3] or None)
 """
 
@@ -664,9 +662,9 @@ def test_memory_does_not_grow_with_the_map(tmp_path, monkeypatch, name):
     space = fl.grid(a1=np.linspace(0.3, 0.5, 60), a2=np.linspace(1.1, 1.2, 60), a3=0.8, a4=1.0)
     maps = fl.sweep("planar_4r", space, ["theta4"], angles=100, to=tmp_path / "m.h5", verify=0)
     block = 1 << 16
-    monkeypatch.setattr(source, "BLOCK_BYTES", block)
-    monkeypatch.setattr(tables, "BLOCK_BYTES", block)
-    monkeypatch.setattr(hdf5_file, "CHUNK_BYTES", block // 4)
+    monkeypatch.setattr(convert, "BLOCK_BYTES", block)
+    monkeypatch.setattr(convert, "BLOCK_BYTES", block)
+    monkeypatch.setattr(convert, "CHUNK_BYTES", block // 4)
     monkeypatch.setattr(checksums, "READ_BYTES", block)  # of labels, and of what was written
     options = {"compress": "gzip:1"} if name == "z.h5" else {}
     fl.convert(maps.isel(a1=[0]), tmp_path / name, **options)  # what is imported and kept
@@ -681,10 +679,10 @@ def test_memory_does_not_grow_with_the_map(tmp_path, monkeypatch, name):
 
 
 def test_levels_are_those_of_the_libraries():
-    for name, levels in compression.LEVELS.items():
+    for name, levels in convert.LEVELS.items():
         given = [name] if levels is None else [f"{name}:{levels[0]}", f"{name}:{levels[1]}"]
         for text in given:
-            parsed = compression.check_compression(text, "hdf5")
+            parsed = convert.check_compression(text, "hdf5")
             assert str(parsed) == text
             assert parsed.of_hdf5()
             assert parsed.of_zarr()
@@ -701,8 +699,8 @@ def test_inputs_of_many_designs_are_read_block_by_block(tmp_path, monkeypatch, n
     few, many = tmp_path / name, tmp_path / f"many-{name}"
     options |= {"select": {"design": "#3:30"}}
     fl.convert(maps, few, **options)
-    monkeypatch.setattr("fastlink.io.converting.source.FEW_BYTES", 0)
-    monkeypatch.setattr("fastlink.io.converting.source.BLOCK_BYTES", 64)
+    monkeypatch.setattr("fastlink.io.convert.FEW_BYTES", 0)
+    monkeypatch.setattr("fastlink.io.convert.BLOCK_BYTES", 64)
     fl.convert(maps, many, **options)
     maps.close()
     if name.endswith((".csv", ".parquet")):

@@ -17,10 +17,9 @@ from tests.support.map_files import left_in
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.io.checksums import SIGNATURE, seal_is_broken
+from fastlink.io import partial_file
+from fastlink.io.checksums import SIGNATURE, Stored, seal_is_broken
 from fastlink.io.reader import open_map
-from fastlink.io.stored import Stored
-from fastlink.io.writing import journal
 
 LAYOUTS = ("curves", "maps")
 NOTICED, RIGHT, AGAIN, WRONG = "noticed", "right", "computed again", "wrong"
@@ -137,7 +136,7 @@ def resumed(folder: Path, contents: dict[str, bytes], files: Files) -> str:
 def outcomes(tmp_path, patch, form, seed):
     """Return how often each kind of damage ended how, and what was wrong."""
     rng, table, wrong = np.random.default_rng(seed), Counter(), []
-    patch.setattr(journal, "STEP_SECONDS", 0.0)
+    patch.setattr(partial_file, "STEP_SECONDS", 0.0)
     both = []
     for layout in LAYOUTS:
         (tmp_path / layout).mkdir()

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from fastlink.io.dataset import FORMAT_VERSION, Variable, assemble, coordinates, plain_attrs
-from fastlink.space.dataset import FORMAT
-from fastlink.space.samplers import grid, table
+from fastlink.io.layout import FORMAT_VERSION, Variable, assemble, coordinates, plain_attrs
+from fastlink.space.samplers import grid
+from fastlink.space.tables import FORMAT, table
 
 METRE = {"units": "m", "long_name": "length", "symbol": "a"}
 DESCRIBED = dict.fromkeys(["a1", "a2", "a3", "a4"], METRE)

@@ -22,11 +22,11 @@ from tests.support.map_files import Sample, digest, left_in, raising
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink import threads
-from fastlink.io.dataset import FINGERPRINT
+from fastlink import machine
+from fastlink.io import partial_file, writer
+from fastlink.io.layout import FINGERPRINT
+from fastlink.io.partial_file import journal_of
 from fastlink.io.reader import open_map
-from fastlink.io.writing import journal, partial_file, writer
-from fastlink.io.writing.journal import journal_of
 
 COUPLERS = np.linspace(1.0, 1.4, 64)
 
@@ -86,7 +86,7 @@ def test_a_second_name_of_the_map_itself_is_removed(tmp_path):
 
 @pytest.mark.parametrize("ending", [".part", ".part.new", ".part.journal", ".part.journal.new"])
 def test_what_a_link_leads_to_is_not_written(tmp_path, monkeypatch, ending):
-    monkeypatch.setattr(journal, "STEP_SECONDS", 0.0)
+    monkeypatch.setattr(partial_file, "STEP_SECONDS", 0.0)
     precious, path = tmp_path / "precious", tmp_path / "m.h5"
     precious.write_text("mine")
     (tmp_path / f"m.h5{ending}").symlink_to(precious)
@@ -183,7 +183,7 @@ def test_a_thread_that_has_failed_takes_no_further_block(tmp_path, monkeypatch, 
 
     with monkeypatch.context() as patch:
         patch.setattr(writer.Writer, "write", failing)
-        patch.setattr(threads, "ThreadPoolExecutor", lambda count, **options: ThreadPoolExecutor(1))
+        patch.setattr(machine, "ThreadPoolExecutor", lambda count, **options: ThreadPoolExecutor(1))
         with pytest.raises(OSError, match="I/O"):
             sweep(path, threads=2)
     assert max(start for _, start in seen) == 16
@@ -216,7 +216,7 @@ ENDS = {
 def test_a_failure_of_the_end_loses_nothing(tmp_path, monkeypatch, end, expected):
     path = tmp_path / "m.h5"
     with monkeypatch.context() as patch:
-        patch.setattr(journal, "STEP_SECONDS", 0.0)
+        patch.setattr(partial_file, "STEP_SECONDS", 0.0)
         end(patch)
         with pytest.raises(fl.InputError):
             sweep(path)
@@ -230,8 +230,8 @@ def test_a_failure_of_the_end_loses_nothing(tmp_path, monkeypatch, end, expected
 def test_a_failed_synchronisation_is_not_forgotten(tmp_path, monkeypatch, expected):
     """The system reports it once: what was written since may be lost though all later calls succeed."""
     path = tmp_path / "m.h5"
-    monkeypatch.setattr(journal, "STEP_SECONDS", 0.0)
-    synchronise, calls = journal.synchronise, []
+    monkeypatch.setattr(partial_file, "STEP_SECONDS", 0.0)
+    synchronise, calls = partial_file.synchronise, []
 
     def failing_once(fd):
         calls.append(fd)
@@ -240,7 +240,7 @@ def test_a_failed_synchronisation_is_not_forgotten(tmp_path, monkeypatch, expect
         synchronise(fd)
 
     with monkeypatch.context() as patch:
-        patch.setattr(journal, "synchronise", failing_once)
+        patch.setattr(partial_file, "synchronise", failing_once)
         with pytest.raises(fl.InputError, match="Input/output error"):
             sweep(path, block=1)
     assert not path.exists()
@@ -303,7 +303,7 @@ def survived(folder: Path, expected, fault: str, outcome: Outcome, before: int =
         assert_is(path, expected)
         return "finished", 0
     assert outcome.code != 0
-    read = journal.read_journal(folder / "m.h5.part")
+    read = partial_file.read_journal(folder / "m.h5.part")
     noted = 0 if read is None else sum(stop - start for start, stop in read[1])
     assert noted >= before
     return "loud" if outcome.code > 0 or outcome.code == -signal.SIGTERM else "killed", noted

@@ -15,7 +15,8 @@ from tests.support.refusals import refused
 
 import fastlink as fl
 from fastlink.codegen.kernel import Kernel
-from fastlink.io.finished import FINGERPRINT, WRITTEN
+from fastlink.io.finished import WRITTEN
+from fastlink.io.layout import FINGERPRINT
 
 DESIGNS = {"a1": 0.4, "a2": np.array([1.1, 1.2]), "a3": 0.8, "a4": 1.0, "omega1": 2.0}
 REQUEST = {"mechanism": "planar_4r", "space": DESIGNS, "quantities": ["omega4"], "theta1": 12, "verify": 2}

@@ -18,9 +18,9 @@ from tests.support.map_files import left_in
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.io.converting.source import Source
-from fastlink.io.writing import journal
-from fastlink.io.writing.writer import Writer
+from fastlink.io import partial_file
+from fastlink.io.convert import Source
+from fastlink.io.writer import Writer
 
 pytestmark = pytest.mark.filterwarnings("default:NOT TESTED")
 COUPLERS = np.linspace(1.0, 1.4, 120)
@@ -114,7 +114,7 @@ def fill_after(patch, disk, blocks):
         if len(seen) == max(blocks, 1):
             disk.fill()
 
-    patch.setattr(journal, "STEP_SECONDS", 60.0)
+    patch.setattr(partial_file, "STEP_SECONDS", 60.0)
     patch.setattr(Writer, "record", filled)
 
 
@@ -218,7 +218,7 @@ def test_a_disk_that_fills_up_during_a_conversion(disk, monkeypatch, source, nam
 COMPRESSED = """
 import os, sys
 import fastlink as fl
-from fastlink.io.converting.source import Source
+from fastlink.io.convert import Source
 from tests.io.test_full_disk import Disk
 read, disk = Source.read, Disk.__new__(Disk)
 disk.folder = __import__("pathlib").Path(sys.argv[1]).parent
@@ -247,7 +247,7 @@ def test_a_process_whose_compressed_file_had_no_room_ends_well(disk, source):
 def test_the_best_designs_on_a_full_disk(disk, source):
     from typer.testing import CliRunner
 
-    from fastlink.cli.app import app
+    from fastlink.app.cli import app
 
     disk.fill()
     command = [

@@ -16,13 +16,12 @@ from tests.support.study_files import BARE
 from typer.testing import CliRunner
 
 import fastlink as fl
-from fastlink.cli import app
-from fastlink.engine.needs import designs_per_block, needs_of
+from fastlink.app.cli import app
 from fastlink.engine.resolve import resolve
-from fastlink.io import checksums
-from fastlink.io.placement import Placement
-from fastlink.io.writing import journal
-from fastlink.plot.selection import select
+from fastlink.engine.sinks import designs_per_block, needs_of
+from fastlink.io import checksums, partial_file
+from fastlink.io.layout import Placement
+from fastlink.pictures.maps import select
 
 LENGTHS = {"a1": 0.4, "a2": np.linspace(1.0, 1.4, 13), "a3": np.linspace(0.6, 1.0, 7), "a4": 1.0}
 SPEEDS = {"omega1": np.array([1.0, 5.0, 25.0])}
@@ -125,7 +124,7 @@ def test_an_interrupted_run_goes_on_in_its_layout_alone(tmp_path, monkeypatch, s
 def test_changed_values_of_a_partial_file_are_computed_again(tmp_path, monkeypatch, small_blocks, space):
     path, part = tmp_path / "m.h5", tmp_path / "m.h5.part"
     with monkeypatch.context() as patch:
-        patch.setattr(journal, "STEP_SECONDS", 0.0)
+        patch.setattr(partial_file, "STEP_SECONDS", 0.0)
         failing_after(patch, 20, KeyboardInterrupt())
         with pytest.raises(KeyboardInterrupt):
             sweep(path, space, layout="maps", block=4)

@@ -15,13 +15,11 @@ import xarray as xr
 from tests.support.map_files import DESCRIBED, Sample, digest, left_in, raising
 
 from fastlink.errors import InputError
-from fastlink.io import place
-from fastlink.io.dataset import Variable, coordinates
+from fastlink.io import partial_file, place, writer
+from fastlink.io.layout import Variable, coordinates
+from fastlink.io.partial_file import check_target
 from fastlink.io.reader import open_map
-from fastlink.io.writing import partial_file, skeleton, target
-from fastlink.io.writing.skeleton import lay_out
-from fastlink.io.writing.target import check_target
-from fastlink.io.writing.writer import Writer
+from fastlink.io.writer import Writer, lay_out
 from fastlink.space.samplers import grid
 
 # --- other processes -------------------------------------------------------------------------------
@@ -80,7 +78,7 @@ def lay_labels_and_be_killed(path, named):
         named.send([name for name in names if os.path.isfile(name)])
         os.kill(os.getpid(), signal.SIGKILL)
 
-    skeleton.create_checksums = killed
+    writer.create_checksums = killed
     tempfile.tempdir = str(path.parent)
     Sample().writer(path)
 
@@ -110,7 +108,7 @@ def test_the_room_of_what_a_killed_run_left_is_given_back_first(tmp_path, monkey
         sizes.append(part.stat().st_size)
         return lay_out(*args, **options)
 
-    monkeypatch.setattr("fastlink.io.writing.writer.lay_out", observed)
+    monkeypatch.setattr("fastlink.io.writer.lay_out", observed)
     Sample().save(tmp_path / "m.h5")
     assert sizes == [0]
 
@@ -234,7 +232,7 @@ def test_a_disk_that_is_too_small_is_refused_before_anything_is_written(tmp_path
 
 def test_what_a_killed_run_left_counts_as_free(tmp_path, monkeypatch):
     (tmp_path / "m.h5.part").write_bytes(b"x" * 4_000_000)
-    monkeypatch.setattr(target, "free_bytes", lambda path: place.SLACK)
+    monkeypatch.setattr(partial_file, "free_bytes", lambda path: place.SLACK)
     monkeypatch.setattr(place, "free_bytes", lambda path: place.SLACK)
     assert check_target(tmp_path / "m.h5", 3_900_000, False) == tmp_path / "m.h5"
     with pytest.raises(InputError, match=r"needs 5\.25 MB but 1\.05 MB are free"):

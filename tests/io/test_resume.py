@@ -15,10 +15,10 @@ from tests.support.map_files import raising
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.io.ranges import missing
-from fastlink.io.writing import journal
-from fastlink.io.writing.journal import Journal, journal_of, read_journal
-from fastlink.io.writing.writer import Writer
+from fastlink.io import partial_file
+from fastlink.io.checksums import missing
+from fastlink.io.partial_file import Journal, journal_of, read_journal
+from fastlink.io.writer import Writer
 
 COUPLERS, OUTPUTS = np.linspace(1.0, 1.4, 41), np.linspace(0.6, 1.0, 31)
 DESIGNS = {"a1": 0.4, "a2": COUPLERS, "a3": OUTPUTS, "a4": 1.0}
@@ -114,9 +114,9 @@ KILLED = """
 import os, signal, sys, threading
 import numpy as np
 import fastlink as fl
-from fastlink.io.writing import journal
-journal.STEP_SECONDS = 0.0
-commit, add = journal.Journal._commit, journal.Journal.add
+from fastlink.io import partial_file
+partial_file.STEP_SECONDS = 0.0
+commit, add = partial_file.Journal._commit, partial_file.Journal.add
 place, kill_at = sys.argv[1], int(sys.argv[2])
 seen = commits = 0
 changed = threading.Condition()
@@ -135,7 +135,7 @@ def waits(self, start, stop, addends):
     with changed:
         wanted = commits + 2
         assert changed.wait_for(lambda: commits >= wanted, timeout=60)
-journal.Journal._commit, journal.Journal.add = counted, waits
+partial_file.Journal._commit, partial_file.Journal.add = counted, waits
 fl.sweep(
     "planar_4r",
     fl.grid(a1=0.4, a2=np.linspace(1.0, 1.4, 41), a3=np.linspace(0.6, 1.0, 31), a4=1.0, omega1=2.0),
@@ -174,7 +174,7 @@ def test_a_resumed_run_that_cannot_begin_its_journal_keeps_that_of_the_run_befor
 
         def failing(self, first):
             with monkeypatch.context() as within:
-                within.setattr(journal.os, step, raising(errno.EIO))
+                within.setattr(partial_file.os, step, raising(errno.EIO))
                 return start(self, first)
 
         patched.setattr(Journal, "_start", failing)
@@ -250,7 +250,7 @@ def test_a_failure_to_synchronise_notes_nothing(tmp_path, monkeypatch):
     def fails(fd):
         raise OSError(5, "input/output error")
 
-    monkeypatch.setattr(journal, "synchronise", fails)
+    monkeypatch.setattr(partial_file, "synchronise", fails)
     notes = Journal(fd, part, {"fingerprint": "f"}, [], {})
     notes.add(0, 2, [])
     notes.close()

@@ -17,11 +17,10 @@ from tests.support.map_files import DESCRIBED, SPACES, Sample, digest, left_in, 
 from tests.support.refusals import refused
 
 from fastlink.errors import InputError
-from fastlink.io import reader
-from fastlink.io.dataset import Variable, coordinates
+from fastlink.io import partial_file, reader
+from fastlink.io.layout import Variable, coordinates
 from fastlink.io.reader import open_map
-from fastlink.io.writing import partial_file
-from fastlink.io.writing.writer import Writer
+from fastlink.io.writer import Writer
 from fastlink.space.samplers import grid
 
 # --- what is in the file ---------------------------------------------------------------------------

@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.maps import rows as rows_module
+from fastlink.maps import best
 
 NAMES = ["omega4_max", "theta4", "transmission_angle_min", "grashof_class"]
 
@@ -170,7 +170,7 @@ def best_by_sorting(maps, name, n, largest, inside):
 @pytest.mark.parametrize("largest", [True, False])
 @pytest.mark.parametrize("name", ["omega4_max", "theta4"])
 def test_the_best_designs_are_those_of_a_sort(maps, path, monkeypatch, block, largest, name):
-    monkeypatch.setattr(rows_module, "MOST_ROWS", block)
+    monkeypatch.setattr(best, "MOST_ROWS", block)
     mask = (maps.status == 0) & (maps.a4 > 0.95)
     inside = mask.broadcast_like(maps[name]).transpose(*maps[name].dims).values
     expected = best_by_sorting(maps, name, 9, largest, inside)

@@ -11,9 +11,8 @@ from numpy.testing import assert_array_equal
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.maps import rows as rows_module
-from fastlink.maps.front import nondominated, undominated
-from fastlink.maps.rows import Rows
+from fastlink.maps import best
+from fastlink.maps.best import Rows, nondominated, undominated
 
 
 @pytest.fixture(scope="module")
@@ -86,7 +85,7 @@ def expected_rows(maps, names, signs, mask):
 
 @pytest.mark.parametrize("block", [1, 5, 100, 10**6])
 def test_the_front_of_a_map(maps, path, monkeypatch, block):
-    monkeypatch.setattr(rows_module, "MOST_ROWS", block)
+    monkeypatch.setattr(best, "MOST_ROWS", block)
     mask = (maps.status == 0) & (maps.a1 <= 0.7) & (maps.transmission_angle_min >= 0.1)
     names, signs = ["omega4_max", "transmission_angle_min", "a1"], [1.0, -1.0, -1.0]
     points, places, whole = expected_rows(maps, names, signs, mask)

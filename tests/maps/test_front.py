@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fastlink.maps.front import nondominated
+from fastlink.maps.best import nondominated
 
 
 def by_definition(points):

@@ -12,10 +12,10 @@ from tests.support.extrema_errors import bounded_extremes
 from tests.support.registry import ENTRIES
 
 import fastlink as fl
+from fastlink.facts.derivative import NoDerivative
 from fastlink.mechanisms import NAMES, catalogue, inputs_of
-from fastlink.plan.validate import variants_of
+from fastlink.plan.request import variants_of
 from fastlink.precision.reference import CONTEXT, HighPrecision
-from fastlink.symbolic.derivative import NoDerivative
 
 #: A change point but for 1e-16: the gap is within the rounding of the lengths.
 ISSUE = {

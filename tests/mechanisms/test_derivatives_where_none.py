@@ -9,7 +9,7 @@ from tests.support.degenerate import FAMILIES
 
 import fastlink as fl
 from fastlink.mechanisms import catalogue
-from fastlink.plan.validate import variants_of
+from fastlink.plan.request import variants_of
 
 #: Inputs that stand in one term alone of some quantities, by mechanism.
 ALONE = {

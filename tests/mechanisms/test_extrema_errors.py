@@ -15,10 +15,10 @@ from tests.support.registry import ENTRIES
 
 import fastlink as fl
 from fastlink.codegen.kernel import kernel_of
-from fastlink.codegen.runtime.bounds import of_better
+from fastlink.codegen.runtime.results import of_better
 from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
-from fastlink.plan.plan import make_plan
+from fastlink.plan.programs import make_plan
 from fastlink.precision.errors import MeasuredErrors
 from fastlink.precision.reference import CONTEXT
 

@@ -13,7 +13,7 @@ from tests.support.registry import ENTRIES
 
 import fastlink as fl
 from fastlink.facts.names import derivative_name
-from fastlink.plan.extrema import find_extremum_search
+from fastlink.plan.programs import find_extremum_search
 
 DRIVEN = [e for e in ENTRIES if e.moves and e.catalogue.graded and e.solver == "eliminated" and not e.about]
 #: A quantity of each input that changes with most inputs, and is finite.

@@ -11,9 +11,10 @@ from tests.support.registry import ENTRIES
 
 import fastlink as fl
 from fastlink.codegen.kernel import kernel_of
+from fastlink.facts.derivative import NoDerivative
 from fastlink.facts.names import derivative_name
 from fastlink.mechanisms import catalogue
-from fastlink.numerics.gradient_status import (
+from fastlink.numerics.compiler import (
     AT_CHANGE_POINT,
     AT_LIMIT,
     CONSTANT,
@@ -26,8 +27,7 @@ from fastlink.numerics.gradient_status import (
     SMOOTH,
     TIED,
 )
-from fastlink.plan.plan import make_plan
-from fastlink.symbolic.derivative import NoDerivative
+from fastlink.plan.programs import make_plan
 
 LENGTHS = ("a1", "a2", "a3", "a4")
 DRIVEN = [e for e in ENTRIES if e.moves and e.catalogue.graded and e.solver == "eliminated" and not e.about]

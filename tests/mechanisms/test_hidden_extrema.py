@@ -14,7 +14,7 @@ from tests.support.registry import ENTRIES
 
 import fastlink as fl
 from fastlink.engine.resolve import _plan
-from fastlink.plan.extrema import find_extremum_search
+from fastlink.plan.programs import find_extremum_search
 
 #: Half the number of cells of a search that divides none; a power of two.
 FINE = 512

@@ -1,6 +1,6 @@
 """Greatest and least values of what turns sharply: magnitudes that almost vanish, and angles that turn back.
 
-A search has to be told of both (`fastlink.plan.kinks`). What takes a magnitude or a size by its own text is found
+A search has to be told of both (`fastlink.plan.programs`). What takes a magnitude or a size by its own text is found
 here by that text, so that a new quantity fails unless its search knows of it or it stands in `SMOOTH_ELSEWHERE`.
 """
 
@@ -12,7 +12,7 @@ from tests.support.registry import ENTRIES
 
 import fastlink as fl
 from fastlink.numerics.compiler import syntax
-from fastlink.plan.extrema import find_extremum_search
+from fastlink.plan.programs import find_extremum_search
 
 #: Driven inputs whose extremes are searched, with families that are hard.
 DRIVES = [entry for entry in ENTRIES if entry.catalogue.graded is not None and not entry.about]
@@ -73,7 +73,7 @@ def test_there_are_as_many_as_counted():
 
 
 def test_a_quantity_that_is_not_declared_fails(monkeypatch):
-    monkeypatch.setattr("fastlink.plan.extrema.is_magnitude", lambda step: False)
+    monkeypatch.setattr("fastlink.plan.programs.is_magnitude", lambda step: False)
     assert undeclared(DRIVES[0]) == ["F41", "F21", "F32", "F43", "shaking_force"]
 
 

@@ -12,9 +12,9 @@ from tests.mechanisms.test_degenerate_bounds import CASES, LAST, bounded, slopes
 from tests.support.degenerate import FAMILIES
 
 import fastlink as fl
+from fastlink.facts.bounds import SMALL_ANGLE
 from fastlink.mechanisms import catalogue, inputs_of
-from fastlink.plan.validate import variants_of
-from fastlink.symbolic.error_laws import SMALL_ANGLE
+from fastlink.plan.request import variants_of
 
 SIZES = np.array([0.0, 5e-324, *(10.0**k for k in (-300, -200, -150, -60, -8, 0, 8, 60, 150, 200, 300))])
 

@@ -11,10 +11,9 @@ import pytest
 from tests.support.registry import ENTRIES, Entry
 
 import fastlink as fl
-from fastlink.catalogue.catalogue import Catalogue
+from fastlink.facts.catalogue import Catalogue
 from fastlink.mechanisms import catalogue
-from fastlink.plan.plan import make_plan
-from fastlink.plan.program import KnownProgram
+from fastlink.plan.programs import KnownProgram, make_plan
 
 KNOWN = [e for e in ENTRIES if e.catalogue.graded and e.catalogue.graded.known and not e.about]
 MANY = [e for e in KNOWN if len(e.catalogue.graded.known) > 4 and e.mechanism != "focal"]

@@ -13,8 +13,8 @@ from tests.support.precision import in_every_mode, plain
 from tests.support.registry import ENTRIES
 
 import fastlink as fl
-from fastlink.catalogue.sizes import FAR, UNDERFLOW, dimensions, is_ordinary
 from fastlink.errors import InputError
+from fastlink.facts.sizes import FAR, UNDERFLOW, dimensions, is_ordinary
 
 #: Exponents of mass, length and time. Moments of inertia stay normal numbers in the first four.
 UNITS = [

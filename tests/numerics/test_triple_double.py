@@ -8,11 +8,11 @@ import mpmath
 import numpy as np
 import pytest
 
-from fastlink.catalogue import tables
+from fastlink.facts import tables
 from fastlink.mechanisms import NAMES, catalogue, inputs_of
-from fastlink.numerics import rotation
+from fastlink.numerics import multiple
 from fastlink.numerics.elementary import sin
-from fastlink.numerics.triple_double import TripleDouble
+from fastlink.numerics.multiple import TripleDouble
 
 TABLES = {
     (mechanism, name, table.function): catalogue(mechanism, input).table_low_parts.values()
@@ -111,13 +111,13 @@ def test_usual_angles_need_no_other_way():
 
 def exact_parts(core, x):
     """Return the exact values of what a core of three doubles computes."""
-    if core is rotation.circular:
+    if core is multiple.circular:
         return mpmath.cos(x), mpmath.sin(x)
     y = mpmath.mpf(x) - int(core(x)[4]) * mpmath.ln2
     return mpmath.cosh(y), mpmath.sinh(y)
 
 
-@pytest.mark.parametrize("core", [rotation.circular, rotation.hyperbolic])
+@pytest.mark.parametrize("core", [multiple.circular, multiple.hyperbolic])
 def test_errors_stay_below_their_bounds(core):
     rng = np.random.default_rng(6)
     for kind, angles in families(rng, 150).items():
@@ -139,7 +139,7 @@ def test_nothing_is_certain_beyond_the_range():
     for angle in [1.1e5, -1e22, np.inf, -np.inf, np.nan, 2.0**-301, -5e-324]:
         for x in (angle, np.array([angle])):
             with np.errstate(all="ignore"):
-                for core in (rotation.circular, rotation.hyperbolic):
+                for core in (multiple.circular, multiple.hyperbolic):
                     assert not np.any(core(x)[1] < np.inf)
                     assert not np.any(core(x)[3] < np.inf)
 
@@ -154,17 +154,17 @@ def test_functions_without_a_rule_are_left_to_mpmath():
 
 def test_constants_are_rounded_to_their_last_place():
     with mpmath.workprec(400):
-        unit = mpmath.mpf(2) ** rotation.PLACES
-        assert int(mpmath.nint(mpmath.pi / 2 * unit)) == rotation.HALF_PI
-        assert int(mpmath.nint(mpmath.ln2 * unit)) == rotation.LOG_2
+        unit = mpmath.mpf(2) ** multiple.PLACES
+        assert int(mpmath.nint(mpmath.pi / 2 * unit)) == multiple.HALF_PI
+        assert int(mpmath.nint(mpmath.ln2 * unit)) == multiple.LOG_2
         for grid, step in (
-            (rotation._circle(), mpmath.pi / 2 ** (rotation.HALVINGS + 1)),
-            (rotation._hyperbola(), mpmath.ln2 / 2**rotation.HALVINGS),
+            (multiple._circle(), mpmath.pi / 2 ** (multiple.HALVINGS + 1)),
+            (multiple._hyperbola(), mpmath.ln2 / 2**multiple.HALVINGS),
         ):
             assert abs(mpmath.fsum(map(mpmath.mpf, grid.pieces)) - step) < mpmath.mpf(2) ** -190
-            assert all(math.frexp(piece)[0] * 2.0**rotation.PIECE_BITS % 1.0 == 0.0 for piece in grid.pieces)
+            assert all(math.frexp(piece)[0] * 2.0**multiple.PIECE_BITS % 1.0 == 0.0 for piece in grid.pieces)
             for k in (0, 1, 700, 1024, 1025, 2047, 2048):
-                angle = k * step if grid.sign < 0.0 else (k - rotation.STEPS // 2) * step
+                angle = k * step if grid.sign < 0.0 else (k - multiple.STEPS // 2) * step
                 exact = (
                     (mpmath.cos(angle), mpmath.sin(angle))
                     if grid.sign < 0.0

@@ -9,13 +9,12 @@ from tests.support.phrases import INPUTS, MECHANISMS, QUANTITIES, pairs
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.catalogue import search, words
+from fastlink.facts import find
 from fastlink.facts.names import innermost
 from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
-from fastlink.plan import suggestions
-from fastlink.plan.query import parse_request
-from fastlink.plan.suggestions import suggest_input, suggest_quantity
+from fastlink.plan import query
+from fastlink.plan.query import parse_request, suggest_input, suggest_quantity
 
 OF_QUANTITIES = [(mechanism, *pair) for mechanism in NAMES for pair in pairs(QUANTITIES[mechanism])]
 OF_INPUTS = [(mechanism, *pair) for mechanism in NAMES for pair in pairs(INPUTS[mechanism])]
@@ -187,7 +186,7 @@ def test_an_input_of_links_names_the_links():
             line()
 
 
-@pytest.mark.parametrize("module", [search, suggestions, words])
+@pytest.mark.parametrize("module", [find, query])
 def test_the_examples_run(module):
     result = doctest.testmod(module)
     assert result.attempted > 0

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 import fastlink as fl
-from fastlink.catalogue.catalogue import CatalogueError
-from fastlink.catalogue.evaluate import evaluate_on_doubles, read_facts
-from fastlink.catalogue.tables import angle_tables
 from fastlink.errors import InputError
+from fastlink.facts.evaluate import evaluate_on_doubles, read_facts
+from fastlink.facts.fact import CatalogueError
+from fastlink.facts.tables import angle_tables
 from fastlink.mechanisms import NAMES, catalogue, inputs_of
-from fastlink.plan.toggles import order_at_toggles
+from fastlink.plan.programs import order_at_toggles
 
 DRIVEN = [
     (mechanism, input)

@@ -13,7 +13,7 @@ from tests.support.registry import ENTRIES
 
 import fastlink as fl
 from fastlink.mechanisms import NAMES, catalogue, inputs_of
-from fastlink.plan.validate import constants_of, variants_of
+from fastlink.plan.request import constants_of, variants_of
 from fastlink.precision.errors import unit_of
 from fastlink.precision.independent.check import TOLERANCE, IndependentValues
 from fastlink.precision.reference import CONTEXT, HighPrecision

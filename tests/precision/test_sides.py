@@ -8,10 +8,9 @@ from tests.support.configurations import masses_and_points
 
 import fastlink as fl
 from fastlink.mechanisms import catalogue
-from fastlink.precision.extrema import outermost
+from fastlink.precision.errors import outermost
 from fastlink.precision.reference import CONTEXT
-from fastlink.precision.sides import side_of, turning_cells
-from fastlink.precision.stationary import END, Stationary
+from fastlink.precision.stationary import END, Stationary, side_of, turning_cells
 
 LENGTHS = ("a1", "a2", "a3", "a4")
 PLANAR = catalogue("planar_4r")

@@ -11,7 +11,7 @@ from tests.support.configurations import PLANAR
 import fastlink as fl
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.precision import Verification
-from fastlink.precision.extrema import outermost
+from fastlink.precision.errors import outermost
 from fastlink.precision.reference import CONTEXT, HighPrecision
 from fastlink.precision.stationary import Stationary
 
@@ -129,7 +129,7 @@ class Spoiled(Verification):
 
 @pytest.mark.parametrize("names", [["theta4"], ["omega4_max"], ["omega4_rms"]])
 def test_a_wrong_digit_is_seen(monkeypatch, names):
-    monkeypatch.setattr(import_module("fastlink.engine.evaluation"), "Verification", Spoiled)
+    monkeypatch.setattr(import_module("fastlink.engine.sweep"), "Verification", Spoiled)
     monkeypatch.setattr(Spoiled, "factor", 1.0 + 1e-9)
     space = fl.grid(**CRANK, omega1=25.0)
     maps = fl.sweep("planar_4r", space, names, theta1=12, verify=4)
@@ -139,7 +139,7 @@ def test_a_wrong_digit_is_seen(monkeypatch, names):
 
 @pytest.mark.parametrize("name", ["theta4", "omega4_max", "omega4_rms", "omega4_extrema"])
 def test_a_missing_value_is_a_mismatch(monkeypatch, name):
-    monkeypatch.setattr(import_module("fastlink.engine.evaluation"), "Verification", Spoiled)
+    monkeypatch.setattr(import_module("fastlink.engine.sweep"), "Verification", Spoiled)
     monkeypatch.setattr(Spoiled, "missing", True)
     maps = fl.sweep("planar_4r", fl.grid(**CRANK, omega1=25.0), [name], theta1=12, verify=4)
     assert maps[name].attrs["verify_mismatches"] > 0
@@ -190,7 +190,7 @@ def test_a_value_that_should_vanish_and_does_not_is_a_mismatch(monkeypatch, name
         def collect(self, start, stop, arrays):
             super().collect(start, stop, [a + 1e-12 if a.dtype == np.float64 else a for a in arrays])
 
-    monkeypatch.setattr(import_module("fastlink.engine.evaluation"), "Verification", Added)
+    monkeypatch.setattr(import_module("fastlink.engine.sweep"), "Verification", Added)
     maps = fl.sweep("hart", fl.grid(**KITE), [name], phi=np.linspace(0.3, 2.8, 40), branch=1, verify=1)
     assert maps[name].attrs["verify_mismatches"] == maps[name].attrs["verified_values"]
     assert maps[name].attrs["error_max_roundings"] > 100
@@ -204,7 +204,7 @@ def test_a_bound_at_a_change_point_is_found_without_a_warning():
 
 
 def test_a_value_that_is_wrong_by_more_than_its_bound_is_a_mismatch(monkeypatch):
-    monkeypatch.setattr(import_module("fastlink.engine.evaluation"), "Verification", Spoiled)
+    monkeypatch.setattr(import_module("fastlink.engine.sweep"), "Verification", Spoiled)
     monkeypatch.setattr(Spoiled, "factor", 1.0 + 1e-12)
     maps = fl.sweep("planar_4r", fl.grid(**CRANK, omega1=25.0), ["theta4", "omega4"], theta1=12, verify=4)
     for name in ("theta4", "omega4"):

@@ -10,7 +10,7 @@ from numpy.testing import assert_array_equal
 from tests.support.refusals import refused
 
 from fastlink.space.samplers import grid
-from fastlink.space.table import as_space, table
+from fastlink.space.tables import as_space, table
 
 COLUMNS = {"a1": [0.4, 0.5], "a2": [1.1, 1.2]}
 FRAME = pd.DataFrame(COLUMNS)

@@ -15,7 +15,7 @@ from tests.support.refusals import refused
 
 import fastlink as fl
 from fastlink.engine.resolve import resolve
-from fastlink.space.column import Consecutive, Converted, Counted, Gathered, definition_of
+from fastlink.space.design_space import Consecutive, Converted, Counted, Gathered, definition_of
 
 FIXED = {"a1": 0.4, "a4": 1.0, "omega1": 25.0}
 

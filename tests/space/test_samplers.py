@@ -19,10 +19,9 @@ from tests.support.refusals import refused
 
 from fastlink.space import design_space as space
 from fastlink.space import samplers as design
-from fastlink.space.samplers import grid, latin_hypercube, sobol
-from fastlink.space.sequences import Slices
+from fastlink.space.samplers import Slices, grid, latin_hypercube, sobol
 
-table = importlib.import_module("fastlink.space.table")  # `fastlink.table` is the function
+table = importlib.import_module("fastlink.space.tables")  # `fastlink.table` is the function
 
 
 def filled(designs, names, start, stop):

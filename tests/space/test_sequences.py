@@ -20,8 +20,8 @@ from scipy.stats import chi2, qmc
 
 import fastlink as fl
 from fastlink.engine.resolve import resolve
-from fastlink.space import sequences
-from fastlink.space.sequences import Permutation, Slices, rounds_of, sobol_axes
+from fastlink.space import samplers
+from fastlink.space.samplers import Permutation, Slices, rounds_of, sobol_axes
 
 UNIT = (0.0, 1.0)
 
@@ -102,7 +102,7 @@ def test_any_block_of_a_hypercube_has_the_same_bits_as_plain_integers_give(n, se
 def permuted(axis, n, number):
     """Return the image of a number by the integers of Python."""
     a, bits = math.isqrt(n - 1) + 1, 32 if n <= 2**32 else 64
-    first, second, shift = sequences.MULTIPLIERS[bits]
+    first, second, shift = samplers.MULTIPLIERS[bits]
     sizes = (a, -(-n // a))
     while True:
         sides = list(divmod(number, sizes[1]))
@@ -241,5 +241,5 @@ def test_blocks_that_were_read_last_change_nothing(sample):
 
 def test_the_table_of_points_does_not_matter(monkeypatch):
     expected = sobol_axes(2**20, 3, [UNIT])[0].piece(1000, 9000)
-    monkeypatch.setattr(sequences, "TABLE_BITS", 3)
+    monkeypatch.setattr(samplers, "TABLE_BITS", 3)
     assert_array_equal(sobol_axes(2**20, 3, [UNIT])[0].piece(1000, 9000), expected)

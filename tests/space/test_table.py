@@ -9,7 +9,7 @@ import xarray as xr
 from numpy.testing import assert_array_equal
 from tests.support.refusals import refused
 
-from fastlink.space.table import table
+from fastlink.space.tables import table
 
 COLUMNS = {"a1": [0.4, 0.5, 0.6], "a2": [1.0, 1.5, 1.0]}
 

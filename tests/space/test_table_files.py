@@ -20,17 +20,17 @@ from tests.support.refusals import assert_refusal, refused
 
 import fastlink as fl
 from fastlink.engine.resolve import resolve
-from fastlink.space import csv_file, parquet_file, table_file
-from fastlink.space.column import Column
+from fastlink.space import tables
+from fastlink.space.design_space import Column
 
 FIXED = {"a1": 0.4, "a4": 1.0, "omega1": 25.0}
 
 
 @pytest.fixture
 def every_file_is_large(monkeypatch):
-    monkeypatch.setattr(csv_file, "LARGE", 0)
-    monkeypatch.setattr(parquet_file, "LARGE", 0)
-    monkeypatch.setattr(csv_file, "BLOCK_ROWS", 3)
+    monkeypatch.setattr(tables, "LARGE", 0)
+    monkeypatch.setattr(tables, "LARGE", 0)
+    monkeypatch.setattr(tables, "BLOCK_ROWS", 3)
 
 
 def outcome(path, **options):
@@ -72,8 +72,8 @@ def test_a_text_file_reads_the_same_in_memory_and_block_by_block(tmp_path, monke
     allow_invalid = data.draw(st.booleans())
     expected = outcome(path, allow_invalid=allow_invalid)
     with monkeypatch.context() as patched:
-        patched.setattr(csv_file, "LARGE", 0)
-        patched.setattr(csv_file, "BLOCK_ROWS", data.draw(st.integers(1, 4)))
+        patched.setattr(tables, "LARGE", 0)
+        patched.setattr(tables, "BLOCK_ROWS", data.draw(st.integers(1, 4)))
         assert outcome(path, allow_invalid=allow_invalid) == expected
 
 
@@ -157,7 +157,7 @@ def test_what_a_parquet_file_cannot_hold_is_refused(tmp_path, monkeypatch, large
     path = tmp_path / "designs.parquet"
     pd.DataFrame(change).to_parquet(path, row_group_size=2)
     if large:
-        monkeypatch.setattr(parquet_file, "LARGE", 0)
+        monkeypatch.setattr(tables, "LARGE", 0)
     with pytest.raises(fl.InputError) as caught:
         fl.table(path)
     assert remedy in str(caught.value)
@@ -220,10 +220,10 @@ def test_a_large_file_needs_little_memory(tmp_path, monkeypatch, kind):
         csv.write_csv(table, path)
     else:
         parquet.write_table(table, path, row_group_size=500)
-    for module in (csv_file, parquet_file):
+    for module in (tables, tables):
         monkeypatch.setattr(module, "LARGE", 0)
-    monkeypatch.setattr(csv_file, "BLOCK_ROWS", 500)
-    monkeypatch.setattr(table_file, "KEPT_BYTES", 0)
+    monkeypatch.setattr(tables, "BLOCK_ROWS", 500)
+    monkeypatch.setattr(tables, "KEPT_BYTES", 0)
     tracemalloc.start()
     space = fl.table(path)
     out = np.empty((4, 500))

@@ -14,7 +14,7 @@ import numpy as np
 
 import fastlink as fl
 from fastlink.mechanisms import catalogue
-from fastlink.precision.independent.models import model_of
+from fastlink.precision.independent.check import model_of
 from tests.support.flint_numbers import context
 from tests.support.neighbourhoods import DRAWN
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from click.testing import Result
 from typer.testing import CliRunner
 
-from fastlink.cli import app
+from fastlink.app.cli import app
 
 
 def code_blocks(text: str, language: str) -> list[str]:

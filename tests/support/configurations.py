@@ -11,7 +11,8 @@ from benchmarks.families import near_change_point as near_change_point
 from benchmarks.families import near_toggle as near_toggle
 
 import fastlink as fl
-from fastlink.catalogue.catalogue import Catalogue, Input
+from fastlink.facts.catalogue import Catalogue
+from fastlink.facts.fact import Input
 from fastlink.mechanisms import catalogue
 from fastlink.precision.reference import DIGITS as DIGITS
 from fastlink.precision.reference import HighPrecision

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 import fastlink as fl
-from fastlink.plan.extrema import find_extremum_search
+from fastlink.plan.programs import find_extremum_search
 from fastlink.precision.reference import CONTEXT as MP
 from fastlink.precision.stationary import END, JUMP, Extreme, Stationary
 from tests.support.precision import in_every_mode

@@ -23,7 +23,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from fastlink.io.writing import partial_file
+from fastlink.io import partial_file
 
 #: The system calls that Python makes of a run that writes a file.
 CALLS = (
@@ -171,11 +171,11 @@ def main(run: str) -> None:
     import traceback
 
     from fastlink.errors import InputError
-    from fastlink.io.writing import journal
+    from fastlink.io import partial_file
 
     module, _, name = run.partition(":")
     function = getattr(importlib.import_module(module), name)
-    journal.STEP_SECONDS = 0.0
+    partial_file.STEP_SECONDS = 0.0
     signal.signal(signal.SIGINT, signal.default_int_handler)  # which a shell's background ignores
     function(None).close()
     below = "LD_PRELOAD" in os.environ

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fastlink.catalogue.evaluate import read_facts
+from fastlink.facts.evaluate import read_facts
 from fastlink.mechanisms import catalogue
 from fastlink.precision.reference import HighPrecision
 

@@ -11,8 +11,8 @@ import numpy as np
 
 import fastlink as fl
 from fastlink.facts.names import Derivative, GradientStatus, Quantity, Reduced
-from fastlink.numerics.gradient_status import AT_LIMIT, SMOOTH
-from fastlink.precision.extrema import outermost
+from fastlink.numerics.compiler import AT_LIMIT, SMOOTH
+from fastlink.precision.errors import outermost
 from fastlink.precision.reference import CONTEXT as MP
 from fastlink.precision.stationary import Stationary
 from tests.support.registry import Entry

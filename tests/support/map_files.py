@@ -5,9 +5,10 @@ import os
 
 import numpy as np
 
-from fastlink.io.dataset import Variable, assemble, coordinates
-from fastlink.io.writing.writer import Writer
-from fastlink.space.samplers import grid, table
+from fastlink.io.layout import Variable, assemble, coordinates
+from fastlink.io.writer import Writer
+from fastlink.space.samplers import grid
+from fastlink.space.tables import table
 
 METRE = {"units": "m", "long_name": "length", "symbol": "a"}
 DESCRIBED = dict.fromkeys(["a1", "a2", "a3"], METRE)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from fastlink.catalogue.evaluate import read_facts
-from fastlink.mechanisms.minkowski_4r import limits, minkowski_4r, types
+from fastlink.facts.evaluate import read_facts
+from fastlink.mechanisms.minkowski_4r import design_facts, minkowski_4r
 
 MANY = 100_000
 LENGTHS = "abgh"
@@ -23,7 +23,7 @@ SUMS = {
 FACTS = [
     name
     for name, fact in minkowski_4r.facts.items()
-    if name in SUMS or (not fact.internal and fact.function.__module__ in (limits.__name__, types.__name__))
+    if name in SUMS or (not fact.internal and fact.function.__module__ in (design_facts.__name__,))
 ]
 
 

@@ -6,8 +6,8 @@ import mpmath as mp
 import numpy as np
 
 import fastlink as fl
-from fastlink.catalogue.evaluate import read_facts
-from fastlink.plan.validate import constants_of, variants_of
+from fastlink.facts.evaluate import read_facts
+from fastlink.plan.request import constants_of, variants_of
 from tests.support.configurations import LENGTHS, PLANAR, draw, masses_and_points, random_lengths
 
 

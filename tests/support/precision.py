@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 import fastlink as fl
+from fastlink.facts.derivative import NoDerivative
 from fastlink.facts.fact import parameters
 from fastlink.numerics.compensated import UNIT_ROUNDING
-from fastlink.plan.validate import variants_of
+from fastlink.plan.request import variants_of
 from fastlink.precision.reference import CONTEXT as MP
 from fastlink.precision.reference import HighPrecision
-from fastlink.symbolic.derivative import NoDerivative
 from tests.support.registry import Entry
 
 #: So many configurations are compiled at once: every design is swept over the positions of all.

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from fastlink.catalogue.catalogue import Catalogue
+from fastlink.facts.catalogue import Catalogue
 from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from tests.support import (

@@ -22,7 +22,7 @@ from fastlink.codegen.kernel import BACKENDS
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.query import Extrema
-from fastlink.space.degrees import degrees_name
+from fastlink.space.design_space import degrees_name
 
 SOURCE = Path(fastlink.__file__).parent
 BY = "Written by `python -m tests.support.stub`; do not edit."

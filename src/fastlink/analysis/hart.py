@@ -19,10 +19,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from fastlink.analysis.designs import read_design
-from fastlink.doors import door
+from fastlink.analysis.common import read_design
+from fastlink.errors import check_switch, check_whole, door
 from fastlink.mechanisms.hart import hart
-from fastlink.options import check_switch, check_whole
 
 __all__ = ["held_at_AB", "integer_designs"]
 

@@ -14,10 +14,12 @@ import os
 import re
 import shutil
 import stat
+import sys
 import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -27,23 +29,68 @@ import platformdirs
 
 import fastlink.codegen
 import fastlink.numerics
-from fastlink.codegen.notice import notice
 from fastlink.errors import InputError, remark
 
 __all__ = [
-    *(
-        "Contents",
-        "cache_folder",
-        "clear",
-        "contents",
-        "environment",
-        "is_kept",
-        "limit",
-        "load_or_compile",
-        "locked",
-    ),
-    *("remove_numba_files", "text_file"),
+    "cache_folder",
+    "clear",
+    "contents",
+    "environment",
+    "is_kept",
+    "limit",
+    "load_or_compile",
+    "locked",
+    "notice",
+    "remove_numba_files",
+    "text_file",
 ]
+
+
+# -- A line on the terminal while kernels compile
+
+
+#: Seconds after which the line appears that something compiles.
+NOTICE_AFTER = 0.5
+#: Seconds between two kernels that count as one wait.
+PAUSE = 0.1
+TEXT = "fastlink: compiling kernels, which are kept for next time ..."
+
+#: When the wait at hand began, and when the last kernel was ready.
+_began = _ended = float("-inf")
+
+
+@contextmanager
+def notice() -> Iterator[None]:
+    """Show a line while something compiles for long, and wipe it out when that is done; on a terminal only."""
+    global _began, _ended
+    stream = sys.stderr
+    if stream is None or not stream.isatty():
+        yield
+        return
+    now = time.monotonic()
+    if now - _ended > PAUSE:
+        _began = now
+    shown = threading.Event()
+
+    def show() -> None:
+        with suppress(OSError, ValueError):  # the stream may be closed
+            stream.write(f"\r{TEXT}")
+            stream.flush()
+            shown.set()
+
+    timer = threading.Timer(max(_began + NOTICE_AFTER - now, 0.0), show)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+        timer.join()
+        if shown.is_set():
+            stream.write(f"\r{' ' * len(TEXT)}\r")
+            stream.flush()
+        _ended = time.monotonic()
+
 
 T = TypeVar("T")
 
@@ -122,17 +169,7 @@ def environment() -> bytes:
 
 
 def load_or_compile(key: str, compile: Callable[[], bytes], load: Callable[[bytes], T]) -> T:
-    """Return loaded object code: from the cache, else compiled now and added to it.
-
-    Parameters
-    ----------
-    key : str
-        The hash that tells the object code from all other, in hexadecimal digits.
-    compile : callable
-        Returns the object code.
-    load : callable
-        Returns object code as something to call; where it raises an error, the code is compiled again.
-    """
+    """Return loaded object code: from the cache, else compiled now and added to it."""
     path = cache_folder() / f"{key}.o"
     if not is_own(path.parent):
         with notice():

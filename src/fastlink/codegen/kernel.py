@@ -13,16 +13,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.codegen.cache import environment, is_kept, load_or_compile, locked, remove_numba_files
-from fastlink.codegen.extrema import write_extrema
+from fastlink.codegen.cache import environment, is_kept, load_or_compile, locked, notice, remove_numba_files
+from fastlink.codegen.extremes import write_extrema
 from fastlink.codegen.known import write_known
 from fastlink.codegen.machine import Loaded, compile_object, host, lanes_of_host, version
-from fastlink.codegen.notice import notice
 from fastlink.codegen.pointwise import write_kernel
 from fastlink.codegen.source import Source
 from fastlink.codegen.translate import Refused, translate
-from fastlink.options import check_choice
-from fastlink.plan.program import ExtremaProgram, KnownProgram, Program
+from fastlink.errors import check_choice
+from fastlink.plan.programs import ExtremaProgram, KnownProgram, Program
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -52,13 +51,7 @@ _loaded: dict[str, Callable[..., None]] = {}
 
 
 def backend_of(chosen: str | None) -> str:
-    """Return the compiler to use: the chosen one, else that of FASTLINK_BACKEND, else our own.
-
-    Raises
-    ------
-    InputError
-        There is none of that name.
-    """
+    """Return the compiler to use: the chosen one, else that of FASTLINK_BACKEND, else our own."""
     if chosen is not None:
         return check_choice(("backend",), chosen, BACKENDS)
     name = os.environ.get("FASTLINK_BACKEND") or BACKENDS[0]
@@ -120,15 +113,7 @@ class MachineCode(Loaded):
 
 
 def load_kernel(source: Source, compiler: str = BACKENDS[0]) -> Callable[..., None]:
-    """Return a kernel, compiled now or taken from the cache; numba compiles what the translator refuses.
-
-    Parameters
-    ----------
-    source : Source
-        Its text.
-    compiler : {"llvm", "numba", "llvm soon"}
-        The last is our own in the shortest time; where the code that takes longer is there already, it is returned.
-    """
+    """Return a kernel, compiled now or taken from the cache; numba compiles what the translator refuses."""
     with _lock:
         if compiler == SOON and _is_there(kernel_key(source, BACKENDS[0])):
             compiler = BACKENDS[0]
@@ -209,16 +194,7 @@ class Kernel:
         return compiler in self._compiled or any(_is_there(kernel_key(self.source, one)) for one in enough)
 
     def compiled(self, backend: str | None = None, places: float = math.inf) -> Any:
-        """Return the kernel as a callable, compiled or loaded from the cache on first use.
-
-        Parameters
-        ----------
-        backend : {"llvm", "numba"}, optional
-            The compiler; see `backend_of`.
-        places : float
-            How many places it is about to evaluate. While they are few, all told, its code may be slower and there
-            sooner; the bits are the same.
-        """
+        """Return the kernel as a callable, compiled or loaded from the cache on first use."""
         backend = backend_of(backend)
         compiler = self.compiler(backend, places)
         self._places += places

@@ -68,19 +68,7 @@ def optimised(
     check: bool = False,
     soon: bool = False,
 ) -> tuple[Any, Any]:
-    """Return a module after LLVM's passes, and the target machine that they were for.
-
-    Parameters
-    ----------
-    text : str
-        LLVM's assembly language.
-    cpu, triple : str, optional
-        Another processor than this one, as LLVM names it.
-    check : bool
-        Run LLVM's verifier first.
-    soon : bool
-        Take the shortest time to compile, not to run.
-    """
+    """Return a module after LLVM's passes, and the target machine that they were for."""
     machine = _target_machine(cpu, triple, 0 if soon else 2)
     module = llvm.parse_assembly(text)
     if check:

@@ -12,14 +12,23 @@ from contextlib import nullcontext
 from typing import TYPE_CHECKING
 
 from fastlink.codegen.runtime.cells import LANES
-from fastlink.codegen.runtime.linear_solve import solve_lanes
-from fastlink.codegen.schedule import CycleValue, Schedule, Step
-from fastlink.codegen.source import N_ANGLES, Array, Source, Text, paste_fact, paste_system
+from fastlink.codegen.runtime.systems import solve_lanes
+from fastlink.codegen.source import (
+    N_ANGLES,
+    Array,
+    CycleValue,
+    Schedule,
+    Source,
+    Step,
+    Text,
+    paste_fact,
+    paste_system,
+)
 from fastlink.facts.fact import System
-from fastlink.plan.gradients import status_text
+from fastlink.plan.query import status_text
 
 if TYPE_CHECKING:
-    from fastlink.plan.program import Program
+    from fastlink.plan.programs import Program
 
 __all__ = ["write_kernel"]
 

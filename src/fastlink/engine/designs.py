@@ -12,32 +12,35 @@ import numpy as np
 from fastlink._text import short_repr
 from fastlink.errors import InputError, Problem, Problems, remark
 from fastlink.plan.query import parse_request
-from fastlink.plan.validate import unknown_input
-from fastlink.space.column import Column, Converted
-from fastlink.space.columns import or_keep
-from fastlink.space.degrees import (
+from fastlink.plan.request import unknown_input
+from fastlink.space.design_space import (
+    BRANCH,
     COMMENT,
     DEGREE_UNIT,
     DEGREES,
+    EXTREMUM,
+    MODELS,
     RADIANS,
+    Column,
+    Converted,
     angle_of,
     as_floats,
+    axis_of,
     check_angle,
     degrees_name,
     has_unit,
     remark_on_angles,
     unit_remedy,
 )
-from fastlink.space.design_space import BRANCH, EXTREMUM
-from fastlink.space.links import MODELS
-from fastlink.space.values import axis_of
+from fastlink.space.tables import or_keep
 
 if TYPE_CHECKING:
-    from fastlink.catalogue.catalogue import Catalogue, Input
-    from fastlink.space.design_space import DesignSpace
-    from fastlink.space.links import Links
+    from fastlink.facts.catalogue import Catalogue
+    from fastlink.facts.fact import Input
+    from fastlink.space.design_space import DesignSpace, Links
 
 __all__ = ["designs_of"]
+
 
 #: The attribute of a result that names what stood beside its designs and is ignored.
 IGNORED = "design_ignored"
@@ -51,17 +54,6 @@ def designs_of(
     Angles in degrees are converted. Results that stand in a table or come with a map are left out, with a warning
     that names them; they are in the attribute ``design_ignored`` of the result. Rows of a map that differ only in
     assembly mode or input position are one design.
-
-    Parameters
-    ----------
-    catalogue : Catalogue
-        The mechanism.
-    space : DesignSpace
-        The designs as they were given.
-    links : Links or None
-        The model of the links; its values count before those that a map states.
-    problems : Problems
-        Receives what is wrong; inputs with problems are left out.
     """
     known, angles = _known_inputs(catalogue, catalogue.version)
     if space.labels:

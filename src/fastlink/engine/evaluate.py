@@ -2,48 +2,131 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from inspect import signature
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from fastlink.catalogue.catalogue import Catalogue, Fact, Input, System
-from fastlink.catalogue.declare import ELIMINATED
-from fastlink.catalogue.evaluate import evaluate_on_doubles
-from fastlink.catalogue.sizes import sized, sizes_of
-from fastlink.catalogue.tables import angle_tables
-from fastlink.doors import door
-from fastlink.engine.broadcast import MOST_CONFIGURATIONS, broadcast_inputs, like, too_many
-from fastlink.errors import InputError, KeyPath, Problem, Problems, Setting
+from fastlink._text import counted
+from fastlink.errors import InputError, KeyPath, Problem, Problems, Setting, check_switch, door
+from fastlink.facts.catalogue import ELIMINATED, Catalogue
+from fastlink.facts.evaluate import evaluate_on_doubles
+from fastlink.facts.fact import Fact, Input, System
+from fastlink.facts.sizes import sized, sizes_of
+from fastlink.facts.tables import angle_tables
 from fastlink.mechanisms import NAMES, inputs_of, name_of
 from fastlink.mechanisms import catalogue as find_catalogue
-from fastlink.options import check_switch
-from fastlink.plan.positions import check_keywords, radian_keywords
-from fastlink.plan.query import check_names, parse_request
-from fastlink.plan.suggestions import require_quantity
-from fastlink.plan.validate import (
+from fastlink.plan.query import check_names, parse_request, require_quantity
+from fastlink.plan.request import (
     all_choices,
     allowed,
     branch_codes,
+    check_keywords,
     check_model,
     constants_of,
     joined_missing,
     missing_inputs,
     name_problems,
+    radian_keywords,
     selected_variants,
     value_problems,
 )
-from fastlink.space.degrees import RADIANS, angle_of, in_unit, remark_on_angles
-from fastlink.space.links import Links
-from fastlink.space.values import MOST_DIMS, has, numbers_of
+from fastlink.space.design_space import (
+    MOST_DIMS,
+    RADIANS,
+    Links,
+    angle_of,
+    has,
+    in_unit,
+    numbers_of,
+    remark_on_angles,
+)
 
 if TYPE_CHECKING:
-    from fastlink.engine.extending import Extension
+    from fastlink.engine.extend import Extension
 
-__all__ = ["evaluate"]
+__all__ = ["broadcast_inputs", "evaluate", "like", "too_many"]
+
+
+# -- Broadcast the numbers of a call: arrays by their shapes, DataArrays by the names of their dimensions
+
+
+#: Most configurations at once; every value on the way is an array of as many.
+MOST_CONFIGURATIONS = 10**8
+
+
+def like(value: Any, numbers: NDArray[np.float64]) -> Any:
+    """Return numbers with the labels of the value that they were read from."""
+    if not hasattr(value, "dims"):
+        return numbers
+    import xarray as xr
+
+    labelled = value if isinstance(value, xr.DataArray) else xr.DataArray(value)
+    return labelled.copy(data=np.asarray(numbers))
+
+
+def too_many(count: int, *inside: str) -> InputError:
+    """Return the error of so many configurations that their arrays would fill the memory."""
+    what = f"{counted(count, 'configuration')} are too many at once"
+    remedy = f"write at most {MOST_CONFIGURATIONS}, or sweep them by fastlink.sweep"
+    return InputError(what, where=inside, remedy=remedy)
+
+
+def broadcast_inputs(function: str, values: Mapping[str, Any]) -> tuple[Any, dict[str, Any], tuple[int, ...]]:
+    """Return a DataArray of the broadcast shape or else None, plain arrays, and the shape."""
+    if not any(hasattr(value, "dims") for value in values.values()):
+        return None, dict(values), _shape(function, {name: np.shape(of) for name, of in values.items()})
+    import xarray as xr
+
+    wrapped = [value if hasattr(value, "dims") else xr.DataArray(value) for value in values.values()]
+    lengths: dict[Any, tuple[str, Any]] = {}
+    for name, value in zip(values, wrapped, strict=True):
+        for dim in value.dims:
+            first, other = lengths.setdefault(dim, (name, value))
+            if other.sizes[dim] != value.sizes[dim]:
+                lengths_of = f"{counted(value.sizes[dim], 'value')} along {dim!r}, {first} {other.sizes[dim]}"
+                raise InputError(f"has {lengths_of}", where=(function, name), remedy="give equal lengths")
+            if (
+                dim in other.indexes
+                and dim in value.indexes
+                and not value.indexes[dim].equals(other.indexes[dim])
+            ):
+                what = f"has other coordinates along {dim!r} than {first}"
+                raise InputError(what, where=(function, name), remedy="select those that both have")
+            if dim in value.indexes and dim not in other.indexes:
+                lengths[dim] = name, value
+    shape = tuple(other.sizes[dim] for dim, (_, other) in lengths.items())
+    if math.prod(shape) > MOST_CONFIGURATIONS:
+        raise too_many(math.prod(shape), function)
+    arrays = dict(zip(values, xr.broadcast(*wrapped), strict=True))
+    template = next(iter(arrays.values())).astype(float)
+    template.attrs = {}
+    return template, {name: value.data for name, value in arrays.items()}, template.shape
+
+
+def _shape(function: str, shapes: Mapping[str, tuple[int, ...]]) -> tuple[int, ...]:
+    """Return the shape that all shapes broadcast to, or name two that do not broadcast."""
+    try:
+        shape = np.broadcast_shapes(*shapes.values())
+    except ValueError:
+        names = list(shapes)
+        for k, name in enumerate(names):
+            for other in names[:k]:
+                try:
+                    np.broadcast_shapes(shapes[name], shapes[other])
+                except ValueError:
+                    what = f"has the shape {shapes[name]}, which does not broadcast with {shapes[other]} of {other}"
+                    remedy = "give equal lengths, or 1, along each axis"
+                    raise InputError(what, where=(function, name), remedy=remedy) from None
+        raise
+    if shape and math.prod(shape) > MOST_CONFIGURATIONS:
+        raise too_many(math.prod(shape), function)
+    return shape
 
 
 @door(hint="inputs are given by name, such as a1=0.5, or as **design")
@@ -153,7 +236,7 @@ def evaluate(
 def _evaluated(
     catalogue: Catalogue, recipe: _Recipe, names: tuple[str, ...], arrays: dict[str, Any], gaps: bool
 ) -> dict[str, Any]:
-    """Return the quantities: of a design that is far from 1 in units of its own, see `fastlink.catalogue.sizes`."""
+    """Return the quantities: of a design that is far from 1 in units of its own, see `fastlink.facts.sizes`."""
     sizes = sizes_of(catalogue, arrays)
     if sizes is not None:
         arrays |= sizes.inputs(catalogue, arrays)

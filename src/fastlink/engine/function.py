@@ -4,41 +4,233 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 from inspect import signature
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink._text import short_repr
-from fastlink.catalogue.declare import ELIMINATED
-from fastlink.catalogue.sizes import is_ordinary
-from fastlink.doors import door
-from fastlink.engine.binding import VECTOR, BoundKernel, FunctionKernel, aligned
-from fastlink.engine.checks import check
-from fastlink.engine.fixed_inputs import axes_of, constants, refuse_choices, wrong_inputs
-from fastlink.engine.gradient import WithGradient
-from fastlink.engine.resolve import ResolvedSweep, resolve
-from fastlink.engine.sizes import BlockUnits, dimensional_of, sized_outputs
-from fastlink.errors import InputError, Problems
+from fastlink._text import counted, short_repr
+from fastlink.engine.resolve import ResolvedSweep, check, resolve
+from fastlink.engine.run import VECTOR, BoundKernel, FunctionKernel, aligned
+from fastlink.engine.scaling import BlockUnits, dimensional_of, sized_outputs
+from fastlink.errors import InputError, Problem, Problems, door
+from fastlink.facts.catalogue import ELIMINATED
+from fastlink.facts.derivative import NoDependence, is_tolerance
+from fastlink.facts.names import Derivative, GradientStatus, Quantity, Reduced, derivative_name
+from fastlink.facts.sizes import is_ordinary
+from fastlink.machine import check_memory
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.mechanisms import catalogue as find_catalogue
-from fastlink.memory import check_memory
-from fastlink.plan.positions import radian_keywords
-from fastlink.plan.query import check_names
-from fastlink.plan.validate import allowed, check_inputs, selected_variants, unknown_input
-from fastlink.space.degrees import angle_of, degrees_name
-from fastlink.space.design_space import DESIGN, DesignSpace
-from fastlink.space.values import MOST_DIMS, numbers_of
+from fastlink.numerics.compiler import MOVING, NOTHING
+from fastlink.plan.query import check_names, parse_request
+from fastlink.plan.request import allowed, check_inputs, radian_keywords, selected_variants, unknown_input
+from fastlink.space.design_space import (
+    DESIGN,
+    MOST_DIMS,
+    DesignSpace,
+    angle_of,
+    degrees_name,
+    in_unit,
+    numbers_of,
+)
+from fastlink.space.samplers import grid
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from fastlink.engine.extending import Extension
-    from fastlink.space.links import Links
+    from fastlink.engine.extend import Extension
+    from fastlink.engine.resolve import ResolvedSweep
+    from fastlink.facts.catalogue import Catalogue
+    from fastlink.facts.fact import Input
+    from fastlink.plan.programs import Output
+    from fastlink.plan.query import Request
+    from fastlink.space.design_space import DesignSpace, Links
 
-__all__ = ["Function", "function"]
+__all__ = ["Function", "constants", "derivative_of", "function"]
+
+
+# -- Check the request of `fastlink.function`: inputs that vary, numbers that stay, outputs that go together
+
+
+def wrong_inputs(catalogue: Catalogue, names: Sequence[str]) -> list[Problem]:
+    """Return the problems of names that are listed as inputs and are none."""
+    position, known = catalogue.position.name, catalogue.all_inputs
+    problems = []
+    for k, name in enumerate(names):
+        if name in (position, degrees_name(position), "branch"):
+            remedy = f"leave it out of the list, and write {name} as an option of the function"
+            problems.append(Problem(f"{name!r} is not an input of a design", ("inputs", k), remedy))
+        elif name not in known and angle_of(name) not in known:
+            problems.append(unknown_input(catalogue, name, known, "inputs"))
+    return problems
+
+
+def constants(fixed: Mapping[str, Any], known: Mapping[str, Input]) -> dict[str, float]:
+    """Return fixed inputs as numbers in their own units, or refuse what is not one number."""
+    numbers, problems = {}, Problems()
+    for name, value in fixed.items():
+        with problems.at():
+            plain = numbers_of("function", name, value)
+            numbers[name] = in_unit(("function", name), value, plain, known[name].units)
+    problems.stop()
+    space = grid(numbers)
+    if space.dims:
+        name = space.dims[0]
+        what = f"is given {counted(space.shape[0], 'value')}"
+        remedy = "write one number, or name it among the inputs"
+        raise InputError(what, where=("function", name), remedy=remedy)
+    return space.constants
+
+
+def refuse_choices(resolved: ResolvedSweep, varying: DesignSpace) -> None:
+    """Refuse a missing code, of which a sweep would evaluate every choice."""
+    known = resolved.catalogue.known_inputs(resolved.plan.variants)
+    for name in resolved.space.axes:
+        if name not in varying.names:
+            codes = ", ".join(f"{code} ({meaning})" for code, meaning in known[name].choices.items())
+            raise InputError("is missing", where=("function", name), remedy=f"give it, one of {codes}")
+
+
+def axes_of(outputs: Sequence[Output]) -> tuple[str, ...]:
+    """Return the axes of the output that has most; no other may have further ones."""
+    first, *others = (output for output in sorted(outputs, key=lambda output: -len(output.axes)))
+    for other in others:
+        if set(other.axes) - set(first.axes):
+            what = f"{first.name} is along {first.axes[-1]}, {other.name} along {other.axes[-1]}"
+            raise InputError(what, where=("function",), remedy="make a function of each")
+    return first.axes
+
+
+# -- The derivatives of a function's outputs by its inputs, as a function of their own
+
+
+#: Codes of the status of derivatives where there is none of a mean, whatever the input.
+NONE = (MOVING, NOTHING)
+
+
+class WithGradient:
+    """A function of arrays that has the derivatives of its outputs by its inputs."""
+
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    shape: tuple[int, ...]
+    _resolved: ResolvedSweep
+    _recipe: Callable[[list[str]], Function]
+    _rows: Callable[[ArrayLike], NDArray[np.float64]]
+
+    @door(name="function", hint="x is one array, with a row for each input")
+    def gradient(self, x: ArrayLike) -> NDArray[np.float64]:
+        """Return the derivatives (outputs, inputs, ...) of the outputs of designs (inputs, ...).
+
+        Those of extremes, means and places over the cycle are ``d_NAME_max_d_INPUT`` and its like, see
+        docs/design_search.md: where two places tie or the motion has a limit, they are one-sided or NaN.
+
+        Examples
+        --------
+        >>> import fastlink as fl
+        >>> speed = fl.function("planar_4r", ["a2", "a3"], ["omega4_max"], a1=0.4, a4=1.0, omega1=25.0)
+        >>> speed.gradient([1.2, 0.8]).round(6)
+        array([[  7.846495, -17.870504]])
+        """
+        rows = self._rows(x)
+        function, wanted = self._derivatives
+        result = np.zeros((len(self.outputs), len(self.inputs), *rows.shape[1:], *self.shape))
+        found = dict(zip(function.outputs, function(rows), strict=True))
+        for name, place in wanted.by_name.items():
+            result[place] = found[name]
+        for name, places in wanted.zero_unless.items():
+            none = np.isin(found[name], NONE) if name in wanted.statuses else np.isnan(found[name])
+            for place in places:
+                result[place] = np.where(none, np.nan, 0.0)
+        return result
+
+    @property
+    def without_gradient(self) -> tuple[str, ...]:
+        """The outputs that have no derivatives: codes, lists, error bounds."""
+        try:
+            _wanted(self._resolved, self.inputs)
+        except InputError as error:
+            return tuple({self.outputs[int(one.where[1])]: None for one in error.problems})
+        return ()
+
+    @cached_property
+    def _derivatives(self) -> tuple[Function, _Wanted]:
+        """The function that gives what derivatives are made of, and what that is."""
+        wanted = _wanted(self._resolved, self.inputs)
+        return self._recipe(list(dict.fromkeys((*wanted.by_name, *wanted.zero_unless)))), wanted
+
+
+@dataclass
+class _Wanted:
+    """Quantities of which derivatives are made, each with the numbers of the output and of the input.
+
+    Attributes
+    ----------
+    by_name : dict
+        The derivatives.
+    zero_unless : dict
+        Outputs that do not depend on inputs, NaN where that has no derivative: the outputs themselves, or `statuses`.
+    statuses : set of str
+        Those that are the status of derivatives.
+    """
+
+    by_name: dict[str, tuple[int, int]] = field(default_factory=dict)
+    zero_unless: dict[str, list[tuple[int, int]]] = field(default_factory=dict)
+    statuses: set[str] = field(default_factory=set)
+
+
+def _wanted(resolved: ResolvedSweep, inputs: Sequence[str]) -> _Wanted:
+    """Return what the derivatives of the outputs by the inputs are made of."""
+    catalogue, variants, given = resolved.catalogue, resolved.plan.variants, resolved.space.names
+    wanted = _Wanted()
+    problems = Problems()
+    for j, by in enumerate(inputs):
+        if is_tolerance(by):
+            remedy = "make a function of the other inputs, with the tolerance as a number that stays"
+            problems.add(f"{by!r} is a tolerance, by which there are no derivatives", ("inputs", j), remedy)
+    problems.stop()
+    for k, output in enumerate(resolved.plan.outputs):
+        with problems.at("outputs", k):
+            if output.request.listed or output.request.is_error or output.request.is_of_gradient:
+                what = f"quantity {output.name!r} has no derivatives by the inputs"
+                raise InputError(what, remedy="leave it out, or take a function of the others")
+            for j, by in enumerate(inputs):
+                name = derivative_of(output.request, by, catalogue.position.name)
+                parse_request(name, catalogue)
+                at_one = derivative_name(of := output.request.quantity, by)
+                catalogue.public_fact(at_one)  # codes have none
+                try:
+                    catalogue.resolve(at_one, variants, given)
+                except NoDependence:
+                    moves = catalogue.moves_at_limits(of, by, variants, given)
+                    if not (output.refined and moves):
+                        test = _none_of(output, moves)
+                        wanted.statuses.update({test} - {output.name})
+                        wanted.zero_unless.setdefault(test, []).append((k, j))
+                        continue
+                wanted.by_name[name] = k, j
+    problems.stop()
+    return wanted
+
+
+def _none_of(output: Output, moves: bool) -> str:
+    """Return the quantity that tells where an output that does not depend on an input has no derivative by it."""
+    how = output.request.reduction
+    if how is None or not moves or how.has_position:
+        return output.name  # NaN
+    return str(GradientStatus(Reduced(Quantity(output.request.quantity), how.suffix)))
+
+
+def derivative_of(request: Request, by: str, position: str) -> str:
+    """Return the name of the derivative of a requested quantity or reduction."""
+    of: Any = Quantity(request.quantity)
+    if request.reduction is not None:
+        of = Reduced(of, request.reduction.suffix, position if request.is_position else "")
+    return str(Derivative(of, by))
+
 
 #: Most designs in one call of a kernel, and bytes of their results: they fit the cache of one core.
 BLOCK, BLOCK_BYTES = 1024, 1 << 20

@@ -13,19 +13,20 @@ import numpy as np
 from llvmlite import ir
 from numba.extending import intrinsic
 
-from fastlink.catalogue.sizes import LEAST, MOST
 from fastlink.codegen.kernel import MachineCode
 from fastlink.codegen.numba_backend import OPTIONS
-from fastlink.engine.binding import COUNT, VECTOR
+from fastlink.engine.run import COUNT, VECTOR
 from fastlink.errors import InputError, Setting
+from fastlink.facts.sizes import LEAST, MOST
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from fastlink.engine.binding import FunctionKernel
+    from fastlink.engine.run import FunctionKernel
     from fastlink.facts.fact import Input
 
 __all__ = ["JITTED_BLOCK", "Apart", "jitted_of"]
+
 
 #: Designs in one call of a kernel.
 JITTED_BLOCK = 64
@@ -183,7 +184,7 @@ class _Layout:
 
 @dataclass(frozen=True)
 class Apart:
-    """Designs that are far from 1, see `fastlink.catalogue.sizes`: Python evaluates them in units of their own.
+    """Designs that are far from 1, see `fastlink.facts.sizes`: Python evaluates them in units of their own.
 
     Attributes
     ----------
@@ -221,26 +222,7 @@ def jitted_of(
     trailing: tuple[int, ...],
     apart: Apart,
 ) -> Any:
-    """Return a function of arrays (inputs,) or (inputs, n) for callers in numba.
-
-    Parameters
-    ----------
-    kernels : sequence of FunctionKernel
-        Bound for `JITTED_BLOCK` designs.
-    declared : sequence of Input
-        The inputs.
-    shapes : sequence of tuple of int
-        The shape of each output of one design, with 1 along the axes that it lacks.
-    trailing : tuple of int
-        The last axes of the result.
-    apart : Apart
-        What evaluates designs that are far from 1.
-
-    Raises
-    ------
-    InputError
-        A kernel has no address: numba compiled it.
-    """
+    """Return a function of arrays (inputs,) or (inputs, n) for callers in numba."""
     if not all(isinstance(one.bound.task.code, MachineCode) for one in kernels):
         what = "jitted calls kernels by address, which those of backend 'numba' do not have"
         raise InputError(what, where=("function",), remedy=("write ", Setting("backend", "llvm")))

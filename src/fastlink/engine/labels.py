@@ -8,10 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink._version import __version__, version
-from fastlink.catalogue.catalogue import Catalogue, Fact, Input
+from fastlink._text import __version__, version
 from fastlink.engine.resolve import ResolvedSweep, axis_lengths
-from fastlink.io.dataset import (
+from fastlink.facts.catalogue import Catalogue
+from fastlink.facts.derivative import in_a_sentence, worded
+from fastlink.facts.fact import Fact, Input
+from fastlink.facts.own import definition_text
+from fastlink.io.layout import (
     Variable,
     assemble,
     computed_coordinates,
@@ -20,26 +23,26 @@ from fastlink.io.dataset import (
     of_code,
     plain_attrs,
 )
-from fastlink.own.definition import definition_text
-from fastlink.plan.gradients import STATUS_FLAGS, units_of
-from fastlink.plan.plan import Plan
-from fastlink.plan.program import Output
-from fastlink.plan.query import Request
-from fastlink.space.dataset import CURVES, MAPS
-from fastlink.space.design_space import BRANCH, EXTREMUM, DesignSpace
-from fastlink.space.values import frozen
-from fastlink.symbolic.changes import worded
-from fastlink.symbolic.derivative import in_a_sentence
+from fastlink.plan.programs import Output, Plan
+from fastlink.plan.query import STATUS_FLAGS, Request, units_of
+from fastlink.space.design_space import BRANCH, EXTREMUM, DesignSpace, frozen
+from fastlink.space.tables import CURVES, MAPS
 
 if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-    from fastlink.space.column import Column
+    from fastlink.space.design_space import Column
 
 __all__ = [
-    *("computed", "coordinates_of", "global_attrs", "labelled", "request_labels", "sweep_coordinates"),
-    *("variables", "variables_of"),
+    "computed",
+    "coordinates_of",
+    "global_attrs",
+    "labelled",
+    "request_labels",
+    "sweep_coordinates",
+    "variables",
+    "variables_of",
 ]
 
 

@@ -8,16 +8,24 @@ from functools import partial
 from typing import Any
 
 from fastlink._text import short_repr
-from fastlink.errors import InputError, KeyPath, Problems
-from fastlink.io.attributes import check_attrs
-from fastlink.io.merged import CORE_TIME, JOINED
-from fastlink.io.parts import OF_PARTS, check_part
+from fastlink.errors import (
+    InputError,
+    KeyPath,
+    Problems,
+    check_choice,
+    check_output,
+    check_switch,
+    check_whole,
+)
+from fastlink.io.joining import CORE_TIME, JOINED
+from fastlink.io.layout import check_attrs
+from fastlink.io.reader import OF_PARTS, check_part
 from fastlink.mechanisms import NAMES, inputs_of
-from fastlink.options import check_choice, check_output, check_switch, check_whole
 from fastlink.precision import check_verify
-from fastlink.space.dataset import FORMAT, LAYOUTS
+from fastlink.space.tables import FORMAT, LAYOUTS
 
 __all__ = ["CHECKS", "Check", "check_options", "check_workers", "is_reserved", "optional"]
+
 
 Check = Callable[[KeyPath, Any], Any]
 
@@ -105,13 +113,6 @@ CHECKS: dict[str, Check] = {
 
 def check_options(given: Mapping[str, Any], further: Mapping[str, Check] | None = None) -> dict[str, Any]:
     """Return the options of a call after their checks; all problems are raised together.
-
-    Parameters
-    ----------
-    given : mapping
-        The options by name.
-    further : mapping, optional
-        The checks of options that only this door has.
 
     Examples
     --------

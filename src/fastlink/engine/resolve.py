@@ -3,49 +3,166 @@
 from __future__ import annotations
 
 import hashlib
+import math
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fastlink._text import short_repr
 from fastlink.codegen.cache import environment
-from fastlink.codegen.kernel import Kernel, kernel_of
-from fastlink.engine.binding import KernelTask
-from fastlink.engine.checks import CheckedRequest, check
+from fastlink.codegen.kernel import Kernel, backend_of, kernel_of
 from fastlink.engine.designs import designs_of, without
-from fastlink.engine.executor import Job, Shapes
-from fastlink.engine.scaling import ScalingAxis, find_scaling_axis
-from fastlink.engine.sizes import UnitsOfDesigns
-from fastlink.errors import InputError, KeyPath, Problem, Problems
+from fastlink.engine.run import Job, KernelTask, Shapes
+from fastlink.engine.scaling import ScalingAxis, UnitsOfDesigns, find_scaling_axis
+from fastlink.errors import InputError, KeyPath, Problem, Problems, check_path
+from fastlink.facts.catalogue import ELIMINATED
+from fastlink.facts.derivative import is_tolerance, tolerance_name
+from fastlink.facts.own import used
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.mechanisms import name_of
-from fastlink.options import check_path
-from fastlink.own.catalogue import used
-from fastlink.plan.plan import Plan, all_declared, make_plan
-from fastlink.plan.pointwise import ANGLES_FOR_LANES
-from fastlink.plan.positions import in_degrees
-from fastlink.plan.query import Extrema, with_companions
-from fastlink.plan.validate import all_choices, constants_of, joined_missing, missing_inputs
-from fastlink.space.column import definition_of
-from fastlink.space.dataset import CURVES
-from fastlink.space.degrees import COMMENT
-from fastlink.space.design_space import EXTREMUM
-from fastlink.space.table import as_space
+from fastlink.plan.programs import ANGLES_FOR_LANES, Plan, all_declared, make_plan
+from fastlink.plan.query import Extrema, check_names, parse_request, with_companions
+from fastlink.plan.request import (
+    all_choices,
+    check_branches,
+    check_extrema,
+    check_inputs,
+    check_keywords,
+    check_model,
+    check_positions,
+    check_turn,
+    constants_of,
+    given_angles,
+    in_degrees,
+    joined_missing,
+    missing_inputs,
+    selected_variants,
+    unknown_input,
+)
+from fastlink.space.design_space import COMMENT, EXTREMUM, angle_of, definition_of, in_unit, numbers_of
+from fastlink.space.tables import CURVES, as_space
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from numpy.typing import NDArray
 
-    from fastlink.catalogue.catalogue import Catalogue
-    from fastlink.engine.extending import Extension
-    from fastlink.own.definition import Definition
-    from fastlink.space.design_space import DesignSpace
+    from fastlink.engine.extend import Extension
+    from fastlink.facts.catalogue import Catalogue
+    from fastlink.facts.fact import Input
+    from fastlink.facts.own import Definition
+    from fastlink.space.design_space import DesignSpace, Links
 
-__all__ = ["ResolvedSweep", "axis_lengths", "cached_plan", "resolve"]
+__all__ = ["ResolvedSweep", "axis_lengths", "cached_plan", "check", "given_tolerances", "resolve"]
+
+
+# -- Check a request part by part, so that all its problems are reported together
+
+
+@dataclass(frozen=True, eq=False)
+class CheckedRequest:
+    """A request whose parts are each without problems.
+
+    Attributes
+    ----------
+    catalogue : Catalogue
+        The mechanism, as driven by the input.
+    names : tuple of str
+        The quantities.
+    links : Links or None
+        The model of the links.
+    solver : str
+        How reactions are computed.
+    variants : tuple of str
+        The selected sets of facts.
+    branches : tuple of int
+        Assembly modes.
+    positions : array
+        Input positions.
+    extrema : {"refined", "sampled"}
+        How extremes are computed.
+    backend : str
+        What compiles the kernels.
+    declared : tuple
+        See `all_declared`.
+    """
+
+    catalogue: Catalogue
+    names: tuple[str, ...]
+    links: Links | None
+    solver: str
+    variants: tuple[str, ...]
+    branches: tuple[int, ...]
+    positions: NDArray[Any]
+    extrema: Extrema
+    backend: str
+    declared: tuple[Any, ...]
+
+
+def check(
+    mechanism: str | Extension,
+    space: DesignSpace | None,
+    quantities: Sequence[str],
+    *,
+    links: Links | None = None,
+    input: str | None = None,
+    angles: Any = None,
+    positions: Mapping[str, Any] | None = None,
+    options: Iterable[str] = (),
+    branch: int | Sequence[int] = (1, 2),
+    solver: str = ELIMINATED,
+    extrema: str | None = None,
+    allow_invalid: bool = False,
+    backend: str | None = None,
+    companions: bool = True,
+    parameter: str = "quantities",
+) -> CheckedRequest:
+    """Check each part of a request; all problems are raised together."""
+    catalogue, problems = find_catalogue(mechanism, input), Problems()
+    declared = all_declared(catalogue)
+    names: tuple[str, ...] = ()
+    with problems.at():
+        names = check_names(parameter, quantities)
+        _check_quantities(catalogue, declared, names, parameter)
+        names = names if "status" in names or not companions else (*names, "status")
+    with problems.at():
+        check_model(catalogue, links, solver)
+    variants = selected_variants(catalogue, links, solver, () if space is None else space.names)
+    if space is not None:
+        with problems.at():
+            check_inputs(catalogue, space, variants, allow_invalid)
+    with problems.at():
+        branches = check_branches(catalogue, branch)
+    with problems.at():
+        check_keywords(mechanism, catalogue, positions or (), options)
+    with problems.at():
+        key, given = given_angles(catalogue, angles, positions or {})
+        values = check_positions(catalogue, given, key)
+        if not problems.noted:
+            check_turn(catalogue, names, given)
+        method = check_extrema(extrema, catalogue, given)
+    with problems.at():
+        compiler = backend_of(backend)
+    problems.stop()
+    return CheckedRequest(
+        catalogue, names, links, solver, variants, branches, values, method, compiler, declared
+    )
+
+
+@lru_cache(maxsize=256)
+def _check_quantities(
+    catalogue: Catalogue, declared: tuple[Any, ...], names: tuple[str, ...], parameter: str
+) -> None:
+    """Refuse unknown quantities; checked once, since it takes longer than all other checks together (0.15 ms)."""
+    problems = Problems()
+    for k, name in enumerate(names):
+        with problems.at(parameter, k):
+            parse_request(name, catalogue)
+    problems.stop()
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +188,7 @@ class ResolvedSweep:
     one_branch : bool
         Whether the assembly mode was given as a scalar, which makes it a coordinate instead of a dimension.
     layout : str
-        How the results lie in a file, one of `fastlink.io.placement.LAYOUTS`.
+        How the results lie in a file, one of `fastlink.io.layout.LAYOUTS`.
     """
 
     mechanism: str
@@ -156,13 +273,7 @@ class ResolvedSweep:
         return kernel.places(self.evaluated.size, self.positions.size)
 
     def job(self, runs: float = 1) -> Job:
-        """Return the compiled kernels with the designs and positions that they run on.
-
-        Parameters
-        ----------
-        runs : float
-            How often all designs are evaluated.
-        """
+        """Return the compiled kernels with the designs and positions that they run on."""
         names = [output.name for output in self.plan.outputs]
         tasks = [
             KernelTask(
@@ -205,24 +316,7 @@ def resolve(
     parameter: str = "quantities",
     **options: Any,
 ) -> ResolvedSweep:
-    """Check a request and plan it; nothing is compiled.
-
-    Parameters
-    ----------
-    mechanism, space, quantities
-        As in `fastlink.sweep`.
-    companions : bool
-        Whether to add the status of each design, and what belongs to a list of extremes.
-    parameter : str
-        The parameter that holds the quantities.
-    **options
-        Of `fastlink.engine.checks.check`.
-
-    Raises
-    ------
-    InputError
-        Bad input; the message says what, where, and what to write instead.
-    """
+    """Check a request and plan it; nothing is compiled."""
     problems, designs = Problems(), None
     catalogue = find_catalogue(mechanism, options.get("input"))
     with problems.at():
@@ -325,3 +419,53 @@ def _plan(
     catalogue: Catalogue, declared: tuple[Any, ...], names: tuple[str, ...], companions: bool, **options: Any
 ) -> Plan:
     return make_plan(catalogue, with_companions(catalogue, names) if companions else names, **options)
+
+
+# -- Read tolerances of inputs as callers and studies give them: in the units of the inputs, or in per cent
+
+
+def given_tolerances(
+    catalogue: Catalogue, tolerances: Mapping[str, Any], parent: str, problems: Problems
+) -> dict[str, float]:
+    """Return tolerances by the names that they have in a design: numbers, or texts in per cent."""
+    known = {name: one for name, one in catalogue.all_inputs.items() if not is_tolerance(name)}
+    known[catalogue.position.name] = catalogue.position
+    found: dict[str, float] = {}
+    for name, value in tolerances.items():
+        of = name if name in known else angle_of(name)
+        if of not in known:
+            problems.noted.append(unknown_input(catalogue, name, known, parent))
+        elif known[of].choices:
+            problems.add("is a code, which has no tolerance", (parent, name), "leave it out")
+        else:
+            with problems.at():
+                own, number = _tolerance(name, of, value, known[of], parent)
+                found[own] = number
+    return found
+
+
+def _tolerance(name: str, of: str, value: Any, declared: Input, parent: str) -> tuple[str, float]:
+    """Return a tolerance and the name that it has in a design."""
+    unit = "degrees" if name != of else declared.units
+    remedy = f"write a number of at least 0{'' if unit == '1' else f' in {unit}'}"
+    remedy += "" if name != of else ', or a text such as "0.1 %"'
+    if share := isinstance(value, str):
+        number = _percent(value) if name == of else None
+    else:
+        numbers = in_unit(
+            (parent, name), value, numbers_of(parent, name, value), "" if name != of else declared.units
+        )
+        number = float(numbers) if numbers.ndim == 0 else None
+    if number is None or not 0.0 <= number < math.inf:
+        raise InputError(f"is {short_repr(value)}", where=(parent, name), remedy=remedy)
+    own = tolerance_name(of, relative=share)
+    return own if name == of else f"{own}_deg", number
+
+
+def _percent(text: str) -> float | None:
+    """Return the share that a text in per cent means, None for another text."""
+    number, sign, rest = text.partition("%")
+    try:
+        return float(number) / 100.0 if sign and not rest.strip() else None
+    except ValueError:
+        return None

@@ -2,37 +2,307 @@
 
 from __future__ import annotations
 
+import hashlib
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fastlink.catalogue.declare import ELIMINATED
-from fastlink.doors import door
+import numpy as np
+
 from fastlink.engine import labels
-from fastlink.engine.evaluation import Evaluation
-from fastlink.engine.executor import default_threads
 from fastlink.engine.options import check_options, check_workers
 from fastlink.engine.resolve import resolve
-from fastlink.engine.sinks import ProgressBar
-from fastlink.errors import Problems
-from fastlink.io.parts import check_size
-from fastlink.io.writing.target import check_target
+from fastlink.engine.run import BLOCK_BYTES, Sink, default_threads, row_bytes, run
+from fastlink.engine.sinks import (
+    ProgressBar,
+    StatusCounts,
+    allocated,
+    bytes_at_once,
+    check_needs,
+    designs_per_block,
+    into,
+    tee,
+    within,
+)
+from fastlink.errors import Problems, door
+from fastlink.facts.catalogue import ELIMINATED
+from fastlink.io.checksums import joined_ranges
+from fastlink.io.finished import finished_map
+from fastlink.io.layout import HISTORY, history, plain_attrs
+from fastlink.io.partial_file import check_target
+from fastlink.io.reader import Part, PartOfMap, check_size
+from fastlink.io.writer import Writer
 from fastlink.maps import open as open_map
-from fastlink.space.dataset import CURVES
+from fastlink.precision import DESIGNS, Verification
+from fastlink.space.design_space import DESIGN, Counted, held, part_of
+from fastlink.space.tables import CURVES, MAPS
 
 if TYPE_CHECKING:
     import xarray as xr
     from distributed import Client
-    from numpy.typing import ArrayLike
+    from numpy.typing import ArrayLike, NDArray
 
-    from fastlink.engine.extending import Extension
-    from fastlink.space.design_space import DesignSpace
-    from fastlink.space.links import Links
+    from fastlink.engine.cluster import Cluster
+    from fastlink.engine.extend import Extension
+    from fastlink.engine.resolve import ResolvedSweep
+    from fastlink.io.checksums import Range
+    from fastlink.io.layout import Variable
+    from fastlink.space.design_space import DesignSpace, Links
 
-__all__ = ["sweep"]
+__all__ = ["Evaluation", "consecutive", "sweep"]
+
+
+# -- The designs of a part of a sweep, and what it keeps of the whole
+
+
+def consecutive(space: DesignSpace, start: int, stop: int) -> DesignSpace:
+    """Return designs ``start`` to ``stop - 1`` of a space along the one dimension ``design``."""
+    return replace(space.consecutive(start, stop), attrs=space.attrs)
+
+
+def whole_coordinates(resolved: ResolvedSweep, start: int, stop: int) -> xr.Dataset:
+    """Return what a part of a sweep does not tell itself of the coordinates of the whole map.
+
+    These are its axes; the numbers that a table gives its designs, of those with rows in the part, where several rows
+    follow from each; and as attributes the dimensions of the designs and their lengths.
+    """
+    space = resolved.space
+    dims, own = dict(zip(space.dims, space.shape, strict=True)), dict[str, Any]()
+    shared = space.size // dims.pop(DESIGN, space.size)
+    if shared > 1 and not isinstance(number := space.labels.get(DESIGN), (Counted, type(None))):
+        own[DESIGN] = part_of(number, 1, start // shared, -(-stop // shared))
+        dims = {DESIGN: len(own[DESIGN]), **dims}
+    kept = {"dims": tuple(dims), "shape": tuple(dims.values()), "columns": {}, "constants": {}, "labels": own}
+    coords = labels.sweep_coordinates(resolved.plan, replace(space, **kept), resolved.positions)  # type: ignore[arg-type]
+    coords = coords.drop_vars([name for name in coords.coords if name not in (*space.axes, *own)])
+    coords.attrs = {"dims": " ".join(space.dims), **({"shape": np.array(space.shape)} if space.dims else {})}
+    return coords
+
+
+# -- The evaluation of a resolved sweep, into memory or a file
+
+
+#: Designs of an earlier run that are read at once.
+REPLAYED = 4096
+
+
+class Evaluation:
+    """A sweep from its resolved request to its labelled results.
+
+    Attributes
+    ----------
+    whole : ResolvedSweep
+        The request, whose kernels run.
+    resolved : ResolvedSweep
+        The same of the designs of the part, which label the results.
+    """
+
+    def __init__(
+        self,
+        resolved: ResolvedSweep,
+        threads: int,
+        block: int | None,
+        verify: int | None,
+        in_memory: bool,
+        *,
+        part: Part | None = None,
+        cluster: Cluster | None = None,
+    ) -> None:
+        verify = (0 if in_memory else DESIGNS) if verify is None else verify
+        self.whole, self.part, self.cluster = resolved, part, cluster
+        self.range = (0, resolved.space.size) if part is None else part.range(resolved.space.size)
+        if part is not None:
+            resolved = replace(resolved, space=consecutive(resolved.space, *self.range))
+        plan, space, positions = resolved.plan, resolved.space, resolved.positions
+        self.variables = labels.variables_of(resolved)
+        if in_memory:  # there values stay as they are computed, and only dimensions change places
+            resolved = replace(resolved, layout=CURVES)
+        self.resolved, self.threads, self.block = resolved, threads, block
+        #: Coordinates that are computed block by block, beside the results.
+        self.columns = labels.computed(plan, space)
+        self.nbytes = sum(variable.nbytes for variable in (self.variables if in_memory else self._written))
+        check_needs(resolved, threads, block, verify, self.nbytes if in_memory else 0)
+        self.counts = StatusCounts(plan)
+        self.verification = Verification(plan, space, positions, verify) if verify else None
+
+    def finished(self, to: str | Path, attrs: Mapping[str, Any]) -> xr.Dataset | None:
+        """Return the map of this request if it is there already, None where no file is; refuse another file."""
+        verified = 0 if self.verification is None else self.verification.designs.size
+        return finished_map(
+            to,
+            self._fingerprint(attrs),
+            verified=verified,
+            coords=self._coordinates(),
+            variables=self._written,
+            attrs=self._labelled(attrs),
+        )
+
+    @property
+    def _written(self) -> list[Variable]:
+        """All variables that are written block by block."""
+        return [*self.variables, *(variable for variable, _ in self.columns)]
+
+    def _coordinates(self) -> xr.Dataset:
+        return labels.coordinates_of(self.resolved, [variable.name for variable, _ in self.columns])
+
+    def load(self, started: float) -> None:
+        """Compile or load the kernels, and note the time since the sweep has started."""
+        self.job = self.whole.job()
+        resolved = self.resolved
+        if resolved.scaling_axis is not None or self.part is not None or resolved.layout == MAPS:
+            self.block = designs_per_block(resolved, self.threads, self.block)
+        self.loaded = time.perf_counter()
+        self.set_up_time = self.loaded - started
+
+    def in_memory(self, show: Sink, attrs: Mapping[str, Any]) -> xr.Dataset:
+        """Evaluate all designs, and return the labelled results."""
+        arrays = allocated(self.job.shapes, self.resolved.space.size)
+        sink, axis = self._sink(show), self.resolved.scaling_axis
+        columns = {variable.name: np.empty(variable.shape, variable.dtype) for variable, _ in self.columns}
+
+        def hold(name: str, start: int, values: NDArray[Any]) -> None:
+            columns[name][start : start + len(values)] = values
+
+        sink = tee(self._of_columns(hold), sink) if columns else sink
+        if axis is None and self.part is None and self.cluster is None:
+            run(self.job, targets=arrays, sink=sink, threads=self.threads, block=self.block)
+        else:
+            self._run(tee(into(arrays), sink))
+        statistics = self._statistics()
+        measured, errors = self._errors()
+        variables = [replace(v, attrs=v.attrs | errors.get(v.name, {})) for v in self.variables]
+        attrs = {**self._labelled(attrs), **statistics, **measured}
+        resolved = self.resolved
+        if columns:
+            resolved = replace(resolved, space=held(resolved.space, columns))
+        return labels.labelled(resolved, variables, arrays, attrs)
+
+    def to_file(
+        self, path: Path, show: Sink, attrs: Mapping[str, Any], *, overwrite: bool, restart: bool
+    ) -> None:
+        """Evaluate all designs into a file, or the rest of a killed run."""
+        options: dict[str, Any] = {"overwrite": overwrite, "restart": restart}
+        if self.part is None:
+            options |= {"run": (self._fingerprint(attrs), self.job.size), "rows": self.resolved.scaling_axis}
+        else:
+            options |= {"run": (self._fingerprint(attrs), self.resolved.space.size)}
+            options |= {"whole": whole_coordinates(self.whole, *self.range)}
+        swept = len(self.resolved.space.shape)
+        rows = [(v.name, v.shape[: v.leading] or v.shape[swept:]) for v in self.variables]
+        with Writer(path, self._coordinates(), self._written, self._labelled(attrs), **options) as writer:
+            # both travel to the workers of a cluster, and the evaluation does not
+            def write(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
+                for (name, row), array in zip(rows, arrays, strict=True):
+                    writer.write(name, start, array.reshape(len(array), *row))
+
+            def record(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
+                writer.record(start, stop)
+
+            sink = self._sink(show)
+            resumed = self._replay(writer, sink)
+            self._run(tee(write, self._of_columns(writer.write), sink), record, writer.pending)
+            statistics = self._statistics(resumed)
+            measured, errors = self._errors()  # an interrupt leaves a partial file that goes on from here
+            made = {HISTORY: history(f"sweep {self.resolved.mechanism} to {path.name}")}
+            writer.finish(statistics | measured | made, errors)
+
+    def _of_columns(self, write: Callable[[str, int, NDArray[Any]], None]) -> Sink:
+        """Return a sink that writes the coordinates which are computed with some designs."""
+        size, columns = self.resolved.space.size, self.columns
+
+        def pass_on(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
+            for variable, column in columns:
+                first, last = variable.placement(size).own(start, stop)
+                write(variable.name, first, column.piece(first, last))
+
+        return pass_on
+
+    def _run(self, sink: Sink, record: Sink | None = None, pending: list[Range] | None = None) -> None:
+        """Evaluate designs."""
+        axis, at_once = self.resolved.scaling_axis, bytes_at_once(self.resolved)
+        if self.part is None:
+            sink = axis.over(sink, at_once) if axis else sink
+            sink = tee(sink, record) if record else sink
+        else:
+            first, (start, stop) = self.range[0], self.range
+            every = [(0, stop - start)] if pending is None else pending
+            rows = [(first + a, first + b) for a, b in every]
+            sink = within(rows, tee(sink, record) if record else sink, first)
+            # designs that only scale with those of another part are evaluated for both
+            pending = (
+                joined_ranges([piece for row in rows for piece in axis.evaluated(*row)]) if axis else rows
+            )
+            sink = axis.over(sink, at_once) if axis else sink
+        if self.cluster is None:
+            how: dict[str, Any] = {"threads": self.threads, "block": self.block, "apart": record is not None}
+            run(self.job, sink=sink, pending=pending, **how)
+        else:
+            travels = record is not None
+            self.cluster.run(self.job, sink, travels=travels, block=self.block, pending=pending)
+
+    def _sink(self, show: Sink) -> Sink:
+        """Return the sink of the results besides the file or the arrays."""
+        verified = [] if self.verification is None else [self.verification.collect]
+        return tee(self.counts.take, *verified, show)
+
+    def _statistics(self, resumed: int = 0) -> dict[str, Any]:
+        """Return numbers of designs and their speed, as global attributes."""
+        run_time = time.perf_counter() - self.loaded
+        resolved, size = self.resolved, self.resolved.space.size
+        rate = (size - resumed) / run_time
+        attrs = {"designs": size, "set_up_time_s": self.set_up_time, "run_time_s": run_time}
+        if resumed:
+            attrs["designs_of_earlier_runs"] = resumed
+        attrs["designs_per_second"] = rate
+        if resolved.plan.uses_position:
+            of_each = len(resolved.branches) * resolved.positions.size
+            attrs |= {"configurations": size * of_each, "configurations_per_second": rate * of_each}
+        return attrs | self.counts.attrs()
+
+    def _errors(self) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
+        """Return the measured errors as global attributes, and as those of each variable."""
+        return ({}, {}) if self.verification is None else self.verification.measure()
+
+    def _labelled(self, attrs: Mapping[str, Any]) -> dict[str, Any]:
+        """Return global attributes, of a part with those that tell which."""
+        return {**attrs, **({} if self.part is None else self._of_map(attrs).attrs())}
+
+    def _of_map(self, attrs: Mapping[str, Any]) -> PartOfMap:
+        assert self.part is not None
+        return PartOfMap(self.part, self._whole_fingerprint(attrs), self.whole.space.size)
+
+    def _fingerprint(self, attrs: Mapping[str, Any]) -> str:
+        """Return a hash that no other sweep's file has, however many threads write it."""
+        return self._whole_fingerprint(attrs) if self.part is None else self._of_map(attrs).fingerprint
+
+    def _whole_fingerprint(self, attrs: Mapping[str, Any]) -> str:
+        """Return the hash of the request of all designs, the same in each part."""
+        whole = self.whole
+        variables = labels.variables_of(whole)
+        rest = {
+            name: value.tolist() if isinstance(value, np.ndarray) else value  # whose repr leaves values out
+            for name, value in plain_attrs(attrs).items()
+            if name != "threads"
+        }
+        return hashlib.sha256(repr((whole.fingerprint, rest, variables)).encode()).hexdigest()
+
+    def _replay(self, writer: Writer, sink: Sink) -> int:
+        """Pass on the results of a killed run, and return the number of its designs."""
+        axis, count = None if self.part else self.resolved.scaling_axis, 0
+        step = max(1, min(REPLAYED, BLOCK_BYTES // row_bytes(self.job.shapes)))
+        rows = zip(self.variables, self.job.shapes, strict=True)
+        # only what the sinks look at is read
+        values = [writer.values(variable.name, shape) for variable, (shape, _) in rows]
+        for start, stop in writer.written:
+            for first, last in axis.ranges(start, stop) if axis else [(start, stop)]:
+                count += last - first
+                for k in range(first, last, step):
+                    end = min(k + step, last)
+                    sink(k, end, [array[k:end] for array in values])
+        return count
 
 
 @door
@@ -183,7 +453,7 @@ def sweep(
     threads, target = checked["threads"] or default_threads(), checked["to"]
     cluster = None
     if checked["client"] is not None:
-        from fastlink.engine.distributed import Cluster  # 25 ms of imports, for clusters alone
+        from fastlink.engine.cluster import Cluster  # 25 ms of imports, for clusters alone
 
         cluster = Cluster(checked["client"])
     options = 1 if cluster else threads, checked["block"], checked["verify"], target is None

@@ -17,9 +17,19 @@ from typing import Any, Literal
 from fastlink.numerics.compiler import syntax
 
 __all__ = [
-    "CatalogueError", "Fact", "GradedRange", "Input", "KnownExtremes", "Rule", "System", "first_line", "needs_of",
-    "parameters", "statements",
-]  # fmt: skip
+    "CatalogueError",
+    "Fact",
+    "GradedRange",
+    "Input",
+    "KnownExtremes",
+    "Rule",
+    "System",
+    "first_line",
+    "needs_of",
+    "parameters",
+    "statements",
+]
+
 
 Rule = Literal["positive", "non-negative", "any"]
 
@@ -209,13 +219,7 @@ def parameters(function: Callable[..., Any]) -> tuple[str, ...]:
 
 @cache
 def statements(function: Callable[..., Any]) -> tuple[ast.stmt, ...]:
-    """Return the statements of a fact, checked against the grammar, without docstring.
-
-    Raises
-    ------
-    CatalogueError
-        It is not straight-line code: assignments and one return at the end.
-    """
+    """Return the statements of a fact, checked against the grammar, without docstring."""
     tree = syntax(function)
     body = tree.body[1:] if ast.get_docstring(tree) is not None else tree.body
     name = function.__name__

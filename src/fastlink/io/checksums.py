@@ -7,22 +7,22 @@ followed by B is that of A, shifted by the length of B, plus (modulo 2) that of 
 
 from __future__ import annotations
 
+import math
 import os
 import struct
 import threading
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from fastlink.io.ranges import joined, missing
-
-try:  # the same numbers, three to five times as fast
-    from isal.isal_zlib import crc32
-except ImportError:
-    from zlib import crc32
+from fastlink._text import counted, short_repr
+from fastlink.errors import InputError
 
 __all__ = [
     "ALGORITHM",
@@ -30,18 +30,124 @@ __all__ = [
     "CHECKSUMS",
     "OF_REST",
     "OF_VALUES",
+    "Range",
+    "Ranges",
+    "Stored",
+    "Values",
     "add",
     "all_but",
     "block_count",
+    "check_own",
     "crc32",
+    "missing",
     "of_file",
     "of_pieces",
+    "open_to_read",
+    "pieces",
     "read_all",
     "seal",
     "seal_is_broken",
     "sealed_labels",
     "seek_lock",
 ]
+
+
+# -- Ranges of numbers, such as those of designs that are written: each from its start to before its stop
+
+
+Range = tuple[int, int]
+#: Ranges that are kept apart until they are joined.
+FEW_RANGES = 64
+
+
+def joined_ranges(ranges: list[Range]) -> list[Range]:
+    """Return ranges in order, and join those that touch.
+
+    Examples
+    --------
+    >>> joined_ranges([(4, 6), (0, 2), (2, 4), (8, 9)])
+    [(0, 6), (8, 9)]
+    """
+    result: list[Range] = []
+    for start, stop in sorted(ranges):
+        if result and start <= result[-1][1]:
+            result[-1] = result[-1][0], max(stop, result[-1][1])
+        else:
+            result.append((start, stop))
+    return result
+
+
+def missing(written: list[Range], size: int) -> list[Range]:
+    """Return the parts of 0 to `size` that ordered ranges leave out.
+
+    Examples
+    --------
+    >>> missing([(0, 6), (8, 9)], 12)
+    [(6, 8), (9, 12)]
+    """
+    ends = [0, *(stop for _, stop in written)]
+    starts = [*(start for start, _ in written), size]
+    return [(a, b) for a, b in zip(ends, starts, strict=True) if a < b]
+
+
+class Ranges:
+    """Ranges that are added one by one; joined from time to time, not each time, which would take ever longer.
+
+    Examples
+    --------
+    >>> ranges = Ranges([(0, 2)])
+    >>> ranges.add(4, 6)
+    >>> ranges.add(2, 4)
+    >>> ranges.joined()
+    [(0, 6)]
+    """
+
+    def __init__(self, ranges: Iterable[Range] = ()) -> None:
+        self._ranges, self._most = list(ranges), FEW_RANGES
+
+    def add(self, start: int, stop: int) -> None:
+        """Add a range."""
+        self._ranges.append((start, stop))
+        if len(self._ranges) > self._most:
+            self._ranges = joined_ranges(self._ranges)
+            self._most = 2 * len(self._ranges) + FEW_RANGES
+
+    def joined(self) -> list[Range]:
+        """Return all ranges in order, those that touch joined."""
+        return joined_ranges(self._ranges)
+
+
+def pieces(
+    shape: tuple[int, ...], most: int, steps: tuple[int, ...] = ()
+) -> Iterator[tuple[tuple[int | slice, ...], int]]:
+    """Yield index and first flat number of consecutive pieces of an array, in C order.
+
+    Examples
+    --------
+    >>> list(pieces((2, 3), 2))[:2]
+    [((0, slice(0, 2, None)), 0), ((0, slice(2, 3, None)), 2)]
+    """
+    if not math.prod(shape):
+        return
+    if not shape:
+        yield (), 0
+        return
+    lead = next(k for k in range(len(shape)) if math.prod(shape[k + 1 :]) <= most or k == len(shape) - 1)
+    below = math.prod(shape[lead + 1 :])
+    rows = max(1, most // below)
+    if steps:
+        rows = rows // steps[lead] * steps[lead] or rows
+    for number, outer in enumerate(np.ndindex(shape[:lead])):
+        for start in range(0, shape[lead], rows):
+            stop = min(start + rows, shape[lead])
+            yield (*outer, slice(start, stop)), (number * shape[lead] + start) * below
+
+
+try:  # the same numbers, three to five times as fast
+    from isal.isal_zlib import crc32
+except ImportError:
+    from zlib import crc32
+
 
 #: The group of the checksums: of the values, block by block, and of all else in the file.
 CHECKSUMS, OF_VALUES, OF_REST = "checksums", "checksums/values", "checksums/rest"
@@ -78,15 +184,7 @@ def block_count(nbytes: int) -> int:
 
 
 def of_pieces(pieces: Iterable[tuple[int, Any]], nbytes: int) -> list[tuple[int, int]]:
-    """Return what pieces of the values of a variable add to the checksums of its blocks: block and addend.
-
-    Parameters
-    ----------
-    pieces : iterable of (position, data)
-        Where each begins, in bytes from the first value, and its bytes.
-    nbytes : int
-        Bytes of all values.
-    """
+    """Return what pieces of the values of a variable add to the checksums of its blocks: block and addend."""
     blocks, crcs, shifts = [], [], []
     for position, data in pieces:
         end = position + len(data)
@@ -108,17 +206,7 @@ def add(sums: dict[int, int], addends: Iterable[tuple[int, int]]) -> None:
 
 
 def of_file(fd: int, left_out: Mapping[int, int], zeros: tuple[int, int]) -> int:
-    """Return the checksum of a file without some parts.
-
-    Parameters
-    ----------
-    fd : int
-        The open file.
-    left_out : mapping of int to int
-        Bytes that are left out, by where they begin.
-    zeros : (start, stop)
-        Bytes that count as zeros.
-    """
+    """Return the checksum of a file without some parts."""
     result = 0
     for position, data in all_but(fd, left_out):
         for place in range(max(zeros[0], position), min(zeros[1], position + len(data))):
@@ -129,7 +217,7 @@ def of_file(fd: int, left_out: Mapping[int, int], zeros: tuple[int, int]) -> int
 
 def all_but(fd: int, left_out: Mapping[int, int]) -> Iterator[tuple[int, bytearray]]:
     """Yield the positions and bytes of a file, in order, without those that begin somewhere and are so many."""
-    gone = joined([(start, start + nbytes) for start, nbytes in left_out.items()])
+    gone = joined_ranges([(start, start + nbytes) for start, nbytes in left_out.items()])
     for start, stop in missing(gone, os.fstat(fd).st_size):
         for position in range(start, stop, READ_BYTES):
             yield position, read_all(fd, min(stop - position, READ_BYTES), position)
@@ -139,17 +227,8 @@ def seal(fd: int, values: Mapping[int, int], rest_at: int) -> tuple[int, bytes]:
     """Return what tells, without HDF5, whether the labels of a map are as they were written, and where it belongs.
 
     HDF5 itself loops for ever, or crashes, on some labels of which one bit is wrong.
-
-    Parameters
-    ----------
-    fd : int
-        The open file, with its labels and the checksums of its values.
-    values : mapping of int to int
-        Bytes of values, by where they begin.
-    rest_at : int
-        Where the checksum of all else stands, which covers the seal and is not covered by it.
     """
-    gone = joined([(start, start + nbytes) for start, nbytes in values.items() if nbytes])
+    gone = joined_ranges([(start, start + nbytes) for start, nbytes in values.items() if nbytes])
     labels = of_file(fd, values, (rest_at, rest_at + 4))
     numbers = [len(gone), rest_at, labels, *(number for ends in gone for number in ends)]
     head = SEAL + struct.pack(f"<{len(numbers)}Q", *numbers)
@@ -164,11 +243,6 @@ def seal_is_broken(path: str | os.PathLike[str]) -> bool:
     """Tell, without HDF5, whether a map's labels have changed since they were sealed.
 
     A file without a seal, of an earlier version or changed by HDF5 since, is not broken.
-
-    Raises
-    ------
-    OSError
-        The file cannot be read.
     """
     return _read_seal(path)[0]
 
@@ -214,13 +288,7 @@ def _end_of_hdf5(fd: int) -> int:
 
 
 def read_all(fd: int, count: int, position: int) -> bytearray:
-    """Read every byte from a position on, however few the system gives at a time; thread-safe.
-
-    Raises
-    ------
-    EOFError
-        The file ends before the last.
-    """
+    """Read every byte from a position on, however few the system gives at a time; thread-safe."""
     result = bytearray()
     while len(result) < count:
         rest, at = count - len(result), position + len(result)
@@ -266,3 +334,109 @@ def _product(a: Any, b: Any) -> Any:
         a = a << 1 & 0xFFFFFFFF
         b = b >> 1 ^ POLYNOMIAL * (b & 1)
     return result
+
+
+# -- The checksums that stand in a file, and the values they are about
+
+
+#: What netCDF calls the scale of a dimension that has no labels.
+NO_VARIABLE = b"This is a netCDF dimension but not a netCDF variable"
+
+
+@dataclass(frozen=True)
+class Values:
+    """The values of a variable: where they begin in the file, their bytes, and the number of their first block."""
+
+    offset: int
+    nbytes: int
+    itemsize: int
+    first: int
+
+
+@dataclass(frozen=True)
+class Stored:
+    """The checksums of a file.
+
+    Attributes
+    ----------
+    block_bytes : int
+        Bytes of a block of values.
+    values : dict of str to Values
+        The values of each variable.
+    sums : list of int
+        The checksum of each block, or None where there are not as many as blocks.
+    rest, rest_at : int
+        That of all else, and where it stands.
+    """
+
+    block_bytes: int
+    values: dict[str, Values]
+    sums: list[int | None]
+    rest: int
+    rest_at: int
+
+    @classmethod
+    def of(cls, file: Any) -> Stored:
+        """Return those of an open file, which has them."""
+        block_bytes, count = int(file[CHECKSUMS].attrs["block_bytes"]), 0
+        if block_bytes < 1:
+            raise ValueError(f"its blocks are of {block_bytes} bytes")
+        values: dict[str, Values] = {}
+        for name in str(file[CHECKSUMS].attrs["variables"]).split():
+            found: h5py.Dataset = file[name]
+            if found.id.get_offset() is None:
+                raise ValueError(f"{name} has no place in the file")
+            values[name] = Values(found.id.get_offset(), found.nbytes, found.dtype.itemsize, count)
+            count += -(-found.nbytes // block_bytes)
+        sums = file[OF_VALUES][:].tolist()
+        rest, rest_at = int(file[OF_REST][0]), file[OF_REST].id.get_offset()
+        return cls(block_bytes, values, sums if len(sums) == count else [None] * count, rest, rest_at)
+
+    def blocks(self, name: str) -> Iterator[tuple[int, Range]]:
+        """Yield the number of each block of a variable, and its range of bytes from the first value."""
+        nbytes = self.values[name].nbytes
+        for k, start in enumerate(range(0, nbytes, self.block_bytes)):
+            yield self.values[name].first + k, (start, min(start + self.block_bytes, nbytes))
+
+    def rest_is_intact(self, fd: int) -> bool:
+        """Tell whether all but the values is as it was written."""
+        values = {one.offset: one.nbytes for one in self.values.values()}
+        return of_file(fd, values, (self.rest_at, self.rest_at + 4)) == self.rest
+
+
+def check_own(path: Path, file: Any) -> None:
+    """Refuse an open file that takes values from other files, or tells of many more than it holds.
+
+    Files of strangers can name any file of their reader's, the bytes of which would appear as values and travel on.
+    """
+
+    def of_link(name: str, link: Any) -> str | None:
+        foreign = isinstance(link, h5py.ExternalLink)
+        return (
+            f"{name} is a link to the file {short_repr(link.filename)}, which is not read"
+            if foreign
+            else None
+        )
+
+    def of_values(name: str, one: Any) -> str | None:
+        if not isinstance(one, h5py.Dataset) or not one.size or one.is_virtual:  # see `parts.check_parts`
+            return None
+        if one.external:
+            return f"the values of {name} are in the file {short_repr(one.external[0][0])}, which is not read"
+        if one.chunks is None:
+            held = one.id.get_storage_size() >= one.nbytes
+        else:
+            held = one.id.get_num_chunks() * math.prod(one.chunks) >= one.size
+        # a netCDF dimension without labels has a length alone
+        if held or one.attrs.get("NAME", b"").startswith(NO_VARIABLE):
+            return None
+        return f"it tells of {counted(one.size, 'value')} of {name}, and does not hold them"
+
+    # h5py ends a visit at the first answer, and does not bear an exception there
+    if what := file.visititems_links(of_link) or file.visititems(of_values):
+        raise InputError(f"{path}: {what}", remedy="give a map that holds its values itself")
+
+
+def open_to_read(path: str | os.PathLike[str]) -> int:
+    """Return the file number of a file that is opened to be read."""
+    return os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))

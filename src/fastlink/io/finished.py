@@ -13,13 +13,13 @@ import numpy as np
 import xarray as xr
 
 from fastlink.errors import InputError
-from fastlink.io.dataset import FINGERPRINT, Variable, plain_attrs
-from fastlink.io.parts import OF_PARTS, PartOfMap, PartsError
+from fastlink.io.layout import FINGERPRINT, Variable, plain_attrs
+from fastlink.io.partial_file import forget_journal, forget_published
 from fastlink.io.place import existing_file, exists_error
-from fastlink.io.reader import open_map
-from fastlink.io.writing.target import forget_journal, forget_published
+from fastlink.io.reader import OF_PARTS, PartOfMap, PartsError, open_map
 
 __all__ = ["FINGERPRINT", "WRITTEN", "finished_map", "marks", "stamp"]
+
 
 #: Global attribute of a map: the time at which it was finished, in ns since 1970.
 WRITTEN = "written_time_ns"
@@ -51,25 +51,7 @@ def finished_map(
     coords: xr.Dataset | None = None,
     variables: Sequence[Variable] = (),
 ) -> xr.Dataset | None:
-    """Return an existing file, opened, if it is the finished map of a request, None where no file is; else refuse it.
-
-    Parameters
-    ----------
-    to : path
-        The file.
-    fingerprint : str
-        The hash of the request.
-    verified : int
-        How many designs are to be computed again at least.
-    attrs, coords, variables
-        The parts of the request, as for a `Writer`, to say in what the file differs; of a search the attributes alone.
-        Coordinates that are written block by block are not looked at, for the attributes say what they follow from.
-
-    Raises
-    ------
-    InputError
-        It is another file, or was changed since it was written; the message says in what it differs.
-    """
+    """Return an existing file, opened, if it is the finished map of a request, None where none is; else refuse it."""
     path = existing_file(to)
     if path is None:
         return None

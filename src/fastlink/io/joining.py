@@ -2,33 +2,321 @@
 
 from __future__ import annotations
 
+import contextlib
+import glob
 import hashlib
 import math
 import os
 import threading
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 import xarray as xr
 
-from fastlink._text import unwritable
-from fastlink.io.dataset import Variable
-from fastlink.io.finished import FINGERPRINT, WRITTEN
-from fastlink.io.history import HISTORY, history
-from fastlink.io.merged import is_measured, merged, merged_errors
-from fastlink.io.part_files import PartFile
-from fastlink.io.parts import OF_PARTS, OR_COPY, Box, Shown, Source, check_open_files
-from fastlink.io.place import refused
-from fastlink.io.ranges import Range
-from fastlink.io.writing.writer import Writer
-from fastlink.space.dataset import FORMAT
+from fastlink._text import counted, short_repr, unwritable
+from fastlink.errors import InputError, Problem, Problems, check_path, remark
+from fastlink.io.checksums import Range, Stored, check_own, crc32, open_to_read, read_all, sealed_labels
+from fastlink.io.finished import WRITTEN
+from fastlink.io.layout import FINGERPRINT, HISTORY, Variable, history
+from fastlink.io.place import left_of, reason, refused
+from fastlink.io.reader import (
+    OF_PARTS,
+    OR_COPY,
+    WHOLE,
+    Box,
+    Part,
+    PartOfMap,
+    Shown,
+    Source,
+    check_open_files,
+    check_seal,
+    existing_map,
+    is_hdf5,
+    open_map,
+    readable,
+    scalar,
+)
+from fastlink.io.writer import Writer
+from fastlink.machine import work_in_threads
 from fastlink.space.design_space import DESIGN
-from fastlink.threads import work_in_threads
+from fastlink.space.tables import FORMAT
 
-__all__ = ["JoinedMap"]
+__all__ = ["CORE_TIME", "JOINED", "RUN_AGAIN", "JoinedMap", "PartFile", "merged", "part_files"]
+
+
+# -- The attributes of a joined map, from those of its parts
+
+
+#: The number of parts that a map was joined from, and the seconds of all their threads.
+JOINED, CORE_TIME = "joined_parts", "core_time_s"
+#: How the attributes of a variable begin that verification adds: counts, and errors.
+COUNTS, ERRORS = ("verified_values", "verify_mismatches", "independent_values"), ("error_", "independent_")
+#: Global attributes that are sums over the parts, besides the numbers of designs.
+SUMS = (
+    *("configurations", "set_up_time_s", "run_time_s"),
+    *("verified_designs", "verify_time_s", "verify_mismatches"),
+)
+#: What differs from part to part besides sums, and what parts may lack.
+OF_VERIFICATION = ("verify_seed", "verify_left_out")
+RATES = ("designs_per_second", "configurations_per_second")
+EARLIER = "designs_of_earlier_runs"
+
+
+def is_measured(name: str) -> bool:
+    """Tell whether an attribute of a variable comes from verification."""
+    return name in COUNTS or name.startswith(ERRORS)
+
+
+def merged(parts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Return the global attributes that a map has at its end, from those of its parts.
+
+    Numbers of designs and configurations, and times, are sums: ``run_time_s`` is that of the parts one after the other,
+    ``core_time_s`` that times their threads. Rates are those of a part, on the average.
+    """
+    counts = {name for attrs in parts for name in attrs if name.startswith("designs_") and name != RATES[0]}
+    sums = ["designs", *sorted(counts), *SUMS]
+    result = {
+        name: sum(attrs.get(name, 0) for attrs in parts) for name in sums if any(name in a for a in parts)
+    }
+    seconds = result.get("run_time_s", 0.0)
+    result[CORE_TIME] = sum(attrs["run_time_s"] * attrs["threads"] for attrs in parts)
+    result |= {"threads": max(attrs["threads"] for attrs in parts), JOINED: len(parts)}
+    evaluated = result["designs"] - result.get(EARLIER, 0)
+    for name, total in zip(RATES, ("designs", "configurations"), strict=True):
+        if total in result and seconds > 0.0:
+            result[name] = result[total] / result["designs"] * evaluated / seconds
+    for attrs in parts:
+        result |= {name: attrs[name] for name in OF_VERIFICATION if name in attrs}
+    failed = dict.fromkeys(str(attrs["verify_failed"]) for attrs in parts if "verify_failed" in attrs)
+    return result | ({"verify_failed": "; ".join(failed)} if failed else {})
+
+
+def merged_errors(parts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Return what verification says of a variable, from what it says of it in each part.
+
+    Counts are sums, errors the greatest of all parts; of their medians too, which the median of all does not exceed.
+    """
+    result: dict[str, Any] = {}
+    for name in dict.fromkeys(name for attrs in parts for name in attrs if is_measured(name)):
+        found = [attrs[name] for attrs in parts if name in attrs]
+        result[name] = sum(found) if name in COUNTS else found[0] if isinstance(found[0], str) else max(found)
+    return result
+
+
+# -- The files of the parts of a map: found, complete, of one request, and their values checked as they are
+#    read
+
+
+#: Endings of files that are being written, which a folder may hold too.
+OF_WRITER = (".part", ".new", ".journal")
+#: Parts that are named where many are missing.
+MOST_NAMED = 5
+GIVE_PARTS = (
+    "give the files that sweeps with part=... or `fastlink run --part ...` have written, or their folder"
+)
+RUN_AGAIN = "run that part again"
+#: Blocks that are read at once.
+AT_ONCE = 8
+
+
+@dataclass(frozen=True)
+class PartFile:
+    """The file of a part.
+
+    Attributes
+    ----------
+    path : Path
+        The file.
+    of : PartOfMap
+        Which part of which map it is.
+    attrs : dict
+        Its global attributes.
+    stored : Stored
+        Its checksums.
+    measured : dict of str to dict
+        What verification says of each variable.
+    labels : int or None
+        The checksum of all that is not values, and of their checksums, where it has a seal.
+    """
+
+    path: Path
+    of: PartOfMap
+    attrs: Mapping[str, Any]
+    stored: Stored
+    measured: Mapping[str, Mapping[str, Any]]
+    labels: int | None
+
+    @contextlib.contextmanager
+    def dataset(self) -> Iterator[xr.Dataset]:
+        """Yield the part as a Dataset."""
+        with readable(self.path), open_map(self.path) as opened:
+            yield opened
+
+    def whole(self) -> xr.Dataset:
+        """Return the coordinates that the part keeps of the whole."""
+        coords = {}
+        with readable(self.path), h5py.File(self.path, "r") as file:
+            for name in file[WHOLE]:
+                one = file[WHOLE][name]  # of what cannot be read items() has None
+                values = one.asstr()[:] if h5py.check_string_dtype(one.dtype) else one[:]
+                coords[name] = ((name,), values, {key: scalar(value) for key, value in one.attrs.items()})
+            return xr.Dataset(coords=coords, attrs=dict(file[WHOLE].attrs))
+
+    def check_labels(self) -> None:
+        """Refuse the part if anything but its values has changed."""
+        with self._opened() as fd:
+            intact = self.stored.rest_is_intact(fd)
+        if not intact:
+            raise self._damaged("labels, attributes or checksums")
+
+    def read(self, name: str, start: int, stop: int) -> Iterator[tuple[int, memoryview]]:
+        """Yield bytes of the values of a variable in pieces with their positions; each block of them is checked."""
+        size, values = self.stored.block_bytes, self.stored.values[name]
+        with self._opened() as fd:
+            for first in range(start // size * size, stop, AT_ONCE * size):
+                last = min(first + AT_ONCE * size, -(-stop // size) * size, values.nbytes)
+                data = memoryview(read_all(fd, last - first, values.offset + first))
+                for k in range(0, last - first, size):
+                    if crc32(data[k : k + size]) != self.stored.sums[values.first + (first + k) // size]:
+                        raise self._damaged(f"values of {name}")
+                begin = max(first, start)
+                yield begin, data[begin - first : stop - first]
+
+    @contextlib.contextmanager
+    def _opened(self) -> Iterator[int]:
+        """Yield the number of the file, open to be read."""
+        try:
+            fd = open_to_read(self.path)
+            try:
+                yield fd
+            finally:
+                os.close(fd)
+        except (OSError, EOFError) as error:
+            raise refused(f"{self.path} cannot be read ({reason(error)})", RUN_AGAIN, "paths") from error
+
+    def _damaged(self, what: str) -> InputError:
+        what = f"{self.path}, part {self.of.part}: {what} have changed since they were written"
+        return refused(what, f"{RUN_AGAIN}, with overwrite", "paths")
+
+
+def part_files(paths: Any) -> list[PartFile]:
+    """Return all parts of one map in order, or refuse them."""
+    listed = list(paths) if isinstance(paths, (list, tuple, set, frozenset)) else [paths]
+    problems, found = Problems(), dict[Path, PartFile]()
+    for given in listed:
+        with problems.at():
+            for path, chosen in _expanded(given):
+                real = Path(os.path.realpath(path))
+                if real not in found and (part := _read(path, chosen)) is not None:
+                    found[real] = part
+    problems.stop()
+    if not found:
+        raise refused(f"{short_repr(paths)} holds no part of a map", GIVE_PARTS, "paths")
+    return _complete(_of_one_map(list(found.values())))
+
+
+def _expanded(given: Any) -> list[tuple[Path, bool]]:
+    """Return the files of a path, a folder or a pattern, and whether each was chosen, not found in a folder."""
+    path = check_path(("paths",), given, "maps.part-1-of-2.h5")
+    if path.is_dir():
+        return [(one, False) for one in sorted(path.iterdir()) if one.is_file()]
+    if not path.exists() and glob.has_magic(str(path)):
+        if files := sorted(glob.glob(str(path))):
+            return [(Path(one), True) for one in files]
+        raise refused(f"{short_repr(str(path))}: there is no such file", GIVE_PARTS, "paths")
+    return [(path, True)]
+
+
+def _read(path: Path, chosen: bool) -> PartFile | None:
+    """Return a part; None of another file in a folder, which is refused where it was chosen."""
+    try:
+        if not chosen and (path.suffix in OF_WRITER or not is_hdf5(path)):
+            return None
+        check_seal(existing_map(path))
+        with h5py.File(path, "r") as file:
+            check_own(path, file)
+            attrs = {str(name): scalar(value) for name, value in file.attrs.items()}
+            of = PartOfMap.of(attrs)
+            if of is not None and WHOLE in file:
+                stored = Stored.of(file)
+                measured = {name: _measured(file[name].attrs) for name in stored.values}
+                return PartFile(path, of, attrs, stored, measured, sealed_labels(path))
+        if any(name in attrs for name in OF_PARTS):
+            raise refused(
+                f"{path}: what it says of its part has changed since it was written", RUN_AGAIN, "paths"
+            )
+        if chosen:
+            what = "is a whole map, no part" if FORMAT in attrs else "is no part of a map"
+            raise refused(f"{path} {what}", GIVE_PARTS, "paths")
+    except InputError as error:
+        raise InputError.of([Problem(one.what, ("paths",), one.remedy) for one in error.problems]) from None
+    except (OSError, RuntimeError, KeyError, ValueError, TypeError, MemoryError) as error:
+        raise refused(f"{path} cannot be read ({reason(error)})", GIVE_PARTS, "paths") from error
+    return None
+
+
+def _measured(attrs: Any) -> dict[str, Any]:
+    """Return the attributes of a variable that come from verification."""
+    return {name: scalar(attrs[name]) for name in attrs if is_measured(name)}
+
+
+def _of_one_map(parts: list[PartFile]) -> list[PartFile]:
+    """Refuse parts of several maps, or of several divisions of one."""
+    first, problems = parts[0], Problems()
+    for part in parts[1:]:
+        why = ""
+        if part.of.whole != first.of.whole:
+            sources = [str(one.attrs.get("source", "")) for one in (first, part)]
+            by = "" if sources[0] == sources[1] else f" ({sources[0]}; {sources[1]})"
+            why = f"of another request or by other versions{by}"
+        elif part.of.part.count != first.of.part.count:
+            why = f"part {part.of.part}, and {first.path.name} part {first.of.part}"
+        if why:
+            what = f"{part.path} and {first.path.name} do not belong together: it is {why}"
+            problems.add(what, ("paths",), "give the parts of one map, all of the same n")
+    problems.stop()
+    return parts
+
+
+def _complete(parts: Sequence[PartFile]) -> list[PartFile]:
+    """Return the parts in order, each once; refuse two with different values, and a gap."""
+    by_number: dict[int, PartFile] = {}
+    problems = Problems()
+    for part in parts:
+        known = by_number.setdefault(part.of.part.number, part)
+        if known is part:
+            continue
+        if (known.stored.sums, list(known.stored.values)) == (part.stored.sums, list(part.stored.values)):
+            remark(f"{part.path} is part {part.of.part} as {known.path.name} is; one of them is read")
+        else:
+            what = f"{part.path} and {known.path.name} are both part {part.of.part}, with different values"
+            problems.add(what, ("paths",), "give the right one, or run that part again")
+    whole, count = parts[0].of, parts[0].of.part.count
+    missing = [Part(k, count) for k in range(1, count + 1) if k not in by_number]
+    for absent in missing[:MOST_NAMED]:
+        start, stop = absent.range(whole.designs)
+        which = f"part {absent.number} of {count} (designs {start:,} to {stop - 1:,}) is missing"
+        if left := _unfinished(parts, absent):
+            which += f"; {left.name} is of a run that has not finished"
+        problems.add(which, ("paths",), f"run it, by part='{absent}' or `fastlink run --part {absent}`")
+    if more := len(missing) - MOST_NAMED if len(missing) > MOST_NAMED else 0:
+        problems.add(f"{counted(more, 'more part')} of {count} are missing", ("paths",), "run all of them")
+    problems.stop()
+    return [by_number[k] for k in range(1, count + 1)]
+
+
+def _unfinished(parts: Sequence[PartFile], part: Part) -> Path | None:
+    """Return what a run has left of a part beside others, if there is such a file."""
+    for other in parts:
+        path = other.path.with_name(other.path.name.replace(other.of.part.mark, part.mark))
+        if path != other.path and (left := left_of(path)):
+            return left
+    return None
+
 
 #: Bytes of designs that are recorded together, for each few variables: what a kill loses is read again.
 PIECE_BYTES, FEW = 256 << 20, 8
@@ -36,11 +324,6 @@ PIECE_BYTES, FEW = 256 << 20, 8
 
 class JoinedMap:
     """The map that parts make together, as one sweep of the whole request writes it.
-
-    Parameters
-    ----------
-    parts : sequence of PartFile
-        All parts, in order.
 
     Attributes
     ----------
@@ -84,13 +367,7 @@ class JoinedMap:
         return hashlib.sha256(repr((self.fingerprint, *what)).encode()).hexdigest(), self.designs
 
     def shown_in(self, folder: Path) -> Shown | None:
-        """Return what a map in a folder can show of the parts, so that it need not be copied; None of one design.
-
-        Raises
-        ------
-        InputError
-            A part is not in the folder or below it, or has no seal by which a later change of it would be seen.
-        """
+        """Return what a map in a folder can show of the parts, so that it need not be copied; None of one design."""
         if not self._dims:
             return None
         check_open_files(len(self.parts))

@@ -14,10 +14,18 @@ from types import TracebackType
 from typing import Any, Self
 
 from fastlink.errors import InputError
-from fastlink.io.place import NO_ROOM, exists_error, not_writable, part_of, reason, refused
-from fastlink.io.renaming import exchange, exclusive_rename
-from fastlink.io.writing import partial_file
-from fastlink.io.writing.finishing import uninterrupted
+from fastlink.io import partial_file
+from fastlink.io.partial_file import uninterrupted
+from fastlink.io.place import (
+    NO_ROOM,
+    exchange,
+    exclusive_rename,
+    exists_error,
+    not_writable,
+    part_of,
+    reason,
+    refused,
+)
 
 __all__ = ["OutputFile", "OutputFolder", "failure", "write_whole"]
 
@@ -78,19 +86,6 @@ class _Output:
 class OutputFile(_Output):
     """A file that gets its name when it is whole; a context manager.
 
-    Parameters
-    ----------
-    path : Path
-        The file to make.
-    overwrite : bool
-        Replace an existing file.
-    lay : callable
-        Makes the file as it is to begin with, at the path that is given to it.
-    where : str
-        The option that names it.
-    less : str
-        What else to write where the disk is too small.
-
     Attributes
     ----------
     fd : int
@@ -123,15 +118,7 @@ class OutputFile(_Output):
 
 
 class OutputFolder(_Output):
-    """A folder that gets its name when it is whole; a context manager.
-
-    Parameters
-    ----------
-    path : Path
-        The folder to make.
-    overwrite : bool
-        Replace an existing zarr store.
-    """
+    """A folder that gets its name when it is whole; a context manager."""
 
     def __init__(self, path: Path, overwrite: bool) -> None:
         super().__init__(path, overwrite)
@@ -217,24 +204,7 @@ def _close(fd: int | None) -> None:
 def write_whole(
     path: Path, content: bytes | Callable[[], bytes], where: str = "to", *, overwrite: bool = True
 ) -> None:
-    """Write a small file at once: the one that has its name stays until the new one is whole and on the disk.
-
-    Parameters
-    ----------
-    path : Path
-        The file; where it is a symbolic link, the file that it leads to.
-    content : bytes or callable
-        All that is in it, or what makes it.
-    where : str
-        The option that names it.
-    overwrite : bool
-        Replace an existing file.
-
-    Raises
-    ------
-    InputError
-        It cannot be written, such as on a full disk, or exists and is not to be replaced.
-    """
+    """Write a small file at once: the one that has its name stays until the new one is whole and on the disk."""
     final = Path(os.path.realpath(path))
     made = content if callable(content) else lambda: content
     with OutputFile(final, overwrite, lambda fresh: fresh.write_bytes(made()), where, less="") as out:

@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+import ctypes
 import errno
+import functools
 import os
 import re
 import shutil
+import sys
 import tempfile
+import warnings
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from fastlink._text import size
-from fastlink.errors import InputError, Remedy, Setting
-from fastlink.options import check_output, not_a_file
+from fastlink.errors import InputError, Remedy, Setting, check_output, not_a_file
+
+__all__ = ["exchange", "exclusive_rename", "progress_bar"]
+
 
 #: The remedy where a file exists.
 EXISTS: Remedy = ("choose another name", (", or write ", Setting("overwrite", True)))
@@ -53,17 +61,7 @@ def existing_file(path: str | Path) -> Path | None:
 
 
 def check_place(path: Path, where: str = "to", example: str = "maps.h5") -> None:
-    """Refuse a path at which no file can be written, before anything is computed for it.
-
-    Parameters
-    ----------
-    path : Path
-        The file; its folder must exist.
-    where : str
-        The option that names it.
-    example : str
-        A name for a file of its kind.
-    """
+    """Refuse a path at which no file can be written, before anything is computed for it."""
     try:
         if other := not_a_file(path):
             remedy = (
@@ -121,3 +119,63 @@ def not_written(path: Path, nbytes: int, error: Exception) -> InputError:
 def free_bytes(path: Path) -> int:
     """Return the free bytes of the disk of a file."""
     return shutil.disk_usage(path.parent).free
+
+
+# -- Rename files and folders as the system can, and Python does not offer: without replacing, and both at
+#    once
+
+
+def exclusive_rename() -> Callable[[Path, Path], None]:
+    """Return the system's renaming that fails when the name is taken."""
+    return (
+        os.rename if os.name == "nt" else _rename_of_system(1, 4)
+    )  # which fails there when the name is taken
+
+
+def exchange() -> Callable[[Path, Path], None]:
+    """Return the system's renaming that gives each of two its other's name."""
+    return _rename_of_system(2, 2)
+
+
+@functools.cache
+def _rename_of_system(linux: int, mac: int) -> Callable[[Path, Path], None]:
+    """Return a renaming that its flag says more of; it fails with ENOSYS where the system has none."""
+    name, flag = ("renamex_np", mac) if sys.platform == "darwin" else ("renameat2", linux)
+    function = None if os.name == "nt" else getattr(ctypes.CDLL(None, use_errno=True), name, None)
+
+    def rename(part: Path, final: Path) -> None:
+        if function is None:
+            raise OSError(errno.ENOSYS, os.strerror(errno.ENOSYS))
+        here = -100  # AT_FDCWD of Linux; paths are absolute
+        places = (os.fsencode(part), os.fsencode(final))
+        arguments = places if name == "renamex_np" else (here, places[0], here, places[1])
+        if function(*arguments, flag):
+            number = ctypes.get_errno()
+            raise OSError(number, os.strerror(number))
+
+    return rename
+
+
+# -- Show how far a run is
+
+
+def progress_bar(total: int, unit: str, visible: bool | None) -> Any:
+    """Return a bar of tqdm for so many units, None where it is not to be seen."""
+    notebook = _in_notebook()
+    if not (sys.stderr.isatty() or notebook if visible is None else visible):
+        return None
+    if notebook:
+        with warnings.catch_warnings():  # without ipywidgets it is the bar of a terminal, in fewer words
+            warnings.simplefilter("ignore")
+            from tqdm.auto import tqdm
+    else:
+        from tqdm import tqdm  # 15 ms, which nobody waits for who sees no bar
+
+    return tqdm(total=total, unit=unit, unit_scale=True, file=None if notebook else sys.stderr)
+
+
+def _in_notebook() -> bool:
+    """Tell whether a notebook runs this; IPython is not imported for it."""
+    shell = sys.modules.get("IPython")
+    running = shell.get_ipython() if shell is not None and hasattr(shell, "get_ipython") else None
+    return type(running).__name__ == "ZMQInteractiveShell"

@@ -6,6 +6,6 @@ registered when a map is opened or computed, and xarray is not imported before t
 
 from fastlink.io.reader import open_map as open
 from fastlink.maps.accessor import MapAccessor, VariableAccessor
-from fastlink.maps.finite import finite
+from fastlink.maps.units import finite
 
 __all__ = ["MapAccessor", "VariableAccessor", "finite", "open"]

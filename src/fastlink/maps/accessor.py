@@ -7,18 +7,24 @@ from typing import TYPE_CHECKING, Any
 import xarray as xr
 
 from fastlink._text import short_repr
-from fastlink.doors import door
-from fastlink.errors import InputError
+from fastlink.errors import InputError, check_choice, door
 from fastlink.io.reader import as_dataset
-from fastlink.maps.finite import finite
-from fastlink.maps.flags import check_flags, flag_counts, flags_of, has_flag
-from fastlink.maps.units import convert, converted, degrees, units_of
-from fastlink.options import check_choice
-from fastlink.space.dataset import STATUS
+from fastlink.maps.units import (
+    check_flags,
+    convert,
+    converted,
+    degrees,
+    finite,
+    flag_counts,
+    flags_of,
+    has_flag,
+    units_of,
+)
+from fastlink.space.tables import STATUS
 
 if TYPE_CHECKING:
-    from fastlink.exploring.explore import Page
-    from fastlink.plot.accessor import MapPlots
+    from fastlink.pictures.designs import MapPlots
+    from fastlink.pictures.explore import Page
 
 __all__ = ["MapAccessor", "VariableAccessor"]
 
@@ -121,14 +127,14 @@ class MapAccessor:
     @property
     def plot(self) -> MapPlots:
         """Pictures: ``plot("omega4_max")``, ``plot.designs([...])``, ``plot.front(minimise=...)``."""
-        from fastlink.plot.accessor import MapPlots  # pictures stand above maps; this is their door
+        from fastlink.pictures.designs import MapPlots  # pictures stand above maps; this is their door
 
         return MapPlots(self._maps)
 
     @door
     def explore(self, *, to: Any = None, port: int = 0, browser: bool = True) -> Page:
         """Show this map in a browser, see `fastlink.explore`."""
-        from fastlink.exploring.explore import explore
+        from fastlink.pictures.explore import explore
 
         return explore(self._maps, to=to, port=port, browser=browser)
 
@@ -189,7 +195,7 @@ class MapAccessor:
         InputError
             There is no such variable, or the mask is not one of the same map.
         """
-        from fastlink.maps.top import top  # not whenever a map is opened
+        from fastlink.maps.best import top  # not whenever a map is opened
 
         with as_dataset(self._maps) as maps:
             return top(maps, n, by, largest=largest, where=where, infinite=infinite)

@@ -2,39 +2,393 @@
 
 from __future__ import annotations
 
+import math
+from bisect import bisect_right
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from fastlink._text import joined, short_repr
-from fastlink.errors import InputError, Problems, Setting
-from fastlink.maps.conditions import Condition, conditions
-from fastlink.maps.flags import flags_of
-from fastlink.maps.front import nondominated, undominated
-from fastlink.maps.rows import Rows, numeric
-from fastlink.options import check_choice, check_switch, check_whole
+from fastlink._text import joined, short_number, short_repr
+from fastlink.errors import InputError, Pair, Problems, Setting, check_choice, check_switch, check_whole
+from fastlink.io.checksums import pieces
+from fastlink.maps.units import check_flags, flags_of
+from fastlink.space.design_space import (
+    DESIGN,
+    RADIANS,
+    angle_of,
+    as_real,
+    check_angle,
+    radians,
+    remark_on_angles,
+)
+from fastlink.space.tables import STATUS
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from numpy.typing import NDArray
 
 __all__ = [
-    *(
-        "ACTIVE",
-        "GAIN",
-        "REFINEMENT",
-        "STARTS",
-        "Choice",
-        "Objective",
-        "Selection",
-        "choice_of",
-        "chosen",
-        "least",
-        "listed",
-    ),
-    *("objective", "ranked"),
+    "ACTIVE",
+    "GAIN",
+    "REFINEMENT",
+    "STARTS",
+    "Choice",
+    "Condition",
+    "Objective",
+    "Rows",
+    "Selection",
+    "choice_of",
+    "chosen",
+    "conditions",
+    "least",
+    "listed",
+    "nondominated",
+    "numeric",
+    "objective",
+    "ranked",
+    "strongest",
+    "top",
+    "unbeaten",
+    "undominated",
 ]
+
+
+# -- Conditions on the rows of a map: masks, meanings of a code, ranges of values
+
+
+@dataclass(frozen=True)
+class Condition:
+    """A set of values that a variable must have in a row.
+
+    Attributes
+    ----------
+    array : xarray.DataArray
+        The variable.
+    codes : tuple of int or None
+        The codes that it may have.
+    low, high : float
+        Where there are no codes: the ends of its range, which belong to it.
+    """
+
+    array: xr.DataArray
+    codes: tuple[int, ...] | None = None
+    low: float = -math.inf
+    high: float = math.inf
+
+    def __str__(self) -> str:
+        name = str(self.array.name)
+        if self.codes is not None:
+            meanings = [meaning for meaning, code in flags_of(self.array).items() if code in self.codes]
+            return f"{name} is {' or '.join(meanings)}"
+        ends = [(">=", self.low), ("<=", self.high)]
+        limits = [f"{sign} {short_number(end)}" for sign, end in ends if math.isfinite(end)]
+        return f"{name} {' and '.join(limits)}" if limits else name
+
+    def holds(self, values: NDArray[Any]) -> NDArray[np.bool_]:
+        """Return where values meet it; NaN never does."""
+        if self.codes is not None:
+            first, *others = self.codes  # a third of the time of numpy.isin
+            found: NDArray[np.bool_] = values == first
+            for code in others:
+                found |= values == code
+            return found
+        if self.array.dtype.kind == "b":
+            return np.asarray(values, dtype=bool)
+        return (values >= self.low) & (values <= self.high)
+
+
+def conditions(maps: xr.Dataset, where: Any) -> list[Condition]:
+    """Return the conditions that a caller gives, or refuse them."""
+    if where is None:
+        return []
+    if isinstance(where, str) or (isinstance(where, (list, tuple)) and where):
+        if STATUS not in maps:
+            what = "the map has no variable 'status'"
+            raise InputError(what, where=("where",), remedy="give a mask, such as maps.a1 < 0.5")
+        return [_of_code(maps[STATUS], "where", where)]
+    if isinstance(where, Mapping) and not hasattr(where, "data_vars"):
+        problems, made = Problems(), list[Condition]()
+        for name, given in where.items():
+            with problems.at():
+                made.append(_of_name(maps, name, given))
+        problems.stop()
+        return made
+    if getattr(getattr(where, "dtype", None), "kind", "") != "b" or not hasattr(where, "dims"):
+        remedy = (
+            "write ranges such as {'a1': (None, 0.5)}, a meaning of status, or a mask such as maps.a1 < 0.5"
+        )
+        raise InputError(f"is {short_repr(where)}, not a mask", where=("where",), remedy=remedy)
+    for dim, length in where.sizes.items():
+        check_along(where.name, str(dim), length, maps.sizes)
+    return [Condition(where)]
+
+
+def check_along(name: Any, dim: str, length: int, sizes: Mapping[Any, int]) -> None:
+    """Refuse a condition that does not have the rows of a map along a dimension."""
+    if sizes.get(dim) != length:
+        what = f"{name or 'the mask'} has {length} along {dim!r}, the rows have {sizes.get(dim, 'no such dimension')}"
+        raise InputError(what, where=("where",), remedy="give a mask made from the same map")
+
+
+def _of_code(array: xr.DataArray, where: str, meanings: Any) -> Condition:
+    codes = check_flags(array, where, [meanings] if isinstance(meanings, str) else list(meanings))
+    return Condition(array, tuple(codes))
+
+
+def _of_name(maps: xr.Dataset, name: Any, given: Any) -> Condition:
+    """Return the condition on one variable or input; the limits of an angle NAME in degrees as NAME_deg."""
+    known = [str(one) for one, array in maps.variables.items() if array.dtype.kind in "iuf"]
+    angle = angle_of(name) if isinstance(name, str) and name not in known else ""
+    array = maps[angle if angle in known else check_choice(("where",), name, known)]
+    if flags_of(array) and isinstance(given, (str, list, tuple)):
+        return _of_code(array, name, given)
+    where, remedy = ("where", name), ("write ", Pair(unlimited=True))
+    if flags_of(array):
+        what = f"{array.name} is a code, and given {short_repr(given)}"
+        raise InputError(what, where=where, remedy=f"write one of its meanings, {', '.join(flags_of(array))}")
+    if not isinstance(given, (list, tuple)) or len(given) != 2:
+        raise InputError(f"is {short_repr(given)}", where=where, remedy=remedy)
+    low, high = (_limit(name, *end) for end in zip(given, (-math.inf, math.inf), strict=True))
+    if not low <= high:
+        raise InputError(f"runs from {low:g} to {high:g}", where=where, remedy="exchange the ends")
+    units = str(array.attrs.get("units", "1"))
+    if angle:
+        check_angle(name, angle, units, ())
+        low, high = float(radians(low)), float(radians(high))
+    elif units == RADIANS:
+        remark_on_angles(name, [end for end in (low, high) if math.isfinite(end)], "where")
+    return Condition(array, None, low, high)
+
+
+def _limit(name: str, end: Any, otherwise: float) -> float:
+    """Return one end of a range, or refuse it."""
+    if end is None:
+        return otherwise
+    if (number := as_real(end)) is not None:
+        return number
+    what, remedy = f"ends at {short_repr(end)}", "write a number, or None for no limit"
+    raise InputError(what, where=("where", name), remedy=remedy)
+
+
+# -- Rows of a map: the places along some dimensions, read block by block, so that a map may be larger than
+#    memory
+
+
+#: Rows that are read at once.
+MOST_ROWS = 1 << 20
+#: A block of which such a share of rows is wanted is read whole: to read one row costs as much as 1,000 in a row.
+DENSE = 1e-3
+
+
+@dataclass(frozen=True)
+class Block:
+    """Consecutive rows.
+
+    Attributes
+    ----------
+    index : tuple of int or slice
+        Where they are, along the first dimensions.
+    first, count : int
+        The number of the first one, and how many they are.
+    """
+
+    index: tuple[int | slice, ...]
+    first: int
+    count: int
+
+
+@dataclass(frozen=True)
+class Rows:
+    """The places along some dimensions, numbered in C order.
+
+    Attributes
+    ----------
+    sizes : dict
+        The dimensions and their lengths.
+    """
+
+    sizes: dict[str, int]
+
+    @classmethod
+    def of(cls, arrays: Iterable[xr.DataArray]) -> Rows:
+        """Return the places along all dimensions that some variables have, those of the greatest one first."""
+        sizes: dict[str, int] = {}
+        for array in sorted(arrays, key=lambda array: -array.ndim):
+            sizes |= {str(dim): length for dim, length in array.sizes.items() if str(dim) not in sizes}
+        return cls(sizes)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The length of each dimension."""
+        return tuple(self.sizes.values())
+
+    def blocks(self, most: int = 0) -> Iterator[Block]:
+        """Yield all rows in consecutive pieces of about `most`, `MOST_ROWS` unless given.
+
+        Examples
+        --------
+        >>> list(Rows({"a1": 2, "a2": 3}).blocks(2))[:2]
+        [Block(index=(0, slice(0, 2, None)), first=0, count=2), Block(index=(0, slice(2, 3, None)), first=2, count=1)]
+        """
+        for index, first in pieces(self.shape, most or MOST_ROWS):
+            lead = index[-1]
+            assert isinstance(lead, slice)
+            yield Block(index, first, (lead.stop - lead.start) * math.prod(self.shape[len(index) :]))
+
+    def read(self, array: xr.DataArray, block: Block) -> NDArray[Any]:
+        """Return the values of a variable in the rows of a block; it has some of the dimensions, or none."""
+        if not array.dims:
+            return np.broadcast_to(array.values, block.count)
+        parts = dict(zip(self.sizes, block.index, strict=False))  # the last dimensions are whole
+        own = array.variable[{dim: part for dim, part in parts.items() if dim in array.dims}]
+        kept = [dim for dim in self.sizes if not isinstance(parts.get(dim), int)]
+        values = own.transpose(*(dim for dim in kept if dim in own.dims)).values
+        values = values[tuple(slice(None) if dim in own.dims else None for dim in kept)]
+        lengths = [self.sizes[dim] for dim in kept[1:]]
+        whole = np.broadcast_to(values, (block.count // math.prod(lengths), *lengths))
+        return whole.reshape(-1)
+
+    def taken(self, maps: xr.Dataset, flat: NDArray[np.int64]) -> xr.Dataset:
+        """Return everything that a map says of some rows, along ``design``."""
+
+        def of(array: xr.DataArray) -> Any:
+            if not array.dims:
+                return array.variable.copy(deep=False)
+            return (DESIGN,), self._values(array, flat), dict(array.attrs)
+
+        def of_them(arrays: Any) -> dict[Any, Any]:
+            return {name: of(array) for name, array in arrays.items() if set(array.dims) <= self.sizes.keys()}
+
+        return xr.Dataset(of_them(maps.data_vars), of_them(maps.coords), dict(maps.attrs))
+
+    def _values(self, array: xr.DataArray, flat: NDArray[np.int64]) -> NDArray[Any]:
+        """Return the values of a variable in some rows: one by one where they are few, else by blocks."""
+        values = np.empty(len(flat), dtype=array.dtype)
+        numbers = np.unravel_index(flat, self.shape)
+        places = dict(zip(self.sizes, numbers, strict=True))
+        if array.ndim == 1:
+            return np.asarray(array.values)[places[str(array.dims[0])]]
+        order = np.argsort(flat, kind="stable")
+        ordered = flat[order]
+        for block in self.blocks():
+            start, stop = np.searchsorted(ordered, (block.first, block.first + block.count))
+            if stop - start > DENSE * block.count:
+                values[order[start:stop]] = self.read(array, block)[ordered[start:stop] - block.first]
+                continue
+            for row in order[start:stop]:
+                values[row] = array.variable[{dim: int(places[str(dim)][row]) for dim in array.dims}].values
+        return values
+
+
+def numeric(maps: xr.Dataset) -> list[str]:
+    """Return the variables and coordinates that have numbers along dimensions."""
+    return [str(name) for name, array in maps.variables.items() if array.dtype.kind in "iuf" and array.ndim]
+
+
+# -- The Pareto front: rows that no other row beats in every objective
+
+
+#: Rows that are compared with each other at once.
+CHUNK = 512
+MOST_AT_ONCE = 1 << 14
+#: A block is thinned by the rows of the front that beat most: in steps, as the first ones leave little.
+STEPS = (4, 16, 64)
+#: Rows of a block of which the first front is made.
+SAMPLED = 4096
+
+
+def nondominated(points: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Return the rows that no other row beats, by growing values; of equal ones the first.
+
+    A row beats another one if it is nowhere greater, and less somewhere.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> nondominated(np.array([[1.0, 3.0], [2.0, 2.0], [2.0, 3.0], [1.0, 3.0]]))
+    array([0, 1])
+    """
+    order = np.lexsort(points.T[::-1])  # stable: equal rows by their places
+    # no later row beats an earlier one, and what is before has the first objective no greater
+    rest = points[order, 1:]
+    if rest.shape[1] == 1:
+        least = np.minimum.accumulate(rest[:, 0])
+        return (
+            order[np.flatnonzero(np.concatenate(([True], rest[1:, 0] < least[:-1])))] if len(order) else order
+        )
+    if rest.shape[1] == 2:
+        return order[_above_stairs(rest)]
+    kept = np.empty(0, dtype=np.int64)
+    for start in range(0, len(rest), CHUNK):
+        chunk = np.arange(start, min(start + CHUNK, len(rest)))
+        for other in (*np.split(kept, range(MOST_AT_ONCE, len(kept), MOST_AT_ONCE)), chunk):
+            before = (rest[other][:, None] <= rest[chunk][None]).all(axis=2)
+            chunk = chunk[~(before & (other[:, None] < chunk[None])).any(axis=0)]
+        kept = np.concatenate((kept, chunk))
+    return order[kept]
+
+
+def _above_stairs(rest: NDArray[np.float64]) -> list[int]:
+    """Return the rows that none before them equals or betters in both columns.
+
+    Those that none before beats are stairs, which fall in the second column where they grow in the first: one search
+    among these tells of each row (Kung, Luccio and Preparata, On finding the maxima of a set of vectors, 1975).
+    """
+    kept, first, second = list[int](), [-math.inf], [math.inf]
+    for row, (y, z) in enumerate(zip(*rest.T.tolist(), strict=True)):
+        place = bisect_right(first, y)
+        if second[place - 1] <= z and kept and place > 1:
+            continue
+        kept.append(row)
+        last = place
+        while last < len(second) and second[last] >= z:
+            last += 1
+        start = place - 1 if place > 1 and first[place - 1] == y else place
+        first[start:last], second[start:last] = [y], [z]
+    return kept
+
+
+def undominated(points: NDArray[np.float64], front: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Return rows among which are all that neither the others nor a front beat, in their order.
+
+    Rows are compared with the few that beat most of them.
+    """
+    places = np.arange(len(points))
+    if not len(points):
+        return places
+    some = points[:: -(-len(points) // SAMPLED)]
+    known = np.concatenate((front, some))
+    known = known[nondominated(known)]
+    for count in STEPS:
+        if not len(places):
+            break
+        places = places[unbeaten(points[places], strongest(known, points[places], count))]
+    return places
+
+
+def unbeaten(points: NDArray[np.float64], few: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Return the rows that none of a few beats, which are taken one by one."""
+    places = np.arange(len(points))
+    for best in few:
+        beaten = (points[places] >= best).all(axis=1) & (points[places] > best).any(axis=1)
+        places = places[~beaten]
+    return places
+
+
+def strongest(front: NDArray[np.float64], points: NDArray[np.float64], count: int) -> NDArray[np.float64]:
+    """Return the rows of a front that beat most, if points fill the box about them evenly."""
+    with np.errstate(all="ignore"):
+        high, low = points.max(axis=0), front.min(axis=0)
+        shares = (high - front) / np.where(high > low, high - low, 1.0)
+    beaten = np.prod(np.clip(np.nan_to_num(shares, nan=0.0), 0.0, 1.0), axis=1)
+    best: NDArray[np.float64] = front[np.argsort(-beaten, kind="stable")[:count]]
+    return best
+
 
 DEFAULT_TOP = 10
 #: What a refinement adds to a table of designs: how it ended, what holds each design back, what was gained, from how
@@ -247,3 +601,20 @@ def _front(rows: Rows, sought: list[Objective], wanted: list[Condition], *, infi
         f"the front of {len(chosen):,} of {reading.considered:,} rows by the {joined(list(map(str, sought)))}"
     )
     return Selection(rows, chosen, about + reading.noted())
+
+
+# -- Rank the rows of a map by one variable
+
+
+def top(maps: xr.Dataset, n: int, by: str, *, largest: bool, where: Any, infinite: bool) -> xr.Dataset:
+    """Return the rows of a map with the greatest or least values of one variable; see `MapAccessor.top`."""
+    n = check_whole(("n",), n, 1)
+    check_switch(("largest",), largest)
+    check_switch(("infinite",), infinite)
+    key = objective(maps, "by", by, -1.0 if largest else 1.0)
+    wanted = conditions(maps, where)
+    rows = Rows.of([key.array])
+    for condition in wanted:
+        for dim, length in condition.array.sizes.items():
+            check_along(condition.array.name, str(dim), length, rows.sizes)
+    return ranked(rows, key, wanted, top=n, infinite=infinite).of(maps)

@@ -2,28 +2,39 @@
 
 from __future__ import annotations
 
+import os
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 import xarray as xr
 
 from fastlink._text import short_repr
-from fastlink.errors import InputError, KeyPath, suggest
+from fastlink.errors import InputError, KeyPath, check_choice, door, suggest
+from fastlink.io.reader import as_dataset
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = [
     "DEGREE",
     "RADIAN",
+    "check_flags",
     "check_units",
     "convert",
     "converted",
     "degrees",
     "degrees_along",
+    "finite",
+    "flag_counts",
+    "flags_of",
     "half_turn",
+    "has_flag",
     "units_of",
 ]
+
 
 RADIAN, DEGREE = "rad", "degree"  # in the spelling of CF
 INSTALL = "python -m pip install 'fastlink-linkages[units]'"
@@ -164,3 +175,120 @@ _EXAMPLES = {
     "W": ("kW",),
     "kg": ("g", "lb"),
 }
+
+
+# -- Read the codes of a variable by CF's attributes ``flag_values`` and ``flag_meanings``
+
+
+def flags_of(array: xr.DataArray) -> dict[str, int]:
+    """Return the codes of a variable by their meanings; none where its attributes do not tell.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> flags_of(xr.DataArray([0, 1], attrs={"flag_values": [0, 1], "flag_meanings": "closes never_closes"}))
+    {'closes': 0, 'never_closes': 1}
+    """
+    meanings = str(array.attrs.get("flag_meanings", "")).split()
+    codes = np.atleast_1d(np.asarray(array.attrs.get("flag_values", ())))
+    if codes.dtype.kind not in "iu" or codes.ndim != 1 or len(codes) != len(meanings):
+        return {}
+    return dict(zip(meanings, codes.tolist(), strict=True))
+
+
+def check_flags(array: xr.DataArray, where: str, meanings: Sequence[Any]) -> list[int]:
+    """Return the codes of some meanings of a variable, or refuse them.
+
+    Spaces may stand for the underscores of a meaning.
+    """
+    flags = flags_of(array)
+    if not flags:
+        what = f"{array.name!r} has no codes with meanings"
+        raise InputError(what, where=(where,), remedy="give a variable with flag_values and flag_meanings")
+    if array.dtype.kind not in "iu":
+        what = f"{array.name!r} holds values that are not codes"
+        raise InputError(what, where=(where,), remedy="make masks before averaging, and before masking codes")
+    if not meanings:
+        raise InputError("is empty", where=("meanings",), remedy=f"write one of {', '.join(flags)}")
+    spelt = [one.strip().replace(" ", "_") if isinstance(one, str) else one for one in meanings]
+    return [flags[check_choice(("meanings",), one, list(flags), f" to {array.name}")] for one in spelt]
+
+
+def has_flag(array: xr.DataArray, codes: Sequence[int]) -> xr.DataArray:
+    """Return where a variable has one of some codes, as a mask without attributes of its own."""
+    mask = array.isin(codes)
+    mask.attrs = {}
+    return mask
+
+
+def flag_counts(array: xr.DataArray) -> dict[str, int] | None:
+    """Return how many values have each meaning, or None where the values are not codes.
+
+    An average of codes is not a code, even where it is a whole number.
+    """
+    flags = flags_of(array)
+    if not flags or array.dtype.kind not in "iu":
+        return None
+    values, counts = np.unique(array.values, return_counts=True)
+    by_code = dict(zip(values.tolist(), counts.tolist(), strict=True))
+    return {meaning: int(by_code.get(code, 0)) for meaning, code in flags.items()}
+
+
+# -- Replace infinite values of maps by NaN, which plots and statistics leave out
+
+
+REPLACED = "infinite_values"  # attribute: how many infinite values a variable had
+
+
+@door
+def finite(maps: Any) -> Any:
+    """Replace infinite values by NaN, and note how many there were.
+
+    A quantity that grows without bound at a toggle has an infinite extreme. Matplotlib has no colour for it, and a mean
+    over designs is infinite too.
+
+    Parameters
+    ----------
+    maps : xarray.Dataset, xarray.DataArray or path
+        A map, one of its variables, or the file of a map.
+
+    Returns
+    -------
+    xarray.Dataset or xarray.DataArray
+        A copy in memory, in which each variable that had infinite values has their number as attribute
+        ``infinite_values``. Variables in dask chunks stay so, and are not counted.
+
+    Raises
+    ------
+    InputError
+        Neither a map nor its path.
+
+    Examples
+    --------
+    >>> import fastlink as fl
+    >>> space = fl.grid(a1=[0.5, 1.5], a2=1.2, a3=0.8, a4=1.0, omega1=25.0)
+    >>> maps = fl.sweep("planar_4r", space, ["omega4_max"], branch=1)
+    >>> maps.omega4_max.values.ravel().round(2), fl.finite(maps).omega4_max.values.ravel().round(2)
+    (array([16.91,   inf]), array([16.91,   nan]))
+    >>> fl.finite(maps).omega4_max.attrs["infinite_values"]
+    1
+    """
+    if isinstance(maps, xr.DataArray):
+        return _finite(maps)
+    with as_dataset(maps) as dataset:
+        result = dataset.assign({name: _finite(array).variable for name, array in dataset.data_vars.items()})
+        return result.load() if isinstance(maps, (str, os.PathLike)) else result
+
+
+def _finite(array: xr.DataArray) -> xr.DataArray:
+    if array.dtype.kind != "f":
+        return array
+    if array.chunks is not None:
+        return array.where(~np.isinf(array))
+    infinite = np.isinf(array.values)
+    count = int(np.count_nonzero(infinite))
+    if not count:
+        return array
+    result = array.copy(data=np.where(infinite, np.nan, array.values).astype(array.dtype))
+    result.attrs[REPLACED] = count + int(array.attrs.get(REPLACED, 0))
+    return result

@@ -15,14 +15,13 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
-from fastlink.errors import suggest
-from fastlink.options import check_choice
+from fastlink.errors import check_choice, suggest
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from fastlink.catalogue.catalogue import Catalogue
-    from fastlink.engine.extending import Extension
+    from fastlink.engine.extend import Extension
+    from fastlink.facts.catalogue import Catalogue
     from fastlink.mechanisms.listing import MechanismList
     from fastlink.typing import MechanismName
 
@@ -56,8 +55,8 @@ sys.modules[__name__].__class__ = _Package
 
 
 def is_extension(mechanism: Any) -> bool:
-    """Tell whether this is a mechanism with quantities of a user, see `fastlink.engine.extending`."""
-    extending = sys.modules.get("fastlink.engine.extending")
+    """Tell whether this is a mechanism with quantities of a user, see `fastlink.engine.extend`."""
+    extending = sys.modules.get("fastlink.engine.extend")
     return extending is not None and isinstance(mechanism, extending.Extension)
 
 
@@ -109,7 +108,7 @@ def base_catalogue(mechanism: str | None, input: str | None = None) -> Catalogue
 
 def _meant(text: str) -> str:
     """Return the remedy for an unknown mechanism that goes by another name, else an empty text."""
-    from fastlink.catalogue.search import Entry, Index, best_names, did_you_mean
+    from fastlink.facts.find import Entry, Index, best_names, did_you_mean
 
     index = Index(Entry(name, keywords=tuple(KEYWORDS[name].split(", "))) for name in NAMES)
     names = best_names(index.ranked(text))

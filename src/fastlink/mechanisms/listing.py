@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from fastlink._text import folded, html_table
-from fastlink.doors import door
+from fastlink.errors import door
 from fastlink.mechanisms import NAMES, catalogue, inputs_of
 
 if TYPE_CHECKING:

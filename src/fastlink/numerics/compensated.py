@@ -25,6 +25,7 @@ __all__ = [
     "two_sum",
 ]
 
+
 # Veltkamp's constant splits a double into two halves of 26 bits, whose products are exact.
 SPLITTER = 134217729.0
 #: The greatest relative error of one operation on doubles.

@@ -16,9 +16,31 @@ from functools import cache
 from typing import Any, Literal, TypeVar
 
 __all__ = [
-    *("COMPILED_AS", "INLINED", "MERGED", "OUTLINED"),
-    *("compiled_as", "entries", "inlined", "lanes", "merged", "outlined", "parsed", "syntax"),
+    "AT_CHANGE_POINT",
+    "AT_LIMIT",
+    "COMPILED_AS",
+    "CONSTANT",
+    "INFINITE",
+    "INLINED",
+    "JUMP",
+    "KINK",
+    "MERGED",
+    "MOVING",
+    "NOTHING",
+    "OF_SAMPLES",
+    "OUTLINED",
+    "SMOOTH",
+    "TIED",
+    "compiled_as",
+    "entries",
+    "inlined",
+    "lanes",
+    "merged",
+    "outlined",
+    "parsed",
+    "syntax",
 ]
+
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -99,3 +121,12 @@ def compiled_as(text: Callable[..., Any]) -> Callable[[F], F]:
         return function
 
     return declare
+
+
+# -- The codes of what the derivatives of an extreme by the inputs are worth; their meanings stand in
+#    `plan.gradients`
+
+
+SMOOTH, AT_LIMIT, TIED, INFINITE, AT_CHANGE_POINT, NOTHING, KINK, OF_SAMPLES, CONSTANT, JUMP, MOVING = range(
+    11
+)

@@ -45,7 +45,7 @@ def _zero_where(condition: Any, x: Any) -> Any:
 def zero_where(condition: Any, x: Any) -> Any:
     """Return 0 where x is zero within rounding, else x; the derivative is that of x.
 
-    What this leaves out is an error, which `fastlink.symbolic.error_propagation` counts. See `as_given`, too.
+    What this leaves out is an error, which `fastlink.facts.bounds` counts. See `as_given`, too.
     """
     left_out = _AS_GIVEN.get()
     if left_out is None:

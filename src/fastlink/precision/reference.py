@@ -14,13 +14,15 @@ from typing import Any
 import numpy as np
 from mpmath import MPContext
 
-from fastlink.catalogue.catalogue import Catalogue, Fact, System
-from fastlink.catalogue.evaluate import evaluate_step, steps_of, tables_at
+from fastlink.facts.catalogue import Catalogue
+from fastlink.facts.evaluate import evaluate_step, steps_of, tables_at
+from fastlink.facts.fact import Fact, System
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.numerics.elementary import PI, TWO_PI
 from fastlink.numerics.vectors import as_given
 
 __all__ = ["CONTEXT", "DIGITS", "STEP", "HighPrecision", "error_in_roundings"]
+
 
 DIGITS = 50
 #: Numbers of 50 digits, whatever precision others set for theirs.
@@ -39,19 +41,6 @@ class HighPrecision:
 
     Where a step divides by zero or has no finite result, it is evaluated in doubles, which give infinity, NaN or the
     other choice of a `select`, as in the kernels.
-
-    Parameters
-    ----------
-    catalogue : Catalogue
-        The mechanism.
-    names : iterable of str
-        Facts, internal ones too.
-    given : iterable of str
-        The inputs, ``branch``, and the input position (or the leaves of a graded range).
-    variants : iterable of str
-        The selected variants.
-    zeroes : bool
-        Whether a gap within the rounding of the lengths is zero, as in doubles; else the inputs are taken as they are.
 
     Attributes
     ----------

@@ -8,24 +8,90 @@ Newton's iteration on differences with 50 digits.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.catalogue.catalogue import Catalogue
-from fastlink.catalogue.evaluate import read_facts
+from fastlink.facts.catalogue import Catalogue
+from fastlink.facts.evaluate import read_facts
 from fastlink.facts.names import derivative_name
 from fastlink.numerics.vectors import as_given
 from fastlink.precision.reference import CONTEXT, DIGITS, STEP, HighPrecision
-from fastlink.precision.sides import side_of, turning_cells
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["END", "JUMP", "Candidate", "Extreme", "Stationary"]
+__all__ = ["END", "JUMP", "Candidate", "Extreme", "Stationary", "side_of", "turning_cells"]
+
+
+# -- Signs of slopes at samples: by doubles, and with many digits wherever a change of sign rests on them
+
+# Beside a fold, and of what is constant, a slope in doubles is nothing but its rounding error: its changes
+# of sign look like extremes. All precisions evaluate the same facts: where doubles and 50 digits agree,
+# neither is noise, which is 2^115 times as great in doubles. Elsewhere further digits tell.
+
+
+#: Two precisions agree to this share of a slope.
+AGREE = 0.25
+#: Further digits, no multiple of 50: noise may be a product of errors, as great with twice as many digits.
+FURTHER = 137
+
+
+def side_of(doubles: float, slope: Callable[[], Any]) -> float:
+    """Return the sign of a slope, 0 where it is nothing but noise.
+
+    Examples
+    --------
+    >>> side_of(-1e-3, lambda: CONTEXT.mpf(1e-9)), side_of(-1e-3, lambda: +CONTEXT.eps)
+    (1.0, 0.0)
+    """
+    exact = slope()
+    if exact != exact or not np.isfinite(doubles):
+        return float(np.sign(doubles))
+    if abs(exact - doubles) < AGREE * abs(exact):
+        return float(np.sign(doubles))
+    with CONTEXT.workdps(FURTHER):
+        finer = slope()
+        sure = abs(exact - finer) < AGREE * abs(finer)
+    return (float(finer > 0) - float(finer < 0)) if sure else 0.0
+
+
+def turning_cells(
+    sides: NDArray[Any], apart: NDArray[Any], exactly: Callable[[int, int, int], float]
+) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Return the cells between whose ends a slope changes its sign, and the signs."""
+    sides, known = sides.copy(), np.zeros(sides.shape, dtype=bool)
+    last = sides.shape[-1] - 1
+    while True:
+        filled = _filled(sides)
+        turning = ~apart & (filled[..., 1:] * filled[..., :-1] < 0.0)
+        doubtful = np.zeros_like(known)
+        doubtful[..., 1:] |= turning
+        doubtful[..., :-1] |= turning
+        doubtful &= ~known
+        if not doubtful.any():
+            return turning, filled
+        for design, end, sample in np.argwhere(doubtful).tolist():
+            ends = slice(None) if sample in (0, last) else end
+            sides[design, ends, sample] = exactly(design, end, sample)
+            known[design, ends, sample] = True
+
+
+def _filled(sides: NDArray[Any]) -> NDArray[Any]:
+    """Return signs without zeros: of the sample before on the way from the middle of the range to an end."""
+    filled = sides.copy()
+    # Both ends are counted from one position; a zero of the slope there belongs to one of them.
+    seam = np.where(filled[:, 0, [0, -1]] == 0.0, filled[:, 0, [1, -2]], filled[:, 0, [0, -1]])
+    filled[:, :, [0, -1]] = seam[:, None, :]
+    half = filled.shape[-1] // 2
+    for way in (filled[..., :half], filled[..., : half - 1 : -1]):
+        before = np.maximum.accumulate(np.where(way != 0.0, np.arange(half), 0), axis=-1)
+        way[...] = np.take_along_axis(way, before, axis=-1)
+    return filled
+
 
 #: Samples from the middle of the range to an end, on one side of the ground line.
 SAMPLES = 128
@@ -73,21 +139,6 @@ class Extreme:
 
 class Stationary:
     """The extremes of one quantity for some designs, in one branch each.
-
-    Parameters
-    ----------
-    catalogue : Catalogue
-        The mechanism, which has a graded range.
-    quantity : str
-        The quantity whose extremes are sought.
-    inputs : mapping of str to array (designs,)
-        The designs.
-    branches : array (designs,)
-        The assembly mode of each.
-    variants : sequence of str
-        The selected variants.
-    zeroes : bool
-        Whether a gap within the rounding of the lengths is zero, see `HighPrecision`.
 
     Attributes
     ----------

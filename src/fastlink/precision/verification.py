@@ -8,10 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.options import check_whole
-from fastlink.precision.extrema import affordable, refined
-from fastlink.precision.pointwise import configurations, sampled, values
-from fastlink.precision.sample import Sample
+from fastlink.errors import check_whole
+from fastlink.precision.errors import Sample, affordable, configurations, refined, sampled, values
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -19,12 +17,12 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fastlink.errors import KeyPath
-    from fastlink.plan.plan import Plan
-    from fastlink.plan.program import Output
+    from fastlink.plan.programs import Output, Plan
     from fastlink.precision.errors import MeasuredErrors
     from fastlink.space.design_space import DesignSpace
 
 __all__ = ["DESIGNS", "Verification", "check_verify"]
+
 
 #: Designs that are verified of a sweep that writes a file.
 DESIGNS = 64
@@ -35,13 +33,7 @@ EVALUATIONS = 200_000
 
 
 def check_verify(where: KeyPath, verify: Any) -> int:
-    """Return the number of designs to verify, or refuse it.
-
-    Raises
-    ------
-    InputError
-        It is not a whole number, is negative, or is more than the reference has time for.
-    """
+    """Return the number of designs to verify, or refuse it."""
     remedy = f"write how many designs to compute again, from 0 for none to {EVALUATIONS}"
     return check_whole(where, verify, 0, EVALUATIONS, remedy)
 
@@ -53,13 +45,7 @@ OF_ERRORS = ("residual", "deviation")
 
 
 class _Chosen:
-    """The results of chosen designs, collected block by block.
-
-    Parameters
-    ----------
-    designs : array of int
-        Their numbers, growing.
-    """
+    """The results of chosen designs, collected block by block."""
 
     def __init__(self, designs: NDArray[Any]) -> None:
         self.designs = designs
@@ -86,19 +72,7 @@ class _Chosen:
 
 
 class Verification:
-    """A random sample of the designs of a sweep, computed again with 50 digits.
-
-    Parameters
-    ----------
-    plan : Plan
-        The plan of the sweep.
-    space : DesignSpace
-        The designs.
-    positions : array
-        The input positions.
-    count : int
-        The number of designs; all of them if there are fewer.
-    """
+    """A random sample of the designs of a sweep, computed again with 50 digits."""
 
     def __init__(self, plan: Plan, space: DesignSpace, positions: NDArray[Any], count: int) -> None:
         self.rng = np.random.default_rng(SEED)
@@ -118,7 +92,7 @@ class Verification:
         self._chosen.rows += rows
 
     def twin(self) -> _Chosen:
-        """Return an object that collects in another process, see `fastlink.engine.elsewhere`."""
+        """Return an object that collects in another process, see `fastlink.engine.cluster`."""
         return _Chosen(self.designs)
 
     def measure(self) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:

@@ -2,31 +2,799 @@
 
 from __future__ import annotations
 
+import hashlib
+import html
 import math
-from collections.abc import Mapping, Sequence
+import numbers
+import sys
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from decimal import Decimal
+from typing import TYPE_CHECKING, Any, SupportsFloat, TypeVar, cast
 
 import numpy as np
+from numpy.lib.mixins import NDArrayOperatorsMixin
 from numpy.typing import NDArray
 
-from fastlink._text import short_repr
-from fastlink.doors import door
-from fastlink.errors import InputError, Problem, suggest
-from fastlink.options import check_whole
-from fastlink.space.column import Column, Counted, part_of, read_into
-from fastlink.space.listing import Listed
-from fastlink.space.values import (
-    Floats,
-    axis_of,
-    cells_of,
-    check_input_name,
-    constant,
-    frozen,
-    numbers_of,
-    units_of,
-    unmasked,
-)
+from fastlink._text import aligned, counted, html_table, in_words, short_number, short_repr, size
+from fastlink.errors import InputError, KeyPath, Problem, Problems, Remedy, check_whole, door, remark, suggest
+from fastlink.machine import check_memory
+from fastlink.numerics.compensated import two_product, two_sum
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = [
+    "COMMENT",
+    "DEGREES",
+    "DEGREE_UNIT",
+    "MODELS",
+    "RADIANS",
+    "STEP",
+    "Column",
+    "Consecutive",
+    "Converted",
+    "Counted",
+    "Degrees",
+    "Gathered",
+    "Links",
+    "angle_of",
+    "as_floats",
+    "bounds_of",
+    "check_angle",
+    "definition_of",
+    "degrees_name",
+    "ends_of",
+    "has_unit",
+    "in_unit",
+    "looks_like_degrees",
+    "part_of",
+    "radians",
+    "remark_on_angles",
+    "round_bar",
+    "steps",
+    "taken_links",
+    "unit_remedy",
+]
+
+
+# -- Check the values that are given for inputs
+
+
+T = TypeVar("T")
+Floats = NDArray[np.float64]
+NUMBERS = "write a number or a flat list of numbers"
+#: Most values of a list or range: 10^8 take 10 s and 0.8 GB to read.
+MOST_LISTED = 10**8
+#: Most axes of an array of NumPy.
+MOST_DIMS = 64
+#: Packages whose objects are read by their own rules: an error inside is a defect, and shows.
+OWN = ("builtins", "numpy", "pandas", "xarray")
+
+
+def units_of(name: str, given: Any) -> dict[str, str]:
+    """Return the unit that labelled values state in their attributes, by name; empty without one."""
+    attrs = given.attrs if has(given, "dtype") and has(given, "attrs") else None
+    unit = attrs.get("units") if isinstance(attrs, Mapping) else None
+    return {} if unit is None else {name: str(unit)}
+
+
+def check_no_quantity(where: str, name: str, given: Any) -> None:
+    """Refuse values of a package for units, whose units a conversion to an array would drop in silence."""
+    if type(given) in (float, int, np.ndarray):
+        return
+    try:
+        unit = _unit_of_quantity(given)
+    except Exception:  # whatever a class of somebody's does when it is asked
+        return
+    if unit is not None:
+        remedy = "write plain numbers in SI units, angles in rad, such as by .m_as('m') or .to_value('m')"
+        raise InputError(f"has the unit {short_repr(unit)}", where=(where, name), remedy=remedy)
+
+
+def _unit_of_quantity(given: Any) -> Any:
+    """Return the unit of a value of a package for units, of labelled ones or of a list of these; None without."""
+    if hasattr(given, "dims"):  # a DataArray, whose data may have units
+        given = given.data
+    values = [given]
+    if isinstance(given, (list, tuple)) and given and type(given[0]) is not float:
+        values += (given[0], given[-1])
+    for value in values:
+        if hasattr(value, "magnitude") or hasattr(value, "to_value"):
+            return getattr(value, "units", None) or getattr(value, "unit", None)
+    return getattr(getattr(given, "dtype", None), "units", None)  # of pandas with a package for units
+
+
+def numbers_of(where: str, name: str, given: Any, most_dims: int = 1) -> Floats:
+    """Return the values given for an input as a new array of at most so many dimensions, or refuse them."""
+    path = (where, name)
+    if type(given) is float or (  # the most common ones, at once: a third of the time
+        type(given) is np.ndarray and given.dtype == np.float64 and given.ndim <= most_dims
+    ):
+        return np.array(given)
+    check_no_quantity(where, name, given)
+    if isinstance(given, (bytes, bytearray, memoryview)):
+        raise InputError(f"is {short_repr(given)}, not a number", where=path, remedy=NUMBERS)
+    if isinstance(given, (list, tuple)) and not {bool, np.bool_}.isdisjoint(map(type, given)):
+        _refuse_non_numbers(where, name, given)  # numpy takes True among numbers for 1
+    if isinstance(given, np.ma.MaskedArray):
+        given = unmasked(given)
+    check_length(path, given)
+    try:
+        values = np.asarray(given)
+    except ValueError:  # nested lists of unequal length
+        raise InputError("is a ragged list", where=path, remedy=NUMBERS) from None
+    except Exception:  # whatever a class of somebody's does when it is converted
+        raise InputError(f"is {short_repr(given)}, not a number", where=path, remedy=NUMBERS) from None
+    if values.ndim > most_dims:
+        raise InputError(f"has {values.ndim} dimensions", where=path, remedy=NUMBERS)
+    if values.dtype.kind in "mM":
+        raise InputError("holds dates or durations", where=path, remedy="write numbers")
+    if values.dtype.kind not in "iuf":
+        _refuse_non_numbers(where, name, given)
+    try:
+        with np.errstate(over="raise"):  # a longer float than a double
+            return values.astype(np.float64)
+    except (OverflowError, ValueError, FloatingPointError):  # Decimal("sNaN") is a ValueError
+        what = "holds a number beyond the range of a double"
+        raise InputError(what, where=path, remedy="write a smaller one") from None
+
+
+def check_length(where: KeyPath, given: Any, remedy: str = f"write at most {MOST_LISTED}") -> None:
+    """Refuse a list or a range of more values than can be read in seconds."""
+    if not has(given, "dtype") and listed(given) > MOST_LISTED:
+        raise InputError(f"holds {counted(listed(given), 'value')}", where=where, remedy=remedy)
+
+
+def has(value: Any, name: str) -> bool:
+    """Tell whether an object has an attribute, whatever its class does when it is asked."""
+    try:
+        return hasattr(value, name)
+    except Exception:
+        return False
+
+
+def read_or_none(read: Callable[..., T], source: Any, *args: Any, **options: Any) -> T | None:
+    """Return what a function reads from an object, None where somebody's class fails when it is read.
+
+    Examples
+    --------
+    >>> class Sulky:
+    ...     def __len__(self):
+    ...         raise RuntimeError
+    >>> read_or_none(len, [1.0, 2.0]), read_or_none(len, Sulky())
+    (2, None)
+    """
+    try:
+        return read(source, *args, **options)
+    except InputError:
+        raise
+    except Exception:  # whatever a class of somebody's does when it is asked
+        if type(source).__module__.partition(".")[0] in OWN:
+            raise
+        return None
+
+
+def unmasked(given: np.ma.MaskedArray[Any, Any]) -> NDArray[Any]:
+    """Return an array with NaN in place of what is masked."""
+    cells: Any = given.astype(np.float64 if given.dtype.kind in "iuf" else object)
+    return np.asarray(cells.filled(np.nan))
+
+
+def cells_of(given: Any) -> NDArray[Any]:
+    """Return the elements of an array in its own type, those of a list as objects; all that is neither as one."""
+    try:
+        return np.asarray(given, dtype=None if has(given, "dtype") else object)
+    except Exception:  # whatever a class of somebody's does when it is converted
+        cell = np.empty((), dtype=object)
+        cell[()] = given
+        return cell
+
+
+def listed(given: Any) -> int:
+    """Return the number of elements of a list or the like, 0 of what has none."""
+    try:
+        return len(given)
+    except OverflowError:  # range(10**30)
+        return sys.maxsize
+    except Exception:  # whatever a class of somebody's does
+        return 0
+
+
+def check_input_name(where: str, name: str) -> None:
+    """Refuse a name that no input can have."""
+    if not (name.isascii() and name.isidentifier()):
+        what, remedy = f"{short_repr(name)} is no name of an input", "name it by the input, such as a2"
+        raise InputError(what, where=(where,), remedy=remedy)
+
+
+def _refuse_non_numbers(where: str, name: str, given: Any) -> None:
+    cells = np.asarray(given, dtype=object)
+    if cells.ndim == 0 and not is_number(cells[()]):
+        raise InputError(f"is {short_repr(cells[()])}, not a number", where=(where, name), remedy=NUMBERS)
+    for index, cell in np.ndenumerate(cells):
+        if not is_number(cell):
+            what = f"is {short_repr(cell)}, not a number"
+            raise InputError(what, where=(where, name, *index), remedy="write a number")
+
+
+def is_number(cell: object) -> bool:
+    """Tell whether an object is a real number; True and False are not."""
+    # to NumPy a duration is a kind of integer
+    return isinstance(cell, (numbers.Real, Decimal)) and not isinstance(cell, (bool, np.timedelta64))
+
+
+def as_real(value: object) -> float | None:
+    """Return a real number as a float, and None of anything else: of NaN and of what is beyond doubles too."""
+    if not is_number(value):
+        return None
+    try:
+        number = float(cast(SupportsFloat, value))
+    except (OverflowError, ValueError):  # Decimal("sNaN") is a ValueError
+        return None
+    return None if math.isnan(number) else number
+
+
+def constant(where: str, name: str, given: Any) -> float:
+    """Return the number given for one input, or refuse it."""
+    values = numbers_of(where, name, given)
+    if values.ndim:
+        raise InputError(
+            f"holds {counted(len(values), 'value')}", where=(where, name), remedy="write one number"
+        )
+    value = float(values)
+    if not math.isfinite(value):
+        raise InputError(f"is {value}", where=(where, name), remedy="write a finite number")
+    return value
+
+
+def axis_of(where: str, name: str, values: Floats) -> Floats:
+    """Return the values of an axis, or refuse them: there is none, or one is not finite or repeated."""
+    if values.size == 0:
+        raise InputError("is an empty axis", where=(where, name), remedy="give it at least one value")
+    bad = first_invalid(values)
+    if bad is not None:
+        raise InputError(f"is {values[bad]}", where=(where, name, bad), remedy="write a finite number")
+    order = np.argsort(values, kind="stable")
+    repeats = np.flatnonzero(np.diff(values[order]) == 0)
+    if repeats.size:
+        first, second = order[repeats[0]], order[repeats[0] + 1]
+        what = f"holds {values[first]} twice (at {first} and {second})"
+        raise InputError(what, where=(where, name), remedy="give each value once")
+    return frozen(values)
+
+
+def first_invalid(values: Floats) -> int | None:
+    """Return the index of the first value that is NaN or infinite."""
+    bad = np.flatnonzero(~np.isfinite(values))
+    return int(bad[0]) if bad.size else None
+
+
+def frozen(values: Floats) -> Floats:
+    """Return the array itself, made read-only."""
+    values.setflags(write=False)
+    return values
+
+
+# -- Angles that are given in degrees, by names that end in ``_deg``
+
+
+ENDING = "_deg"
+#: The unit of angles, and the texts by which labelled values say that theirs is the degree.
+RADIANS, DEGREES = "rad", frozenset({"deg", "degree", "degrees", "°"})
+#: The unit of an input whose name ends in ``_deg``.
+DEGREE_UNIT = "deg"
+#: What labelled values call units, by the catalogue's own text.
+SAME_UNITS = {
+    "m": {"m", "meter", "metre", "meters", "metres"},
+    "rad": {"rad", "radian", "radians"},
+    "1": {"1", "", "dimensionless"},
+    "kg": {"kg", "kilogram", "kilograms"},
+    "N": {"N", "newton", "newtons"},
+    DEGREE_UNIT: DEGREES,
+}
+#: The comment of a coordinate whose values were converted.
+COMMENT = "given in degrees"
+#: pi/180 as an unevaluated sum of two doubles, 106 bits of it.
+DEGREE, DEGREE_LOW = 0.017453292519943295, 2.9486522708701687e-19
+#: Numbers beyond are shifted by a power of two, for Veltkamp's splitting would leave the range of doubles.
+GREAT, SMALL, SHIFT = 1e290, 1e-200, 256
+#: Whole numbers of at least so much are no usual angles in radians, and multiples of 30 are usual ones in degrees.
+BEYOND, STEP_OF_DEGREES, MOST_DEGREES = 10.0, 30.0, 36000.0
+
+
+@dataclass(frozen=True, eq=False)
+class Degrees:
+    """Input positions in degrees, in place of an array of angles."""
+
+    values: Any
+
+
+def angle_of(name: str) -> str:
+    """Return the name of an angle that is given in degrees, an empty text for another name.
+
+    Examples
+    --------
+    >>> angle_of("theta1_deg"), angle_of("theta1")
+    ('theta1', '')
+    """
+    return name.removesuffix(ENDING) if name.endswith(ENDING) else ""
+
+
+def degrees_name(name: str) -> str:
+    """Return the name by which an angle is given in degrees."""
+    return name + ENDING
+
+
+def radians(degrees: Any) -> Any:
+    """Return degrees in radians, rounded once from 100 bits of deg pi/180, if not below 1e-307.
+
+    180 gives the double nearest to pi.
+
+    Examples
+    --------
+    >>> import math
+    >>> float(radians(180.0)) == math.pi, float(radians(40.0))
+    (True, 0.6981317007977318)
+    """
+    values = np.asarray(degrees, dtype=np.float64)
+    with np.errstate(all="ignore"):
+        size = abs(values)
+        scale = np.where(size > GREAT, 2.0**-SHIFT, np.where(size < SMALL, 2.0**SHIFT, 1.0))
+        product, rest = two_product(values * scale, DEGREE)
+        high, _ = two_sum(product, rest + values * scale * DEGREE_LOW)
+        # -0.0 and what is not finite as they are
+        return np.where((size > 0.0) & (size < np.inf), high / scale, values)[()]
+
+
+def looks_like_degrees(values: Any) -> bool:
+    """Tell whether numbers can hardly be radians by their size: whole ones, or up to a multiple of 30.
+
+    Examples
+    --------
+    >>> looks_like_degrees([40, 80, 120]), looks_like_degrees([0.0, 3.1]), looks_like_degrees([0, 1, 2, 3, 4, 5, 6])
+    (True, False, False)
+    """
+    if isinstance(values, (bytes, bytearray, memoryview)):
+        return False  # refused as such
+    try:
+        numbers: NDArray[Any] = np.asarray(values, dtype=np.float64)
+    except Exception:  # whatever a class of somebody's does when it is converted
+        return False
+    if not numbers.size:
+        return False
+    most = float(abs(numbers).max())
+    if not BEYOND <= most <= MOST_DEGREES:
+        return False
+    return most % STEP_OF_DEGREES == 0.0 or bool((numbers % 1.0 == 0.0).all())
+
+
+def check_angle(name: str, angle: str, unit: str, others: Collection[str]) -> None:
+    """Refuse degrees of what is no angle, or is given in radians too."""
+    if unit != RADIANS:
+        unit = "a plain number" if unit == "1" else f"in {unit}"
+        raise InputError(f"{angle} is no angle but {unit}", where=(name,), remedy=f"write {angle}")
+    if angle in others:
+        raise InputError(f"{angle} is given too", where=(name,), remedy="write one of them")
+
+
+def has_unit(unit: str, expected: str) -> bool:
+    """Tell whether labelled values state the unit that is expected, by whatever spelling.
+
+    Examples
+    --------
+    >>> has_unit("rad/s", "rad s-1"), has_unit("rad s-1", "rad s-1"), has_unit("mm", "m"), has_unit("°", "deg")
+    (False, True, False, True)
+    """
+    plain = unit.translate(str.maketrans("", "", "^* ."))
+    return plain == expected.replace(" ", "") or unit.strip() in SAME_UNITS.get(expected, ())
+
+
+def unit_remedy(expected: str) -> str:
+    """Return the remedy for values that state another unit."""
+    return f"convert it to {'degrees' if expected == DEGREE_UNIT else expected}, or leave the attribute 'units' out"
+
+
+def in_unit(where: KeyPath, given: Any, numbers: Floats, expected: str) -> Floats:
+    """Return the numbers of labelled values in the expected unit: degrees are converted, other units refused."""
+    for unit in units_of("", given).values():
+        if unit in DEGREES and expected == RADIANS:
+            return as_floats(numbers)
+        if not has_unit(unit, expected):
+            raise InputError(f"has the unit {unit!r}", where=where, remedy=unit_remedy(expected))
+    return numbers
+
+
+def ends_of(where: str, name: str, given: Any, unit: str, remedy: Remedy) -> tuple[float, float]:
+    """Return the ends of a range, or refuse it: not two numbers, not in order, or farther apart than any double."""
+    ends = in_unit((where, name), given, numbers_of(where, name, given), unit)
+    with np.errstate(over="ignore", invalid="ignore"):
+        if ends.shape != (2,) or not 0.0 < ends[1] - ends[0] < np.inf:
+            raise InputError(f"is {short_repr(given)}", where=(where, name), remedy=remedy)
+    return float(ends[0]), float(ends[1])
+
+
+def remark_on_angles(name: str, values: Any, *where: str) -> None:
+    """Warn of angles that can hardly be meant as radians."""
+    if looks_like_degrees(values):
+        what = f"{short_repr(np.asarray(values).tolist())} is taken as radians"
+        remark(what, (*where, name), f"if these are degrees, write {degrees_name(name)}")
+
+
+def as_floats(values: Any) -> Floats:
+    """Return values in degrees as an array in radians."""
+    return np.asarray(radians(values), dtype=np.float64)
+
+
+# -- Columns of designs whose values are computed where they are looked at
+
+
+#: Values that are computed at once where many are walked through.
+STEP = 1 << 16
+#: Values that show in what unit all are given.
+FEW = 100
+FEWER = "read a part of it, such as column[:1000]"
+
+
+class Column(NDArrayOperatorsMixin, ABC):
+    """Values along the designs that are computed where they are looked at, and held nowhere.
+
+    It reads as a 1-D array: ``column[10:20]``, ``numpy.asarray(column)``, ``column.min()``. Any division into blocks
+    gives the same bits, from any thread.
+
+    Attributes
+    ----------
+    dtype : numpy.dtype
+        Of numbers.
+    """
+
+    dtype: np.dtype[Any] = np.dtype(np.float64)
+    ndim = 1
+
+    def __init__(self, length: int, bounds: tuple[float, float]) -> None:
+        self.length, self.bounds = length, bounds
+
+    @abstractmethod
+    def read(self, start: int, stop: int, out: NDArray[Any]) -> None:
+        """Write values ``start`` to ``stop - 1`` into an array of as many; thread-safe."""
+
+    @property
+    @abstractmethod
+    def definition(self) -> tuple[Any, ...]:
+        """A tuple that tells these values from all others: its text is the same on any machine."""
+
+    @property
+    def shape(self) -> tuple[int]:
+        """The number of values, as that of an array."""
+        return (self.length,)
+
+    @property
+    def size(self) -> int:
+        """The number of values."""
+        return self.length
+
+    @property
+    def nbytes(self) -> int:
+        """The bytes of all values in memory."""
+        return self.length * self.dtype.itemsize
+
+    def piece(self, start: int, stop: int) -> NDArray[Any]:
+        """Return values ``start`` to ``stop - 1`` as a new array."""
+        values = np.empty(stop - start, self.dtype)
+        for first, last in steps(start, stop):
+            self.read(first, last, values[first - start : last - start])
+        return values
+
+    def sample(self) -> list[float]:
+        """Return the bounds and the first values, which show in what unit they are given."""
+        return [*self.bounds, *self.piece(0, min(self.length, FEW)).tolist()]
+
+    def __len__(self) -> int:
+        return self.length
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        if copy is False:
+            raise ValueError("the values are held nowhere: there is no array without a copy")
+        check_memory(self.nbytes, f"an array of {self.length:,} values", remedy=FEWER)
+        values = self.piece(0, self.length)
+        return values if dtype is None else values.astype(dtype, copy=False)
+
+    def __getitem__(self, key: Any) -> Any:
+        if isinstance(key, slice):
+            start, stop, step = key.indices(self.length)
+            if step == 1:
+                return self.piece(start, max(start, stop))
+        elif isinstance(key, (int, np.integer)) and not isinstance(key, bool):
+            number = range(self.length)[key]
+            return self.piece(number, number + 1)[0]
+        return np.asarray(self)[key]
+
+    def __iter__(self) -> Iterator[Any]:
+        for start, stop in steps(0, self.length):
+            yield from self.piece(start, stop)
+
+    def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **options: Any) -> Any:
+        arrays = [np.asarray(given) if isinstance(given, Column) else given for given in inputs]
+        return getattr(ufunc, method)(*arrays, **options)
+
+    def __getattr__(self, name: str) -> Any:
+        if not name.startswith("_") and hasattr(np.ndarray, name):
+            return getattr(np.asarray(self), name)
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+
+    def __repr__(self) -> str:
+        low, high = self.bounds
+        return f"<{self.length:,} values from {low!r} to {high!r}, computed where they are looked at>"
+
+
+class Gathered(Column):
+    """Values of an axis or column of a design space at consecutive designs."""
+
+    def __init__(self, source: NDArray[Any] | Column, inner: int, first: int, length: int) -> None:
+        super().__init__(length, bounds_of(source))
+        self.source, self.inner, self.first, self.dtype = source, inner, first, source.dtype
+
+    def read(self, start: int, stop: int, out: NDArray[Any]) -> None:
+        """Write some values."""
+        if start == stop:
+            return
+        index = np.arange(self.first + start, self.first + stop)
+        if self.inner > 1:
+            index //= self.inner
+        if isinstance(self.source, Column):
+            low = int(index[0])
+            index -= low
+            np.take(self.source.piece(low, low + int(index[-1]) + 1), index, out=out, mode="clip")
+            return
+        count = len(self.source)
+        if (self.first + self.length - 1) // self.inner >= count:
+            index -= index // count * count  # 3.6 us per 4096, numpy's remainder 7.3 us
+        # "clip" writes in place, the default "raise" in a copy of the output; no index needs clipping
+        np.take(self.source, index, out=out, mode="clip")
+
+    @property
+    def definition(self) -> tuple[Any, ...]:
+        """The class and its parameters."""
+        return "gathered", self.inner, self.first, self.length, definition_of(self.source)
+
+
+class Consecutive(Column):
+    """Consecutive values of another column."""
+
+    def __init__(self, source: Column, start: int, stop: int) -> None:
+        super().__init__(stop - start, source.bounds)
+        self.source, self.start, self.dtype = source, start, source.dtype
+
+    def read(self, start: int, stop: int, out: NDArray[Any]) -> None:
+        """Write some values."""
+        self.source.read(self.start + start, self.start + stop, out)
+
+    @property
+    def definition(self) -> tuple[Any, ...]:
+        """The class and its parameters."""
+        return "consecutive", self.start, self.length, self.source.definition
+
+
+class Counted(Column):
+    """Whole numbers that follow each other.
+
+    Examples
+    --------
+    >>> Counted(10**10, 4)[1:3].tolist()
+    [10000000001, 10000000002]
+    """
+
+    dtype = np.dtype(np.int64)
+
+    def __init__(self, first: int, length: int) -> None:
+        super().__init__(length, (float(first), float(first + length)))
+        self.first = first
+
+    def read(self, start: int, stop: int, out: NDArray[Any]) -> None:
+        """Write some numbers."""
+        out[:] = np.arange(self.first + start, self.first + stop)
+
+    @property
+    def definition(self) -> tuple[Any, ...]:
+        """The class and its parameters."""
+        return "counted", self.first, self.length
+
+
+class Converted(Column):
+    """Values of another column in another unit."""
+
+    def __init__(self, source: Column, convert: Callable[[Any], Any]) -> None:
+        low, high = (float(convert(end)) for end in source.bounds)
+        super().__init__(source.length, (low, high))
+        self.source, self.convert = source, convert
+
+    def read(self, start: int, stop: int, out: NDArray[Any]) -> None:
+        """Write some values."""
+        self.source.read(start, stop, out)
+        out[:] = self.convert(out)
+
+    @property
+    def definition(self) -> tuple[Any, ...]:
+        """The class and its parameters."""
+        return "converted", self.convert.__name__, self.source.definition
+
+
+def steps(start: int, stop: int) -> Iterator[tuple[int, int]]:
+    """Yield the pieces in which many values are walked through.
+
+    Examples
+    --------
+    >>> list(steps(0, 100_000))
+    [(0, 65536), (65536, 100000)]
+    """
+    for first in range(start, stop, STEP):
+        yield first, min(first + STEP, stop)
+
+
+def read_into(values: NDArray[Any] | Column, start: int, stop: int, out: NDArray[Any]) -> None:
+    """Write values ``start`` to ``stop - 1`` of an array or a column into an array of as many."""
+    if isinstance(values, Column):
+        values.read(start, stop, out)
+    else:
+        out[:] = values[start:stop]
+
+
+def bounds_of(values: NDArray[Any] | Column) -> tuple[float, float]:
+    """Return two numbers between which all values are, NaN where one is no number, or there is none."""
+    if isinstance(values, Column):
+        return values.bounds
+    if not values.size or values.dtype.kind not in "iuf":
+        return np.nan, np.nan
+    return float(values.min()), float(values.max())
+
+
+def definition_of(values: NDArray[Any] | Column) -> tuple[Any, ...]:
+    """Return what values follow from, of an array a hash of them."""
+    if isinstance(values, Column):
+        return values.definition
+    if values.dtype.kind in "iuf":
+        return "values", str(values.dtype), hashlib.sha256(np.ascontiguousarray(values).data).hexdigest()
+    return "texts", hashlib.sha256(repr(values.tolist()).encode()).hexdigest()
+
+
+def part_of(values: NDArray[Any] | Column, inner: int, start: int, stop: int) -> NDArray[Any] | Column:
+    """Return the values along one dimension at consecutive designs."""
+    repeated = inner > 1 or stop > len(values)
+    if repeated and values.dtype.kind not in "iuf":  # texts, which no file takes block by block
+        return values[np.arange(start, stop) // inner % len(values)]
+    if repeated:
+        return Gathered(values, inner, start, stop - start)
+    if isinstance(values, Column):
+        return Consecutive(values, start, stop)
+    return values[start:stop]
+
+
+# -- Models of the links, which give mass data from the lengths
+
+
+MODELS: dict[str, tuple[str, ...]] = {"round_bar": ("density", "radius")}
+
+
+@dataclass(frozen=True)
+class Links:
+    """A model of the links, with its inputs that are the same for all designs."""
+
+    model: str
+    values: Mapping[str, float]
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.model, str) or self.model not in MODELS:
+            what = f"{short_repr(self.model)} is unknown"
+            raise InputError(what, where=("links", "model"), remedy=suggest(self.model, MODELS))
+        problems, known = Problems(), MODELS[self.model]
+        numbers: dict[str, float] = {}
+        for name, value in self.values.items():
+            where = ("links", name)
+            value = value[()] if isinstance(value, np.ndarray) and value.ndim == 0 else value
+            if name not in known:
+                problems.add(f"{self.model} has no {short_repr(name)}", where, suggest(name, known))
+            elif not is_number(value):
+                remedy = f"write one number, or leave it out and give {name} in the design"
+                problems.add(f"is {short_repr(value)}", where, remedy)
+            else:
+                number = as_real(value)
+                if number is None or not 0 <= number < math.inf:
+                    problems.add(f"is {short_repr(value)}", where, "write a finite number of at least 0")
+                else:
+                    numbers[name] = number
+        problems.stop()
+        object.__setattr__(self, "values", numbers)
+
+
+def taken_links(given: dict[str, Any]) -> Links | None:
+    """Take the numbers of a model of the links out of what is given, and return it; None without any.
+
+    Examples
+    --------
+    >>> given = {"a1": 0.4, "density": 7750.0, "radius": 0.01}
+    >>> taken_links(given).values, given
+    ({'density': 7750.0, 'radius': 0.01}, {'a1': 0.4})
+    """
+    for model, names in MODELS.items():
+        values = {name: given.pop(name) for name in names if name in given}
+        if values:
+            return Links(model, values)
+    return None
+
+
+@door
+def round_bar(density: float | None = None, radius: float | None = None) -> Links:
+    """Links made of solid round bars.
+
+    Each link of length a has the mass ``density * pi * radius**2 * a``, the moment of inertia
+    ``m (a**2/12 + radius**2/4)`` about its mass centre, and its mass centre at mid-length (Hayes et al.,
+    Table 1). Mass data that the design itself gives replace the model's.
+
+    Parameters
+    ----------
+    density : float, optional
+        In kg m-3. Left out, the design gives it (to sweep it, make it an axis there).
+    radius : float, optional
+        In m. Left out, the design gives it.
+
+    Raises
+    ------
+    InputError
+        A value is not a finite number, or is negative.
+
+    Examples
+    --------
+    >>> round_bar(density=7750.0, radius=0.01).values["radius"]
+    0.01
+    """
+    given = {"density": density, "radius": radius}
+    return Links("round_bar", {name: value for name, value in given.items() if value is not None})
+
+
+# -- List a design space: how many designs, along which axes, from where to where, and what it keeps in
+#    memory
+
+
+HEADER = ("input", "values", "from", "to", "units")
+DOUBLE = 8
+
+
+class Listed:
+    """Prints a design space as a table, in a notebook as one of the page."""
+
+    def __repr__(self) -> str:
+        space = cast("DesignSpace", self)
+        return f"{_title(space)}\n{aligned([HEADER, *_rows(space)], indent='  ')}"
+
+    def _repr_html_(self) -> str:
+        """Return the table as a notebook shows it."""
+        space = cast("DesignSpace", self)
+        return f"<div><b>{html.escape(_title(space))}</b>{html_table(HEADER, _rows(space))}</div>"
+
+
+def _title(space: DesignSpace) -> str:
+    """Return kind, number and memory."""
+    arrays = [*space.axes.values(), *(one for one in space.columns.values() if isinstance(one, np.ndarray))]
+    held, all_of_them = sum(one.nbytes for one in arrays), DOUBLE * space.size * len(space.names)
+    shape = f" ({' x '.join(map(str, space.shape))})" if len(space.shape) > 1 else ""
+    about = f"{in_words(space.kind)} of {counted(space.size, 'design')}{shape}"
+    return f"{about}, {size(held)} in memory, {size(all_of_them)} as a table of doubles"
+
+
+def _rows(space: DesignSpace) -> Iterator[tuple[str, ...]]:
+    """Yield a row for each input: those that vary, then constants."""
+    for name in space.names:
+        units = space.units.get(name, "")
+        if name in space.constants:
+            yield name, "one", short_number(space.constants[name]), "", units
+            continue
+        values: Any = space.axes.get(name, space.columns.get(name))
+        if isinstance(values, np.ndarray) and values.size:
+            yield name, f"{values.size:,}", short_number(values.min()), short_number(values.max()), units
+        else:
+            yield name, f"{len(values):,}", "computed", "", units
+
 
 #: Dimensions: designs that span no grid, assembly modes, the extremes of a quantity.
 DESIGN, BRANCH, EXTREMUM = "design", "branch", "extremum"

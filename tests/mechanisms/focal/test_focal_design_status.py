@@ -10,9 +10,9 @@ from tests.support.focal_designs import FACTS, FOCAL, NUMBERS, facts
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.mechanisms.focal.status import STATUS_FLAGS
+from fastlink.app.study import run_study
+from fastlink.mechanisms.focal.design_facts import STATUS_FLAGS
 from fastlink.numerics.compensated import UNIT_ROUNDING
-from fastlink.study.study import run_study
 
 STUDIES = Path(__file__).parents[3] / "data" / "studies"
 CODES = {meaning: float(code) for code, meaning in STATUS_FLAGS.items()}

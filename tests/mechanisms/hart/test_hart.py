@@ -12,11 +12,11 @@ from tests.support.hart_configurations import HART, INPUTS, OF_THE_CRANK, QUANTI
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.catalogue.evaluate import read_facts
-from fastlink.mechanisms.hart.line import KITE_FLAGS, STATUS_FLAGS
+from fastlink.app.study import run_study
+from fastlink.facts.evaluate import read_facts
+from fastlink.mechanisms.hart.motion import KITE_FLAGS, STATUS_FLAGS
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.precision.reference import CONTEXT, HighPrecision
-from fastlink.study.study import run_study
 
 
 def exact(names, one):

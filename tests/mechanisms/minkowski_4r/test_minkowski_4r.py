@@ -11,8 +11,8 @@ from tests.support.configurations import DIGITS
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.catalogue.evaluate import read_facts
 from fastlink.errors import InputError
+from fastlink.facts.evaluate import read_facts
 from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
 

@@ -12,8 +12,8 @@ from tests.support.minkowski_designs import FACTS, FAMILIES, LENGTHS, MANY, SUMS
 from tests.support.minkowski_scan import quadratic_of_output
 
 import fastlink as fl
-from fastlink.catalogue.evaluate import read_facts
 from fastlink.errors import InputError
+from fastlink.facts.evaluate import read_facts
 from fastlink.mechanisms.minkowski_4r import minkowski_4r
 from fastlink.numerics.compensated import UNIT_ROUNDING
 

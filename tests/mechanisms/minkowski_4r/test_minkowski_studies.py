@@ -12,9 +12,9 @@ import pytest
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.mechanisms.minkowski_4r.types import LINKAGE_FLAGS
+from fastlink.app.study import run_study
+from fastlink.mechanisms.minkowski_4r.design_facts import LINKAGE_FLAGS
 from fastlink.numerics.compensated import UNIT_ROUNDING
-from fastlink.study.study import run_study
 
 STUDIES = Path(__file__).parents[3] / "data" / "studies"
 

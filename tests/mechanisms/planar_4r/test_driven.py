@@ -8,7 +8,7 @@ import pytest
 from tests.support.configurations import DIGITS, LENGTHS, PLANAR, random_lengths
 
 import fastlink as fl
-from fastlink.catalogue.evaluate import read_facts
+from fastlink.facts.evaluate import read_facts
 from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
 

@@ -8,7 +8,7 @@ from tests.support.refusals import refused
 from tests.support.study_files import written
 
 import fastlink as fl
-from fastlink.study.study import read_study
+from fastlink.app.study import read_study
 
 SPACE = {"a1": 0.4, "a2": [1.1, 1.2], "a3": 0.8, "a4": 1.0, "joint_omega_2": 2.0}
 NAMES = ["joint_angle_1", "joint_omega_4", "joint_alpha_3", "v2", "io_residual_34", "transmission_angle"]

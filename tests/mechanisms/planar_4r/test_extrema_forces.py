@@ -10,7 +10,7 @@ from tests.support.extrema_families import FAMILIES, names_of
 from tests.support.extrema_rules import TURN
 
 import fastlink as fl
-from fastlink.catalogue.evaluate import read_facts
+from fastlink.facts.evaluate import read_facts
 from fastlink.numerics.compensated import UNIT_ROUNDING
 
 QUANTITIES = ("shaking_force", "shaking_moment", "T41", "F41", "F21", "F32", "F43")

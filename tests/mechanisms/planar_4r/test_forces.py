@@ -11,8 +11,8 @@ from tests.support.newton import Bodies, configuration, cross, facts, kinetic_en
 import fastlink as fl
 from fastlink.codegen.kernel import kernel_of
 from fastlink.numerics.compensated import UNIT_ROUNDING
-from fastlink.plan.pointwise import make_program
-from fastlink.plan.validate import variants_of
+from fastlink.plan.programs import make_program
+from fastlink.plan.request import variants_of
 
 FORCES = ("F41", "F21", "F32", "F43")
 REACTIONS = [f"{force}_{axis}" for force in FORCES for axis in "xy"] + ["T41"]

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import fastlink as fl
-from fastlink.codegen.runtime.noise import thin
 from fastlink.codegen.runtime.results import (
     BEST_ROWS,
     COUNT,
@@ -19,8 +18,9 @@ from fastlink.codegen.runtime.results import (
     LIST_THETA,
     LIST_VALUE,
 )
+from fastlink.codegen.runtime.undecided import thin
 from fastlink.mechanisms import catalogue
-from fastlink.plan.validate import variants_of
+from fastlink.plan.request import variants_of
 from fastlink.precision.stationary import Stationary
 
 #: Near kites that are change points, speeds and accelerations of the crank: beside their folds accelerations of the

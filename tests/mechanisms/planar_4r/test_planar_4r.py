@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from tests.support.configurations import LENGTHS, PLANAR, masses_and_points, random_lengths
 
 import fastlink as fl
-from fastlink.catalogue.evaluate import read_facts
+from fastlink.facts.evaluate import read_facts
 from fastlink.numerics.compensated import UNIT_ROUNDING
 
 TABLE_1 = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
+from fastlink.app.study import run_study
 from fastlink.numerics.compensated import UNIT_ROUNDING
-from fastlink.study.study import run_study
 
 STUDY = Path(__file__).parents[3] / "data" / "studies" / "slider_crank_press.toml"
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.codegen.runtime.bounds import of_better
 from fastlink.codegen.runtime.cells import (
+    BEND,
     BOUND,
     BRANCHES,
     FA,
@@ -21,7 +21,7 @@ from fastlink.codegen.runtime.cells import (
     LANE,
     LANES,
     MIRROR,
-    NOISE,
+    NOISE_FLAG,
     NUMBER,
     ONTO,
     ORDER,
@@ -29,21 +29,188 @@ from fastlink.codegen.runtime.cells import (
     PARITY,
     ROOM,
     SIDES,
+    SLOPE,
+    SLOPE_BOUND,
     START,
     THETA,
     TOGGLE,
     UPPER,
     VALUE,
+    F,
     X,
     padded,
 )
-from fastlink.numerics.compiler import inlined, lanes, outlined
+from fastlink.numerics.compiler import (
+    AT_CHANGE_POINT,
+    AT_LIMIT,
+    CONSTANT,
+    INFINITE,
+    JUMP,
+    KINK,
+    NOTHING,
+    SMOOTH,
+    TIED,
+    inlined,
+    lanes,
+    outlined,
+)
 from fastlink.numerics.elementary import ANGLE_ROUNDING, INFINITY, NOT_A_NUMBER, PI, TWO_PI
+from fastlink.numerics.vectors import magnitude
 
 __all__ = [
-    *("clear", "doubt", "drop_folds", "extrema_at_zeros", "mirror_image"),
-    *("store_best", "store_bound", "store_counts", "store_extrema", "store_list"),
+    "ALONG",
+    "CODE",
+    "HELD",
+    "MARGIN",
+    "OF_PI",
+    "WINNER_ROWS",
+    "bound_at_zero",
+    "bound_ends",
+    "bound_zeros",
+    "clear",
+    "doubt",
+    "drop_folds",
+    "extrema_at_zeros",
+    "forget_winners",
+    "has_no_bound",
+    "is_certain",
+    "judge_winners",
+    "known",
+    "mirror_image",
+    "note_kinks",
+    "note_winners",
+    "of_better",
+    "off_at_end",
+    "settle_jumps",
+    "store_best",
+    "store_bound",
+    "store_change",
+    "store_counts",
+    "store_extrema",
+    "store_gradient",
+    "store_list",
+    "store_status",
 ]
+
+
+# -- Error bounds of extrema, where they are requested
+
+# Every position x of the graded range is one of the reachable range. So the exact quantity at an x that was
+# found, which is within its error bound E of the computed value, is never beyond the extreme; it may fall
+# short of it, as x is not the exact place.
+#
+# - At a zero of the slope s, the exact slope is at most S = |s| + E_s, with the error bound E_s of the
+# slope: x is off by at most S/|b|, b being the second derivative, and the value by half of S S/|b|. Twice
+# that is added, as b changes on the way and has an error of its own. Where two extremes are about to meet,
+# or one is flat, b differs on the way, and the value is off by a power of S beyond the first (4/3 for an
+# extreme like x^4): a thousandth of E. - Where b vanishes, s is within E_s: the value is off by at most 2
+# E_s times half a turn. At a kink s is far from zero on both sides; its place is known to 2^-51 of x, less
+# than 2^-48 in the input position, or to where rounding hides which side it is on, by E. - The magnitude of
+# a vector that almost vanishes has a kink, too. A least magnitude f is off by at most the greater of E and
+# f, as the exact one is between 0 and f + E. - An end of the range counts at x = 0, which is exact; or at a
+# first sample x = 2^-60 r beside a toggle or a fold, for quantities that have no value at the toggle
+# itself. In x they are smooth there, and the input position changes by less than 4 x. The value is off by
+# at most 8 x |s|; beside a toggle, where it may change as c x and s grows as 1/x, by c x = s s/|b|. What is
+# infinite at a toggle has no bound, nor has what grows as 1/x or more towards a fold: |b| x^2 is at least
+# half of it, then. - Beside a toggle at which the slope vanishes an extreme may stand that is not looked
+# for (`toggles`): the value at the toggle is off by at most what the quantity changes within four times the
+# distance of that. - Where a quantity has a limit at a fold but no value there in doubles, that at 2^-30 of
+# the scale stands for it, and has no bound. - Where no slope changes its sign, a place in the middle of the
+# turn stands for the extreme. If its slope is within its error bound the quantity is constant but for
+# rounding: off by at most S times half a turn on each side. - A jump by a whole turn is at pi, which is off
+# by its own rounding. - Where a gap counts as zero within the rounding of the lengths, others may stand
+# next to the fold for the lengths as given: nothing bounds them.
+
+
+# For what the powers of E_s beyond the first come to, and for the roundings of the bound itself.
+MARGIN = 1.0 + 2.0**-10
+# Of pi in doubles, 1.2e-16: half of its last place is 2^-52.
+OF_PI = 2.0**-52
+# The place of a kink.
+OF_PLACE = 2.0**-48
+# At a kink rounding may hide the sign of a slope that is far beyond that of rounding, and no step leads to its zero.
+UNRESOLVED, FAR = 2.0**20, 2.0**-7
+# A slope is certain where it is so many times as great as its error bound.
+TIMES = 2.0
+
+
+@inlined
+def known(bound: Any) -> Any:
+    """Return a bound, infinite where it is not a number."""
+    return bound if bound >= 0.0 else INFINITY
+
+
+@inlined
+def is_certain(slope: Any, slope_bound: Any) -> Any:
+    """Tell whether the sign of a slope of some size is more than rounding."""
+    return slope > TIMES * slope_bound
+
+
+@inlined
+def bound_at_zero(bound: Any, slope: Any, slope_bound: Any, bend: Any) -> Any:
+    """Return the bound of a value, and what its place is off, at a zero of the slope."""
+    own, steep = MARGIN * bound, slope + slope_bound
+    kink = (steep > UNRESOLVED * own) & (steep > FAR * bend)
+    off = steep * (steep / bend)
+    most = own + (OF_PLACE * slope + (0.0 if kink else TWO_PI * slope_bound))
+    total = own + (off if off < most else most)
+    return own, total
+
+
+@inlined
+def off_at_end(x: Any, slope: Any, slope_bound: Any, bend: Any, first: Any) -> Any:
+    """Return what the place of a value at an end of the range is off, where the first sample is."""
+    off, beside = 8.0 * x * slope, 4.0 * slope * (slope / bend)
+    off = 0.0 if x == 0.0 else (beside if beside < off else off)
+    return PI * (slope + slope_bound) if (first == 0.0) & (slope <= slope_bound) else off
+
+
+@inlined
+def has_no_bound(x: Any, size: Any, bend: Any, first: Any, toggle: Any) -> Any:
+    """Tell whether a value at an end of the range is infinite, grows towards a fold, or stands for a limit."""
+    pole = (toggle == 0.0) & (x > 0.0) & (size > 0.0) & (4.0 * (bend * (x * x)) >= size)
+    return (size == INFINITY) | pole | (x > 2.0 * abs(first))
+
+
+@outlined
+def bound_zeros(s: Any, count: int, search: Any, magnitude: int) -> None:
+    """Add to the bounds of values at zeros of the slope what the places are off."""
+    if search[JUMPS] > 0:
+        for i in lanes(padded(count)):
+            s[BOUND, i] = OF_PI
+    else:
+        for i in lanes(padded(count)):
+            value = s[VALUE, i]
+            own, bound = bound_at_zero(s[BOUND, i], s[SLOPE, i], s[SLOPE_BOUND, i], s[BEND, i])
+            # not a number where the value is exactly 0
+            least = (magnitude > 0) & (s[KIND, i] < 0.0) & ((bound > value) | (bound != bound))
+            s[BOUND, i] = known((value if value > own else own) if least else bound)
+
+
+@outlined
+def bound_ends(s: Any, count: int, w: Any, table: Any) -> None:
+    """Add to the bounds of values at ends of the range what the places are off."""
+    for i in range(count):
+        first = w[table[START] + int(s[UPPER, i]), int(s[LANE, i])]
+        toggle = w[table[TOGGLE] + int(s[UPPER, i]), int(s[LANE, i])]
+        x, size, bend = s[X, i], abs(s[VALUE, i]), s[BEND, i]
+        total = known(MARGIN * s[BOUND, i] + off_at_end(x, s[SLOPE, i], s[SLOPE_BOUND, i], bend, first))
+        s[BOUND, i] = INFINITY if has_no_bound(x, size, bend, first, toggle) else total
+
+
+@inlined
+def of_better(best: Any, best_bound: Any, value: Any, bound: Any) -> Any:
+    """Return the error bound of the better of two candidates for an extreme, of which the other may be it.
+
+    Each extreme lies within the bound of its own candidate, so that the outermost of all lies within that of the best
+    candidate, or beyond it by at most what the bound of another exceeds the distance of both values.
+    """
+    ahead = value - best
+    own = bound if ahead > 0.0 else best_bound
+    other = best_bound if ahead > 0.0 else bound
+    reach = other - abs(ahead)
+    return reach if reach > own else own
+
 
 # Rows of the lists: an extremum's position, value and kind, and what rounding does to the value at a fold; where error
 # bounds are requested, that of the value.
@@ -110,13 +277,6 @@ def extrema_at_zeros(s: Any, count: int, table: Any, search: Any) -> None:
     """Find of what kind the extremum at each zero is: 1 for a maximum, -1 for a minimum; 0 and pi where an angle jumps.
 
     A zero of another slope is of no kind.
-
-    Parameters
-    ----------
-    s, count : array, int
-        State of the items, and how many they are.
-    table, search : array of int
-        Tables of the kernel and of the search, see `cells`.
     """
     sides = table[SIDES]
     if search[ONTO] == search[NUMBER]:
@@ -137,17 +297,7 @@ def extrema_at_zeros(s: Any, count: int, table: Any, search: Any) -> None:
 
 @outlined
 def drop_folds(s: Any, count: int, w: Any, table: Any, search: Any) -> None:
-    """Drop extrema that are nothing but the end of the range at a fold or toggle, or have no value.
-
-    Parameters
-    ----------
-    s, count : array, int
-        State of the items, and how many they are.
-    w, table : array
-        Lane values, and the table of the kernel, see `cells`.
-    search : array of int
-        Table of the search.
-    """
+    """Drop extrema that are nothing but the end of the range at a fold or toggle, or have no value."""
     of_toggle = (
         TOGGLED if search[ORDER] == 0 else 0.0
     )  # a quantity that grows towards a toggle has no value there
@@ -161,17 +311,7 @@ def drop_folds(s: Any, count: int, w: Any, table: Any, search: Any) -> None:
 
 @outlined
 def store_extrema(s: Any, count: int, table: Any, search: Any, lists: Any, best: Any) -> None:
-    """Sort the extrema at items into the results of their design, each for its own branch, then for the mirror's.
-
-    Parameters
-    ----------
-    s, count, table, search
-        As for `extrema_at_zeros`.
-    lists : array (3 or 4, columns, length)
-        Sorted lists of extrema; a column is of one search, branch and design.
-    best : array (5 or 8, columns)
-        The greatest and least values.
-    """
+    """Sort the extrema at items into the results of their design, each for its own branch, then for the mirror's."""
     sides, branches = table[SIDES], table[BRANCHES]
     onto, parity = search[ONTO], float(search[PARITY])
     jumps, room = search[JUMPS] > 0, search[ROOM]
@@ -191,8 +331,8 @@ def store_extrema(s: Any, count: int, table: Any, search: Any, lists: Any, best:
                 kind = parity * kind
             column = (onto * branches + target) * LANES + lane
             # a function that is nothing but rounding would leave no room for extremes
-            doubtful = (room > 0) & (s[NOISE, i] == DOUBTFUL)
-            spurious = (room > 0) & (s[NOISE, i] == SPURIOUS)
+            doubtful = (room > 0) & (s[NOISE_FLAG, i] == DOUBTFUL)
+            spurious = (room > 0) & (s[NOISE_FLAG, i] == SPURIOUS)
             if (kind != 0.0) & (not spurious) & ((not doubtful) | (best[COUNT, column] < (room >> 1))):
                 if room > 0:
                     k = _insert(lists, column, int(best[COUNT, column]), theta, room)
@@ -200,7 +340,7 @@ def store_extrema(s: Any, count: int, table: Any, search: Any, lists: Any, best:
                         lists[LIST_THETA, column, k] = theta
                         lists[LIST_VALUE, column, k] = value
                         lists[LIST_KIND, column, k] = kind
-                        lists[LIST_NOISE, column, k] = s[NOISE, i]
+                        lists[LIST_NOISE, column, k] = s[NOISE_FLAG, i]
                         if lists.shape[0] > LIST_BOUND:
                             lists[LIST_BOUND, column, k] = bound
                 best[COUNT, column] += 1.0
@@ -219,17 +359,7 @@ def store_extrema(s: Any, count: int, table: Any, search: Any, lists: Any, best:
 
 @outlined
 def doubt(w: Any, row: int, count: int, lists: Any, best: Any) -> None:
-    """Make the bounds of all extremes of designs infinite where a lane value is positive.
-
-    Parameters
-    ----------
-    w, row : array, int
-        Lane values, and the row of the error of a toggle.
-    count : int
-        The number of designs.
-    lists, best : array
-        The results.
-    """
+    """Make the bounds of all extremes of designs infinite where a lane value is positive."""
     for i in range(count):
         if w[row, i] > 0.0:
             for column in range(i, best.shape[1], LANES):
@@ -278,3 +408,196 @@ def store_bound(result: Any, first: int, count: int, base: int, best: Any, row: 
             column = base + branch * LANES + i
             theta = best[row | 1, column]
             result[first + i, branch] = best[of, column] if theta == theta else NOT_A_NUMBER
+
+
+# -- Where the greatest and the least value of a search are, for their derivatives by the inputs if these
+#    are requested
+
+# Two places for each design, branch and search: of the greatest value, and of the least one with its sign
+# changed. Derivatives are evaluated there, once for each, lanes being designs: at the input position that
+# was found; at a limit of motion beside it, at 2^-60 of the scale, with the place kept at that distance
+# from the limit.
+
+
+# Rows of a place: the value (of a least one with its sign changed), the input position, the place in the range, whether
+# it is of a mirror image, its kind; the next best value elsewhere; the code of what derivatives there are worth; and
+# whether these are taken at one input position, along with a limit of motion, or not at all (0).
+BEST, PLACE, AT_X, IN_HALF, IN_UPPER, MIRRORED, OF_KIND, SECOND, CODE, WHERE = range(10)
+WINNER_ROWS = 10
+HELD, ALONG = 1.0, 2.0
+#: Entries of the table of a change by tolerances: see `store_change`.
+FIRST, SQUARES, WINNERS, TERMS = range(4)
+#: The kinds of a jump by a full turn, and of a place where a quotient is divided by almost nothing and has its extreme
+#: beside it; an end of the range has kind 0.
+TURN, NEARLY_POLE = 2.0, 3.0
+# A zero is found to 2^-51 of its place: there a slope without a jump is below this part of that at the bracket's ends.
+KINKED = 2.0**-20
+# An angle whose sine is 0 is within some roundings of 0 or pi.
+FOLD = 2.0**-46
+# Input positions that are nearer are one place; values that differ by less tie.
+SAME, TIE = 2.0**-20, 2.0**-40
+
+
+@outlined
+def forget_winners(winners: Any, gradients: Any) -> None:
+    """Forget the places of the designs before, and the derivatives there."""
+    for least in range(2):
+        row = least * WINNER_ROWS
+        for i in lanes(winners.shape[1]):
+            winners[row + BEST, i] = -INFINITY
+            winners[row + SECOND, i] = -INFINITY
+            winners[row + PLACE, i] = NOT_A_NUMBER
+            winners[row + OF_KIND, i] = NOT_A_NUMBER
+    for r in range(gradients.shape[0]):
+        for i in lanes(gradients.shape[1]):
+            gradients[r, i] = NOT_A_NUMBER
+
+
+@outlined
+def note_winners(s: Any, count: int, table: Any, search: Any, winners: Any, signs: Any) -> None:
+    """Keep the places of the extrema at items that are the greatest or least so far, see `results.store_extrema`.
+
+    `signs` tells whether greatest values are requested (1, else 0), and whether least ones are.
+    """
+    sides, branches = table[SIDES], table[BRANCHES]
+    jumps, piece, beside = search[JUMPS] > 0, search[JUMPS] < 0, search[ONTO] != search[NUMBER]
+    for i in range(count):
+        if s[KIND, i] != s[KIND, i]:
+            continue
+        branch = int(s[HALF, i]) >> (sides - 1)
+        for mirror in range(2):
+            target = table[MIRROR + branch] if mirror == 1 else table[OWN + branch]
+            if target < 0:
+                continue
+            column = (search[ONTO] * branches + target) * LANES + int(s[LANE, i])
+            theta = s[IMAGE, i] if mirror == 1 else s[THETA, i]
+            value = float(search[PARITY]) * s[VALUE, i] if mirror == 1 else s[VALUE, i]
+            for least in range(1 - signs[0], 1 + signs[1]):
+                high = PI if jumps else (-value if least == 1 else value)
+                row = least * WINNER_ROWS
+                if not high > winners[row + SECOND, column]:
+                    continue
+                apart = abs(theta - winners[row + PLACE, column])
+                same = (apart < SAME) | (abs(apart - TWO_PI) < SAME)
+                if high > winners[row + BEST, column]:
+                    if not same:
+                        winners[row + SECOND, column] = winners[row + BEST, column]
+                    winners[row + BEST, column] = high
+                    winners[row + PLACE, column] = theta
+                    winners[row + AT_X, column] = s[X, i]
+                    winners[row + IN_HALF, column] = s[HALF, i]
+                    winners[row + IN_UPPER, column] = s[UPPER, i]
+                    winners[row + MIRRORED, column] = float(mirror)
+                    winners[row + OF_KIND, column] = (
+                        TURN if jumps else (1.0 if piece else (NEARLY_POLE if beside else s[KIND, i]))
+                    )
+                elif not same:
+                    winners[row + SECOND, column] = high
+
+
+@outlined
+def note_kinks(s: Any, count: int, table: Any, search: Any, winners: Any, signs: Any) -> None:
+    """Note which of the places kept last are kinks: the slope jumps over zero there; arguments as of `note_winners`."""
+    sides, branches = table[SIDES], table[BRANCHES]
+    for i in range(count):
+        low, high = abs(s[FA, i]), abs(s[FB, i])
+        jumps = abs(s[F, i]) > KINKED * (high if high > low else low)
+        if (s[KIND, i] != s[KIND, i]) | (not jumps):
+            continue
+        branch = int(s[HALF, i]) >> (sides - 1)
+        for mirror in range(2):
+            target = table[MIRROR + branch] if mirror == 1 else table[OWN + branch]
+            if target < 0:
+                continue
+            column = (search[ONTO] * branches + target) * LANES + int(s[LANE, i])
+            theta = s[IMAGE, i] if mirror == 1 else s[THETA, i]
+            for least in range(1 - signs[0], 1 + signs[1]):
+                row = least * WINNER_ROWS
+                if winners[row + PLACE, column] == theta:
+                    winners[row + OF_KIND, column] = NEARLY_POLE
+
+
+@outlined
+def judge_winners(winners: Any, w: Any, count: int, table: Any, search: Any, asked: Any) -> int:
+    """Find what derivatives of greatest and least values are worth; return how many are at limits of motion."""
+    moving = 0
+    for least in range(1 - asked[0], 1 + asked[1]):
+        row = least * WINNER_ROWS
+        for branch in range(table[BRANCHES]):
+            for i in range(count):
+                column = (search[NUMBER] * table[BRANCHES] + branch) * LANES + i
+                best, kind = winners[row + BEST, column], winners[row + OF_KIND, column]
+                folded = (asked[3] > 0) & ((abs(best) < FOLD) | (abs(abs(best) - PI) < FOLD))
+                code = NOTHING
+                if (kind == TURN) | (folded & (kind == kind)):
+                    code = JUMP
+                elif kind == kind and abs(best) == INFINITY:
+                    code = INFINITE
+                elif kind == kind:
+                    upper = int(winners[row + IN_UPPER, column])
+                    first, toggle = abs(w[table[START] + upper, i]), w[table[TOGGLE] + upper, i] > 0.0
+                    beside = (kind == 0.0) | (winners[row + AT_X, column] < FOLDED * first)
+                    code = AT_LIMIT if kind == 0.0 else SMOOTH
+                    code = TIED if winners[row + SECOND, column] >= best - TIE * abs(best) else code
+                    code = KINK if (kind == NEARLY_POLE) | ((asked[2] > 0) & (best == 0.0)) else code
+                    code = CONSTANT if (kind == 0.0) & (not toggle) else code
+                    code = AT_CHANGE_POINT if (first > 0.0) & (not toggle) & beside else code
+                winners[row + CODE, column] = float(code)
+                where = 0.0
+                if (code == SMOOTH) | (code == TIED) | (code == AT_LIMIT) | (code == CONSTANT):
+                    where = HELD
+                    if kind == 0.0 and code != CONSTANT:
+                        where = ALONG
+                        moving = moving + 1
+                        upper = int(winners[row + IN_UPPER, column])
+                        first = abs(w[table[START] + upper, i])
+                        if winners[row + AT_X, column] < first:
+                            winners[row + AT_X, column] = first
+                winners[row + WHERE, column] = where
+    return moving
+
+
+@outlined
+def settle_jumps(winners: Any, row: int, columns: Any, gradients: Any, base: int, values: int) -> None:
+    """Store zeros as the derivatives of values that are pi or 0 because an angle jumps or folds.
+
+    `row` is the first one of the places, `base` that of the derivatives, of which so many are of values.
+    """
+    for column in range(columns[0], columns[1]):
+        if winners[row + CODE, column] == JUMP:
+            for j in range(values):
+                gradients[base + j, column] = 0.0
+
+
+@outlined
+def store_gradient(result: Any, first: int, count: int, base: int, gradients: Any, row: int) -> None:
+    """Copy the derivative of a greatest or least value, or of its place."""
+    for i in range(count):
+        for branch in range(result.shape[1]):
+            result[first + i, branch] = gradients[row, base + branch * LANES + i]
+
+
+@outlined
+def store_change(result: Any, first: int, count: int, gradients: Any, w: Any, terms: Any) -> None:
+    """Put together the changes of a greatest or least value, or of its place, by the tolerances of inputs.
+
+    `terms` has the first column, whether squares are added, how many inputs there are, the rows of the derivatives by
+    them, and the rows of the lane values of their tolerances.
+    """
+    total = terms[WINNERS]
+    for i in range(count):
+        for branch in range(result.shape[1]):
+            change = 0.0
+            for k in range(total):
+                slope = gradients[terms[TERMS + k], terms[FIRST] + branch * LANES + i]
+                one = abs(slope) * w[terms[TERMS + total + k], i]
+                change = magnitude(change, one) if terms[SQUARES] > 0 else change + one
+            result[first + i, branch] = change
+
+
+@outlined
+def store_status(result: Any, first: int, count: int, base: int, winners: Any, row: int) -> None:
+    """Copy what the derivatives of a greatest or least value are worth, from the row of its code."""
+    for i in range(count):
+        for branch in range(result.shape[1]):
+            result[first + i, branch] = int(winners[row, base + branch * LANES + i])

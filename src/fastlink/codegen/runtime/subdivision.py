@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from fastlink.codegen.runtime.beside import PASSED, next_split
 from fastlink.codegen.runtime.cells import (
     CELLS,
     DESIGNS,
@@ -26,11 +27,14 @@ from fastlink.codegen.runtime.cells import (
     LANE,
     PART,
     PARTS,
+    ROOT,
     ROOTS,
     SIGN,
     STEPS,
     UNRESOLVED,
+    UNRESOLVED_CELL,
     UPPER,
+    VALLEY,
     VALLEYS,
     XA,
     XB,
@@ -39,25 +43,25 @@ from fastlink.codegen.runtime.cells import (
     X,
     append_of_lane,
     append_unresolved,
-    padded,
-    set_bracket,
-)
-from fastlink.codegen.runtime.sampling import (
-    ROOT,
-    UNRESOLVED_CELL,
-    VALLEY,
     is_unresolved,
     mark,
+    padded,
     position_of,
+    set_bracket,
 )
-from fastlink.codegen.runtime.splits import PASSED, next_split
 from fastlink.numerics.compiler import inlined, lanes, outlined
 from fastlink.numerics.elementary import trailing_zeros
 
 __all__ = [
-    *("collect_fine", "collect_unresolved", "divide", "keep_fine", "mark_fine", "mark_unresolved"),
+    "collect_fine",
+    "collect_unresolved",
+    "divide",
+    "keep_fine",
+    "mark_fine",
+    "mark_unresolved",
     "place_fine",
 ]
+
 
 # Eight marks at once.
 UNRESOLVED_CELLS = 0x0404040404040404
@@ -92,17 +96,7 @@ def unresolved(before: Any, f0: Any, f1: Any, after: Any, fourth0: Any, fourth1:
 
 @outlined
 def mark_unresolved(samples: Any, marks: Any, part: Any, width: int) -> None:
-    """Mark the samples that begin a cell which may hold more zeros than its ends show.
-
-    Parameters
-    ----------
-    samples, marks : array (rows, lanes)
-        Positions and the function's values there, and the marks of these.
-    part : array of int
-        Table of the half, see `cells`.
-    width : int
-        Number of lanes.
-    """
+    """Mark the samples that begin a cell which may hold more zeros than its ends show."""
     first, last = part[FIRST], part[FIRST] + 2 * part[CELLS]
     for j in range(first + 2, last - 2):
         for i in lanes(width):
@@ -145,19 +139,7 @@ def mark_unresolved(samples: Any, marks: Any, part: Any, width: int) -> None:
 def collect_unresolved(
     samples: Any, marks: Any, part: Any, counts: Any, unresolved: Any, splits: Any
 ) -> None:
-    """Make items of the unresolved cells of one half of the range, of parts of them where these are split.
-
-    Parameters
-    ----------
-    samples, marks, part
-        As for `mark_unresolved`.
-    counts : array of int
-        How many designs there are, and how many items of each kind.
-    unresolved : array (rows of an item, items)
-        The items. What is between both sides of a place is none, see `splits.collect_jumps`.
-    splits : array (rows of an item, items)
-        Places where the function has kinks, see `splits.keep_splits`.
-    """
+    """Make items of the unresolved cells of one half of the range, of parts of them where these are split."""
     first, cells, count = part[FIRST], part[CELLS], counts[DESIGNS]
     n_words = padded(count) >> 3
     for j in range(2 * cells):
@@ -205,15 +187,7 @@ def keep_fine(s: Any, count: int, k: int) -> None:
 
 @outlined
 def mark_fine(s: Any, count: int, marks: Any) -> None:
-    """Mark the fine samples of items as `mark` and `mark_unresolved` do; beyond an end of the range, extrapolate first.
-
-    Parameters
-    ----------
-    s, count : array, int
-        State of the items, and how many they are.
-    marks : array (FINE_SAMPLES, lanes)
-        The marks.
-    """
+    """Mark the fine samples of items as `mark` and `mark_unresolved` do; extrapolate first beyond the ends."""
     width = padded(count)
     for i in lanes(width):
         # what the signs at the ends of a cell are was decided by its samples
@@ -247,15 +221,6 @@ def divide(s: Any, count: int, marks: Any, counts: Any, items: Any) -> None:
 
     A valley at an end of a cell may reach into another one that is divided, so its part is divided too. The parts are
     bits of `DIVIDED`.
-
-    Parameters
-    ----------
-    s, count, marks
-        As for `mark_fine`.
-    counts : array of int
-        How many items of each kind there are.
-    items : array (rows of an item, items)
-        Unresolved cells.
     """
     for i in range(count):
         level, owner, parts, doubtful = int(s[XC, i]), abs(s[FC, i]) > 1.0, 0, 0
@@ -286,15 +251,7 @@ def divide(s: Any, count: int, marks: Any, counts: Any, items: Any) -> None:
 
 @outlined
 def collect_fine(s: Any, count: int, marks: Any, counts: Any, roots: Any, valleys: Any) -> None:
-    """Make items of the zeros and valleys of cells by their fine samples, but for the parts that are divided again.
-
-    Parameters
-    ----------
-    s, count, marks, counts
-        As for `divide`, after it.
-    roots, valleys : array (rows of an item, items)
-        The items.
-    """
+    """Make items of the zeros and valleys of cells by their fine samples, but for the parts that are divided again."""
     for i in range(count):
         lane, half, upper, parts = int(s[LANE, i]), int(s[HALF, i]), s[UPPER, i] > 0.0, int(s[DIVIDED, i])
         owner = abs(s[FC, i]) > 1.0

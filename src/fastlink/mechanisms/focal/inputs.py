@@ -6,7 +6,13 @@ from M and N (beyond the pivot where negative), and F hangs on PF = p and QF = q
 
 from __future__ import annotations
 
-from fastlink.catalogue.catalogue import Catalogue, Input
+from collections.abc import Callable
+from functools import cache
+from typing import Any, TypeVar
+
+from fastlink.facts.catalogue import Catalogue, Rows
+from fastlink.facts.fact import Input
+from fastlink.mechanisms._shared.laws import ByOtherInput
 
 WUNDERLICH = "Wunderlich"
 DESIGN = "docs/focal.md"
@@ -43,3 +49,54 @@ focal.input("completion", units="1", symbol="k", meaning=_ROOT, choices=COMPLETI
 focal.input(
     "omega", units="rad s-1", symbol="omega", meaning="angular velocity of the driving link, constant"
 )
+
+
+# -- The focal mechanism driven by the crank SF, a catalogue beside the one by the rocker MA
+
+# Facts that hold for both are declared in both by `either`, `quantities` and `steps`.
+
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+by_crank = ByOtherInput(
+    focal,
+    f"{focal.title}, driven by the crank SF",
+    branches={
+        1: "omega_angle from 0 to pi: P to the left of the directed line from M to F where m p > 0",
+        2: "omega_angle from -pi to 0: P to the right of the directed line from M to F where m p > 0",
+    },
+    position=Input("sigma", "rad", "sigma", "direction of SF in the ground frame"),
+    instead=("dphi_dsigma",),
+)
+by_crank.inputs, by_crank.variant_inputs = focal.inputs, focal.variant_inputs
+
+
+def quantities(*, units: str, source: str) -> Rows:
+    """Return rows of quantities that hold for both inputs."""
+    return Rows((focal, by_crank), {"units": units, "source": source})
+
+
+def steps(*, units: str, source: str) -> Rows:
+    """Return rows of internal steps that hold for both inputs."""
+    return Rows((focal, by_crank), {"units": units, "source": source, "internal": True})
+
+
+def either(**labels: Any) -> Callable[[F], F]:
+    """Declare a fact that holds for both inputs: see `Catalogue.quantity`."""
+
+    def declare(law: F) -> F:
+        for catalogue in (focal, by_crank):
+            catalogue.quantity(**labels)(law)
+        return law
+
+    return declare
+
+
+@cache
+def with_design_facts() -> Catalogue:
+    """Return the catalogue of the crank with the facts of the design as a whole; after all declarations."""
+    by_crank.adopt_design_facts()
+    for chosen in focal.variant_inputs:
+        by_crank.variants[chosen] = focal.variants[chosen]
+    return by_crank

@@ -2,15 +2,7 @@
 
 from __future__ import annotations
 
-from fastlink.mechanisms.hart import (  # noqa: F401 (they declare its facts)
-    by_line,
-    design_facts,
-    four_bar,
-    frame_AB,
-    keywords,
-    line,
-    motion,
-)
+from fastlink.mechanisms.hart import by_line, motion, picture  # noqa: F401 (they declare its facts)
 from fastlink.mechanisms.hart.inputs import hart
 
 __all__ = ["DRIVEN", "hart"]

@@ -6,7 +6,8 @@ m = MP, n = NQ, d = MN, and kappa = PF/NQ = QF/MP = AB/MN.
 
 from __future__ import annotations
 
-from fastlink.catalogue.catalogue import Catalogue, Input
+from fastlink.facts.catalogue import Catalogue
+from fastlink.facts.fact import Input
 
 WUNDERLICH = "Wunderlich"
 PAGE = "docs/hart.md"

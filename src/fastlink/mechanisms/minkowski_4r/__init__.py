@@ -4,24 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fastlink.mechanisms.minkowski_4r import (  # noqa: F401 (they declare its facts)
-    coupler,
-    design_facts,
-    flags,
-    keywords,
-    limits,
-    position,
-    printed,
-    rates,
-    sextic,
-    types,
-)
+from fastlink.mechanisms.minkowski_4r import design_facts, motion, picture  # noqa: F401 (they declare its facts)
 from fastlink.mechanisms.minkowski_4r.inputs import minkowski_4r
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from fastlink.catalogue.catalogue import Catalogue
+    from fastlink.facts.catalogue import Catalogue
 
 __all__ = ["DRIVEN", "minkowski_4r"]
 

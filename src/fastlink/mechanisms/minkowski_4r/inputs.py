@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from functools import partial
 
-from fastlink.catalogue.catalogue import Catalogue, Input
+from fastlink.facts.catalogue import Catalogue
+from fastlink.facts.fact import Input
 
 HEGEDUS = "Hegedüs, Moore"
 NUMERICS = "docs/minkowski_numerics.md"

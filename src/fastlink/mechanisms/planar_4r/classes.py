@@ -11,12 +11,172 @@ The ranges are those of one turn in [0, pi]; the lower half is their mirror. Whe
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
-from fastlink.mechanisms.planar_4r import factors, scaling  # noqa: F401 (on which it builds)
-from fastlink.mechanisms.planar_4r.inputs import HAYES, NUMERICS, planar_4r
+from fastlink.mechanisms._shared import laws
+from fastlink.mechanisms.planar_4r.inputs import HAYES, LINKS, NUMERICS, planar_4r
+from fastlink.numerics.compensated import UNIT_ROUNDING, gap_product_quotient, sum_of_four
 from fastlink.numerics.elementary import NOT_A_NUMBER, atan2, select, sqrt
 from fastlink.numerics.vectors import zero_where
+
+# -- Scaled lengths of the planar 4R, the effect of rounding on their sums, and their ratios
+
+
+step = planar_4r.steps(units="1", source=f"{NUMERICS}#scaling")
+step(laws.valid, "valid", "valid", source=f"{NUMERICS}#status")
+step(laws.lift, "lift", "lift")
+step(laws.unit, "unit", "unit", units="m")
+step(laws.scaled, "s1", "s_1", f"scaled length of the {LINKS[1]}", length="a1")
+step(laws.scaled, "s2", "s_2", f"scaled length of the {LINKS[2]}", length="a2")
+step(laws.scaled, "s3", "s_3", f"scaled length of the {LINKS[3]}", length="a3")
+step(laws.scaled, "s4", "s_4", "scaled length of the ground link OD", length="a4")
+
+
+@planar_4r.quantity(units="m-1", symbol="1/unit", source=f"{NUMERICS}#scaling", internal=True)
+def per_unit(lift: Any, unit: Any) -> Any:
+    """Reciprocal of the power of two at or below the longest link."""
+    return lift / unit
+
+
+@planar_4r.quantity(units="1", symbol="u P", source=f"{NUMERICS}#status", internal=True)
+def gap_rounding(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
+    """Effect of half a unit in the last place of each length on a sum of them, which counts as 0 below it."""
+    return UNIT_ROUNDING * ((s1 + s2) + (s3 + s4))
+
+
+# -- ratios that positions and rates are made of -----------------------------------------------------------------
+
+
+@planar_4r.quantity(units="1", symbol="1/(4 a_1 a_4)", source=f"{NUMERICS}#scaling", internal=True)
+def per_4_s1_s4(s1: Any, s4: Any) -> Any:
+    """Reciprocal of four times crank times ground, scaled."""
+    return 0.25 / (s1 * s4)
+
+
+@planar_4r.quantity(units="1", symbol="gamma_0", source=f"{NUMERICS}#rates", internal=True)
+def gamma0(s1: Any, s4: Any, per_4_s1_s4: Any) -> Any:
+    """(a1 - a4)^2/(4 a1 a4): squared distance of A and D over 4 a1 a4, at theta1 = 0."""
+    return (s1 - s4) * (s1 - s4) * per_4_s1_s4
+
+
+@planar_4r.quantity(units="1", symbol="lambda", source=f"{NUMERICS}#rates", internal=True)
+def crank_excess(s1: Any, s4: Any) -> Any:
+    """(a1 - a4)/(2 a4)."""
+    return 0.5 * (s1 - s4) / s4
+
+
+def squares_ratio(x: Any, y: Any, per_4_s1_s4: Any) -> Any:
+    """Return (x^2 - y^2)/(4 a1 a4)."""
+    return (x - y) * (x + y) * per_4_s1_s4
+
+
+def offset(x: Any, y: Any, per_4_s1_s4: Any) -> Any:
+    """Return x (x - y)/(2 a1 a4)."""
+    return 2.0 * x * (x - y) * per_4_s1_s4
+
+
+def offset_less(x: Any, y: Any, per_4_s1_s4: Any) -> Any:
+    """Return y (x - y)/(2 a1 a4)."""
+    return 2.0 * y * (x - y) * per_4_s1_s4
+
+
+step = planar_4r.steps(units="1", source=f"{NUMERICS}#rates")
+step(squares_ratio, "epsilon", "epsilon", "(a1^2 - a4^2)/(4 a1 a4)", x="s1", y="s4")
+step(squares_ratio, "kappa", "kappa", "(a2^2 - a3^2)/(4 a1 a4)", x="s2", y="s3")
+step = planar_4r.steps(units="1", source=f"{NUMERICS}#position")
+step(offset, "coupler_offset", "2 beta", "a2 (a2 - a3)/(2 a1 a4)", x="s2", y="s3")
+step(offset_less, "output_offset", "-2 delta", "a3 (a2 - a3)/(2 a1 a4)", x="s2", y="s3")
+
+
+# -- The eight factors of the coefficients of the input-output equations, eq. (1), as sums without loss
+
+
+def _factor(law: Callable[..., Any]) -> Callable[..., Any]:
+    """Declare a factor of eq. (1), a sum without loss: high and low part."""
+    name = law.__name__
+    return planar_4r.quantity(
+        units="1",
+        symbol=f"{name[-2]}_{name[-1]}",
+        source=f"{HAYES}, eq. (1)",
+        internal=True,
+        low=f"{name}_low",
+    )(law)
+
+
+@_factor
+def factor_A1(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
+    """a1 - a2 + a3 - a4, scaled."""
+    return sum_of_four(s1, -s2, s3, -s4)
+
+
+@_factor
+def factor_A2(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
+    """a1 + a2 + a3 - a4, scaled."""
+    return sum_of_four(s1, s2, s3, -s4)
+
+
+@_factor
+def factor_B1(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
+    """a1 + a2 - a3 - a4, scaled."""
+    return sum_of_four(s1, s2, -s3, -s4)
+
+
+@_factor
+def factor_B2(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
+    """a1 - a2 - a3 - a4, scaled."""
+    return sum_of_four(s1, -s2, -s3, -s4)
+
+
+@_factor
+def factor_C1(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
+    """a1 - a2 - a3 + a4, scaled."""
+    return sum_of_four(s1, -s2, -s3, s4)
+
+
+@_factor
+def factor_C2(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
+    """a1 + a2 - a3 + a4, scaled."""
+    return sum_of_four(s1, s2, -s3, s4)
+
+
+@_factor
+def factor_D1(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
+    """a1 + a2 + a3 + a4, scaled."""
+    return sum_of_four(s1, s2, s3, s4)
+
+
+@_factor
+def factor_D2(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
+    """a1 - a2 + a3 + a4, scaled."""
+    return sum_of_four(s1, -s2, s3, s4)
+
+
+# -- Toggles of the planar 4R: where the coupler and the output link are in line, in twice the working
+#    precision
+
+
+@planar_4r.quantity(units="1", symbol="Z_0", source=f"{NUMERICS}#toggles", internal=True, low="Z0_low")
+def Z0(
+    factor_A1: Any, factor_A1_low: Any, factor_B1: Any, factor_B1_low: Any, s1: Any, s4: Any,
+    gap_rounding: Any, valid: Any,
+) -> Any:  # fmt: skip
+    """Squared half-angle sine at the inner toggle, -A1 B1/(4 a1 a4); negative if none."""
+    high, low = gap_product_quotient(factor_A1, factor_A1_low, -factor_B1, -factor_B1_low, s1, s4)
+    none = (abs(factor_A1) <= gap_rounding) | (abs(factor_B1) <= gap_rounding)
+    return zero_where(none, high) * valid, zero_where(none, low)
+
+
+@planar_4r.quantity(units="1", symbol="C_0", source=f"{NUMERICS}#toggles", internal=True, low="C0_low")
+def C0(
+    factor_C1: Any, factor_C1_low: Any, factor_D1: Any, factor_D1_low: Any, s1: Any, s4: Any,
+    gap_rounding: Any, valid: Any,
+) -> Any:  # fmt: skip
+    """Squared half-angle cosine at the outer toggle, C1 D1/(4 a1 a4); negative if none."""
+    high, low = gap_product_quotient(factor_C1, factor_C1_low, factor_D1, factor_D1_low, s1, s4)
+    none = abs(factor_C1) <= gap_rounding
+    return zero_where(none, high) * valid, zero_where(none, low)
+
 
 STATUS = f"{HAYES}, eq. (1); {NUMERICS}#status"
 TOGGLES = f"{NUMERICS}#toggles"
@@ -213,3 +373,32 @@ def time_ratio(
     ratio = 1.0 + 2.0 * atan2(sine, cosine) / atan2(cosine, sine)
     crank_rocker = (sure_A1 < 0.0) & (sure_B1 < 0.0) & (sure_C1 < 0.0)
     return select(crank_rocker & (assembles == 1.0), ratio, NOT_A_NUMBER)
+
+
+# -- Circuits of the planar 4R: which configurations reach each other without taking the linkage apart
+
+# In a linkage of Grashof's kind the shortest link turns fully against its two neighbours, and the other two
+# joints never straighten: the sign of either distinguishes the two circuits. Where crank or ground is the
+# shortest, B is such a joint, and its sign is that of the branch. Where coupler or output link is the
+# shortest, O is, and its sign is that of sin theta1; the branches of each half meet at its toggles. Every
+# other linkage that assembles has one circuit: at a change point the two touch.
+
+
+CIRCUITS = f"{NUMERICS}#circuits"
+
+
+@planar_4r.quantity(units="1", symbol="N_c", source=CIRCUITS)
+def circuit_count(grashof_class: Any) -> Any:
+    """Number of circuits, sets of configurations that reach each other; 0 if the design never assembles."""
+    # The codes of classes.CLASS_FLAGS: Grashof's four, then the linkages with one circuit.
+    count = select(grashof_class <= 3.0, 2.0, select(grashof_class <= 12.0, 1.0, 0.0))
+    return select(grashof_class <= 13.0, count, NOT_A_NUMBER)
+
+
+@planar_4r.quantity(units="1", symbol="c", source=CIRCUITS)
+def circuit(grashof_class: Any, sin_theta1: Any, branch_sign: Any, sigma: Any) -> Any:
+    """Circuit that the configuration belongs to: by branch, by the half of theta1 (1 above 0), or 1."""
+    branch = 1.5 + 0.5 * branch_sign
+    half = select(sin_theta1 > 0.0, 1.0, 2.0)
+    number = select(grashof_class <= 1.0, branch, select(grashof_class <= 3.0, half, 1.0))
+    return select(sigma >= 0.0, number, NOT_A_NUMBER)

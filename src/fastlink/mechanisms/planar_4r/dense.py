@@ -8,8 +8,8 @@ from __future__ import annotations
 from typing import Any
 
 from fastlink.mechanisms._shared.laws import product, same
-from fastlink.mechanisms.planar_4r.centres import EQUATION_9
 from fastlink.mechanisms.planar_4r.inputs import HAYES, LINKS, planar_4r
+from fastlink.mechanisms.planar_4r.position import EQUATION_9
 from fastlink.numerics.vectors import cross
 
 UNKNOWNS = ("F41_x", "F41_y", "F21_x", "F21_y", "F32_x", "F32_y", "F43_x", "F43_y", "T41")

@@ -5,8 +5,9 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-from fastlink.catalogue.catalogue import Catalogue, Input
-from fastlink.mechanisms._shared.reuse import build_on as _build_on
+from fastlink.facts.catalogue import Catalogue
+from fastlink.facts.fact import Input
+from fastlink.mechanisms._shared.laws import build_on as _build_on
 
 HAYES = "Hayes, Hninn, Irani"
 NUMERICS = "docs/numerics.md"

@@ -15,8 +15,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms._shared.laws import half, product
+from fastlink.mechanisms._shared.laws import half, opposite, opposite_product, product, same, twice
+from fastlink.mechanisms.planar_4r import (
+    position,  # noqa: F401 (whose derivatives these are)
+    rates,
+)
 from fastlink.mechanisms.planar_4r.inputs import HAYES, NUMERICS, planar_4r
+from fastlink.numerics.elementary import INFINITY, select, sqrt
+from fastlink.numerics.vectors import cross
 
 RATES = f"{NUMERICS}#rates"
 
@@ -165,3 +171,213 @@ jerk = planar_4r.quantities(units="rad s-3", source=f"{HAYES}, eq. (8), differen
 jerk(product, "jerk4", "jerk_4", "Angular jerk of the output link", x="omega1_cubed", y="output_bend")
 jerk = planar_4r.quantities(units="rad s-3", source=f"{HAYES}, eq. (8) for the pair 1-2, differentiated")
 jerk(product, "jerk2", "jerk_2", "Angular jerk of the coupler", x="omega1_cubed", y="coupler_bend")
+
+
+# -- Facts of the coupler curve of the planar 4R: velocity and acceleration of P, speed, curvature
+
+# With n = omega2/omega1, ' = d/dtheta1, J the quarter turn to the left and w = AP
+#
+#     P' = J (A + n w),    P'' = -A - n^2 w + n' J w,
+#     P' x P'' = (A + n w).(A + n^2 w) + n' (A x w).
+#
+# The last line leaves out n n' (J w) x (J w), which is zero and, near a toggle, the largest term of all. n
+# and n' are the laws of `rates` for a crank that turns at 1 rad/s, so that the curvature, a property of the
+# curve alone, needs no input speed.
+
+
+COUPLER = f"{NUMERICS}#coupler"
+AT_P = f"{HAYES}, Fig. 2, differentiated; {COUPLER}"
+
+
+@planar_4r.quantity(units="1", symbol="T/2", source=RATES, internal=True)
+def mean_ratio(crank_excess: Any, Z: Any, per_gamma: Any) -> Any:
+    """Mean of the transmission ratios over both branches."""
+    return 0.5 * ((crank_excess + Z) * per_gamma)
+
+
+def quarter(x: Any) -> Any:
+    """Return x/4."""
+    return 0.25 * x
+
+
+step(half, "half_H", "H/2", "Half of H", x="H")
+step(half, "half_log_rate", "gamma'/(2 gamma)", "Half the logarithmic derivative of gamma", x="log_rate")
+step(quarter, "quarter_C0", "C_0/4", "A quarter of C0", x="C0")
+step(quarter, "quarter_Z0", "Z_0/4", "A quarter of Z0", x="Z0")
+
+RATIO = {"mean_rate": "mean_ratio", "odd_rate": "half_H"}
+SLOPE = {"mean_acceleration": "mean_slope", "H_rate": "H_slope", "kappa_rate": "kappa_slope"}
+_MEAN, _KAPPA = "derivative of the mean of the ratios", "half of H times the derivative of -kappa/gamma"
+_SLOPE = "derivative of omega2/omega1 by the input angle"
+_QUARTERS = {"C0_squared_rate": "quarter_C0", "Z0_squared_rate": "quarter_Z0"}
+step(rates.link_rate, "coupler_ratio", "n", "omega2/omega1", share="coupler_share", **RATIO)
+step(rates.mean_acceleration, "mean_slope", "T'/2", _MEAN, gamma_rate="half_log_rate")
+step(rates.H_rate, "H_slope", "H'/2", "half the derivative of H", **_QUARTERS)
+step(rates.kappa_rate, "kappa_slope", "H kappa gamma'/(2 gamma^2)", _KAPPA, gamma_rate="half_log_rate")
+step(rates.link_acceleration, "coupler_slope", "n'", _SLOPE, share="coupler_share", **SLOPE)
+
+
+@planar_4r.quantity(units="m", symbol="P_x'", source=COUPLER, internal=True)
+def P_dx(A_y: Any, coupler_ratio: Any, AP_y: Any) -> Any:
+    """Derivative of the coupler point by the input angle, x."""
+    return -A_y - coupler_ratio * AP_y
+
+
+@planar_4r.quantity(units="m", symbol="P_y'", source=COUPLER, internal=True)
+def P_dy(A_x: Any, coupler_ratio: Any, AP_x: Any) -> Any:
+    """Derivative of the coupler point by the input angle, y."""
+    return A_x + coupler_ratio * AP_x
+
+
+@planar_4r.quantity(units="1", symbol="n^2", source=COUPLER, internal=True)
+def coupler_ratio_squared(coupler_ratio: Any) -> Any:
+    """Squared ratio of coupler speed and input speed."""
+    return coupler_ratio * coupler_ratio
+
+
+@planar_4r.quantity(units="m", symbol="P_x''", source=COUPLER, internal=True)
+def P_ddx(A_x: Any, coupler_ratio_squared: Any, coupler_slope: Any, AP_x: Any, AP_y: Any) -> Any:
+    """Second derivative of the coupler point by the input angle, x."""
+    return -A_x - (coupler_ratio_squared * AP_x + coupler_slope * AP_y)
+
+
+@planar_4r.quantity(units="m", symbol="P_y''", source=COUPLER, internal=True)
+def P_ddy(A_y: Any, coupler_ratio_squared: Any, coupler_slope: Any, AP_x: Any, AP_y: Any) -> Any:
+    """Second derivative of the coupler point by the input angle, y."""
+    return (coupler_slope * AP_x - coupler_ratio_squared * AP_y) - A_y
+
+
+velocity = planar_4r.quantities(units="m s-1", source=AT_P)
+velocity.vector(product, "P_v*", "v_P*", "Velocity of the coupler point", x="omega1", y="P_d*")
+second = planar_4r.quantities(units="m s-2", source=AT_P)
+second.vector(product, "P_a*", "a_P*", "Acceleration of the coupler point", x="omega1_squared", y="P_dd*")
+
+
+@planar_4r.quantity(units="1", symbol="|P'|", source=COUPLER, internal=True)
+def curve_rate(P_dx: Any, P_dy: Any, per_unit: Any) -> Any:
+    """Length of the derivative of the coupler point by the input angle, scaled."""
+    x = P_dx * per_unit
+    y = P_dy * per_unit
+    return sqrt(x * x + y * y)
+
+
+@planar_4r.quantity(units="m s-1", symbol="v_P", source=AT_P)
+def P_speed(omega1: Any, curve_rate: Any, per_unit: Any) -> Any:
+    """Speed of the coupler point."""
+    return abs(omega1) * (curve_rate / per_unit)
+
+
+@planar_4r.quantity(units="1", symbol="P' x P''", source=COUPLER, internal=True)
+def curve_turn(
+    A_x: Any, A_y: Any, AP_x: Any, AP_y: Any, P_dx: Any, P_dy: Any, coupler_ratio_squared: Any,
+    coupler_slope: Any, per_unit: Any,
+) -> Any:  # fmt: skip
+    """Cross product of the first two derivatives of the coupler point, scaled."""
+    a_x = A_x * per_unit
+    a_y = A_y * per_unit
+    w_x = AP_x * per_unit
+    w_y = AP_y * per_unit
+    inward_x = a_x + coupler_ratio_squared * w_x
+    inward_y = a_y + coupler_ratio_squared * w_y
+    turn = cross(inward_x, inward_y, P_dx * per_unit, P_dy * per_unit)
+    return turn + coupler_slope * cross(a_x, a_y, w_x, w_y)
+
+
+@planar_4r.quantity(units="m-1", symbol="1/rho_P", source=AT_P)
+def curvature(curve_turn: Any, curve_rate: Any, per_unit: Any) -> Any:
+    """Curvature of the coupler curve, positive where it turns left as theta1 grows."""
+    return (curve_turn / (curve_rate * curve_rate * curve_rate)) * per_unit
+
+
+# -- Derivatives by the input angle in closed form
+
+# Derivatives of all facts are generated (`fastlink.facts.derivative`); those here are declared because a
+# generated one would subtract nearly equal numbers near toggles or change points, or cost more. With n2 =
+# omega2/omega1, n4 = omega4/omega1 and ' = d/dtheta1
+#
+#     AB' = J n2 AB,   DB' = J n4 DB,   theta2' = n2,   n2' = coupler_slope,   n2'' = coupler_bend,
+#
+# and alike for n4. They hold at constant omega1 and where the position is graded too.
+
+
+_SLOPE_4 = "derivative of omega4/omega1 by the input angle"
+step(rates.link_rate, "output_ratio", "n_4", "omega4/omega1", share="output_share", **RATIO)
+step(rates.link_acceleration, "output_slope", "n_4'", _SLOPE_4, share="output_share", **SLOPE)
+
+
+@planar_4r.quantity(units="1", symbol="n - 1", source=RATES, internal=True)
+def joint_ratio_2(
+    half_H: Any, coupler_share: Any, ground_excess: Any, Z: Any, per_gamma: Any, branch_sign: Any
+) -> Any:
+    """Rate of the second joint angle over omega1."""
+    return branch_sign * (half_H * coupler_share) - 0.5 * ((ground_excess + Z) * per_gamma)
+
+
+step(product, "joint_ratio_3", "n_4 - n", "Rate of the third joint angle over omega1", x="branch_sign", y="H")
+step(opposite, "joint_ratio_4", "-n_4", "Rate of the fourth joint angle over omega1", x="output_ratio")
+
+
+# -- declared derivatives ------------------------------------------------------------------------------
+
+
+def half_tangent(v: Any, ratio: Any) -> Any:
+    """Derivative of the tangent of half an angle."""
+    return (0.5 + 0.5 * (v * v)) * ratio
+
+
+def sigma_slope(half_sine: Any, p: Any, q: Any, per_sigma: Any) -> Any:
+    """Derivative of sqrt(p q)."""
+    return 0.5 * (half_sine * (q - p)) * per_sigma
+
+
+def half_tangent_1(Z: Any) -> Any:
+    """Derivative of -cot(theta1/2)."""
+    return select(Z == 0.0, INFINITY, 0.5 / Z)
+
+
+# of tables, and of the facts that replace them in the graded range
+for _set in (None, "graded"):
+    derivative = planar_4r.derivatives("theta1", variant=_set)
+    derivative(same, "Z", x="half_sine")
+    derivative(opposite, "C", x="half_sine")
+    derivative(same, "p", x="half_sine")
+    derivative(opposite, "q", x="half_sine")
+    derivative(same, "sin_theta1", x="cos_theta1")
+    derivative(opposite, "cos_theta1", x="sin_theta1")
+
+derivative = planar_4r.derivatives("theta1")
+derivative(same, "transmission_angle", x="H")
+derivative(same, "half_H", x="H_slope")
+derivative(same, "H_slope", x="H_bend")
+derivative(same, "mean_ratio", x="mean_slope")
+derivative(same, "mean_slope", x="mean_bend")
+derivative(same, "theta2", x="coupler_ratio")
+derivative(same, "coupler_ratio", x="coupler_slope")
+derivative(same, "coupler_slope", x="coupler_bend")
+derivative(same, "theta4", x="output_ratio")
+derivative(same, "output_ratio", x="output_slope")
+derivative(same, "output_slope", x="output_bend")
+derivative(same, "joint_angle_2", x="joint_ratio_2")
+derivative(same, "joint_angle_3", x="joint_ratio_3")
+derivative(same, "joint_angle_4", x="joint_ratio_4")
+derivative(product, "omega2", x="omega1", y="coupler_slope")
+derivative(product, "omega4", x="omega1", y="output_slope")
+derivative(product, "joint_omega_2", x="omega1", y="coupler_slope")
+derivative(product, "alpha2", x="omega1_squared", y="coupler_bend")
+derivative(product, "alpha4", x="omega1_squared", y="output_bend")
+derivative(product, "H_rate", x="omega1_squared", y="H_bend")
+derivative(same, "joint_ratio_2", x="coupler_slope")
+derivative(product, "AB_y", x="coupler_ratio", y="AB_x")
+derivative(product, "DB_y", x="output_ratio", y="DB_x")
+derivative(product, "B_y", x="output_ratio", y="DB_x")
+derivative(product, "AB_v", x="joint_ratio_2", y="AB_u")
+derivative(opposite_product, "AB_x", x="coupler_ratio", y="AB_y")
+derivative(opposite_product, "DB_x", x="output_ratio", y="DB_y")
+derivative(opposite_product, "B_x", x="output_ratio", y="DB_y")
+derivative(opposite_product, "AB_u", x="joint_ratio_2", y="AB_v")
+derivative(half_tangent_1, "v1")
+derivative(half_tangent, "v2", v="v2", ratio="joint_ratio_2")
+derivative(half_tangent, "v3", v="v3", ratio="joint_ratio_3")
+derivative(half_tangent, "v4", v="v4", ratio="joint_ratio_4")
+derivative(twice, "H", x="H_slope")
+derivative(sigma_slope, "sigma")

@@ -7,7 +7,8 @@ the ground.
 
 from __future__ import annotations
 
-from fastlink.catalogue.catalogue import Catalogue, Input
+from fastlink.facts.catalogue import Catalogue
+from fastlink.facts.fact import Input
 
 PAGE = "docs/slider_crank.md"
 HAYES = "Hayes, Hninn, Irani"

@@ -5,18 +5,29 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from fastlink.precision.independent.dyads import (
+from fastlink.precision.independent.loops import (
+    CIRCLES,
+    MEETING,
+    SEEN,
+    Open,
     Position,
+    Series,
+    Singular,
+    angle_between,
     argument,
     between_rockers,
     by_F,
+    circles,
+    closed,
     closing,
     coordinates,
+    meeting,
     points,
+    rotation,
+    seen_from_AB,
+    solved,
+    wrapped,
 )
-from fastlink.precision.independent.figures import CIRCLES, MEETING, SEEN, circles, meeting, seen_from_AB
-from fastlink.precision.independent.four_bar import angle_between, wrapped
-from fastlink.precision.independent.series import Open, Series, Singular, closed, rotation, solved
 
 __all__ = ["BY_CRANK", "BY_ROCKER", "DESIGN", "configuration", "design"]
 
@@ -109,21 +120,7 @@ def _radius(ctx: Any, m: Any, n: Any, p: Any, q: Any, d: Any) -> Any:
 def configuration(
     ctx: Any, at: Mapping[str, Any], by_crank: bool, order: int, values: dict[str, Any]
 ) -> None:
-    """Add the quantities of one configuration.
-
-    Parameters
-    ----------
-    ctx : context
-        Of the numbers.
-    at : mapping
-        Inputs, branch and input angle.
-    by_crank : bool
-        Whether the crank SF drives instead of the rocker MA.
-    order : int
-        The greatest derivative that is needed.
-    values : dict
-        Receives the quantities, first those that do not ask whether the loop closes.
-    """
+    """Add the quantities of one configuration."""
     order_of = [ctx.mpf(1)][:order]
     drive = Series((at["sigma" if by_crank else "phi"], *order_of))
     bars = dict(at)

@@ -5,10 +5,21 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from fastlink.precision.independent.dyads import between_rockers, by_F, closing, coordinates, points
-from fastlink.precision.independent.figures import SEEN, seen_from_AB
-from fastlink.precision.independent.four_bar import wrapped
-from fastlink.precision.independent.series import Open, Series, Singular, rotation, unit_vector
+from fastlink.precision.independent.loops import (
+    SEEN,
+    Open,
+    Series,
+    Singular,
+    between_rockers,
+    by_F,
+    closing,
+    coordinates,
+    points,
+    rotation,
+    seen_from_AB,
+    unit_vector,
+    wrapped,
+)
 
 __all__ = ["BY_LINE", "BY_ROCKER", "DESIGN", "configuration", "design"]
 
@@ -52,21 +63,7 @@ def design(ctx: Any, at: Mapping[str, Any], values: dict[str, Any]) -> None:
 
 
 def configuration(ctx: Any, at: Mapping[str, Any], by_line: bool, order: int, values: dict[str, Any]) -> None:
-    """Add the quantities of one configuration.
-
-    Parameters
-    ----------
-    ctx : context
-        Of the numbers.
-    at : mapping
-        Inputs, branch and input position.
-    by_line : bool
-        Whether F drives along its line instead of the rocker MA.
-    order : int
-        The greatest derivative that is needed.
-    values : dict
-        Receives the quantities, first those that do not ask whether the loop closes.
-    """
+    """Add the quantities of one configuration."""
     bars = dict(at)
     try:
         design(ctx, at, bars)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from fastlink.precision.independent.series import Open, Series, Singular, closed, exponential, solved
+from fastlink.precision.independent.loops import Open, Series, Singular, closed, exponential, solved
 
 __all__ = ["DESIGN", "QUANTITIES", "configuration", "design", "digits"]
 
@@ -32,19 +32,7 @@ def digits(at: Mapping[str, Any]) -> int | None:
 
 
 def configuration(ctx: Any, at: Mapping[str, Any], order: int, values: dict[str, Any]) -> None:
-    """Add the quantities of one configuration.
-
-    Parameters
-    ----------
-    ctx : context
-        Of the numbers.
-    at : mapping
-        Inputs, branch and rapidity.
-    order : int
-        The greatest derivative that is needed.
-    values : dict
-        Receives the quantities, first those that do not ask whether the loop closes.
-    """
+    """Add the quantities of one configuration."""
     a, b, g, h = (at[name] for name in "abgh")
     drive = Series((at["theta"], *([ctx.mpf(1), ctx.mpf(0)][:order])))
     p = ctx.exp(drive.terms[0])

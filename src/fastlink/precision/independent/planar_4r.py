@@ -7,9 +7,19 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
-from fastlink.precision.independent.bodies import Link, bar_data, cross, reactions
-from fastlink.precision.independent.four_bar import polygon, triangle_angle, wrapped
-from fastlink.precision.independent.series import Open, Series, rotation, unit_vector
+from fastlink.precision.independent.loops import (
+    Link,
+    Open,
+    Series,
+    bar_data,
+    cross,
+    polygon,
+    reactions,
+    rotation,
+    triangle_angle,
+    unit_vector,
+    wrapped,
+)
 
 __all__ = [
     "DESIGN",
@@ -45,21 +55,7 @@ DESIGN += ("transmission_angle_least", "transmission_angle_greatest")
 
 
 def joints(ctx: Any, at: Mapping[str, Any], joint: int, order: int, values: dict[str, Any]) -> list[Series]:
-    """Add the quantities of the four joints; return the directions of the four links over the drive.
-
-    Parameters
-    ----------
-    ctx : context
-        Of the numbers.
-    at : mapping
-        Inputs, branch and joint angles.
-    joint : int
-        The joint that drives.
-    order : int
-        The greatest derivative that is needed.
-    values : dict
-        Receives the quantities, first those that do not ask whether the loop closes.
-    """
+    """Add the quantities of the four joints; return the directions of the four links over the drive."""
     _add_joint(ctx, values, joint, at[f"joint_angle_{joint}"])
     number = [(joint - 2 + k) % 4 for k in range(4)]  # of the links from 0: the one before the joint first
     drive = Series((at[f"joint_angle_{joint}"], *([ctx.mpf(1), *[ctx.mpf(0)] * 3][:order])))

@@ -5,9 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from fastlink.precision.independent.bodies import Link, bar_data, cross, reactions
-from fastlink.precision.independent.four_bar import wrapped
-from fastlink.precision.independent.series import Open, Series, rotation, solved
+from fastlink.precision.independent.loops import (
+    Link,
+    Open,
+    Series,
+    bar_data,
+    cross,
+    reactions,
+    rotation,
+    solved,
+    wrapped,
+)
 
 __all__ = ["DESIGN", "QUANTITIES", "configuration", "design"]
 
@@ -23,21 +31,7 @@ DESIGN = ("outer_dead_centre", "inner_dead_centre", "stroke")
 
 
 def configuration(ctx: Any, at: Mapping[str, Any], order: int, forces: bool, values: dict[str, Any]) -> None:
-    """Add the quantities of one configuration.
-
-    Parameters
-    ----------
-    ctx : context
-        Of the numbers.
-    at : mapping
-        Inputs, branch and crank angle.
-    order : int
-        The greatest derivative that is needed.
-    forces : bool
-        Whether forces are needed.
-    values : dict
-        Receives the quantities, first those that do not ask whether the loop closes.
-    """
+    """Add the quantities of one configuration."""
     r, l, e = (at[name] for name in "rle")
     values["A_x"], values["A_y"] = r * ctx.cos(at["theta"]), r * ctx.sin(at["theta"])
     drive = Series((at["theta"], *([ctx.mpf(1), ctx.mpf(0), ctx.mpf(0)][:order])))

@@ -1,0 +1,1082 @@
+"""The application, and what all its commands share: their wording of problems, their options."""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import io
+import signal
+import sys
+import threading
+import time
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from inspect import signature
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_args, get_type_hints
+
+import typer
+import typer.core
+
+from fastlink.errors import (
+    InputError,
+    InputWarning,
+    KeyPath,
+    Piece,
+    Remedy,
+    Setting,
+    Wording,
+    printable,
+    suggest,
+)
+
+if TYPE_CHECKING:
+    from fastlink.engine.extend import Extension
+
+__all__ = [
+    "MechanismName",
+    "StudyFile",
+    "accuracy",
+    "app",
+    "best",
+    "by_name",
+    "cache",
+    "check",
+    "command",
+    "convert",
+    "draw",
+    "explain",
+    "explore",
+    "info",
+    "join",
+    "main",
+    "mechanisms",
+    "new",
+    "numbers_of",
+    "plot",
+    "quantities",
+    "run",
+    "tell",
+    "text_of",
+    "tolerance",
+]
+
+
+BAD_INPUT, INTERRUPTED, TERMINATED = 2, 130, 143
+C = TypeVar("C", bound=Callable[..., Any])
+
+StudyFile = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The study file.", show_default=False)]
+MapFile = Annotated[Path, typer.Argument(metavar="FILE", help="A map.", show_default=False)]
+MechanismName = Annotated[
+    str, typer.Argument(metavar="MECHANISM", help="Such as planar_4r.", show_default=False)
+]
+TrustCode = Annotated[
+    bool, typer.Option("--trust-code", help="Run the Python file of quantities that is named.")
+]
+QuantitiesFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--quantities-file",
+        metavar="FILE.py",
+        help="The Python file that declares the map's own quantities, as a study names it; with --trust-code.",
+    ),
+]
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace an existing file.")]
+
+#: What other programs, or Python, call a command.
+ELSEWHERE = {
+    "accuracy": ("benchmark", "error", "errors"),
+    "best": ("front", "optimise", "optimize", "pareto", "rank", "sort", "top"),
+    "check": ("fsck", "verify", "checksum"),
+    "convert": ("export", "nccopy", "save", "to_netcdf", "transform"),
+    "explore": ("browse", "dashboard", "serve", "view"),
+    "explain": ("estimate", "forecast", "plan"),
+    "info": ("describe", "head", "open", "print", "show", "summary"),
+    "join": ("concat", "combine", "merge"),
+    "mechanisms": ("list", "ls"),
+    "new": ("init", "template"),
+    "draw": ("animate", "linkage", "sketch"),
+    "plot": ("map", "picture", "plot_map"),
+    "tolerance": ("robustness", "sensitivity", "tolerances"),
+    "run": ("compute", "evaluate", "run_study", "sweep"),
+}
+
+
+#: Of click, or of typer's own copy of it.
+UsageError: Any = typer.BadParameter.__base__
+
+
+@contextlib.contextmanager
+def _printable_usage() -> Iterator[None]:
+    """Show what typer itself says of a wrong command line as other problems are."""
+    try:
+        yield
+    except UsageError as error:
+        error.message = printable(error.message)
+        raise
+
+
+class _Commands(typer.core.TyperGroup):
+    """The commands; an unknown one is answered with the one that is meant."""
+
+    def make_context(self, *args: Any, **options: Any) -> Any:
+        with _printable_usage():
+            return super().make_context(*args, **options)
+
+    def invoke(self, ctx: Any) -> Any:
+        with _printable_usage():
+            return super().invoke(ctx)
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        name = args[0] if args else ""
+        if self.get_command(ctx, name) is None and not name.startswith("-"):
+            known = self.list_commands(ctx)
+            meant = [command for command in known if name in ELSEWHERE.get(command, ())]
+            if name == "help":
+                remedy = "`fastlink --help` lists the commands"
+            else:
+                remedy = f"did you mean {meant[0]!r}?" if meant else suggest(name, known)
+            typer.echo(f"fastlink: {printable(f'{name!r} is not a command; {remedy}')}", err=True)
+            ctx.exit(BAD_INPUT)
+        return super().resolve_command(ctx, args)
+
+
+app = typer.Typer(
+    cls=_Commands,
+    add_completion=False,
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+class _Options(Wording):
+    """Words problems in terms of a command's options and arguments.
+
+    Parameters
+    ----------
+    function : callable
+        The command.
+    """
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self.names: dict[str, str] = {}
+        self.switches: set[str] = set()
+        for name, hint in get_type_hints(function, include_extras=True).items():
+            for declared in getattr(hint, "__metadata__", ()):
+                # typer takes the first name of an option for its default until the command runs
+                spelt = (declared.default, *(getattr(declared, "param_decls", None) or ()), declared.metavar)
+                option = self.names[name] = next((one for one in spelt if isinstance(one, str)), name)
+                self.names.setdefault(option.strip("-").replace("-", "_"), option)
+                self.switches |= {option} if get_args(hint)[0] is bool else set()
+
+    def path(self, where: KeyPath) -> str:
+        if not where or where[0] not in self.names:
+            return super().path(where)
+        return " ".join([self.names[str(where[0])], *map(str, where[1:])])
+
+    def piece(self, piece: Piece) -> str | None:
+        if not isinstance(piece, Setting):
+            return super().piece(piece)
+        option = self.names.get(piece.name)
+        if option is None or piece.value is True or option in self.switches:
+            return option
+        values = piece.value.items() if isinstance(piece.value, dict) else None
+        texts = [str(piece.value)] if values is None else [f"{key}={value}" for key, value in values]
+        return " ".join([option, *texts] if option.startswith("-") else texts)
+
+
+@contextlib.contextmanager
+def _remarks_as_lines() -> Iterator[None]:
+    """Print each remark on the input as a line, once, in place of Python's two that name a file of code."""
+    said: set[str] = set()
+    show_other = warnings.showwarning
+
+    def show(message: Warning | str, category: type[Warning], *place: Any, **named: Any) -> None:
+        if not issubclass(category, InputWarning):
+            show_other(message, category, *place, **named)
+        elif str(message) not in said:
+            said.add(str(message))
+            typer.echo(f"fastlink: {message}", err=True)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", InputWarning)
+        warnings.showwarning = show
+        yield
+
+
+def command(function: C) -> C:
+    """Return a command that prints a line for each problem and each remark, never a traceback."""
+
+    @functools.wraps(function)
+    def guarded(*args: Any, **options: Any) -> None:
+        try:
+            with _remarks_as_lines(), _terminable():
+                function(*args, **options)
+        except InputError as error:
+            for line in error.lines(_Options(function)):
+                typer.echo(f"fastlink: {line}", err=True)
+            _print_notes(error)
+            raise typer.Exit(BAD_INPUT) from None
+        except KeyboardInterrupt as error:
+            terminated = isinstance(error, _Terminated)
+            typer.echo(f"fastlink: {'terminated' if terminated else 'interrupted'}", err=True)
+            _print_notes(error)
+            raise typer.Exit(TERMINATED if terminated else INTERRUPTED) from None
+
+    return guarded  # type: ignore[return-value]
+
+
+def by_name(
+    texts: Iterable[str],
+    where: str,
+    form: str,
+    example: Mapping[str, Any],
+    read: Callable[[str], Any],
+    doors: tuple[Callable[..., Any], ...] = (),
+) -> dict[str, Any]:
+    """Return what an option gives as ``NAME=VALUE``, by name.
+
+    Parameters
+    ----------
+    texts : iterable of str
+        The texts.
+    where : str
+        The parameter of the option.
+    form : str
+        The form of a text, for messages.
+    example : mapping
+        What to write instead.
+    read : callable
+        Reads a value; returns None for what is none.
+    doors : tuple of callable
+        Where such words stand among the arguments: the command, and the function to which they are keywords. None of
+        their options can be a name.
+
+    Examples
+    --------
+    >>> by_name(["a2 = 1.1:1.2"], "select", "NAME=VALUES", {}, str)
+    {'a2': '1.1:1.2'}
+    """
+    given: dict[str, Any] = {}
+    for text in texts:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        key, options = name.replace("-", "_"), _Options(doors[0]).names if doors else {}
+        if equals and (key in options or any(key in signature(one).parameters for one in doors)):
+            is_option = options.get(key, "").startswith("-")
+            remedy: Remedy = ("write ", Setting(key, value)) if is_option else "leave it out"
+            raise InputError(f"{text!r} names an option, not an input", where=(where,), remedy=remedy)
+        found = read(value) if equals and name else None
+        if found is None:
+            remedy = ("write such as ", Setting(where, dict(example)))
+            what = (
+                f"{name} is {value!r}, not a number"
+                if equals and name and value
+                else f"{text!r} is not {form}"
+            )
+            raise InputError(what, where=(where,), remedy=remedy)
+        if name in given:
+            raise InputError(f"{name} is given twice", where=(where,), remedy="write it once")
+        given[name] = found
+    return given
+
+
+def text_of(value: str) -> str | None:
+    """Return a value that is any text but an empty one."""
+    return value or None
+
+
+def numbers_of(value: str) -> float | list[float] | None:
+    """Return a value that is a number, or a list of several separated by commas.
+
+    Examples
+    --------
+    >>> numbers_of("0.4"), numbers_of("0,60"), numbers_of("x")
+    (0.4, [0.0, 60.0], None)
+    """
+    numbers = [_number(one) for one in value.split(",")]
+    known = [one for one in numbers if one is not None]
+    if len(known) < len(numbers):
+        return None
+    return known if len(known) > 1 else known[0]
+
+
+def _number(text: str) -> float | None:
+    try:
+        number = float(text)
+    except ValueError:
+        return None
+    return None if number != number else number
+
+
+class _Terminated(KeyboardInterrupt):
+    """A request to end, such as a scheduler's; to be met as an interrupt is."""
+
+
+@contextlib.contextmanager
+def _terminable() -> Iterator[None]:
+    """Meet SIGTERM as an interrupt, which keeps what is computed and says so."""
+
+    def terminate(number: int, frame: Any) -> None:
+        raise _Terminated
+
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, terminate)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def _print_notes(error: BaseException) -> None:
+    """Print what an error has to add, such as where the designs are kept that were computed."""
+    for note in getattr(error, "__notes__", ()):
+        typer.echo(f"fastlink: {note}", err=True)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from fastlink._text import __version__
+
+        typer.echo(f"fastlink {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool,
+        typer.Option("--version", help="Print the version.", callback=_print_version, is_eager=True),
+    ] = False,
+) -> None:
+    """Planar linkages by the million: a design space in, one labelled HDF5 map out."""
+
+
+def tell(maps: Any) -> None:
+    """Print the summary of a map that was made, and the designs that a whole search has found."""
+    from fastlink.app.report import listed, summary
+    from fastlink.io.reader import PartOfMap
+
+    typer.echo(summary(maps))
+    if "search" in maps.attrs and PartOfMap.of(maps.attrs) is None:
+        found = maps.load()
+        del found.attrs["selection"]  # which the summary has said
+        typer.echo(listed(found, [str(name) for name, one in found.data_vars.items() if one.ndim == 1]))
+
+
+def extension_of(file: Path, own: Path | None, trusted: bool) -> Extension | None:
+    """Return the extension that a Python file declares for a map, None where no file is named."""
+    from fastlink.app.study import load_extension
+    from fastlink.io.reader import open_map
+
+    if own is None:
+        return None
+    with open_map(file) as maps:
+        return load_extension(Path(), str(own), str(maps.attrs.get("mechanism")), trusted)
+
+
+# -- The command on pictures of mechanisms: draw
+
+
+EXAMPLE = {"a1": 0.4}
+
+
+@command
+def draw(
+    mechanism: Annotated[
+        str,
+        typer.Argument(
+            metavar="MECHANISM|STUDY.toml|FILE", help="Such as planar_4r; a study; a map.", show_default=False
+        ),
+    ],
+    inputs: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="NAME=VALUE",
+            help="Inputs, and the input position, such as theta1_deg=60; theta1_deg=0,60,120 for three side by side.",
+            show_default=False,
+        ),
+    ] = None,
+    design: Annotated[
+        int | None, typer.Option("--design", metavar="N", help="The design of a study or a map, from 0.")
+    ] = None,
+    at: Annotated[
+        list[str] | None,
+        typer.Option("--at", metavar="DIM=VALUE", help="The design at the nearest value; may be repeated."),
+    ] = None,
+    branch: Annotated[
+        int | None, typer.Option("--branch", metavar="B", help="One assembly mode; all if left out.")
+    ] = None,
+    input: Annotated[
+        str | None, typer.Option("--input", metavar="INPUT", help="The driven input, such as sigma.")
+    ] = None,
+    *,
+    strip: Annotated[
+        int | None, typer.Option("--strip", metavar="N", help="N positions over the motion, side by side.")
+    ] = None,
+    curves: Annotated[
+        list[str] | None,
+        typer.Option("--curves", metavar="NAME", help="A quantity over the input, beside; may be repeated."),
+    ] = None,
+    show: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--show",
+            metavar="WORD",
+            help="Instead of the usual: path, circles, comb, forces, torques, all; may be repeated.",
+        ),
+    ] = None,
+    degrees: Annotated[bool, typer.Option("--degrees", help="Show angles in degrees.")] = False,
+    to: Annotated[
+        Path | None,
+        typer.Option("--to", metavar="PICTURE", help="png, svg or pdf by its ending; NAME.png if left out."),
+    ] = None,
+    animate: Annotated[
+        Path | None,
+        typer.Option("--animate", metavar="FILM", help="The motion: gif, html or mp4 by its ending."),
+    ] = None,
+    frames: Annotated[int, typer.Option("--frames", metavar="N", help="Pictures of a film.")] = 60,
+    trust_code: TrustCode = False,
+) -> None:
+    """Draw a mechanism as it stands at an input position, to scale.
+
+    For instance: fastlink draw planar_4r a1=0.4 a2=1.1 a3=0.8 a4=1.0 theta1_deg=60
+    """
+    from fastlink.pictures.draw import draw as draw_mechanism
+    from fastlink.space.design_space import taken_links
+
+    given: dict[str, Any] = by_name(
+        inputs or [], "inputs", "NAME=VALUE", EXAMPLE, numbers_of, (draw, draw_mechanism)
+    )
+    fixed = by_name(at, "at", "DIM=VALUE", EXAMPLE, numbers_of) if at else None
+    picture = to if to is not None or animate is not None else Path(f"{Path(mechanism).stem}.png")
+    own: dict[str, Any] = {"at": fixed, "branch": branch, "input": input, "strip": strip, "show": show}
+    own |= {"curves": curves or (), "degrees": degrees, "to": picture, "links": taken_links(given)}
+    own |= {"animate": animate, "frames": frames, "trust_code": trust_code}
+    draw_mechanism(mechanism, design, **own, **given)
+    for path in filter(None, (picture, animate)):
+        typer.echo(str(path))
+
+
+# -- The commands on maps: join, info, check, best, convert, plot, explore
+
+
+CHANGED = 1
+
+
+@command
+def info(
+    file: MapFile,
+) -> None:
+    """Print what a map holds, and how it was computed."""
+    from fastlink.app.report import contents
+
+    typer.echo(contents(file))
+
+
+@command
+def join(
+    paths: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="PART...", help="The parts of a map or of a search, or their folder.", show_default=False
+        ),
+    ],
+    to: Annotated[
+        Path, typer.Option("--to", metavar="FILE", help="The HDF5 file to write.", show_default=False)
+    ],
+    copy: Annotated[
+        bool, typer.Option("--copy", help="Copy the values to one file, which does not need the parts.")
+    ] = False,
+    overwrite: Overwrite = False,
+    restart: Annotated[
+        bool, typer.Option("--restart", help="Throw away what an interrupted join has left in FILE.part.")
+    ] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print neither progress nor summary.")] = False,
+    *,
+    mechanism: QuantitiesFile = None,
+    trust_code: TrustCode = False,
+) -> None:
+    """Join the parts of a map, or of a search, that `fastlink run --part K/N` has written; values of a map stay there.
+
+    For instance: fastlink join maps.part-*.h5 --to maps.h5
+    """
+    from fastlink.design.search import join
+    from fastlink.io.joining import part_files
+
+    options: dict[str, Any] = {"progress": False if quiet else None, "copy": copy, "overwrite": overwrite}
+    if mechanism is not None:
+        options["mechanism"] = extension_of(part_files(paths)[0].path, mechanism, trust_code)
+    with join(paths, to=to, restart=restart, **options) as maps:
+        if not quiet:
+            tell(maps)
+
+
+@command
+def check(
+    file: MapFile,
+) -> None:
+    """Check every byte of a map against its checksums; the exit status is 1 where some have changed."""
+    from fastlink.io.reader import check
+
+    found = check(file)
+    typer.echo(str(found))
+    if not found:
+        raise typer.Exit(CHANGED)
+
+
+Minimise = Annotated[
+    list[str] | None, typer.Option("--minimise", metavar="NAME", help="An objective; may be repeated.")
+]
+Maximise = Annotated[
+    list[str] | None, typer.Option("--maximise", metavar="NAME", help="An objective; may be repeated.")
+]
+Where = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--where",
+        metavar="NAME=LO:HI",
+        help="A condition: a2=1.1:1.3, transmission_angle_min_deg=40:, status=rotates_fully; may be repeated.",
+    ),
+]
+
+
+@command
+def best(
+    file: MapFile,
+    *,
+    minimise: Minimise = None,
+    maximise: Maximise = None,
+    where: Where = None,
+    top: Annotated[
+        int | None, typer.Option("--top", metavar="N", help="How many, by one objective; 10 if left out.")
+    ] = None,
+    refine: Annotated[
+        bool,
+        typer.Option("--refine", help="Go on from them off the grid, by derivatives, within the conditions."),
+    ] = False,
+    changing: Annotated[
+        str | None,
+        typer.Option(
+            "--changing", metavar="A,B", help="Inputs that --refine may change; all swept ones if left out."
+        ),
+    ] = None,
+    degrees: Annotated[
+        bool, typer.Option("--degrees", help="Show angles in degrees, as where a condition is in degrees.")
+    ] = False,
+    to: Annotated[
+        Path | None,
+        typer.Option(
+            "--to", metavar="FILE", help="Write them too: h5, nc, zarr, csv or parquet by its ending."
+        ),
+    ] = None,
+    overwrite: Overwrite = False,
+    mechanism: QuantitiesFile = None,
+    trust_code: TrustCode = False,
+) -> None:
+    """List the best designs of a map, by several objectives the Pareto front."""
+    from fastlink.app.report import listed, refinement_columns
+    from fastlink.design.best import best as find
+    from fastlink.io.convert import check_conversion
+    from fastlink.io.convert import convert as convert_map
+    from fastlink.io.reader import open_map
+    from fastlink.space.design_space import angle_of
+
+    wanted = _conditions(where or [])
+    options: dict[str, Any] = {
+        "minimise": minimise or (),
+        "maximise": maximise or (),
+        "where": wanted or None,
+    }
+    if changing is not None and not refine:
+        raise InputError("is given without --refine", where=("changing",), remedy="add --refine")
+    if mechanism is not None and not refine:
+        raise InputError(
+            "is given without --refine", where=("mechanism",), remedy="add --refine, or leave it out"
+        )
+    options["refine"] = refine if changing is None else [name.strip() for name in changing.split(",")]
+    options |= {"top": top, "mechanism": extension_of(file, mechanism, trust_code)}
+    with open_map(file) as maps:
+        if to is not None:
+            check_conversion(maps, to, overwrite)
+        found = find(maps, **options).load()
+    if to is not None:
+        convert_map(found, to, overwrite=overwrite)
+    names = [*(minimise or ()), *(maximise or ()), *wanted]
+    in_degrees = degrees or any(angle_of(name) for name in wanted)
+    typer.echo(listed(found, [*names, *refinement_columns(found)], degrees=in_degrees))
+
+
+def _conditions(texts: list[str]) -> dict[str, Any]:
+    """Return the conditions of ``--where NAME=LO:HI`` and ``--where NAME=MEANING``."""
+    form = "NAME=LO:HI or NAME=MEANING"
+    wanted: dict[str, Any] = by_name(texts, "where", form, {"a2": "1.1:1.3"}, text_of)
+    for name, condition in wanted.items():
+        low, colon, high = (part.strip() for part in condition.partition(":"))
+        wanted[name] = (_end(name, low), _end(name, high)) if colon else condition
+    return wanted
+
+
+def _end(name: str, text: str) -> float | None:
+    """Return an end of a range, None for no limit."""
+    try:
+        return float(text) if text else None
+    except ValueError:
+        remedy = ("write such as ", Setting("where", {name: "1.1:1.3"}))
+        raise InputError(f"{name} ends at {text!r}", where=("where",), remedy=remedy) from None
+
+
+@command
+def convert(
+    file: MapFile,
+    to: Annotated[
+        Path,
+        typer.Option(
+            "--to", metavar="OUT", help="h5, nc, zarr, csv or parquet by its ending.", show_default=False
+        ),
+    ],
+    select: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--select",
+            metavar="NAME=VALUES",
+            help="Take a2=1.1:1.2 (both ends), theta1=0.5 (nearest), theta1_deg=90 or a2=#0:10; may be repeated.",
+        ),
+    ] = None,
+    quantities: Annotated[
+        str | None, typer.Option("--quantities", metavar="A,B", help="Variables to take; all if left out.")
+    ] = None,
+    dtype: Annotated[
+        str | None, typer.Option("--dtype", metavar="TYPE", help="float32, or float64, for results.")
+    ] = None,
+    *,
+    compress: Annotated[
+        str | None,
+        typer.Option("--compress", metavar="NAME:LEVEL", help="gzip, zstd, blosc or lz4, such as zstd:3."),
+    ] = None,
+    overwrite: Overwrite = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print no progress.")] = False,
+) -> None:
+    """Convert a map to another format, compressed, in part, or with fewer digits."""
+    from fastlink.io.convert import convert
+
+    conditions = by_name(select or [], "select", "NAME=VALUES", {"a2": "1.1:1.2"}, text_of)
+    names = None if quantities is None else [name.strip() for name in quantities.split(",")]
+    options: dict[str, Any] = {"dtype": dtype, "compress": compress, "overwrite": overwrite}
+    options["progress"] = False if quiet else None
+    typer.echo(str(convert(file, to, select=conditions or None, quantities=names, **options)))
+
+
+@command
+def plot(
+    file: MapFile,
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="NAME...", help="A variable, or several; `fastlink info` lists them.", show_default=False
+        ),
+    ] = None,
+    *,
+    kind: Annotated[
+        str | None,
+        typer.Option(
+            "--kind", metavar="KIND", help="Of all rows: scatter (X Y, and a colour), corner, or cumulative."
+        ),
+    ] = None,
+    minimise: Minimise = None,
+    maximise: Maximise = None,
+    where: Where = None,
+    branch: Annotated[
+        int | None, typer.Option("--branch", metavar="B", help="One assembly mode; all if left out.")
+    ] = None,
+    at: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--at", metavar="DIM=VALUE", help="Fix a dimension at its nearest value; may be repeated."
+        ),
+    ] = None,
+    panels: Annotated[
+        str | None,
+        typer.Option("--panels", metavar="DIM", help="A small map for each of some values of a third input."),
+    ] = None,
+    lines: Annotated[
+        str | None, typer.Option("--lines", metavar="DIM", help="A line for each of some values of an input.")
+    ] = None,
+    degrees: Annotated[
+        bool, typer.Option("--degrees", help="Show angles in degrees, and read those of --at so.")
+    ] = False,
+    to: Annotated[
+        Path | None,
+        typer.Option("--to", metavar="PICTURE", help="png, svg or pdf by its ending; NAME.png if left out."),
+    ] = None,
+) -> None:
+    """Draw a map: one variable over one or two inputs; or rows by several variables; or a Pareto front.
+
+    For instance: fastlink plot maps.h5 omega4_max --at a4=1.0
+
+    Of all rows: fastlink plot maps.h5 omega4_max transmission_angle_min --where status=rotates_fully
+
+    A front: fastlink plot maps.h5 --minimise omega4_max --maximise transmission_angle_min
+    """
+    from fastlink.pictures.designs import plot_designs, plot_front
+    from fastlink.pictures.maps import plot_map
+
+    given = names or []
+    options = [one for one in given if one.find("=") > 0]
+    for dim, value in by_name(options, "names", "NAME", {}, str, (plot, plot_map)).items():
+        at_it = ("write ", Setting("at", {dim: value}))
+        raise InputError(f"{dim}={value} is no variable", where=("names",), remedy=at_it)
+    of_front, of_rows = bool(minimise or maximise), kind is not None or len(given) > 1 or bool(where)
+    if of_front and (given or kind is not None):
+        remedy = "leave out the names and --kind, or --minimise and --maximise"
+        raise InputError("is given beside objectives", where=("names" if given else "kind",), remedy=remedy)
+    if (of_front or of_rows) and (at or panels or lines):
+        option = "at" if at else "panels" if panels else "lines"
+        raise InputError("is of a map of one variable", where=(option,), remedy="choose rows by --where")
+    if not (of_front or given):
+        raise InputError("is missing", where=("names",), remedy="write a variable, such as omega4_max")
+    picture = to if to is not None else Path(f"{'-'.join(given) or 'front'}.png")
+    own: dict[str, Any] = {"branch": branch, "degrees": degrees, "to": picture}
+    conditions = _conditions(where or []) or None
+    if of_front:
+        plot_front(file, minimise=minimise or (), maximise=maximise or (), where=conditions, **own)
+    elif of_rows:
+        plot_designs(file, given, kind=kind, where=conditions, **own)
+    else:
+        fixed = by_name(at or [], "at", "DIM=VALUE", {"a4": 1.0}, numbers_of)
+        plot_map(file, given[0], at=fixed, panels=panels, lines=lines, **own)
+    typer.echo(str(picture))
+
+
+@command
+def explore(
+    file: MapFile,
+    to: Annotated[
+        Path | None,
+        typer.Option(
+            "--to", metavar="PAGE.html", help="Write one page that needs no Python, and serve nothing."
+        ),
+    ] = None,
+    *,
+    port: Annotated[
+        int, typer.Option("--port", metavar="N", help="Where the page is served; 0 for a free port.")
+    ] = 0,
+    browser: Annotated[
+        bool, typer.Option("--browser/--no-browser", help="Open the page in the browser.", show_default=False)
+    ] = True,
+) -> None:
+    """Show a map in the browser, with the mechanism of each design moving, until Ctrl-C.
+
+    The page is served to this machine alone, to whoever has its address with the random token in it.
+    """
+    import contextlib
+    import threading
+
+    from fastlink.pictures.explore import explore as serve
+
+    with serve(file, to=to, port=port, browser=browser) as page:
+        if to is not None:
+            typer.echo(str(to))
+            return
+        typer.echo(f"{page.url}\nCtrl-C ends it")
+        with contextlib.suppress(KeyboardInterrupt):
+            threading.Event().wait()
+
+
+# -- The commands on mechanisms and their kernels: mechanisms, quantities, new, cache
+
+
+@command
+def mechanisms() -> None:
+    """List the mechanisms."""
+    from fastlink.mechanisms.listing import mechanisms as list_mechanisms
+
+    typer.echo(str(list_mechanisms()))
+
+
+@command
+def quantities(
+    mechanism: Annotated[
+        str | None,
+        typer.Argument(metavar="MECHANISM", help="Such as planar_4r; all with --find.", show_default=False),
+    ] = None,
+    every: Annotated[
+        bool, typer.Option("--all", help="List intermediate facts too, which cannot be requested by name.")
+    ] = False,
+    input: Annotated[
+        str | None, typer.Option("--input", metavar="INPUT", help="The driven input, such as joint_angle_2.")
+    ] = None,
+    find: Annotated[
+        str | None, typer.Option("--find", metavar="PHRASE", help="Only what a phrase means, such as torque.")
+    ] = None,
+) -> None:
+    """List the quantities and inputs of a mechanism, or find them by what they mean."""
+    from fastlink.app.report import quantities as list_quantities
+
+    typer.echo(str(list_quantities(mechanism, internal=every, input=input, find=find)))
+
+
+@command
+def new(
+    mechanism: MechanismName,
+) -> None:
+    """Print a commented study that runs as it is.
+
+    For instance: fastlink new planar_4r > study.toml
+    """
+    from importlib.resources import files
+
+    from fastlink.errors import check_choice
+    from fastlink.mechanisms import NAMES
+
+    check_choice(("mechanism",), mechanism, NAMES)
+    template = files("fastlink").joinpath("mechanisms", mechanism, "study.toml")
+    typer.echo(template.read_text(encoding="utf-8"), nl=False)
+
+
+@command
+def cache(
+    clear: Annotated[bool, typer.Option("--clear", help="Remove all compiled kernels.")] = False,
+) -> None:
+    """Print where compiled kernels are kept and how large they are, or remove them.
+
+    The environment variables FASTLINK_CACHE_DIR and FASTLINK_CACHE_BYTES set another folder and another limit.
+    """
+    from fastlink._text import counted, size
+    from fastlink.codegen import cache as kernel_cache
+
+    state = kernel_cache.clear() if clear else kernel_cache.contents()
+    kernels = f"{counted(state.kernels, 'kernel')} of {size(state.size)}"
+    if clear:
+        left = kernel_cache.contents().size
+        remark = f"; {size(left)} could not be removed" if left else ""
+        typer.echo(f"{state.folder}: {kernels} removed{remark}")
+    else:
+        typer.echo(f"{state.folder}: {kernels}; beyond {size(state.limit)} the oldest are removed")
+
+
+# -- The commands on studies: run, explain, accuracy, tolerance
+
+
+@command
+def run(
+    study: StudyFile,
+    to: Annotated[
+        Path | None,
+        typer.Option("--to", metavar="FILE", help="The HDF5 file to write, instead of the study's."),
+    ] = None,
+    threads: Annotated[
+        int | None,
+        typer.Option("--threads", metavar="N", help="Number of threads; one per processor if left out."),
+    ] = None,
+    overwrite: Overwrite = False,
+    verify: Annotated[
+        int | None,
+        typer.Option(
+            "--verify",
+            metavar="N",
+            help="Designs to verify with 50 digits; 64 if left out, 0 for none.",
+        ),
+    ] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print neither progress nor summary.")] = False,
+    *,
+    restart: Annotated[
+        bool, typer.Option("--restart", help="Throw away what an interrupted run has left in FILE.part.")
+    ] = False,
+    part: Annotated[
+        str | None,
+        typer.Option("--part", metavar="K/N", help="Run the K-th of N parts of the designs, to be joined."),
+    ] = None,
+    layout: Annotated[
+        str | None,
+        typer.Option(
+            "--layout",
+            metavar="LAYOUT",
+            help="How the map is to be read: 'curves' design by design, 'maps' position by position.",
+        ),
+    ] = None,
+    client: Annotated[
+        str | None,
+        typer.Option(
+            "--dask",
+            metavar="ADDRESS",
+            help="Run on a dask.distributed cluster: the address of its scheduler, or its scheduler file.",
+        ),
+    ] = None,
+    trust_code: TrustCode = False,
+) -> None:
+    """Run a study, and write its map; a map that is there and up to date is kept."""
+    from fastlink.app.study import run_study
+    from fastlink.io.finished import WRITTEN
+
+    progress, started = False if quiet else None, time.time_ns()
+    options: dict[str, Any] = {
+        "threads": threads,
+        "overwrite": overwrite,
+        "restart": restart,
+        "verify": verify,
+        "part": part,
+        "layout": layout,
+        "trust_code": trust_code,
+    }
+    with contextlib.ExitStack() as stack:
+        if client is not None:
+            from fastlink.engine.cluster import connected
+
+            options["client"] = stack.enter_context(connected(("client",), client))
+        maps = stack.enter_context(run_study(study, to=to, progress=progress, **options))
+        if maps.attrs[WRITTEN] < started:
+            typer.echo(f"{maps.encoding['source']} is up to date")
+        if not quiet:
+            tell(maps)
+
+
+@command
+def explain(
+    study: StudyFile,
+    text: Annotated[bool, typer.Option("--text", help="Print the text of the kernels too.")] = False,
+    ir: Annotated[bool, typer.Option("--ir", help="Print their LLVM text too.")] = False,
+    asm: Annotated[
+        bool, typer.Option("--asm", help="Print their assembly language for this processor too.")
+    ] = False,
+    measure: Annotated[
+        bool | None,
+        typer.Option(
+            "--measure/--no-measure",
+            help="Run a sample of the designs to say how long all take; by default if all is compiled already.",
+            show_default=False,
+        ),
+    ] = None,
+    *,
+    trust_code: TrustCode = False,
+) -> None:
+    """Explain what a study computes, leaves out and needs: memory, file, time; nothing is compiled."""
+    from fastlink.app.explain import explain as explain_study
+
+    typer.echo(
+        explain_study(study, measure=measure, trust_code=trust_code).text(kernels=text, ir=ir, asm=asm)
+    )
+
+
+@command
+def accuracy(
+    study: StudyFile,
+    designs: Annotated[int, typer.Option("--designs", metavar="N", help="Number of sampled designs.")] = 64,
+    outside: Annotated[
+        bool, typer.Option("--outside", help="Add NumPy without any kernel, which takes longer.")
+    ] = False,
+    to: Annotated[Path | None, typer.Option("--to", metavar="FILE", help="An HDF5 file to write.")] = None,
+    picture: Annotated[
+        Path | None,
+        typer.Option("--picture", metavar="PICTURE", help="Error over time: png, svg or pdf by its ending."),
+    ] = None,
+    overwrite: Overwrite = False,
+    *,
+    trust_code: TrustCode = False,
+) -> None:
+    """Measure error and run time of a study by every method that the engine offers."""
+    from fastlink.app.accuracy import accuracy as measure
+    from fastlink.app.accuracy import accuracy_table
+
+    options: dict[str, Any] = {"to": to, "picture": picture, "overwrite": overwrite, "trust_code": trust_code}
+    announce = functools.partial(typer.echo, err=True)
+    measured = measure(study, designs=designs, outside=outside, announce=announce, **options)
+    typer.echo(accuracy_table(measured))
+
+
+@command
+def tolerance(
+    source: Annotated[
+        Path,
+        typer.Argument(metavar="FILE", help="A map, or a study (.toml).", show_default=False),
+    ],
+    tolerances: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="INPUT=T...",
+            help="Of each input, in its unit or in per cent: a1=1e-4 a2=0.1%.",
+            show_default=False,
+        ),
+    ] = None,
+    *,
+    quantities: Annotated[
+        str | None,
+        typer.Option("--quantities", metavar="A,B", help="Results; all that change if left out."),
+    ] = None,
+    contributions: Annotated[
+        bool, typer.Option("--contributions", help="Add the change by each input alone.")
+    ] = False,
+    to: Annotated[Path | None, typer.Option("--to", metavar="FILE", help="Write a map of it.")] = None,
+    overwrite: Overwrite = False,
+    mechanism: QuantitiesFile = None,
+    trust_code: TrustCode = False,
+) -> None:
+    """Tell what manufacturing tolerances do to the results of a map or a study.
+
+    For instance: fastlink tolerance best.h5 a1=1e-4 a2=0.1% --contributions
+    """
+    from fastlink.app.report import changes_listed
+    from fastlink.app.tolerance import tolerance as found_by
+
+    given = by_name(
+        tolerances or [], "tolerances", "INPUT=T", {"a1": 1e-4}, _number_or_text, (tolerance, found_by)
+    )
+    names = None if quantities is None else [name.strip() for name in quantities.split(",")]
+    options: dict[str, Any] = {"contributions": contributions, "to": to, "overwrite": overwrite}
+    options["trust_code"] = trust_code
+    if mechanism is not None and source.suffix.lower() == ".toml":
+        what = "is for a map: a study names the file of its quantities itself"
+        raise InputError(what, where=("mechanism",), remedy="leave it out")
+    options["mechanism"] = extension_of(source, mechanism, trust_code)
+    with found_by(source, names, **options, **given) as found:
+        typer.echo(changes_listed(found))
+
+
+def _number_or_text(text: str) -> float | str | None:
+    """Return a value that is a number as one."""
+    try:
+        return float(text)
+    except ValueError:
+        return text_of(text)
+
+
+# -- The command line: one function for each command, in the module of what the command is about
+
+# Everything heavy is imported inside the commands, so that help comes at once.
+
+
+# in the order of the help: from a first look at a mechanism to its maps
+for function in (
+    mechanisms,
+    new,
+    quantities,
+    draw,
+    explain,
+    run,
+    join,
+    info,
+    check,
+    best,
+    tolerance,
+    convert,
+    plot,
+    explore,
+    accuracy,
+    cache,
+):
+    app.command()(function)
+
+
+def main() -> None:
+    """Run the command line of this process."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper) and stream.errors == "strict":
+            stream.reconfigure(errors="backslashreplace")  # names of files may hold what is no letter
+    app(prog_name="fastlink")
+
+
+if __name__ == "__main__":
+    main()

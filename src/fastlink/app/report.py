@@ -1,0 +1,900 @@
+"""List designs that were selected from a map, a row each."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import numbers
+import re
+import textwrap
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import astuple, dataclass, field, fields
+from typing import TYPE_CHECKING, Any, SupportsIndex, overload
+
+import numpy as np
+
+from fastlink._text import (
+    aligned,
+    counted,
+    duration,
+    folded,
+    html_table,
+    in_words,
+    joined,
+    scaled,
+    short_number,
+    size,
+)
+from fastlink.engine.labels import request_labels
+from fastlink.errors import InputError, Setting, check_switch, door
+from fastlink.facts.catalogue import Catalogue
+from fastlink.facts.fact import Fact, Input
+from fastlink.facts.find import index_of_inputs
+from fastlink.facts.names import Change, Derivative, ErrorBound, GradientStatus, ListOfExtrema, Reduced, Trust
+from fastlink.facts.names import Quantity as NameOf
+from fastlink.facts.own import declared_names
+from fastlink.io.joining import JOINED
+from fastlink.io.layout import SOURCE
+from fastlink.io.reader import PartOfMap, as_map, files_of
+from fastlink.maps.best import GAIN, REFINEMENT, STARTS
+from fastlink.maps.units import degrees as in_degrees
+from fastlink.maps.units import flag_counts, flags_of
+from fastlink.mechanisms import NAMES
+from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.plan.programs import make_program
+from fastlink.plan.query import REDUCTIONS, parse_request, rank_quantities
+from fastlink.plan.request import RULES
+from fastlink.space.design_space import BRANCH, DESIGN, EXTREMUM, angle_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from fastlink.engine.extend import Extension
+    from fastlink.facts.catalogue import Catalogue
+
+__all__ = [
+    "CONTRIBUTION",
+    "GROUPS",
+    "TOLERANCED",
+    "Quantity",
+    "QuantityList",
+    "changes_listed",
+    "contents",
+    "listed",
+    "quantities",
+    "refinement_columns",
+    "row_of",
+    "summary",
+]
+
+
+#: Rows of a list that are shown.
+MOST_ROWS = 100
+
+
+def listed(found: xr.Dataset, names: Sequence[str], *, degrees: bool = False) -> str:
+    """Return designs as a table of their inputs and of some variables, below how they were selected."""
+    about = str(found.attrs.get("selection", ""))
+    maps = in_degrees(found) if degrees else found
+    along = [(str(name), array) for name, array in maps.coords.items() if array.dims == (DESIGN,)]
+    inputs = [name for name, array in along if array.dtype.kind in "iuf"]
+    texts = [name for name, array in along if name not in inputs]
+    shown = [name if name in maps.variables else angle_of(name) for name in names]
+    columns = [
+        _column(maps[name])
+        for name in dict.fromkeys([*inputs, *shown, *texts])
+        if maps[name].dims == (DESIGN,)
+    ]
+    rows = list(zip(*columns, strict=True))
+    hidden = len(rows) - 2 - MOST_ROWS
+    more = f"\n... and {hidden:,} more" if hidden > 0 else ""
+    same = [maps[name] for name in maps.coords if not maps[name].dims and "units" in maps[name].attrs]
+    constants = ", ".join(
+        f"{array.name} = {short_number(array.item())}{_units(array, ' ')}" for array in same
+    )
+    below = f"\nthe same for all: {constants}" if constants else ""
+    return f"{about}\n{aligned(rows[: 2 + MOST_ROWS], right=0)}{more}{below}"
+
+
+def refinement_columns(found: xr.Dataset) -> list[str]:
+    """Return the columns that a refinement has added: what was gained, how it ended, from how many starts."""
+    names = [str(name) for name in found.data_vars]
+    return [
+        *(name for name in names if name.endswith(f"_{GAIN}")),
+        *(name for name in names if name in (REFINEMENT, STARTS)),
+    ]
+
+
+def _column(array: xr.DataArray) -> list[str]:
+    """Return name, units and values of a variable."""
+    meanings = {code: meaning for meaning, code in flags_of(array).items()}
+    values: list[Any] = array.values.tolist()
+    return [
+        str(array.name),
+        _units(array),
+        *(str(meanings.get(v, short_number(v))) for v in values),
+    ]
+
+
+def _units(array: xr.DataArray, before: str = "") -> str:
+    units = str(array.attrs.get("units", "1"))
+    return "" if units == "1" else before + units
+
+
+# -- How names of reductions, derivatives and bounds are formed from those of quantities, for the list of
+#    these
+
+
+NAME = NameOf("NAME")
+
+
+def naming(catalogue: Catalogue) -> str:
+    """Return how names of reductions, derivatives and bounds are formed, as Markdown."""
+    position = catalogue.position
+    unit = "" if position.units == "1" else f" in {position.units}"
+    reductions = [f"`{Reduced(NAME, each.suffix)}` ({each.phrase})" for each in REDUCTIONS.values()]
+    positions = [
+        f"`{Reduced(NAME, each.suffix, position.name)}`" for each in REDUCTIONS.values() if each.has_position
+    ]
+    bounds = [
+        f"`{ErrorBound(Reduced(NAME, each.suffix))}`" for each in REDUCTIONS.values() if each.has_position
+    ]
+    extreme = Reduced(NAME, "max")
+    lists = (
+        f"`{ListOfExtrema(NAME)}` lists all extremes over the reachable range by growing {position.name}, along "
+        f"the dimension `extremum`, together with `{ListOfExtrema(NAME, position=position.name)}`, "
+        f"`{ListOfExtrema(NAME, 'count')}` and `{ListOfExtrema(NAME, 'kind')}`. "
+        f"{', '.join(bounds)} and `{ListOfExtrema(NAME, 'error')}` bound the errors of exact extremes. "
+    )
+    known = [f"`{name}`" for name in catalogue.graded.known] if catalogue.graded is not None else []
+    sure = (
+        f"The greatest and least {joined(known)} are known in closed form and not searched. " if known else ""
+    )
+    return (
+        f"Any NAME with the dimension `{position.name}` has {joined(reductions)}, and {joined(positions)} (the "
+        f"{position.name}{unit} there), with the dimensions ({DESIGN}, {BRANCH}). "
+        f"{lists if catalogue.graded is not None else ''}{sure}"
+        f"`{Derivative(extreme, 'PARAM')}` is the derivative of such a number by an input, "
+        f"`{GradientStatus(extreme)}` tells what it is worth. "
+        "Positions at which it does not assemble do not count: all is NaN there but "
+        "what the driven link alone determines, such as the place of its pin. "
+        f"`{Derivative(NAME, 'PARAM')}` is the derivative of NAME with respect to an input or to "
+        f"`{position.name}`, and is itself such a NAME. "
+        f"`{Change(NAME, 'worst')}` and `{Change(NAME, 'rss')}` are the changes of any of these numbers by the "
+        "tolerances of the inputs. "
+        f"`{ErrorBound(NAME)}` bounds the rounding error of NAME, and `{Trust(NAME)}` flags where that bound "
+        f"exceeds a millionth of NAME. `{DESIGN}` stands for the swept dimensions."
+    )
+
+
+# -- Rows of the lists of quantities and inputs: what each is, what it needs, in which group it stands
+
+
+COMPONENT = re.compile("(?<=_)[av]?[xy]$")
+
+#: The groups of a list, in its order.
+GROUPS = (
+    "Positions and angles",
+    "Transmission angle",
+    "Velocities and accelerations",
+    "Coupler point",
+    "Forces, torques and power",
+    "Joint angles",
+    "The design as a whole",
+    "Residuals and causes",
+)
+MOTION, TRANSMISSION, RATES, COUPLER, FORCES, JOINTS, WHOLE, CHECKS = GROUPS
+#: Signs in the name and meaning of a quantity over the cycle, or in its units, of its group; the first counts.
+SIGNS = (
+    (
+        "meaning",
+        re.compile("residual|closure error| why |whether the loop|from the line|distance of the computed"),
+        CHECKS,
+    ),
+    ("units", re.compile(r"\b[NW]\b"), FORCES),
+    ("meaning", re.compile("joint angle"), JOINTS),
+    ("meaning", re.compile("coupler (point|curve)"), COUPLER),
+    ("meaning", re.compile("transmission angle"), TRANSMISSION),
+    ("units", re.compile(r"\bs-\d|\brad-1"), RATES),
+    ("meaning", re.compile(r"rate of|\bratio\b|angular velocity"), RATES),
+)
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One quantity of a mechanism.
+
+    Attributes
+    ----------
+    name : str
+        Its name, which is that of the variable in the result.
+    units : str
+        UDUNITS text; ``1`` for a pure number or a code.
+    dims : tuple of str
+        Dimensions in the result; ``design`` stands for the swept dimensions.
+    meaning, source : str
+        Its definition, and where its formula stands.
+    symbol : str
+        Its symbol there.
+    needs : tuple of str
+        The inputs that it depends on; masses may be left to a model of the links.
+    mechanism, group : str
+        The mechanism, and the group of its list.
+    """
+
+    name: str
+    units: str
+    dims: tuple[str, ...]
+    meaning: str
+    source: str
+    symbol: str = field(default="", repr=False)
+    needs: tuple[str, ...] = ()
+    mechanism: str = ""
+    group: str = ""
+
+
+@dataclass(frozen=True)
+class GivenInput:
+    """One input: name, units, allowed values, meaning, and the links that give it."""
+
+    name: str
+    units: str
+    allowed: str
+    meaning: str
+    links: str
+
+
+def row_of(name: str, catalogue: Catalogue) -> Quantity:
+    """Return the row of any name that may be requested."""
+    request = parse_request(name, catalogue)
+    over_cycle = request.reduction is not None or request.listed
+    axes: tuple[str, ...] = (BRANCH,) if over_cycle else _axes(request.quantity, catalogue)
+    if request.listed and request.listed != "count":
+        axes += (EXTREMUM,)
+    fact, labels = catalogue.public_fact(request.quantity), request_labels(catalogue, request)
+    texts = (labels.get("units", "1"), (DESIGN, *axes), labels["long_name"], labels["references"])
+    needs = _steps_and_needs(request.quantity, catalogue)[1]
+    return Quantity(
+        name,
+        *texts,
+        labels["symbol"],
+        needs,
+        catalogue.name,
+        _group(fact, catalogue.varies(request.quantity)),
+    )
+
+
+def public_rows(catalogue: Catalogue) -> list[Quantity]:
+    """Return the rows of the public quantities: by group, then by the number of their steps.
+
+    Components of one vector stay together.
+    """
+    effort: dict[str, int] = {}
+    rows = [row_of(name, catalogue) for name in catalogue.public]
+    for row in rows:
+        vector = COMPONENT.sub("", row.name)
+        effort[vector] = max(_steps_and_needs(row.name, catalogue)[0], effort.get(vector, 0))
+
+    def order(row: Quantity) -> tuple[int, int, str, str]:
+        vector = COMPONENT.sub("", row.name)
+        return GROUPS.index(row.group), effort[vector], vector, row.name
+
+    return sorted(rows, key=order)
+
+
+def step_row(fact: Fact, dims: Iterable[str], mechanism: str) -> Quantity:
+    """Return the row of an intermediate fact."""
+    return Quantity(
+        fact.name, fact.units, tuple(dims), fact.meaning, fact.source, fact.symbol, (), mechanism, "Steps"
+    )
+
+
+def _axes(name: str, catalogue: Catalogue) -> tuple[str, ...]:
+    return (BRANCH, catalogue.position.name) if catalogue.varies(name) else ()
+
+
+def _steps_and_needs(name: str, catalogue: Catalogue) -> tuple[int, tuple[str, ...]]:
+    """Return the number of steps to a quantity, and the inputs that they read."""
+    position = catalogue.position.name
+    leaves = (*catalogue.inputs, *catalogue.tables, *catalogue.table_low_parts, BRANCH, position)
+    steps = list(catalogue.dependencies([name], leaves))
+    read = {part for step in steps for part in step.depends_on}
+    return len(steps), tuple(name for name in catalogue.inputs if name in read)
+
+
+def _group(fact: Fact, varies: bool) -> str:
+    """Return the group of a quantity."""
+    if not varies:
+        return WHOLE
+    texts = {"units": fact.units, "meaning": f"{fact.name} {fact.meaning}".lower()}
+    return next((group for label, sign, group in SIGNS if sign.search(texts[label])), MOTION)
+
+
+def given_inputs(catalogue: Catalogue) -> list[GivenInput]:
+    """Return the inputs of a mechanism, then those of its links and loads."""
+    rows = []
+    for given in catalogue.inputs.values():
+        models = [model.name for model in catalogue.models_of(given.name)]
+        links = f"given by {', '.join(models)}" if models else _instead(catalogue, given)
+        rows.append(_given(given, links))
+    for model, inputs in catalogue.variant_inputs.items():
+        for given in inputs.values():
+            default = "" if given.default is None else f", {given.default:.6g} by default"
+            rows.append(_given(given, _instead(catalogue, given) or f"of {model}{default}"))
+    return rows
+
+
+def _given(given: Input, links: str) -> GivenInput:
+    codes = "; ".join(f"{code}: {meaning}" for code, meaning in given.choices.items())
+    allowed = ", ".join(map(str, given.choices)) or RULES.get(given.rule, "any")
+    links = links or ("all unless one is given" if codes else "")
+    meaning = f"{given.meaning} ({codes})" if codes else given.meaning
+    return GivenInput(given.name, given.units, allowed, meaning, links)
+
+
+def _instead(catalogue: Catalogue, given: Input) -> str:
+    others = catalogue.mutually_exclusive_inputs(given.name)
+    return f"or {', '.join(others)} instead" if others else ""
+
+
+# -- List the quantities and inputs of a mechanism, or find them by what they mean
+
+# ``python -m fastlink.app.report > docs/quantities.md`` writes the documentation of all mechanisms.
+
+
+COLUMNS = ("name", "units", "dims", "meaning", "source")
+MEANING_WIDTH, SOURCE_WIDTH = 46, 34
+#: The least score of a name that is found, and its least share of the best one.
+LEAST, SHARE = 0.42, 0.6
+
+
+class QuantityList(list[Quantity]):
+    """The quantities of a mechanism: a list that prints as a table; a name between brackets gives its row.
+
+    Attributes
+    ----------
+    mechanism : str
+        Its name; empty where several were searched.
+    inputs : list of GivenInput
+        The inputs that make up a design; where a phrase was searched for, those that it may mean.
+    """
+
+    def __init__(
+        self,
+        rows: Iterable[Quantity],
+        catalogues: Sequence[Catalogue],
+        found: Sequence[tuple[str, GivenInput]] | None = None,
+    ) -> None:
+        super().__init__(rows)
+        self._catalogues, self._found = tuple(catalogues), found
+        self.mechanism = catalogues[0].name if len(catalogues) == 1 else ""
+        self.inputs = given_inputs(catalogues[0]) if found is None else [given for _, given in found]
+
+    @overload
+    def __getitem__(self, key: SupportsIndex | str, /) -> Quantity: ...
+
+    @overload
+    def __getitem__(self, key: slice, /) -> list[Quantity]: ...
+
+    def __getitem__(self, key: Any, /) -> Any:
+        """Return a row by its number, or by any name that may be requested, such as ``"omega4_max"``."""
+        if not isinstance(key, str):
+            return super().__getitem__(key)
+        for row in self:
+            if row.name == key:
+                return row
+        return row_of(key, self._catalogues[0])
+
+    def __repr__(self) -> str:
+        if self._found is not None:
+            return self._repr_found(self._found)
+        (catalogue,) = self._catalogues
+        return "\n\n".join(
+            (
+                f"{self.mechanism}: {catalogue.title}",
+                _text_table(COLUMNS, self._cells(grouped=True)),
+                textwrap.fill(naming(*self._catalogues).replace("`", ""), 110),
+                "Inputs; only those that the requested quantities depend on are needed:",
+                _text_table(_header(GivenInput), [astuple(given) for given in self.inputs]),
+            )
+        )
+
+    __str__ = __repr__
+
+    def _repr_found(self, found: Sequence[tuple[str, GivenInput]]) -> str:
+        """Return what was found as text: quantities, then inputs, each with its mechanism if there are several."""
+        named = len(self._catalogues) > 1
+        parts = []
+        if self:
+            rows = [
+                ((row.mechanism,) if named else ()) + cells
+                for row, cells in zip(self, self._cells(), strict=True)
+            ]
+            parts.append(_text_table(("mechanism", *COLUMNS) if named else COLUMNS, rows))
+        if found:
+            header = ("mechanism", *_header(GivenInput)) if named else _header(GivenInput)
+            given = [((mechanism,) if named else ()) + astuple(one) for mechanism, one in found]
+            parts += ["Inputs:", _text_table(header, given)]
+        return "\n\n".join(parts) or "Nothing was found; try another word, or list all quantities."
+
+    def _repr_html_(self) -> str:
+        """Return the quantities as a notebook shows them."""
+        rows = [(row.mechanism, *cells) for row, cells in zip(self, self._cells(), strict=True)]
+        return html_table(("mechanism", *COLUMNS), rows)
+
+    def markdown(self) -> str:
+        """Return the list as Markdown, as it stands in the documentation."""
+        (catalogue,) = self._catalogues
+        branches = catalogue.branches.items()
+        tables = [
+            part
+            for group, rows in itertools.groupby(self, lambda row: row.group)
+            for part in (f"#### {group}", _markdown_table(COLUMNS, [_cells(row) for row in rows]))
+        ]
+        return "\n\n".join(
+            (
+                f"## `{self.mechanism}`",
+                f"{catalogue.title}. Assembly modes:",
+                "\n".join(f"- `branch` {number}: {meaning}" for number, meaning in branches),
+                "### Quantities",
+                naming(*self._catalogues),
+                *tables,
+                "### Inputs",
+                "Any input can be swept. Only the inputs that the requested quantities depend on are needed. Inputs "
+                "that a model of links gives need not be given; if they are, they replace the model's. Inputs with a "
+                "default belong to a load or a further motion, which exists only if one of its inputs is given.",
+                _markdown_table(_header(GivenInput), [astuple(given) for given in self.inputs]),
+            )
+        )
+
+    def _cells(self, grouped: bool = False) -> list[tuple[str, ...]]:
+        lines = []
+        for group, rows in itertools.groupby(self, lambda row: row.group):
+            if grouped:
+                lines += [("",) * len(COLUMNS), (f"{group}:", *[""] * (len(COLUMNS) - 1))]
+            lines += map(_cells, rows)
+        return lines
+
+
+@door
+def quantities(
+    mechanism: str | Extension | None = None,
+    internal: bool = False,
+    input: str | None = None,
+    *,
+    find: str | None = None,
+) -> QuantityList:
+    """List the quantities and inputs of a mechanism, or find them by what they mean.
+
+    Parameters
+    ----------
+    mechanism : str or Extension, optional
+        Its name, such as ``"planar_4r"``; or one with quantities of one's own, from `fastlink.extend`. With `find` it
+        may be left out: all mechanisms are searched.
+    internal : bool, default False
+        List intermediate facts too, which cannot be requested by name.
+    input : str, optional
+        The driven input, as in `fastlink.sweep`.
+    find : str, optional
+        A word, a phrase or a symbol, such as ``"torque"``, ``"rocker speed"`` or ``"mu_min"``: only quantities and
+        inputs that it may mean, the best first.
+
+    Returns
+    -------
+    QuantityList
+        A list of `Quantity` that prints as a table; ``quantities("planar_4r")["T41_max"]`` is one row.
+
+    Raises
+    ------
+    InputError
+        The mechanism or the input is unknown.
+
+    Examples
+    --------
+    >>> import fastlink as fl
+    >>> row = fl.quantities("planar_4r")["omega4"]
+    >>> row.units, row.dims, row.needs
+    ('rad s-1', ('design', 'branch', 'theta1'), ('a1', 'a2', 'a3', 'a4', 'omega1'))
+    >>> [row.name for row in fl.quantities("planar_4r", find="mu min")]
+    ['transmission_angle_min', 'transmission_angle_least']
+    """
+    internal = check_switch(("internal",), internal)
+    if mechanism is None and find is None:
+        known = ", ".join(map(repr, NAMES))
+        remedy = (f"write one of {known}", (", or ", Setting("find", "torque"), " to search them all"))
+        raise InputError("is missing", where=("mechanism",), remedy=remedy)
+    if find is not None:
+        return _found(
+            find, [find_catalogue(name, input) for name in (NAMES if mechanism is None else [mechanism])]
+        )
+    assert mechanism is not None
+    try:
+        catalogue = find_catalogue(mechanism, input)
+    except InputError as error:
+        raise _or_find(mechanism, error) from None
+    rows = public_rows(catalogue)
+    if internal:
+        every = (DESIGN, BRANCH, catalogue.position.name)
+        plan = make_program(catalogue, catalogue.public, given=catalogue.inputs)
+        for name, fact in (*catalogue.tables.items(), *catalogue.facts.items()):
+            if fact.internal and name in plan.axes and name == fact.name:
+                dims = [axis for axis in every if axis in plan.axes[name]]
+                rows.append(step_row(fact, dims, catalogue.name))
+    return QuantityList(rows, [catalogue])
+
+
+def _or_find(mechanism: object, error: InputError) -> InputError:
+    """Return the error of an unknown mechanism; a word that finds quantities is to be written as one."""
+    if isinstance(mechanism, str) and mechanism not in NAMES and str(error.remedy).startswith("known"):
+        known = ", ".join(map(repr, NAMES))
+        remedy = (f"write one of {known}", (", or ", Setting("find", mechanism)))
+        return InputError(error.what, where=error.where, remedy=remedy)
+    return error
+
+
+def _found(phrase: str, catalogues: Sequence[Catalogue]) -> QuantityList:
+    """Return the quantities and inputs that a phrase may mean, the best first."""
+    if not isinstance(phrase, str) or not phrase.strip():
+        raise InputError(
+            "is not a word", where=("find",), remedy="write a word or a phrase, such as 'torque'"
+        )
+    ranked = [(one, catalogue) for catalogue in catalogues for one in rank_quantities(phrase, catalogue)]
+    given = [
+        (one, catalogue) for catalogue in catalogues for one in index_of_inputs(catalogue).ranked(phrase)
+    ]
+    best = max((one.score for one, _ in (*ranked, *given)), default=0.0)
+    least = max(LEAST, SHARE * best)
+    rows = [
+        row_of(one.name, of) for one, of in sorted(ranked, key=lambda pair: pair[0]) if one.score >= least
+    ]
+    inputs = [
+        (of.name, next(row for row in given_inputs(of) if row.name == one.name))
+        for one, of in sorted(given, key=lambda pair: pair[0])
+        if one.score >= least
+    ]
+    return QuantityList(rows, catalogues, inputs)
+
+
+def document() -> str:
+    """Return the text of docs/quantities.md."""
+    head = (
+        "# Quantities and inputs\n\n"
+        "Written by `python -m fastlink.app.report > docs/quantities.md`; do not edit. "
+        "`fastlink quantities MECHANISM` prints the same."
+    )
+    return "\n\n".join((head, *(quantities(name).markdown() for name in NAMES))) + "\n"
+
+
+def _cells(row: Quantity) -> tuple[str, ...]:
+    return row.name, row.units, f"({', '.join(row.dims)})", row.meaning, row.source
+
+
+def _header(row: type) -> tuple[str, ...]:
+    return tuple(column.name for column in fields(row))
+
+
+def _text_table(header: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
+    """Return a table as aligned text, long cells folded."""
+    return folded(
+        header, rows, [{"meaning": MEANING_WIDTH, "source": SOURCE_WIDTH}.get(name) for name in header]
+    )
+
+
+def _markdown_table(header: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
+    quoted = [
+        [
+            f"`{cell}`" if name == "name" else cell.replace("|", "\\|")
+            for name, cell in zip(header, row, strict=True)
+        ]
+        for row in rows
+    ]
+    lines = [list(header), ["---"] * len(header), *quoted]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+if __name__ == "__main__":
+    print(document(), end="")
+
+
+# -- Say in a few lines what a sweep did, and what its map holds
+
+
+MULTIPLES = ("", " thousand", " million", " billion")
+
+
+@door
+def summary(maps: Any) -> str:
+    """Return what a sweep did as lines of text, from the attributes of its result.
+
+    Parameters
+    ----------
+    maps : xarray.Dataset or path
+        From `fastlink.sweep`, `fastlink.run_study` or `fastlink.open`, or the file of a map.
+
+    Returns
+    -------
+    str
+        Designs and how many have each status, configurations where there were given input positions, run time and
+        speed, the largest errors that were measured; and the file with its size, for a map that is opened from one. Of
+        a part of a map, the designs of that part.
+
+    Raises
+    ------
+    InputError
+        Neither a map nor its path.
+
+    Examples
+    --------
+    >>> import fastlink as fl
+    >>> space = fl.grid(a1=[0.4, 0.6], a2=1.2, a3=0.8, a4=1.0)
+    >>> print(summary(fl.sweep("planar_4r", space, ["transmission_angle"])).partition("run time")[0])
+    designs         2
+                    1  rotates fully                     50.0 %
+                    0  assembles over part of the turn    0.0 %
+                    0  never assembles                    0.0 %
+                    1  change point                      50.0 %
+                    0  invalid input                      0.0 %
+                    0  assembles in one position          0.0 %
+    configurations  1,440
+    <BLANKLINE>
+    """
+    with as_map(maps) as dataset:
+        return _summary(dataset)
+
+
+def _summary(dataset: xr.Dataset) -> str:
+    told = _Numbers(dataset.attrs)
+    rows = _designs(dataset, told)
+    if (part := PartOfMap.of(dataset.attrs)) is not None:
+        start, stop = part.range
+        rows.append(("part", f"{part.part}: designs {start:,} to {stop - 1:,} of {part.designs:,}"))
+    rows += _searched(dataset, told)
+    if "selection" in dataset.attrs:
+        rows.append(("selection", str(dataset.attrs["selection"])))
+    if told.has("configurations"):
+        rows.append(("configurations", f"{told['configurations']:,.0f}"))
+    if told.has("designs_of_earlier_runs"):
+        earlier = counted(int(told["designs_of_earlier_runs"]), "design")
+        rows.append(("resumed", f"{earlier} from an earlier run"))
+    if told.has("run_time_s"):
+        text = duration(told["run_time_s"])
+        if told.has("set_up_time_s"):
+            text += f", after {duration(told['set_up_time_s'])} of setting up and compiling"
+        if told.has("threads"):
+            text += f", {counted(int(told['threads']), 'thread')}"
+        if told.has(JOINED):
+            text += f"; of {counted(int(told[JOINED]), 'part')} together"
+        rows.append(("run time", text))
+    for unit in ("configurations", "designs"):
+        if told.has(f"{unit}_per_second"):
+            units = [f"{multiple} {unit}/s" for multiple in MULTIPLES]
+            rows.append(("speed", scaled(told[f"{unit}_per_second"], units)))
+            break
+    rows += _errors(dataset)
+    notes = {
+        str(array.attrs["rounding"]) for array in dataset.data_vars.values() if "rounding" in array.attrs
+    }
+    rows += [("rounding", note) for note in sorted(notes)]
+    files = [path for path in files_of(dataset) if path.is_file()]
+    if files:
+        text = f"{files[0]} ({size(files[0].stat().st_size)})"
+        if parts := files[1:]:
+            nbytes = sum(part.stat().st_size for part in parts)
+            text += f", which shows values of {counted(len(parts), 'part')} ({size(nbytes)})"
+        rows.append(("file", text))
+    return aligned(rows)
+
+
+def _searched(dataset: xr.Dataset, told: _Numbers) -> list[tuple[str, str]]:
+    """Return what was searched to find these designs, and how many rows were left out, why."""
+    if "search" not in dataset.attrs or not told.has("searched_designs"):
+        return []
+    rows = [("searched", f"{told['searched_designs']:,.0f} designs for {dataset.attrs['search']}")]
+    left_out = [
+        (
+            in_words(name.removeprefix("excluded_")) if name.startswith("excluded_as") else name[9:],
+            count,
+        )
+        for name, count in told.items()
+        if name.startswith("excluded_") and count
+    ]
+    texts = [f"{count:,.0f} {name.replace('by_', 'by ', 1)}" for name, count in left_out]
+    return [
+        *rows,
+        *(
+            [("excluded", f"{', '.join(texts)}, of {told.get('searched_rows', 0.0):,.0f} rows")]
+            if texts
+            else []
+        ),
+    ]
+
+
+class _Numbers(dict[str, float]):
+    """The attributes that are finite numbers; users may have changed the others."""
+
+    def __init__(self, attrs: Mapping[Any, Any]) -> None:
+        for name, value in attrs.items():
+            if isinstance(value, numbers.Real) and math.isfinite(value):
+                self[str(name)] = float(value)
+
+    def has(self, name: str) -> bool:
+        """Tell whether there is such a number, and it is not negative."""
+        return self.get(name, -1.0) >= 0.0
+
+
+def _designs(dataset: xr.Dataset, told: _Numbers) -> list[tuple[str, str]]:
+    """Return how many designs there are, and how many of them have each status.
+
+    Those of a whole sweep stand in its attributes. A part of it is counted; after a mean over designs the statuses are
+    no codes, and not counted.
+    """
+    if not told.has("designs"):
+        return []
+    swept = int(told["designs"])
+    status = dataset["status"] if "status" in dataset.variables else None
+    designs = swept if status is None else status.size
+    text, counts = f"{designs:,}", None
+    if designs != swept:
+        text += f" of the {swept:,} of the sweep"
+        counts = None if status is None else flag_counts(status)
+    elif status is not None and status.dtype.kind in "iu":
+        names = flags_of(status)
+        counts = {name: int(told[f"designs_{name}"]) for name in names if told.has(f"designs_{name}")}
+    rows = [("designs", text)]
+    label_width, count_width = max(map(len, counts or ()), default=0), len(f"{designs:,}")
+    for name, count in (counts or {}).items():
+        label = f"{in_words(name):<{label_width}}"
+        rows.append(("", f"{count:>{count_width},}  {label}  {_percent(count, designs)}"))
+    return rows
+
+
+def _errors(dataset: xr.Dataset) -> list[tuple[str, str]]:
+    """Return the largest error of each variable, by the verification of a sweep."""
+    if "verify_failed" in dataset.attrs:
+        return [("errors", f"not measured: {dataset.attrs['verify_failed']}")]
+    errors, title = [], "largest error"
+    for name, array in dataset.data_vars.items():
+        told = _Numbers(array.attrs)
+        if not told.has("verified_values") and told.has(f"{SOURCE}verified_values"):
+            title = "of the whole map"  # of which this is a part
+            told = _Numbers({str(key).removeprefix(SOURCE): value for key, value in array.attrs.items()})
+        if not told.has("verified_values"):
+            continue
+        texts = []
+        if told.has("error_max_relative"):
+            texts.append(f"{told['error_max_relative']:.1e} relative")
+        if told.has("error_max_roundings"):
+            texts.append(f"{told['error_max_roundings']:.2g} roundings")
+        if told.has("error_max_of_bound"):
+            texts.append(f"{told['error_max_of_bound']:.2g} of the bound")
+        if told.get("verify_mismatches"):
+            texts.append(f"{counted(int(told['verify_mismatches']), 'value')} NOT AS WITH 50 DIGITS")
+        if texts:
+            errors.append((str(name), f"{', '.join(texts)}, of {told['verified_values']:,.0f}"))
+    return [("" if k else title, line) for k, line in enumerate(aligned(errors).splitlines())]
+
+
+def _percent(count: int, total: int) -> str:
+    share = 100 * count / total if total else 0.0
+    return " <0.1 %" if 0 < share < 0.05 else f"{share:5.1f} %"
+
+
+def contents(maps: Any) -> str:
+    """Return what a result holds: mechanism, axes, constants, variables, its summary."""
+    with as_map(maps) as dataset:
+        return _contents(dataset)
+
+
+def _contents(dataset: xr.Dataset) -> str:
+    attrs, coords = dataset.attrs, {str(name): coord for name, coord in dataset.coords.items()}
+    keys = ("title", "mechanism", "input", "study_file", "solver", "source")
+    declared = declared_names(str(attrs.get("own_quantities", "")))
+    head = [(in_words(key), str(attrs[key])) for key in keys if key in attrs]
+    head += [("own quantities", ", ".join(declared))] if declared else []
+    dims = [(str(dim), _axis(dataset, str(dim), length)) for dim, length in dataset.sizes.items()]
+    sampled = [(n, _span(coord)) for n, coord in coords.items() if coord.ndim == 1 and n not in dataset.dims]
+    constants = [(n, _of_all(coord)) for n, coord in coords.items() if coord.ndim == 0]
+    variables = [
+        (str(n), f"({', '.join(map(str, array.dims))})  [{array.attrs.get('units', '1')}]{_meaning(array)}")
+        for n, array in dataset.data_vars.items()
+    ]
+    titled = {
+        "dimensions": dims,
+        "inputs along them": sampled,
+        "constants": constants,
+        "variables": variables,
+    }
+    blocks = [
+        aligned(head),
+        *(f"{title}\n{aligned(rows, indent='  ')}" for title, rows in titled.items() if rows),
+    ]
+    return "\n\n".join(filter(None, [*blocks, _summary(dataset)]))
+
+
+def _axis(dataset: xr.Dataset, dim: str, length: int) -> str:
+    if dim not in dataset.coords:
+        return f"{length:,}"
+    text = f"{length:,}: {_span(dataset[dim])}"
+    return f"{text}; {dataset[dim].attrs['comment']}" if "comment" in dataset[dim].attrs else text
+
+
+def _of_all(coord: xr.DataArray) -> str:
+    """Return the value that a scalar coordinate has for all designs, with what its number stands for."""
+    text = f"{short_number(coord.values[()])} {coord.attrs.get('units', '')}{_meaning(coord)}"
+    return f"{text}; {coord.attrs['comment']}" if "comment" in coord.attrs else text
+
+
+def _span(coord: xr.DataArray) -> str:
+    values = coord.values
+    if not values.size:
+        return "no values"
+    if values.dtype.kind in "iuf":
+        ends = (values[0],) if len(values) == 1 else (values.min(), values.max())
+    else:
+        ends = (values[0],) if len(values) == 1 else (values[0], values[-1])
+    units = coord.attrs.get("units", "")
+    return f"{' to '.join(map(short_number, ends))} {'' if units == '1' else units}".rstrip() + _meaning(
+        coord
+    )
+
+
+def _meaning(array: xr.DataArray) -> str:
+    return f"  {array.attrs['long_name']}" if "long_name" in array.attrs else ""
+
+
+# -- List what tolerances do to the results of a map, a row for each result
+
+
+#: What `fastlink.tolerance` calls the changes by each input, and their dimension.
+CONTRIBUTION, TOLERANCED = "contribution", "toleranced"
+
+
+def changes_listed(found: xr.Dataset) -> str:
+    """Return the changes of each result as a table: those of one design, else medians and the greatest."""
+    names = [str(name) for name in found.data_vars if _change(str(name), "worst") in found.data_vars]
+    inputs = [str(name) for name in found[TOLERANCED].values] if TOLERANCED in found.dims else []
+    one = all(found[name].size == 1 for name in names)
+    head = ["", "", "value", "worst change", *([] if one else ["greatest"]), "rss change"]
+    rows = [[*head, *(f"by {name}" for name in inputs), "flagged"]]
+    for name in names:
+        worst, rss = found[_change(name, "worst")], found[_change(name, "rss")]
+        row = [name, found[name].attrs.get("units", ""), _median(found[name]), _median(worst)]
+        row += [] if one else [short_number(_greatest(worst.values))]
+        row.append(_median(rss))
+        for of in inputs:
+            part = found[f"{name}_{CONTRIBUTION}"].sel({TOLERANCED: of})
+            row.append(_median(part if one else abs(part)))
+        rows.append([*row, _flagged(found, name)])
+    sizes = max((found[name].size for name in names), default=0)
+    about = "" if one else f"medians of {counted(sizes, 'value')}, and the greatest worst change\n"
+    return about + aligned(rows, right=2)
+
+
+def _change(name: str, how: str) -> str:
+    """Return the name of the change of a result."""
+    return str(Change(NameOf(name), how))
+
+
+def _median(array: xr.DataArray) -> str:
+    """Return the median of the numbers among some values, as text."""
+    values = np.asarray(array.values, dtype=float).ravel()
+    values = values[np.isfinite(values)]
+    return short_number(float(np.median(values))) if values.size else "nan"
+
+
+def _greatest(values: Any) -> float:
+    """Return the greatest number among some values, NaN if there is none."""
+    return float(np.nanmax(values)) if np.isfinite(values).any() else float("nan")
+
+
+def _flagged(found: xr.Dataset, name: str) -> str:
+    """Return how many derivatives of a result are none or one-sided, as text."""
+    if (status := str(GradientStatus(NameOf(name)))) not in found.variables:
+        return "-"
+    codes = found[status].values
+    flags = found[status].attrs
+    meanings = dict(zip(flags["flag_values"].tolist(), flags["flag_meanings"].split(), strict=True))
+    bad = codes[codes != 0]
+    if codes.size == 1:
+        return in_words(meanings[int(codes.ravel()[0])]) if bad.size else "-"
+    return f"{bad.size} of {codes.size}"

@@ -1,0 +1,1087 @@
+"""Quantities of one's own beside a study: the Python file that declares them, run only by who trusts it."""
+
+from __future__ import annotations
+
+import json
+import linecache
+import os
+import re
+import tomllib
+import traceback
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import BaseModel, Discriminator, Field, Tag, ValidationError, model_validator
+from pydantic_core import PydanticCustomError, core_schema
+
+from fastlink._text import short_repr, size, writable
+from fastlink.design.search import request_of, search
+from fastlink.engine.extend import Extension
+from fastlink.engine.options import check_options
+from fastlink.engine.resolve import check, given_tolerances, resolve
+from fastlink.engine.sweep import sweep
+from fastlink.errors import (
+    InputError,
+    KeyPath,
+    Model,
+    Pair,
+    Piece,
+    Problem,
+    Problems,
+    Samples,
+    Setting,
+    Wording,
+    check_path,
+    check_switch,
+    door,
+    nearest,
+    not_a_file,
+    path_text,
+    suggest,
+)
+from fastlink.facts.derivative import toleranced
+from fastlink.facts.own import TOO_LONG
+from fastlink.io.partial_file import check_target
+from fastlink.io.place import existing_file, exists_error
+from fastlink.io.reader import is_hdf5, open_map
+from fastlink.mechanisms import NAMES, is_extension, name_of
+from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.plan.request import check_keywords
+from fastlink.space.design_space import MODELS, Degrees, DesignSpace, Links, angle_of, bounds_of, degrees_name
+from fastlink.space.samplers import grid, latin_hypercube, sobol
+from fastlink.space.tables import CURVES, table
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from distributed import Client
+
+    from fastlink.design.search import Request as SearchRequest
+    from fastlink.engine.extend import Extension
+    from fastlink.errors import Problem
+    from fastlink.facts.catalogue import Catalogue
+    from fastlink.io.reader import Part
+    from fastlink.space.design_space import DesignSpace
+
+__all__ = [
+    "A_STUDY",
+    "KEEP",
+    "KEY",
+    "KEYS",
+    "SAMPLES",
+    "TOLERANCES",
+    "TRUST",
+    "Request",
+    "Study",
+    "load_extension",
+    "read_study",
+    "read_tables",
+    "request_of_search",
+    "run_study",
+    "text_of",
+]
+
+
+#: The key of a study that names the file, and the option by which it is run.
+KEY, TRUST = "quantities_file", "trust_code"
+
+
+def load_extension(study: Path, name: Any, mechanism: str, trusted: bool) -> Extension:
+    """Return the extension of a mechanism that a file beside a study declares."""
+    path = study.parent / check_path((KEY,), name, "mine.py")
+    if not trusted:
+        what = f"names {str(name)!r}, Python code that is run to declare quantities, by who has read it alone"
+        remedy = (f"read {path}, and if you trust it write ", Setting(TRUST, True))
+        raise InputError(what, where=(KEY,), remedy=remedy)
+    scope = _run(path)
+    found = {id(one): (key, one) for key, one in scope.items() if isinstance(one, Extension)}
+    fitting = [(key, one) for key, one in found.values() if one.mechanism == mechanism]
+    if len(fitting) != 1:
+        others = ", ".join(f"{key} of {one.mechanism}" for key, one in found.values())
+        what = f"{str(name)!r} declares {others or 'no extension of a mechanism'}"
+        raise InputError(what, where=(KEY,), remedy=f'write one: mine = fl.extend("{mechanism}")')
+    return fitting[0][1]
+
+
+def _run(path: Path) -> dict[str, Any]:
+    """Return the names that a file defines."""
+    try:
+        if other := not_a_file(path):
+            raise InputError(f"{str(path)!r} {other}", where=(KEY,), remedy="name a file of Python code")
+        text = path.read_text(encoding="utf-8-sig")
+        code = compile(text, str(path), "exec")
+    except (OSError, SyntaxError, ValueError) as error:
+        why = f"line {error.lineno}: {error.msg}" if isinstance(error, SyntaxError) else str(error)
+        what = f"{str(path)!r} cannot be read ({why})"
+        raise InputError(what, where=(KEY,), remedy="name a file of Python code beside the study") from None
+    except (RecursionError, MemoryError):
+        raise InputError(f"{str(path)!r} has {TOO_LONG[0]}", where=(KEY,), remedy=TOO_LONG[1]) from None
+    linecache.checkcache(str(path))
+    scope: dict[str, Any] = {"__name__": path.stem, "__file__": str(path)}
+    try:
+        exec(code, scope)
+    except InputError as error:
+        raise InputError.of(_within(error)) from None
+    except Exception as error:
+        lines = [one.lineno for one in traceback.extract_tb(error.__traceback__) if one.filename == str(path)]
+        line = f"line {lines[-1]}: " if lines else ""
+        what = f"{path.name} fails with {type(error).__name__} ({line}{error})"
+        raise InputError(what, where=(KEY,), remedy="mend it, and run it by itself: `python FILE`") from None
+    return scope
+
+
+def _within(error: InputError) -> list[Problem]:
+    """Return the problems of a declaration, at the key of the study."""
+    return [
+        replace(one, where=(KEY,), what=f"{path_text(one.where)}: {one.what}".removeprefix(": "))
+        for one in error.problems
+    ]
+
+
+# -- The keys of a study file and the values that they may have, as models of pydantic
+
+
+#: The remedy of those who have no study yet.
+A_STUDY = (
+    "give the path of a study, a TOML file that names mechanism, designs and quantities; "
+    "`fastlink new planar_4r > study.toml` writes one"
+)
+LONGEST = 10_000_000  # values of an axis: 80 MB in memory
+
+
+@dataclass(frozen=True)
+class Write:
+    """The remedy for a value that is refused, whatever is wrong with it; entries of a list have their own."""
+
+    allowed: str
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
+        schema = handler(source)
+        checked = core_schema.list_schema(min_length=1) if schema["type"] == "list" else schema
+        worded = core_schema.custom_error_schema(
+            checked, custom_error_type="write", custom_error_message=self.allowed
+        )
+        return worded if checked is schema else core_schema.chain_schema([worded, schema])
+
+
+String = Annotated[str, Field(strict=True)]
+Whole = Annotated[int, Field(strict=True)]
+Count = Annotated[Whole, Field(ge=1, le=LONGEST)]
+Finite = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Number = Annotated[float, Field(strict=True)]
+Positive = Annotated[Finite, Field(gt=0)]
+Negative = Annotated[Finite, Field(lt=0)]
+Text = Annotated[String, Field(min_length=1), Write("a text that is not empty")]
+Name = Annotated[String, Write("the name of a quantity as text")]
+Entry = Annotated[Finite, Write("a finite number")]
+LinkInput = Annotated[Finite, Write("one finite number; to sweep it, make it an axis in [design]")]
+Range = Annotated[tuple[Finite, Finite] | Finite, Write("[lo, hi] with finite lo < hi, or one finite number")]
+Verified = Annotated[Whole, Field(ge=0), Write("how many designs to compute again with 50 digits, or 0")]
+LINSPACE = f"[lo, hi, n] with finite lo and hi and a whole number n from 1 to {LONGEST}"
+GEOMSPACE = LINSPACE.replace("and hi", "and hi of one sign, neither 0,")
+WHERE = 'such as {status = "rotates_fully", a1 = [0.2, inf]}'
+Wanted = Annotated[
+    tuple[Number, Number] | String | list[String],
+    Write("[lo, hi], inf or -inf for no limit, or the meaning of a code as text"),
+]
+Names = Annotated[String | list[String], Write("the name of a quantity, or a list of names")]
+Refined = Annotated[bool, Field(strict=True)] | list[String]
+Linspace = Annotated[tuple[Finite, Finite, Count], Write(LINSPACE)]
+OfOneSign = tuple[Positive, Positive, Count] | tuple[Negative, Negative, Count]
+
+
+class Angles(BaseModel, extra="forbid"):
+    """An axis of input positions: exactly one key."""
+
+    linspace: Linspace | None = None
+    values: Annotated[list[Entry], Write("a list of one or more finite numbers")] | None = None
+
+    @model_validator(mode="after")
+    def _has_one_key(self) -> Self:
+        if len(self.model_fields_set) != 1:
+            keys = ", ".join(sorted(type(self).model_fields))
+            raise PydanticCustomError("write", "exactly one of {keys}", {"keys": keys})
+        return self
+
+
+class Axis(Angles):
+    """An axis of an input: exactly one key."""
+
+    geomspace: Annotated[OfOneSign, Write(GEOMSPACE)] | None = None
+
+
+def _kind(value: Any) -> str:
+    return "axis" if isinstance(value, dict) else "number"
+
+
+def _kind_in_design(value: Any) -> str:
+    return "sample" if isinstance(value, dict) and "n" in value else _kind(value)
+
+
+ANGLES = f"a number of angles from 1 to {LONGEST}, {{linspace = [lo, hi, n]}} or {{values = [...]}}"
+INPUT = "a finite number, or {linspace = [lo, hi, n]}, {geomspace = [lo, hi, n]} or {values = [...]}"
+Positions = Annotated[
+    Annotated[Count, Write(ANGLES), Tag("number")] | Annotated[Angles, Tag("axis")], Discriminator(_kind)
+]
+DesignInput = Annotated[
+    Annotated[Finite, Write(INPUT), Tag("number")] | Annotated[Axis, Tag("axis")],
+    Discriminator(_kind_in_design),
+]
+
+
+class Sample(BaseModel, extra="allow"):
+    """A space-filling sample: the number of designs, a seed, and a range or a number for each input."""
+
+    __pydantic_extra__: dict[str, Range]
+    n: Annotated[Whole, Write("a whole number of designs of at least 1")]
+    ranges: dict[String, Range] | None = None
+    seed: Annotated[Whole, Write("a whole number of at least 0")] | None = None
+
+
+class Design(BaseModel, extra="allow"):
+    """The table [design]: inputs, and the keys that are not inputs."""
+
+    __pydantic_extra__: dict[str, DesignInput]
+    sobol: Sample | None = None
+    latin_hypercube: Sample | None = None
+    table: Annotated[Text, Write('the path of a CSV or Parquet file, such as "designs.csv"')] | None = None
+    keep: Annotated[list[String], Write('names of columns, such as ["part_no"]')] | None = None
+
+
+class LinksTable(BaseModel, extra="allow"):
+    """The table [links]: a model of the links, and its inputs."""
+
+    __pydantic_extra__: dict[str, LinkInput]
+    model: Text
+
+
+class Cycle(BaseModel, extra="allow"):
+    """The table [cycle]: options, and input positions by the name of the input."""
+
+    __pydantic_extra__: dict[str, Positions]
+    input: Text | None = None
+    angles: Positions | None = None
+    branch: Annotated[Whole | list[Whole], Write("assembly modes, such as [1, 2]")] | None = None
+    solver: Annotated[String, Write('"eliminated" or "dense"')] | None = None
+    extrema: Annotated[String, Write('"refined" or "sampled"')] | None = None
+
+
+class Run(BaseModel, extra="forbid"):
+    """The table [run]."""
+
+    backend: Annotated[String, Write('"llvm" or "numba"')] | None = None
+
+
+class Search(BaseModel, extra="forbid"):
+    """The table [search]."""
+
+    minimise: Names | None = None
+    maximise: Names | None = None
+    where: Annotated[dict[String, Wanted], Write(WHERE)] | None = None
+    top: Annotated[Whole, Field(ge=1), Write("how many designs, a whole number of at least 1")] | None = None
+    infinite: Annotated[bool, Field(strict=True), Write("true or false")] | None = None
+    refine: Annotated[Refined, Write('true, false or names of inputs, such as ["a1", "a2"]')] | None = None
+    bounds: Annotated[dict[String, tuple[Finite, Finite]], Write("such as {a1 = [0.2, 0.5]}")] | None = None
+    samples: Annotated[Whole, Field(ge=1), Write("how many designs to sample, at least 1")] | None = None
+    seed: Annotated[Whole, Field(ge=0), Write("a whole number of at least 0")] | None = None
+
+
+class Output(BaseModel, extra="forbid"):
+    """The table [output]."""
+
+    file: Text | None = None
+    overwrite: Annotated[bool, Field(strict=True), Write("true or false")] | None = None
+    layout: Annotated[Literal["curves", "maps"], Write('"curves" or "maps"')] | None = None
+    verify: Verified | None = None
+
+
+class StudyFile(BaseModel, extra="forbid"):
+    """A study file."""
+
+    mechanism: Text
+    title: Text | None = None
+    quantities_file: Annotated[Text, Write('the path of a Python file, such as "mine.py"')] | None = None
+    quantities: Annotated[list[Name], Write('a list of names, such as ["omega4_max"]')]
+    design: Design
+    links: LinksTable | None = None
+    tolerances: dict[String, Any] | None = None
+    cycle: Cycle | None = None
+    run: Run | None = None
+    search: Search | None = None
+    output: Output | None = None
+
+
+#: The table of tolerances, by the names of inputs.
+TOLERANCES = "tolerances"
+#: The tables of options, and their keys.
+KEYS = {
+    "cycle": Cycle.model_fields,
+    "run": Run.model_fields,
+    "search": Search.model_fields,
+    "output": Output.model_fields,
+}
+#: The key of [design] for columns of a table that are kept as labels; those that give all designs at once.
+KEEP = "keep"
+SAMPLES = [name for name in Design.model_fields if name != KEEP]
+#: The keys of tables without other keys, by the table of the study that they are in.
+KNOWN = KEYS | {"design": Axis.model_fields, "cycle": Angles.model_fields}
+#: What stands for a required key that is missing, to read the others; how often what is wrong is left out.
+REQUIRED: dict[str, Any] = {"mechanism": "?", "quantities": ["status"], "design": {}}
+PASSES = 4
+#: The quantity in examples, which stands for one of the mechanism of the study.
+EXAMPLE = "omega4_max"
+#: Examples of required keys.
+EXAMPLES = {
+    "mechanism": 'mechanism = "planar_4r"',
+    "quantities": 'quantities = ["omega4_max"]',
+    "design": "a table [design] with a number or an axis for each input",
+    "n": "n = 1024, the number of designs",
+    "model": 'model = "round_bar"',
+}
+
+
+def read_tables(raw: Mapping[str, Any], positions: Collection[str]) -> tuple[dict[str, Any], list[Problem]]:
+    """Return the tables of a study with values as a sweep takes them, and the problems of the rest, left out."""
+    problems: list[Problem] = []
+    empty: dict[str, Any] = {"cycle": {}, "run": {}, "output": {}}
+    absent: set[str] = set()
+    example = _example(raw.get("mechanism"))
+    for _ in range(PASSES):
+        try:
+            tables = _plain(StudyFile.model_validate(raw))
+            return {**empty, **{name: tables[name] for name in tables if name not in absent}}, problems
+        except ValidationError as error:
+            problems += [_with_example(one, example) for one in _problems(error, positions)]
+            raw = _without(raw, [entry["loc"] for entry in error.errors(include_url=False)], absent)
+    return empty, problems
+
+
+def _example(mechanism: Any) -> str:
+    """Return a quantity of a mechanism for messages: the first one of its template."""
+    if mechanism not in NAMES:
+        return EXAMPLE
+    template = files("fastlink").joinpath("mechanisms", str(mechanism), "study.toml")
+    return str(tomllib.loads(template.read_text(encoding="utf-8"))["quantities"][0])
+
+
+def _with_example(problem: Problem, name: str) -> Problem:
+    """Return a problem whose remedy has a quantity of the mechanism for an example."""
+    remedy = problem.remedy
+    return replace(problem, remedy=remedy.replace(EXAMPLE, name)) if isinstance(remedy, str) else problem
+
+
+def _without(raw: Mapping[str, Any], paths: list[Any], absent: set[str]) -> dict[str, Any]:
+    """Return a study without the keys of some paths; a placeholder stands for one that a study must have."""
+    rest = {name: dict(value) if isinstance(value, dict) else value for name, value in raw.items()}
+    for head, *inner in paths:
+        if head in REQUIRED and not inner:
+            rest[head] = REQUIRED[head]
+            absent.add(head)
+        elif head == "quantities":
+            rest[head] = [name for name in rest[head] if isinstance(name, str)] or REQUIRED[head]
+        elif inner and isinstance(rest.get(head), dict) and inner[0] in rest[head]:
+            del rest[head][inner[0]]
+        elif not inner or head not in REQUIRED:
+            rest.pop(head, None)
+    return rest
+
+
+def _plain(value: Any) -> Any:
+    """Return a table as a dictionary of its given keys, an axis as an array, other values as they are."""
+    if not isinstance(value, BaseModel):
+        return value
+    given = {name: _plain(entry) for name, entry in value if name in value.model_fields_set}
+    if not isinstance(value, Angles):
+        return given
+    ((kind, numbers),) = given.items()
+    if kind == "values":
+        return np.array(numbers)
+    with np.errstate(all="ignore"):  # a value that overflows is refused with its index, as any infinite one
+        return (np.linspace if kind == "linspace" else np.geomspace)(*numbers)
+
+
+def _table(where: KeyPath) -> str:
+    """Return the table that holds a key, as its author writes it."""
+    return f"[{path_text(where[:-1])}]" if where[1:] else "a study"
+
+
+def _problems(error: ValidationError, positions: Collection[str]) -> list[Problem]:
+    """Return the errors of pydantic as problems; a misspelt key stands for the one that is missing."""
+    problems, misspelt = [], set()
+    for entry in reversed(error.errors(include_url=False)):  # unknown keys come after missing ones
+        path, kind = entry["loc"], entry["type"]
+        if path[0] == "cycle" and path[1:] and path[1] not in (*KEYS["cycle"], *positions):
+            continue
+        # The third part of a path is the tag of a number or an axis, except in a sample.
+        whole = path[0] == "search" or {*SAMPLES, KEEP} & {*path[1:2]}
+        where = path if whole else (*path[:2], *path[3:])
+        what, name = f"is {short_repr(entry['input'])}", str(path[-1])
+        if kind == "write":
+            remedy = f"write {entry['msg']}"
+        elif kind == "missing":
+            what, remedy = "is missing", f"write {EXAMPLES[name]}"
+        elif kind == "union_tag_invalid":
+            what, remedy = f"is not a key of {_table(where)}", suggest(name, ["sobol", "latin_hypercube"])
+        elif kind == "extra_forbidden":
+            known = KNOWN[str(path[0])] if path[1:] else StudyFile.model_fields
+            what, remedy = f"is not a key of {_table(where)}", suggest(name, known)
+            misspelt.add((*where[:-1], remedy))
+        else:
+            remedy = f"write a table of keys, such as [{name}]"
+        if kind != "missing" or (*where[:-1], f"did you mean {name!r}?") not in misspelt:
+            problems.append(Problem(what, where, remedy))
+    return problems[::-1]
+
+
+# -- Keys that stand in the wrong table of a study: named with their table, and read there
+
+
+#: The tables of a study.
+PLACES = ("design", "links", *KEYS)
+#: Keys at the top of a study, besides its tables.
+TOP = [name for name in StudyFile.model_fields if name not in PLACES]
+WRITE_ABOVE = "write it above the first [table]: what follows a head such as [design] belongs to that table"
+
+
+def at_home(raw: Mapping[str, Any], catalogue: Catalogue | None) -> tuple[dict[str, Any], list[Problem]]:
+    """Return a study with each key in its table, and a problem for each one that was in another."""
+    homes: dict[str, tuple[str, ...]] = {
+        "model": ("links",),
+        **dict.fromkeys((*SAMPLES, KEEP), ("design",)),
+        **dict.fromkeys(TOP, ("",)),
+    }
+    homes |= {key: (table,) for table, keys in KEYS.items() for key in keys}
+    if catalogue is not None:
+        of_links = {name for model in MODELS for name in catalogue.variant_inputs.get(model, {})}
+        homes |= dict.fromkeys(catalogue.all_inputs, ("design",))
+        homes |= dict.fromkeys(of_links, ("links", "design"))
+        position = catalogue.position.name
+        homes |= dict.fromkeys((position, degrees_name(position)), ("cycle",))
+    tables = {name: dict(table) for name, table in raw.items() if isinstance(table, dict) and name in PLACES}
+    tables[""] = {name: value for name, value in raw.items() if name not in tables}
+    problems = []
+    for place, given in list(tables.items()):
+        for key in list(given):
+            home = homes.get(key, (place,))
+            if place in home or (place == "" and isinstance(given[key], dict) and key in PLACES):
+                continue
+            value = given.pop(key)
+            if home[0] != "links" or "links" in tables or key == "model":  # without a model they say nothing
+                tables.setdefault(home[0], {}).setdefault(key, value)
+            problems.append(_problem(key, place, home[0]))
+    top = tables.pop("")
+    return {**top, **tables}, problems
+
+
+def _problem(key: str, place: str, home: str) -> Problem:
+    what = f"stands under [{place}]" if place else "stands outside of every table"
+    remedy = f"write it under [{home}]" if home else WRITE_ABOVE
+    return Problem(f"{key} {what}", ("study", key), remedy)
+
+
+# -- The table [search] of a study: the designs that it searches, and what for
+
+
+#: The options of a search, and what they are unless a study gives them.
+DEFAULTS: dict[str, Any] = {
+    "minimise": (),
+    "maximise": (),
+    "where": None,
+    "top": None,
+    "infinite": False,
+    "refine": True,
+    "bounds": None,
+}
+
+
+def searched_space(space: DesignSpace, table: Mapping[str, Any]) -> DesignSpace:
+    """Return the designs of a search: those of the study, or a sample of their ranges, or of other ones."""
+    if "samples" not in table:
+        if "seed" in table:
+            raise InputError("is given without samples", where=("seed",), remedy="write samples = 1_000_000")
+        return space
+    given = {**space.axes, **space.columns}
+    ranges: dict[str, Any] = {name: bounds_of(values) for name, values in given.items()}
+    ranges |= dict(table.get("bounds", {}))
+    constants = {name: value for name, value in space.constants.items() if name not in ranges}
+    try:
+        return sobol(table["samples"], {**ranges, **constants}, seed=table.get("seed", 0))
+    except InputError as error:
+        raise InputError.of([_of_search(one) for one in error.problems]) from None
+
+
+def _of_search(problem: Problem) -> Problem:
+    """Return a problem of a sample with the path of the key of [search] that makes it."""
+    _, *rest = problem.where or ("",)
+    keys: dict[Any, tuple[str, ...]] = {"n": ("samples",), "seed": ("seed",)}
+    name = rest[0] if rest else ""
+    if name:
+        return replace(problem, where=keys.get(name, ("bounds", str(name))))
+    remedy = "write bounds = {a1 = [0.2, 0.5]}, or axes in [design]"
+    return replace(problem, where=("samples",), remedy=remedy)
+
+
+def asked_for(table: Mapping[str, Any]) -> dict[str, Any]:
+    """Return objectives, conditions and the refinement of a table [search], as a search takes them."""
+    asked = DEFAULTS | {name: value for name, value in table.items() if name in DEFAULTS}
+    return asked | ({"bounds": None} if "samples" in table else {})  # they are those of the sample
+
+
+def request_of_search(
+    mechanism: Any,
+    space: DesignSpace,
+    names: list[str],
+    table: Mapping[str, Any],
+    **options: Any,
+) -> SearchRequest:
+    """Return the request of the search of a study, or refuse it with all its problems; nothing is compiled."""
+    of_sweep = {"branch": 1, "input": None, **options}
+    if "options" not in of_sweep:
+        of_sweep["options"] = KEYS["cycle"]
+    return request_of(mechanism, space, names, asked_for(table), **of_sweep)
+
+
+# -- The wording of problems for the author of a study
+
+
+#: Parameters of `fastlink.sweep` with another name in a study.
+PARAMETERS = {"to": "file"}
+
+
+class StudyWording(Wording):
+    """The wording of problems for the author of a study: in its own keys and grammar."""
+
+    def __init__(
+        self, file: Path, tables: Mapping[str, Any] | None = None, space: DesignSpace | None = None
+    ) -> None:
+        self.file, self.tables, self.space = file, tables or {}, space
+        self.door = Wording()
+
+    def within(self, door: Wording) -> Wording:
+        """Return this wording with the options of the door that the study was given at."""
+        worded = StudyWording(self.file, self.tables, self.space)
+        worded.door = door
+        return worded
+
+    def line(self, problem: Problem) -> str:
+        """Return a problem as one line, after the file."""
+        return f"{self.file}: {super().line(problem)}"
+
+    def path(self, where: KeyPath) -> str:
+        """Return a path as the key of the study."""
+        return "" if where[:1] == ("study",) else path_text(self._key(where))
+
+    def _key(self, where: KeyPath) -> KeyPath:
+        where = where[1:] if where[:1] == ("attrs",) else where  # the title, and the names of files
+        head, *rest = where or ("",)
+        if head in SAMPLES:
+            return ("design", *where)
+        if head in ("grid", "design"):
+            return ("design", *self._sample(rest), *rest)
+        key = PARAMETERS.get(str(head), head)
+        for name, keys in KEYS.items():
+            if key in keys or key in self._table(name):
+                return (name, key, *rest)
+        return where
+
+    def _table(self, name: str) -> Mapping[str, Any]:
+        table = self.tables.get(name)
+        return table if isinstance(table, Mapping) else {}
+
+    def _sample(self, rest: Sequence[str | int]) -> KeyPath:
+        """Return the key of the sample or the table that gives an input, if one does."""
+        design = self._table("design")
+        if self.space is None or not rest or rest[0] not in self.space.names or rest[0] in design:
+            return ()
+        return tuple(kind for kind in SAMPLES if kind in design)
+
+    def piece(self, piece: Piece) -> str | None:
+        """Return a piece of a remedy in the grammar of studies, or None where they have no such key."""
+        if isinstance(piece, Samples):
+            return f"{{linspace = [{piece.first:g}, {piece.last:g}, {piece.count}]}}"
+        if isinstance(piece, Pair):
+            return "[lo, hi], inf or -inf for no limit" if piece.unlimited else "[lo, hi]"
+        if isinstance(piece, Model):
+            keys = "".join(f" {name} = ..." for name in piece.inputs)
+            return f'[links] model = "{piece.name}"{keys}'
+        if isinstance(piece, Setting):
+            if piece.name in ("overwrite", "part", "restart", "trust_code"):
+                return self.door.piece(piece)  # for once, by who runs the study
+            known = piece.name == KEEP or any(piece.name in keys for keys in KEYS.values())
+            return f"{piece.name} = {json.dumps(piece.value)}" if known else None
+        return piece
+
+
+# -- The request of a study, from its tables: checked as far as they are without problems
+
+
+class Request:
+    """The request of a study.
+
+    Attributes
+    ----------
+    space : DesignSpace or None
+        The designs, as soon as they are read.
+    options : dict
+        The options of a sweep.
+    positions : dict
+        Input positions by the name of the input.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        raw: Mapping[str, Any],
+        tables: Mapping[str, Any],
+        catalogue: Catalogue,
+        problems: Problems,
+        mechanism: Any,
+    ) -> None:
+        self.path, self.tables, self.catalogue, self.problems = path, tables, catalogue, problems
+        self.mechanism, cycle = mechanism, tables["cycle"]
+        self.positions = {name: values for name, values in cycle.items() if name not in KEYS["cycle"]}
+        own = {**cycle, **tables["run"]}
+        self.options = {name: value for name, value in own.items() if name not in self.positions}
+        self.raw = raw
+        self.space: DesignSpace | None = None
+        #: Tables with problems: what follows from their absence is not a problem of its own.
+        self.broken = {str(one.where[0]) for one in problems.noted if one.where} - {"study"}
+
+    def check(self) -> None:
+        """Read links and designs, and check all parts together."""
+        if any(one.where in (("mechanism",), ("input",)) for one in self.problems.noted):
+            self.options.pop("input", None)
+        self._check_names_of_cycle()
+        if "links" in self.tables and "links" not in self.broken:
+            known = len(self.problems.noted)
+            with self.problems.at():
+                values = dict(self.tables["links"])
+                self.options["links"] = Links(values.pop("model"), values)
+            self.broken |= {"links"} if len(self.problems.noted) > known else set()
+        if "design" in self.tables:
+            with self.problems.at():
+                self.space = self._space()
+                self.problems.wording = StudyWording(self.path, self.raw, self.space)
+        names = self.tables.get("quantities", REQUIRED["quantities"])
+        found = Problems()
+        of_driven = ("input",) in {one.where for one in self.problems.noted}
+        with found.at():
+            self._examine(check if self.problems.noted else resolve, names)
+        if of_driven:  # whose inputs are unknown
+            found.noted = [one for one in found.noted if one.where[:1] != ("design",)]
+        self._add(found.noted)
+        self._check_search(names)
+        if self.problems.noted and not of_driven:
+            self._add_missing(names, found.noted)
+
+    def _examine(self, function: Any, names: list[str]) -> None:
+        named = {"positions": self.positions, "options": KEYS["cycle"]}
+        mechanism = self.mechanism
+        if ("mechanism",) in [one.where for one in self.problems.noted]:
+            mechanism = self.catalogue.name  # the nearest
+        function(mechanism, self.space, names, **named, **self.options)
+
+    def _check_search(self, names: list[str]) -> None:
+        """Check the table [search], once all else is known to be right."""
+        others = any(one.where[:1] != ("search",) for one in self.problems.noted)
+        if others or self.space is None or "search" not in self.tables:
+            return
+        named = {"positions": self.positions, "options": KEYS["cycle"]}
+        of_run = {name: value for name, value in self.options.items() if name not in KEYS["output"]}
+        with self.problems.at("search"):
+            request_of_search(self.mechanism, self.space, names, self.tables["search"], **named, **of_run)
+
+    def _check_names_of_cycle(self) -> None:
+        """Refuse unknown keys of [cycle] whose values were refused already."""
+        cycle = self.raw.get("cycle")
+        given = list(cycle) if isinstance(cycle, dict) else []
+        lost = [name for name in given if name not in (*self.tables["cycle"], *KEYS["cycle"])]
+        with self.problems.at():
+            check_keywords(self.catalogue.name, self.catalogue, lost, KEYS["cycle"])
+
+    def _add(self, found: list[Problem]) -> None:
+        """Add problems, but those that only follow from others, with the numbers that names have in the file."""
+        listed = self.raw.get("quantities")
+        numbers = (
+            [k for k, name in enumerate(listed) if isinstance(name, str)] if isinstance(listed, list) else []
+        )
+        for one in found:
+            head, *rest = one.where or ("",)
+            position = self.catalogue.position.name
+            if head in ("angles", position, degrees_name(position)) and "cycle" in self.broken:
+                continue
+            if head == "quantities" and rest and isinstance(rest[0], int) and rest[0] < len(numbers):
+                one = replace(one, where=(head, numbers[rest[0]]))
+            self.problems.noted.append(one)
+
+    def _add_missing(self, names: list[str], found: list[Problem]) -> None:
+        """Add the inputs that are missing for the quantities without problems, if the designs have none."""
+        if self.space is None or self.broken & {"design", "links"}:
+            return
+        if any(one.where[:1] != ("quantities",) or len(one.where) != 2 for one in found):
+            return
+        wrong = [one.where[1] for one in found]
+        try:
+            self._examine(resolve, [name for k, name in enumerate(names) if k not in wrong] or ["status"])
+        except InputError as error:
+            self._add([one for one in error.problems if one.where[:1] in (("design",), ("links",))])
+
+    def _space(self) -> DesignSpace:
+        """Return the design space, or refuse it with all its problems."""
+        design, path, problems = self.tables["design"], self.path, Problems()
+        if "links" in self.broken:  # whose inputs are unknown without their model
+            of_links = {name for model in MODELS for name in self.catalogue.variant_inputs.get(model, {})}
+            design = {name: value for name, value in design.items() if name not in of_links}
+        entries = {name: value for name, value in design.items() if name not in (*SAMPLES, KEEP)}
+        constants = {name: value for name, value in entries.items() if isinstance(value, float)}
+        swept = [name for name in entries if name not in constants]
+        kinds, space = [name for name in SAMPLES if name in design], None
+        if len(kinds) + bool(swept) > 1:
+            both = [*kinds, *([f"axes ({', '.join(swept)})"] if swept else [])]
+            problems.add(f"has {' and '.join(both)}", ("design",), "write one of them, beside constants")
+        if KEEP in design and "table" not in design:
+            problems.add("names columns of a table", ("design", KEEP), "leave it out, or write table = ...")
+        if not design and not self.broken & {"design", "links"}:
+            problems.add("is empty", ("design",), "write a number or an axis for each input")
+        with problems.at():
+            space = grid(**entries)
+        if len(kinds) == 1:
+            (kind,) = kinds
+            with problems.at("design", kind):
+                if kind == "table":
+                    space = table(path.parent / design["table"], keep=design.get(KEEP, ()))
+                else:
+                    space = (sobol if kind == "sobol" else latin_hypercube)(**design[kind])
+                for name in constants:
+                    if name in space.names:
+                        what = f"gives {name}, which stands in [design] too"
+                        problems.add(what, ("design", kind), "write it once")
+        given = self._tolerances({*design, *(() if space is None else space.names)}, problems)
+        problems.stop()
+        assert space is not None
+        return searched_space(space.with_constants(constants | given), self.tables.get("search", {}))
+
+    def _tolerances(self, in_design: set[str], problems: Problems) -> dict[str, float]:
+        """Return the table of tolerances by the names that they have in a design, where they may stand too."""
+        given = given_tolerances(self.catalogue, self.tables.get(TOLERANCES, {}), TOLERANCES, problems)
+        for name in in_design & given.keys():
+            of = (TOLERANCES, toleranced(name.removesuffix("_deg")))
+            problems.add(f"is given, and so is {name} in [design]", of, "write it once")
+        return given
+
+
+# -- The text of a study file, and what is said to files that are something else
+
+
+#: Bytes of a study at most: tables of designs have files of their own.
+MOST_BYTES = 16 << 20
+#: The remedy for what is not TOML.
+TOML = "a study has lines `key = value` under heads such as [design]; `fastlink new planar_4r` prints one"
+#: Endings of other files, and the text that they begin with, by what they hold.
+OTHERS = (
+    ("JSON", (".json",), re.compile(r"\s*\{")),
+    ("YAML", (".yaml", ".yml"), re.compile(r"(\s*#.*\n|\s*\n|---\n)*[A-Za-z_]\w*:(\s|$)")),
+)
+TABLE = re.compile(r"[^=\[\n]*,[^=\[\n]*(\n|$)")
+
+
+def text_of(path: Path) -> str:
+    """Return the text of a study, or refuse what is no file of text."""
+    try:
+        length = path.stat().st_size
+        if other := not_a_file(path):
+            raise _refused(path, f"{other}, not a study", A_STUDY)
+        if is_hdf5(path):
+            raise _refused(path, "is a map, not a study", f"`fastlink info {path}` shows it")
+        if length > MOST_BYTES:
+            remedy = 'keep designs in a CSV or Parquet file: [design] table = "designs.csv"'
+            raise _refused(path, f"has {size(length)}, too long for a study", remedy)
+        return path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        what = f"is not UTF-8 text ({error.reason} at byte {error.start})"
+        raise _refused(path, what, "save it as UTF-8") from None
+    except InputError:
+        raise
+    except (OSError, ValueError) as error:  # ValueError: a NUL in the path
+        why = getattr(error, "strerror", None) or str(error)
+        raise _refused(path, f"cannot be read ({why})", A_STUDY) from None
+
+
+def contents_of(path: Path, text: str) -> dict[str, Any]:
+    """Return the contents of a study as TOML, or say what its text is instead."""
+    try:
+        contents = tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        for language, endings, beginning in OTHERS:
+            if path.suffix.lower() in endings or beginning.match(text):
+                raise _refused(path, f"is {language}, not TOML", TOML) from None
+        if path.suffix.lower() in (".csv", ".tsv") or TABLE.match(text):
+            remedy = f'name it in one: [design] table = "{path.name}"'
+            raise _refused(path, "is a table of designs, not a study", remedy) from None
+        raise _refused(path, f"is not TOML: {error}", TOML) from None
+    if not contents:
+        raise _refused(path, "is empty", A_STUDY)
+    return contents
+
+
+def _refused(path: Path, what: str, remedy: str) -> InputError:
+    return InputError.of([Problem(what, ("study",), remedy)], StudyWording(path))
+
+
+# -- Read, check and run studies
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """A study without problems, as `fastlink.sweep` takes it.
+
+    Attributes
+    ----------
+    path : Path
+        The file.
+    text : str
+        Its text.
+    tables : dict
+        Its tables and keys.
+    space : DesignSpace
+        The designs.
+    options : dict
+        The options of the sweep besides mechanism, designs and quantities.
+    sources : tuple of Path
+        The files that it was read from: itself, a table of designs, and Python code that declares quantities.
+    mechanism : str or Extension
+        The mechanism: its name, or one with the quantities that a file beside the study declares.
+    """
+
+    path: Path
+    text: str
+    tables: dict[str, Any]
+    space: DesignSpace
+    options: dict[str, Any]
+    sources: tuple[Path, ...]
+    mechanism: str | Extension
+
+    @property
+    def quantities(self) -> list[str]:
+        """The names of the quantities."""
+        return list(self.tables["quantities"])
+
+    @property
+    def search(self) -> dict[str, Any] | None:
+        """Objectives and conditions, as `fastlink.search` takes them; None of a study whose map is written."""
+        return asked_for(self.tables["search"]) if "search" in self.tables else None
+
+    @property
+    def output(self) -> dict[str, Any]:
+        """Its table [output]."""
+        return dict(self.tables["output"])
+
+    def target(self, to: str | Path | None = None, part: Part | None = None) -> Path:
+        """Return the file to write: a given one, else its own, else one of its name in the current folder.
+
+        Unless given, the file of a part has it in its name.
+        """
+        target = Path(os.path.expanduser(to or self.output.get("file") or f"{self.path.stem}.h5"))
+        return target if to or part is None else part.path(target)
+
+
+@door(hint=A_STUDY)
+def run_study(
+    path: str | Path,
+    to: str | Path | None = None,
+    threads: int | None = None,
+    overwrite: bool = False,
+    progress: bool | None = None,
+    verify: int | None = None,
+    *,
+    restart: bool = False,
+    part: tuple[int, int] | str | None = None,
+    layout: str | None = None,
+    client: Client | None = None,
+    trust_code: bool = False,
+) -> xr.Dataset:
+    """Run a study file and write its map; of a study with a table [search] that of the designs that are found.
+
+    Parameters
+    ----------
+    path : str or path
+        The study, a TOML file.
+    to : path, optional
+        The HDF5 file to write; by default that of the study, else the study's name with ``.h5``, in the
+        current folder.
+    threads : int, optional
+        All processors unless given.
+    overwrite : bool, default False
+        Compute anew and replace an existing file, whatever it holds. A study that says ``overwrite = true`` has a map
+        replaced, and no other file. Without either, an existing map of the same study, unchanged since, is opened as it
+        is; nothing is computed.
+    progress : bool, optional
+        Show a progress bar on standard error; by default only on a terminal.
+    verify : int, optional
+        How many designs are computed again with 50 digits (see `fastlink.sweep`); by default what the study says, else
+        64.
+    restart : bool, default False
+        Throw away what an interrupted run has left in ``FILE.part``. Without it, the same study goes on there, and
+        another one is refused.
+    part : (k, n) or "k/n", optional
+        Run the k-th of n parts of the designs (see `fastlink.sweep`, `fastlink.search`), by default into the file of
+        the study with the part in its name, such as ``maps.part-03-of-16.h5``.
+    layout : {"curves", "maps"}, optional
+        How the map is to be read (see `fastlink.sweep`); by default what the study says, else ``"curves"``.
+    client : distributed.Client, optional
+        Evaluate the designs on the workers of a dask.distributed cluster (see `fastlink.sweep`).
+    trust_code : bool, default False
+        Run the Python file that the study names as ``quantities_file``, which declares quantities of its own (see
+        docs/own_quantities.md). A study alone is data and runs nothing.
+
+    Returns
+    -------
+    xarray.Dataset
+        Opened lazily from the file. The text of the study is in its attribute ``study``.
+
+    Raises
+    ------
+    InputError
+        One line for each problem: the file, the key, what was found, what is allowed.
+
+    Examples
+    --------
+    >>> import tempfile, pathlib
+    >>> text = '''
+    ... mechanism = "planar_4r"
+    ... quantities = ["transmission_angle_min"]
+    ... [design]
+    ... a1 = 0.4
+    ... a2 = {linspace = [1.0, 1.4, 5]}
+    ... a3 = 0.8
+    ... a4 = 1.0
+    ... '''
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     study = pathlib.Path(folder, "study.toml")
+    ...     _ = study.write_text(text)
+    ...     with run_study(study, to=f"{folder}/maps.h5") as maps:
+    ...         dict(maps.transmission_angle_min.sizes)
+    {'a2': 5, 'branch': 2}
+    """
+    given: dict[str, Any] = {"to": to, "threads": threads, "overwrite": overwrite, "verify": verify}
+    given |= {"progress": progress, "part": part, "layout": layout, "client": client}
+    checked = check_options(given | {"restart": restart, "layout": CURVES if layout is None else layout})
+    study = read_study(path, trust_code)
+    target = study.target(to, checked["part"])
+    title = {name: study.tables[name] for name in ("title",) if name in study.tables}
+    try:
+        # the sweep knows whether the file that exists is its map
+        check_target(target, 0, True, study.sources)
+        if not overwrite and study.output.get("overwrite", False):
+            _refuse_other_file(target)
+            overwrite = True
+        attrs = {**title, "study_file": writable(study.path.name), "study": study.text}
+        verify = study.output.get("verify") if verify is None else verify
+        if study.search is not None:
+            if layout is not None:
+                remedy = "leave it out: a search keeps the best of all designs alone"
+                raise InputError("is for maps, not for a search", where=("layout",), remedy=remedy)
+            return search(
+                study.mechanism,
+                study.space,
+                study.quantities,
+                **study.search,
+                **{"branch": 1, **study.options},
+                verify=verify,
+                to=target,
+                overwrite=overwrite,
+                restart=restart,
+                part=part,
+                threads=threads,
+                client=client,
+                progress=progress,
+                attrs=attrs,
+            )
+        return sweep(
+            study.mechanism,
+            study.space,
+            study.quantities,
+            **study.options,
+            verify=verify,
+            to=target,
+            overwrite=overwrite,
+            restart=restart,
+            part=part,
+            layout=layout or study.output.get("layout") or CURVES,
+            threads=threads,
+            client=client,
+            progress=progress,
+            attrs=attrs,
+        )
+    except InputError as error:
+        if given.get(str(error.where[0]) if error.where else "") is not None:
+            raise  # the caller's own, not the study's
+        raise InputError.of(error.problems, StudyWording(study.path, study.tables, study.space)) from None
+
+
+def _refuse_other_file(target: Path) -> None:
+    """Refuse a file that is no map: a study, which may be a stranger's, does not replace it by its own word."""
+    if existing_file(target) is not None:
+        try:
+            open_map(target).close()
+        except InputError:
+            raise exists_error(target, "and is no map, which alone a study replaces") from None
+
+
+def read_study(path: str | Path, trust_code: bool = False) -> Study:
+    """Read a study file and check everything that can be checked before running it.
+
+    The Python file that it may name is run only if that code is trusted.
+    """
+    path = check_path(("study",), path, "study.toml")
+    trusted = check_switch((TRUST,), trust_code)
+    text = text_of(path)
+    contents, problems = contents_of(path, text), Problems(StudyWording(path))
+    mechanism = _mechanism(path, contents, problems, trusted)
+    driven = _driven(mechanism, contents, problems)
+    raw, misplaced = at_home(contents, driven)
+    name = "" if driven is None else driven.position.name
+    tables, found = read_tables(raw, (name, degrees_name(name)))
+    problems.noted += [*misplaced, *found]
+    problems.wording = StudyWording(path, raw)
+    if driven is None or "mechanism" not in tables:
+        problems.stop()
+    assert driven is not None
+    request = Request(path, raw, tables, driven, problems, mechanism)
+    request.check()
+    problems.stop()
+    assert request.space is not None
+    for name, values in request.positions.items():
+        request.options["angles"] = Degrees(values) if angle_of(name) else values
+    design = tables["design"]
+    others = [design["table"]] if "table" in design else []
+    others += [tables[KEY]] if KEY in tables else []
+    sources = (path, *(path.parent / other for other in others))
+    return Study(path, text, tables, request.space, request.options, sources, mechanism)
+
+
+def _mechanism(path: Path, contents: Mapping[str, Any], problems: Problems, trusted: bool) -> Any:
+    """Return the mechanism of a study: its name, or with the quantities that a file declares."""
+    mechanism, own = contents.get("mechanism"), contents.get(KEY)
+    if not isinstance(own, str) or not own or mechanism not in NAMES:
+        return mechanism
+    with problems.at():
+        return load_extension(path, own, mechanism, trusted)
+    problems.stop()  # what depends on its quantities is not worth telling
+    return mechanism
+
+
+def _driven(mechanism: Any, contents: Mapping[str, Any], problems: Problems) -> Catalogue | None:
+    """Return the catalogue of a study; a misspelt mechanism is noted and taken for the nearest."""
+    cycle = contents.get("cycle")
+    input = cycle.get("input") if isinstance(cycle, dict) else None
+    if not isinstance(mechanism, str) and not is_extension(mechanism):
+        return None
+    with problems.at():
+        return find_catalogue(mechanism, input if isinstance(input, str) else None)
+    name = name_of(mechanism)
+    meant = mechanism if name in NAMES else nearest(name, NAMES)
+    return None if meant is None else find_catalogue(meant, None)

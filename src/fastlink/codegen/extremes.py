@@ -1,0 +1,925 @@
+"""The loop of each value in the kernel of a search, the row that keeps it, the arrays, and the parts of the range."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+from fastlink.codegen.runtime import beside, cells, results, subdivision, undecided
+from fastlink.codegen.runtime.beside import MOST_SPLITS, OCTAVES, SPLIT_ROWS
+from fastlink.codegen.runtime.cells import ITEM_ROWS, LANES, MOST_LANES, STATE_ROWS
+from fastlink.codegen.runtime.results import WINNER_ROWS
+from fastlink.codegen.source import Array, Source, Text, needed_steps, paste_fact
+from fastlink.facts.fact import Fact
+from fastlink.facts.names import error_name
+
+if TYPE_CHECKING:
+    from fastlink.facts.fact import Fact
+    from fastlink.plan.programs import ExtremaProgram, ExtremumSearch, Gradient, Output
+
+__all__ = ["write_extrema"]
+
+
+class ExtremaSchedule:
+    """The steps of a search by loop, and the rows of lane values."""
+
+    def __init__(self, program: ExtremaProgram) -> None:
+        self.program = program
+        self.cells = program.searches[0].cells
+        self.samples = 2 * self.cells + 1
+        steps = [step for step in program.steps if isinstance(step, Fact)]
+        self.design_steps = [step for step in steps if program.axes[step.name] <= {"design"}]
+        self.lane_steps = [step for step in steps if step not in self.design_steps]
+        self.rows: dict[str, int] = {}
+        #: Those that are written where a greatest or least value is at a limit of motion, and only there.
+        self.late: set[str] = set()
+        # Both ends of each: kernels know the row of the lower end.
+        for ends in zip(*program.graded.ends, strict=True):
+            for name in ends:
+                self.row(name)
+        for output in program.outputs:
+            for term in output.terms:
+                self.row(term.tolerance)
+        # positive where a gap counts as zero, so that it is not known whether there is a toggle
+        self.doubts = [self.row(error_name(end[2])) for end in program.graded.ends if program.has_bounds]
+
+    def row(self, name: str) -> int:
+        """Return the row of a lane value, reserving it on first use."""
+        return self.rows.setdefault(name, len(self.rows))
+
+    def needed_for(self, names: Iterable[str]) -> list[Fact]:
+        """Return the lane steps that these values need, branch signs among them."""
+        return needed_steps(self.lane_steps, names)
+
+    def design_needs(self, steps: Sequence[Fact]) -> list[str]:
+        """Return the values of the design that a loop over lanes reads."""
+        depends_on = dict.fromkeys(name for step in steps for name in step.depends_on)
+        return [name for name in depends_on if self.program.axes[name] <= {"design"}]
+
+    def item_needs(self, search: ExtremumSearch) -> list[str]:
+        """Return the design values that an item of a search carries."""
+        names = [*self.slope_names(search), search.quantity, *self.places_wanted]
+        return self.design_needs(self.needed_for([*names, *search.bounded_by]))
+
+    @property
+    def places_wanted(self) -> list[str]:
+        """Return the name of the input position where results tell or hang on where extremes are; else none."""
+        requests = [output.request for output in self.program.outputs]
+        wanted = any(r.is_position or r.listed or r.is_of_gradient for r in requests)
+        return [self.program.catalogue.position.name] if wanted else []
+
+    def gradient_names(self, search: ExtremumSearch, *, moving: bool) -> list[str]:
+        """Return the derivatives by inputs that are evaluated at the extremes of a search."""
+        if moving:
+            return list(dict.fromkeys(gradient.moving for gradient in search.gradients if gradient.moving))
+        return list(dict.fromkeys(name for gradient in search.gradients for name in gradient.held))
+
+    def gradient_needs(self, search: ExtremumSearch, *, moving: bool) -> list[str]:
+        """Return the design values that are read where derivatives by inputs are evaluated."""
+        names = self.gradient_names(search, moving=moving)
+        own = [name for name in names if self.program.axes[name] <= {"design"}]
+        return list(dict.fromkeys([*self.design_needs(self.needed_for(names)), *own]))
+
+    def reserve_for_gradients(self) -> None:
+        """Reserve the rows that derivatives by inputs read; what only those at limits of motion do is written late."""
+        for moving in (False, True):
+            early = set(self.rows)
+            for search in self.program.searches:
+                for name in self.gradient_needs(search, moving=moving):
+                    self.row(name)
+        self.late = set(self.rows) - early
+
+    def gradient_base(self, sign: int) -> int:
+        """Return the first row of the derivatives of the greatest or least values among the results."""
+        return self.most_gradients * (sign < 0)
+
+    def slope_names(self, *searches: ExtremumSearch) -> list[str]:
+        """Return the values that the sampled functions are products of."""
+        magnitudes = (search.quantity for search in searches if search.magnitude)
+        slopes = (name for search in searches for name in (search.slope, *search.divisors[:1]))
+        return [self.program.graded.bounded_factor, *slopes, *magnitudes]
+
+    def needs_ends(self, search: ExtremumSearch) -> bool:
+        """Tell whether the ends of the range count: where a greatest or least value is requested."""
+        requests = (o.request for o in self.program.outputs if not search.onto)
+        return any(r.can_be_refined for r in requests if r.quantity == search.quantity)
+
+    def parts_of(self, number: int) -> list[str]:
+        """Return the names of the tables of all halves in one search."""
+        return [f"part_{number}_{half}" for half in range(self.halves)]
+
+    def parts_that_may_rest(self, number: int) -> list[str]:
+        """Return those of halves that are silenced one by one; where they are mirrored, branches are together."""
+        own = not self.program.mirrored and not self.program.searches[number].onto
+        return self.parts_of(number) if own else []
+
+    def number_of(self, quantity: str) -> int:
+        """Return the number of the search for a quantity's extrema, which stands before that for its jumps."""
+        return [search.quantity for search in self.program.searches].index(quantity)
+
+    def scratch(self) -> tuple[Array, ...]:
+        """Return the arrays that the kernel works in."""
+        searches, samples = self.program.searches, self.sample_row(len(self.program.searches), 0)
+        columns = len(searches) * len(self.program.branches) * LANES
+        room = LANES * self.halves
+        kept = max(map(self.room, searches))
+        return (
+            Array("w", "float64", (len(self.rows), LANES)),
+            Array("samples", "float64", (samples, LANES)),
+            Array("state", "float64", (self.state_rows, LANES)),
+            Array("marks", "int8", (samples, LANES)),
+            *self.item_lists(),
+            Array("ends", "float64", (ITEM_ROWS, 3 * room + MOST_LANES)),
+            Array("octaves", "float64", (OCTAVES, LANES)),
+            Array("splits", "float64", (SPLIT_ROWS, LANES * (1 + MOST_SPLITS * self.n_splits) + MOST_LANES)),
+            Array("flags", "int8", (LANES,)),
+            Array("vectors", "int64", (LANES // MOST_LANES,)),
+            Array("counts", "int64", (cells.COUNTS,)),
+            Array("best", "float64", (results.BEST_ROWS + 3 * self.program.has_bounds, columns)),
+            Array("lists", "float64", (results.LIST_ROWS + self.program.has_bounds, columns, kept)),
+            *self.places(columns),
+        )
+
+    @property
+    def n_splits(self) -> int:
+        """How many searches are for places at which cells of others are split."""
+        return sum(search.splits for search in self.program.searches)
+
+    def split_by(self, search: ExtremumSearch) -> list[int]:
+        """Return the numbers of the searches for places at which the cells of one are split."""
+        return [k for k, one in enumerate(self.program.searches) if one.splits and one.slope in search.turns]
+
+    @property
+    def most_gradients(self) -> int:
+        """The greatest number of derivatives by inputs of one search."""
+        return max(len(search.gradients) for search in self.program.searches)
+
+    @property
+    def state_rows(self) -> int:
+        """The number of rows of the state."""
+        return STATE_ROWS + max(map(len, map(self.item_needs, self.program.searches)))
+
+    def places(self, columns: int) -> tuple[Array, ...]:
+        """Return the places of greatest and least values, and the derivatives there, where these are requested."""
+        if not self.program.has_gradients:
+            return ()
+        return (
+            Array("winners", "float64", (2 * WINNER_ROWS, columns)),
+            Array("gradients", "float64", (2 * self.most_gradients, columns)),
+        )
+
+    @property
+    def kept(self) -> int:
+        """The length of the lists that are returned, 0 where none is."""
+        has_lists = any(output.request.listed for output in self.program.outputs)
+        return max(search.most for search in self.program.searches) if has_lists else 0
+
+    def room(self, search: ExtremumSearch) -> int:
+        """Return how many entries a list of extremes has room for, 0 where none is requested."""
+        return search.most + results.MORE if self.kept else 0
+
+    def most_items(self, search: ExtremumSearch) -> tuple[int, ...]:
+        """Return how many valleys, roots and unresolved cells a design may have; a smooth function has few.
+
+        Rounding errors have as many: each cell has a zero and a valley, which splits into two zeros more; where cells
+        are divided, each part of a cell has.
+        """
+        own = (other for other in self.program.searches if other.quantity == search.quantity)
+        of_cell = (10, 10, 4) if any(other.divided for other in own) else (1, 3, 0)
+        return tuple(number * self.halves * self.samples for number in of_cell)
+
+    def item_lists(self) -> tuple[Array, ...]:
+        """Return the lists of items, with as much room for each lane."""
+        most = zip(*map(self.most_items, self.program.searches), strict=True)
+        sizes = [(ITEM_ROWS, LANES * max(numbers) + MOST_LANES) for numbers in most]
+        names = ("valleys", "roots", "unresolved")
+        lists = tuple(Array(name, "float64", size) for name, size in zip(names, sizes, strict=True))
+        if not any(search.divided for search in self.program.searches):
+            return lists[:2]
+        return *lists, Array("fine_marks", "int8", (cells.FINE_SAMPLES, LANES))
+
+    # -- names of values ---------------------------------------------------------------------------
+
+    def copy_for(self, name: str, suffix: str) -> str:
+        """Return the name of a value, of one branch's copy where there are copies."""
+        return name + self.suffix_for(name, suffix)
+
+    def suffix_for(self, name: str, suffix: str) -> str:
+        """Return the ending of the names of one branch's copies, where a value has such."""
+        return suffix if "branch" in self.program.axes[name] else ""
+
+    def scaled(self, search: ExtremumSearch, suffix: str = "") -> str:
+        """Return the derivative times the power of sin mu that keeps it finite and not zero at a toggle.
+
+        That of a magnitude is half the derivative of the square, which has no kink where the vector is almost zero;
+        that of a quotient is multiplied by what it is divided by, so that no pole hides between two samples. Both are 0
+        where that is exactly 0, and the derivative no number.
+        """
+        bounded = self.copy_for(self.program.graded.bounded_factor, suffix)
+        factors = [self.copy_for(search.slope, suffix), *[bounded] * search.slope_order]
+        divisors = [self.copy_for(divisor, suffix) for divisor in search.divisors]
+        factors += divisors
+        if search.magnitude:
+            value = self.copy_for(search.quantity, suffix)
+            # the sign is the same without this factor, where it would overflow or underflow
+            factors.append(f"({value} if ({value} > 1e-100) & ({value} < 1e100) else 1.0)")
+            factors += [bounded] * search.order
+            divisors = [value]
+        product = " * ".join(factors)
+        return f"(0.0 if {divisors[0]} == 0.0 else {product})" if divisors else product
+
+    # -- branches and halves of the range ----------------------------------------------------------
+
+    @property
+    def halves(self) -> int:
+        """Number of halves of the range that are searched: branches and sides of the ground line."""
+        return len(self.program.searched_branches) * self.program.sides
+
+    def half_beyond(self, half: int) -> int:
+        """Return the half that continues a half beyond the ground line."""
+        sides = self.program.sides
+        if self.program.mirrored:
+            return 1 - half
+        return half // sides * sides + (1 - half % sides) % sides
+
+    def sign_of(self, search: ExtremumSearch, half: int) -> int:
+        """Return the sign with which a function is searched in a half: the mirror continues the first one."""
+        return search.slope_parity if self.program.mirrored and half == 0 else 1
+
+    def continued(self, search: ExtremumSearch) -> int:
+        """Return the sign with which the half beyond the ends of a half continues the function."""
+        return search.slope_parity if self.program.mirrored else 1
+
+    def sample_row(self, search: int, half: int) -> int:
+        """Return the first row of a search's samples in one half of the range; the positions stand before them."""
+        return 2 * (self.cells + 1) + 4 + (search * self.halves + half) * self.samples
+
+    def own_column(self, branch: int) -> int:
+        """Return the number of a searched branch among the results, -1 where it is not."""
+        return self.program.branches.index(branch) if branch in self.program.branches else -1
+
+    def mirror_column(self, branch: int) -> int:
+        """Return the number among the results of a searched branch's mirror, -1 where it has none there."""
+        others = (k for k, other in enumerate(self.program.branches) if other != branch)
+        return next(others, -1) if self.program.mirrored else -1
+
+
+# -- The parts of a kernel of a search that evaluate at places: the sampled function, the quantity,
+#    derivatives by inputs
+
+# Derivatives by inputs are evaluated once all extremes of a quantity are known, where the greatest and the
+# least value are: at one input position, or at limits of motion at a place that moves with them, see
+# `fastlink.codegen.runtime.results`.
+
+
+#: The functions that evaluate derivatives by inputs: at one input position, and at limits of motion.
+FUNCTIONS = ("gradient", "limit")
+
+
+class PlacesWriter(ExtremaSchedule):
+    """One kernel while it is written: where it evaluates at places."""
+
+    def __init__(self, program: ExtremaProgram) -> None:
+        super().__init__(program)
+        self.text = Text()
+
+    def write_position(self, position: str, upper: str) -> None:
+        """Write the distances of a position from the near and the far end, over the width."""
+        near, far, _ = self.program.graded.coordinates
+        self.text.add(f"square = {position} * {position}")
+        self.text.add("rest = 1.0 / (1.0 + square)")
+        self.text.add(f"{near} = rest if {upper} else square * rest")
+        self.text.add(f"{far} = square * rest if {upper} else rest")
+
+    def paste(self, step: Fact, suffix: str = "") -> None:
+        """Append a fact, reading the copies of one branch."""
+        values = [self.copy_for(name, suffix) for name in step.depends_on]
+        paste_fact(step, values, self.suffix_for(step.name, suffix), self.text)
+
+    def write_evaluations(self, number: int, search: ExtremumSearch) -> None:
+        """Write functions of their own: the sampled function at the positions of items, and the quantity there."""
+        quantity = search.quantity
+        with self.evaluation(f"slope_{number}", "place", f"each step of the search of {quantity}"):
+            self.write_values(
+                self.slope_names(search), {cells.F: self.scaled(search)}, self.item_needs(search)
+            )
+        if search.splits:
+            return
+        with self.evaluation(f"value_{number}", "extreme", f"once, of {quantity}"):
+            stores, names = {cells.VALUE: quantity}, [quantity, *self.places_wanted]
+            # any number will do where places are not wanted: an arc tangent is half of a function such as omega4
+            stores[cells.THETA] = stores[cells.IMAGE] = "0.0"
+            for position in self.places_wanted:
+                stores[cells.THETA] = position
+                if self.program.mirrored:
+                    self.text.use("codegen.runtime.results", "mirror_image")
+                    stores[cells.IMAGE] = f"mirror_image({position}, {2.0 * self.program.graded.axis})"
+            if search.bounded_by:
+                names += search.bounded_by
+                bound, slope_bound, bend, slope = search.bounded_by
+                stores |= {cells.BOUND: bound, cells.SLOPE_BOUND: slope_bound}
+                stores |= {cells.BEND: f"abs({bend})", cells.SLOPE: f"abs({slope})"}
+            self.write_values(names, stores, self.item_needs(search))
+        self.write_gradient_functions(number, search)
+
+    @contextmanager
+    def evaluation(self, name: str, per: str, times: str) -> Iterator[None]:
+        """Append the head of a function of the state, and its loop over the vectors of items."""
+        text = self.text
+        text.add("@outlined")
+        with text.block(f"def {name}(state, vectors, n_vectors):"), text.block("for v in range(n_vectors):"):
+            text.add("at = vectors[v]")
+            with text.block(f"for i in lanes({MOST_LANES}):", per, times):
+                yield
+        text.lines += ["", ""]
+
+    def write_values(self, names: Sequence[str], stores: Mapping[int, str], carried: Sequence[str]) -> None:
+        """Write values at the positions of items, which carry values of the design, and their stores in the state."""
+        text = self.text
+        text.add(f"upper = state[{cells.UPPER}, at + i] > 0.0")
+        self.write_position(f"state[{cells.X}, at + i]", "upper")
+        self.write_half(f"state[{cells.HALF}, at + i]")
+        steps = self.needed_for(names)
+        own = [name for name in names if self.program.axes[name] <= {"design"}]
+        for name in dict.fromkeys([*self.design_needs(steps), *own]):
+            text.add(f"{name} = state[{STATE_ROWS + carried.index(name)}, at + i]")
+        for step in steps:
+            self.paste(step)
+        for row, value in stores.items():
+            text.add(f"state[{row}, at + i] = {value}")
+
+    def write_half(self, half: str) -> None:
+        """Write branch and side of a half: halves are numbered branch by branch, both sides of each."""
+        side, (first, *others) = self.program.graded.coordinates[2], self.program.searched_branches
+        sides = self.program.sides
+        above = f"1.0 if ({half} == 0.0) | ({half} == 2.0) else -1.0"
+        self.text.add(f"{side} = {above if sides == 2 else '1.0'}")
+        former = f"{first}.0 if {half} <= {sides - 1.0} else " if others else ""
+        self.text.add(f"branch = {former}{[first, *others][-1]}.0")
+
+    def write_gradients(self, number: int) -> None:
+        """Write the derivatives at the greatest and least values of a search, as far as they are requested."""
+        text, search = self.text, self.program.searches[number]
+        own = [o for o in self.program.outputs if o.request.quantity == search.quantity and not search.onto]
+        own = [output for output in own if output.request.is_of_gradient]
+        if not own:
+            return
+        asked = [int(sign in self.gradient_signs) for sign in (1, -1)]
+        text.add(f"asked_{number} = array({[*asked, int(search.magnitude), int(search.folds)]})")
+        columns = len(self.program.branches) * LANES
+        text.add(f"columns_{number} = array({[number * columns, (number + 1) * columns]})")
+        judged = f"winners, w, n_here, table, search_{number}, asked_{number}"
+        text.call(results.judge_winners, judged, "n_moving")
+        signs = sorted({_sign(output) for output in own if output.inputs})
+        calls = {sign: self.gradient_arguments(number, sign) for sign in signs}
+        for arguments in calls.values():
+            text.add(f"gradient_{number}({arguments})")
+        if any(gradient.moving for gradient in search.gradients):
+            with text.block("if n_moving > 0:"):
+                self.write_late(search)
+                for arguments in calls.values():
+                    text.add(f"limit_{number}({arguments})")
+        if search.folds or any(o.jumps and o.onto == search.quantity for o in self.program.searches):
+            values = sum(not gradient.is_position for gradient in search.gradients)
+            for sign in signs:
+                row, base = results.WINNER_ROWS * (sign < 0), self.gradient_base(sign)
+                text.call(
+                    results.settle_jumps, f"winners, {row}, columns_{number}, gradients, {base}, {values}"
+                )
+
+    @property
+    def gradient_signs(self) -> set[int]:
+        """The signs of the extremes whose derivatives or status are requested."""
+        return {_sign(output) for output in self.program.outputs if output.request.is_of_gradient}
+
+    def gradient_arguments(self, number: int, sign: int) -> str:
+        """Return what a function of derivatives is called with: arrays, first rows and columns, the width."""
+        row, base = results.WINNER_ROWS * (sign < 0), self.gradient_base(sign)
+        return f"w, winners, gradients, {row}, {base}, columns_{number}, width"
+
+    def write_late(self, search: ExtremumSearch) -> None:
+        """Write the design values that only derivatives along with limits of motion need."""
+        text = self.text
+        late = [name for name in self.gradient_needs(search, moving=True) if name in self.late]
+        early = self.rows.keys() - self.late
+        steps, needed = [], set(late)
+        for step in reversed(self.design_steps):
+            if needed.intersection(step.names) - early:
+                steps.append(step)
+                needed.update(step.depends_on)
+        with text.block("for i in lanes(width):", "design", f"for {search.quantity} at limits of motion"):
+            read = {name for step in steps for name in step.depends_on}
+            for k, name in enumerate(self.program.inputs):
+                if name in read | set(late) and name not in early:
+                    text.add(f"{name} = designs[{k}, i0 + i]")
+            for name in sorted(read & early):
+                text.add(f"{name} = w[{self.row(name)}, i]")
+            for step in reversed(steps):
+                paste_fact(step, step.depends_on, "", text)
+            for name in late:
+                text.add(f"w[{self.row(name)}, i] = {name}")
+
+    def write_gradient_functions(self, number: int, search: ExtremumSearch) -> None:
+        """Write the functions of their own that evaluate derivatives, lanes being designs."""
+        for at_limit, function in enumerate(FUNCTIONS):
+            if search.gradients and (not at_limit or any(one.moving for one in search.gradients)):
+                self.write_gradient_function(f"{function}_{number}", search, at_limit > 0)
+
+    def write_gradient_function(self, name: str, search: ExtremumSearch, at_limit: bool) -> None:
+        """Write the function that evaluates derivatives at one input position, or along with limits of motion."""
+        text, wanted = self.text, results.ALONG if at_limit else results.HELD
+        needs = self.gradient_needs(search, moving=at_limit)
+        times = f"for derivatives of {search.quantity}" + (" at limits of motion" if at_limit else "")
+        text.add("@outlined")
+        with (
+            text.block(f"def {name}(w, winners, gradients, row__0, base__0, columns__of, width):"),
+            text.block(f"for column__0 in range(columns__of[0], columns__of[1], {LANES}):"),
+            text.block("for i in lanes(width):", "extreme", times),
+        ):
+            text.add(f"x__of = winners[row__0 + {results.AT_X}, column__0 + i]")
+            text.add(f"upper = winners[row__0 + {results.IN_UPPER}, column__0 + i] > 0.0")
+            self.write_position("x__of", "upper")
+            text.add(f"half__of = winners[row__0 + {results.IN_HALF}, column__0 + i]")
+            self.write_half("half__of")
+            for need in needs:
+                text.add(f"{need} = w[{self.row(need)}, i]")
+            for step in self.needed_for(self.gradient_names(search, moving=at_limit)):
+                self.paste(step)
+            text.add(f"mirrored__of = winners[row__0 + {results.MIRRORED}, column__0 + i] > 0.0")
+            text.add(f"counts__of = winners[row__0 + {results.WHERE}, column__0 + i] == {wanted}")
+            for k, gradient in enumerate(search.gradients):
+                target = f"gradients[base__0 + {k}, column__0 + i]"
+                text.add(f"slope__{k} = {_text(gradient, at_limit)}")
+                if gradient.is_position or search.parity < 0:
+                    text.add(f"slope__{k} = -slope__{k} if mirrored__of else slope__{k}")
+                otherwise = target if at_limit else "nan"
+                text.add(f"{target} = slope__{k} if counts__of else {otherwise}")
+        text.lines += ["", ""]
+
+    def write_gradient_result(self, output: Output, number: int) -> None:
+        """Write the copy of a derivative of extremes, of their status, or of a change by tolerances."""
+        request, search = output.request, self.program.searches[number]
+        target, first = f"out_{output.name}, i0, n_here", number * len(self.program.branches) * LANES
+        if request.is_status:
+            row = results.WINNER_ROWS * (_sign(output) < 0) + results.CODE
+            self.text.call(results.store_status, f"{target}, {first}, winners, {row}")
+            return
+        kinds = [(one.by, one.is_position) for one in search.gradients]
+        base = self.gradient_base(_sign(output))
+        rows = [base + kinds.index((by, request.is_position)) for by in output.inputs]
+        if not request.change:
+            self.text.call(results.store_gradient, f"{target}, {first}, gradients, {rows[0]}")
+            return
+        table, tolerances = f"{output.name}__terms", [self.row(term.tolerance) for term in output.terms]
+        self.text.add(
+            f"{table} = array({[first, int(request.change == 'rss'), len(rows), *rows, *tolerances]})"
+        )
+        self.text.call(results.store_change, f"{target}, gradients, w, {table}")
+
+
+def _text(gradient: Gradient, at_limit: bool) -> str:
+    """Return the kernel text of a derivative."""
+    if at_limit:
+        return gradient.moving or "0.0"
+    if not gradient.held:
+        return "0.0"
+    return f"-({' / '.join(gradient.held)})" if gradient.is_position else gradient.held[0]
+
+
+def _sign(output: Output) -> int:
+    """Return 1 for greatest values, -1 for least ones, 0 for a list."""
+    reduction = output.request.reduction
+    return reduction.sign if reduction is not None else 0
+
+
+# -- The parts of a kernel of a search that look beside folds and toggles, where slopes may be rounding
+
+
+class FoldsWriter(PlacesWriter):
+    """One kernel while it is written: beside folds."""
+
+    @property
+    def flagged(self) -> bool:
+        """Whether lists of extremes have error bounds, which tell where a list is undecided."""
+        return bool(self.kept) and self.program.has_bounds
+
+    def write_value(self, number: int) -> None:
+        """Write the quantity's evaluation at items of a search."""
+        self.text.call(cells.every_vector, "vectors, filled", "n_open")
+        self.text.add(f"value_{number}(state, vectors, n_open)")
+
+    def write_splits(self, number: int) -> None:
+        """Write the function on both sides of the places at which its cells are split."""
+        text, last = self.text, f"int(splits[{beside.NEXT}, 0])"
+        with text.block(f"for start in range({LANES}, {last}, {LANES}):"):
+            text.call(cells.gather, f"splits, start, {last}, w, rows_{number}, state", "filled")
+            text.call(cells.every_vector, "vectors, filled", "n_open")
+            with text.block("for k in range(2):"):
+                text.call(beside.place_split, "state, filled, k")
+                text.add(f"slope_{number}(state, vectors, n_open)")
+                text.call(beside.keep_slopes, f"state, filled, k, splits, start, split_by_{number}")
+
+    def write_toggles(self, number: int, part: str) -> None:
+        """Write the function beside toggles at which it vanishes, whose sign counts there."""
+        text = self.text
+        text.call(beside.collect_toggles, f"w, table, {part}, samples, n_here, ends", "n_ends")
+        with text.block(f"for start in range(0, n_ends, {LANES}):"):
+            text.call(cells.gather, f"ends, start, n_ends, w, rows_{number}, state", "filled")
+            text.call(cells.every_vector, "vectors, filled", "n_open")
+            text.call(beside.place_ends, f"state, filled, {beside.AWAY}")
+            text.add(f"slope_{number}(state, vectors, n_open)")
+            text.call(beside.settle_toggles, "state, filled, samples")
+
+    def looks_away(self, number: int) -> bool:
+        """Whether the sampled function's signs beside toggles stand for those at toggles."""
+        search = self.program.searches[number]
+        return (search.divided or not search.parity) and search.order == 0
+
+    def bounds_hidden(self, number: int) -> bool:
+        """Whether what is then not looked for is in error bounds."""
+        return bool(self.program.searches[number].bounded_by) and self.looks_away(number)
+
+    def write_hidden(self, number: int) -> None:
+        """Write which ends of the range have an extreme beside them that is not looked for."""
+        text = self.text
+        text.call(cells.every_vector, "vectors, filled", "n_open")
+        text.call(beside.place_near, "state, filled, w, table, 1.0")
+        text.add(f"slope_{number}(state, vectors, n_open)")
+        text.call(beside.keep_near, "state, filled")
+        text.call(beside.place_near, f"state, filled, w, table, {beside.AWAY}")
+        text.add(f"slope_{number}(state, vectors, n_open)")
+        text.call(beside.count_turned, "state, filled, w, table", "n_turned")
+        with text.block("if n_turned > 0:"):
+            text.call(beside.place_near, f"state, filled, w, table, {beside.BEYOND * beside.AWAY}")
+            self.write_value(number)
+            text.call(beside.keep_away, "state, filled")
+            text.call(beside.place_near, "state, filled, w, table, 1.0")
+            self.write_value(number)
+            text.call(beside.keep_turned, "state, filled")
+
+    def write_octaves(self, number: int, part: str) -> None:
+        """Write the samples of cells next to a fold, where the function is small or far greater between."""
+        text, search = self.text, self.program.searches[number]
+        text.call(beside.collect_folds, f"w, table, {part}, samples, n_here, ends", "n_ends")
+        with text.block(f"for start in range(0, n_ends, {LANES}):"):
+            text.call(cells.gather, f"ends, start, n_ends, w, rows_{number}, state", "filled")
+            text.call(cells.every_vector, "vectors, filled", "n_open")
+            text.call(beside.begin_octaves, "state, filled")
+            with text.block(f"for k in range({beside.FEW}):"):
+                text.call(
+                    beside.place_octave, f"state, filled, {beside.COARSE} * k + {beside.COARSE // 2}, 0"
+                )
+                text.add(f"slope_{number}(state, vectors, n_open)")
+                text.call(beside.weigh_octave, "state, filled")
+            with text.block(f"for trial in range({beside.TRIALS + 1}):"):
+                text.call(beside.to_sample, "state, filled, trial, octaves", "n_octaves")
+                with text.block("for k in range(n_octaves):"):
+                    text.call(beside.place_octave, "state, filled, k, trial")
+                    text.add(f"slope_{number}(state, vectors, n_open)")
+                    text.call(beside.keep_octave, "state, filled, k, trial, octaves")
+            text.call(beside.collect_octaves, "state, filled, octaves, counts, roots, splits")
+            text.call(beside.replace_cells, "state, filled, marks")
+            # by its symmetry the slope of one with a parity is 0 at the fold: it falls, and hides nothing
+            if self.flagged and search.bounded_by and not (search.onto or search.parity):
+                self.write_certainty(number)
+
+    def write_certainty(self, number: int) -> None:
+        """Write how far towards the fold the slope is certain, and that the lists of those that fall are marked."""
+        text = self.text
+        text.call(undecided.begin_certain, "state, filled")
+        with text.block(f"for k in range({beside.OCTAVES}):"):
+            text.call(beside.place_octave, "state, filled, k, 0")
+            self.write_value(number)
+            text.call(undecided.keep_certain, "state, filled")
+        text.call(undecided.note_hidden, f"state, filled, table, search_{number}, best")
+
+    def write_noise(self, number: int) -> None:
+        """Write the quantity's evaluation beside items that are next to a fold."""
+        text = self.text
+        text.call(undecided.count_folded, "state, filled, w, table", "n_near")
+        with text.block("if n_near > 0:"):
+            text.call(cells.every_vector, "vectors, filled", "n_open")
+            with text.block(f"for k in range({undecided.SLOPES}):"):
+                text.call(undecided.place_slope, "state, filled, k")
+                text.add(f"slope_{number}(state, vectors, n_open)")
+                text.call(undecided.keep_slope, "state, filled, k")
+            text.call(undecided.settle_slopes, "state, filled")
+            with text.block(f"for trial in range({undecided.TRIALS}):"):
+                text.call(undecided.place_beside_fold, "state, filled, trial")
+                self.write_value(number)
+                text.call(undecided.keep_beside_fold, "state, filled")
+
+    def write_thinning(self) -> None:
+        """Write that lists of extremes leave out what is rounding."""
+        columns = len(self.program.branches) * LANES
+        for number, search in enumerate(self.program.searches):
+            if not search.onto:
+                first = number * columns
+                self.text.call(
+                    undecided.thin, f"lists, best, {first}, {first + columns}, {self.room(search)}"
+                )
+
+    def write_flags(self) -> None:
+        """Write that lists that doubles do not decide tell so by their bounds."""
+        columns = len(self.program.branches) * LANES
+        for number, search in enumerate(self.program.searches):
+            if not search.onto:
+                first = number * columns
+                self.text.call(
+                    undecided.flag_undecided, f"lists, best, {first}, {first + columns}, {self.room(search)}"
+                )
+
+
+# -- The text of a kernel that finds every extremum of some quantities, to rounding
+
+# For a block of designs: samples of the derivatives on the graded range (lanes are designs), the cells that
+# hold a zero, their refinement (lanes are cells), and the quantities there. See
+# `fastlink.codegen.runtime.cells`.
+
+
+# Bisection alone halves a cell to nothing in half as many; values that are no numbers must not go on for ever.
+MOST_STEPS = 200
+
+
+class _ExtremaWriter(FoldsWriter):
+    """One kernel while it is written."""
+
+    def write(self) -> Source:
+        """Return the kernel."""
+        text, searches = self.text, self.program.searches
+        text.use("numerics.compiler", "lanes", "outlined")
+        self.write_tables()
+        with text.blocks_of_designs():
+            self.write_designs()
+            self.write_samples()
+            text.call(results.clear, f"lists, best, {self.kept}")
+            if self.program.has_gradients:
+                text.call(results.forget_winners, "winners, gradients")
+            text.add(f"counts[{cells.DESIGNS}] = n_here")
+            text.call(beside.forget_splits, "splits")
+            for number in sorted(range(len(searches)), key=lambda k: not searches[k].splits):
+                self.write_search(number)
+            for search in filter(self.needs_ends, searches):
+                self.write_ends(searches.index(search))
+            if self.kept:
+                self.write_thinning()
+            for row in self.doubts:
+                text.call(results.doubt, f"w, {row}, n_here, lists, best")
+            if self.flagged:
+                self.write_flags()
+            for number in range(len(searches)):
+                self.write_gradients(number)
+            for output in self.program.outputs:
+                self.write_result(output)
+        kernel, text.lines = text.lines, text.functions
+        for number, search in enumerate(searches):
+            self.write_evaluations(number, search)
+        text.lines = kernel
+        return text.source(self.program, self.scratch())
+
+    def write_tables(self) -> None:
+        """Write the tables of whole numbers that tell the searches, branches and halves apart, see `runtime.cells`."""
+        program, searched = self.program, self.program.searched_branches
+        _, start, toggle = map(self.row, program.graded.ends[0])
+        none = [-1] * (2 - len(searched))
+        own, mirror = ([*map(column, searched), *none] for column in (self.own_column, self.mirror_column))
+        sizes = [start, toggle, program.sides, self.halves, len(program.branches)]
+        tables = {"table": [*sizes, *own, *mirror]}
+        for k, search in enumerate(program.searches):
+            flags = [int(search.at_limit), int(search.jumps) - int(search.piece)]
+            about = [k, self.number_of(search.quantity), search.order, search.parity]
+            tables[f"search_{k}"] = [*about, *flags, self.room(search), *self.most_items(search)]
+            if numbers := self.split_by(search):
+                tables[f"split_by_{k}"] = numbers
+            tables[f"rows_{k}"] = [self.row(name) for name in self.item_needs(search)] or [0]
+            for half in range(self.halves):
+                first, beyond = self.sample_row(k, half), self.sample_row(k, self.half_beyond(half))
+                sign, along = self.sign_of(search, half), self.continued(search)
+                tables[f"part_{k}_{half}"] = [first, beyond, half, sign, self.cells, along]
+        if self.program.has_gradients:
+            tables["signs"] = [int(sign in self.gradient_signs) for sign in (1, -1)]
+        self.reserve_for_gradients()
+        for name, numbers in tables.items():
+            self.text.add(f"{name} = array({numbers})")
+
+    def write_designs(self) -> None:
+        """Write the values that depend on the design alone."""
+        text = self.text
+        with text.block("for i in lanes(width):", "design"):
+            for k, name in enumerate(self.program.inputs):
+                text.add(f"{name} = designs[{k}, i0 + i]")
+            early = [name for name in self.rows if name not in self.late]
+            for step in needed_steps(self.design_steps, early):
+                paste_fact(step, step.depends_on, "", text)
+            for name in early:
+                text.add(f"w[{self.row(name)}, i] = {name}")
+
+    def write_samples(self) -> None:
+        """Write the derivatives at all samples of the graded range, on both sides: both branches side by side."""
+        text, sides = self.text, self.program.sides
+        scale, start, _ = map(self.row, self.program.graded.ends[0])
+        text.call(cells.place_samples, f"w, samples, {scale}, {start}, {self.cells}, width")
+        often = f"{self.samples} samples of the graded range" + (f", on {sides} sides" if sides > 1 else "")
+        lanes = "for i in lanes(width):", "design and sample", often
+        # a row of the nearer end's distance, then one of the farther end's, where positions are no longer placed
+        near = 2 * (self.cells + 1)
+        with text.block(f"for j in range({self.samples}):"):
+            text.add(f"from_upper = j > {self.cells}")
+            text.add(f"position = {3 * self.cells + 1} - j if from_upper else j")
+            text.add(f"low__row = {near + 1} if from_upper else {near}")
+            text.add(f"high__row = {near} if from_upper else {near + 1}")
+            text.add("j1 = max(j - 1, 0)")
+            text.add("j2 = max(j - 2, 0)")
+            # Three loops: what waits for the divisions and roots of one is as long as the processor looks ahead.
+            with text.block(*lanes):
+                text.add("square = samples[position, i] * samples[position, i]")
+                text.add("rest = 1.0 / (1.0 + square)")
+                text.add(f"samples[{near}, i] = square * rest")
+                text.add(f"samples[{near + 1}, i] = rest")
+            with text.block(f"for turn in range({sides}):"):
+                with text.block(*lanes):
+                    self.write_sample()
+                with text.block(*lanes):
+                    self.write_marks()
+
+    def write_sample(self) -> None:
+        """Write the derivatives at one sample."""
+        text, program = self.text, self.program
+        steps = self.needed_for(self.slope_names(*program.searches))
+        for name, row in zip(program.graded.coordinates, ("low__row", "high__row"), strict=False):
+            text.add(f"{name} = samples[{row}, i]")
+        side = "1.0 if turn == 0 else -1.0" if program.sides > 1 else "1.0"
+        text.add(f"{program.graded.coordinates[2]} = {side}")
+        for name in self.design_needs(steps):
+            text.add(f"{name} = w[{self.row(name)}, i]")
+        for step in (s for s in steps if "branch" not in program.axes[s.name]):
+            self.paste(step)
+        for branch in program.searched_branches:
+            text.add(f"branch__{branch} = {branch}.0")
+            for step in (s for s in steps if "branch" in program.axes[s.name]):
+                self.paste(step, f"__{branch}")
+        for number, search in enumerate(program.searches):
+            values = [f"f_{number}__{branch}" for branch in program.searched_branches]
+            for value, branch in zip(values, program.searched_branches, strict=True):
+                text.add(f"{value} = {self.scaled(search, f'__{branch}')}")
+            if program.mirrored:
+                text.call(cells.silenced, ", ".join(values), ", ".join(values))
+            for k, value in enumerate(values):
+                text.add(f"{self.sample(number, k, 'j')} = {value}")
+
+    def sample(self, number: int, k: int, j: str) -> str:
+        """Return the entry of a sample of a function in one branch."""
+        return f"samples[{self.sample_row(number, k * self.program.sides)} + turn * {self.samples} + {j}, i]"
+
+    def write_marks(self) -> None:
+        """Mark the samples before those at hand, of all functions in all branches."""
+        self.text.use("codegen.runtime.cells", "mark")
+        for number, search in enumerate(self.program.searches):
+            for k in range(len(self.program.searched_branches)):
+                before, here, now = (self.sample(number, k, j) for j in ("j2", "j1", "j"))
+                mark = f"mark({before}, {here}, {now}, {self.sign_of(search, k)}.0)"
+                self.text.add(f"{self.sample(number, k, 'j1').replace('samples', 'marks')} = {mark}")
+
+    def write_search(self, number: int) -> None:
+        """Write the search for the cells that hold a zero of one function, their refinement, and the extrema there."""
+        text, search = self.text, self.program.searches[number]
+        text.call(cells.nothing_yet, f"counts, search_{number}")
+        parts, split = self.parts_of(number), bool(self.split_by(search))
+        for part in self.parts_that_may_rest(number):
+            text.call(undecided.silence_rest, f"w, table, samples, marks, {part}, n_here")
+        if self.looks_away(number):
+            self.write_toggles(number, parts[0])
+        if split:
+            self.write_splits(number)
+        elif self.n_splits:
+            text.call(beside.forget_slopes, "splits")
+        for part in parts:
+            text.call(cells.mark_ends, f"w, table, samples, marks, {part}, width")
+            if split:
+                text.call(beside.mark_splits, f"samples, marks, {part}, splits")
+            if search.divided:
+                text.call(subdivision.mark_unresolved, f"samples, marks, {part}, width")
+        if search.divided or not search.parity:  # else its extremes are counted: none hides
+            self.write_octaves(number, parts[0])
+        for part in parts:
+            if search.divided:
+                arguments = f"samples, marks, {part}, counts, unresolved, splits"
+                text.call(subdivision.collect_unresolved, arguments)
+                if split:
+                    text.call(beside.collect_jumps, f"{part}, splits, counts, roots")
+            text.call(cells.collect, f"samples, marks, {part}, counts, roots, valleys")
+        if search.divided:
+            self.write_division(number)
+        for items, count in (("valleys", cells.VALLEYS), ("roots", cells.ROOTS)):
+            with text.block(f"for start in range(0, counts[{count}], {LANES}):"):
+                text.call(cells.gather, f"{items}, start, counts[{count}], w, rows_{number}, state", "filled")
+                if items == "valleys":
+                    text.call(cells.begin_valleys, "state, filled, vectors", "n_open")
+                    self.write_steps(number, cells.advance_valleys)
+                    text.call(cells.split, "state, filled, counts, roots")
+                else:
+                    text.call(cells.begin_roots, "state, filled, vectors, flags", "n_open")
+                    self.write_steps(number, cells.advance_roots)
+                    if search.splits:
+                        arguments = f"state, filled, samples, {parts[0]}, splits, {number}"
+                        text.call(beside.keep_splits, arguments)
+                    else:
+                        self.write_extrema(number, results.extrema_at_zeros, "state, filled, table")
+
+    def write_division(self, number: int) -> None:
+        """Write the division of unresolved cells, and of their parts that are still unresolved."""
+        text = self.text
+        text.add("divided = 0")
+        with text.block(f"while divided < counts[{cells.UNRESOLVED}]:"):
+            items = f"unresolved, divided, counts[{cells.UNRESOLVED}]"
+            text.call(cells.gather, f"{items}, w, rows_{number}, state", "filled")
+            text.call(cells.every_vector, "vectors, filled", "n_open")
+            with text.block(f"for k in range({cells.FINE_SAMPLES}):"):
+                text.call(subdivision.place_fine, "state, filled, k")
+                text.add(f"slope_{number}(state, vectors, n_open)")
+                text.call(subdivision.keep_fine, "state, filled, k")
+            text.call(subdivision.mark_fine, "state, filled, fine_marks")
+            text.call(subdivision.divide, "state, filled, fine_marks, counts, unresolved")
+            text.call(subdivision.collect_fine, "state, filled, fine_marks, counts, roots, valleys")
+            text.add("divided = divided + filled")
+
+    def write_steps(self, number: int, advance: Callable[..., Any]) -> None:
+        """Write the steps of a refinement."""
+        with self.text.block(f"for step in range({MOST_STEPS}):"):
+            self.text.add("if n_open == 0: break")
+            self.text.add(f"slope_{number}(state, vectors, n_open)")
+            self.text.call(advance, "state, vectors, n_open, flags", "n_open")
+
+    def write_extrema(self, number: int, classify: Callable[..., Any], state: str) -> None:
+        """Write the quantity's evaluation at items of a search, what is extreme there, and its storing."""
+        text, search = self.text, self.program.searches[number]
+        listed = bool(self.kept) and classify is results.extrema_at_zeros
+        if listed:
+            self.write_noise(number)
+        self.write_value(number)
+        if listed:
+            text.call(undecided.settle_noise, "state, filled")
+        if classify is beside.end_values and search.at_limit:
+            text.call(beside.place_lost, f"state, filled, w, table, {beside.FARTHER}", "n_lost")
+            with text.block("if n_lost > 0:"):
+                self.write_value(number)
+        text.call(classify, f"{state}, search_{number}")
+        if classify is results.extrema_at_zeros:
+            text.call(results.drop_folds, f"state, filled, w, table, search_{number}")
+        if self.program.has_bounds and classify is results.extrema_at_zeros:
+            text.call(results.bound_zeros, f"state, filled, search_{number}, {int(search.magnitude)}")
+            if listed and not search.onto:
+                text.call(undecided.note_uncertain, f"state, filled, w, table, search_{number}, best")
+        elif self.program.has_bounds:
+            text.call(results.bound_ends, "state, filled, w, table")
+            if self.bounds_hidden(number):
+                text.call(beside.bound_hidden, "state, filled")
+        if self.program.has_gradients:
+            arguments = f"state, filled, table, search_{number}, winners, signs"
+            text.call(results.note_winners, arguments)
+            if search.kinked and classify is results.extrema_at_zeros:
+                text.call(results.note_kinks, arguments)
+        text.call(results.store_extrema, f"state, filled, table, search_{number}, lists, best")
+
+    def write_ends(self, number: int) -> None:
+        """Write the values at the ends of the range, where these may be extreme."""
+        text, search = self.text, self.program.searches[number]
+        text.call(beside.collect_ends, f"w, n_here, table, search_{number}, best, ends", "n_ends")
+        for part in self.parts_that_may_rest(number):
+            text.call(undecided.collect_rest, f"samples, {part}, n_here, ends, n_ends", "n_ends")
+        with text.block(f"for start in range(0, n_ends, {LANES}):"):
+            text.call(cells.gather, f"ends, start, n_ends, w, rows_{number}, state", "filled")
+            if search.order > 0:
+                text.call(beside.tries, "state, filled, w, table", "n_tries")
+                with text.block("for k in range(n_tries):"):
+                    text.call(beside.place_beside, "state, filled, k")
+                    self.write_value(number)
+                    text.call(beside.keep_beside, "state, filled, w, table, k")
+            if self.bounds_hidden(number):
+                self.write_hidden(number)
+            text.call(beside.place_ends, "state, filled, 1.0")
+            self.write_extrema(number, beside.end_values, "state, filled, w, table")
+
+    def write_result(self, output: Output) -> None:
+        """Write the copy of one result of a search."""
+        request = output.request
+        number = self.number_of(request.quantity)
+        base = number * len(self.program.branches) * LANES
+        target = f"out_{output.name}, i0, n_here, {base}"
+        if request.is_of_gradient:
+            self.write_gradient_result(output, number)
+        elif request.reduction is not None:
+            row = {1: results.GREATEST, -1: results.LEAST}[request.reduction.sign] + int(request.is_position)
+            store = results.store_bound if request.is_error else results.store_best
+            self.text.call(store, f"{target}, best, {row}")
+        elif request.listed == "count":
+            self.text.call(results.store_counts, f"{target}, best")
+        else:
+            row = results.LIST_ROW_OF[request.listed]
+            self.text.call(results.store_list, f"{target}, lists, {row}")
+
+
+def write_extrema(program: ExtremaProgram) -> Source:
+    """Return the text of the kernel, and what it is called with."""
+    return _ExtremaWriter(program).write()

@@ -1,0 +1,613 @@
+"""Ends of the range: where a quantity may be extreme though its slope is not 0, and where it grows without bound.
+
+At a toggle a quantity has a limit or grows by its order. At a fold, where all bars of a change point are in line, it is
+a sum of powers of the distance x: it may have a pole there whose factor is as small as masses and loads are, so that
+nothing shows it but positions far closer. Arrays are as in `results`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastlink.codegen.runtime.cells import (
+    AT_LIMIT,
+    BOUND,
+    BRANCHES,
+    CELLS,
+    F1,
+    F2,
+    FA,
+    FB,
+    FC,
+    FIRST,
+    HALF,
+    HALVES,
+    ITEM_ROWS,
+    KIND,
+    LANE,
+    LANES,
+    NUMBER,
+    OPEN,
+    ORDER,
+    PART,
+    ROOT,
+    ROOTS,
+    SLOPE,
+    SLOPE_BOUND,
+    START,
+    TOGGLE,
+    UNRESOLVED_CELL,
+    UPPER,
+    VALUE,
+    X1,
+    X2,
+    XA,
+    XB,
+    XC,
+    F,
+    X,
+    append_item,
+    append_of_lane,
+    padded,
+    position_of,
+    set_bracket,
+)
+from fastlink.codegen.runtime.results import GREATEST, is_certain
+from fastlink.numerics.compiler import inlined, lanes, merged, outlined
+from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER
+
+__all__ = [
+    "COARSE",
+    "FEW",
+    "MOST_SPLITS",
+    "NEXT",
+    "OCTAVES",
+    "PASSED",
+    "SPLIT_ROWS",
+    "TRIALS",
+    "begin_octaves",
+    "bound_hidden",
+    "collect_ends",
+    "collect_folds",
+    "collect_jumps",
+    "collect_octaves",
+    "collect_toggles",
+    "count_turned",
+    "end_values",
+    "forget_slopes",
+    "forget_splits",
+    "keep_away",
+    "keep_beside",
+    "keep_near",
+    "keep_octave",
+    "keep_slopes",
+    "keep_splits",
+    "keep_turned",
+    "mark_splits",
+    "next_split",
+    "place_beside",
+    "place_ends",
+    "place_lost",
+    "place_near",
+    "place_octave",
+    "place_split",
+    "replace_cells",
+    "settle_toggles",
+    "to_sample",
+    "tries",
+    "weigh_octave",
+]
+
+
+# The first sample stands at 2^-60 of the scale. How much farther from a toggle a quantity is evaluated too, how much
+# nearer to a fold, and how much greater it is there at least if it has a pole at the fold. At 2^-150 no power of an
+# angle that is needed underflows; rounding errors leave no pole.
+FARTHER, NEARER, GROWS = 2.0**30, 2.0**-90, 2.0**20
+# How little a quantity changes from there to a toggle if it is finite.
+STEADY = 2.0**-16
+
+
+@inlined
+def _is_fold(s: Any, i: Any, w: Any, table: Any) -> Any:
+    """Tell whether an item is the first sample beside a fold."""
+    upper, lane = int(s[UPPER, i]), int(s[LANE, i])
+    first = abs(w[table[START] + upper, lane])
+    return (w[table[TOGGLE] + upper, lane] == 0.0) & (first > 0.0) & (s[XA, i] == first)
+
+
+@outlined
+def tries(s: Any, count: int, w: Any, table: Any) -> int:
+    """Return at how many positions beside the ends quantities are evaluated: 2 where there is a fold, else 1."""
+    n = 1
+    for i in range(count):
+        n = 2 if _is_fold(s, i, w, table) else n
+    return n
+
+
+@outlined
+def place_beside(s: Any, count: int, k: int) -> None:
+    """Put items beside the ends of the range: farther from them at first, then nearer."""
+    times = FARTHER if k == 0 else NEARER
+    for i in lanes(padded(count)):
+        s[X, i] = times * s[XA, i]
+
+
+@outlined
+def keep_beside(s: Any, count: int, w: Any, table: Any, k: int) -> None:
+    """Keep the values of a quantity at positions beside the ends of the range; the nearer ones at folds alone."""
+    for i in range(count):
+        if k == 0 or _is_fold(s, i, w, table):
+            s[F, i] = s[VALUE, i]
+
+
+@outlined
+def place_ends(s: Any, count: int, times: float) -> None:
+    """Put items at the ends of the range at so many times their positions."""
+    for i in lanes(padded(count)):
+        s[X, i] = times * s[XA, i]
+
+
+@outlined
+def place_lost(s: Any, count: int, w: Any, table: Any, times: float) -> int:
+    """Put items that have no value at a fold itself beside it; return how many they are.
+
+    At so many times the first sample's position; the value there stands for the limit, whose error nothing bounds.
+    """
+    lost = 0
+    for i in range(count):
+        first = abs(w[table[START] + int(s[UPPER, i]), int(s[LANE, i])])
+        if s[VALUE, i] != s[VALUE, i] and s[X, i] == 0.0 and first > 0.0:
+            s[X, i] = times * first
+            lost = lost + 1
+    return lost
+
+
+@outlined
+def end_values(s: Any, count: int, w: Any, table: Any, search: Any) -> None:
+    """Make values at ends of the range infinite where they grow towards a toggle or fold; an end is of no kind.
+
+    At a toggle a quantity grows by its order, unless what grows has the factor 0, as the forces of links without mass:
+    then it is the same at both positions. At a fold forces grow as 1/x or more where all bars are in line.
+    """
+    for i in range(count):
+        s[KIND, i] = 0.0
+        value, beside = s[VALUE, i], s[F, i]
+        if search[ORDER] > 0 and value != 0.0:
+            if _is_fold(s, i, w, table):
+                s[VALUE, i] = beside * INFINITY if abs(beside) > GROWS * abs(value) else value
+            elif w[table[TOGGLE] + int(s[UPPER, i]), int(s[LANE, i])] > 0.0:
+                s[VALUE, i] = value if abs(value - beside) <= STEADY * abs(beside) else value * INFINITY
+
+
+@outlined
+def collect_ends(w: Any, count: int, table: Any, search: Any, best: Any, ends: Any) -> int:
+    """Make items of the ends of the range where they may be extreme: at toggles, and where there is no extremum.
+
+    An end counts where the first sample is; for a quantity with a value at the end itself, there, unless the position
+    of the first sample is negative: nothing has a value at the end itself then.
+    """
+    total = 0
+    for i in range(count):
+        empty = False
+        for branch in range(table[BRANCHES]):
+            column = (search[NUMBER] * table[BRANCHES] + branch) * LANES + i
+            empty = empty or best[GREATEST, column] == -INFINITY
+        for half in range(table[HALVES]):
+            for upper in range(2):
+                first = w[table[START] + upper, i]
+                if first != 0.0 or empty:
+                    x = 0.0 if search[AT_LIMIT] > 0 and first >= 0.0 else abs(first)
+                    set_bracket(ends, total, x, 0.0, x, 0.0)
+                    total = append_item(ends, total, i, half, upper == 1)
+    return total
+
+
+# -- Signs of the sampled function at toggles at which it vanishes
+
+# What is finite at a toggle may have a slope that is a small difference of great numbers there: within
+# 2^-26 of the scale its sign is nothing but rounding, and a wrong one at the last sample hides the extreme
+# that follows. The value at a little distance stands for that at the toggle. Where both signs are certain
+# there is an extreme between that is not looked for: it is in the error bounds of the greatest and least
+# values. Arrays are as in `sampling`.
+
+
+# The function at a toggle over that at the next sample, below which it vanishes there.
+SMALL = 2.0**-10
+# At 2^-22 of the scale, so many times the distance of the last sample, an error of the slope's terms of one rounding is
+# a thousandth of it; an extreme nearer than that is as great as the quantity at the toggle but for 2^-44 of its bend.
+AWAY = 2.0**38
+# A function at a toggle over that away from it, below which it may be rounding: at most 2^4 roundings of its terms. The
+# zero that a greater one shows is beyond 2^-28 of the scale.
+ROUNDED = 2.0**-6
+# An extreme within a distance is off by less than what the quantity changes within so many times that: one of its
+# square by an eighth, the kink of a magnitude that is linear in the square by a fourteenth.
+BEYOND = 4.0
+# While that is found, of the items of ends: the function at the first sample, then the quantity away from it; whether
+# an extreme is between.
+NEAR, HIDES = FA, FB
+
+
+@outlined
+def collect_toggles(w: Any, table: Any, part: Any, samples: Any, count: int, items: Any) -> int:
+    """Make items of the ends at toggles where the function vanishes; return how many there are.
+
+    The parameters are those of `octaves.collect_folds`; `XC` of an item is the row of its sample.
+    """
+    total, cells = 0, part[CELLS]
+    for upper in range(2):
+        start, toggle, position = table[START] + upper, table[TOGGLE] + upper, upper * (cells + 1)
+        for half in range(table[HALVES]):
+            first = part[FIRST] + half * (2 * cells + 1)
+            end, inner = first + upper * 2 * cells, first + 1 + upper * (2 * cells - 2)
+            for i in range(count):
+                f, after = samples[end, i], samples[inner, i]
+                is_toggle = (w[start, i] != 0.0) & (w[toggle, i] != 0.0)
+                if is_toggle & (abs(f) <= SMALL * abs(after)):
+                    set_bracket(items, total, samples[position, i], f, samples[position + 1, i], after)
+                    items[XC, total] = end
+                    total = append_item(items, total, i, half, upper == 1)
+    return total
+
+
+@outlined
+def settle_toggles(s: Any, count: int, samples: Any) -> None:
+    """Give the samples at toggles the values beside them; 0 would be taken for the zero that is sought."""
+    for i in range(count):
+        row, lane, f = int(s[XC, i]), int(s[LANE, i]), s[F, i]
+        if ((f < 0.0) | (f > 0.0)) & (abs(s[FA, i]) <= ROUNDED * abs(f)):
+            samples[row, lane] = f
+
+
+@outlined
+def place_near(s: Any, count: int, w: Any, table: Any, times: float) -> None:
+    """Put items of ends at so many times the distance of the first sample."""
+    for i in range(count):
+        s[X, i] = times * abs(w[table[START] + int(s[UPPER, i]), int(s[LANE, i])])
+
+
+@outlined
+def keep_near(s: Any, count: int) -> None:
+    """Keep the function at the first sample."""
+    for i in lanes(padded(count)):
+        s[NEAR, i] = s[F, i]
+
+
+@outlined
+def count_turned(s: Any, count: int, w: Any, table: Any) -> int:
+    """Mark the toggles where the sign at the first sample is another than away from it; return their number."""
+    total = 0
+    for i in range(count):
+        is_toggle = w[table[TOGGLE] + int(s[UPPER, i]), int(s[LANE, i])] != 0.0
+        turned = is_toggle & (((s[NEAR, i] < 0.0) & (s[F, i] > 0.0)) | ((s[NEAR, i] > 0.0) & (s[F, i] < 0.0)))
+        s[HIDES, i] = 1.0 if turned else 0.0
+        total = total + 1 if turned else total
+    return total
+
+
+@outlined
+def keep_away(s: Any, count: int) -> None:
+    """Keep the quantity away from the first sample."""
+    for i in lanes(padded(count)):
+        s[NEAR, i] = s[VALUE, i]
+
+
+@outlined
+def keep_turned(s: Any, count: int) -> None:
+    """Leave the marks where the slope at the first sample is certain: else its sign may be rounding."""
+    for i in lanes(padded(count)):
+        s[HIDES, i] = s[HIDES, i] if is_certain(s[SLOPE, i], s[SLOPE_BOUND, i]) else 0.0
+
+
+@outlined
+def bound_hidden(s: Any, count: int) -> None:
+    """Add to the bounds of values at toggles how far an extreme beside is from them."""
+    for i in lanes(padded(count)):
+        s[BOUND, i] = s[BOUND, i] + abs(s[VALUE, i] - s[NEAR, i]) if s[HIDES, i] > 0.0 else s[BOUND, i]
+
+
+# -- Places where the slope of a quantity jumps or has a kink, at which cells are split
+
+# A load by the square of a rate changes its sign with the rate: the slope is a V there, which may dip below
+# zero within a millionth of a cell. Neither the samples nor a parabola through them tell of it, and a
+# search for the least magnitude ends above it. The function on both sides of the place itself tells:
+# between such places it is smooth. Arrays are as in `sampling`.
+
+
+#: How many places of one design are kept; a rate is zero twice in a half of the range at most.
+MOST_SPLITS = 32
+# Both sides of a place, over it less 1: the least that none of both roundings takes away.
+ASIDE = 2.0**-50
+# The first columns are no places: in two rows they tell the last place of each lane, 0 where there is none, and the
+# first of them where the next one goes.
+LAST, NEXT = LANE, HALF
+# One row more tells whether a divided cell is split at a place: at one of two that are almost one.
+PASSED = ITEM_ROWS
+SPLIT_ROWS = PASSED + 1
+
+
+@outlined
+def forget_splits(splits: Any) -> None:
+    """Begin anew: no places, of no lane."""
+    splits[NEXT, 0] = LANES
+    for i in lanes(LANES):
+        splits[LAST, i] = 0.0
+
+
+@outlined
+def keep_splits(s: Any, count: int, samples: Any, part: Any, splits: Any, number: int) -> None:
+    """Keep the zeros at items, found by the search of this number, as far as their designs have room for them."""
+    for i in range(count):
+        x, lane, upper, own = s[X, i], int(s[LANE, i]), s[UPPER, i] > 0.0, 0
+        if not (x > 0.0):
+            continue
+        if (not upper) & (x > position_of(samples, part[CELLS], part[CELLS], False, lane)):
+            x = 1.0 / x  # of a valley about the middle
+            upper = True
+        k = int(splits[LAST, lane])
+        while k > 0:
+            own = own + (1 if splits[XC, k] == number else 0)
+            k = int(splits[FC, k])
+        if own < MOST_SPLITS:
+            n = int(splits[NEXT, 0])
+            set_bracket(splits, n, x * (1.0 - ASIDE), NOT_A_NUMBER, x * (1.0 + ASIDE), NOT_A_NUMBER)
+            splits[XC, n] = number
+            splits[FC, n] = splits[LAST, lane]
+            splits[LAST, lane] = n
+            splits[NEXT, 0] = append_item(splits, n, lane, int(s[HALF, i]), upper)
+
+
+@outlined
+def forget_slopes(splits: Any) -> None:
+    """Begin with a function that has kinks nowhere."""
+    for n in range(LANES, int(splits[NEXT, 0])):
+        splits[FA, n] = NOT_A_NUMBER
+
+
+@outlined
+def place_split(s: Any, count: int, after: int) -> None:
+    """Put items at one side of their places."""
+    for i in lanes(padded(count)):
+        s[X, i] = s[XB, i] if after > 0 else s[XA, i]
+
+
+@outlined
+def keep_slopes(s: Any, count: int, after: int, splits: Any, start: int, split_by: Any) -> None:
+    """Keep the function at one side of the places, of which the items are those from `start` on.
+
+    It has kinks at those alone that were found by searches whose numbers are in `split_by`.
+    """
+    row = FB if after > 0 else FA
+    for i in range(count):
+        own = 0
+        for k in range(split_by.size):
+            own = 1 if s[XC, i] == split_by[k] else own
+        splits[row, start + i] = s[F, i] if own > 0 else NOT_A_NUMBER
+        splits[PASSED, start + i] = 0.0
+
+
+@merged
+def _is_between(splits: Any, n: int, a: float, b: float) -> Any:
+    """Tell whether both sides of a place with a kink are strictly between two positions."""
+    low, high = (a if a < b else b), (b if a < b else a)
+    return (low < splits[XA, n]) & (splits[XB, n] < high) & (splits[FA, n] == splits[FA, n])
+
+
+@outlined
+def next_split(splits: Any, lane: int, half: int, upper: bool, a: float, b: float) -> int:
+    """Return which place is the next one on the way from one position to another, 0 where none is between."""
+    found, n = 0, int(splits[LAST, lane])
+    while n > 0:
+        own = (splits[HALF, n] == half) & ((splits[UPPER, n] > 0.0) == upper)
+        if own & _is_between(splits, n, a, b):
+            best = n if found == 0 else found
+            nearer = splits[XA, n] < splits[XA, best] if a < b else splits[XB, n] > splits[XB, best]
+            found = n if nearer else best
+        n = int(splits[FC, n])
+    return found
+
+
+@outlined
+def _changes(splits: Any, n: int, a: float, fa: float, b: float, fb: float) -> int:
+    """Return how often the signs change from one position to another, at the places between them, of which n is one."""
+    lane, half, upper = int(splits[LANE, n]), int(splits[HALF, n]), splits[UPPER, n] > 0.0
+    near, far = (FA if a < b else FB), (FB if a < b else FA)
+    at, above, found = a, fa > 0.0, 0
+    k = next_split(splits, lane, half, upper, at, b)
+    while k > 0:
+        found = found + (1 if (splits[near, k] > 0.0) != above else 0)
+        found = found + (1 if (splits[near, k] > 0.0) != (splits[far, k] > 0.0) else 0)
+        at, above = (splits[XB, k] if a < b else splits[XA, k]), splits[far, k] > 0.0
+        k = next_split(splits, lane, half, upper, at, b)
+    return found + (1 if (fb > 0.0) != above else 0)
+
+
+@outlined
+def mark_splits(samples: Any, marks: Any, part: Any, splits: Any) -> None:
+    """Mark the samples that begin a cell of one half of the range where such places show more zeros than its ends."""
+    cells = part[CELLS]
+    for n in range(LANES, int(splits[NEXT, 0])):
+        if int(splits[HALF, n]) == part[PART]:
+            lane, upper = int(splits[LANE, n]), splits[UPPER, n] > 0.0
+            j, width = (cells if upper else 0), cells
+            while width > 1:
+                width = width >> 1
+                beyond = position_of(samples, cells, j + width, upper, lane)
+                before = beyond > splits[XA, n] if upper else beyond < splits[XA, n]
+                j = j + width if before else j
+            a = position_of(samples, cells, j, upper, lane)
+            b = position_of(samples, cells, j + 1, upper, lane)
+            at = part[FIRST] + j
+            fa, fb = samples[at, lane], samples[at + 1, lane]
+            silenced = fa != fa
+            if _is_between(splits, n, a, b) & (not silenced):
+                hidden = _changes(splits, n, a, fa, b, fb) > 1
+                marks[at, lane] = marks[at, lane] | (UNRESOLVED_CELL if hidden else 0)
+
+
+@outlined
+def collect_jumps(part: Any, splits: Any, counts: Any, roots: Any) -> None:
+    """Make roots of the places in divided cells of one half of the range where the function jumps over zero."""
+    for n in range(LANES, int(splits[NEXT, 0])):
+        f, g, upper = splits[FA, n], splits[FB, n], splits[UPPER, n] > 0.0
+        if (splits[PASSED, n] > 0.0) & (splits[HALF, n] == part[PART]) & ((f > 0.0) != (g > 0.0)):
+            if upper:
+                set_bracket(roots, counts[ROOTS], splits[XB, n], g, splits[XA, n], f)
+            else:
+                set_bracket(roots, counts[ROOTS], splits[XA, n], f, splits[XB, n], g)
+            append_of_lane(roots, counts, ROOTS, int(splits[LANE, n]), part[PART], upper)
+
+
+# -- The cell next to a fold, octave by octave
+
+# A quantity near a fold is a sum of powers of the distance x, negative ones among them, whose factors may
+# differ by any power of ten: what it does there it may do at 1e-10 of the cell, where equally spaced
+# samples show nothing, and the function that is searched, the slope times a power of x, is far below its
+# value at the next sample anyway. Or a point far away swings round there, and the function is far above
+# both. So it is sampled at half the distance, a quarter and so on, where one of a few of these octaves
+# shows that it is worth it.
+#
+# Close to a fold the slope may be nothing but rounding. A smooth function changes by a millionth with its
+# argument, rounding errors do as they like: signs count where the function stays what it is. Arrays are as
+# in `sampling`.
+
+
+#: From the first sample, 2^-60 of the scale, to the second one, less than 2^-4 of it.
+OCTAVES = 57
+#: How often signs are tried.
+TRIALS = 3
+#: So many octaves tell whether all are sampled, every eighth one.
+FEW, COARSE = 7, 8
+# The function at the end over that at the next sample, where the octaves are sampled; or that of both over one between.
+# Changes of the position by which signs are tried, and that of the function which rounding errors exceed.
+STEP, CHANGE = 2.0**-20, 2.0**-8
+
+
+@outlined
+def collect_folds(w: Any, table: Any, part: Any, samples: Any, count: int, items: Any) -> int:
+    """Make items of the cells next to folds; return how many there are."""
+    total, cells = 0, part[CELLS]
+    for upper in range(2):
+        start, toggle, position = table[START] + upper, table[TOGGLE] + upper, upper * (cells + 1)
+        folds = 0
+        for i in range(count):
+            folds = folds + (1 if (w[start, i] != 0.0) & (w[toggle, i] == 0.0) else 0)
+        if folds == 0:
+            continue
+        for half in range(table[HALVES]):
+            first = part[FIRST] + half * (2 * cells + 1)
+            end, inner = first + upper * 2 * cells, first + 1 + upper * (2 * cells - 2)
+            for i in range(count):
+                f, after = samples[end, i], samples[inner, i]
+                fold = (w[start, i] != 0.0) & (w[toggle, i] == 0.0)
+                if fold:
+                    set_bracket(items, total, samples[position, i], f, samples[position + 1, i], after)
+                    items[XC, total] = end - upper
+                    total = append_item(items, total, i, half, upper == 1)
+    return total
+
+
+@outlined
+def begin_octaves(s: Any, count: int) -> None:
+    """Open the items whose octaves are sampled in any case: the function is small at the end."""
+    for i in lanes(padded(count)):
+        s[OPEN, i] = 1.0 if abs(s[FA, i]) <= SMALL * abs(s[FB, i]) else 0.0
+
+
+@outlined
+def weigh_octave(s: Any, count: int) -> None:
+    """Open the items of which an octave is of another sign than the next sample, or far greater than both ends."""
+    for i in lanes(padded(count)):
+        f, end, after = s[F, i], abs(s[FA, i]), s[FB, i]
+        most = end if end > abs(after) else abs(after)
+        great = SMALL * abs(f) > most
+        turned = ((f < 0.0) & (after > 0.0)) | ((f > 0.0) & (after < 0.0))
+        s[OPEN, i] = 1.0 if great | turned else s[OPEN, i]
+
+
+@outlined
+def place_octave(s: Any, count: int, k: int, trial: int) -> None:
+    """Put items at the second sample's position over 2^(k+1), or at the first one's; of a trial, beside it."""
+    times, beside = 0.5, 1.0 + (trial * trial) * STEP
+    for _ in range(k):
+        times = 0.5 * times
+    for i in lanes(padded(count)):
+        x, least = times * s[XB, i], s[XA, i]
+        s[X, i] = beside * (x if x > least else least)
+
+
+@outlined
+def keep_octave(s: Any, count: int, k: int, trial: int, octaves: Any) -> None:
+    """Keep the values at the k-th positions; after a trial those alone that are the same beside them, else 0."""
+    if trial == 0:
+        for i in lanes(padded(count)):
+            octaves[k, i] = s[F, i] if s[OPEN, i] > 0.0 else 0.0
+    else:
+        for i in lanes(padded(count)):
+            f = octaves[k, i]
+            octaves[k, i] = f if abs(s[F, i] - f) <= CHANGE * abs(f) else 0.0
+
+
+@outlined
+def to_sample(s: Any, count: int, trial: int, octaves: Any) -> int:
+    """Return how many octaves are sampled: all if an item is open, and for a trial if one has values of both signs."""
+    both = 0
+    for i in range(count):
+        both = 1 if (trial == 0) & (s[OPEN, i] > 0.0) else both
+        above = s[FB, i] > 0.0
+        for k in range(OCTAVES if trial > 0 else 0):
+            f = octaves[k, i]
+            both = 1 if (f == f) & (f != 0.0) & ((f > 0.0) != above) else both
+    return both * OCTAVES
+
+
+@merged
+def _add_root(s: Any, i: int, counts: Any, roots: Any) -> int:
+    """Make a root of an octave, or a part of one, if the function changes its sign; go on to its end; return if so."""
+    x, before, place, f = s[X1, i], s[F1, i], s[X2, i], s[F2, i]
+    turned = (f > 0.0) != (before > 0.0)
+    if turned:
+        n, upper = counts[ROOTS], s[UPPER, i] > 0.0
+        if upper:
+            set_bracket(roots, n, x, before, place, f)
+        else:
+            set_bracket(roots, n, place, f, x, before)
+        append_of_lane(roots, counts, ROOTS, int(s[LANE, i]), int(s[HALF, i]), upper)
+    s[X1, i] = place
+    s[F1, i] = f
+    return 1 if turned else 0
+
+
+@outlined
+def collect_octaves(s: Any, count: int, octaves: Any, counts: Any, roots: Any, splits: Any) -> None:
+    """Make items of the octaves that hold a zero, and note how many there are."""
+    for i in range(count):
+        lane, half, upper = int(s[LANE, i]), int(s[HALF, i]), s[UPPER, i] > 0.0
+        found, at = 0, s[XB, i]
+        s[X1, i] = at
+        s[F1, i] = s[FB, i]
+        for k in range(OCTAVES):
+            at = 0.5 * at
+            place, f = (at if at > s[XA, i] else s[XA, i]), octaves[k, i]
+            if (f < 0.0) | (f > 0.0):
+                n = next_split(splits, lane, half, upper, s[X1, i], place)
+                while n > 0:
+                    s[X2, i] = splits[XA, n]
+                    s[F2, i] = splits[FA, n]
+                    # else it is rounding, or a jump, which octaves show
+                    if abs(splits[FB, n] - s[F2, i]) <= CHANGE * abs(s[F2, i]):
+                        found = found + _add_root(s, i, counts, roots)
+                    n = next_split(splits, lane, half, upper, s[X2, i], place)
+                s[X2, i] = place
+                s[F2, i] = f
+                found = found + _add_root(s, i, counts, roots)
+        s[F, i] = found
+
+
+@outlined
+def replace_cells(s: Any, count: int, marks: Any) -> None:
+    """Take the marks of cells away whose octaves hold a zero: their ends at the fold may be rounding."""
+    for i in range(count):
+        lane, cell = int(s[LANE, i]), int(s[XC, i])
+        if s[F, i] > 0.0:
+            marks[cell, lane] = 0
+            marks[cell + 1, lane] = marks[cell + 1, lane] & (ROOT | UNRESOLVED_CELL)

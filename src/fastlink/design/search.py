@@ -1,0 +1,1214 @@
+"""Keep the best rows of a sweep that goes by block by block: memory does not grow with the number of designs."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import io
+import json
+import math
+import os
+import threading
+import time
+import zipfile
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import astuple, dataclass, field, replace
+from inspect import signature
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from fastlink._text import counted, joined
+from fastlink.codegen.cache import environment
+from fastlink.design.best import inputs_to_refine
+from fastlink.design.refine import Model, Refinement, Span, angles_of, candidates, spans_of_space
+from fastlink.engine import labels
+from fastlink.engine.extend import check_declared, own_refused
+from fastlink.engine.options import check_options, check_workers
+from fastlink.engine.resolve import resolve
+from fastlink.engine.run import default_threads, run
+from fastlink.engine.sinks import ProgressBar, allocated, check_needs, designs_per_block, within
+from fastlink.engine.sweep import sweep
+from fastlink.errors import InputError, Pair, Problems, Setting, check_output, check_switch, door
+from fastlink.facts.catalogue import ELIMINATED
+from fastlink.facts.own import declared_names
+from fastlink.io.checksums import Range, Ranges, joined_ranges, missing
+from fastlink.io.finished import finished_map
+from fastlink.io.joining import CORE_TIME, JOINED, RUN_AGAIN, JoinedMap, PartFile, merged, part_files
+from fastlink.io.layout import HISTORY, Variable, history, plain_attrs
+from fastlink.io.partial_file import check_left, check_target
+from fastlink.io.place import exists_error, not_writable, progress_bar, reason, refused, search_of
+from fastlink.io.reader import PartOfMap, check_size, shown_parts
+from fastlink.io.writer import Writer
+from fastlink.maps import open as open_map
+from fastlink.maps.best import (
+    ACTIVE,
+    GAIN,
+    REFINEMENT,
+    STARTS,
+    Choice,
+    choice_of,
+    least,
+    listed,
+    nondominated,
+    strongest,
+    unbeaten,
+    undominated,
+)
+from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.plan.query import check_names, parse_request
+from fastlink.precision import DESIGNS
+from fastlink.space.design_space import BRANCH, DESIGN, Links, angle_of
+from fastlink.space.tables import FORMAT, STATUS, table
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from distributed import Client
+    from numpy.typing import ArrayLike, NDArray
+
+    from fastlink.design.refine import Span
+    from fastlink.engine.cluster import Cluster
+    from fastlink.engine.extend import Extension
+    from fastlink.engine.resolve import ResolvedSweep
+    from fastlink.facts.catalogue import Catalogue
+    from fastlink.io.joining import PartFile
+    from fastlink.io.reader import PartOfMap
+    from fastlink.maps.best import Choice
+    from fastlink.space.design_space import DesignSpace
+
+__all__ = [
+    "Request",
+    "Rows",
+    "Stream",
+    "Unfinished",
+    "finished",
+    "found_by",
+    "join",
+    "labels_of",
+    "request_of",
+    "search",
+    "to_file",
+    "write",
+]
+
+
+#: Rows that are compared with a front at once: to compare few takes as long as its own length.
+MOST_WAITING = 1 << 17
+#: Rows of a front with which each block is compared: each leaves less, and takes 20 us of a block of 4,096.
+MOST_STRONG = 16
+
+
+@dataclass
+class Kept:
+    """The best rows of some designs, and how many rows there were; that of several blocks in any order is the same.
+
+    Attributes
+    ----------
+    rows : array of int64
+        Their numbers.
+    points : array (rows, objectives)
+        Their objectives, to be as small as possible.
+    designs : array of int64
+        The number of designs by status.
+    failed : array of int64
+        For each condition, the number of rows that do not meet it.
+    considered, not_numbers, infinite : int
+        The rows that meet all conditions; those of them without numbers; those with infinite ones, which do not count.
+    """
+
+    rows: NDArray[np.int64]
+    points: NDArray[np.float64]
+    designs: NDArray[np.int64]
+    failed: NDArray[np.int64]
+    considered: int = 0
+    not_numbers: int = 0
+    infinite: int = 0
+
+    def arrays(self) -> dict[str, Any]:
+        """Return everything as arrays by name, as a file keeps them."""
+        return {name: np.asarray(value) for name, value in vars(self).items()}
+
+    @classmethod
+    def of_arrays(cls, arrays: Mapping[str, Any]) -> Kept:
+        """Return what `arrays` has given, perhaps flat."""
+        numbers = ("considered", "not_numbers", "infinite")
+        given: dict[str, Any] = {name: np.array(arrays[name]) for name in cls.__dataclass_fields__}
+        given |= {name: int(given[name].item()) for name in numbers}
+        if len(given["rows"]):
+            given["points"] = given["points"].reshape(len(given["rows"]), -1)
+        return cls(**given)
+
+
+@dataclass(frozen=True)
+class Rows:
+    """The rows of a search: places along the designs and further dimensions, numbered in C order.
+
+    Attributes
+    ----------
+    sizes : dict
+        The further dimensions of objectives and conditions, and their lengths.
+    """
+
+    sizes: dict[str, int] = field(default_factory=dict)
+
+    @property
+    def of_design(self) -> int:
+        """The rows of one design."""
+        return math.prod(self.sizes.values())
+
+    def places(self, rows: NDArray[np.int64]) -> tuple[NDArray[np.int64], dict[str, NDArray[np.int64]]]:
+        """Return the designs of rows, and their places along each further dimension."""
+        designs, inside = np.divmod(rows, self.of_design)
+        along = np.unravel_index(inside, tuple(self.sizes.values())) if self.sizes else ()
+        return designs, dict(zip(self.sizes, along, strict=True))
+
+
+class Stream:
+    """The reading of the blocks of a sweep."""
+
+    def __init__(self, resolved: ResolvedSweep, choice: Choice, along: Mapping[str, NDArray[Any]]) -> None:
+        self.resolved, self.choice, self.along = resolved, choice, along
+        arrays = [*(one.array for one in choice.objectives), *(one.array for one in choice.wanted)]
+        dims = dict.fromkeys(str(dim) for array in arrays for dim in array.dims if dim != DESIGN)
+        self.lengths = resolved.lengths
+        order = [dim for dim in (BRANCH, *along) if dim in dims]
+        self.rows = Rows({dim: self.lengths[dim] for dim in order})
+        self.names = list(dict.fromkeys(str(array.name) for array in arrays))
+        outputs = {output.name: k for k, output in enumerate(resolved.plan.outputs)}
+        self.outputs = {name: outputs[name] for name in self.names if name in outputs}
+        self.inputs = [name for name in self.names if name in resolved.space.names]
+        self.status = outputs["status"]
+        self.several = len(choice.objectives) > 1
+        #: Rows that are not compared with each other yet, and how many; rows of the front that beat most others.
+        self.waiting: list[tuple[NDArray[np.int64], NDArray[np.float64]]] = []
+        self.count, self.strongest = 0, np.empty((0, len(choice.objectives)))
+        self.codes = max(resolved.catalogue.facts["status"].flags) + 1
+
+    @property
+    def searched(self) -> list[str]:
+        """The names of the results that are looked at, as a sweep takes them."""
+        return [name for name in self.outputs if name != "status"] or ["status"]
+
+    def nothing(self) -> Kept:
+        """Return what is kept of no rows."""
+        empty = np.empty((0, len(self.choice.objectives)))
+        counts = np.zeros(self.codes, dtype=np.int64), np.zeros(len(self.choice.wanted), dtype=np.int64)
+        return Kept(np.empty(0, dtype=np.int64), empty, *counts)
+
+    def read(self, start: int, stop: int, arrays: list[NDArray[Any]], into: Kept, known: Kept) -> None:
+        """Add the results of consecutive designs to what is kept of a block; `known` is kept of others already."""
+        count = stop - start
+        whole = (count, *self.rows.sizes.values())
+        values = self._values(start, stop, arrays)
+        into.designs += np.bincount(arrays[self.status].reshape(-1), minlength=self.codes)
+        inside = np.ones(whole, dtype=bool)
+        for k, condition in enumerate(self.choice.wanted):
+            holds = condition.holds(values[str(condition.array.name)])
+            into.failed[k] += (holds.size - np.count_nonzero(holds)) * (inside.size // holds.size)
+            inside &= holds
+        places = np.flatnonzero(inside)
+        into.considered += len(places)
+        if not len(places):
+            return
+        points = np.empty((len(places), len(self.choice.objectives)))
+        for k, one in enumerate(self.choice.objectives):
+            own = np.broadcast_to(values[str(one.array.name)], whole).reshape(-1)
+            np.multiply(own[places], one.sign, out=points[:, k])
+        usable = np.isfinite(points).all(axis=1)
+        if not usable.all():
+            absent = np.isnan(points).any(axis=1)
+            into.not_numbers += int(np.count_nonzero(absent))
+            if self.choice.infinite:
+                usable = ~absent
+            else:
+                into.infinite += int(np.count_nonzero(~usable & ~absent))
+            places, points = places[usable], points[usable]
+        self._add(into, start * self.rows.of_design + places, points, known)
+
+    def _values(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> dict[str, NDArray[Any]]:
+        """Return what is looked at, with a length or 1 along each dimension of the rows."""
+        lengths, found = self.lengths, dict[str, NDArray[Any]]()
+        for name, k in self.outputs.items():
+            axes = self.resolved.plan.outputs[k].axes
+            shape = [lengths[dim] if dim in axes else 1 for dim in self.rows.sizes]
+            found[name] = arrays[k].reshape(stop - start, *shape)
+        if self.inputs:
+            read = np.empty((len(self.inputs), stop - start))
+            self.resolved.space.fill(self.inputs, start, stop, read)
+            for name, row in zip(self.inputs, read, strict=True):
+                found[name] = row.reshape(-1, *(1 for _ in self.rows.sizes))
+        for name in self.names:
+            if name not in found:
+                shape = [lengths[dim] if dim == name else 1 for dim in self.rows.sizes]
+                found[name] = self.along[name].reshape(1, *shape)
+        return found
+
+    def merge(self, one: Kept, other: Kept) -> None:
+        """Add what is kept of other designs; rows of a front wait until they are many, see `settle`."""
+        for name in ("designs", "failed", "considered", "not_numbers", "infinite"):
+            setattr(one, name, getattr(one, name) + getattr(other, name))
+        if len(other.rows):
+            self.waiting.append((other.rows, other.points))
+            self.count += len(other.rows)
+        if self.count > (MOST_WAITING if self.several else 0):
+            self.settle(one)
+
+    def settle(self, kept: Kept) -> None:
+        """Compare the rows that wait: of equal ones those with the least numbers stay."""
+        if not self.waiting:
+            return
+        rows, points = (np.concatenate(parts) for parts in zip(*self.waiting, strict=True))
+        self.waiting, self.count = [], 0
+        if self.several:
+            left = undominated(points, kept.points)
+            rows, points = rows[left], points[left]
+        rows, points = np.concatenate((kept.rows, rows)), np.concatenate((kept.points, points))
+        order = np.argsort(rows, kind="stable")
+        rows, points = rows[order], points[order]
+        chosen = nondominated(points) if self.several else least(points[:, 0], self.choice.top)
+        kept.rows, kept.points = rows[chosen], points[chosen]
+        if self.several:
+            self.strongest = strongest(kept.points, points, MOST_STRONG)
+
+    def _add(self, into: Kept, rows: NDArray[np.int64], points: NDArray[np.float64], known: Kept) -> None:
+        """Add rows that count, but for those that others beat for sure."""
+        if self.several:
+            first = unbeaten(points, self.strongest)
+        else:
+            best, top = known.points, self.choice.top
+            near = np.flatnonzero(points[:, 0] <= best.max()) if len(best) >= top else np.arange(len(points))
+            first = near[least(points[near, 0], top)]
+        into.rows = np.concatenate((into.rows, rows[first]))
+        into.points = np.concatenate((into.points, points[first]))
+
+    def ordered(self, kept: Kept) -> Kept:
+        """Return what was kept, the best row of the first objective first."""
+        order = np.lexsort((kept.rows, *kept.points.T[::-1]))
+        return replace(kept, rows=kept.rows[order], points=kept.points[order])
+
+
+# -- Keep what a search has found so far beside its file, so that a killed one goes on
+
+
+#: Seconds between two states that are kept.
+STEP_SECONDS = 10.0
+
+
+class Unfinished:
+    """The state of a search that is under way: what it keeps, and of which designs.
+
+    It is written whole, under another name, and then given its own: what stands there is never half.
+    """
+
+    def __init__(self, path: Path, fingerprint: str) -> None:
+        self.path, self.fingerprint = search_of(path), fingerprint
+        self._next = time.monotonic() + STEP_SECONDS
+
+    def read(self) -> tuple[Kept, list[Range]] | None:
+        """Return what an earlier run of the same request has left, None where nothing is; refuse that of another."""
+        remedy = (
+            "finish that search, choose another name",
+            (", or write ", Setting("restart", True), " to throw it away"),
+        )
+        try:
+            with np.load(self.path) as arrays:
+                about = json.loads(str(arrays["about"]))
+                if about.get("fingerprint") == self.fingerprint:
+                    ranges = [(int(start), int(stop)) for start, stop in about["done"]]
+                    return Kept.of_arrays(arrays), ranges
+        except FileNotFoundError:
+            return None
+        except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
+            raise refused(f"{self.path} cannot be read ({error})", remedy) from error
+        raise refused(f"{self.path} is of another search, or by another version", remedy)
+
+    def is_due(self) -> bool:
+        """Tell whether it is time to keep the state."""
+        return time.monotonic() >= self._next
+
+    def write(self, kept: Kept, done: Sequence[Range]) -> None:
+        """Keep a state."""
+        about = json.dumps({"fingerprint": self.fingerprint, "done": [list(one) for one in done]})
+        content = io.BytesIO()
+        np.savez(content, about=np.array(about), **kept.arrays())
+        fresh = self.path.with_name(f"{self.path.name}.{os.getpid()}")
+        try:
+            with open(fresh, "wb") as file:
+                file.write(content.getbuffer())
+                file.flush()
+                os.fsync(file.fileno())
+            os.replace(fresh, self.path)
+        except OSError as error:
+            fresh.unlink(missing_ok=True)
+            raise not_writable(self.path, error) from error
+        self._next = time.monotonic() + STEP_SECONDS
+
+    def remove(self) -> None:
+        """Remove it: the search has its file, or is to begin anew."""
+        try:
+            self.path.unlink(missing_ok=True)
+        except OSError as error:
+            raise InputError(f"{self.path} cannot be removed ({error})", remedy="remove it") from error
+
+
+# -- Run a search: the sweep whose blocks are read and forgotten, then the refinement of what it has kept
+
+
+def found_by(
+    request: Request,
+    *,
+    threads: int,
+    block: int | None,
+    progress: bool | None,
+    verify: int | None,
+    path: Path | None = None,
+    restart: bool = False,
+    of: PartOfMap | None = None,
+    cluster: Cluster | None = None,
+) -> tuple[xr.Dataset, xr.Dataset | None]:
+    """Return the designs that a search finds; of a part the rows that it keeps, and what those who join it need."""
+    stream = Stream(request.resolved, request.kept, request.along)
+    unfinished = None if path is None else Unfinished(path, of.fingerprint if of else request.fingerprint)
+    if unfinished is not None and restart:
+        unfinished.remove()
+    earlier = None if unfinished is None else unfinished.read()
+    kept, done = earlier if earlier is not None else (stream.nothing(), [])
+    started, resumed = time.perf_counter(), int(kept.designs.sum())
+    check_needs(request.resolved, threads, block, 0, 0)
+    if cluster is not None:
+        cluster.check()
+    first, last = of.range if of else (0, request.size)
+    with ProgressBar(last - first, progress) as bar:
+        bar.merge(resumed)
+        gathering = _Gathering(unfinished, bar, stream, (first, last), kept, Ranges(done))
+        gathering.all(threads, block, cluster)
+    stream.settle(kept)
+    seconds = time.perf_counter() - started
+    about = {"designs_per_second": (last - first - resumed) / seconds, "run_time_s": seconds}
+    about |= {"designs_of_earlier_runs": resumed} if resumed else {}
+    about |= {"threads": cluster.threads} if cluster else {}
+    whole = None
+    if of:
+        result, whole = request.of_part(stream, kept, of, about), request.whole(stream, kept, verify)
+    else:
+        if unfinished is not None and not len(kept.rows):
+            unfinished.remove()
+        verify = (0 if path is None else DESIGNS) if verify is None else verify
+        result = finished(request, stream, kept, about, verify=verify, progress=progress)
+    if unfinished is not None:
+        unfinished.remove()
+    return result, whole
+
+
+def finished(
+    request: Request,
+    stream: Stream,
+    kept: Kept,
+    about: Mapping[str, Any],
+    *,
+    verify: int,
+    progress: bool | None,
+) -> xr.Dataset:
+    """Return the result of a search, refined if it is to be, from what it has kept of all designs."""
+    if not len(kept.rows):
+        raise _nothing(request, stream, kept)
+    most = len(kept.rows) if stream.several else min(request.choice.top, len(kept.rows))
+    swept, refining = time.perf_counter(), progress_bar(most, " designs refined", progress)
+    try:
+        result = request.found(stream, kept, verify, refining.update if refining else lambda count: None)
+    finally:
+        if refining:
+            refining.close()
+    told, refinement = result.attrs.pop("selection", ""), time.perf_counter() - swept
+    result.attrs |= {**request.about(), **request.counts(stream, kept, request.size), **about}
+    result.attrs |= {"run_time_s": about["run_time_s"] + refinement, "refinement_time_s": refinement}
+    for name in ("configurations", "configurations_per_second", "set_up_time_s"):
+        result.attrs.pop(name, None)
+    result.attrs["selection"] = f"{request.selection(kept, request.size)}{told}"
+    return result
+
+
+class _Gathered:
+    """The best rows of some designs, which a search keeps."""
+
+    def __init__(self, stream: Stream, rows: Range, kept: Kept, done: Ranges) -> None:
+        self.stream, self.rows, self.kept, self.done = stream, rows, kept, done
+
+    def take(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
+        """Read the results of evaluated designs."""
+        own, axis = self.stream.nothing(), self.stream.resolved.scaling_axis
+
+        def read(first: int, last: int, found: list[NDArray[Any]]) -> None:
+            self.stream.read(first, last, found, own, self.kept)
+
+        clipped = within([self.rows], read)
+        (axis.over(clipped) if axis else clipped)(start, stop, arrays)
+        self.merge((own, [(start, stop)]))
+
+    def merge(self, report: tuple[Kept, list[Range]]) -> None:
+        """Add what is kept of further designs, and which evaluated ones these are."""
+        self.stream.merge(self.kept, report[0])
+        for one in report[1]:
+            self.done.add(*one)
+
+    def report(self) -> tuple[Kept, list[Range]]:
+        """Return what is kept, and of which evaluated designs."""
+        self.stream.settle(self.kept)
+        return self.kept, self.done.joined()
+
+
+class _Gathering(_Gathered):
+    """The same of all designs, in threads or on a cluster; from time to time its state is put beside the file."""
+
+    def __init__(self, unfinished: Unfinished | None, bar: ProgressBar, *given: Any) -> None:
+        super().__init__(*given)
+        self.unfinished, self.bar, self.lock = unfinished, bar, threading.Lock()
+
+    def twin(self) -> _Gathered:
+        """Return an object that gathers in another process, see `fastlink.engine.cluster`."""
+        stream = Stream(self.stream.resolved, self.stream.choice, self.stream.along)
+        return _Gathered(stream, self.rows, stream.nothing(), Ranges())
+
+    def merge(self, report: tuple[Kept, list[Range]]) -> None:
+        """Add what is kept of further designs, also by a twin; thread-safe."""
+        with self.lock:
+            super().merge(report)
+            if self.unfinished is not None and self.unfinished.is_due():
+                self.unfinished.write(*self.report())
+        self.bar.merge(int(report[0].designs.sum()))
+
+    def all(self, threads: int, block: int | None, cluster: Cluster | None) -> None:
+        """Evaluate all designs that are not done."""
+        resolved, axis, before = self.stream.resolved, self.stream.resolved.scaling_axis, self.done.joined()
+        job = resolved.job()
+        if axis is not None:
+            block = designs_per_block(resolved, threads, block)
+        wanted = joined_ranges([*axis.evaluated(*self.rows)]) if axis else [self.rows]
+        pending = missing(joined_ranges([*before, *missing(wanted, job.size)]), job.size)
+        try:
+            if cluster is not None:
+                cluster.run(job, self.take, travels=True, block=block, pending=pending)
+            else:
+                apart = self.unfinished is not None
+                run(job, sink=self.take, threads=threads, block=block, pending=pending, apart=apart)
+        except BaseException as error:
+            if self.unfinished is not None and (now := self.done.joined()):
+                with contextlib.suppress(InputError):
+                    self.unfinished.write(*self.report())
+                    share = _count(now) / _count(wanted)
+                    error.add_note(
+                        f"{share:.0%} of the designs are searched, as {self.unfinished.path} says; "
+                        "run the same again to go on"
+                    )
+            raise
+
+
+def _count(ranges: list[Range]) -> int:
+    return sum(stop - start for start, stop in ranges)
+
+
+def _nothing(request: Request, stream: Stream, kept: Kept) -> InputError:
+    """Return the error of a search that has found nothing, with what was in the way."""
+    size = request.size * stream.rows.of_design
+    reasons = [
+        f"{count:,} fail {one.array.name}"
+        for one, count in zip(request.choice.wanted, kept.failed.tolist(), strict=True)
+        if count
+    ]
+    reasons += [f"{kept.not_numbers:,} have no number"] if kept.not_numbers else []
+    reasons += [f"{kept.infinite:,} are infinite"] if kept.infinite else []
+    what = f"none of {counted(size, 'row')} meets all conditions: {', '.join(reasons)}"
+    return InputError(
+        what, where=("where",), remedy="widen the conditions or the ranges, or search more designs"
+    )
+
+
+# -- The request of a search, and its result as a map of the designs that were found
+
+
+#: What a part of a search keeps of its request.
+SEARCH = "search"
+
+#: What the attributes begin with that are true of the designs that were searched, not of those that were found.
+SEARCHED = "searched_"
+
+
+@dataclass
+class Request:
+    """A search whose parts were checked.
+
+    Attributes
+    ----------
+    mechanism : str or Extension
+        The mechanism, as it was given.
+    resolved : ResolvedSweep
+        The sweep of what objectives and conditions need.
+    options : dict
+        The options of the sweeps of designs that were found.
+    quantities : tuple of str
+        What is computed of these.
+    only : tuple of str or None
+        The inputs that a refinement may change, none named for all; None for no refinement.
+    bounds : dict
+        Ranges of refined designs, where they are not those of the space.
+    labels : xarray.Dataset
+        The labels of the sweep, with one design.
+    size : int
+        How many designs are searched.
+    origin : dict
+        What is said of where they come from.
+    attrs : dict
+        Further attributes of the result.
+    spans : list of Span or None
+        The inputs that a refinement may change, where they do not follow from the space.
+    numbers : array or None
+        Of a search that parts make together: the numbers of the designs of `resolved`, which are those that were kept.
+    known : str
+        Its fingerprint.
+    """
+
+    mechanism: Any
+    resolved: ResolvedSweep
+    options: dict[str, Any]
+    quantities: tuple[str, ...]
+    only: tuple[str, ...] | None
+    bounds: Mapping[str, tuple[float, float]]
+    labels: xr.Dataset
+    size: int
+    origin: Mapping[str, Any]
+    attrs: Mapping[str, Any] = field(default_factory=dict)
+    spans: list[Span] | None = None
+    numbers: NDArray[np.int64] | None = None
+    known: str = ""
+    asked: dict[str, Any] = field(init=False)
+    choice: Choice = field(init=False)
+    refinement: Refinement | None = field(init=False, default=None)
+
+    @classmethod
+    def of(
+        cls,
+        mechanism: Any,
+        resolved: ResolvedSweep,
+        ways: Mapping[str, Any],
+        **given: Any,
+    ) -> Request:
+        """Return the request of a resolved sweep, of which the options are given too."""
+        names = ("links", "input", "solver", "backend", "branch")
+        options = {name: ways[name] for name in names if name in ways}
+        options |= {"extrema": resolved.plan.extrema or None, "threads": None}
+        options |= angles_of(resolved.catalogue, resolved.positions)
+        of_space = {"size": resolved.space.size, "origin": resolved.space.attrs}
+        return cls(mechanism, resolved, options, labels=labels_of(resolved), **of_space, **given)  # type: ignore[arg-type]
+
+    def choose(self, **asked: Any) -> None:
+        """Set what is searched for, and how it is refined, or refuse it."""
+        self.asked, self.choice = asked, (choice := choice_of(self.labels, **asked))
+        for one in choice.wanted:
+            if one.array.dtype.kind == "b":
+                remedy = "write conditions by name, such as {'a1': (None, 0.5)}"
+                raise InputError("is a mask of one map", where=("where",), remedy=remedy)
+        if self.only is not None:
+            catalogue = self.resolved.catalogue
+            if self.spans is None:
+                self.spans = spans_of_space(catalogue, self.resolved.space, self.bounds, self.only)
+            of_model = {n: self.options.get(n) for n in ("links", "input", "solver", "extrema", "angles")}
+            model = Model(self.mechanism, of_model)
+            self.refinement = Refinement(self.labels, model, self.spans, choice.objectives, choice.wanted)
+
+    @property
+    def along(self) -> dict[str, NDArray[Any]]:
+        """The values of the dimensions that rows may have besides the design."""
+        return {str(dim): self.labels[dim].values for dim in self.labels.dims if dim != DESIGN}
+
+    @property
+    def kept(self) -> Choice:
+        """Which rows the sweep keeps: of one objective more than are wanted, where several may lead to one design."""
+        refined = self.refinement is not None and len(self.choice.objectives) == 1
+        return replace(self.choice, top=candidates(self.choice.top)) if refined else self.choice
+
+    @property
+    def fingerprint(self) -> str:
+        """A hash of all that the result depends on."""
+        if self.known:
+            return self.known
+        choice = self.choice
+        aims = [(one.array.name, one.sign) for one in choice.objectives]
+        wanted = [(one.array.name, one.codes, one.low, one.high) for one in choice.wanted]
+        spans = None if self.refinement is None else self.refinement.spans
+        own = (
+            aims,
+            wanted,
+            choice.top,
+            self.kept.top,
+            choice.infinite,
+            spans,
+            self.quantities,
+            self.options.get("links"),
+        )
+        attrs = sorted((name, repr(value)) for name, value in plain_attrs(self.attrs).items())
+        return hashlib.sha256(repr((self.resolved.fingerprint, own, attrs)).encode()).hexdigest()
+
+    def about(self) -> dict[str, Any]:
+        """Return what was searched, as attributes."""
+        choice = self.choice
+        aims = joined([str(one) for one in choice.objectives])
+        conditions = joined([str(one) for one in choice.wanted])
+        text = f"the {aims}{' where ' if conditions else ''}{conditions}"
+        return {**self.attrs, "mechanism": self.resolved.mechanism, "search": text}
+
+    def rows(self, columns: Mapping[str, Any], places: Mapping[str, NDArray[np.int64]], names: Sequence[str],
+             verify: int = 0) -> xr.Dataset:  # fmt: skip
+        """Return designs with their results, as a sweep gives them, a row each."""
+        links = self.options.get("links")
+        own = {} if links is None else links.values
+        given = {name: values for name, values in columns.items() if name not in own}
+        space = table(given, keep=[name for name in given if name in self.resolved.space.labels])
+        swept = sweep(self.mechanism, space, names, **self.options, verify=verify, progress=False)
+        count = swept.sizes[DESIGN]
+        index = {dim: xr.DataArray(at, dims=DESIGN) for dim, at in places.items()}
+        return swept.isel({DESIGN: xr.DataArray(np.arange(count), dims=DESIGN), **index})
+
+    def columns(
+        self, stream: Stream, rows: NDArray[np.int64]
+    ) -> tuple[dict[str, Any], dict[str, NDArray[np.int64]]]:
+        """Return the inputs and labels of the designs of some rows, and their places along further dimensions."""
+        designs, places = stream.rows.places(rows)
+        space = self.resolved.space
+        inside = designs if self.numbers is None else np.searchsorted(self.numbers, designs)
+        columns: dict[str, Any] = {DESIGN: designs, **space.at(inside)}
+        columns |= {name: space.constants[name] for name in space.constants}
+        of_row = space.size // space.shape[0] if space.dims else 1
+        for name, label in space.labels.items():
+            columns[name] = np.array([label[k] for k in inside // of_row]) if np.ndim(label) else label
+        return columns, places
+
+    def found(self, stream: Stream, kept: Kept, verify: int, show: Any) -> xr.Dataset:
+        """Return the designs that were found, refined if they are to be, as a map."""
+        columns, places = self.columns(stream, stream.ordered(kept).rows)
+        names = list(self.quantities) or ["status"]
+        if self.refinement is None:
+            return self.rows(columns, places, names, verify)
+        top = None if stream.several else self.choice.top
+        starts = self.rows(columns, places, stream.searched)
+        refined = self.refinement.of(starts, searched=self.size * stream.rows.of_design, top=top, show=show)
+        if self.refinement.at_position:
+            return refined
+        moved = {name: refined[name].values if name in refined else given for name, given in columns.items()}
+        moved = {name: values if np.ndim(values) else values[()] for name, values in moved.items()}
+        places = {dim: np.searchsorted(self.along[dim], refined[dim].values) for dim in places}
+        result = self.rows(moved, places, names, verify)
+        added = [
+            str(n) for n in refined.data_vars if str(n).endswith(f"_{GAIN}") or n in (REFINEMENT, STARTS)
+        ]
+        result = result.assign({name: refined[name].variable for name in added})
+        result.attrs["selection"] = refined.attrs["selection"]
+        return result.assign_coords({ACTIVE: refined[ACTIVE].variable})
+
+    def of_part(self, stream: Stream, kept: Kept, of: PartOfMap, about: Mapping[str, Any]) -> xr.Dataset:
+        """Return the rows that a part keeps as a map, not refined; where there is none its first row stands there."""
+        rows = (
+            stream.ordered(kept).rows if len(kept.rows) else np.array([of.range[0] * stream.rows.of_design])
+        )
+        result = self.rows(*self.columns(stream, rows), stream.searched)
+        start, stop = of.range
+        result.attrs |= {**self.about(), **self.counts(stream, kept, stop - start), **about, **of.attrs()}
+        result.attrs["selection"] = (
+            f"{self.selection(kept, stop - start)}; part {of.part} of a search, to be joined"
+        )
+        if not len(kept.rows):
+            result.attrs["selection"] += "; none is kept, and the first row stands here"
+        return result
+
+    def whole(self, stream: Stream, kept: Kept, verify: int | None) -> xr.Dataset:
+        """Return what a part tells to those that join it: the request, and what it has kept, as `of_part` has it."""
+        columns, _ = self.columns(stream, np.zeros(1, dtype=np.int64))
+        links, left_out = self.options.get("links"), {"threads", "links", "backend"}
+        options = {name: value for name, value in self.options.items() if name not in left_out}
+        options["links"] = None if links is None else {"model": links.model, "values": links.values}
+        about = {
+            "environment": environment().hex(),
+            "quantities": self.quantities,
+            "asked": self.asked | {"refine": self.only if self.only else self.only is not None},
+            "options": options,
+            "columns": list(columns),
+            "rows_of_design": stream.rows.of_design,
+            "labels": list(self.resolved.space.labels),
+            "spans": None if self.spans is None else [astuple(one) for one in self.spans],
+            "size": self.size,
+            "origin": self.origin,
+            "attrs": list(self.attrs),
+            "verify": verify,
+        }
+        text = json.dumps(about, default=lambda value: value.tolist())
+        arrays = {name: np.ravel(value) for name, value in stream.ordered(kept).arrays().items()}
+        return xr.Dataset(coords={n: ((n,), a) for n, a in {**arrays, SEARCH: np.array([text])}.items()})
+
+    def selection(self, kept: Kept, size: int) -> str:
+        """Return how rows were selected, as a text."""
+        aims = joined([str(one) for one in self.choice.objectives])
+        return f"{len(kept.rows):,} of {kept.considered:,} rows by the {aims}, of {counted(size, 'design')}"
+
+    def counts(self, stream: Stream, kept: Kept, size: int) -> dict[str, Any]:
+        """Return how many designs were searched, and why others were left out, as attributes."""
+        attrs: dict[str, Any] = {f"{SEARCHED}{name}": value for name, value in self.origin.items()}
+        attrs |= {f"{SEARCHED}designs": size, f"{SEARCHED}rows": size * stream.rows.of_design}
+        flags = self.resolved.catalogue.facts["status"].flags
+        attrs |= {f"{SEARCHED}designs_{meaning}": int(kept.designs[code]) for code, meaning in flags.items()}
+        for one, count in zip(self.choice.wanted, kept.failed.tolist(), strict=True):
+            attrs[f"excluded_by_{one.array.name}"] = count
+        attrs |= {"excluded_as_not_a_number": kept.not_numbers, "excluded_as_infinite": kept.infinite}
+        return attrs | {f"{SEARCHED}rows_considered": kept.considered}
+
+
+def labels_of(resolved: ResolvedSweep) -> xr.Dataset:
+    """Return the labels of a sweep with its first design, and zeros for results."""
+    space = resolved.space.consecutive(0, 1)
+    columns = {name: np.asarray(values) for name, values in space.columns.items()}
+    one = replace(resolved, space=replace(space, columns=columns, labels={}), scaling_axis=None)
+    arrays = [np.zeros_like(array) for array in allocated(one.shapes, 1)]
+    return labels.labelled(one, labels.variables_of(one), arrays, {})
+
+
+def write(path: Path, found: xr.Dataset, fingerprint: str, made: str, **options: Any) -> None:
+    """Write the designs that were found; options are those of a `Writer`."""
+    variables = [
+        Variable(str(name), tuple(map(str, one.dims)), one.shape, one.dtype, plain_attrs(one.attrs))
+        for name, one in found.data_vars.items()
+    ]
+    coords = found.drop_vars(list(found.data_vars)).drop_encoding()
+    coords.attrs = {}
+    attrs = {str(name): value for name, value in found.attrs.items() if name != FORMAT}
+    run = fingerprint, found.sizes[DESIGN]
+    with Writer(path, coords, variables, plain_attrs(attrs), run=run, **options) as writer:
+        for variable in variables:
+            writer.write(variable.name, 0, np.ascontiguousarray(found[variable.name].values))
+        writer.finish({HISTORY: made})
+
+
+# -- Search a design space without a map: sweep it block by block, keep the best, refine them
+
+
+@door
+def search(
+    mechanism: str | Extension,
+    space: DesignSpace | Mapping[str, Any] | str | Path | Any,
+    quantities: Sequence[str] = (),
+    *,
+    minimise: str | Sequence[str] = (),
+    maximise: str | Sequence[str] = (),
+    where: Any = None,
+    top: int | None = None,
+    infinite: bool = False,
+    refine: bool | Sequence[str] = True,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+    links: Links | None = None,
+    input: str | None = None,
+    angles: int | ArrayLike | None = None,
+    branch: int | Sequence[int] = 1,
+    solver: str = ELIMINATED,
+    extrema: str | None = None,
+    verify: int | None = None,
+    to: str | Path | None = None,
+    overwrite: bool = False,
+    restart: bool = False,
+    part: tuple[int, int] | str | None = None,
+    threads: int | None = None,
+    client: Client | None = None,
+    progress: bool | None = None,
+    attrs: Mapping[str, Any] | None = None,
+    block: int | None = None,
+    backend: str | None = None,
+    **positions: int | ArrayLike | None,
+) -> xr.Dataset:
+    """Search a design space for its best designs, without a map of all, and refine them.
+
+    The designs are swept block by block; the best few, or those of the Pareto front, are kept, and nothing else: memory
+    does not grow with their number, a sample of 10^9 designs needs no file. Those that were found are refined as by
+    `fastlink.best`.
+
+    Parameters
+    ----------
+    mechanism, space, links, input, angles, solver, extrema, attrs, backend, **positions
+        As in `fastlink.sweep`; for a search, `space` is mostly a sample, such as ``fastlink.sobol(10**7, ...)``.
+    quantities : sequence of str
+        What else to compute of the designs that are found; objectives and conditions come along.
+    minimise, maximise, where, top, infinite
+        As in `fastlink.best`, by names of quantities and inputs; conditions by name, not as a mask.
+    refine : bool or sequence of str, default True
+        As in `fastlink.best`.
+    bounds : mapping, optional
+        For inputs that are swept the least and greatest value of refined designs; by default those of the space.
+    branch : int or sequence of int, default 1
+        The assembly mode, or several, in each of which a design is a row of its own.
+    verify : int, optional
+        How many of the designs that are found are computed again with 50 digits, as in `fastlink.sweep`.
+    to : path, optional
+        The HDF5 file to write. A file that is there already and holds the result of this search is opened as it is.
+    overwrite : bool
+        Search anew and replace an existing file.
+    threads, client, progress, block
+        As in `fastlink.sweep`.
+    restart : bool
+        Throw away what a killed search has left in ``FILE.search``. Without it, the same search goes on there, to the
+        same bits, and another one is refused.
+    part : (k, n) or "k/n", optional
+        Search the k-th of n nearly equal ranges of consecutive designs alone. What it keeps is not refined; its file is
+        a part, of which `fastlink.join` makes the result of the whole search (see docs/scaling.md).
+
+    Returns
+    -------
+    xarray.Dataset
+        The designs that were found as a map of their own, along ``design``, the best of the first objective first; the
+        label ``design`` is the number of the start in the space. Their attributes say what was searched, how many
+        designs, how many rows each condition excludes and how many there were of each status.
+
+    Raises
+    ------
+    InputError
+        Bad input; or no design meets the conditions, with the numbers that each excludes.
+
+    Examples
+    --------
+    >>> import fastlink as fl
+    >>> space = fl.sobol(4096, a1=(0.1, 0.5), a2=(0.8, 1.3), a3=(0.5, 1.2), a4=1.0, omega1=1.0)
+    >>> where = {"status": "rotates_fully", "transmission_angle_min_deg": (40, None), "swing_deg": (60, None)}
+    >>> found = fl.search("planar_4r", space, minimise="omega4_max", where=where, top=2)
+    >>> found.omega4_max.values.round(4), found.active.values[0].item()
+    (array([0.473]), 'transmission_angle_min >= 0.698132 rad, swing >= 1.0472 rad')
+    >>> found.attrs["searched_designs"], found.attrs["excluded_by_swing"] > 1000
+    (4096, True)
+    """
+    problems, checked = Problems(), dict[str, Any]()
+    with problems.at():
+        given: dict[str, Any] = {"verify": verify, "to": to, "threads": threads, "overwrite": overwrite}
+        given |= {"restart": restart, "progress": progress, "attrs": attrs, "block": block}
+        checked = check_options(given | {"part": part, "client": client})
+    asked: dict[str, Any] = {"minimise": minimise, "maximise": maximise, "where": where, "top": top}
+    asked |= {"infinite": infinite, "refine": refine, "bounds": bounds}
+    of_sweep: dict[str, Any] = {"links": links, "input": input, "angles": angles, "positions": positions}
+    of_sweep |= {"branch": branch, "solver": solver, "extrema": extrema, "backend": backend}
+    with problems.at():
+        request = request_of(mechanism, space, quantities, asked, **of_sweep, options=_OPTIONS)
+        if checked.get("part") is not None:
+            check_size(("part",), checked["part"], request.size)
+    check_workers(client, threads, problems)
+    problems.stop()
+    request.options["threads"], request.attrs = checked["threads"], checked["attrs"] or {}
+    of = None if part is None else PartOfMap(checked["part"], request.fingerprint, request.size)
+    run: dict[str, Any] = {name: checked[name] for name in ("block", "progress", "verify")}
+    run |= {"threads": checked["threads"] or default_threads(), "of": of}
+    if client is not None:
+        from fastlink.engine.cluster import Cluster  # 25 ms of imports, for clusters alone
+
+        run |= {"cluster": Cluster(client), "threads": 1}
+    if to is None:
+        return found_by(request, **run)[0]
+    run |= {"restart": restart}
+    ways: dict[str, Any] = {"overwrite": overwrite, "restart": restart, "of": of}
+    made = f"search {request.resolved.mechanism}"
+    return to_file(
+        checked["to"], request, lambda path: found_by(request, path=path, **run), made=made, **ways
+    )
+
+
+def to_file(
+    to: Path,
+    request: Request,
+    found: Callable[[Path], tuple[xr.Dataset, xr.Dataset | None]],
+    *,
+    made: str,
+    overwrite: bool,
+    restart: bool,
+    of: PartOfMap | None = None,
+    parts: Sequence[PartFile] = (),
+) -> xr.Dataset:
+    """Write the result of a search, and open it; one that is there already is opened as it is."""
+    about, fingerprint = request.about(), request.fingerprint
+    if of is not None:
+        about, fingerprint = about | of.attrs(), of.fingerprint
+    if not overwrite:
+        finished = finished_map(to, fingerprint, verified=0, attrs=about)
+        if finished is not None:
+            return finished
+    path = check_target(to, 0, overwrite, [one.path for one in parts])
+    if not restart:
+        check_left(path, fingerprint)
+    result, whole = found(path)
+    before = str(parts[0].attrs.get(HISTORY, "")) if parts else ""
+    line = history(f"{made} to {path.name}", before)
+    write(path, result, fingerprint, line, whole=whole, overwrite=overwrite, restart=restart)
+    return open_map(path)
+
+
+def request_of_parts(parts: Sequence[PartFile], own: Any = None) -> tuple[Request, list[Kept], Any]:
+    """Return the search that parts make together, what each has kept, and how many designs are verified.
+
+    Its designs are those that were kept, which know their numbers among all.
+    """
+    for part in parts:
+        part.check_labels()
+    wholes, attrs = [part.whole() for part in parts], parts[0].attrs
+    about = json.loads(wholes[0][SEARCH].item())
+    if about["environment"] != environment().hex():
+        what = f"{parts[0].path} is by another version ({attrs.get('source')})"
+        raise InputError(what, where=("paths",), remedy="join with the version that has searched the parts")
+    mechanism, text = str(attrs["mechanism"]), str(attrs.get("own_quantities", ""))
+    if own is not None:
+        mechanism = check_declared(("mechanism",), own, mechanism, text)  # type: ignore[assignment]
+    elif text:
+        raise own_refused(("mechanism",), declared_names(text)[0])
+    kept, numbers, columns = list[Kept](), list[Any](), dict[str, list[Any]]()
+    for part, whole in zip(parts, wholes, strict=True):
+        kept.append(Kept.of_arrays({str(name): one.values for name, one in whole.coords.items()}))
+        rows = kept[-1].rows // about["rows_of_design"]
+        numbers.append(rows if len(rows) else np.array(part.of.range[:1]))
+        with part.dataset() as opened:
+            for name in about["columns"]:
+                columns.setdefault(name, []).append(opened[name].values)
+    every = np.concatenate(numbers)
+    order = np.argsort(every, kind="stable")
+    options = dict(about["options"])
+    links = options["links"] = None if options["links"] is None else Links(**options["links"])
+    space = table(
+        {
+            name: np.concatenate(values)[order] if np.ndim(values[0]) else values[0].item()
+            for name, values in columns.items()
+            if links is None or name not in links.values
+        },
+        keep=about["labels"],
+    )
+    asked = {**about["asked"], "bounds": None, "spans": None}
+    if about["spans"] is not None:
+        asked["spans"] = [
+            Span(a, low, high, tuple(map(tuple, f)), t) for a, low, high, f, t in about["spans"]
+        ]
+    request = request_of(mechanism, space, about["quantities"], asked, positions={}, **options)
+    request.numbers, request.known = every[order], parts[0].of.whole
+    request.size, request.origin = about["size"], about["origin"]
+    request.attrs = {name: attrs[name] for name in about["attrs"]}
+    return request, kept, about["verify"]
+
+
+#: The keywords of a search besides the name of the input.
+_OPTIONS = tuple(name for name in signature(search).parameters if name != "positions")
+
+
+def request_of(
+    mechanism: Any, space: Any, quantities: Any, asked: Mapping[str, Any], **of_sweep: Any
+) -> Request:
+    """Return the request of a search, or refuse it with all its problems; nothing is compiled."""
+    problems, only = Problems(), None
+    with problems.at():
+        only = inputs_to_refine(asked["refine"])
+    names = _searched(find_catalogue(mechanism, of_sweep["input"]), asked, problems)
+    bounds = _ranges(asked["bounds"], problems)
+    resolved, others = None, list[str]()
+    with problems.at():
+        others = [] if _is_nothing(quantities) else list(check_names("quantities", quantities))
+        resolve(mechanism, space, [*others, *(n for n in names if n not in others)] or [STATUS], **of_sweep)
+        resolved = resolve(mechanism, space, names or [STATUS], **of_sweep)
+    problems.stop()
+    assert resolved is not None
+    wanted = tuple(dict.fromkeys([*others, *names]))
+    given: dict[str, Any] = {
+        "quantities": wanted,
+        "only": only,
+        "bounds": bounds,
+        "spans": asked.get("spans"),
+    }
+    request = Request.of(mechanism, resolved, of_sweep, **given)
+    choice = {name: asked[name] for name in ("minimise", "maximise", "where", "top", "infinite")}
+    request.choose(**choice)
+    return request
+
+
+def _is_nothing(names: Any) -> bool:
+    return isinstance(names, (list, tuple)) and not names
+
+
+def _searched(catalogue: Catalogue, asked: Mapping[str, Any], problems: Problems) -> list[str]:
+    """Return the quantities that objectives and conditions name; what is unknown is noted, other values are not."""
+    aims = [(key, name) for key in ("minimise", "maximise") for name in listed(asked[key])]
+    where = asked["where"]
+    wanted = where if isinstance(where, Mapping) and not hasattr(where, "data_vars") else {}
+    inputs = {*catalogue.known_inputs(catalogue.variant_inputs), catalogue.position.name, BRANCH, STATUS}
+    found: dict[str, None] = {}
+    for key, name in [*aims, *(("where", name) for name in wanted)]:
+        if not isinstance(name, str) or name in inputs:
+            continue
+        with problems.at(key):
+            try:
+                parse_request(name, catalogue)
+            except InputError:
+                angle = angle_of(name) if key == "where" else ""
+                if angle in inputs:
+                    continue
+                parse_request(angle or name, catalogue)
+                name = angle
+            found[name] = None
+    return list(found)
+
+
+def _ranges(bounds: Any, problems: Problems) -> dict[str, tuple[float, float]]:
+    """Return the ranges of refined designs; what is none is noted."""
+    found: dict[str, tuple[float, float]] = {}
+    if bounds is None:
+        return found
+    remedy = "write such as {'a1': (0.2, 0.5)}"
+    if not isinstance(bounds, Mapping):
+        problems.add("is not a mapping", ("bounds",), remedy)
+        return found
+    for name, ends in bounds.items():
+        try:
+            low, high = map(float, ends)
+            right = -float("inf") < low < high < float("inf")
+        except (TypeError, ValueError, OverflowError):
+            right = False
+        if right:
+            found[str(name)] = low, high
+        else:
+            problems.add("is not a range", ("bounds", str(name)), ("write ", Pair(), " with finite lo < hi"))
+    return found
+
+
+# -- Join the parts of a map, or of a search
+
+
+#: More threads than these do not copy faster.
+MOST_THREADS = 4
+#: What is told of the run of a joined search, from its parts.
+OF_RUN = ("run_time_s", "threads", JOINED, CORE_TIME)
+
+
+@door
+def join(
+    paths: str | Path | Sequence[str | Path],
+    *,
+    to: str | Path,
+    copy: bool = False,
+    overwrite: bool = False,
+    restart: bool = False,
+    progress: bool | None = None,
+    mechanism: Extension | None = None,
+) -> xr.Dataset:
+    """Join the parts of a map to the map that one sweep of all designs writes; those of a search to its result.
+
+    Its values stay in the files of the parts, which the map shows as one, as virtual datasets of HDF5. Nothing is
+    copied; the parts must stay, and are moved together with the map. `fastlink.open` refuses the map where a part is
+    missing or has changed since, and `fastlink.check` reads them all. With ``copy=True`` the values are copied to one
+    file, each checked against the checksums of its part as it is read; a copy that was killed goes on when it is called
+    again.
+
+    The labels and the bits are those of the whole sweep, and `fastlink.sweep` of the same request finds its map in the
+    file. Counts of designs and run times are sums, measured errors the greatest of all parts; docs/scaling.md tells
+    each attribute. Of a search the best rows of all parts are refined here, to the bits of one search of all designs;
+    its file needs no part any more.
+
+    Parameters
+    ----------
+    paths : path, or sequence of paths
+        The files of all parts, made with ``part=(k, n)``; the folder that holds them; or a pattern such as
+        ``"maps.part-*.h5"``.
+    to : path
+        The HDF5 file to write; without a copy in the folder of the parts, or in one above it.
+    copy : bool, default False
+        Copy the values, to a file that does not need the parts any more.
+    overwrite : bool, default False
+        Replace an existing file. Without it, an existing map of the same request, unchanged since, is opened as it is.
+    restart : bool, default False
+        Throw away what an interrupted join has left in ``FILE.part``.
+    progress : bool, optional
+        Show a progress bar on standard error; by default only on a terminal.
+    mechanism : Extension, optional
+        Of a search by quantities of one's own: what `fastlink.extend` returned, with which the parts were made.
+
+    Returns
+    -------
+    xarray.Dataset
+        Opened lazily from the file.
+
+    Raises
+    ------
+    InputError
+        A part is missing, damaged, doubled with other values or of another map; the message names it.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import fastlink as fl
+    >>> request = "planar_4r", fl.grid(a1=0.4, a2=[1.1, 1.2, 1.3], a3=0.8, a4=[1.0, 1.1]), ["transmission_angle_min"]
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     for k in (1, 2, 3):
+    ...         fl.sweep(*request, part=(k, 3), to=f"{folder}/maps.part-{k}-of-3.h5", verify=0).close()
+    ...     with fl.join(folder, to=pathlib.Path(folder, "maps.h5")) as maps:
+    ...         dict(maps.transmission_angle_min.sizes)
+    {'a2': 3, 'a4': 2, 'branch': 2}
+    """
+    problems, checked, parts = Problems(), dict[str, Any](), list[PartFile]()
+    ways: dict[str, Any] = {"overwrite": overwrite, "restart": restart}
+    with problems.at():
+        check_output(("to",), to)
+        checked = check_options({"overwrite": overwrite, "restart": restart, "progress": progress})
+    with problems.at():
+        check_switch(("copy",), copy)
+    with problems.at():
+        parts = part_files(paths)
+    problems.stop()
+    if SEARCH in parts[0].whole():
+        return _joined_search(parts, mechanism, checked["progress"], Path(to), **ways)
+    if mechanism is not None:
+        remedy = "leave it out: maps are joined as they are"
+        raise InputError("counts for the parts of a search alone", where=("mechanism",), remedy=remedy)
+    joined = JoinedMap(parts)
+    about: dict[str, Any] = {"coords": joined.coords, "variables": joined.variables, "attrs": {}}
+    if not overwrite:
+        found = finished_map(to, joined.fingerprint, verified=0, **about)
+        if found is not None:
+            if copy and shown_parts(Path(found.encoding["source"])):
+                found.close()
+                raise exists_error(Path(to), "and shows the values of its parts")
+            return found
+    path = check_target(to, 0, overwrite, [part.path for part in parts])
+    shown = None if copy else joined.shown_in(path.parent)
+    ways |= {"run": joined.run(shown), "shown": shown}
+    with Writer(path, joined.coords, joined.variables, {}, **ways) as writer:
+        with ProgressBar(joined.designs, checked["progress"]) as bar:
+            for start, stop in writer.written:
+                bar.take(start, stop, [])
+            threads = min(default_threads(), MOST_THREADS)
+            joined.copy(writer, threads, lambda start, stop: bar.take(start, stop, []), shown)
+        writer.finish(joined.last_attrs(path.name), joined.errors)
+    return open_map(path)
+
+
+def _joined_search(
+    parts: Sequence[PartFile], own: Extension | None, progress: bool | None, to: Path, **ways: Any
+) -> xr.Dataset:
+    """Return the result of the search of all parts."""
+    try:
+        request, found, verify = request_of_parts(parts, own)
+    except (KeyError, ValueError, TypeError, AttributeError) as error:
+        if isinstance(error, InputError):
+            raise
+        what = f"{parts[0].path}: what it says of its search cannot be read ({reason(error)})"
+        raise InputError(what, where=("paths",), remedy=RUN_AGAIN) from error
+    stream = Stream(request.resolved, request.kept, request.along)
+    kept = stream.nothing()
+    for one in found:
+        stream.merge(kept, one)
+    stream.settle(kept)
+    about = {name: value for name, value in merged([part.attrs for part in parts]).items() if name in OF_RUN}
+    about["designs_per_second"] = request.size / about["run_time_s"]
+    how: dict[str, Any] = {"verify": DESIGNS if verify is None else verify, "progress": progress}
+    made = f"join {len(parts)} parts of a search"
+    return to_file(
+        to,
+        request,
+        lambda path: (finished(request, stream, kept, about, **how), None),
+        made=made,
+        parts=parts,
+        **ways,
+    )

@@ -1,0 +1,431 @@
+"""Sinks that travel: they work in other processes, and what they have gathered there is merged here.
+
+A sink is made of functions and of objects that keep something: a file, counts, chosen designs. Functions travel by
+value; of each object a twin is made in the other process, which keeps the same for some designs and reports it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import collections
+import concurrent.futures
+import contextlib
+import io
+import itertools
+import json
+import math
+import pickle
+import platform
+import queue
+import socket
+import threading
+import time
+import uuid
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import MethodType
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+
+import numpy as np
+
+from fastlink._text import __version__, short_repr
+from fastlink.codegen.cache import environment
+from fastlink.codegen.runtime.cells import LANES
+from fastlink.engine.run import Job, Sink, block_length, row_bytes, run
+from fastlink.engine.sinks import into
+from fastlink.errors import InputError, KeyPath, Problems, remark
+from fastlink.io.place import reason
+from fastlink.io.writer import NotHereError
+
+if TYPE_CHECKING:
+    from distributed import Client, Future
+    from numpy.typing import NDArray
+
+    from fastlink.io.checksums import Range
+
+__all__ = ["Cluster", "Report", "about", "connected", "difference", "packed"]
+
+
+class Twin(Protocol):
+    """A stand-in for an object in another process, for the designs of one task; picklable before it has any."""
+
+    def report(self) -> Any:
+        """Return what was gathered, which travels back."""
+
+
+class Traveller(Protocol):
+    """An object that has twins in other processes."""
+
+    def twin(self) -> Twin:
+        """Return a twin, which has gathered nothing."""
+
+    def merge(self, report: Any) -> None:
+        """Add what a twin has gathered."""
+
+
+def packed(value: Any) -> tuple[bytes, list[Traveller]]:
+    """Return a value as bytes, and the travellers in it, which `unpacked` gives twins."""
+    import cloudpickle
+
+    travellers: list[Traveller] = []
+    twins: list[Twin] = []
+
+    class Packer(cloudpickle.Pickler):  # type: ignore[misc]
+        # methods by their name: of a twin they are those of its own class
+        dispatch_table: ClassVar[Any] = collections.ChainMap(
+            {MethodType: _by_name}, cloudpickle.Pickler.dispatch_table
+        )
+
+        def persistent_id(self, known: Any) -> Any:
+            if not (hasattr(type(known), "twin") and hasattr(type(known), "merge")):
+                return None
+            if known not in travellers:
+                travellers.append(known)
+                twins.append(known.twin())  # one, wherever it is referred to
+            return travellers.index(known), twins[travellers.index(known)]
+
+    file = io.BytesIO()
+    Packer(file, protocol=pickle.HIGHEST_PROTOCOL).dump(value)
+    return file.getvalue(), travellers
+
+
+def _by_name(method: MethodType) -> tuple[Any, ...]:
+    return getattr, (method.__self__, method.__name__)
+
+
+def unpacked(data: bytes) -> tuple[Any, Sequence[Twin]]:
+    """Return a packed value, and its new twins in the order of the travellers."""
+    twins: dict[int, Twin] = {}
+
+    class Unpacker(pickle.Unpickler):
+        def persistent_load(self, known: Any) -> Any:
+            index, twin = known
+            return twins.setdefault(index, twin)
+
+    value = Unpacker(io.BytesIO(data)).load()
+    return value, [twins[k] for k in sorted(twins)]
+
+
+# -- Evaluate ranges of designs on a worker of a cluster, and report
+
+
+#: Sweeps whose kernels a worker keeps.
+KEPT = 4
+SAME_VERSION = "install the version of this process on all workers"
+
+
+@dataclass(frozen=True)
+class Report:
+    """The report of a task.
+
+    Attributes
+    ----------
+    seconds : float
+        How long the evaluation took.
+    reports : list
+        What the twins of the sink's travellers have gathered; None where the results come back instead.
+    arrays : list of array
+        The results, where they come back.
+    """
+
+    seconds: float
+    reports: list[Any] | None
+    arrays: list[NDArray[Any]] = field(default_factory=list)
+
+
+def about() -> tuple[str, str, str]:
+    """Return the version of fastlink, the hash of what makes and runs kernels, and the version of Python."""
+    return __version__, environment().hex(), ".".join(platform.python_version_tuple()[:2])
+
+
+_loading = threading.Lock()
+_jobs: dict[str, Job] = {}
+
+
+def _job(data: bytes, name: str) -> Job:
+    """Return the job of a sweep; its kernels are compiled, or loaded from the cache, once in this process."""
+    with _loading:
+        if name not in _jobs:
+            _jobs[name] = unpacked(data)[0]
+            while len(_jobs) > KEPT:
+                del _jobs[next(iter(_jobs))]
+        return _jobs[name]
+
+
+def evaluate_range(
+    data: tuple[bytes, bytes | None], name: str, start: int, stop: int, *, block: int | None, same: Any
+) -> Report:
+    """Evaluate designs on a worker."""
+    if about() != same:
+        raise InputError(f"a worker {difference(about(), same)}", where=("client",), remedy=SAME_VERSION)
+    job = _job(data[0], name)
+    length = min(block or block_length(job.shapes, job.size, 1), stop - start)
+    options: dict[str, Any] = {"block": length, "pending": [(start, stop)]}
+    if data[1] is not None:
+        sink, twins = unpacked(data[1])
+        with contextlib.suppress(NotHereError), contextlib.ExitStack() as stack:
+            for twin in twins:
+                if isinstance(twin, contextlib.AbstractContextManager):
+                    stack.enter_context(twin)
+            started = time.perf_counter()
+            run(job, sink=sink, **options)
+            seconds = time.perf_counter() - started
+            return Report(seconds, [twin.report() for twin in twins])
+    arrays = [np.empty((stop - start, *shape), dtype) for shape, dtype in job.shapes]
+    keep = into(arrays)
+    started = time.perf_counter()
+    run(job, sink=lambda first, last, results: keep(first - start, last - start, results), **options)
+    return Report(time.perf_counter() - started, None, arrays)
+
+
+def difference(found: Any, same: tuple[str, str, str]) -> str:
+    """Return what is wrong with a worker, from what `about` returns there and here."""
+    if isinstance(found, ImportError):
+        return f"cannot import fastlink ({found})"
+    if isinstance(found, BaseException):
+        return f"cannot run fastlink ({type(found).__name__}: {found})"
+    if found[2] != same[2]:
+        return f"runs Python {found[2]}, and this process {same[2]}"
+    if found[0] != same[0]:
+        return f"has fastlink {found[0]}, and this process {same[0]}"
+    return f"has another state of fastlink {found[0]} than this process"
+
+
+# -- Run kernels over all designs on the workers of a dask.distributed cluster, range by range
+
+# A worker that sees the file that is written writes its results into it and reports what that adds to the
+# checksums; from another the results come back. Which of both is found out in each task, by the worker
+# itself. The bits are those of one thread: a range is evaluated by `fastlink.engine.run.run`, as here.
+
+
+INSTALL = "python -m pip install 'fastlink-linkages[distributed]'"
+#: Seconds within which a scheduler answers.
+ANSWERED_SECONDS = 10.0
+#: Seconds of work in one task, at least: a lost worker loses this.
+TASK_SECONDS = 1.0
+#: Seconds that a task costs the client, whatever its length (1.6 to 2.0 ms measured); the share of its time for them.
+TASK_COST, CLIENT_SHARE = 2e-3, 0.5
+#: Most bytes of results in one task: where any have come back, and where workers have kept all so far.
+TASK_BYTES, TASK_BYTES_KEPT = 32 << 20, 256 << 20
+#: Tasks per thread of the workers that are handed out at once: one under way, one that waits for it.
+AHEAD = 2
+#: Designs of the first tasks, of which nothing is known; the next ones have at most so many times those before, and at
+#: least this part of their seconds.
+FIRST_DESIGNS, GROWTH, LEAST = 64, 8, 0.1
+#: Seconds to wait for a report before a look at the number of workers.
+PATIENCE = 0.5
+#: Seconds for which the number of the workers' threads is believed.
+KNOWN_SECONDS = 2.0
+#: A cluster may lose what it was given so many times in a row without any result.
+LOSSES = 5
+
+
+def connected(where: KeyPath, address: str) -> Client:
+    """Return a client of the scheduler at an address, or of that whose file is at a path."""
+    try:
+        from distributed import Client
+        from distributed.comm import get_address_host_port
+    except ModuleNotFoundError:
+        raise InputError("distributed is not installed", where=where, remedy=INSTALL) from None
+    try:
+        if Path(address).is_file():
+            address = json.loads(Path(address).read_text())["address"]
+        # a client that nobody answers takes half a minute, and is loud
+        socket.create_connection(get_address_host_port(address), ANSWERED_SECONDS).close()
+        return Client(address, timeout=ANSWERED_SECONDS)
+    except Exception as error:  # of all kinds, by what is wrong with the text
+        what = f"no scheduler answers at {short_repr(address)} ({reason(error) or type(error).__name__})"
+        remedy = "write the address that `dask scheduler` prints, such as tcp://10.0.0.1:8786, or its scheduler file"
+        raise InputError(what, where=where, remedy=remedy) from None
+
+
+class Cluster:
+    """The workers of a client, for one sweep."""
+
+    def __init__(self, client: Client) -> None:
+        self.client = client
+        self._known = -math.inf, 0
+
+    @property
+    def threads(self) -> int:
+        """Number of threads of all workers, of which each runs one task at a time; not asked for at every call."""
+        when, threads = self._known
+        if time.monotonic() - when > KNOWN_SECONDS:
+            threads = sum(self.client.nthreads().values())
+            self._known = time.monotonic(), threads
+        return threads
+
+    def check(self) -> None:
+        """Refuse workers without fastlink, or with another version; wait for the first worker."""
+        if not self.threads:
+            remark("the cluster has no workers yet; the sweep waits for the first", ("client",))
+            self.client.wait_for_workers(1)
+        same, problems = about(), Problems()
+        for address, found in sorted(self.client.run(about, on_error="return").items()):
+            if found != same:
+                problems.add(f"the worker {address} {difference(found, same)}", ("client",), SAME_VERSION)
+        problems.stop()
+
+    def run(
+        self,
+        job: Job,
+        sink: Sink,
+        *,
+        travels: bool = False,
+        block: int | None = None,
+        pending: Sequence[Range] | None = None,
+    ) -> None:
+        """Evaluate every design, as `fastlink.engine.run.run`; on any exception, what is under way is cancelled."""
+        of_sink, travellers = packed(sink) if travels else (None, [])
+        tasks = _Tasks(self, (packed(job)[0], of_sink), block)
+        ranges = _Pending([(0, job.size)] if pending is None else pending)
+        length = _Length(job)
+
+        def take(start: int, stop: int, report: Report) -> None:
+            if report.reports is None:
+                length.bytes = TASK_BYTES
+                sink(start, stop, report.arrays)
+            else:
+                for traveller, gathered in zip(travellers, report.reports, strict=True):
+                    traveller.merge(gathered)
+
+        # not in this thread, for the reason that `apart` of `fastlink.engine.run.run` has
+        with concurrent.futures.ThreadPoolExecutor(1, "fastlink-take") as taker:
+            try:
+                while ranges.left or tasks.under_way:
+                    while ranges.left and len(tasks.under_way) < AHEAD * max(self.threads, 1):
+                        tasks.submit(*ranges.take(length.next(ranges.left, self.threads)))
+                        if not tasks.done.empty():  # which says how long the next one is to be
+                            break
+                    for start, stop, report in tasks.finished():
+                        length.learn(stop - start, report.seconds)
+                        taker.submit(take, start, stop, report).result()
+            finally:
+                tasks.cancel()
+
+
+class _Pending:
+    """Designs that are not handed out yet."""
+
+    def __init__(self, ranges: Sequence[Range]) -> None:
+        self.ranges = list(reversed([(start, stop) for start, stop in ranges if start < stop]))
+        self.left = sum(stop - start for start, stop in self.ranges)
+
+    def take(self, most: int) -> Range:
+        """Return the next designs, at most so many."""
+        start, stop = self.ranges.pop()
+        end = min(start + most, stop)
+        if end < stop:
+            self.ranges.append((end, stop))
+        self.left -= end - start
+        return start, end
+
+
+class _Length:
+    """How many designs make a task, by the last report.
+
+    A task takes one thread `TASK_SECONDS`, and on many threads longer: so long that the client, to whom each costs
+    `TASK_COST`, has time for all of them.
+    """
+
+    def __init__(self, job: Job) -> None:
+        self.row, self.bytes = max(row_bytes(job.shapes), 1), TASK_BYTES_KEPT
+        self.length, self.rate, self.trusted = FIRST_DESIGNS, 0.0, FIRST_DESIGNS
+
+    def next(self, left: int, threads: int) -> int:
+        """Return the number of the next task: towards the end fewer, so that no thread has nothing to do."""
+        threads = max(threads, 1)
+        share, least = -(-left // (AHEAD * threads)), 1.0
+        most = max(1, (self.bytes if self.rate else TASK_BYTES) // self.row)
+        if self.rate:
+            pace = TASK_COST * threads  # of tasks that long the client is just not the slowest
+            self.length = int(self.rate * max(TASK_SECONDS, pace / CLIENT_SHARE))
+            least = self.rate * max(TASK_SECONDS * LEAST, pace)
+        self.length = max(1, min(self.length, self.trusted, most))
+        length = int(max(1, min(self.length, max(share, least))))
+        return length if length < LANES else length // LANES * LANES
+
+    def learn(self, designs: int, seconds: float) -> None:
+        """Take account of how long a task of so many designs took."""
+        self.rate, self.trusted = designs / max(seconds, 1e-6), GROWTH * max(self.length, designs)
+
+
+class _Tasks:
+    """The tasks of a sweep that are handed out."""
+
+    def __init__(self, cluster: Cluster, data: tuple[bytes, bytes | None], block: int | None) -> None:
+        self.client, self.data, self.block = cluster.client, data, block
+        self.name, self.numbers = uuid.uuid4().hex, itertools.count()
+        self.under_way: dict[Future, Range] = {}
+        self.done: queue.SimpleQueue[Future] = queue.SimpleQueue()
+        self.losses = 0
+        self._scatter()
+
+    def _scatter(self) -> None:
+        self.client.wait_for_workers(1)  # a scatter does not wait long
+        (self.scattered,) = self.client.scatter([self.data], broadcast=True, hash=False)
+
+    def submit(self, start: int, stop: int) -> None:
+        """Hand out a range of designs."""
+        future = self.client.submit(
+            evaluate_range,
+            self.scattered,
+            self.name,
+            start,
+            stop,
+            block=self.block,
+            same=about(),
+            key=f"fastlink-{self.name}-{next(self.numbers)}",
+            pure=False,
+        )
+        self.under_way[future] = start, stop
+        future.add_done_callback(self.done.put)
+
+    def finished(self) -> Iterator[tuple[int, int, Report]]:
+        """Yield the ranges that are done and their reports, after a short wait for the first."""
+        with contextlib.suppress(queue.Empty):
+            future = self.done.get(timeout=PATIENCE)
+            start, stop = self.under_way.pop(future)
+            if future.status == "error":
+                raise self._failure(start, stop, future.exception())
+            try:
+                report = future.result()
+            except (concurrent.futures.CancelledError, asyncio.CancelledError):
+                self._again(start, stop)
+                return
+            self.losses = 0
+            yield start, stop, report
+
+    def _again(self, start: int, stop: int) -> None:
+        """Hand out designs again whose task or data the cluster has lost."""
+        if self.client.status != "running" or self.losses >= LOSSES:
+            raise InputError("the cluster has lost its tasks", where=("client",), remedy="look at its log")
+        if self.scattered.status != "finished":
+            self.losses += 1
+            self._scatter()
+        self.submit(start, stop)
+
+    def _failure(self, start: int, stop: int, error: BaseException | None) -> BaseException:
+        """Return the error of a task in the words of the sweep."""
+        if isinstance(error, InputError):
+            return error
+        if isinstance(error, ImportError):
+            return InputError(
+                f"a worker {difference(error, about())}", where=("client",), remedy=SAME_VERSION
+            )
+        if type(error).__name__ == "KilledWorker":
+            what = f"workers die of designs {start} to {stop - 1}: {error}"
+            return InputError(
+                what, where=("client",), remedy="give workers more memory, or look at their log"
+            )
+        if isinstance(error, OSError):
+            what = f"a worker cannot write the file ({error})"
+            return InputError(what, where=("to",), remedy="choose another place")
+        return error or RuntimeError(f"designs {start} to {stop - 1} have failed on a worker")
+
+    def cancel(self) -> None:
+        """Cancel what is under way; what a worker has begun it ends, to the same bits."""
+        with contextlib.suppress(Exception):
+            self.client.cancel(list(self.under_way), force=True)
+        self.under_way.clear()

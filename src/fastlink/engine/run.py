@@ -1,0 +1,303 @@
+"""Bind kernels to the buffers of one thread: designs, angles, scratch, results."""
+
+from __future__ import annotations
+
+import math
+import os
+import threading
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fastlink.codegen.kernel import MachineCode, load_kernel
+from fastlink.codegen.runtime.cells import LANES
+from fastlink.machine import work_in_threads
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from fastlink.codegen.source import Source
+    from fastlink.engine.scaling import BlockUnits, UnitsOfDesigns
+
+__all__ = [
+    "BLOCK_BYTES",
+    "COUNT",
+    "VECTOR",
+    "BoundKernel",
+    "FunctionKernel",
+    "Job",
+    "KernelTask",
+    "Shapes",
+    "Sink",
+    "aligned",
+    "block_length",
+    "default_threads",
+    "row_bytes",
+    "run",
+]
+
+
+#: Bytes; the last is an odd number of lines, so that all lines of a page have their turn.
+CACHE_LINE, PAGE, SKEW = 64, 4096, 9 * 64
+#: Designs in the longest vector of a processor: a kernel reads no design beyond the last such group.
+VECTOR = 8
+#: Index of the number of designs in the table of addresses: after two arrays with a length each.
+COUNT = 4
+#: A thread keeps the scratch of so many kernels, each of so many bytes at most: extremes of rates need 1 to
+#: 3 MB, of forces 14.
+KEPT, KEPT_BYTES = 8, 16 << 20
+
+Fill = Callable[[int, int, "NDArray[Any]"], None]
+
+
+@dataclass(frozen=True)
+class KernelTask:
+    """One kernel of a request, compiled, with the data that it runs on.
+
+    Attributes
+    ----------
+    source : Source
+        Its text.
+    inputs : tuple of str
+        The rows of its designs.
+    backend : str
+        What compiles it.
+    code : callable
+        Its machine code, which does not travel: another process compiles the text, or has it in its cache.
+    angles : array (tables, positions)
+        Its angle array.
+    results : tuple of int
+        Which results of the job it gives, in the order of its arguments.
+    fill : callable
+        ``fill(start, stop, x)`` writes the inputs of designs start to stop into ``x[:, :stop - start]``.
+    """
+
+    source: Source
+    inputs: tuple[str, ...]
+    backend: str
+    code: Callable[..., None]
+    angles: NDArray[Any]
+    results: tuple[int, ...]
+    fill: Fill
+
+    @classmethod
+    def loaded(cls, source: Source, inputs: tuple[str, ...], backend: str, *data: Any) -> KernelTask:
+        """Return a task whose machine code is compiled or loaded here."""
+        return cls(source, inputs, backend, load_kernel(source, backend), *data)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        data = self.angles, self.results, self.fill
+        return KernelTask.loaded, (self.source, self.inputs, self.backend, *data)
+
+
+class _KeptScratch(threading.local):
+    """Scratch of this thread's last kernels.
+
+    To get its pages takes as long as to evaluate one design.
+    """
+
+    def __init__(self) -> None:
+        self.arrays: dict[tuple[tuple[tuple[int, ...], str], ...], list[NDArray[Any]]] = {}
+
+
+_scratch = _KeptScratch()
+
+
+class BoundKernel:
+    """A kernel with the buffers of one thread.
+
+    Attributes
+    ----------
+    designs : array (inputs, designs padded to whole vectors)
+        The inputs, to be filled before a run; lanes beyond the last design repeat it.
+    """
+
+    def __init__(self, task: KernelTask, block: int) -> None:
+        self.task, self.block = task, block
+        self.designs = aligned((len(task.inputs), -(-block // LANES) * LANES))
+        self.angles = aligned(task.angles.shape)
+        self.angles[...] = task.angles
+        n_angles = task.angles.shape[1]
+        self.layout = tuple((a.lengths(n_angles), a.dtype) for a in task.source.scratch)
+        self.scratch = _scratch.arrays.pop(self.layout, []) or [aligned(*array) for array in self.layout]
+
+    def arguments(self, results: Sequence[NDArray[Any]]) -> list[Any]:
+        """Return the arguments of the kernel for a whole block."""
+        return [self.designs, self.angles, self.block, self.angles.shape[1], *self.scratch, *results]
+
+    def bind(self, results: Sequence[NDArray[Any]]) -> Callable[[int], None]:
+        """Return ``run(count)``, which evaluates the first designs into arrays.
+
+        The table of their addresses is filled once.
+        """
+        code, arguments = self.task.code, self.arguments(results)
+        if not isinstance(code, MachineCode):
+            rest = arguments[3 : len(arguments) - len(results)]
+            return lambda count: code(
+                self.designs, self.angles, count, *rest, *(result[:count] for result in results)
+            )
+        table = code.table(*arguments)
+        call, address = code.call, table.ctypes.data
+
+        def run(count: int) -> None:
+            table[COUNT] = count
+            call(address)
+
+        return run
+
+    def release(self) -> None:
+        """Keep the scratch for the next kernel of this thread that needs the same."""
+        if sum(array.nbytes for array in self.scratch) <= KEPT_BYTES:
+            _scratch.arrays[self.layout] = self.scratch
+            while len(_scratch.arrays) > KEPT:
+                del _scratch.arrays[next(iter(_scratch.arrays))]
+
+
+@dataclass(frozen=True, eq=False)
+class FunctionKernel:
+    """A kernel with arrays of its own for its results.
+
+    Attributes
+    ----------
+    bound : BoundKernel
+        The kernel and its buffers.
+    rows : list of (array, int)
+        The rows of its designs that are inputs of the function, and which; the others hold constants.
+    results : list of (int, array)
+        Which output of the function each of its results is, and where it is written.
+    run : callable
+        ``run(count)`` evaluates the first designs.
+    """
+
+    bound: BoundKernel
+    rows: list[tuple[NDArray[Any], int]]
+    results: list[tuple[int, NDArray[Any]]]
+    run: Callable[[int], None]
+
+
+def aligned(shape: tuple[int, ...], dtype: str = "float64", number: int | None = None) -> NDArray[Any]:
+    """Return an uninitialised array on a cache line: stores across two take longer.
+
+    Results have a number, and each begins elsewhere in its page: the first cache has 8 or 12 lines for each place in
+    pages, and where nine curves began at one, reactions took 1.1 to 1.2 times as long.
+    """
+    size = math.prod(shape) * np.dtype(dtype).itemsize
+    room = CACHE_LINE if number is None else PAGE
+    raw = np.empty(size + room, dtype=np.uint8)
+    start = ((number or 0) * SKEW - raw.ctypes.data) % room
+    return raw[start : start + size].view(dtype).reshape(shape)
+
+
+# -- Run kernels over all designs, in blocks that threads take one by one
+
+# It knows neither names nor files: arrays in, arrays out. Blocks are small, because a static split stalls
+# for a whole time slice when another process holds a core.
+
+
+# Larger blocks leave the caches (two threads gain 1.2 instead of 1.9 at 16 MB), smaller ones pay for being handed out.
+BLOCK_BYTES = 4 << 20
+BLOCK_DESIGNS = 4096
+
+Sink = Callable[[int, int, "list[NDArray[Any]]"], None]
+#: Of each result: the lengths of its axes besides the design, and its dtype.
+Shapes = Sequence[tuple[tuple[int, ...], str]]
+
+
+@dataclass(frozen=True)
+class Job:
+    """Kernels that together give all results of all designs.
+
+    Attributes
+    ----------
+    tasks : sequence of KernelTask
+        They run one after the other on each block.
+    shapes : sequence of (shape, dtype)
+        Of each result.
+    size : int
+        Number of designs.
+    units : UnitsOfDesigns, optional
+        Those of designs that are far from 1.
+    """
+
+    tasks: Sequence[KernelTask]
+    shapes: Shapes
+    size: int
+    units: UnitsOfDesigns | None = None
+
+
+def default_threads() -> int:
+    """Return the number of processors this process may use."""
+    affinity = getattr(os, "sched_getaffinity", None)
+    return len(affinity(0)) if affinity is not None else os.cpu_count() or 1
+
+
+def row_bytes(shapes: Shapes) -> int:
+    """Return the bytes of all results of one design."""
+    return sum(math.prod(shape) * np.dtype(dtype).itemsize for shape, dtype in shapes)
+
+
+def block_length(shapes: Shapes, size: int, threads: int, nbytes: int = BLOCK_BYTES) -> int:
+    """Return the designs per block: results fit the cache, or so many bytes, and threads get several."""
+    share = -(-size // (4 * threads))
+    length = max(1, min(BLOCK_DESIGNS, nbytes // max(row_bytes(shapes), 1), share))
+    return length if length < LANES else length // LANES * LANES
+
+
+def run(
+    job: Job,
+    *,
+    targets: Sequence[NDArray[Any]] | None = None,
+    sink: Sink | None = None,
+    threads: int = 1,
+    block: int | None = None,
+    pending: Sequence[tuple[int, int]] | None = None,
+    apart: bool = False,
+) -> None:
+    """Evaluate every design."""
+    ranges = [(0, job.size)] if pending is None else pending
+    size = sum(stop - start for start, stop in ranges)
+    length = min(block or block_length(job.shapes, size, threads), max(1, size))
+    blocks = ((k, min(k + length, stop)) for start, stop in ranges for k in range(start, stop, length))
+    threads = min(threads, max(1, sum(-(-(stop - start) // length) for start, stop in ranges)))
+    lock, stop = threading.Lock(), threading.Event()
+
+    def work() -> None:
+        kernels = [BoundKernel(task, length) for task in job.tasks]
+        shapes = enumerate(job.shapes if targets is None else ())
+        own = [aligned((length, *shape), dtype, k) for k, (shape, dtype) in shapes]
+        while not stop.is_set():
+            with lock:
+                start, end = next(blocks, (0, 0))
+            if start == end:
+                break
+            arrays = [a[: end - start] for a in own] if targets is None else [a[start:end] for a in targets]
+            units = None if job.units is None else job.units.at(start, end)
+            for kernel in kernels:
+                _evaluate(kernel, start, end, arrays, units)
+            if units is not None:
+                units.leave(arrays)
+            if sink is not None:
+                sink(start, end, arrays)
+        for kernel in kernels:
+            kernel.release()
+
+    if threads == 1 and not apart:
+        work()
+        return
+    # any number of threads gives the same bits
+    work_in_threads(work, threads, "fastlink", stop)
+
+
+def _evaluate(
+    kernel: BoundKernel, start: int, end: int, arrays: Sequence[NDArray[Any]], units: BlockUnits | None
+) -> None:
+    """Evaluate designs start to end into the arrays of the job."""
+    count = end - start
+    kernel.task.fill(start, end, kernel.designs)
+    if units is not None:
+        units.enter(kernel.task.inputs, kernel.designs)
+    # Lanes beyond the last design repeat it; their results are not stored.
+    kernel.designs[:, count:] = kernel.designs[:, count - 1 : count]
+    kernel.bind([arrays[k] for k in kernel.task.results])(count)

@@ -1,0 +1,894 @@
+"""Declare facts in rows of plain data, where one law holds for several quantities."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import count
+from typing import Any, Self, TypeVar
+
+from fastlink.errors import InputError, Model, Piece, Problem, suggest
+from fastlink.facts.bounds import ErrorBounds, trust_fact, with_error_labels
+from fastlink.facts.derivative import (
+    TOLERANCES,
+    Derivation,
+    NoDependence,
+    NoDerivative,
+    Term,
+    change_fact,
+    is_tolerance,
+    terms,
+    tolerance_fact,
+    tolerance_inputs,
+    tolerance_name,
+    toleranced,
+    with_change_labels,
+    with_derivative_labels,
+)
+from fastlink.facts.expression import CircularError, postorder
+from fastlink.facts.fact import (
+    CatalogueError,
+    Fact,
+    GradedRange,
+    Input,
+    Rule,
+    System,
+    first_line,
+    needs_of,
+    parameters,
+)
+from fastlink.facts.names import (
+    Below,
+    Change,
+    Derivative,
+    ErrorBound,
+    ListOfExtrema,
+    Made,
+    Name,
+    Quantity,
+    Reduced,
+    Trust,
+    as_derivative,
+    bounded_of,
+    derivative_name,
+    form_of,
+    innermost,
+    parse,
+    plain_part,
+    reading_of,
+    root_of,
+)
+
+__all__ = [
+    "ELIMINATED",
+    "Catalogue",
+    "CatalogueError",
+    "Declarations",
+    "Fact",
+    "GradedRange",
+    "Input",
+    "Rows",
+    "Selection",
+    "System",
+    "parameters",
+]
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Facts with common labels, each declared by a call.
+
+    Attributes
+    ----------
+    catalogues : sequence of Declarations
+        The mechanisms that the facts belong to: the same one by several inputs, for example.
+    labels : mapping
+        Arguments of `Declarations.quantity` that the facts have in common.
+    """
+
+    catalogues: Sequence[Declarations]
+    labels: Mapping[str, Any]
+
+    def __call__(
+        self,
+        law: Callable[..., Any],
+        name: str,
+        symbol: str,
+        meaning: str | None = None,
+        /,
+        *,
+        units: str | None = None,
+        source: str | None = None,
+        low: str | None = None,
+        **given: str,
+    ) -> None:
+        """Declare a fact."""
+        own = {"units": units, "source": source, "low": low}
+        labels = {**self.labels, **{label: value for label, value in own.items() if value is not None}}
+        for catalogue in self.catalogues:
+            catalogue.quantity(**labels, symbol=symbol, name=name, meaning=meaning, given=given)(law)
+
+    def vector(
+        self,
+        law: Callable[..., Any] | tuple[Callable[..., Any], Callable[..., Any]],
+        name: str,
+        symbol: str,
+        meaning: str,
+        /,
+        *,
+        units: str | None = None,
+        source: str | None = None,
+        **given: str,
+    ) -> None:
+        """Declare both components of a vector; x and y stand for each * in the row.
+
+        Examples
+        --------
+        ``force.vector(difference, "F21_*", "F_21*", "Force on the crank at A", x="F32_*", y="p2_*")`` declares
+        ``F21_x = F32_x - p2_x`` and ``F21_y = F32_y - p2_y``.
+        """
+        laws = law if isinstance(law, tuple) else (law, law)
+        for component, own in zip("xy", laws, strict=True):
+            names = {parameter: other.replace("*", component) for parameter, other in given.items()}
+            labels = (name.replace("*", component), symbol.replace("*", component), f"{meaning}, {component}")
+            self(own, *labels, units=units, source=source, **names)
+
+
+# -- Declare physical facts once: inputs, quantities, tables, linear systems, derivatives
+
+
+#: The name of the solver that needs no linear system: closed forms.
+ELIMINATED = "eliminated"
+
+F = TypeVar("F", bound=Callable[..., Any])
+_versions = count()
+
+
+class Declarations:
+    """The declarations of one mechanism, for `fastlink.facts.catalogue.Catalogue`."""
+
+    def __init__(
+        self,
+        name: str,
+        title: str,
+        branches: Mapping[int, str],
+        position: Input,
+        positions: tuple[float, float, int] | None = None,
+    ) -> None:
+        self.name = name
+        self.title = title
+        self.branches = dict(branches)
+        self.position = position
+        self.positions = positions
+        self.inputs: dict[str, Input] = {}
+        self.facts: dict[str, Fact] = {}
+        self.tables: dict[str, Fact] = {}
+        self.table_low_parts: dict[str, str] = {}
+        self.variants: dict[str, dict[str, Fact | System]] = {}
+        self.variant_inputs: dict[str, dict[str, Input]] = {}
+        self.graded: GradedRange | None = None
+        #: Closed forms, and each variant that has a linear system.
+        self.solvers: tuple[str, ...] = (ELIMINATED,)
+        self.hiding: set[str] = set()
+        #: What else names are called in the field, by which they are found.
+        self.keywords: dict[str, tuple[str, ...]] = {}
+        #: What a user has declared of it, see `fastlink.own`.
+        self.definition: tuple[Any, ...] = ()
+        self._formed: dict[str, list[tuple[str, bool]]] = {}
+        self._seen: tuple[list[Any], int] = [], next(_versions)
+
+    @property
+    def version(self) -> int:
+        """A number that changes when a declaration changes, for the keys of caches.
+
+        All declarations are compared by identity with those of the last call: 8 us for the planar 4R.
+        """
+        now: list[Any] = [self.position, self.graded, self.positions, *self.branches]
+        sets: tuple[Mapping[str, Any], ...] = (self.inputs, self.facts, self.tables)
+        sets = (*sets, self.table_low_parts, *self.variants.values(), *self.variant_inputs.values())
+        for declared in sets:
+            now += declared.values()
+        seen, version = self._seen
+        if now != seen:
+            version = next(_versions)
+            self._seen = now, version
+        return version
+
+    def input(
+        self,
+        name: str,
+        *,
+        units: str,
+        symbol: str,
+        meaning: str,
+        rule: Rule = "any",
+        variant: str | None = None,
+        default: float | None = None,
+        choices: Mapping[int, str] | None = None,
+    ) -> None:
+        """Declare a number that the user gives.
+
+        An input with a `variant` belongs to that variant alone. Which inputs select a variant is defined by
+        `Catalogue.variants_selected_by`. The codes of `choices` become a dimension of the result unless the design
+        gives one of them.
+        """
+        self._check_name(name, variant)
+        declared = Input(name, units, symbol, meaning, rule, default, dict(choices or {}))
+        if variant is None:
+            self.inputs[name] = declared
+        else:
+            self.variant_inputs.setdefault(variant, {})[name] = declared
+            self._check_variant(variant)
+
+    def quantity(
+        self,
+        *,
+        units: str,
+        symbol: str,
+        source: str,
+        internal: bool = False,
+        flags: Mapping[int, str] | None = None,
+        variant: str | None = None,
+        name: str | None = None,
+        meaning: str | None = None,
+        given: Mapping[str, str] | None = None,
+        hides_reduction: bool = False,
+        low: str | None = None,
+    ) -> Callable[[F], F]:
+        """Declare a fact."""
+
+        def declare(function: F) -> F:
+            fact = self._fact(
+                function,
+                given,
+                name=name or function.__name__,
+                meaning=meaning or first_line(function),
+                units=units,
+                symbol=symbol,
+                source=source,
+                internal=internal,
+                flags=dict(flags or {}),
+                low=low,
+            )
+            if low is not None and not internal:
+                raise CatalogueError(f"{self.name}: fact {fact.name} has a low part, and is not internal")
+            if hides_reduction:
+                self.hiding.add(fact.name)
+            known: Any = self.variants.setdefault(variant, {}) if variant else self.facts
+            for each in fact.names:
+                self._check_name(each, variant, public=not internal)
+                known[each] = fact
+            self._check_variant(variant or fact.name)
+            return function
+
+        return declare
+
+    def also_called(self, **keywords: str) -> None:
+        """Declare what quantities and inputs are called elsewhere: phrases with commas between, by name."""
+        for name, phrases in keywords.items():
+            self.keywords[name] = tuple(phrase.strip() for phrase in phrases.split(","))
+
+    def quantities(self, **labels: Any) -> Rows:
+        """Return a function that declares public quantities with common labels."""
+        return Rows([self], labels)
+
+    def steps(self, **labels: Any) -> Rows:
+        """Return a function that declares internal facts with common labels."""
+        return Rows([self], {**labels, "internal": True})
+
+    def table(self, *, symbol: str, source: str, low: str | None = None) -> Callable[[F], F]:
+        """Declare a function of the input position alone.
+
+        It is tabled once per sweep, correctly rounded. `low` is the name of a second table, for the low parts.
+        """
+
+        def declare(function: F) -> F:
+            labels = {"units": "1", "symbol": symbol, "source": source, "internal": True}
+            fact = self._fact(function, None, name=function.__name__, meaning=first_line(function), **labels)
+            self._check_name(fact.name, None)
+            if fact.depends_on != (self.position.name,):
+                raise CatalogueError(
+                    f"{self.name}: table {fact.name} must depend on {self.position.name} alone"
+                )
+            self.tables[fact.name] = fact
+            if low is not None:
+                self._check_name(low, None)
+                self.table_low_parts[low] = fact.name
+            return function
+
+        return declare
+
+    def system(self, name: str, unknowns: Sequence[str], *, variant: str) -> Callable[[F], F]:
+        """Declare a linear system that determines `unknowns`, as part of a variant."""
+
+        def declare(function: F) -> F:
+            declared = System(name, tuple(unknowns), function, needs_of(function))
+            self.solvers = tuple(dict.fromkeys((*self.solvers, variant)))
+            for unknown in unknowns:
+                self._check_name(unknown, variant)
+                self.variants.setdefault(variant, {})[unknown] = declared
+            self._check_variant(variant)
+            return function
+
+        return declare
+
+    def derivative(
+        self, name: str, by: str, *, given: Mapping[str, str] | None = None, variant: str | None = None
+    ) -> Callable[[F], F]:
+        """Declare the derivative of a fact or table with respect to a variable.
+
+        Others are generated, see `fastlink.facts.derivative`: declare one where a closed form is better. It holds
+        for the fact of that `variant`, not for a fact that replaces it.
+        """
+
+        def declare(function: F) -> F:
+            fact = self.facts.get(name) or self.tables[name]
+            declared = replace(
+                with_derivative_labels(fact, self.variables[by]),
+                function=function,
+                depends_on=needs_of(function, given),
+                internal=True,
+            )
+            self._check_new(declared.name, variant)
+            facts = self.facts if variant is None else self.variants.setdefault(variant, {})
+            facts[declared.name] = declared
+            return function
+
+        return declare
+
+    def depends_on_solver(self, steps: Iterable[Fact | System]) -> bool:
+        """Tell whether steps include a value of a linear system, or a derivative of one."""
+        solved = {name for solver in self.solvers if solver != ELIMINATED for name in self.variants[solver]}
+        solved |= {derivative_name(name, by) for name in solved for by in self.variables}
+        return any(not solved.isdisjoint(step.names) for step in steps)
+
+    def derivatives(self, by: str, *, variant: str | None = None) -> Callable[..., None]:
+        """Return a function that declares derivatives with respect to one variable.
+
+        Its arguments are the law, the name of the fact or table, and the names that replace parameters of the law.
+        """
+
+        def declare(law: Callable[..., Any], name: str, /, **given: str) -> None:
+            self.derivative(name, by, given=given, variant=variant)(law)
+
+        return declare
+
+    @property
+    def variables(self) -> dict[str, Input]:
+        """The variables of derivatives: every input and the position."""
+        sets = self.variant_inputs.values()
+        known = {name: given for inputs in (self.inputs, *sets) for name, given in inputs.items()}
+        return {**known, self.position.name: self.position}
+
+    def _fact(self, function: Callable[..., Any], given: Mapping[str, str] | None, **labels: Any) -> Fact:
+        for label in ("units", "symbol", "source", "meaning"):
+            if not labels[label]:
+                raise CatalogueError(f"{self.name}: fact {labels['name']} has no {label}")
+        return Fact(function=function, depends_on=needs_of(function, given), **labels)
+
+    def parse(self, name: str) -> Name:
+        """Return the tree of a name, see `fastlink.facts.names`."""
+        return parse(name, self)
+
+    def is_derivative(self, name: str) -> bool:
+        """Tell whether a name is the name of a derivative."""
+        return isinstance(self.parse(name), Derivative)
+
+    def declares(self, name: str) -> bool:
+        """Tell whether a name is declared: as a fact, an input, a table or the position."""
+        sets: tuple[Mapping[str, Any], ...] = (*self.variants.values(), *self.variant_inputs.values())
+        return self._is_own(name) or any(name in names for names in sets)
+
+    def _is_own(self, name: str) -> bool:
+        """Tell whether a name is declared for the mechanism itself, not for a variant."""
+        own = (self.facts, self.inputs, self.tables, self.table_low_parts, (self.position.name, "branch"))
+        return any(name in names for names in own)
+
+    def is_public(self, name: str) -> bool:
+        """Tell whether a declared name is the name of a public quantity."""
+        return name in self.facts and not self.facts[name].internal
+
+    def _check_new(self, name: str, variant: str | None) -> None:
+        of_variant = (*self.variants.get(variant or "", {}), *self.variant_inputs.get(variant or "", {}))
+        if self._is_own(name) if variant is None else name in of_variant:
+            raise CatalogueError(f"{self.name}: {name} is declared twice")
+
+    def _check_name(self, name: str, variant: str | None, public: bool = False) -> None:
+        """Refuse a name that is declared, or that is part of another, or made of one."""
+        self._check_new(name, variant)
+        self.check_reading(name)
+        for other, of_cycle in self._formed.get(name, ()):
+            if other not in self.hiding and (public or not of_cycle):
+                raise CatalogueError(
+                    f"{self.name}: with {name}, {other} reads as made of it; call one otherwise"
+                )
+        form = form_of(name, self)
+        if form is not None:
+            of_cycle = isinstance(bounded_of(form), (Reduced, ListOfExtrema))
+            self._formed.setdefault(root_of(form), []).append((name, of_cycle))
+
+    def _check_variant(self, name: str) -> None:
+        """Refuse a fact with the name of a variant, but for one that an input of that name replaces."""
+        named = name in self.variants or name in self.variant_inputs
+        if named and name in self.facts and name not in self.variant_inputs.get(name, {}):
+            raise CatalogueError(
+                f"{self.name}: {name} is the name of a fact and of a variant; call one otherwise"
+            )
+
+    def check_reading(self, name: str) -> None:
+        """Raise CatalogueError if a name reads as made of another one."""
+        if name not in self.hiding and (tree := reading_of(name, self)):
+            raise CatalogueError(f"{self.name}: {name} reads as {tree!r}; call it otherwise")
+
+
+# -- Inputs: own ones, those of variants, tolerances; which variants they select, which exclude others
+
+
+class DesignInputs(Declarations):
+    """The inputs of one mechanism."""
+
+    def known_inputs(self, variants: Iterable[str] = ()) -> dict[str, Input]:
+        """Return every input that a design may give, with those of the selected variants."""
+        known = dict(self.inputs)
+        for variant in variants:
+            known.update(self.tolerances if variant == TOLERANCES else self.variant_inputs.get(variant, {}))
+        return known
+
+    @property
+    def all_inputs(self) -> dict[str, Input]:
+        """Every input that a design of any variant may give, and their tolerances."""
+        return self.known_inputs((*self.variant_inputs, TOLERANCES))
+
+    @property
+    def tolerances(self) -> dict[str, Input]:
+        """The tolerances of all inputs, which a design may give as it gives inputs."""
+        if self._tolerances[0] != (version := self.version):
+            inputs = {**self.known_inputs(self.variant_inputs), self.position.name: self.position}
+            self._tolerances = version, tolerance_inputs(inputs.values())
+        return self._tolerances[1]
+
+    _tolerances: tuple[int, dict[str, Input]] = -1, {}
+
+    def variants_selected_by(self, given: Iterable[str]) -> tuple[str, ...]:
+        """Return the variants that a design selects by giving these inputs.
+
+        An input selects the variant that is named after it (it replaces another input), and the variant to which it
+        belongs if some input of that variant has a default.
+        """
+        names = set(given)
+        selected = tuple(
+            variant
+            for variant, inputs in self.variant_inputs.items()
+            if variant in names
+            or (names & set(inputs) and any(i.default is not None for i in inputs.values()))
+        )
+        return (*selected, TOLERANCES) if any(map(is_tolerance, names)) else selected
+
+    def mutually_exclusive_inputs(self, name: str) -> tuple[str, ...]:
+        """Return the inputs that cannot be given together with this one."""
+        if is_tolerance(name):
+            both = (tolerance_name(toleranced(name), relative) for relative in (False, True))
+            return tuple(other for other in both if other != name)
+        replaced = [other for other in self.variants.get(name, {}) if other in self.inputs]
+        replacing = [key for key, facts in self.variants.items() if name in facts and name in self.inputs]
+        named = [key for key in replacing if key in self.variant_inputs.get(key, {})]
+        siblings = [key for other in replaced for key in self.mutually_exclusive_inputs(other) if key != name]
+        return (*replaced, *named, *siblings)
+
+
+# -- A mechanism with selected variants, some of whose facts are given: its derivatives and error bounds
+
+
+class Selection:
+    """The facts of a mechanism with selected variants, but for facts that are given."""
+
+    def __init__(self, catalogue: Catalogue, variants: tuple[str, ...], given: Collection[str]) -> None:
+        self.catalogue, self.variants, self.given = catalogue, variants, given
+        self._derivations: dict[tuple[str, bool], Derivation] = {}
+
+    def find(self, name: str) -> Fact | System | None:
+        """Return the fact or system that determines a name, None if it is given."""
+        return None if name in self.given else self.catalogue.resolve(name, self.variants, self.given)
+
+    def derivation(self, by: str, moving: bool = False) -> Derivation:
+        """Return the derivatives with respect to a variable, those by an input at one input position.
+
+        In the graded range a place moves with the lengths, as its ends do. Unless a derivative is `moving`, too,
+        the facts of a given position are differentiated by an input instead, which have the same values.
+        """
+        if (by, moving) not in self._derivations:
+            variable, graded = self.catalogue.variables[by], self.catalogue.graded
+            held = graded is not None and by != self.catalogue.position.name and graded.name in self.variants
+            at = self._without(graded.name) if graded is not None and held and not moving else self
+            own = variable, at.find, lambda name: at._declared(name, by)
+            guards = [self.catalogue.is_public] if by != self.catalogue.position.name and not moving else []
+            self._derivations[by, moving] = Derivation(*own, moving, *guards)
+        return self._derivations[by, moving]
+
+    def _without(self, variant: str) -> Selection:
+        """Return the mechanism with the other variants."""
+        return Selection(self.catalogue, tuple(one for one in self.variants if one != variant), self.given)
+
+    @cached_property
+    def toleranced(self) -> tuple[str, ...]:
+        """The inputs that have tolerances, in the order of the catalogue."""
+        of = set(map(toleranced, filter(is_tolerance, self.given)))
+        return tuple(name for name in self.catalogue.variables if name in of)
+
+    def change_terms(self, name: str, over_cycle: bool = False, at_limits: bool = False) -> tuple[Term, ...]:
+        """Return the terms of the change of a fact by the tolerances that are given.
+
+        A property of the cycle (`over_cycle`) does not change with the input position; an extreme that is searched
+        (`at_limits`) does with what moves the limits of motion.
+        """
+        of = {self.catalogue.position.name} if over_cycle else set()
+        needed = [
+            by
+            for by in self.toleranced
+            if by not in of and (self._depends(name, by) or (at_limits and self.moves(name, by)))
+        ]
+        if not needed:
+            what = f"the change of {name} needs the tolerance of an input on which {name} depends"
+            known = self.catalogue.known_inputs(self.variants)
+            some = [
+                tolerance_name(by)
+                for by in self.catalogue.variables
+                if by in known and self._depends(name, by)
+            ]
+            raise InputError(
+                what, remedy=f"add to the design some of {', '.join(some)}" if some else "leave it out"
+            )
+        return terms(needed)
+
+    def _depends(self, name: str, by: str) -> bool:
+        """Tell whether a fact changes with an input."""
+        try:
+            self.derivation(by).fact(name)
+        except NoDependence:
+            return False
+        return True
+
+    def moves(self, name: str, by: str) -> bool:
+        """Tell whether a fact changes at a place that moves with the limits of motion as an input does."""
+        graded = self.catalogue.graded
+        if graded is None:
+            return False
+        try:
+            moving = derivative_name(name, by, moving=True)
+            return self.catalogue.resolve(moving, (graded.name, *self.variants), self.given) is not None
+        except NoDerivative:
+            return False
+
+    def change(self, name: str, how: str) -> Fact:
+        """Return the change of a fact by the tolerances that are given."""
+        labelled = self.catalogue.public_fact(str(Change(Quantity(name), how)))  # codes have none
+        pairs = [(derivative_name(name, term.by), term.tolerance) for term in self.change_terms(name)]
+        return change_fact(labelled, how, pairs)
+
+    def tolerance(self, name: str) -> Fact | None:
+        """Return the fact of the change that an input may have, None for the name of another."""
+        return tolerance_fact(name, self.given)
+
+    @cached_property
+    def error_bounds(self) -> ErrorBounds:
+        """The error bounds."""
+        known = self.catalogue
+        inputs = known.known_inputs(self.variants)
+        fractions = known.graded.coordinates[:2] if known.graded is not None else ()
+        return ErrorBounds(
+            self.find,
+            inputs,
+            known.branches,
+            known.tables,
+            known.table_low_parts,
+            fractions,
+            is_quantity=known.is_quantity,
+            angle_of=self._angle_of,
+        )
+
+    def _angle_of(self, name: str) -> str | None:
+        """Return the input position if a name changes with it and it is an angle, a number of no length."""
+        known = self.catalogue
+        is_angle = known.position.units in ("rad", "1")
+        return known.position.name if is_angle and known.varies(name) else None
+
+    def _declared(self, name: str, by: str) -> Fact | None:
+        """Return the declared derivative of a name, None if there is none."""
+        if name in self.given:
+            return None
+        known = self.catalogue
+        plain, above = plain_and_above(known.parse(name))
+        variants = [known.variants.get(variant, {}) for variant in variants_below(self.variants, above)]
+        # the declared derivative of a fact is not the derivative of a fact that replaces it
+        facts = next((facts for facts in variants if plain in facts), known.facts)
+        derivative = facts.get(derivative_name(plain, by))
+        if isinstance(derivative, Fact):
+            return derivative
+        if facts is known.facts and plain in known.tables and by == known.position.name:
+            raise CatalogueError(
+                f"{known.name}: table {plain} has no declared derivative with respect to {by}"
+            )
+        return None
+
+
+def plain_and_above(tree: Name) -> tuple[str, str]:
+    """Return the name of a fact, and the variant whose fact builds on it, if any."""
+    return (str(tree.of), tree.variant) if isinstance(tree, Below) else (str(tree), "")
+
+
+def variants_below(variants: tuple[str, ...], above: str) -> tuple[str, ...]:
+    """Return the variants after the one `above`, all if that is empty."""
+    return variants[variants.index(above) + 1 :] if above else variants
+
+
+def name_below(name: str, variant: str) -> str:
+    """Return the name by which the fact of a variant uses the fact that it replaces."""
+    return str(Below(Quantity(name), variant))
+
+
+def replaced_by(variant: str, fact: Fact) -> Fact:
+    """Return a fact under the names by which the fact of a variant, if any, uses it."""
+    return (
+        fact.renamed(lambda name: name_below(name, variant) if name in fact.names else name)
+        if variant
+        else fact
+    )
+
+
+# -- Answer questions about a mechanism from its declarations: quantities, dependencies, derivatives, error
+#    bounds
+
+
+class Catalogue(DesignInputs):
+    """The inputs and facts of one mechanism."""
+
+    #: A fact that is a number exactly where the loop closes, and further ones by which only such values are made. Empty
+    #: where no quantity has a value elsewhere.
+    closes: tuple[str, ...] = ()
+
+    def copied(self) -> Self:
+        """Return the same declarations, to which others can be added."""
+        copied = object.__new__(type(self))  # copy.copy takes what travels by its name for the same thing
+        derived = ("_selections", "_varying")
+        copied.__dict__.update({name: own for name, own in self.__dict__.items() if name not in derived})
+        copied.inputs, copied.facts, copied.tables = dict(self.inputs), dict(self.facts), dict(self.tables)
+        copied.variants = {name: dict(facts) for name, facts in self.variants.items()}
+        copied.variant_inputs = {name: dict(inputs) for name, inputs in self.variant_inputs.items()}
+        copied.hiding = set(self.hiding)
+        copied._formed = {name: list(formed) for name, formed in self._formed.items()}
+        copied._seen = [], -1
+        return copied
+
+    @property
+    def public(self) -> dict[str, Fact]:
+        """The quantities: the facts that users may request by name."""
+        return {name: fact for name, fact in self.facts.items() if not fact.internal}
+
+    def resolve(
+        self, name: str, variants: Iterable[str] = (), given: Iterable[str] = ()
+    ) -> Fact | System | None:
+        """Return the fact or system that determines `name`, else None.
+
+        Inputs, tables and unknown names have none. The fact of the first selected variant that has one counts, else
+        that of the mechanism itself. A fact of a variant that depends on its own name builds on the fact that it
+        replaces (in a later variant, or in the mechanism), see `fastlink.facts.names.Below`: in this way loads add up
+        in any combination. In derivatives and error bounds, facts among `given` count as inputs.
+        """
+        selected = tuple(variants)
+        tree = self.parse(name)
+        if isinstance(tree, (Derivative, ErrorBound, Trust, Change)):
+            return self._derived(tree, self._selection(selected, given))
+        if TOLERANCES in selected and (fact := self._selection(selected, given).tolerance(name)):
+            return fact
+        plain, above = plain_and_above(tree)
+        if above and above not in selected:
+            return None
+        for variant in variants_below(selected, above):
+            step = self.variants.get(variant, {}).get(plain)
+            if isinstance(step, System):
+                return step
+            if step is not None:
+                own = {name: name_below(name, variant) for name in step.names}
+                if not own.keys().isdisjoint(step.depends_on):
+                    step = replace(step, depends_on=tuple(own.get(name, name) for name in step.depends_on))
+                return replaced_by(above, step)
+        fact = self.facts.get(plain)
+        return fact and replaced_by(above, fact)
+
+    def change_terms(
+        self,
+        name: str,
+        variants: Iterable[str] = (),
+        given: Iterable[str] = (),
+        *,
+        over_cycle: bool = False,
+        at_limits: bool = False,
+    ) -> tuple[Term, ...]:
+        """Return the terms of the changes of a fact by the tolerances that are given, see `Selection.change_terms`."""
+        return self._selection(tuple(variants), given).change_terms(name, over_cycle, at_limits)
+
+    def moves_at_limits(self, name: str, by: str, variants: Iterable[str], given: Iterable[str]) -> bool:
+        """Tell whether a fact changes with an input at limits of motion, see `Selection.moves`."""
+        return self._selection(tuple(variants), given).moves(name, by)
+
+    def _derived(self, tree: Derivative | ErrorBound | Trust | Change, selection: Selection) -> Fact:
+        """Return the fact of a derivative, an error bound, a trust or a change."""
+        of = str(tree.of)
+        if isinstance(tree, Change):
+            return selection.change(of, tree.how)
+        if isinstance(tree, ErrorBound):
+            return selection.error_bounds.fact(of)
+        if isinstance(tree, Trust):
+            return trust_fact(selection.error_bounds.bounded_fact(of))
+        if isinstance(tree.of, (ErrorBound, Trust)):
+            what = f"quantity {str(tree)!r}: {of} is an error bound, which has no derivative"
+            raise NoDerivative(what, remedy="leave it out")
+        return selection.derivation(tree.by, tree.moving).fact(of)
+
+    def _selection(self, variants: tuple[str, ...], given: Iterable[str]) -> Selection:
+        """Return the mechanism with these variants and given facts."""
+        facts = {*self.facts, *(name for variant in variants for name in self.variants.get(variant, {}))}
+        key = variants, frozenset(name for name in given if name in facts or is_tolerance(name))
+        if key not in self._selections:
+            self._selections[key] = Selection(self, *key)
+        return self._selections[key]
+
+    @cached_property
+    def _selections(self) -> dict[tuple[tuple[str, ...], frozenset[str]], Selection]:
+        return {}
+
+    @cached_property
+    def _varying(self) -> set[str]:
+        """The names of the plain values that change over the cycle."""
+        varying = {self.position.name, *self.tables, *self.table_low_parts}
+        leaves = {*varying, "branch", *self.known_inputs(self.variant_inputs)}
+        names = [name for name in self.facts if not self.is_derivative(name)]
+        for step in self.dependencies(names, leaves):
+            if not varying.isdisjoint(step.depends_on):
+                varying.update(step.names)
+        return varying
+
+    def varies(self, name: str) -> bool:
+        """Tell whether a fact changes over the cycle."""
+        # derivatives and error bounds vary where their quantity does; constant tables have none
+        return plain_part(self.parse(name)) in self._varying
+
+    def check(self) -> None:
+        """Raise CatalogueError if a name is not declared, or a fact depends on itself."""
+        for variant, steps in self.variants.items():
+            for name in set(steps) - set(self.facts) - set(self.inputs):
+                step = steps[name]
+                if isinstance(step, System) or not step.internal:
+                    raise CatalogueError(
+                        f"{self.name}: {variant} gives {name}, which is not a quantity or input"
+                    )
+        derivatives = {name for name in self.facts if self.is_derivative(name)}
+        for name in set(self.facts) - derivatives:
+            self.check_reading(name)
+        parts = {part for name in derivatives for part in self.facts[name].depends_on}
+        names = {*self.facts, *parts} - derivatives
+        leaves = {"branch", self.position.name, *self.tables, *self.table_low_parts}
+        if self.graded is not None:
+            leaves |= set(self.graded.coordinates)
+        for option in ((), *((name,) for name in {*self.variants, *self.variant_inputs})):
+            replaced = {name for key in option for name in self.variants.get(key, {})}
+            known = leaves | (set(self.known_inputs(option)) - replaced)
+            for _ in self.dependencies(sorted(names), known, option):
+                pass
+
+    def is_quantity(self, name: str) -> bool:
+        """Tell whether a name is a public fact, or a derivative or error bound of one."""
+        tree = self.parse(name)
+        return self.is_public(plain_part(tree)) and not (isinstance(tree, Derivative) and tree.moving)
+
+    def has_reductions(self, name: str) -> bool:
+        """Tell whether a name is a quantity that changes over the cycle."""
+        return self.is_quantity(name) and self.varies(name)
+
+    def public_fact(self, name: str) -> Fact:
+        """Return the labels of a public quantity."""
+        if not self.is_quantity(name):
+            raise self.unknown_error(name)
+        tree = self.parse(name)
+        if not isinstance(tree, Made):
+            return self.facts[name]
+        of = self.public_fact(str(tree.of))
+        lacks = (
+            "change"
+            if isinstance(tree, Change)
+            else "derivative"
+            if isinstance(tree, Derivative)
+            else "error"
+        )
+        if isinstance(tree, Change) and isinstance(tree.of, Change):
+            raise InputError(f"quantity {name!r}: {of.name} is a change itself", remedy=f"ask for {of.name}")
+        if of.flags or isinstance(tree.of, (ErrorBound, Trust)):
+            kind = "a code" if of.flags else "an error bound"
+            what = f"quantity {name!r}: {of.name} is {kind}, which has no {lacks}"
+            raise InputError(what, remedy="leave it out")
+        if isinstance(tree, Derivative):
+            return with_derivative_labels(of, self.variables[tree.by])
+        if isinstance(tree, Change):
+            return with_change_labels(of, tree.how)
+        return with_error_labels(of) if isinstance(tree, ErrorBound) else trust_fact(of)
+
+    def is_of_position(self, name: str) -> bool:
+        """Tell whether a name is the input position, or a form of it such as its maximum."""
+        return innermost(name, self) == self.position.name
+
+    def absence(self, name: str) -> InputError | None:
+        """Return the error that says why a name is not a quantity here, if more is known than that."""
+        if not self.is_of_position(name):
+            return None
+        of = "" if name == self.position.name else f": {self.position.name}"
+        what = f"quantity {name!r}{of} is the input position, a coordinate of the result"
+        return InputError(what, remedy="leave it out")
+
+    def unknown_part(self, name: str) -> tuple[str, bool]:
+        """Return the part of a name that is unknown, else all of it, and whether it stands for a variable."""
+        tree = self.parse(name)
+        if isinstance(tree, (ErrorBound, Trust, Change)):
+            return str(tree.of), False
+        if parts := as_derivative(name):
+            of_variable = self.is_quantity(parts[0])
+            return parts[of_variable], of_variable
+        return name, False
+
+    def unknown_error(self, name: str) -> InputError:
+        """Return the error for a name that is no quantity, with the nearest by its letters."""
+        wrong, of_variable = self.unknown_part(name)
+        what = f"quantity {name!r}" if wrong == name else f"quantity {name!r}: {wrong!r}"
+        remedy = suggest(wrong, self.variables if of_variable else self.public)
+        return self.absence(name) or InputError(f"{what} is unknown to {self.name}", remedy=remedy)
+
+    def dependencies(
+        self, names: Iterable[str], leaves: Iterable[str], variants: Iterable[str] = ()
+    ) -> Iterator[Fact | System]:
+        """Yield the steps that `names` depend on, each after its own dependencies.
+
+        Names in `leaves` are given. A missing input is an InputError.
+        """
+        given, selected = set(leaves), tuple(variants)
+        done = set(given)
+        steps: dict[str, Fact | System] = {}
+
+        def parts(name: str) -> tuple[str, ...]:
+            step = self.resolve(name, selected, given)
+            if step is None:
+                dependents = (of for of in reversed(steps) if name in steps[of].depends_on)
+                raise self._missing(name, next(dependents, None))
+            steps[name] = step
+            return step.depends_on
+
+        try:
+            for name in postorder(names, parts, done):
+                done.update(steps[name].names)
+                yield steps[name]
+        except CircularError as error:
+            raise CatalogueError(f"{self.name}: circular: {' -> '.join(error.args)}") from None
+
+    def models_of(self, name: str) -> tuple[Model, ...]:
+        """Return the models of the links that give an input."""
+        return tuple(
+            Model(model, tuple(inputs))
+            for model, inputs in self.variant_inputs.items()
+            if name in self.variants.get(model, {}) and model not in self.mutually_exclusive_inputs(name)
+        )
+
+    def missing_problem(self, declared: Input, dependent: str | None, *inside: str) -> Problem:
+        """Return the problem that an input, on which another name depends, is not given."""
+        others = "".join(f", or {other!r} instead" for other in self.mutually_exclusive_inputs(declared.name))
+        what = f"is missing ({declared.meaning} [{declared.units}])"
+        remedy: list[Piece] = [f"{dependent} depends on it: add it{others}"]
+        for model in self.models_of(declared.name):
+            remedy += [", or write ", model]
+        return Problem(what, (*inside, declared.name), tuple(remedy) if remedy[1:] else str(remedy[0]))
+
+    def _missing(self, name: str, dependent: str | None) -> Exception:
+        declared = self.known_inputs(self.variant_inputs).get(name)
+        if declared is not None:
+            return InputError.of([self.missing_problem(declared, dependent)])
+        if dependent is not None:
+            return CatalogueError(f"{self.name}: {dependent} depends on {name}, which is not declared")
+        return CatalogueError(f"{self.name}: {name} is not declared")

@@ -1,0 +1,525 @@
+"""Tell from the text of facts on what it depends whether a value is a number.
+
+A configuration that does not exist shows in a root of a negative number, a quotient by zero, or a choice that says so.
+What does not depend on it has a value all the same.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from fastlink.errors import InputError, Setting
+from fastlink.facts.expression import (
+    SLOPES,
+    ExpressionGraph,
+    Node,
+    generate_function,
+    is_power_of_two,
+    postorder,
+)
+from fastlink.facts.fact import Fact, Input, System
+from fastlink.facts.names import Change, Quantity, derivative_name
+from fastlink.numerics import compensated, vectors
+from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, atan2, cosine, select, sine, sqrt
+from fastlink.numerics.logarithm import log, log1p, log_quotient
+from fastlink.numerics.vectors import magnitude
+
+__all__ = [
+    "TOLERANCES",
+    "Derivation",
+    "NoDependence",
+    "NoDerivative",
+    "Term",
+    "change_fact",
+    "in_a_sentence",
+    "is_tolerance",
+    "terms",
+    "tolerance_fact",
+    "tolerance_inputs",
+    "tolerance_name",
+    "toleranced",
+    "units_per",
+    "with_change_labels",
+    "with_derivative_labels",
+    "worded",
+]
+
+
+#: Functions that have no value for some numbers.
+PARTIAL = (sqrt, log, log1p, log_quotient)
+
+
+class Existence:
+    """On what it depends whether values are numbers."""
+
+    def __init__(
+        self, graph: ExpressionGraph, read: Callable[[str], Node | None], guards: Callable[[str], bool]
+    ) -> None:
+        self._graph, self._read, self._guards = graph, read, guards
+        self._of_names: dict[str, frozenset[Node]] = {}
+        self._within: dict[Node, tuple[list[str], frozenset[Node]]] = {}
+
+    def guarded(self, name: str, root: Node, value: Node) -> Node:
+        """Return a derivative that is none where the name is no finite number.
+
+        Its own text may not depend on that: a force is none where the linkage does not assemble, and its derivative by
+        a mass is an acceleration that may exist.
+        """
+        if not self._guards(name) or not self.causes(value) - self.causes(root):
+            return root
+        graph = self._graph
+        exists = graph.node("<", graph.call(abs, graph.name(name)), graph.number(INFINITY))
+        return graph.select(exists, root, graph.number(NOT_A_NUMBER))
+
+    def causes(self, root: Node) -> frozenset[Node]:
+        """Return the operations beneath a value, those of the names in it too, by which it may be no number."""
+        texts: dict[str, Node | None] = {}
+
+        def parts(name: str) -> list[str]:
+            expression = texts[name] = self._read(name)
+            return [] if expression is None else self._walked(expression)[0]
+
+        for name in postorder(self._walked(root)[0], parts, self._of_names):
+            expression = texts[name]
+            self._of_names[name] = frozenset() if expression is None else self._beneath(expression)
+        return self._beneath(root)
+
+    def _beneath(self, root: Node) -> frozenset[Node]:
+        names, own = self._walked(root)
+        return own.union(*(self._of_names[name] for name in names))
+
+    def _walked(self, root: Node) -> tuple[list[str], frozenset[Node]]:
+        """Return the names in an expression, and its own operations by which it may be no number."""
+        if root not in self._within:
+            seen: dict[Node, None] = {}
+            for node in postorder([root], lambda node: node.args, seen):
+                seen[node] = None
+            causes = frozenset(cause for node in seen if (cause := _cause(node)) is not None)
+            self._within[root] = [node.value for node in seen if node.kind == "name"], causes
+        return self._within[root]
+
+
+def _cause(node: Node) -> Node | None:
+    """Return by what an operation may have no value: itself, or what it divides by; None if it always has one."""
+    if node.kind == "/":
+        return None if node.args[1].kind == "number" else node.args[1]
+    if node.kind != "call":
+        return None
+    chosen = node.args[1:] if node.value is select else ()
+    endless = any(part.kind == "number" and part.value - part.value != 0.0 for part in chosen)
+    return node if endless or node.value in PARTIAL else None
+
+
+# -- Differentiate facts by forward mode, from text to text
+
+# A fact is straight-line text, so its derivative is too: each operation has one rule. What is structurally
+# zero is left out, numbers are folded (`fastlink.facts.expression`). The result is a `Fact` like any
+# other: kernels paste it, and it runs on floats, arrays and mpmath numbers.
+
+
+class NoDerivative(InputError):
+    """The requested derivative is zero everywhere, or not offered."""
+
+
+class NoDependence(NoDerivative):
+    """The requested derivative is zero everywhere."""
+
+
+def with_derivative_labels(fact: Fact, by: Input) -> Fact:
+    """Return a fact with the labels of its derivative, with its own function still."""
+    return replace(
+        fact,
+        name=derivative_name(fact.name, by.name),
+        units=units_per(fact.units, by.units),
+        low=None,
+        symbol=f"d {fact.symbol}/d {by.symbol}",
+        meaning=f"Derivative of {in_a_sentence(fact.meaning)} with respect to {by.meaning}",
+        source=f"{fact.source}; docs/numerics.md#derivatives",
+    )
+
+
+def in_a_sentence(meaning: str) -> str:
+    """Return the meaning of a quantity for use within a sentence.
+
+    Examples
+    --------
+    >>> in_a_sentence("Moving pivot B, x"), in_a_sentence("AB over its length")
+    ('moving pivot B, x', 'AB over its length')
+    """
+    return meaning if meaning[1:2].isupper() else meaning[:1].lower() + meaning[1:]
+
+
+def units_per(units: str, by: str) -> str:
+    """Return UDUNITS text of a quotient.
+
+    Examples
+    --------
+    >>> units_per("rad s-1", "m"), units_per("N m", "m"), units_per("1", "kg m2"), units_per("rad", "rad")
+    ('rad s-1 m-1', 'N', 'kg-1 m-2', '1')
+    """
+    powers: dict[str, int] = {}
+    for text, sign in ((units, 1), (by, -1)):
+        for unit, power in re.findall(r"([A-Za-z]+)(-?\d*)", text):
+            powers[unit] = powers.get(unit, 0) + sign * int(power or 1)
+    parts = [f"{unit}{power if power != 1 else ''}" for unit, power in powers.items() if power]
+    return " ".join(parts) or "1"
+
+
+# -- rules -------------------------------------------------------------------------------------------------
+
+Rule = Callable[[ExpressionGraph, Sequence[Node], Sequence[Node], Node], Node]
+
+
+def _of_sum(graph: ExpressionGraph, args: Sequence[Node], slopes: Sequence[Node], value: Node) -> Node:
+    total = graph.zero
+    for slope in slopes:
+        total = graph.add(total, slope)
+    return total
+
+
+def _of_product(graph: ExpressionGraph, args: Sequence[Node], slopes: Sequence[Node], value: Node) -> Node:
+    (a, *_, b), (da, *_, db) = args, slopes
+    return graph.add(graph.mul(da, b), graph.mul(a, db))
+
+
+def _of_pair_product(
+    graph: ExpressionGraph, args: Sequence[Node], slopes: Sequence[Node], value: Node
+) -> Node:
+    return _of_product(graph, (args[0], args[2]), (slopes[0], slopes[2]), value)
+
+
+def _of_pair_quotient(
+    graph: ExpressionGraph, args: Sequence[Node], slopes: Sequence[Node], value: Node
+) -> Node:
+    return graph.div(graph.sub(slopes[0], graph.mul(value, slopes[2])), args[2])
+
+
+def _of_gap_product_quotient(
+    graph: ExpressionGraph, args: Sequence[Node], slopes: Sequence[Node], value: Node
+) -> Node:
+    x, y = args[4:]
+    product = _of_pair_product(graph, args, slopes, value)
+    share = graph.div(graph.mul(graph.number(0.25), product), graph.mul(x, y))
+    relative = graph.add(graph.div(slopes[4], x), graph.div(slopes[5], y))
+    return graph.sub(share, graph.mul(value, relative))
+
+
+#: Functions with a rule of their own; the text of others is read. The derivative of (high, low) is that of high.
+RULES: dict[Any, Rule] = {
+    compensated.two_sum: _of_sum,
+    compensated.sum_of_four: _of_sum,
+    compensated.two_product: _of_product,
+    compensated.pair_product: _of_pair_product,
+    compensated.pair_quotient: _of_pair_quotient,
+    compensated.gap_product_quotient: _of_gap_product_quotient,
+    compensated.power_of_two_below: lambda graph, args, slopes, value: graph.zero,
+    vectors.zero_where: lambda graph, args, slopes, value: slopes[1],
+    **SLOPES,
+}
+
+
+class Derivation:
+    """The derivatives of a mechanism's facts with respect to one variable."""
+
+    def __init__(
+        self,
+        by: Input,
+        find: Callable[[str], Fact | System | None],
+        declared: Callable[[str], Fact | None],
+        moving: bool = False,
+        guards: Callable[[str], bool] = lambda name: False,
+    ) -> None:
+        self.by, self.find, self.declared, self.moving = by, find, declared, moving
+        self.graph = ExpressionGraph(RULES)
+        self._values: dict[str, tuple[Node, Node]] = {}
+        self._slopes: dict[str, Node] = {}
+        self._facts: dict[str, Fact] = {}
+        self._originals: dict[str, str] = {}
+        self._existence = Existence(self.graph, self._expression, guards)
+
+    def fact(self, name: str) -> Fact:
+        """Return the derivative of a fact."""
+        if name not in self._facts:
+            self._facts[name] = self._fact(name, derivative_name(name, self.by.name, self.moving))
+        return self._facts[name]
+
+    def _fact(self, name: str, derivative: str) -> Fact:
+        if self.slope(name) is self.graph.zero:
+            what = f"quantity {derivative!r}: {name} does not depend on {self.by.name} with what is given"
+            raise NoDependence(what, remedy="leave it out")
+        declared, step = self.declared(name), self.find(name)
+        if declared is None:
+            assert isinstance(step, Fact)
+            root, value = self._values[name]
+            return self._written(step, self._existence.guarded(name, root, value), value)
+        labelled, root = replace(declared, name=derivative), self.graph.read_fact(declared, declared.name)
+        value = self.graph.read_fact(step, name) if isinstance(step, Fact) else root
+        guarded = self._existence.guarded(name, root, value)
+        if guarded is root:
+            return labelled
+        function, depends_on = generate_function(derivative, self.graph, guarded, {})
+        return replace(labelled, function=function, depends_on=depends_on, flags={})
+
+    def slope(self, name: str) -> Node:
+        """Return the derivative of a name as a number, a name, or minus a name."""
+        for each in postorder([name], self._parts, self._slopes):
+            self._slopes[each] = self._slope(each)
+        return self._slopes[name]
+
+    def _parts(self, name: str) -> tuple[str, ...]:
+        """Return the names whose derivatives determine the derivative of a name."""
+        step = None if name == self.by.name or self.declared(name) is not None else self.find(name)
+        return () if step is None or (isinstance(step, Fact) and name == step.low) else step.depends_on
+
+    def _slope(self, name: str) -> Node:
+        graph = self.graph
+        if name == self.by.name:
+            return graph.one
+        step, declared = self.find(name), self.declared(name)
+        if declared is not None:
+            root = graph.read_fact(declared, declared.name)
+        elif step is None or (isinstance(step, Fact) and name == step.low):
+            return graph.zero  # given, or a rounding error
+        elif all(self._slopes[part] is graph.zero for part in step.depends_on):
+            return graph.zero
+        elif isinstance(step, System):
+            what = f"quantity {derivative_name(name, self.by.name)!r}: a linear system determines {name}"
+            raise NoDerivative(what, remedy=("write ", Setting("solver", "eliminated")))
+        else:
+            value = graph.read_fact(step, name)
+            root = self._differentiate(value)
+            self._values[name] = root, value
+        bare = root.args[0] if root.kind == "neg" else root
+        if bare.kind in ("name", "number"):
+            return root
+        derivative = derivative_name(name, self.by.name, self.moving)
+        self._originals[derivative] = name
+        return graph.name(derivative)
+
+    def _expression(self, name: str) -> Node | None:
+        """Return the expression that a name stands for, None for what is given."""
+        original = self._originals.get(name)
+        if original in self._values:
+            return self._values[original][0]
+        step = self.find(name) if original is None else self.declared(original)
+        if not isinstance(step, Fact):
+            return None
+        return self.graph.read_fact(step, name if original is None else step.name)
+
+    def _differentiate(self, root: Node) -> Node:
+        """Return the derivative of a value."""
+        slopes: dict[Node, Node] = {}
+        for node in postorder([root], lambda node: node.args, slopes):
+            slopes[node] = self._rule(node, [slopes[arg] for arg in node.args])
+        return slopes[root]
+
+    def _rule(self, node: Node, slopes: Sequence[Node]) -> Node:
+        if node.kind == "name":
+            return self._slopes[node.value]
+        graph, args = self.graph, node.args
+        if all(slope is graph.zero for slope in slopes):
+            return graph.zero
+        match node.kind:
+            case "neg":
+                return graph.neg(slopes[0])
+            case "+":
+                return graph.add(*slopes)
+            case "-":
+                return graph.sub(*slopes)
+            case "*":
+                return self._of_power(node, slopes) or _of_product(graph, args, slopes, node)
+            case "/":
+                return self._of_quotient(node, slopes)
+            case "item":
+                # the slope of a call is that of its first result
+                return slopes[0] if node.value == 0 else graph.zero
+            case "call":
+                return self._of_call(node, slopes)
+        return graph.zero  # comparisons: the selected values are differentiated in `select`
+
+    def _of_power(self, node: Node, slopes: Sequence[Node]) -> Node | None:
+        """Return the derivative of x x or x x x, None of another product."""
+        graph, (a, b) = self.graph, node.args
+        if a is b:
+            return graph.mul(graph.mul(graph.number(2.0), a), slopes[0])
+        if a.kind == "*" and a.args[0] is b and a.args[1] is b:
+            return graph.mul(graph.mul(graph.number(3.0), a), slopes[1])
+        return None
+
+    def _of_quotient(self, node: Node, slopes: Sequence[Node]) -> Node:
+        graph, (a, b), (da, db) = self.graph, node.args, slopes
+        if db is graph.zero:
+            return graph.div(da, b)
+        if a.kind == "number" and is_power_of_two(a.value):
+            square = graph.mul(graph.number(1.0 / a.value), graph.mul(node, node))
+            return graph.neg(graph.mul(square, db))
+        return graph.div(graph.sub(da, graph.mul(node, db)), b)
+
+    def _of_call(self, node: Node, slopes: Sequence[Node]) -> Node:
+        graph, function, args = self.graph, node.value, node.args
+        if function in RULES:
+            first = graph.node("item", node, value=0)
+            return RULES[function](graph, args, slopes, first)
+        if function is sqrt:
+            return graph.div(graph.mul(graph.number(0.5), slopes[0]), node)
+        if function is sine:
+            return graph.mul(graph.call(cosine, *args), slopes[0])
+        if function is cosine:
+            return graph.neg(graph.mul(graph.call(sine, *args), slopes[0]))
+        if function is log:
+            return graph.div(slopes[0], args[0])
+        if function is log_quotient:
+            return graph.sub(graph.div(slopes[0], args[0]), graph.div(slopes[1], args[1]))
+        if function is log1p:
+            return graph.div(slopes[0], graph.add(graph.one, args[0]))
+        if function is atan2:
+            return graph.call(vectors.turn_rate, *args, *slopes)
+        if function is abs:
+            negative = graph.node("<", args[0], graph.zero)
+            return graph.select(negative, graph.neg(slopes[0]), slopes[0])
+        condition, *values = args
+        # Where the value is no number, neither is the derivative; what is infinite is NaN.
+        parts = [
+            graph.number(NOT_A_NUMBER) if x.kind == "number" and x.value - x.value != 0.0 else d
+            for x, d in zip(values, slopes[1:], strict=True)
+        ]
+        return graph.select(condition, *parts)
+
+    def _written(self, step: Fact, root: Node, value: Node) -> Fact:
+        own = {} if value.kind in ("name", "number", "neg") else {value: step.name}
+        name = derivative_name(step.name, self.by.name, self.moving)
+        function, depends_on = generate_function(name, self.graph, root, own)
+        labelled = with_derivative_labels(step, self.by)
+        return replace(labelled, name=name, function=function, depends_on=depends_on, flags={})
+
+
+# -- Changes by tolerances, to first order: of a value, from its derivatives by the inputs that have
+#    tolerances
+
+# An input X is known within ``X_tolerance``, or within ``X_relative_tolerance`` times itself. At the worst
+# all of them change a value in one direction: by the sum of all |dNAME/dX| T_X. Where errors of the inputs
+# are independent, their standard deviations add as squares: the root of the sum of the squares of these
+# terms.
+
+
+#: The variant that designs with tolerances select.
+TOLERANCES = "tolerances"
+ABSOLUTE, RELATIVE = "_tolerance", "_relative_tolerance"
+#: What tells the change that an input may have from the tolerance that is given.
+OWN = "__tolerance"
+WORDS = {
+    "worst": "Worst-case change by the tolerances of the inputs of: ",
+    "rss": "Root sum of squares of the changes by the tolerances of the inputs of: ",
+}
+SOURCE = "docs/design_search.md#tolerances"
+
+
+@dataclass(frozen=True)
+class Term:
+    """The input of one term of a change, and the fact of its tolerance."""
+
+    by: str
+    tolerance: str
+
+
+def tolerance_name(name: str, relative: bool = False) -> str:
+    """Return the name of the tolerance of an input.
+
+    Examples
+    --------
+    >>> tolerance_name("a1"), tolerance_name("a1", relative=True)
+    ('a1_tolerance', 'a1_relative_tolerance')
+    """
+    return f"{name}{RELATIVE if relative else ABSOLUTE}"
+
+
+def is_tolerance(name: str) -> bool:
+    """Tell whether a name has the form of a tolerance."""
+    return name.endswith(ABSOLUTE)
+
+
+def toleranced(name: str) -> str:
+    """Return the input in the name of a tolerance."""
+    return name.removesuffix(RELATIVE if name.endswith(RELATIVE) else ABSOLUTE)
+
+
+def tolerance_inputs(inputs: Iterable[Input]) -> dict[str, Input]:
+    """Return the tolerances of inputs, which are inputs themselves; codes have none."""
+    found = {}
+    for of in inputs:
+        if of.choices:
+            continue
+        own, share = tolerance_name(of.name), tolerance_name(of.name, relative=True)
+        meaning = in_a_sentence(of.meaning)
+        found[own] = Input(own, of.units, f"T_{of.symbol}", f"Tolerance of {meaning}", "non-negative")
+        label = f"T_{of.symbol}/{of.symbol}", f"Tolerance of {meaning}, over its value"
+        found[share] = Input(share, "1", *label, "non-negative")
+    return found
+
+
+def tolerance_fact(name: str, given: Iterable[str]) -> Fact | None:
+    """Return the fact of the change that an input may have, None for the name of another."""
+    of = name.removesuffix(OWN)
+    if of == name:
+        return None
+    own, share = tolerance_name(of), tolerance_name(of, relative=True)
+    labels: dict[str, Any] = {
+        "units": "1",
+        "symbol": f"T_{of}",
+        "meaning": f"Tolerance of {of}",
+        "source": SOURCE,
+    }
+    if share in given:
+        return Fact(name, of_relative, (of, share), internal=True, **labels)
+    return Fact(name, of_absolute, (own,), internal=True, **labels)
+
+
+def of_absolute(tolerance: Any) -> Any:
+    """Tolerance as it is given."""
+    return tolerance
+
+
+def of_relative(value: Any, share: Any) -> Any:
+    """Tolerance as a share of the value."""
+    return abs(value) * share
+
+
+def terms(inputs: Iterable[str]) -> tuple[Term, ...]:
+    """Return the terms of inputs."""
+    return tuple(Term(by, f"{by}{OWN}") for by in inputs)
+
+
+def worded(how: str, meaning: str) -> str:
+    """Return the meaning of a change."""
+    return WORDS[how] + in_a_sentence(meaning)
+
+
+def with_change_labels(fact: Fact, how: str) -> Fact:
+    """Return a fact with the labels of its change, with its own function still."""
+    return replace(
+        fact,
+        name=str(Change(Quantity(fact.name), how)),
+        low=None,
+        symbol=f"{how} change {fact.symbol}",
+        meaning=worded(how, fact.meaning),
+        source=f"{fact.source}; {SOURCE}",
+        flags={},
+    )
+
+
+def change_fact(labelled: Fact, how: str, derivatives: Sequence[tuple[str, str]]) -> Fact:
+    """Return a change, which is labelled already, from derivatives, each with the fact of the tolerance."""
+    graph = ExpressionGraph((magnitude,))
+    found: Node | None = None
+    for derivative, tolerance in derivatives:
+        change = graph.mul(graph.call(abs, graph.name(derivative)), graph.name(tolerance))
+        if found is None:
+            found = change
+        else:
+            found = graph.add(found, change) if how == "worst" else graph.call(magnitude, found, change)
+    assert found is not None
+    function, depends_on = generate_function(labelled.name, graph, found, {})
+    return replace(labelled, function=function, depends_on=depends_on)

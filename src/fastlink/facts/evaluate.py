@@ -1,0 +1,129 @@
+"""Evaluate facts without a kernel: on floats, arrays and mpmath numbers.
+
+The same text that the kernels are made of runs here as plain Python, so the rounding error of every quantity can be
+measured without a second formula.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from fastlink.facts.catalogue import Catalogue
+from fastlink.facts.fact import Fact, System
+from fastlink.facts.sizes import sized, sizes_of
+from fastlink.numerics.elementary import context_of
+
+__all__ = ["evaluate_on_doubles", "evaluate_step", "read_facts", "stack_rows", "steps_of", "tables_at"]
+
+
+def read_facts(
+    catalogue: Catalogue, names: Iterable[str], values: Mapping[str, Any], variants: Iterable[str] = ()
+) -> dict[str, Any]:
+    """Evaluate facts on numbers of any type; doubles far from 1 in units of their own."""
+    known = dict(values)
+    exact = any(hasattr(value, "context") for value in known.values())
+    sizes = None if exact else sizes_of(catalogue, known)
+    if sizes is not None:
+        known |= sizes.inputs(catalogue, known)
+    position = catalogue.position.name
+    if position in known:
+        tables = (*catalogue.tables, *catalogue.table_low_parts)
+        known |= tables_at(catalogue, known[position], [name for name in tables if name not in known])
+    with np.errstate(all="ignore"):  # of a case that is not selected, or a value that says so itself
+        for step in steps_of(catalogue, names, known, variants):
+            evaluate_step(step, known)
+    if sizes is None:
+        return known
+    labels = {name: catalogue.resolve(name, variants) for name in names if name not in values}
+    kinds = {
+        name: sized(catalogue, name, fact.units) for name, fact in labels.items() if isinstance(fact, Fact)
+    }
+    return {**values, **{name: sizes.result(kind, known[name]) for name, kind in kinds.items()}}
+
+
+def steps_of(
+    catalogue: Catalogue, names: Iterable[str], given: Iterable[str], variants: Iterable[str] = ()
+) -> tuple[Fact | System, ...]:
+    """Return the steps of `Catalogue.dependencies`, cached."""
+    return _steps(catalogue, catalogue.version, tuple(names), frozenset(given), tuple(variants))
+
+
+@lru_cache(maxsize=256)
+def _steps(
+    catalogue: Catalogue,
+    version: int,
+    names: tuple[str, ...],
+    given: frozenset[str],
+    variants: tuple[str, ...],
+) -> tuple[Fact | System, ...]:
+    return tuple(catalogue.dependencies(names, given, variants))
+
+
+def tables_at(catalogue: Catalogue, theta: Any, names: Iterable[str]) -> dict[str, Any]:
+    """Return the tables at an input position of any type; low parts are zero.
+
+    In mpmath they are right to all digits of its context, whatever the size of the position.
+    """
+    functions = {name: catalogue.tables[name].function for name in names if name in catalogue.tables}
+    context = context_of(theta)
+    if hasattr(context, "workprec") and theta != 0 and context.isfinite(theta):
+        # squares of small angles stand beside 1, whole turns and powers of two beside great ones
+        with context.workprec(context.prec + 2 * abs(context.mag(theta))):
+            tabled = {name: function(theta) for name, function in functions.items()}
+        tabled = {name: +value if hasattr(value, "context") else value for name, value in tabled.items()}
+    else:
+        tabled = {name: function(theta) for name, function in functions.items()}
+    return {name: tabled[name] if name in tabled else 0 * theta for name in names}
+
+
+def evaluate_step(step: Fact | System, known: dict[str, Any]) -> None:
+    """Add the values of a step to the known values."""
+    if isinstance(step, System):
+        rows = step.function(*(known[name] for name in step.depends_on))
+        known.update(zip(step.unknowns, _solve(rows), strict=True))
+    else:
+        known.update(step.values(known))
+
+
+def evaluate_on_doubles(steps: Iterable[Fact | System], known: dict[str, Any]) -> None:
+    """Add the values of steps to known doubles and arrays of NumPy.
+
+    A number of Python, such as the constant of a case, becomes one of NumPy: of these a quotient by zero is infinite or
+    NaN, as in arrays and in kernels, and no exception.
+    """
+    with np.errstate(all="ignore"):
+        for step in steps:
+            evaluate_step(step, known)
+            for name in step.names:
+                if isinstance(known[name], (float, int)):
+                    known[name] = np.float64(known[name])
+
+
+def stack_rows(rows: Any) -> Any:
+    """Return the rows of a system, doubles or arrays of one shape, as one array with rows and columns last."""
+    shape = np.broadcast_shapes(*(np.shape(entry) for row in rows for entry in row))
+    stacked = np.empty((*shape, len(rows), len(rows[0])))
+    for r, row in enumerate(rows):
+        for c, entry in enumerate(row):
+            stacked[..., r, c] = entry
+    return stacked
+
+
+def _solve(rows: Any) -> list[Any]:
+    """Solve a system given as rows with the right-hand side last."""
+    size = len(rows)
+    context = next((c for row in rows for c in (getattr(entry, "context", None) for entry in row) if c), None)
+    if context is not None:
+        if any(context.isnan(entry) for row in rows for entry in row):
+            return [context.nan] * size
+        matrix = context.matrix([list(row[:size]) for row in rows])
+        return list(context.lu_solve(matrix, context.matrix([row[size] for row in rows])))
+    stacked = stack_rows(rows)
+    closes = np.isfinite(stacked).all(axis=(-2, -1))
+    result = np.full((*closes.shape, size), np.nan)
+    result[closes] = np.linalg.solve(stacked[closes][..., :size], stacked[closes][..., size:])[..., 0]
+    return [result[..., r] for r in range(size)]

@@ -1,0 +1,398 @@
+"""Visit values after those that they are made of, in chains of any length: no recursion."""
+
+from __future__ import annotations
+
+import ast
+import linecache
+import math
+from collections import Counter
+from collections.abc import Callable, Collection, Container, Hashable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import count
+from typing import Any, Self, TypeVar
+
+from fastlink.facts.fact import Fact, parameters, statements
+from fastlink.numerics import compensated, vectors
+from fastlink.numerics.compiler import COMPILED_AS
+from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, atan2, cosine, select, sine, sqrt
+from fastlink.numerics.logarithm import arsinh, log, log1p, log_quotient
+
+__all__ = [
+    "SLOPES",
+    "CircularError",
+    "Condition",
+    "ExpressionGraph",
+    "Node",
+    "generate_function",
+    "is_power_of_two",
+    "postorder",
+]
+
+
+T = TypeVar("T", bound=Hashable)
+
+
+class CircularError(Exception):
+    """A value is made of itself; the arguments are the values on the way round."""
+
+
+def postorder(
+    roots: Iterable[T], parts: Callable[[T], Iterable[T]], done: Container[T] = frozenset()
+) -> Iterator[T]:
+    """Yield values that are not done, each after its parts."""
+    for root in roots:
+        path = {} if root in done else {root: iter(parts(root))}
+        pending = [*path]
+        while pending:
+            value = pending[-1]
+            for part in path[value]:
+                if part not in done:
+                    if part in path:
+                        raise CircularError(*path, part)
+                    path[part] = iter(parts(part))
+                    pending.append(part)
+                    break
+            else:
+                del path[pending.pop()]
+                yield value
+
+
+# -- Expressions: graphs of values that exist once, with folded numbers and the signs outermost
+
+# `ExpressionGraph.read` turns a fact's text into values, `ExpressionGraph.write` values into text: a value
+# that is used twice has a name.
+
+
+OPERATORS: dict[str, ast.operator] = {
+    "+": ast.Add(), "-": ast.Sub(), "*": ast.Mult(), "/": ast.Div(), "&": ast.BitAnd(), "|": ast.BitOr(),
+}  # fmt: skip
+COMPARISONS: dict[str, ast.cmpop] = {
+    "<": ast.Lt(), "<=": ast.LtE(), ">": ast.Gt(), ">=": ast.GtE(), "==": ast.Eq(), "!=": ast.NotEq(),
+}  # fmt: skip
+SIGNS = {type(node): sign for sign, node in (*OPERATORS.items(), *COMPARISONS.items())}
+#: So many operations deep an expression is written at most: Python parses and unparses by recursion.
+DEEPEST = 100
+#: Greater powers of two are there to keep products from underflow, smaller ones than its inverse from overflow.
+FARTHEST_SCALE = 2.0**200
+NOT_FINITE = {"inf": "INFINITY", "nan": "NOT_A_NUMBER"}
+
+
+@dataclass(frozen=True, eq=False)
+class Node:
+    """A value; ``kind`` is name, number, call, tuple, item, neg or an operator."""
+
+    kind: str
+    args: tuple[Node, ...]
+    value: Any = None
+
+
+class ExpressionGraph:
+    """Values, each of which exists once.
+
+    `opaque` functions remain calls, as elementary ones do; the text of others is read.
+    """
+
+    def __init__(self, opaque: Collection[Any]) -> None:
+        self._nodes: dict[tuple[Any, ...], Node] = {}
+        self._opaque = {sqrt, atan2, cosine, sine, log, log1p, log_quotient, abs, *opaque}
+        self.zero, self.one = self.number(0.0), self.number(1.0)
+
+    def node(self, kind: str, *args: Node, value: Any = None) -> Node:
+        """Return a value, the one that exists if there is one."""
+        key = (kind, repr(value) if kind == "number" else value, *map(id, args))
+        return self._nodes.setdefault(key, Node(kind, args, value))
+
+    def name(self, name: str) -> Node:
+        """Return the value of a name."""
+        return self.node("name", value=name)
+
+    def number(self, value: float) -> Node:
+        """Return a number."""
+        return self.node("number", value=value + 0.0)
+
+    def part(self, node: Node, number: int) -> Node:
+        """Return one value of a tuple, or of a call that returns several."""
+        return node.args[number] if node.kind == "tuple" else self.node("item", node, value=number)
+
+    def call(self, function: Any, *args: Node) -> Node:
+        """Return the value of a call."""
+        return self.node("call", *args, value=function)
+
+    def neg(self, a: Node) -> Node:
+        """Return -a."""
+        if a.kind == "number":
+            return self.number(-a.value)
+        return a.args[0] if a.kind == "neg" else self.node("neg", a)
+
+    def add(self, a: Node, b: Node) -> Node:
+        """Return a + b."""
+        if a.kind == b.kind == "number":
+            return self.number(a.value + b.value)
+        if a is self.zero or b is self.zero:
+            return b if a is self.zero else a
+        if a is b:
+            return self.mul(self.number(2.0), a)
+        if b.kind == "neg":
+            return self.sub(a, b.args[0])
+        return self.sub(b, a.args[0]) if a.kind == "neg" else self.node("+", a, b)
+
+    def sub(self, a: Node, b: Node) -> Node:
+        """Return a - b."""
+        if a.kind == b.kind == "number":
+            return self.number(a.value - b.value)
+        if b is self.zero:
+            return a
+        if a is self.zero or a is b:
+            return self.neg(b) if a is self.zero else self.zero
+        if b.kind == "neg":
+            return self.add(a, b.args[0])
+        return self.neg(self.add(a.args[0], b)) if a.kind == "neg" else self.node("-", a, b)
+
+    def mul(self, a: Node, b: Node) -> Node:
+        """Return a b."""
+        if b.kind == "number":
+            a, b = b, a
+        if b.kind == "number":
+            return self.number(a.value * b.value)
+        if a is self.zero:
+            return a
+        if a.kind == "number" and a.value < 0.0:
+            return self.neg(self.mul(self.neg(a), b))
+        if a is self.one:
+            return b
+        if a.kind == "neg" or b.kind == "neg":
+            positive = self.mul(*(x.args[0] if x.kind == "neg" else x for x in (a, b)))
+            return positive if a.kind == b.kind else self.neg(positive)
+        if a.kind == "number":
+            return self._multiple(a, b)
+        (scale_a, a), (scale_b, b) = _scaled(a), _scaled(b)
+        if scale_a * scale_b != 1.0:
+            return self.mul(self.number(scale_a * scale_b), self.mul(a, b))
+        return self.node("*", a, b)
+
+    def _multiple(self, a: Node, b: Node) -> Node:
+        """Return the product with a number: powers of two are exact, so they go outermost."""
+        scale, rest = _scaled(b)
+        if scale != 1.0:
+            return self.mul(self.number(a.value * scale), rest)
+        if b.kind in ("+", "-") and is_power_of_two(a.value) and all(_scaled(x)[0] != 1.0 for x in b.args):
+            return self.operation(b.kind, *(self.mul(a, x) for x in b.args))
+        return self.node("*", a, b)
+
+    def div(self, a: Node, b: Node) -> Node:
+        """Return a/b."""
+        if a is self.zero or b is self.one:
+            return a
+        if a.kind == b.kind == "number":
+            return self.number(a.value / b.value)
+        if a.kind == "neg" or b.kind == "neg":
+            positive = self.div(*(x.args[0] if x.kind == "neg" else x for x in (a, b)))
+            return positive if a.kind == b.kind else self.neg(positive)
+        (scale_a, a), (scale_b, b) = _scaled(a), _scaled(b)
+        if scale_a != scale_b:
+            return self.mul(self.number(scale_a / scale_b), self.div(a, b))
+        return self.node("/", a, b)
+
+    def select(self, condition: Node, a: Node, b: Node) -> Node:
+        """Return a where the condition holds, else b."""
+        return a if a is b else self.call(select, condition, a, b)
+
+    # -- reading ---------------------------------------------------------------------------------
+
+    def read(self, function: Callable[..., Any], args: Sequence[Node]) -> Node:
+        """Return the value of a straight-line function for these arguments."""
+        known = dict(zip(parameters(function), args, strict=True))
+
+        def value(node: ast.expr) -> Node:
+            match node:
+                case ast.Name():
+                    if node.id in known:
+                        return known[node.id]
+                    return self.number(function.__globals__[node.id])
+                case ast.Constant():
+                    assert isinstance(node.value, int | float)
+                    return self.number(node.value)
+                case ast.UnaryOp():
+                    return self.neg(value(node.operand))
+                case ast.BinOp():
+                    return self.operation(SIGNS[type(node.op)], value(node.left), value(node.right))
+                case ast.Compare():
+                    sign = SIGNS[type(node.ops[0])]
+                    return self.node(sign, value(node.left), value(node.comparators[0]))
+                case ast.Tuple():
+                    return self.node("tuple", *map(value, node.elts))
+                case _:
+                    assert isinstance(node, ast.Call)
+                    assert isinstance(node.func, ast.Name)
+                    helper = function.__globals__.get(node.func.id, abs)
+                    return self.apply(helper, [value(arg) for arg in node.args])
+
+        def bind(target: ast.expr, bound: Node) -> None:
+            if isinstance(target, ast.Tuple):
+                for k, part in enumerate(target.elts):
+                    bind(part, self.part(bound, k))
+            else:
+                assert isinstance(target, ast.Name)
+                known[target.id] = bound
+
+        *assignments, last = statements(function)
+        for assignment in assignments:
+            assert isinstance(assignment, ast.Assign)
+            for target in assignment.targets:
+                bind(target, value(assignment.value))
+        assert isinstance(last, ast.Return)
+        assert last.value is not None
+        return value(last.value)
+
+    def operation(self, sign: str, a: Node, b: Node) -> Node:
+        """Return the value of an operation with two arguments."""
+        operator = {"+": self.add, "-": self.sub, "*": self.mul, "/": self.div}.get(sign)
+        return operator(a, b) if operator is not None else self.node(sign, a, b)
+
+    def apply(self, function: Any, args: Sequence[Node]) -> Node:
+        """Return the value of a call; a function without a rule of its own is read."""
+        if function is select:
+            return self.select(*args)
+        if function in self._opaque:
+            return self.call(function, *args)
+        return self.read(COMPILED_AS.get(function, function), args)
+
+    def read_fact(self, fact: Fact, name: str) -> Node:
+        """Return one of the values of a fact as an expression in names."""
+        value = self.read(fact.function, [self.name(part) for part in fact.depends_on])
+        return value if fact.low is None else self.part(value, fact.names.index(name))
+
+    # -- writing ---------------------------------------------------------------------------------
+
+    def write(self, root: Node, given: Mapping[Node, str]) -> tuple[tuple[str, ...], list[str]]:
+        """Return the names in an expression, and the lines of a function that returns it.
+
+        `given` are values that have a name of their own.
+        """
+        order: dict[Node, tuple[Node, ...]] = {}
+        for node in postorder([root], lambda node: () if node in given else node.args, order):
+            order[node] = () if node in given else node.args
+        uses = Counter(part for parts in order.values() for part in parts)
+        depends_on = {
+            given.get(node, node.value): None for node in order if node in given or node.kind == "name"
+        }
+        pairs = {parts[0] for node, parts in order.items() if parts and node.kind == "item"}
+        written: dict[Node, ast.expr] = {}
+        depths: dict[Node, int] = {}
+        lines: list[str] = []
+        for node, parts in order.items():
+            text = ast.Name(given[node]) if node in given else _expression(node, [written[a] for a in parts])
+            short = node in given or node.kind in ("name", "number", "item")
+            depths[node] = 0 if short else 1 + max((depths[a] for a in parts), default=0)
+            if node in pairs or (not short and (uses[node] > 1 or depths[node] == DEEPEST)):
+                depths[node] = 0
+                local = f"_{len(lines)}"
+                target = f"{local}_0, {local}_1" if node in pairs else local
+                lines.append(f"{target} = {ast.unparse(text)}")
+                text = ast.Name(local)
+            written[node] = text
+        return tuple(depends_on), [*lines, f"return {ast.unparse(written[root])}"]
+
+
+def _expression(node: Node, args: Sequence[ast.expr]) -> ast.expr:
+    """Return a value as text over the texts of its arguments."""
+    match node.kind:
+        case "name":
+            return ast.Name(node.value)
+        case "number":
+            finite = math.isfinite(node.value)
+            return ast.Constant(node.value) if finite else ast.Name(NOT_FINITE[str(node.value)])
+        case "neg":
+            return ast.UnaryOp(ast.USub(), args[0])
+        case "call":
+            return ast.Call(ast.Name(node.value.__name__), list(args), [])
+        case "item":
+            assert isinstance(args[0], ast.Name)
+            return ast.Name(f"{args[0].id}_{node.value}")
+        case sign if sign in OPERATORS:
+            return ast.BinOp(args[0], OPERATORS[sign], args[1])
+        case sign:
+            return ast.Compare(args[0], [COMPARISONS[sign]], [args[1]])
+
+
+def _scaled(x: Node) -> tuple[float, Node]:
+    """Return a power of two that a value is a multiple of, and of what.
+
+    One that keeps products in the range of doubles stays where it is.
+    """
+    if x.kind == "*" and x.args[0].kind == "number" and is_power_of_two(x.args[0].value):
+        scale = abs(x.args[0].value)
+        if 1.0 / FARTHEST_SCALE <= scale <= FARTHEST_SCALE:
+            return x.args[0].value, x.args[1]
+    return 1.0, x
+
+
+def is_power_of_two(x: float) -> bool:
+    """Tell whether a number is a power of two, so that products with it are exact."""
+    return math.frexp(abs(x))[0] == 0.5
+
+
+# -- Conditions on values of which less is known than a number: what is computed with them takes either way
+
+
+class Condition:
+    """The result of a comparison, which counts as met; a subclass says what `choose` returns."""
+
+    def __and__(self, other: Any) -> Self:
+        return self
+
+    __rand__ = __or__ = __ror__ = __and__
+
+    def __bool__(self) -> bool:
+        """Satisfy `sqrt` of `fastlink.numerics.elementary`, which tests the sign of its argument."""
+        return True
+
+    def choose(self, if_true: Any, if_false: Any) -> Any:
+        """Return what is known of both values of `fastlink.numerics.elementary.select`."""
+        raise NotImplementedError
+
+
+# -- Derivatives of choices that rounding may make: choices of the same kind
+
+
+def _of_choice(graph: ExpressionGraph, args: Sequence[Node], slopes: Sequence[Node], value: Node) -> Node:
+    return slopes[1] if slopes[1] is slopes[2] else graph.call(vectors.choice, args[0], *slopes[1:])
+
+
+def _of_size(graph: ExpressionGraph, args: Sequence[Node], slopes: Sequence[Node], value: Node) -> Node:
+    negative = graph.node("<", args[0], graph.zero)
+    return graph.call(vectors.choice, negative, graph.neg(slopes[0]), slopes[0])
+
+
+#: The rules of the derivatives of both, see `fastlink.facts.derivative`.
+SLOPES = {vectors.choice: _of_choice, vectors.absolute: _of_size}
+
+
+# -- Make functions of expressions: Python functions whose text kernels read like that of any fact
+
+
+#: The names that a generated text may use.
+NAMESPACE: dict[str, Any] = {
+    **{name: getattr(module, name) for module in (compensated, vectors) for name in module.__all__},
+    **{
+        function.__name__: function
+        for function in (sqrt, atan2, cosine, sine, arsinh, log, log1p, log_quotient, select)
+    },
+    "INFINITY": INFINITY,
+    "NOT_A_NUMBER": NOT_A_NUMBER,
+}
+_serial = count()
+
+
+def generate_function(
+    name: str, graph: ExpressionGraph, root: Node, given: Mapping[Node, str]
+) -> tuple[Callable[..., Any], tuple[str, ...]]:
+    """Return a function that returns a value, and the names that it depends on."""
+    depends_on, lines = graph.write(root, given)
+    source = "\n    ".join([f"def {name}({', '.join(depends_on)}):", *lines]) + "\n"
+    file = f"<generated {name} {next(_serial)}>"
+    # inspect reads the text there, and kernels read it by inspect
+    linecache.cache[file] = (len(source), None, source.splitlines(keepends=True), file)
+    namespace = dict(NAMESPACE)
+    exec(compile(source, file, "exec"), namespace)
+    return namespace[name], depends_on

@@ -1,0 +1,1348 @@
+"""The compressions of converted files, by name and level, in the words of each library."""
+
+from __future__ import annotations
+
+import contextlib
+import csv
+import io
+import json
+import math
+import os
+import shlex
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from fastlink._text import short_number, short_repr, unwritable
+from fastlink.errors import (
+    InputError,
+    KeyPath,
+    Problems,
+    Setting,
+    check_choice,
+    check_path,
+    check_switch,
+    door,
+    remark,
+    suggest,
+)
+from fastlink.io import partial_file
+from fastlink.io.checksums import OF_REST, of_file, pieces, seal
+from fastlink.io.finished import WRITTEN
+from fastlink.io.layout import (
+    FINGERPRINT,
+    FORMAT_VERSION,
+    HISTORY,
+    PLAIN,
+    SOURCE,
+    Variable,
+    fault_of_value,
+    history,
+    plain_attrs,
+)
+from fastlink.io.output import OutputFile, OutputFolder
+from fastlink.io.partial_file import check_made_at_once
+from fastlink.io.place import exists_error, part_of, progress_bar, reason, refused
+from fastlink.io.reader import (
+    COMPRESSION,
+    OF_PARTS,
+    as_map,
+    files_of,
+    is_zarr,
+    register_filter,
+    require_package,
+)
+from fastlink.io.writer import Writer, auxiliary, create_checksums, label, lay_labels
+from fastlink.space.design_space import (
+    BRANCH,
+    DESIGN,
+    RADIANS,
+    angle_of,
+    as_real,
+    check_angle,
+    degrees_name,
+    radians,
+    remark_on_angles,
+)
+from fastlink.space.tables import FORMAT, STATUS
+
+__all__ = [
+    "BLOCK_BYTES",
+    "Index",
+    "Selection",
+    "Source",
+    "check_compression",
+    "check_conversion",
+    "convert",
+    "labelled",
+    "selected",
+    "write_csv",
+]
+
+
+#: The levels of each compression, from the fastest to the smallest, and the one that is taken unless given.
+LEVELS: dict[str, tuple[int, int, int] | None] = {
+    "gzip": (1, 9, 4),
+    "zstd": (1, 22, 3),
+    "blosc": (1, 9, 5),
+    "lz4": None,
+}
+#: The compressions of each format; text has none.
+OF_FORMAT = {
+    "hdf5": ("gzip", "zstd", "blosc", "lz4"),
+    "zarr": ("gzip", "zstd", "blosc", "lz4"),
+    "parquet": ("gzip", "zstd", "lz4"),
+    "csv": (),
+}
+
+
+@dataclass(frozen=True)
+class Compression:
+    """A compression and its level, None for one that has no levels."""
+
+    name: str
+    level: int | None
+
+    def __str__(self) -> str:
+        return self.name if self.level is None else f"{self.name}:{self.level}"
+
+    def of_hdf5(self) -> dict[str, Any]:
+        """Return the options of a dataset of h5py; the bytes of its numbers are shuffled first."""
+        if self.name == "gzip":
+            return {"compression": "gzip", "compression_opts": self.level}
+        import hdf5plugin
+
+        register_filter(self.name)
+        if self.name == "zstd":
+            return dict(hdf5plugin.Zstd(clevel=self.level))
+        if self.name == "blosc":
+            return dict(hdf5plugin.Blosc(cname="zstd", clevel=self.level, shuffle=hdf5plugin.Blosc.NOSHUFFLE))
+        return dict(hdf5plugin.LZ4())
+
+    def of_zarr(self) -> Any:
+        """Return the codec of an array of zarr."""
+        import numcodecs
+
+        if self.name == "gzip":
+            return numcodecs.GZip(level=self.level)
+        if self.name == "lz4":
+            return numcodecs.LZ4()
+        return (
+            numcodecs.Zstd(level=self.level)
+            if self.name == "zstd"
+            else numcodecs.Blosc(cname="zstd", clevel=self.level, shuffle=numcodecs.Blosc.SHUFFLE)
+        )
+
+
+def check_compression(value: Any, format: str) -> Compression | None:
+    """Return a compression that is given as ``"zstd:3"`` or ``"gzip"``, or refuse it.
+
+    Examples
+    --------
+    >>> str(check_compression("gzip", "hdf5"))
+    'gzip:4'
+    """
+    if value is None:
+        return None
+    where = ("compress",)
+    known = OF_FORMAT[format]
+    if not known:
+        remedy = "leave it out, and compress the file afterwards, or write a .parquet"
+        raise InputError(f"is {short_repr(value)}, and CSV is plain text", where=where, remedy=remedy)
+    name, colon, level = value.partition(":") if isinstance(value, str) else (value, "", "")
+    name = check_choice(where, name, known)
+    levels = LEVELS[name]
+    number = None if levels is None else levels[2]
+    if levels is None and colon:
+        what = f"is {short_repr(value)}, and {name} has no levels"
+        raise InputError(what, where=where, remedy=("write ", Setting("compress", name)))
+    if levels is not None and colon:
+        number = int(level) if level.isdecimal() and level.isascii() and len(level) < 4 else -1
+        if not levels[0] <= number <= levels[1]:
+            example = Setting("compress", f"{name}:{levels[2]}")
+            bounds = f", a level from {levels[0]} to {levels[1]}"
+            raise InputError(f"is {short_repr(value)}", where=where, remedy=("write ", example, bounds))
+    if format == "hdf5" and name != "gzip":
+        require_package("hdf5plugin", ("compress",))
+    return Compression(name, number)
+
+
+def chunks_of(variable: Variable, nbytes: int) -> tuple[int, ...]:
+    """Return the shape of the chunks of a variable, of consecutive values; empty for a single value."""
+    if not variable.shape:
+        return ()
+    index, _ = next(pieces(variable.shape, max(1, nbytes // variable.dtype.itemsize)))
+    divided = [1 if isinstance(part, int) else part.stop for part in index]
+    return (*divided, *variable.shape[len(divided) :])
+
+
+# -- Select a part of a map by values, or by numbers, along its dimensions
+
+
+#: What is taken along a dimension: one number, which the result has no dimension for, or several.
+Indexer = int | slice | NDArray[np.intp]
+#: A value counts as an end of a range if it differs by four roundings: 1.1 + 0.1 is more than 1.2.
+SLACK = 4 * 2.0**-52
+NUMBER_SIGN, TO = "#", ":"
+FORMS = (
+    "write ",
+    Setting("select", {"a2": "1.1:1.2"}),
+    " for a range, a number for the nearest value, or '#3' or '#0:10' for numbers of values",
+)
+
+
+@dataclass
+class Selection:
+    """The conditions on what is taken of a map, and what meets them.
+
+    Attributes
+    ----------
+    indexers : dict of str to Indexer
+        What is taken along each dimension that is not taken whole.
+    texts : list of str
+        Each condition, such as ``a2=1.1:1.2``.
+    """
+
+    indexers: dict[str, Indexer] = field(default_factory=dict)
+    texts: list[str] = field(default_factory=list)
+
+    def __str__(self) -> str:
+        return "; ".join(self.texts)
+
+    def add(self, dim: str, indexer: Indexer) -> None:
+        """Take less along a dimension; both conditions have to hold."""
+        if dim in self.indexers:
+            indexer = np.intersect1d(_numbers(self.indexers[dim]), _numbers(indexer))
+        self.indexers[dim] = _simple(indexer)
+
+
+@dataclass(frozen=True)
+class _Numbers:
+    """Numbers of values along a dimension: one, or a slice of them."""
+
+    value: int | slice
+
+
+@dataclass(frozen=True)
+class _Ends:
+    """A range of values, both ends included."""
+
+    low: float
+    high: float
+
+
+def selected(maps: xr.Dataset, given: Any) -> Selection:
+    """Return what conditions take of a map, or refuse them.
+
+    Examples
+    --------
+    >>> maps = xr.Dataset(coords={"a2": [1.0, 1.1, 1.2, 1.3]})
+    >>> selected(maps, {"a2": "1.1:1.2"})
+    Selection(indexers={'a2': slice(1, 3, None)}, texts=['a2=1.1:1.2'])
+    """
+    selection, problems = Selection(), Problems()
+    if given is None:
+        return selection
+    if not isinstance(given, Mapping):
+        raise InputError(f"is {short_repr(given)}", where=("select",), remedy=FORMS)
+    for name, condition in given.items():
+        with problems.at("select", str(name)):
+            _add(selection, maps, name, condition)
+    problems.stop()
+    for dim, indexer in selection.indexers.items():
+        if not isinstance(indexer, int) and not _numbers(indexer).size:
+            what = f"no value along {dim} meets {selection}"
+            raise InputError(what, where=("select",), remedy="leave one of the conditions out")
+    return selection
+
+
+def _add(selection: Selection, maps: xr.Dataset, name: Any, condition: Any) -> None:
+    """Add one condition to a selection."""
+    coordinate, in_degrees = _coordinate(maps, name)
+    dim = str(coordinate.dims[0]) if coordinate.dims else ""
+    form = _form(name, condition, coordinate)
+    if isinstance(form, _Numbers):
+        if not dim:
+            raise InputError("is one value for all designs, which has no numbers", remedy="select by values")
+        taken: Indexer = _by_number(form.value, coordinate.size)
+    elif isinstance(form, str):
+        taken = np.flatnonzero(coordinate.values.astype(str).reshape(-1) == form)
+    else:
+        form = _in_radians(form) if in_degrees else form
+        if coordinate.attrs.get("units") == RADIANS and not in_degrees:
+            numbers = [form.low, form.high] if isinstance(form, _Ends) else form
+            remark_on_angles(str(coordinate.name), numbers, "select")
+        taken = _by_value(coordinate, form, is_axis=coordinate.name == dim)
+    if isinstance(taken, np.ndarray) and not taken.size:
+        raise InputError(f"{_text(condition)} takes nothing; {_span(coordinate)}", remedy="widen it")
+    if dim:
+        selection.add(dim, taken)
+    selection.texts.append(f"{name}={_text(condition)}")
+
+
+def _coordinate(maps: xr.Dataset, name: Any) -> tuple[xr.DataArray, bool]:
+    """Return the coordinate of a condition, and whether its values are in degrees."""
+    known = {str(key): coord for key, coord in maps.coords.items() if coord.ndim < 2}
+    known |= {
+        str(dim): xr.DataArray(np.arange(size), dims=str(dim), name=str(dim))
+        for dim, size in maps.sizes.items()
+        if str(dim) not in known
+    }
+    if name in known:
+        return known[name], False
+    angle = angle_of(name) if isinstance(name, str) else ""
+    if angle in known:
+        check_angle(str(name), angle, str(known[angle].attrs.get("units", "1")), ())
+        return known[angle], True
+    if name in maps.data_vars:
+        what, remedy = "is a result, which has no dimension of its own", f"select by {', '.join(known)}"
+        raise InputError(what, remedy=remedy)
+    angles = [degrees_name(key) for key, one in known.items() if one.attrs.get("units") == RADIANS]
+    raise InputError("is no dimension and no coordinate of the map", remedy=suggest(name, [*known, *angles]))
+
+
+def _form(name: Any, condition: Any, coordinate: xr.DataArray) -> _Numbers | _Ends | float | str:
+    """Return a condition as numbers of values, ends of a range, a value, or a text to be met."""
+    is_text = coordinate.dtype.kind not in "iufb"
+    if isinstance(condition, str):
+        text = condition.strip()
+        if text.startswith(NUMBER_SIGN):
+            return _Numbers(_slice(text[1:]))
+        if is_text:
+            return text
+        if TO in text:
+            low, _, high = text.partition(TO)
+            return _ends(_number(low, -math.inf), _number(high, math.inf))
+        return _number(text, None)
+    if is_text:
+        raise InputError(f"is {short_repr(condition)}", remedy="write one of its texts")
+    if isinstance(condition, (tuple, list)) and len(condition) == 2:
+        low, high = condition
+        return _ends(
+            -math.inf if low is None else _real(low, condition),
+            math.inf if high is None else _real(high, condition),
+        )
+    return _real(condition, condition)
+
+
+def _real(value: Any, condition: Any) -> float:
+    if (number := as_real(value)) is not None:
+        return number
+    raise InputError(f"is {short_repr(condition)}", remedy=FORMS)
+
+
+def _number(text: str, default: float | None) -> float:
+    """Return the number that a text says; an end may be left out."""
+    if not text.strip() and default is not None:
+        return default
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if math.isnan(number):
+        raise InputError(f"{short_repr(text)} is not a number", remedy=FORMS)
+    return number
+
+
+def _ends(low: float, high: float) -> _Ends:
+    if low > high:
+        raise InputError(f"runs from {low:g} down to {high:g}", remedy="write the lesser end first")
+    return _Ends(low, high)
+
+
+def _slice(text: str) -> int | slice:
+    """Return the numbers of values that a text after ``#`` says, as Python counts."""
+    try:
+        parts = [int(part) if part.strip() else None for part in text.split(TO)]
+    except ValueError:
+        parts = []
+    if len(parts) == 1 and parts[0] is not None:
+        return parts[0]
+    if len(parts) not in (2, 3) or (len(parts) == 3 and parts[2] is not None and parts[2] < 1):
+        remedy = "write such as #3, #0:10 (without the tenth) or #::4, counted from 0"
+        raise InputError(f"'#{text}' is not a number of a value", remedy=remedy)
+    return slice(*parts)
+
+
+def _in_radians(form: _Ends | float) -> _Ends | float:
+    if isinstance(form, _Ends):
+        return _Ends(float(radians(form.low)), float(radians(form.high)))
+    return float(radians(form))
+
+
+def _by_number(numbers: int | slice, size: int) -> Indexer:
+    if isinstance(numbers, int):
+        if not -size <= numbers < size:
+            what = f"'#{numbers}' is beyond the {size} values"
+            raise InputError(what, remedy=f"write #0 to #{size - 1}")
+        return numbers % size
+    return np.arange(size)[numbers]
+
+
+def _by_value(coordinate: xr.DataArray, form: _Ends | float, *, is_axis: bool) -> Indexer:
+    """Return what a range, or a value, takes: of an axis of floats, a value takes the nearest."""
+    values = np.atleast_1d(coordinate.values)
+    if isinstance(form, _Ends):
+        slack = SLACK * max((abs(end) for end in (form.low, form.high) if math.isfinite(end)), default=0.0)
+        return np.flatnonzero((values >= form.low - slack) & (values <= form.high + slack))
+    if values.dtype.kind == "f" and is_axis and np.isfinite(values).all():
+        nearest = int(np.argmin(abs(values - form)))
+        off, near = abs(values[nearest] - form), float(values[nearest])
+        slack = SLACK * abs(form)
+        if not values.min() - slack <= form <= values.max() + slack:
+            return np.empty(0, dtype=np.intp)
+        if off > slack:
+            remark(
+                f"{short_number(form)} is not among the values: the nearest, {short_number(near)}, is taken",
+                ("select", str(coordinate.name)),
+            )
+        return nearest
+    found = np.flatnonzero(abs(values - form) <= SLACK * abs(form))
+    return int(found[0]) if is_axis and found.size == 1 else found
+
+
+def _span(coordinate: xr.DataArray) -> str:
+    """Return what values a coordinate has, for a message."""
+    values = np.atleast_1d(coordinate.values)
+    name = coordinate.name
+    if values.dtype.kind not in "iuf" or values.size < 4:
+        shown = ", ".join(
+            short_repr(str(v)) if values.dtype.kind not in "iuf" else f"{v:g}" for v in values[:4]
+        )
+        return f"{name} is {shown}{', ...' if values.size > 4 else ''}"
+    units = coordinate.attrs.get("units", "1")
+    return f"{name} runs from {values.min():g} to {values.max():g}{'' if units == '1' else f' {units}'}"
+
+
+def _text(condition: Any) -> str:
+    """Return a condition as on the command line."""
+    if isinstance(condition, (tuple, list)):
+        return TO.join("" if end is None else f"{end!s}" for end in condition)
+    return str(condition).strip()
+
+
+def _numbers(indexer: Indexer) -> NDArray[np.intp]:
+    if isinstance(indexer, np.ndarray):
+        return indexer
+    if isinstance(indexer, slice):
+        return np.arange(indexer.start, indexer.stop)
+    return np.array([indexer])
+
+
+def _simple(indexer: Indexer) -> Indexer:
+    """Return consecutive numbers as a slice, which is read at once."""
+    if isinstance(indexer, np.ndarray) and indexer.size and indexer[-1] - indexer[0] == indexer.size - 1:
+        return slice(int(indexer[0]), int(indexer[-1]) + 1)
+    return indexer
+
+
+# -- The part of a map that a conversion reads, block by block
+
+
+#: Bytes of values that are read at once.
+BLOCK_BYTES = 1 << 24
+#: Coordinates along others that have more bytes are read block by block, like results.
+FEW_BYTES = 1 << 20
+#: A part of an array: a number or a slice by dimension.
+Index = tuple[int | slice, ...]
+
+
+class Source:
+    """The part of a map that a conversion takes.
+
+    Attributes
+    ----------
+    coords : xarray.Dataset
+        Coordinates of the result, besides the columns.
+    columns : list of Variable
+        Coordinates with a value for each design, where these are many.
+    variables : list of Variable
+        Its variables, with the attributes of the map.
+    overflows : dict of str to int
+        How many values have become infinite, by variable.
+    """
+
+    def __init__(
+        self, maps: xr.Dataset, selection: Selection, names: Sequence[str], dtype: np.dtype[Any] | None
+    ) -> None:
+        self._maps, self._indexers = maps, selection.indexers
+        coords = maps.drop_vars([name for name in maps.data_vars if name not in names])
+        used = {dim for name in names for dim in maps[name].dims}
+        # a dimension that no variable has tells nothing
+        coords = coords.drop_vars([n for n, one in coords.coords.items() if not set(one.dims) <= used])
+        coords = coords.drop_vars(list(coords.data_vars)).isel(
+            {dim: indexer for dim, indexer in selection.indexers.items() if dim in coords.dims}
+        )
+        _check_kinds([maps[name] for name in names], list(coords.coords.values()))
+        long = [
+            str(name)
+            for name, one in coords.coords.items()
+            if _is_column(one) and one.dims[0] in coords.coords
+        ]
+        self.columns = [replace(self._variable(name, None), is_coordinate=True) for name in long]
+        self.coords = coords.drop_vars(long).drop_encoding().load()
+        self.coords.attrs = {}  # those of the result are other ones
+        self.variables = [self._variable(name, dtype) for name in names]
+        self.overflows: dict[str, int] = {}
+
+    def remarks(self) -> dict[str, str]:
+        """Return what is known of the values once all are written, as global attributes."""
+        counts = ", ".join(f"{name}: {count}" for name, count in self.overflows.items())
+        return {"rounding_overflows": counts} if counts else {}
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of all values of the result."""
+        return sum(variable.nbytes for variable in self.all)
+
+    @property
+    def all(self) -> list[Variable]:
+        """All that is read block by block: the columns, then the variables."""
+        return [*self.columns, *self.variables]
+
+    def _variable(self, name: str, dtype: np.dtype[Any] | None) -> Variable:
+        array = self._maps[name]
+        kept = [dim for dim in array.dims if not isinstance(self._indexers.get(str(dim)), int)]
+        shape = tuple(_length(self._indexers.get(str(dim)), array.sizes[dim]) for dim in kept)
+        own = array.dtype if dtype is None or array.dtype.kind != "f" else dtype
+        return Variable(name, tuple(map(str, kept)), shape, own, plain_attrs(array.attrs))
+
+    def blocks(
+        self, variable: Variable, steps: tuple[int, ...] = ()
+    ) -> Iterator[tuple[Index, int, NDArray[Any]]]:
+        """Yield the values of a variable in blocks: index, first flat number, values."""
+        most = max(1, BLOCK_BYTES // self._maps[variable.name].dtype.itemsize)
+        for index, first in pieces(variable.shape, most, steps):
+            yield index, first, self.read(variable, index)
+
+    def read(self, variable: Variable, index: Index) -> NDArray[Any]:
+        """Return part of a variable of the result, in its type."""
+        array = self._maps[variable.name].variable
+        wanted = dict(zip(variable.dims, (*index, *[slice(None)] * len(variable.dims)), strict=False))
+        lengths = dict(zip(variable.dims, variable.shape, strict=True))
+        takes = [
+            _within(self._indexers.get(str(dim)), wanted.get(str(dim), 0), lengths.get(str(dim), 1))
+            for dim in array.dims
+        ]
+        try:
+            values = np.ascontiguousarray(_taken(array, takes))
+        except (OSError, RuntimeError, KeyError, ValueError) as error:
+            what = f"{variable.name} cannot be read ({reason(error)})"
+            raise InputError(what, where=("maps",), remedy="check the file by `fastlink check`") from error
+        if values.dtype == variable.dtype:
+            return values
+        with np.errstate(over="ignore"):
+            result = values.astype(variable.dtype)
+        if result.itemsize < values.itemsize:
+            if _is_bound(variable):  # a bound stays one
+                result = np.where(result < values, np.nextafter(result, np.inf, dtype=result.dtype), result)
+            beyond = int(np.count_nonzero(np.isinf(result) & np.isfinite(values)))
+            if beyond:
+                self.overflows[variable.name] = self.overflows.get(variable.name, 0) + beyond
+        return result
+
+
+def _check_kinds(variables: Sequence[xr.DataArray], coords: Sequence[xr.DataArray]) -> None:
+    """Refuse values that are no numbers, and labels that are neither numbers nor text."""
+    problems = Problems()
+    for one in variables:
+        if one.dtype.kind not in "iuf":
+            remedy = "make numbers of them, such as by astype, or name others by quantities"
+            problems.add(f"the values of {one.name} are of {one.dtype}, not numbers", ("maps",), remedy)
+    for one in coords:
+        of_text = one.dtype.kind == "O" and all(isinstance(label, str) for label in one.values.flat)
+        if one.dtype.kind not in "iufU" and not of_text:
+            what = f"the labels of {one.name} are of {one.dtype}, neither numbers nor text"
+            problems.add(what, ("maps",), "give a map without it, such as by drop_vars")
+    problems.stop()
+
+
+def _is_column(coord: xr.DataArray) -> bool:
+    """Tell whether a coordinate is read block by block."""
+    return (
+        coord.ndim == 1
+        and coord.name not in coord.dims
+        and coord.dtype.kind in "iuf"
+        and coord.nbytes > FEW_BYTES
+    )
+
+
+def _is_bound(variable: Variable) -> bool:
+    """Tell whether a variable bounds errors."""
+    return str(variable.attrs.get("symbol", "")).startswith("err ")
+
+
+def _length(indexer: Indexer | None, size: int) -> int:
+    if isinstance(indexer, np.ndarray):
+        return indexer.size
+    return size if not isinstance(indexer, slice) else len(range(size)[indexer])
+
+
+def _within(indexer: Indexer | None, wanted: int | slice, length: int) -> Indexer:
+    """Return what is read of a dimension of the map, for a part of the result."""
+    if isinstance(indexer, int):
+        return indexer
+    if isinstance(indexer, np.ndarray):
+        return int(indexer[wanted]) if isinstance(wanted, int) else indexer[wanted]
+    first = indexer.start if isinstance(indexer, slice) else 0
+    if isinstance(wanted, int):
+        return first + wanted
+    start, stop, _ = wanted.indices(length)
+    return slice(first + start, first + stop)
+
+
+def _taken(array: xr.Variable, takes: list[Indexer]) -> NDArray[Any]:
+    """Return part of an array: read from the first to the last number along each dimension, then picked."""
+    spans = [
+        slice(int(take[0]), int(take[-1]) + 1) if isinstance(take, np.ndarray) else take for take in takes
+    ]
+    lengths = [1 if isinstance(span, int) else span.stop - span.start for span in spans]
+    if math.prod(lengths) * array.dtype.itemsize > 2 * BLOCK_BYTES:  # few numbers far from each other
+        for k, take in enumerate(takes):
+            if isinstance(take, np.ndarray) and take.size > 1:
+                halves = (take[: take.size // 2], take[take.size // 2 :])
+                axis = sum(not isinstance(one, int) for one in takes[:k])
+                parts = [_taken(array, [*takes[:k], half, *takes[k + 1 :]]) for half in halves]
+                return np.concatenate(parts, axis)
+    values = np.asarray(array[tuple(spans)].values)
+    axis = 0
+    for take in takes:
+        if isinstance(take, np.ndarray):
+            values = np.take(values, take - take[0], axis)
+        axis += not isinstance(take, int)
+    return values
+
+
+# -- The attributes of a converted map: what it holds of which map, and what is no longer true of it
+
+
+#: Global attributes that are true of a whole run alone.
+OF_RUN = ("designs_of_earlier_runs", "run_time_s", "set_up_time_s", "verified_designs")
+OF_RUN_BEGIN = ("designs_per_", "configurations_per_", "verify_")
+#: Attributes of variables, and their beginnings, that are measured on the designs of a whole run.
+MEASURED = ("verified_values", "verify_mismatches", "independent_", "error_")
+#: Measured on values as they were computed: of rounded values they say nothing.
+OF_DOUBLES = ("error_median_relative", "error_max_roundings", "error_max_of_bound")
+
+
+def labelled(maps: xr.Dataset, source: Source, selection: Selection, command: str) -> dict[str, Any]:
+    """Return the global attributes of the result, and give those of its variables to the source."""
+    given = {str(name): value for name, value in maps.attrs.items() if name not in (FORMAT, COMPRESSION)}
+    of_file = (FINGERPRINT, WRITTEN, *OF_PARTS)  # nor can a converted part be joined
+    attrs = {f"{SOURCE}{name}" if name in of_file else name: one for name, one in given.items()}
+    if len(source.variables) < len(maps.data_vars):
+        attrs = _titled(attrs, [str(name) for name in maps.data_vars], [v.name for v in source.variables])
+    if selection.texts:
+        attrs = _selected(maps, attrs, source, selection)
+    for variable in source.variables:
+        if selection.texts:
+            renamed = {_of_source(name, MEASURED): value for name, value in variable.attrs.items()}
+            variable.attrs.clear()
+            variable.attrs.update(renamed)
+        rounded = maps[variable.name].dtype.itemsize > variable.dtype.itemsize
+        if rounded and variable.dtype.kind == "f":
+            _round(variable)
+    attrs[HISTORY] = history(command, str(given.get(HISTORY, "")))
+    return plain_attrs(attrs)
+
+
+def as_json(attrs: Mapping[str, Any]) -> dict[str, Any]:
+    """Return attributes as JSON holds them."""
+    return {
+        str(name): value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value
+        for name, value in attrs.items()
+    }
+
+
+def _titled(attrs: Mapping[str, Any], names: list[str], kept: list[str]) -> dict[str, Any]:
+    """Return attributes whose title, if it lists the variables, lists those that are kept."""
+    title = str(attrs.get("title", ""))
+    listed = ", ".join(names)
+    new = title.removesuffix(listed) + ", ".join(kept) if title.endswith(listed) else title
+    return dict(attrs) | ({"title": new} if title else {})
+
+
+def _selected(
+    maps: xr.Dataset, attrs: Mapping[str, Any], source: Source, selection: Selection
+) -> dict[str, Any]:
+    """Return attributes that are true of a part of a map: its designs are counted, those of the run renamed."""
+    designs = _design_dims(maps)
+    fewer = [dim for dim in designs if dim in selection.indexers]
+    is_table = DESIGN in fewer and not isinstance(selection.indexers[DESIGN], int)
+    result: dict[str, Any] = {}
+    for name, value in attrs.items():
+        of_designs = name.startswith("design_") and DESIGN in fewer
+        counted = name == "designs" or name.startswith("designs_")
+        renamed = of_designs or name == "designs" or _of_source(name, (*OF_RUN, *OF_RUN_BEGIN)) != name
+        if renamed:
+            result[f"{SOURCE}{name}"] = value
+        elif not counted and name != "configurations":
+            result[name] = value
+    if DESIGN in fewer:
+        result["design_kind"] = "table" if is_table else "grid"
+    before = selection.texts if "selection" not in attrs else [str(attrs["selection"]), *selection.texts]
+    result["selection"] = "; ".join(before)
+    return result | _counts(maps, attrs, source, designs, selection)
+
+
+def _counts(
+    maps: xr.Dataset, attrs: Mapping[str, Any], source: Source, designs: list[str], selection: Selection
+) -> dict[str, Any]:
+    """Return the numbers of designs, of those with each status, and of configurations."""
+    sizes = source.coords.sizes
+    count = math.prod(_size(maps, sizes, selection, dim) for dim in designs)
+    result: dict[str, Any] = {"designs": count}
+    status = next((v for v in source.variables if v.name == STATUS), None)
+    if status is not None and status.dtype.kind in "iu":
+        codes = np.atleast_1d(status.attrs.get("flag_values", ())).tolist()
+        numbers = dict.fromkeys(codes, 0)
+        for _, _, values in source.blocks(status):
+            for code, number in zip(*np.unique(values, return_counts=True), strict=True):
+                numbers[int(code)] = numbers.get(int(code), 0) + int(number)
+        meanings = str(status.attrs.get("flag_meanings", "")).split()
+        result |= {f"designs_{m}": numbers[code] for m, code in zip(meanings, codes, strict=False)}
+    position = str(attrs.get("input", ""))
+    if "configurations" in attrs:
+        inner = [dim for dim in (BRANCH, position) if dim in maps.sizes]
+        result["configurations"] = count * math.prod(_size(maps, sizes, selection, dim) for dim in inner)
+    if f"{position}_count" in attrs and position in maps.sizes:
+        result[f"{position}_count"] = _size(maps, sizes, selection, position)
+    return result
+
+
+def _size(maps: xr.Dataset, sizes: Mapping[Any, int], selection: Selection, dim: str) -> int:
+    """Return how many values of a dimension are taken."""
+    if isinstance(selection.indexers.get(dim), int):
+        return 1
+    return int(sizes.get(dim, maps.sizes[dim]))
+
+
+def _design_dims(maps: xr.Dataset) -> list[str]:
+    """Return the dimensions of the design space of a map."""
+    if STATUS in maps.variables:
+        return list(map(str, maps[STATUS].dims))
+    dims = [set(map(str, one.dims)) for one in maps.data_vars.values()]
+    return sorted(set.intersection(*dims) if dims else set())
+
+
+def _of_source(name: str, beginnings: tuple[str, ...]) -> str:
+    """Return the name of an attribute in the result, where it is true of the converted map alone."""
+    return f"{SOURCE}{name}" if name.startswith(beginnings) else name
+
+
+def _round(variable: Variable) -> None:
+    """Let the attributes of a variable say what its rounding adds to the errors."""
+    info = np.finfo(variable.dtype)
+    unit, least = float(info.eps) / 2, float(info.smallest_subnormal) / 2
+    for name in OF_DOUBLES:
+        variable.attrs.pop(name, None)
+    if "error_max_relative" in variable.attrs:
+        # (1 + e)(1 + u) - 1, and a bit more than its own rounding
+        e = float(variable.attrs["error_max_relative"])
+        variable.attrs["error_max_relative"] = float(np.nextafter(e + unit * (1 + e), np.inf))
+    variable.attrs["rounding"] = (
+        f"float64 rounded to {variable.dtype}: off by at most {unit:.3g} of the value more than before; "
+        f"by {least:.1g} below {float(info.smallest_normal):.3g}; infinite beyond {float(info.max):.3g}"
+    )
+
+
+# -- Write a converted map as HDF5 or netCDF-4, which is HDF5: as a sweep does, or compressed
+
+
+#: Bytes of the values of a chunk, the unit of compression.
+CHUNK_BYTES = 1 << 20
+
+
+class _UntilItFails(io.FileIO):
+    """A file for HDF5 to write; an error of the disk is kept for `check`, and what is written after it is dropped.
+
+    HDF5 tries again what it could not write when the file is closed and when the process ends, and may then end it by a
+    violation of memory.
+    """
+
+    def __init__(self, fd: int) -> None:
+        super().__init__(fd, "r+b", closefd=False)
+        self._error: OSError | None = None
+
+    def check(self) -> None:
+        """Raise the error that there was."""
+        if self._error is not None:
+            raise self._error
+
+    def write(self, data: Any) -> int:
+        """Write every byte, unless an earlier write has failed."""
+        position, content = self.tell(), memoryview(data).cast("B")
+        self._tried(partial_file.write_all, self.fileno(), content, position)
+        self.seek(position + len(content))
+        return len(content)
+
+    def truncate(self, size: int | None = None) -> int:
+        """Give the file a size, unless an earlier write has failed."""
+        nbytes = self.tell() if size is None else size
+        self._tried(os.ftruncate, self.fileno(), nbytes)
+        return nbytes
+
+    def _tried(self, call: Callable[..., Any], *arguments: Any) -> None:
+        if self._error is None:
+            try:
+                call(*arguments)
+            except OSError as error:
+                self._error = error
+
+
+def write_plain(path: Path, source: Source, attrs: Mapping[str, Any], overwrite: bool, show: Any) -> None:
+    """Write a file with contiguous variables and their checksums."""
+    with Writer(path, source.coords, source.all, attrs, overwrite=overwrite) as writer:
+        for variable in source.all:
+            for _, first, values in source.blocks(variable):
+                writer.write(variable.name, first, values.reshape(-1))
+                show(values.nbytes)
+        writer.finish(source.remarks())
+
+
+def write_compressed(
+    path: Path,
+    source: Source,
+    attrs: Mapping[str, Any],
+    overwrite: bool,
+    show: Any,
+    *,
+    compression: Compression,
+) -> None:
+    """Write a file with compressed chunks, and one checksum of all its bytes."""
+    with OutputFile(path, overwrite, lambda fresh: lay_labels(fresh, source.coords, attrs)) as out:
+        target = _UntilItFails(out.fd)
+        with h5py.File(target, "r+") as file:
+            filters = compression.of_hdf5()
+            for variable in source.all:
+                chunks = chunks_of(variable, CHUNK_BYTES)
+                how = {"chunks": chunks, "shuffle": True, **filters} if chunks else {}
+                dataset = file.create_dataset(variable.name, variable.shape, variable.dtype, **how)
+                label(file, dataset, source.coords, variable, source.columns)
+                for index, _, values in source.blocks(variable, chunks):
+                    dataset[index] = values
+                    target.check()
+                    show(values.nbytes)
+            for name, value in {**source.remarks(), FORMAT: FORMAT_VERSION}.items():
+                file.attrs[name] = value
+            place = create_checksums(file, [])[OF_REST]
+            file.flush()
+            of_values: list[Any] = []
+            for variable in source.all:
+                if file[variable.name].chunks:
+                    file[variable.name].id.chunk_iter(of_values.append)
+        target.check()
+        compressed = {int(chunk.byte_offset): int(chunk.size) for chunk in of_values}
+        position, sealed = seal(out.fd, compressed, place)
+        partial_file.write_all(out.fd, memoryview(sealed), position)
+        rest = np.array([of_file(out.fd, {}, (place, place + 4))], "u4")
+        partial_file.write_all(out.fd, rest.view(np.uint8).data, place)
+        out.publish()
+
+
+# -- Write a converted map as a zarr store, version 2 of the format, which most readers know
+
+
+#: Bytes of the values of a chunk, which is a file.
+ZARR_CHUNK_BYTES = 1 << 22
+ZARR_FORMAT = 2
+
+
+def write_zarr(
+    path: Path,
+    source: Source,
+    attrs: Mapping[str, Any],
+    overwrite: bool,
+    show: Any,
+    *,
+    compression: Compression | None,
+) -> None:
+    """Write a zarr store, chunk by chunk; without a compression by the library's own."""
+    import zarr
+
+    labels = source.coords.assign_attrs(as_json(attrs))
+    with OutputFolder(path, overwrite) as out:
+        labels.to_zarr(
+            out.part,
+            mode="a",
+            zarr_format=ZARR_FORMAT,
+            consolidated=False,
+            encoding={name: {"_FillValue": None} for name in labels.coords},
+        )
+        group = zarr.open_group(str(out.part), mode="r+", zarr_format=ZARR_FORMAT)
+        for variable in source.all:
+            described: dict[str, Any] = {"_ARRAY_DIMENSIONS": list(variable.dims), **as_json(variable.attrs)}
+            along = auxiliary(source.coords, variable, source.columns)
+            if along and not variable.is_coordinate:
+                described["coordinates"] = along
+            chunks = chunks_of(variable, ZARR_CHUNK_BYTES)
+            array = group.create_array(
+                variable.name,
+                shape=variable.shape,
+                dtype=variable.dtype,
+                chunks=chunks or "auto",
+                compressors="auto" if compression is None else compression.of_zarr(),
+                fill_value=None,
+                attributes=described,
+            )
+            for index, _, values in source.blocks(variable, chunks):
+                array[index if index else ...] = values
+                show(values.nbytes)
+        group.attrs.update(as_json({**source.remarks(), FORMAT: FORMAT_VERSION}))
+        zarr.consolidate_metadata(str(out.part), zarr_format=ZARR_FORMAT)
+        out.publish()
+
+
+# -- Write a converted map as a long table, one row per configuration: CSV or Parquet
+
+
+#: Bytes of a number as text, with the object that holds it, and of one in a column of a table.
+TEXT_BYTES, NUMBER_BYTES = 100, 8
+#: Key of the attributes of a map in those of a Parquet file.
+METADATA = "fastlink"
+
+
+def check_table(variables: list[Variable]) -> None:
+    """Refuse variables that no table has one row per configuration of."""
+    widest = max(variables, key=lambda variable: len(variable.dims))
+    for variable in variables:
+        if other := [dim for dim in variable.dims if dim not in widest.dims]:
+            inside = [dim for dim in widest.dims if dim not in variable.dims]
+            along = f"{widest.name} along {', '.join(inside)}"
+            what = (
+                f"{variable.name} is along {', '.join(other)} but {along}, and a table has one kind of rows"
+            )
+            raise InputError(
+                what, where=("quantities",), remedy="choose those of one kind, such as one of the two"
+            )
+
+
+class _Rows:
+    """The rows of a long table, block by block.
+
+    Attributes
+    ----------
+    coords : dict of str
+        The columns of inputs, arrays or what is read block by block: those along the dimensions first, then constants.
+    """
+
+    def __init__(self, source: Source, cell_bytes: int) -> None:
+        widest = max(source.variables, key=lambda variable: len(variable.dims))
+        self.source, self.dims, self.shape = source, widest.dims, widest.shape
+        inputs: dict[str, Any] = {str(name): coord for name, coord in source.coords.coords.items()}
+        inputs |= {column.name: column for column in source.columns}
+        order = [*self.dims, *(name for name in inputs if name not in self.dims)]
+        inside = [name for name in order if name in inputs and set(inputs[name].dims) <= set(self.dims)]
+        inside.sort(key=lambda name: not inputs[name].dims)
+        self.coords = {name: inputs[name] for name in inside}
+        self.most = max(1, BLOCK_BYTES // (cell_bytes * (len(self.coords) + len(source.variables))))
+
+    @property
+    def names(self) -> list[str]:
+        """The names of all columns."""
+        return [*self.coords, *(variable.name for variable in self.source.variables)]
+
+    def blocks(self) -> Iterator[tuple[tuple[int, ...], list[NDArray[Any]]]]:
+        """Yield the shape of a block, and the values of each column, which spread over that shape."""
+        for index, _ in pieces(self.shape, self.most):
+            box = {
+                dim: slice(part, part + 1) if isinstance(part, int) else part
+                for dim, part in zip(self.dims, index, strict=False)
+            }
+            shape = tuple(
+                len(range(size)[box.get(dim, slice(None))])
+                for dim, size in zip(self.dims, self.shape, strict=True)
+            )
+            columns = []
+            for one in (*self.coords.values(), *self.source.variables):
+                if isinstance(one, Variable):
+                    whole: Index = tuple(box.get(dim, slice(None)) for dim in one.dims)
+                    values = self.source.read(one, whole)
+                else:
+                    values = one.variable.isel({dim: box[dim] for dim in one.dims if dim in box}).values
+                columns.append(self._spread(values, one.dims))
+            yield shape, columns
+
+    def _spread(self, values: NDArray[Any], dims: tuple[Any, ...]) -> NDArray[Any]:
+        """Return values with all dimensions of the rows, of length 1 where they do not vary."""
+        here = [dim for dim in self.dims if dim in dims]
+        ordered = np.transpose(values, [dims.index(dim) for dim in here])
+        places = tuple(slice(None) if dim in dims else None for dim in self.dims)
+        return np.asarray(ordered[places])
+
+
+def write_csv(path: Path, source: Source, attrs: Mapping[str, Any], overwrite: bool, show: Any) -> None:
+    """Write a CSV file; its numbers are read back with the same bits."""
+    rows = _Rows(source, TEXT_BYTES)
+    with OutputFile(path, overwrite, _empty) as out:
+        with os.fdopen(os.dup(out.fd), "w", encoding="utf-8", newline="") as file:
+            file.write(",".join(map(_quoted, rows.names)) + "\n")
+            for shape, columns in rows.blocks():
+                texts = [np.broadcast_to(_texts(values), shape).ravel().tolist() for values in columns]
+                file.write("\n".join(map(",".join, zip(*texts, strict=True))) + "\n")
+                show(_nbytes(shape, source))
+        out.publish()
+
+
+def write_parquet(
+    path: Path,
+    source: Source,
+    attrs: Mapping[str, Any],
+    overwrite: bool,
+    show: Any,
+    *,
+    compression: Compression | None,
+) -> None:
+    """Write a Parquet file, a row group for each block; without a compression by the library's own."""
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    rows = _Rows(source, NUMBER_BYTES)
+    fields = rows.coords | {variable.name: variable for variable in source.variables}
+    schema = pa.schema(
+        [
+            pa.field(name, _arrow(pa, one.dtype), metadata=_metadata(one.attrs))
+            for name, one in fields.items()
+        ],
+        metadata={METADATA: json.dumps(as_json(attrs))},
+    )
+    options: dict[str, Any] = {}
+    if compression is not None:
+        options = {"compression": compression.name, "compression_level": compression.level}
+    with OutputFile(path, overwrite, _empty) as out:
+        with (
+            os.fdopen(os.dup(out.fd), "wb") as file,
+            parquet.ParquetWriter(file, schema, **options) as writer,
+        ):
+            for shape, columns in rows.blocks():
+                arrays = [
+                    pa.array(np.broadcast_to(values, shape).ravel(), field.type)
+                    for values, field in zip(columns, schema, strict=True)
+                ]
+                writer.write_batch(pa.record_batch(arrays, schema=schema), row_group_size=math.prod(shape))
+                show(_nbytes(shape, source))
+        out.publish()
+
+
+def _nbytes(shape: tuple[int, ...], source: Source) -> int:
+    """Return the share of a block of rows in all values."""
+    widest = max(math.prod(variable.shape) for variable in source.variables)
+    return source.nbytes * math.prod(shape) // widest
+
+
+def _empty(path: Path) -> None:
+    os.close(partial_file.create(path))
+
+
+def _texts(values: NDArray[Any]) -> NDArray[Any]:
+    """Return numbers as the shortest texts that are read back as the same numbers."""
+    flat = values.ravel()
+    if values.dtype.kind == "f" and values.dtype.itemsize < 8:
+        texts = [str(number) for number in flat]
+    elif values.dtype.kind in "iuf":
+        texts = list(map(repr, flat.tolist()))
+    else:
+        texts = [_quoted(str(text)) for text in flat.tolist()]
+    result = np.empty(flat.size, dtype=object)
+    result[:] = texts
+    return result.reshape(values.shape)
+
+
+def _quoted(text: str) -> str:
+    """Return a text as a cell."""
+    line = io.StringIO()
+    csv.writer(line, lineterminator="").writerow([text])
+    return line.getvalue()
+
+
+def _arrow(pa: Any, dtype: np.dtype[Any]) -> Any:
+    return pa.from_numpy_dtype(dtype) if dtype.kind in "iuf" else pa.string()
+
+
+def _metadata(attrs: Mapping[str, Any]) -> dict[str, str]:
+    return {
+        name: value if isinstance(value, str) else json.dumps(value) for name, value in as_json(attrs).items()
+    }
+
+
+# -- Convert a finished map to another format, compressed, in part, or with fewer digits
+
+
+#: The format of a file by the ending of its name.
+FORMATS = {
+    ".h5": "hdf5",
+    ".hdf5": "hdf5",
+    ".nc": "hdf5",
+    ".nc4": "hdf5",
+    ".zarr": "zarr",
+    ".csv": "csv",
+    ".parquet": "parquet",
+}
+#: Packages that write a format.
+NEEDS = {"zarr": "zarr", "parquet": "pyarrow"}
+TYPES = ("float32", "float64")
+
+
+@door
+def convert(
+    maps: Any,
+    to: str | os.PathLike[str],
+    *,
+    select: Mapping[str, Any] | None = None,
+    quantities: Sequence[str] | None = None,
+    dtype: str | None = None,
+    compress: str | None = None,
+    overwrite: bool = False,
+    progress: bool | None = None,
+) -> Path:
+    """Convert a map to another format, compressed, in part, or with fewer digits.
+
+    It is read and written in blocks of 16 MiB, so that the map may be larger than memory. Labels, units and attributes
+    come along; what the attributes say is true of the result, and ``history`` says how it was made.
+
+    Parameters
+    ----------
+    maps : path or xarray.Dataset
+        The file of a map, or the result of `fastlink.sweep` or `fastlink.open`.
+    to : path
+        What to write, by its ending: ``.h5`` or ``.nc`` (HDF5, which is netCDF-4), ``.zarr``, ``.csv`` or ``.parquet``.
+        CSV and Parquet have one row per configuration, with all inputs as columns.
+    select : mapping, optional
+        What to take, by the names of dimensions and inputs: ``"1.1:1.2"`` or ``(1.1, 1.2)`` a range with both ends,
+        ``0.5`` the nearest value, ``"#3"`` and ``"#0:10"`` numbers of values as Python counts. Angles in degrees by
+        names that end in ``_deg``.
+    quantities : sequence of str, optional
+        The variables to take, and ``status``; all unless given.
+    dtype : {"float32", "float64"}, optional
+        The type of floating-point results; inputs keep theirs, integers and codes too. Error bounds are rounded up.
+    compress : str, optional
+        ``"gzip"``, ``"zstd"`` or ``"blosc"``, with a level as in ``"zstd:3"``, or ``"lz4"``.
+    overwrite : bool, default False
+        Replace an existing file.
+    progress : bool, optional
+        Show a progress bar; by default on a terminal only.
+
+    Returns
+    -------
+    pathlib.Path
+        What was written.
+
+    Raises
+    ------
+    InputError
+        An option is wrong, nothing is selected, a package is missing, or there is no room.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import fastlink as fl
+    >>> space = fl.grid(a1=0.4, a2=[1.1, 1.2, 1.3], a3=0.8, a4=1.0)
+    >>> maps = fl.sweep("planar_4r", space, ["transmission_angle_min"], branch=1)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = fl.convert(maps, pathlib.Path(folder, "part.nc"), select={"a2": "1.1:1.2"}, dtype="float32")
+    ...     with fl.open(path) as part:
+    ...         dict(part.sizes), str(part.transmission_angle_min.dtype), part.selection
+    ({'a2': 2}, 'float32', 'a2=1.1:1.2')
+    """
+    problems = Problems()
+    form, compression, kind = "", None, None
+    with problems.at():
+        form = _format(to)
+        compression = check_compression(compress, form)
+    with problems.at():
+        kind = _dtype(dtype)
+    with problems.at():
+        check_switch(("overwrite",), overwrite)
+    with problems.at():
+        progress if progress is None else check_switch(("progress",), progress)
+    with as_map(maps) as dataset:
+        _check_texts(dataset, form, problems)
+        selection, names = Selection(), []
+        with problems.at():
+            names = _quantities(dataset, quantities)
+        with problems.at():
+            selection = selected(dataset, select)
+        problems.stop()
+        source = Source(dataset, selection, names, kind)
+        path = _target(to, form, dataset, 0 if compression or form != "hdf5" else source.nbytes, overwrite)
+        command = _command(dataset, to, selection, quantities, dtype, compression)
+        attrs = labelled(dataset, source, selection, command)
+        with _shown(source.nbytes, progress) as show:
+            _write(path, source, attrs, form, compression, overwrite, show)
+    if source.overflows:
+        what = f"values that are infinite in {kind}: {', '.join(f'{n:,} of {k}' for k, n in source.overflows.items())}"
+        remark(what, ("dtype",), "keep float64 if they matter")
+    return path
+
+
+def _write(
+    path: Path,
+    source: Source,
+    attrs: dict[str, Any],
+    form: str,
+    compression: Compression | None,
+    *more: Any,
+) -> None:
+    """Write the result in its format."""
+    if compression is not None:
+        attrs[COMPRESSION] = str(compression)
+    writers = {
+        "hdf5": write_plain if compression is None else partial(write_compressed, compression=compression),
+        "zarr": partial(write_zarr, compression=compression),
+        "csv": write_csv,
+        "parquet": partial(write_parquet, compression=compression),
+    }
+    if form in ("csv", "parquet"):
+        check_table(source.variables)
+    writers[form](path, source, attrs, *more)
+
+
+def _format(to: Any) -> str:
+    """Return the format of the result by the ending of its name, or refuse it."""
+    path = check_path(("to",), to, "out.nc")
+    form = FORMATS.get(path.suffix.lower())
+    if form is None:
+        what = f"{short_repr(os.fspath(path))} ends in {path.suffix or 'nothing'!r}, which names no format"
+        raise InputError(what, where=("to",), remedy=f"write one of {', '.join(FORMATS)}")
+    if form in NEEDS:
+        require_package(NEEDS[form], ("to",))
+    return form
+
+
+def _dtype(dtype: Any) -> np.dtype[Any] | None:
+    """Return the type of the numbers of the result, None where they keep theirs."""
+    if dtype is None:
+        return None
+    name = ""
+    if isinstance(dtype, (str, np.dtype)) or (isinstance(dtype, type) and issubclass(dtype, np.generic)):
+        with contextlib.suppress(TypeError, ValueError, SyntaxError):
+            name = np.dtype(dtype).name
+    if name not in TYPES:
+        what = f"is {short_repr(dtype)}"
+        if name.startswith(("int", "uint", "bool")):
+            what += ", which holds no fractions; codes and counts keep their integers anyway"
+        raise InputError(what, where=("dtype",), remedy=f"write one of {', '.join(TYPES)}")
+    kind: np.dtype[Any] = np.dtype(name)
+    return kind
+
+
+def _quantities(maps: xr.Dataset, quantities: Any) -> list[str]:
+    """Return the variables to take, in the order of the map; `status` is always among them."""
+    known = [str(name) for name in maps.data_vars]
+    if quantities is None:
+        return known
+    where: KeyPath = ("quantities",)
+    if isinstance(quantities, np.ndarray) and quantities.ndim == 1:
+        quantities = quantities.tolist()
+    if isinstance(quantities, str) or not isinstance(quantities, (Sequence, set, frozenset)):
+        raise InputError(f"is {short_repr(quantities)}", where=where, remedy="write a list of names")
+    if not quantities:
+        raise InputError("is empty", where=where, remedy="leave it out for all variables")
+    problems = Problems()
+    for k, name in enumerate(given := list(quantities)):
+        if not isinstance(name, str) or name not in known:
+            problems.add(f"{short_repr(name)} is not in the map", where, suggest(name, known))
+        elif name in given[:k]:
+            problems.add(f"{name} is named twice", where, "write it once")
+    problems.stop()
+    return [name for name in known if name in quantities or name == STATUS]
+
+
+def _check_texts(maps: xr.Dataset, form: str, problems: Problems) -> None:
+    """Note names, attributes and labels that no file can hold; HDF5 reads bytes that are no letters as such."""
+    of_all = {"": maps.attrs, **{str(name): one.attrs for name, one in maps.variables.items()}}
+    for name, attrs in of_all.items():
+        for key, value in attrs.items():
+            if not isinstance(value, str) and (fault := fault_of_value(value)):
+                of = f" of {name}" if name else ""
+                problems.add(f"the attribute {key!r}{of} {fault}", ("maps",), f"{PLAIN}, or remove it")
+    texts = [(repr(name), name) for name in of_all]
+    of_all = {} if form == "csv" else of_all  # which holds none
+    texts += [(f"the name of {key!r}", str(key)) for attrs in of_all.values() for key in attrs]
+    texts += [
+        (f"{name}: {key}" if name else str(key), value)
+        for name, attrs in of_all.items()
+        for key, value in attrs.items()
+        if isinstance(value, str)
+    ]
+    texts += [
+        (str(name), label)
+        for name, one in maps.coords.items()
+        if one.dtype.kind in "OU"
+        for label in map(str, one.values.flat)
+    ]
+    for what, text in texts:
+        if sign := unwritable(text):
+            remedy = "open it by fastlink.open, write letters alone there, and convert that"
+            problems.add(f"{what} holds {sign!r}, which no file can hold", ("maps",), remedy)
+
+
+def check_conversion(maps: xr.Dataset, to: Any, overwrite: bool) -> None:
+    """Refuse a result that could not be written, before what it holds is computed from a map."""
+    _target(to, _format(to), maps, 0, overwrite)
+
+
+def _target(to: Any, form: str, maps: xr.Dataset, nbytes: int, overwrite: bool) -> Path:
+    """Return the path of the result, or refuse it."""
+    sources = files_of(maps)
+    if form == "zarr":
+        return _folder(to, sources, overwrite)
+    return check_made_at_once(to, nbytes, overwrite, sources, partial(check_path, example="out.nc"))
+
+
+def _folder(to: Any, sources: Sequence[Path], overwrite: bool) -> Path:
+    """Return the path of a folder to write, or refuse it: only a zarr store is ever replaced."""
+    path = Path(os.path.realpath(check_path(("to",), to, "out.zarr")))
+    if not path.parent.is_dir():
+        raise refused(f"{path}: there is no folder {path.parent}", "create it or choose another")
+    if path.exists():
+        if not overwrite:
+            raise exists_error(path)
+        if not (path.is_dir() and is_zarr(path)):
+            raise refused(f"{path} is no zarr store", "choose another name")
+        if any(path.samefile(source) for source in sources):
+            raise refused(f"{path} is read for it", "choose another name")
+    part = part_of(path)
+    if os.path.lexists(part) and not part.is_dir():
+        raise refused(f"{part} is in the way", "remove it or choose another name")
+    return path
+
+
+def _command(
+    maps: xr.Dataset,
+    to: Any,
+    selection: Selection,
+    quantities: Sequence[str] | None,
+    dtype: Any,
+    compression: Compression | None,
+) -> str:
+    """Return the command line that makes the result."""
+    source = maps.encoding.get("source")
+    words = ["convert", os.path.basename(str(source)) if source else "a map in memory", "--to", Path(to).name]
+    for text in selection.texts:
+        words += ["--select", text]
+    if quantities is not None:
+        words += ["--quantities", ",".join(quantities)]
+    if dtype is not None:
+        words += ["--dtype", np.dtype(dtype).name]
+    if compression is not None:
+        words += ["--compress", str(compression)]
+    return shlex.join(words)
+
+
+@contextlib.contextmanager
+def _shown(nbytes: int, visible: bool | None) -> Iterator[Any]:
+    """Yield what is to be told of bytes that are done."""
+    bar = progress_bar(nbytes, "B", visible)
+    try:
+        yield bar.update if bar is not None else lambda count: None
+    finally:
+        if bar is not None:
+            bar.close()

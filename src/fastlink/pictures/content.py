@@ -1,0 +1,750 @@
+"""Write facts as JavaScript, so that a page moves a mechanism by the same formulas.
+
+Doubles of JavaScript are those of IEEE 754, and each operation of a fact is one operation there: only functions that
+JavaScript has itself, such as the sine, may differ in their last bits.
+"""
+
+from __future__ import annotations
+
+import ast
+import json
+import math
+import threading
+from collections import OrderedDict
+from collections.abc import Callable, Iterable, Mapping
+from importlib.resources import files
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+import h5py
+import matplotlib
+import numpy as np
+import xarray as xr
+from matplotlib.colors import CenteredNorm, LogNorm, to_hex
+from numpy.typing import NDArray
+
+from fastlink._text import filled, in_words
+from fastlink.errors import InputError
+from fastlink.facts.catalogue import Catalogue
+from fastlink.facts.fact import Fact, System
+from fastlink.facts.names import innermost
+from fastlink.io.reader import is_hdf5
+from fastlink.maps.units import flags_of, half_turn
+from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.numerics import elementary, logarithm
+from fastlink.numerics.compiler import COMPILED_AS, INLINED, syntax
+from fastlink.pictures.draw import picture_of
+from fastlink.pictures.motion import Motion
+from fastlink.pictures.style import CYCLIC, FLAGS, LINES, are_counts, colours_of, drawable
+from fastlink.plan.query import parse_request
+from fastlink.plan.request import constants_of, selected_variants
+from fastlink.space.design_space import BRANCH, DEGREES, DESIGN, taken_links
+from fastlink.space.tables import STATUS
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from fastlink.facts.catalogue import Catalogue
+    from fastlink.mechanisms._shared.picture import Picture
+
+__all__ = [
+    "COLOURS",
+    "MOST_CELLS",
+    "ONE",
+    "POOLS",
+    "Values",
+    "content_of",
+    "page_of",
+    "pooled",
+    "scale_of",
+    "script_of",
+]
+
+
+#: Functions that JavaScript has.
+OWN: dict[Any, str] = {
+    elementary.sqrt: "Math.sqrt",
+    elementary.atan2: "Math.atan2",
+    elementary.cosine: "Math.cos",
+    elementary.sine: "Math.sin",
+    elementary.sin: "Math.sin",
+    elementary.cos: "Math.cos",
+    elementary.exp: "Math.exp",
+    elementary.sinh: "Math.sinh",
+    elementary.cosh: "Math.cosh",
+    elementary.ldexp: "ldexp",
+    elementary.binary_exponent: "binaryExponent",
+    logarithm.log: "Math.log",
+    logarithm.log1p: "Math.log1p",
+    logarithm.log_quotient: "logQuotient",
+    logarithm.quotient_sign: "quotientSign",
+    np.sqrt: "Math.sqrt",
+    np.copysign: "copysign",
+    abs: "Math.abs",
+}
+PRELUDE = """\
+const copysign = (x, y) => Math.abs(x) * (y < 0 || Object.is(y, -0) ? -1 : 1);
+const ldexp = (x, times) => x * 2 ** times;
+const binaryExponent = x => Math.round(x / Math.LN2);
+const logQuotient = (x, y, twos) => x && y ? Math.log(Math.abs(x / y)) + twos * Math.LN2 : NaN;
+const quotientSign = (x, y) => Math.sign(x) * Math.sign(y) || 0;
+"""
+SIGNS = {
+    ast.Add: "+",
+    ast.Sub: "-",
+    ast.Mult: "*",
+    ast.Div: "/",
+    ast.Pow: "**",
+    ast.BitAnd: "&",
+    ast.BitOr: "|",
+    ast.Lt: "<",
+    ast.LtE: "<=",
+    ast.Gt: ">",
+    ast.GtE: ">=",
+    ast.Eq: "==",
+    ast.NotEq: "!=",
+}
+
+
+class Untranslatable(Exception):
+    """A text that has no counterpart in JavaScript."""
+
+
+class _Script:
+    """Functions in JavaScript, each after those that it calls."""
+
+    def __init__(self) -> None:
+        self.names: dict[Any, str] = {}
+        self.texts: list[str] = []
+
+    def add(self, function: Callable[..., Any]) -> str:
+        """Return the name of a function in the script, to which it is added if it is not there."""
+        if function not in self.names:
+            text = _Text(self, function).text()
+            name = self.names[function] = f"f{len(self.names)}"
+            self.texts.append(f"const {name} = {text};")
+        return self.names[function]
+
+
+class _Text:
+    """One function as JavaScript."""
+
+    def __init__(self, script: _Script, function: Callable[..., Any]) -> None:
+        self.script, self.tree = script, syntax(function)
+        self.scope = dict(function.__globals__)
+        self.scope |= zip(
+            function.__code__.co_freevars, [c.cell_contents for c in function.__closure__ or ()], strict=True
+        )
+        self.parameters = [one.arg for one in self.tree.args.args]
+        self.local = {
+            node.id
+            for node in ast.walk(self.tree)
+            if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
+        }
+
+    def text(self) -> str:
+        """Return the whole function."""
+        lines = [self.statement(one) for one in self.tree.body if not _is_docstring(one)]
+        own = sorted(self.local - set(self.parameters))
+        declared = f"let {', '.join(map(_own, own))}; " if own else ""
+        return f"({', '.join(map(_own, self.parameters))}) => {{ {declared}{' '.join(lines)} }}"
+
+    def statement(self, node: ast.stmt) -> str:
+        """Return an assignment or a return."""
+        if isinstance(node, ast.Return) and node.value is not None:
+            return f"return {self.value(node.value)};"
+        if isinstance(node, ast.Assign) and len(node.targets) == 1:
+            return f"{self.target(node.targets[0])} = {self.value(node.value)};"
+        raise Untranslatable(ast.unparse(node))
+
+    def target(self, node: ast.expr) -> str:
+        """Return what is assigned to."""
+        if isinstance(node, ast.Tuple):
+            return f"[{', '.join(map(self.target, node.elts))}]"
+        if isinstance(node, ast.Name):
+            return _own(node.id)
+        raise Untranslatable(ast.unparse(node))
+
+    def value(self, node: ast.expr) -> str:
+        """Return an expression."""
+        match node:
+            case ast.Constant(value=bool() | int() | float() as number):
+                return _number(number)
+            case ast.Name():
+                return self.named(node)
+            case ast.Tuple():
+                return f"[{', '.join(map(self.value, node.elts))}]"
+            case ast.BinOp() if type(node.op) in SIGNS:
+                return f"({self.value(node.left)} {SIGNS[type(node.op)]} {self.value(node.right)})"
+            case ast.UnaryOp(op=ast.USub()):
+                return f"(-{self.value(node.operand)})"
+            case ast.Compare(ops=[sign], comparators=[other]) if type(sign) in SIGNS:
+                return f"({self.value(node.left)} {SIGNS[type(sign)]} {self.value(other)})"
+            case ast.Subscript(slice=ast.Constant(value=int() as place)):
+                return f"{self.value(node.value)}[{place}]"
+            case ast.Attribute():
+                return _number(self.known(node))
+            case ast.Call(keywords=[]):
+                return self.call(node)
+        raise Untranslatable(ast.unparse(node))
+
+    def named(self, node: ast.Name) -> str:
+        """Return a local name, or the number that a name of the module stands for."""
+        if node.id in self.local or node.id in self.parameters:
+            return _own(node.id)
+        return _number(self.known(node))
+
+    def known(self, node: ast.expr) -> Any:
+        """Return what a name of the module, or of a module in it, stands for."""
+        if isinstance(node, ast.Attribute):
+            of = self.known(node.value)
+            if isinstance(of, ModuleType) and hasattr(of, node.attr):
+                return getattr(of, node.attr)
+        if isinstance(node, ast.Name):
+            if node.id in self.scope:
+                return self.scope[node.id]
+            if node.id == "abs":
+                return abs
+        raise Untranslatable(ast.unparse(node))
+
+    def call(self, node: ast.Call) -> str:
+        """Return a call: of a choice, of a function of JavaScript, of one of the script."""
+        function, args = self.known(node.func), [self.value(arg) for arg in node.args]
+        if function is elementary.select:
+            condition, yes, no = args
+            return f"({condition} ? {yes} : {no})"
+        if function in OWN:
+            return f"{OWN[function]}({', '.join(args)})"
+        function = COMPILED_AS.get(function, function)
+        if function in INLINED:
+            return f"{self.script.add(function)}({', '.join(args)})"
+        raise Untranslatable(ast.unparse(node))
+
+
+def _own(name: str) -> str:
+    """Return a name that is none of JavaScript's words."""
+    return f"{name}_"
+
+
+def _number(value: Any) -> str:
+    """Return a number as JavaScript."""
+    if isinstance(value, (bool, np.bool_)):
+        return "true" if value else "false"
+    if not isinstance(value, (int, float, np.number)):
+        raise Untranslatable(repr(value))
+    number = float(value)
+    if math.isfinite(number):
+        return repr(number).removesuffix(".0") if number >= 0 else f"({number!r})"
+    return "NaN" if math.isnan(number) else "Infinity" if number > 0 else "(-Infinity)"
+
+
+def _is_docstring(node: ast.stmt) -> bool:
+    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+
+
+def script_of(
+    catalogue: Catalogue, names: Iterable[str], given: Iterable[str], variants: Iterable[str]
+) -> tuple[str, tuple[str, ...]]:
+    """Return facts as an object of JavaScript, and those of the names that it has.
+
+    The object holds for each value that is computed ``[function, needs, names]``: the function, the names of its
+    arguments, and the names of its results. A fact without a counterpart in JavaScript is left out.
+
+    Examples
+    --------
+    >>> from fastlink.mechanisms import catalogue
+    >>> text, found = script_of(catalogue("planar_4r"), ["A_x"], ["a1"], ())
+    >>> found
+    ('A_x',)
+    """
+    script, lines, found = _Script(), dict[str, str](), list[str]()
+    position, low_parts = catalogue.position.name, catalogue.table_low_parts
+    tables = {*catalogue.tables, *low_parts}
+    selected, known = tuple(variants), {*given, "branch", position, *tables}
+    for name in dict.fromkeys(names):
+        steps = [one for one in catalogue.dependencies([name], known, selected) if one.names[0] not in lines]
+        mark = len(script.texts), dict(script.names)
+        try:
+            added = {own: _entry(script, one) for one in steps for own in one.names}
+        except Untranslatable:
+            del script.texts[mark[0] :]
+            script.names = mark[1]
+            continue
+        lines |= added
+        found.append(name)
+    for name in sorted(tables):
+        of = low_parts.get(name, name)
+        function = "() => 0" if name in low_parts else script.add(catalogue.tables[of].function)
+        lines[name] = (
+            f"[{function}, {json.dumps([] if name in low_parts else [position])}, {json.dumps([name])}]"
+        )
+    functions = "\n".join(script.texts)
+    entries = ",\n".join(f"{json.dumps(name)}: {line}" for name, line in lines.items())
+    return f"(() => {{\n{PRELUDE}{functions}\nreturn {{\n{entries}\n}};\n}})()", tuple(found)
+
+
+def _entry(script: _Script, step: Fact | System) -> str:
+    """Return a step as an entry of the object."""
+    if isinstance(step, System):
+        raise Untranslatable(step.name)
+    return f"[{script.add(step.function)}, {json.dumps(step.depends_on)}, {json.dumps(step.names)}]"
+
+
+# -- Choose the colours of a variable for the page, as a picture of it has them
+
+
+#: The colour maps that scales name: even in lightness, and told apart by the colour-blind.
+COLOURS = ("viridis", "RdBu_r", CYCLIC)
+STEPS = 256
+
+
+def colour_tables() -> dict[str, list[str]]:
+    """Return each colour map as a list of colours."""
+    places = np.linspace(0.0, 1.0, STEPS)
+    return {name: [to_hex(one) for one in matplotlib.colormaps[name](places)] for name in COLOURS}
+
+
+def scale_of(variable: xr.DataArray, sample: Any, regular: Any = None) -> dict[str, Any]:
+    """Return how values become colours, from a sample of them."""
+    if flags := flags_of(variable):
+        colours = {str(code): FLAGS[k % len(FLAGS)] for k, code in enumerate(flags.values())}
+        return {"kind": "codes", "colours": colours, "pools": False}
+    values = np.ravel(np.asarray(sample, dtype=float))
+    if are_counts(values):
+        low, high = float(np.nanmin(values)), float(np.nanmax(values))
+        return {"kind": "counts", "low": low - 0.5, "high": high + 0.5, "map": "viridis", "pools": False}
+    values = np.where(np.isfinite(values), drawable(values), np.nan)
+    inside = np.ones(values.shape, bool) if regular is None or not np.any(regular) else np.ravel(regular)
+    norm, colours, extend = colours_of(values, inside, half_turn(variable.attrs.get("units")))
+    low, high = float(norm.vmin), float(norm.vmax)
+    if isinstance(norm, CenteredNorm):
+        low, high = norm.vcenter - norm.halfrange, norm.vcenter + norm.halfrange
+    kind = "log" if isinstance(norm, LogNorm) else "linear"
+    # an angle and that half a turn further on have no mean
+    scale = {"kind": kind, "low": float(low), "high": float(high), "map": colours.name, "extend": extend}
+    return {**scale, "pools": colours.name != CYCLIC}
+
+
+# -- Tell a page what a map holds: its dimensions and variables, and the mechanism that it is of
+
+
+def content_of(values: Values) -> dict[str, Any]:
+    """Return what a page has to know of a map before it asks for values."""
+    maps = values.maps
+    names = values.names
+    if not names:
+        raise InputError("has no variables of numbers", where=("maps",), remedy="give a map with results")
+    inner = [str(dim) for name in names for dim in maps[name].dims]
+    dims = [dim for dim in dict.fromkeys([*map(str, maps.sizes), *inner]) if dim in inner]
+    along = [
+        str(name) for name, one in maps.coords.items() if one.dims == (DESIGN,) and one.dtype.kind in "iuf"
+    ]
+    return {
+        "file": Path(str(values.path or maps.encoding.get("source", ""))).name,
+        "title": str(maps.attrs.get("title", "")),
+        "version": str(maps.attrs.get("fastlink_version", "")),
+        "dims": [_dimension(maps, dim) for dim in dims],
+        "columns": [{"name": name, **_labels(maps[name])} for name in along if name != DESIGN],
+        "step": values.step,
+        "constants": [
+            {"name": str(name), "value": one.item(), **_labels(one)}
+            for name, one in maps.coords.items()
+            if one.ndim == 0 and one.dtype.kind in "iuf"
+        ],
+        "variables": [
+            {
+                "name": name,
+                "dims": [str(dim) for dim in maps[name].dims],
+                "requested": _is_request(maps, name),
+                **_labels(maps[name]),
+            }
+            for name in names
+        ],
+        "colours": colour_tables(),
+        "modes": list(LINES),
+        "mechanism": _mechanism(maps),
+    }
+
+
+def _labels(array: xr.DataArray) -> dict[str, Any]:
+    """Return meaning, symbol and units, and the meanings of codes."""
+    attrs = array.attrs
+    flags = {str(code): in_words(meaning) for meaning, code in flags_of(array).items()}
+    return {
+        "meaning": str(attrs.get("long_name", array.name)),
+        "symbol": str(attrs.get("symbol", array.name)),
+        "units": str(attrs.get("units", "1")),
+        **({"flags": flags} if flags else {}),
+    }
+
+
+def _catalogue_of(maps: xr.Dataset) -> Catalogue:
+    """Return the mechanism of a map, as driven by its input, or refuse it."""
+    driven = maps.attrs.get("input")
+    return find_catalogue(str(maps.attrs.get("mechanism")), None if driven is None else str(driven))
+
+
+def _is_request(maps: xr.Dataset, name: str) -> bool:
+    """Tell whether a variable is one that a study can ask for."""
+    try:
+        parse_request(name, _catalogue_of(maps))
+    except InputError:
+        return False
+    return True
+
+
+def _dimension(maps: xr.Dataset, dim: str) -> dict[str, Any]:
+    """Return a dimension with its coordinates; without any, places; names where these are no growing numbers."""
+    length = int(maps.sizes[dim])
+    found: dict[str, Any] = {"name": dim, "length": length, **_labels(maps[dim])}
+    if dim == DESIGN:
+        return found
+    along = maps[dim].values if dim in maps.coords else np.arange(length)
+    numbers = along.dtype.kind in "iuf" and np.isfinite(along).all()
+    steps = np.diff(along) if numbers else np.zeros(1)
+    if numbers and ((steps > 0).all() or (steps < 0).all()) and "flags" not in found:
+        return {**found, "values": along.tolist()}
+    flags = found.get("flags", {})
+    texts = [str(flags.get(str(one), one)) for one in along.tolist()]
+    return {**found, "names": texts, "codes": along.tolist() if numbers else list(range(length))}
+
+
+def _mechanism(maps: xr.Dataset) -> dict[str, Any] | None:
+    """Return what moves beside the picture, None of a map whose mechanism cannot be drawn."""
+    name = str(maps.attrs.get("mechanism"))
+    try:
+        catalogue = _catalogue_of(maps)
+        picture = picture_of(name, catalogue)
+    except InputError:
+        return None
+    known = catalogue.known_inputs(catalogue.variant_inputs)
+    inputs = {one: float(np.ravel(maps[one].values[..., None])[0]) for one in known if one in maps.variables}
+    degrees = [one for one in inputs if maps[one].attrs.get("units") in DEGREES]
+    design = dict(inputs)
+    links = taken_links(design)
+    variants = selected_variants(catalogue, links, "eliminated", design)
+    constants = {
+        one: value for one, value in constants_of(catalogue, links, variants).items() if one not in inputs
+    }
+    motion = Motion(name, catalogue, picture, design, tuple(catalogue.branches), links)
+    points = [one for one in motion.points if one.kind != "mark"]
+    needed = [value for one in points for value in (one.x, one.y)]
+    needed += [end for ends in picture.spans.values() for end in ends]
+    needed += [bar.orientation for bar in picture.bars if bar.orientation]
+    curves = [one for one in _curves(maps, catalogue) if motion.has(one)]
+    facts = [one for one in [*needed, *curves] if isinstance(one, str) and one in catalogue.facts]
+    script, found = script_of(catalogue, facts, [*inputs, *constants], variants)
+    if not {value for one in points for value in (one.x, one.y) if value in catalogue.facts} <= set(found):
+        return None
+    position = catalogue.position
+    return {
+        "name": name,
+        "title": catalogue.title,
+        "script": script,
+        "inputs": list(inputs),
+        "degrees": degrees,
+        "constants": constants,
+        "branches": {str(branch): meaning for branch, meaning in catalogue.branches.items()},
+        "position": {"name": position.name, "symbol": position.symbol, "units": position.units,
+                     "meaning": position.meaning},
+        "turns": motion.turns,
+        "study": {
+            "links": [] if links is None else list(links.values),
+            "model": "" if links is None else links.model,
+            "count": int(maps.attrs.get(f"{catalogue.position.name}_count", 0)),
+            "extrema": str(maps.attrs.get("extrema", "")),
+            "input": "" if catalogue is find_catalogue(name) else catalogue.position.name,
+        },
+        "curves": [_curve(catalogue, one) for one in curves if one in found],
+        **_shape(picture, points),
+    }  # fmt: skip
+
+
+def _curves(maps: xr.Dataset, catalogue: Catalogue) -> list[str]:
+    """Return the quantities that change over the input: first those that the map has results of."""
+    own = [innermost(str(name), catalogue) for name in maps.data_vars if str(name) not in (BRANCH,)]
+    return [
+        one
+        for one in dict.fromkeys([*own, *catalogue.public])
+        if one in catalogue.public and catalogue.varies(one) and not catalogue.public[one].flags
+    ]
+
+
+def _curve(catalogue: Catalogue, name: str) -> dict[str, Any]:
+    fact = catalogue.public_fact(name)
+    return {"name": name, "meaning": fact.meaning, "symbol": fact.symbol, "units": fact.units}
+
+
+def _shape(picture: Picture, points: list[Any]) -> dict[str, Any]:
+    """Return the points and bars of a picture."""
+    names = {one.name for one in points}
+    return {
+        "metric": picture.metric,
+        "spans": {key: list(ends) for key, ends in picture.spans.items()},
+        "points": [
+            {"name": one.name, "x": one.x, "y": one.y, "kind": one.kind, "named": one.is_named, "group": one.group}
+            for one in points
+        ],
+        "bars": [
+            {"points": [one for one in bar.points.split() if one in names], "ground": bar.is_ground,
+             "orientation": bar.orientation}
+            for bar in picture.bars
+        ],
+        "guides": [{"x": one.x, "y": one.y, "slider": one.slider} for one in picture.guides if one.slider],
+        "traced": [one for names in picture.traced.values() for one in names.split()],
+    }  # fmt: skip
+
+
+# -- Put the page together: one file, with its styles, its scripts and what it has to know of a map
+
+
+#: The scripts, each after those that it needs.
+SCRIPTS = (
+    "base",
+    "motion",
+    "linkage",
+    "map",
+    "source",
+    "embedded",
+    "region",
+    "designs",
+    "pointing",
+    "main",
+    "end",
+)
+
+
+def page_of(content: dict[str, Any], nonce: str = "") -> str:
+    """Return the page of a map."""
+    folder = files("fastlink").joinpath("pictures", "page")
+
+    def text(name: str) -> str:
+        return folder.joinpath(name).read_text(encoding="utf-8")
+
+    mechanism = content["mechanism"]
+    facts = mechanism["script"] if mechanism else "{}"
+    told = {**content, "mechanism": mechanism and {**mechanism, "script": ""}}
+    # a text of the map must not end the script
+    data = json.dumps(told, allow_nan=False).replace("<", "\\u003c")
+    scripts = [filled(text(f"{name}.js"), {"/*FACTS*/": facts}) for name in SCRIPTS]
+    script = "\n".join([f"const content = {data};", *scripts])
+    return filled(text("page.html"), {"NONCE": nonce, "/*STYLE*/": text("style.css"), "/*SCRIPT*/": script})
+
+
+# -- Bring the values of many designs to one for each cell of a picture: their mean, the least or the
+#    greatest
+
+
+#: The word for a picture that shows one design of each cell.
+ONE = "one"
+#: Values that are read at once.
+BLOCK = 1 << 21
+
+
+def _mean(cells: NDArray[Any]) -> NDArray[Any]:
+    """Return the mean of the finite values; where there is none, infinity if a value is infinite, else NaN."""
+    finite = np.isfinite(cells)
+    count = finite.sum(axis=(1, 3))
+    with np.errstate(invalid="ignore"):
+        mean = np.where(finite, cells, 0.0).sum(axis=(1, 3)) / count
+    return np.asarray(np.where(count > 0, mean, np.fmax.reduce(cells, axis=(1, 3))))
+
+
+#: What becomes of a cell, of an array whose second and fourth axis are the values of one; NaN counts in none.
+POOLS: dict[str, Callable[[NDArray[Any]], NDArray[Any]]] = {
+    "mean": _mean,
+    "least": lambda cells: np.fmin.reduce(cells, axis=(1, 3)),
+    "greatest": lambda cells: np.fmax.reduce(cells, axis=(1, 3)),
+}
+
+
+def pooled(
+    read: Callable[[slice], NDArray[Any]], rows: range, columns: int, steps: tuple[int, int], pool: str
+) -> NDArray[np.float32]:
+    """Return one value for each cell of rows and columns, read a few rows at a time."""
+    down, across = steps
+    high = max(1, BLOCK // (down * columns)) * down
+    found = []
+    for start in range(rows.start, rows.stop, high):
+        block = np.asarray(read(slice(start, min(rows.stop, start + high))), dtype=float)
+        beyond = (-block.shape[0] % down, -columns % across)
+        padded = np.pad(block, [(0, one) for one in beyond], constant_values=np.nan)
+        cells = padded.reshape(padded.shape[0] // down, down, padded.shape[1] // across, across)
+        found.append(POOLS[pool](cells).astype(np.float32))
+    return np.concatenate(found)
+
+
+# -- Read what a page shows of a map: a picture's values at the resolution of a screen, a row, a sample
+
+
+#: Cells along a side of a picture; values from which a scale of colours is chosen; designs of a sample.
+MOST_CELLS, SAMPLED, MOST_DESIGNS = 720, 1 << 18, 100_000
+#: Pictures that are kept for the next step.
+KEPT = 32
+#: The most values of which the cells of a picture are made, where these hold several.
+MOST_POOLED = 1 << 26
+
+
+class Values:
+    """The values of a map, as a page wants them."""
+
+    def __init__(self, maps: xr.Dataset, path: Path | None = None) -> None:
+        self.maps, self.path = maps, path
+        self.lock = threading.Lock()
+        self.mapped: dict[str, Any] = {}
+        self.scales: dict[str, dict[str, Any]] = {}
+        self.kept: OrderedDict[Any, NDArray[Any]] = OrderedDict()
+
+    @property
+    def names(self) -> list[str]:
+        """The variables of numbers."""
+        return [
+            str(name) for name, one in self.maps.data_vars.items() if one.dtype.kind in "iuf" and one.size
+        ]
+
+    @property
+    def step(self) -> int:
+        """How many designs of a sample follow each other for one that is shown."""
+        return -(-int(self.maps.sizes.get(DESIGN, 1)) // MOST_DESIGNS)
+
+    def part(self, name: str, places: Mapping[str, int | slice]) -> NDArray[Any]:
+        """Return a part of a variable or coordinate.
+
+        Of a file without compression it is taken straight from the bytes, which is 10 times as fast as by HDF5.
+        """
+        variable = self.maps[name].variable
+        index = tuple(places.get(str(dim), slice(None)) for dim in variable.dims)
+        with self.lock:
+            if name not in self.mapped:
+                self.mapped[name] = _mapped(self.path, name, variable)
+            source = self.mapped[name]
+            return np.asarray(variable[index].values if source is None else source[index])
+
+    def picture(
+        self,
+        name: str,
+        axes: tuple[str, ...],
+        at: Mapping[str, int],
+        window: Mapping[str, tuple[int, int]],
+        pool: str = ONE,
+    ) -> tuple[NDArray[np.float32], dict[str, int], str]:
+        """Return the values over one or two axes, the first along rows, the steps between them, and what they are."""
+        dims = [str(dim) for dim in self.maps[name].dims]
+        own = [dim for dim in dims if dim in axes]
+        ranges, steps = {}, {}
+        for dim in own:
+            low, high = window.get(dim, (0, self.maps.sizes[dim] - 1))
+            most = MOST_CELLS if len(axes) > 1 else MOST_CELLS * MOST_CELLS
+            ranges[dim] = range(low, high + 1)
+            steps[dim] = max(1, -(-len(ranges[dim]) // most))
+        shape = [len(one) for one in ranges.values()]
+        if max(steps.values()) == 1 or math.prod(shape) > MOST_POOLED or not self.scale(name)["pools"]:
+            pool = ONE
+        key = name, axes, str(ranges), str([at[dim] for dim in dims if dim not in own]), pool
+        found = self.kept.get(key)
+        if found is None:
+            values = self._pictured(name, at, ranges, steps, pool)
+            order = [own.index(axis) for axis in axes if axis in own]
+            found = np.ascontiguousarray(values.transpose(order))
+            with self.lock:
+                self.kept[key] = found
+                while len(self.kept) > KEPT:
+                    self.kept.popitem(last=False)
+        return found, steps, pool
+
+    def _pictured(
+        self, name: str, at: Mapping[str, int], ranges: dict[str, range], steps: dict[str, int], pool: str
+    ) -> NDArray[np.float32]:
+        """Return the values of a picture in the order of the variable's dimensions."""
+        places: dict[str, int | slice] = {
+            str(dim): at[str(dim)] for dim in self.maps[name].dims if dim not in ranges
+        }
+        if pool == ONE:
+            places |= {dim: slice(one.start, one.stop, steps[dim]) for dim, one in ranges.items()}
+            return self.part(name, places).astype(np.float32)
+        (first, rows), *others = ranges.items()
+        places |= {dim: slice(one.start, one.stop) for dim, one in others}
+        columns, across = (len(others[0][1]), steps[others[0][0]]) if others else (1, 1)
+
+        def read(some: slice) -> NDArray[Any]:
+            return self.part(name, {**places, first: some}).reshape(-1, columns)
+
+        found = pooled(read, rows, columns, (steps[first], across), pool)
+        return found if others else found[:, 0]
+
+    def column(self, name: str, at: Mapping[str, int]) -> NDArray[np.float32]:
+        """Return the values of a variable or coordinate of the designs of a sample."""
+        places: dict[str, int | slice] = {
+            str(dim): at[str(dim)] for dim in self.maps[name].dims if dim != DESIGN
+        }
+        return self.part(name, {**places, DESIGN: slice(None, None, self.step)}).astype(np.float32)
+
+    def row(self, at: Mapping[str, int]) -> dict[str, Any]:
+        """Return all values of one place, those of inputs along ``design`` too."""
+        found = {}
+        for name in (*self.names, *map(str, self.maps.coords)):
+            dims = [str(dim) for dim in self.maps[name].dims]
+            if name in at or not set(dims) <= at.keys() or not dims:
+                continue
+            value = self.part(name, {dim: at[dim] for dim in dims})
+            found[name] = value.item() if value.dtype.kind in "iuf" else str(value)
+        return found
+
+    def scale(self, name: str) -> dict[str, Any]:
+        """Return how the values of a variable become colours, from a sample of all of them."""
+        if name not in self.scales:
+            array = self.maps[name]
+            sizes = {str(dim): length for dim, length in array.sizes.items()}
+            steps = _steps(sizes, SAMPLED)
+            places: dict[str, int | slice] = {dim: slice(None, None, step) for dim, step in steps.items()}
+            sample = self.part(name, places)
+            self.scales[name] = scale_of(array, sample, self._regular(array, sample.shape, places))
+        return self.scales[name]
+
+    def _regular(self, array: xr.DataArray, shape: tuple[int, ...], places: Mapping[str, Any]) -> Any:
+        """Return which values of a sample are of designs without toggles, None where that is not known."""
+        if (
+            STATUS not in self.names
+            or array.name == STATUS
+            or not set(self.maps[STATUS].dims) <= set(array.dims)
+        ):
+            return None
+        status = self.maps[STATUS]
+        if not (flags := flags_of(status)):
+            return None
+        codes = self.part(STATUS, {dim: one for dim, one in places.items() if dim in status.dims})
+        own = [dim for dim in array.dims if dim in status.dims]
+        codes = codes.transpose([status.dims.index(dim) for dim in own])
+        whole = codes[tuple(slice(None) if dim in status.dims else None for dim in array.dims)]
+        return np.broadcast_to(whole == next(iter(flags.values())), shape)
+
+
+def _steps(sizes: Mapping[str, int], most: int) -> dict[str, int]:
+    """Return steps along dimensions that leave about so many values, from the longest dimension first."""
+    steps = dict.fromkeys(sizes, 1)
+
+    def left(dim: str) -> int:
+        return -(-sizes[dim] // steps[dim])
+
+    while np.prod([left(dim) for dim in sizes], dtype=float) > most:
+        steps[max(sizes, key=left)] += 1
+    return steps
+
+
+def _mapped(path: Path | None, name: str, variable: xr.Variable) -> Any:
+    """Return the values of a variable as they lie in its file, None where they do not lie there as they are."""
+    if path is None or not path.is_file() or not is_hdf5(path):
+        return None
+    with h5py.File(path, "r") as file:
+        stored = file.get(name)
+        if (
+            not isinstance(stored, h5py.Dataset)
+            or stored.chunks is not None
+            or stored.shape != variable.shape
+        ):
+            return None
+        offset = stored.id.get_offset()
+        if offset is None or not stored.size:
+            return None
+        return np.memmap(path, dtype=stored.dtype, mode="r", offset=offset, shape=stored.shape)

@@ -1,0 +1,605 @@
+"""Find the design that is drawn: by numbers, in a study, or in a map."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import partial
+from importlib import import_module
+from inspect import signature
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fastlink._text import counted, in_words, short_repr
+from fastlink.app.study import read_study
+from fastlink.engine.designs import designs_of
+from fastlink.engine.evaluate import evaluate
+from fastlink.engine.extend import is_own
+from fastlink.errors import (
+    InputError,
+    Problems,
+    Setting,
+    check_choice,
+    check_path,
+    check_switch,
+    check_whole,
+    door,
+    suggest,
+)
+from fastlink.io.reader import as_map
+from fastlink.mechanisms import NAMES, name_of
+from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.pictures.maps import nearest_place
+from fastlink.pictures.motion import Motion, as_draw
+from fastlink.pictures.picture import check_picture, require_matplotlib, save
+from fastlink.pictures.style import mathematical
+from fastlink.plan.query import check_names
+from fastlink.plan.request import all_choices, check_branches, check_model, radian_keywords, selected_variants
+from fastlink.space.design_space import (
+    BRANCH,
+    DEGREES,
+    DESIGN,
+    EXTREMUM,
+    RADIANS,
+    Links,
+    angle_of,
+    constant,
+    degrees_name,
+    has,
+    numbers_of,
+    remark_on_angles,
+    taken_links,
+)
+from fastlink.space.tables import STATUS
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from fastlink.engine.extend import Extension
+    from fastlink.facts.catalogue import Catalogue
+    from fastlink.mechanisms._shared.picture import Picture
+    from fastlink.space.design_space import Links
+
+__all__ = ["Options", "Request", "Source", "draw", "picture_of", "request_of"]
+
+
+STUDY, MAPS = ".toml", (".h5", ".hdf5", ".nc", ".he5")
+
+
+@dataclass(frozen=True)
+class Source:
+    """A design and what else its source says.
+
+    Attributes
+    ----------
+    mechanism : str or Extension
+        The mechanism.
+    inputs : dict
+        Inputs, and the input position, as they were given.
+    branch : int, sequence of int or None
+        The assembly mode of a row, or those of a study.
+    links : Links or None
+        Where mass data come from.
+    input : str or None
+        What drives.
+    own : str
+        The text of a map's own quantities, which is not run.
+    """
+
+    mechanism: str | Extension
+    inputs: dict[str, Any]
+    branch: Any = None
+    links: Links | None = None
+    input: str | None = None
+    own: str = ""
+
+
+def read_source(
+    mechanism: Any, design: Any, at: Any, inputs: Mapping[str, Any], trust_code: bool = False
+) -> Source:
+    """Return the design that a caller names, or refuse it."""
+    if has(mechanism, "data_vars") or _is_file(mechanism):
+        if not has(mechanism, "data_vars"):
+            mechanism = check_path(("mechanism",), mechanism)
+        read = partial(_of_study, trust_code) if _ends(mechanism) == STUDY else _of_map
+        found = read(mechanism, design, at)
+        own = {key: value for key, value in found.inputs.items() if not _is_given(key, inputs)}
+        return replace(found, inputs={**own, **inputs})
+    find_catalogue(mechanism)
+    if at is not None:
+        remedy = "leave it out, and give inputs by name"
+        raise InputError("selects a design of a study or a map", where=("at",), remedy=remedy)
+    if design is not None and not isinstance(design, Mapping):
+        what = f"is {short_repr(design)}"
+        raise InputError(what, where=("design",), remedy="write the inputs by name, such as a1=0.4")
+    names = {} if design is None else dict(design)
+    if others := [name for name in names if not isinstance(name, str)]:
+        raise InputError(f"names {short_repr(others[0])}", where=("design",), remedy="write names of inputs")
+    if twice := [name for name in names if name in inputs]:
+        raise InputError(f"{twice[0]} is given twice", where=("design",), remedy="write it once")
+    return Source(mechanism, {**names, **inputs})
+
+
+def _ends(source: Any) -> str:
+    return Path(source).suffix.lower() if isinstance(source, (str, os.PathLike)) else ""
+
+
+def _is_file(source: Any) -> bool:
+    """Tell whether a caller means a file rather than a mechanism."""
+    if isinstance(source, str) and (source in NAMES or "\0" in source):
+        return False
+    try:
+        return isinstance(source, os.PathLike) or _ends(source) in (STUDY, *MAPS)
+    except Exception:  # whatever a class of somebody's does
+        return False
+
+
+def _is_given(name: str, inputs: Mapping[str, Any]) -> bool:
+    """Tell whether a caller gives an input of the source anew, in whichever unit."""
+    return any({one, degrees_name(one)} & {name, degrees_name(name)} for one in inputs)
+
+
+def _of_study(trust_code: bool, path: Any, design: Any, at: Any) -> Source:
+    """Return a design of a study."""
+    study, problems = read_study(path, trust_code), Problems()
+    options = study.options
+    links, input = options.get("links"), options.get("input")
+    space = designs_of(find_catalogue(study.mechanism, input), study.space, links, problems)
+    problems.stop()
+    along = {dim: space.axes.get(dim, np.arange(n)) for dim, n in zip(space.dims, space.shape, strict=True)}
+    place = np.ravel_multi_index(_places(along, design, at), space.shape) if along else 0
+    inputs = {name: float(values[0]) for name, values in space.at(np.array([place])).items()}
+    return Source(study.mechanism, inputs, options.get("branch"), links, input)
+
+
+def _of_map(maps: Any, design: Any, at: Any) -> Source:
+    """Return a design of a map, or of rows of it; of a row, its assembly mode and input position too."""
+    with as_map(maps) as dataset:
+        mechanism, input = str(dataset.attrs.get("mechanism")), str(dataset.attrs.get("input"))
+        catalogue = find_catalogue(mechanism, input)
+        dims = [*(dataset[STATUS].dims if STATUS in dataset else ()), *dataset.dims]
+        outside = {BRANCH, EXTREMUM, catalogue.position.name}
+        along = {
+            str(dim): dataset[dim].values if dim in dataset.coords else np.arange(dataset.sizes[dim])
+            for dim in dict.fromkeys(dims)
+            if dim not in outside
+        }
+        row = dataset.isel(dict(zip(along, _places(along, design, at), strict=True)))
+        known = {*catalogue.known_inputs(catalogue.variant_inputs), catalogue.position.name}
+        inputs: dict[str, Any] = {}
+        for name in known:
+            if name in row.variables and row[name].ndim == 0:
+                units = row[name].attrs.get("units")
+                inputs[degrees_name(name) if units in DEGREES else name] = float(row[name])
+        branch = int(row[BRANCH]) if BRANCH in row.coords and row[BRANCH].ndim == 0 else None
+        own = str(dataset.attrs.get("own_quantities", ""))
+    links = taken_links(inputs)
+    return Source(mechanism, inputs, branch, links, input, own)
+
+
+def _places(along: Mapping[str, Any], design: Any, at: Any) -> tuple[int, ...]:
+    """Return the place of a design along each dimension: by its number in C order, or by values."""
+    shape = tuple(len(values) for values in along.values())
+    size = int(np.prod(shape, dtype=np.int64))
+    if size == 0:
+        raise InputError("there are no designs", where=("mechanism",), remedy="draw one of another map")
+    if design is not None and at is not None:
+        raise InputError("is given beside design", where=("at",), remedy="leave one of them out")
+    if at is not None:
+        return _nearest_places(along, at)
+    if design is None and size > 1:
+        dim = next(iter(along))
+        example = {dim: float(along[dim][0])} if along[dim].dtype.kind in "iuf" else {}
+        remedy = (
+            "choose one by ",
+            Setting(DESIGN, 0),
+            *((", or ", Setting("at", example)) if example else ()),
+        )
+        raise InputError(f"there are {counted(size, 'design')}", where=("design",), remedy=remedy)
+    number = 0 if design is None else check_whole(("design",), design, 0, size - 1)
+    return tuple(int(k) for k in np.unravel_index(number, shape)) if shape else ()
+
+
+def _nearest_places(along: Mapping[str, Any], at: Any) -> tuple[int, ...]:
+    """Return the place that is nearest to given values along each dimension."""
+    if not isinstance(at, Mapping) or hasattr(at, "data_vars"):
+        remedy = ("write such as ", Setting("at", {"a4": 1.0}))
+        raise InputError(f"is {short_repr(at)}", where=("at",), remedy=remedy)
+    problems, places = Problems(), []
+    for dim in at:
+        if dim not in along:
+            problems.add(f"{short_repr(dim)} is not a dimension of the designs", ("at",), suggest(dim, along))
+    for dim, values in along.items():
+        if dim not in at and len(values) > 1:
+            problems.add(f"{dim} has {len(values)} values", ("at",), f"write which, such as {values[0]:g}")
+        with problems.at():
+            places.append(nearest_place(dim, values, at[dim]) if dim in at else 0)
+    problems.stop()
+    return tuple(places)
+
+
+# -- Check a request to draw, and settle what the picture shows
+
+
+#: The most linkages side by side, and curves beside them.
+MOST_SHEETS, MOST_CURVES = 24, 6
+ALL = "all"
+#: Names of the evaluation that no input has; those that are options of a picture too.
+OPTIONS, BESIDE_A_DESIGN = frozenset(signature(evaluate).parameters), ("branch", "input", "links")
+#: How much farther than its positions the range of an input without bounds is shown.
+BEYOND = 1.25
+
+
+@dataclass(frozen=True)
+class Options:
+    """The options of `draw`, as they were given."""
+
+    branch: Any
+    links: Any
+    input: Any
+    strip: Any
+    curves: Any
+    show: Any
+    degrees: Any
+    moves: bool = False
+
+
+@dataclass(frozen=True)
+class Request:
+    """The whole of what a picture shows.
+
+    Attributes
+    ----------
+    motions : tuple of Motion
+        The designs side by side: one, or one for each value of a choice.
+    titles : tuple of str
+        What tells them apart.
+    positions : array
+        The input positions, side by side too.
+    show : frozenset of str
+        Words, see `fastlink.draw`.
+    curves : tuple of str
+        Quantities whose curves stand beside.
+    degrees : bool
+        Whether angles are in degrees.
+    moves : bool
+        Whether the picture is to be animated, so that the view holds the whole motion.
+    """
+
+    motions: tuple[Motion, ...]
+    titles: tuple[str, ...]
+    positions: Any
+    show: frozenset[str]
+    curves: tuple[str, ...] = ()
+    degrees: bool = False
+    moves: bool = False
+    sheets: list[tuple[Motion, float, str]] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        sheets = [
+            (motion, float(position), self._title(title, motion, float(position)))
+            for motion, title in zip(self.motions, self.titles, strict=True)
+            for position in self.positions
+        ]
+        object.__setattr__(self, "sheets", sheets)
+
+    def _title(self, title: str, motion: Motion, position: float) -> str:
+        if len(self.positions) < 2:
+            return title
+        symbol = mathematical(motion.catalogue.position.symbol)
+        return f"{title}{title and ', '}{symbol} = {motion.shown(position, self.degrees, brief=True)}"
+
+
+def request_of(source: Source, options: Options) -> Request:
+    """Return what is drawn, or refuse it with all that is wrong."""
+    input = source.input if options.input is None else options.input
+    links = source.links if options.links is None else options.links
+    catalogue = find_catalogue(source.mechanism, input)
+    picture, problems = picture_of(name_of(source.mechanism), catalogue), Problems()
+    branches: tuple[int, ...] = tuple(catalogue.branches)
+    with problems.at():
+        given = source.branch if options.branch is None else options.branch
+        branches = branches if given is None else check_branches(catalogue, given)
+    with problems.at():
+        check_model(catalogue, links, "eliminated")
+    with problems.at():
+        check_switch(("degrees",), options.degrees)
+    strip = options.strip
+    if strip is not None:
+        with problems.at():
+            strip = check_whole(("strip",), strip, 2, MOST_SHEETS)
+    inputs = {name: value for name, value in source.inputs.items() if name not in OPTIONS}
+    for name in (name for name in source.inputs if name in OPTIONS):
+        remedy = f"write it beside the design, {name}=..." if name in BESIDE_A_DESIGN else "leave it out"
+        problems.add("is an option, not an input", ("draw", name), remedy)
+    with problems.at():
+        own: dict[str, Any] = {"links": links if isinstance(links, Links) else None, "input": input}
+        as_draw(lambda: evaluate(source.mechanism, ["status"], **own, **inputs))
+    numbers, positions, in_degrees = _numbers(catalogue, source, problems)
+    if positions is not None and strip is not None:
+        what, remedy = "is given beside strip", "leave one of them out"
+        problems.add(what, ("draw", catalogue.position.name), remedy)
+    if options.moves and (strip is not None or (positions is not None and positions.size > 1)):
+        what = "shows one position that moves"
+        problems.add(what, ("animate",), "leave strip and further positions out")
+    problems.stop()
+    choices = _choices(catalogue, links, numbers)
+    reach = 0.0 if positions is None else BEYOND * float(np.abs(positions).max())
+    motions = tuple(
+        Motion(source.mechanism, catalogue, picture, numbers | one, tuple(sorted(branches)), links, reach)
+        for one in choices
+    )
+    show, curves = _words(motions[0], options.show), _curves(motions[0], options.curves, source.own)
+    degrees = options.degrees or in_degrees
+    key = degrees_name(catalogue.position.name) if in_degrees else catalogue.position.name
+    drawable = tuple(motion for motion in motions if motion.ranges) or motions[:1]
+    for motion in drawable:
+        motion.check(positions, degrees, key)
+    if positions is None:
+        positions = drawable[0].spread(strip, ends=False) if strip else np.array([drawable[0].usual])
+    titles = tuple(_title(motion, len(drawable)) for motion in drawable)
+    return Request(drawable, titles, positions, show, curves, degrees, options.moves)
+
+
+def picture_of(mechanism: str, catalogue: Catalogue) -> Picture:
+    """Return what a mechanism declares to be drawn, or refuse one that does not."""
+    try:
+        module = import_module(f"fastlink.mechanisms.{mechanism}.picture")
+    except ModuleNotFoundError:
+        remedy = f"declare its joints and bars in mechanisms/{mechanism}/picture.py"
+        raise InputError(f"{mechanism} has no picture", where=("mechanism",), remedy=remedy) from None
+    picture: Picture = module.PICTURE
+    known = {*catalogue.facts, *catalogue.inputs, catalogue.position.name}
+    for inputs in catalogue.variant_inputs.values():
+        known |= set(inputs)
+    lacking = [
+        one.name
+        for one in picture.points
+        if one.kind in ("joint", "slider") and not {one.x, one.y} <= known | {0.0}
+    ]
+    if lacking:
+        what = f"by {catalogue.position.name}, {mechanism} has no coordinates of {lacking[0]}"
+        raise InputError(what, where=("input",), remedy="leave input out")
+    return picture
+
+
+def _numbers(catalogue: Catalogue, source: Source, problems: Problems) -> tuple[dict[str, float], Any, bool]:
+    """Return the inputs of a design, the input positions or None, and whether an angle is given in degrees."""
+    name = catalogue.position.name
+    given = dict(source.inputs)
+    in_degrees = any(map(angle_of, given))
+    noted = len(problems.noted)
+    given = radian_keywords(catalogue, "draw", given, problems, position=True)
+    del problems.noted[noted:]  # which the evaluation refused
+    positions, known = None, {one.where[:2] for one in problems.noted}
+    if name in given and ("draw", name) not in known:
+        with problems.at():
+            positions = np.atleast_1d(numbers_of("draw", name, given.pop(name)))
+            _check_positions(name, positions)
+            if catalogue.position.units == RADIANS and not in_degrees:
+                remark_on_angles(name, positions if positions.size > 1 else positions[0], "draw")
+        given.pop(name, None)
+    numbers = {}
+    for key, value in given.items():
+        if ("draw", key) not in known:
+            with problems.at():
+                numbers[key] = constant("draw", key, value)
+    return numbers, positions, in_degrees
+
+
+def _check_positions(name: str, positions: Any) -> None:
+    """Refuse positions that are not finite, none, or too many."""
+    if not 1 <= positions.size <= MOST_SHEETS:
+        what = f"holds {positions.size} positions"
+        raise InputError(what, where=("draw", name), remedy=f"write 1 to {MOST_SHEETS}")
+    if not np.isfinite(positions).all():
+        bad = positions[~np.isfinite(positions)][0]
+        raise InputError(f"is {bad}", where=("draw", name), remedy="write finite numbers")
+
+
+def _given(motion: Motion, *position: float) -> dict[str, Any]:
+    of = {"branch": motion.branches[0], "links": motion.links, "input": motion.input}
+    return {**of, **motion.design, **dict(zip([motion.input], position, strict=False))}
+
+
+def _choices(
+    catalogue: Catalogue, links: Links | None, numbers: Mapping[str, float]
+) -> list[dict[str, float]]:
+    """Return each value of a choice that the design leaves open, one alone where there are none."""
+    variants = selected_variants(catalogue, links, "eliminated", numbers)
+    found = all_choices(catalogue, numbers, variants)
+    choices: list[dict[str, float]] = [{}]
+    for name, codes in found.items():
+        choices = [{**one, name: float(code)} for one in choices for code in codes]
+    return choices
+
+
+def _title(motion: Motion, count: int) -> str:
+    """Return what tells a design from the others side by side."""
+    inputs = motion.catalogue.known_inputs(motion.catalogue.variant_inputs)
+    chosen = [name for name in motion.design if name in inputs and inputs[name].choices]
+    if count < 2:
+        return ""
+    return ", ".join(
+        f"{name} {motion.design[name]:g}: {in_words(inputs[name].choices[int(motion.design[name])])}"
+        for name in chosen
+    )
+
+
+def _words(motion: Motion, show: Any) -> frozenset[str]:
+    """Return the words of what is shown, or refuse unknown ones."""
+    known = motion.picture.words
+    if show is None:
+        return frozenset(motion.picture.usual.split()) & set(known)
+    words = _listed("show", show.split() if isinstance(show, str) else show)
+    if ALL in words:
+        loads = motion.picture.loads.items()
+        lacking = {
+            kind for kind, ones in loads if not all(motion.has(c) for one in ones for c in one.components)
+        }
+        return frozenset(known) - lacking
+    problems = Problems()
+    for word in words:
+        with problems.at():
+            check_choice(("show",), word, known, f" to {motion.mechanism}")
+    problems.stop()
+    asked = [one for kind, ones in motion.picture.loads.items() if kind in words for one in ones]
+    if names := [one.components[0] for one in asked]:
+        as_draw(lambda: evaluate(motion.mechanism, names, **_given(motion, 0.0)))
+    return frozenset(words)
+
+
+def _listed(parameter: str, given: Any) -> tuple[str, ...]:
+    """Return the names of a list, none of an empty one."""
+    return () if type(given) in (list, tuple) and not given else check_names(parameter, given)
+
+
+def _curves(motion: Motion, curves: Any, own: str) -> tuple[str, ...]:
+    """Return the quantities whose curves stand beside, or refuse what has none."""
+    names = _listed("curves", curves)
+    if len(names) > MOST_CURVES:
+        what = f"names {len(names)} quantities"
+        raise InputError(what, where=("curves",), remedy=f"write at most {MOST_CURVES}")
+    problems = Problems()
+    for k, name in enumerate(names):
+        with problems.at("curves", k):
+            if is_own(name, own):
+                what = f"{name!r} is of quantities of a user's own, of which a map has the text and runs none"
+                remedy = (
+                    "draw the study that made the map, with ",
+                    Setting("trust_code", True),
+                    ", or the extension",
+                )
+                raise InputError(what, remedy=remedy)
+            _check_curve(motion, name, k)
+    problems.stop()
+    return names
+
+
+def _check_curve(motion: Motion, name: str, k: int) -> None:
+    """Refuse a quantity without a curve over the input."""
+    as_draw(lambda: evaluate(motion.mechanism, [name], **_given(motion, 0.0)), k)
+    if not motion.catalogue.varies(name):
+        curved = [one for one in motion.catalogue.public if motion.catalogue.varies(one)]
+        what = f"{name} is one number for a design"
+        raise InputError(what, remedy=suggest(name, curved))
+
+
+# -- Draw a mechanism: check the request, draw, write
+
+
+FILMS, MOST_FRAMES = ("gif", "html", "mp4"), 720
+
+
+@door(hint="inputs are given by name, such as a1=0.4, or as design={...}")
+def draw(
+    mechanism: Any,
+    design: Any = None,
+    *,
+    at: Mapping[str, float] | None = None,
+    branch: Any = None,
+    links: Links | None = None,
+    input: str | None = None,
+    strip: int | None = None,
+    curves: Iterable[str] = (),
+    show: Any = None,
+    degrees: bool = False,
+    to: str | Path | None = None,
+    animate: str | Path | None = None,
+    frames: int = 60,
+    trust_code: bool = False,
+    **inputs: Any,
+) -> Figure:
+    r"""Draw a mechanism to scale, as it stands at an input position.
+
+    Links, joints, hatched ground, names as in the papers, the path of the coupler point, each assembly mode in a colour
+    of its own (the second with hollow bars and dashed curves), faintly where the motion ends. All places are facts of
+    the mechanism, as `fastlink.evaluate` gives them.
+
+    Parameters
+    ----------
+    mechanism : str, Extension, path or xarray.Dataset
+        The name of a mechanism, or one that `fastlink.extend` returns; or a study, or a map, whose mechanism it is.
+    design : mapping of str to float, or int, optional
+        The inputs of a mechanism (or each by its name); of a study or a map, the number of the design, from 0.
+    at : mapping of str to float, optional
+        Of a study or a map, the design by the values of its dimensions, each the nearest one, in place of its number.
+    branch : int or sequence of int, optional
+        Assembly modes; by default all, or that of a row of `maps.fastlink.top`.
+    links : Links, optional
+        Where mass data come from, for forces.
+    input : str, optional
+        What drives, as in `fastlink.sweep`.
+    strip : int, optional
+        So many positions over the whole motion, side by side.
+    curves : sequence of str, optional
+        Quantities whose curves over the input stand beside the linkage, the position marked.
+    show : str or sequence of str, optional
+        What is shown besides the linkage, in place of the usual: words such as ``path``, ``limits``, ``circles`` (on
+        which joints run), ``comb`` (the curvature of the path), ``forces``, ``torques``, ``all``; an unknown word is
+        answered with those of the mechanism.
+    degrees : bool, default False
+        Show angles in degrees; so they are if one is given in degrees.
+    to : path, optional
+        The picture to write; its ending (png, svg, pdf) is its kind. An existing one is replaced.
+    animate : path, optional
+        The moving picture to write, of one turn, or there and back through the range: gif, html (a page with a slider
+        that needs nothing else), or mp4 if ffmpeg is installed.
+    frames : int, default 60
+        How many pictures it has.
+    trust_code : bool, default False
+        Run the Python file of quantities that a study names (see `fastlink.run_study`).
+    **inputs : float or array_like
+        The inputs, and the input position, such as ``theta1`` or ``theta1_deg``: one, or a list for as many linkages
+        side by side. Left out, one a sixth of the turn, or a third of the way through the range.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The figure, which a notebook shows; it is not part of matplotlib's global state and need not be closed.
+
+    Raises
+    ------
+    InputError
+        A name, value or word is unknown, the linkage does not assemble there, or matplotlib is missing.
+
+    Examples
+    --------
+    >>> import fastlink as fl
+    >>> figure = fl.draw("planar_4r", a1=0.4, a2=1.1, a3=0.8, a4=1.0, theta1_deg=60)
+    >>> len(figure.axes)
+    1
+    >>> figure = fl.draw("hart", m=4.0, n=8.0, d=6.0, kappa=0.5, strip=4, branch=1)
+    >>> [axis.get_title() for axis in figure.axes][2]
+    '$\\phi$ = 3.142 rad'
+    """
+    require_matplotlib("draw")
+    path = None if to is None else check_picture(to, "to", example="linkage.png")
+    film = None
+    if animate is not None:
+        from fastlink.pictures.film import check_film
+
+        film = check_picture(animate, "animate", kinds=FILMS, example="linkage.gif")
+        check_film(film)
+    check_switch(("trust_code",), trust_code)
+    frames = check_whole(("frames",), frames, 2, MOST_FRAMES)
+    source = read_source(mechanism, design, at, inputs, trust_code)
+    request = request_of(
+        source, Options(branch, links, input, strip, curves, show, degrees, film is not None)
+    )
+    from fastlink.pictures.board import Board
+    from fastlink.pictures.style import style
+
+    with style():
+        board = Board(request)
+        board.show()
+        if path is not None:
+            save(board.figure, path, "to")
+        if film is not None:
+            from fastlink.pictures.film import write_film
+
+            write_film(board, film, frames)
+    return board.figure

@@ -1,0 +1,442 @@
+"""Select what a picture shows: one variable, at fixed values of all dimensions but one or two."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+
+from fastlink._text import short_number, short_repr
+from fastlink.errors import InputError, Remedy, Setting, check_choice, check_whole, door, suggest
+from fastlink.io.reader import as_map
+from fastlink.maps.units import degrees as in_degrees
+from fastlink.maps.units import degrees_along, flags_of
+from fastlink.pictures.picture import checked_request, save
+from fastlink.pictures.style import plain, units_text, valued
+from fastlink.space.design_space import BRANCH, as_real
+from fastlink.space.tables import STATUS
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    T = TypeVar("T", xr.DataArray, xr.Dataset)
+    from matplotlib.figure import Figure
+
+__all__ = [
+    "Panel",
+    "Selection",
+    "modes_of",
+    "name_places",
+    "nearest_place",
+    "one_branch",
+    "panels_of",
+    "plot_map",
+    "sameness",
+    "select",
+    "spread",
+]
+
+
+MOST_CELLS = 1600  # along each side, more than the pixels of a picture
+MOST_BESIDE = 6  # values of one dimension, or panels, side by side
+COUNTS = {1: "one", 2: "two", 3: "three"}
+
+
+@dataclass(frozen=True)
+class Selection:
+    """A variable as a picture shows it.
+
+    Attributes
+    ----------
+    variable : xarray.DataArray
+        Over one or two dimensions by growing coordinates, and over assembly modes.
+    free : list of str
+        Those dimensions.
+    fixed : dict
+        The value of each dimension that is fixed.
+    status : xarray.DataArray, optional
+        The status of each cell, where the cells of a map are designs.
+    names : dict
+        The labels along dimensions whose coordinates are not numbers; these have their places instead.
+    split : str, optional
+        The dimension whose values are shown beside each other.
+    """
+
+    variable: xr.DataArray
+    free: list[str]
+    fixed: dict[str, Any]
+    status: xr.DataArray | None
+    names: dict[str, list[str]]
+    split: str | None = None
+
+
+def select(
+    dataset: xr.Dataset,
+    name: str,
+    branch: int | None,
+    at: Mapping[str, float],
+    split: tuple[str, Any] | None = None,
+) -> Selection:
+    """Return what a picture of a variable shows, or refuse the request.
+
+    `split` is ``("panels", DIM)`` or ``("lines", DIM)``: the option and the dimension some of whose values are shown
+    beside each other.
+    """
+    variable = _variable(dataset, name)
+    if branch is not None:
+        variable = one_branch(variable, branch)
+    if split is not None:
+        _check_split(variable, *split, at)
+    beside = None if split is None else str(split[1])
+    places, fixed = _fixed(variable, dict(at), beside)
+    if variable.size == 0:
+        empty = next(str(dim) for dim, length in variable.sizes.items() if not length)
+        what = f"{name} has no values along {empty}"
+        raise InputError(what, where=("plot",), remedy="select at least one value")
+    variable = variable.isel(places)
+    free = [str(dim) for dim in variable.dims if dim not in (BRANCH, beside)]
+    _check_free(variable, name, free, split)
+    status = _status(dataset, name, places, free, beside)
+    drawn: list[xr.DataArray] = [variable] if status is None else [variable, status]
+    names: dict[str, list[str]] = {}
+    for dim in free:
+        along = variable[dim]
+        if _is_scale(along.values):
+            order = np.argsort(along.values, kind="stable")
+        else:
+            names[dim], order = [str(value) for value in along.values], np.arange(along.size)
+            drawn = [_by_place(array, dim) for array in drawn]
+        step = -(-along.size // MOST_CELLS) if len(free) == 2 else 1
+        names |= {dim: names[dim][::step]} if dim in names else {}
+        drawn = [array.isel({dim: order[::step]}) for array in drawn]
+    if beside is not None:
+        few = _few(variable, beside)
+        drawn = [array.isel({beside: few}) if beside in array.dims else array for array in drawn]
+    read = [array.load() for array in drawn]
+    return Selection(read[0], free, fixed, read[1] if status is not None else None, names, beside)
+
+
+def _check_split(variable: xr.DataArray, option: str, dim: Any, at: Mapping[str, float]) -> None:
+    """Refuse a dimension whose values cannot stand beside each other."""
+    known = [str(key) for key in variable.dims if key != BRANCH]
+    check_choice((option,), dim, known, f" to {variable.name}")
+    if dim in at:
+        what = f"{dim} is fixed by at"
+        raise InputError(what, where=(option,), remedy="leave one of them out")
+
+
+def _few(variable: xr.DataArray, dim: str) -> Any:
+    """Return some places along a dimension by growing values, evenly over all of them."""
+    values = variable[dim].values
+    order = np.argsort(values, kind="stable") if _is_scale(values) else np.arange(len(values))
+    return order[spread(len(order), MOST_BESIDE)]
+
+
+def spread(count: int, most: int) -> Any:
+    """Return some of so many places, evenly over all, the first and the last among them.
+
+    Examples
+    --------
+    >>> spread(5, 6).tolist(), spread(101, 6).tolist()
+    ([0, 1, 2, 3, 4], [0, 20, 40, 60, 80, 100])
+    """
+    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))
+
+
+def _variable(dataset: xr.Dataset, name: Any) -> xr.DataArray:
+    """Return a variable of numbers, or refuse its name."""
+    name = check_choice(("name",), name, [str(key) for key in dataset.data_vars])
+    variable: xr.DataArray = dataset[name]
+    if variable.dtype.kind not in "iufb":
+        remedy = "draw a variable of numbers"
+        raise InputError(f"{name} holds {variable.dtype}, not numbers", where=("name",), remedy=remedy)
+    return variable
+
+
+def one_branch(variable: T, branch: Any) -> T:
+    """Return the part of a variable, or of a map, for one assembly mode."""
+    if BRANCH not in variable.coords:
+        what = f"{getattr(variable, 'name', 'the map')} is the same in every assembly mode"
+        raise InputError(what, where=("branch",), remedy="leave it out")
+    known = np.atleast_1d(variable[BRANCH].values).tolist()
+    remedy = f"write one of {', '.join(map(str, known))}"
+    if check_whole(("branch",), branch, min(known), max(known), remedy) not in known:
+        raise InputError(f"{branch} is not in the result", where=("branch",), remedy=remedy)
+    return variable.isel({BRANCH: [known.index(branch)]}) if BRANCH in variable.dims else variable
+
+
+def _fixed(
+    variable: xr.DataArray, at: dict[str, Any], beside: str | None
+) -> tuple[dict[str, int], dict[str, Any]]:
+    """Return place and value of each dimension that is fixed: by `at`, or as it has one value alone."""
+    places: dict[str, int] = {}
+    for key in variable.dims:
+        if key in at and key != BRANCH:
+            places[str(key)] = nearest_place(str(key), variable[key].values, at.pop(str(key)))
+        elif variable.sizes[key] == 1 and key not in (BRANCH, beside):
+            places[str(key)] = 0
+    for dim in at:
+        known = [str(key) for key in variable.dims if key != BRANCH]
+        remedy: Remedy = suggest(dim, known) if known else "it has none"
+        if dim == BRANCH:
+            remedy = ("choose an assembly mode by ", Setting("branch", 1))
+        what = f"{short_repr(dim)} is not a dimension of {variable.name} that can be fixed"
+        raise InputError(what, where=("at",), remedy=remedy)
+    return places, {dim: variable[dim].values[place] for dim, place in places.items()}
+
+
+def nearest_place(dim: str, values: Any, value: Any) -> int:
+    """Return the place of the nearest value along a dimension."""
+    wanted = as_real(value)
+    if wanted is None or not math.isfinite(wanted):
+        raise InputError(f"is {short_repr(value)}", where=("at", dim), remedy="write a finite number")
+    if not _is_scale(values):
+        what = f"has {'no values' if not values.size else 'coordinates that are not finite numbers'}"
+        raise InputError(what, where=("at", dim), remedy=f"select by maps.isel({dim}=0)")
+    low, high = float(values.min()), float(values.max())
+    slack = 1e-9 * max(abs(low), abs(high))
+    if not low - slack <= wanted <= high + slack:
+        remedy = f"write a number from {low:g} to {high:g}"
+        raise InputError(f"is {wanted:g}, outside the result", where=("at", dim), remedy=remedy)
+    return int(abs(values - wanted).argmin())
+
+
+def _check_free(variable: xr.DataArray, name: str, free: list[str], split: tuple[str, Any] | None) -> None:
+    """Refuse to draw over no dimension, or over more than two; lines run along one, panels have two."""
+    if split is not None and len(free) == {"lines": 2, "panels": 1}[split[0]]:
+        option, other = ("lines", "panels") if split[0] == "lines" else ("panels", "lines")
+        what = f"{name} has the dimensions {', '.join([*free, str(split[1])])}"
+        remedy = (
+            "write ",
+            Setting(other, str(split[1])),
+            *((", or fix one by at",) if option == "lines" else ()),
+        )
+        raise InputError(what, where=(option,), remedy=remedy)
+    if len(free) > 2:
+        what = f"{name} has the dimensions {', '.join(_listed(variable[dim]) for dim in free)}"
+        values = variable[free[-1]].values
+        middle = float(f"{values[len(values) // 2]:g}") if _is_scale(values) else 0
+        count = COUNTS.get(len(free) - 2, str(len(free) - 2))
+        beside = (", or show some values side by side by ", Setting("panels", free[-1]))
+        remedy = (f"fix {count} of them by ", Setting("at", {free[-1]: middle}), *(() if split else beside))
+        raise InputError(what, where=("plot",), remedy=remedy)
+    if not free:
+        text = ", ".join(map(short_number, variable.values.ravel()))
+        what = f"{name} has no dimension left to draw it over; its value is {text}"
+        raise InputError(what, where=("plot",), remedy="leave one free")
+
+
+def _listed(along: xr.DataArray) -> str:
+    values = np.sort(along.values) if _is_scale(along.values) else along.values
+    return f"{along.name} ({along.size} from {short_number(values[0])} to {short_number(values[-1])})"
+
+
+def _is_scale(values: Any) -> bool:
+    """Tell whether coordinates are finite numbers, which an axis can show."""
+    return bool(values.size and values.dtype.kind in "iuf" and np.isfinite(values).all())
+
+
+def _by_place(array: xr.DataArray, dim: str) -> xr.DataArray:
+    """Return a variable with places, 0, 1, 2, ..., along a dimension, and without its labels."""
+    labels = [name for name, coord in array.coords.items() if dim in coord.dims]
+    attrs = array[dim].attrs
+    return array.drop_vars(labels).assign_coords({dim: (dim, np.arange(array.sizes[dim]), attrs)})
+
+
+def _status(
+    dataset: xr.Dataset, name: str, places: Mapping[str, int], free: list[str], beside: str | None
+) -> xr.DataArray | None:
+    """Return the status of the designs of a map, or None if its cells are not designs."""
+    if name == STATUS or STATUS not in dataset.data_vars or len(free) != 2:
+        return None
+    status = dataset[STATUS]
+    status = status.isel({dim: place for dim, place in places.items() if dim in status.dims})
+    known = set(status.dims) - {beside} == set(free)
+    if not known or status.dtype.kind not in "iu" or not flags_of(status):
+        return None
+    return status.transpose(..., free[1], free[0])
+
+
+# -- The panels of a picture: assembly modes, and values of a dimension that stand side by side
+
+
+MOST_NAMES = 24  # along one side
+MOST_BELOW = 3  # panels side by side where those of another assembly mode stand below
+#: Values that differ by less, relative to the greatest, are the same: several thousand roundings.
+SAME = 1e-12
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One of the pictures, or lines, that stand side by side.
+
+    Attributes
+    ----------
+    modes, value : str
+        Which assembly modes these are, and which value of the dimension that is split; empty where there are no others.
+    array : xarray.DataArray
+        The values.
+    place : int
+        The place along the dimension that is split, 0 where there is none.
+    """
+
+    modes: str
+    value: str
+    array: xr.DataArray
+    place: int = 0
+
+    @property
+    def title(self) -> str:
+        """Return the text that tells it from the others."""
+        return ", ".join(filter(None, (self.modes, self.value)))
+
+
+def panels_of(shown: Selection) -> list[list[Panel]]:
+    """Return rows of panels: assembly modes, those that agree in one row; in each row the values of a dimension."""
+    if shown.split is None:
+        return [[Panel(title, "", part) for title, part in _modes(shown.variable)]]
+    along = shown.variable[shown.split]
+    modes = _modes(shown.variable)
+    alone = len(modes) == 1
+    few = spread(along.size, MOST_BESIDE if alone or len(shown.free) == 1 else MOST_BELOW)
+    titles = {int(k): valued(along, along.values[k]) for k in few}
+    return [
+        [Panel(mode * (not alone), title, part.isel({shown.split: k}), k) for k, title in titles.items()]
+        for mode, part in modes
+    ]
+
+
+def modes_of(shown: Selection) -> str:
+    """Return the assembly modes of all panels where they are of one row, and none says so."""
+    modes = _modes(shown.variable)
+    return modes[0][0] if shown.split is not None and len(modes) == 1 else ""
+
+
+def _modes(variable: xr.DataArray) -> list[tuple[str, xr.DataArray]]:
+    """Return title and values of each assembly mode, or of all if they agree."""
+    numbers = np.atleast_1d(variable[BRANCH].values).tolist() if BRANCH in variable.coords else []
+    if BRANCH not in variable.dims:
+        return [(f"assembly mode {numbers[0]}" if numbers else "", variable)]
+    count = variable.sizes[BRANCH]
+    titles = [f"assembly mode {b}" for b in numbers] or [
+        f"branch {k} of {count}" for k in range(1, count + 1)
+    ]
+    parts = [(title, variable.isel({BRANCH: k})) for k, title in enumerate(titles)]
+    first = parts[0][1].values
+    alike = all(np.allclose(part.values, first, rtol=1e-9, atol=0.0, equal_nan=True) for _, part in parts)
+    if alike and len(parts) > 1 and numbers:
+        return [(f"assembly modes {' and '.join(map(str, numbers))} (they agree)", parts[0][1])]
+    return parts
+
+
+def sameness(variable: xr.DataArray, values: Any) -> str:
+    """Return that all values are the same, and what they are; nothing where they differ, or for codes."""
+    numbers = values[~np.isnan(values)]
+    if flags_of(variable):
+        return ""
+    if not numbers.size:
+        return "no value anywhere"
+    low, high = float(numbers.min()), float(numbers.max())
+    if np.isinf(low) or np.isinf(high):
+        return "grows without bound everywhere" if np.isinf(numbers).all() else ""
+    if high - low > SAME * max(abs(low), abs(high)):
+        return ""
+    units = str(variable.attrs.get("units", "1"))
+    where = "everywhere" if numbers.size == values.size else "wherever it has a value"
+    return f"{plain(short_number(low))}{'' if units == '1' else f' {units_text(units)}'} {where}"
+
+
+def name_places(axis: Any, names: Sequence[str], turned: bool) -> None:
+    """Label an axis by the names of its places, not more than fit on it."""
+    step = -(-len(names) // MOST_NAMES)
+    shown = [textwrap.shorten(plain(name), 24, placeholder="...") for name in names[::step]]
+    axis.set_ticks(range(0, len(names), step), shown, rotation=30 if turned else 0, ha="right")
+
+
+# -- Draw a variable of a map: check the request, select, draw, write
+
+
+@door
+def plot_map(
+    maps: Any,
+    name: str,
+    *,
+    branch: int | None = None,
+    at: Mapping[str, float] | None = None,
+    panels: str | None = None,
+    lines: str | None = None,
+    degrees: bool = False,
+    to: str | Path | None = None,
+) -> Figure:
+    """Draw one variable of a result.
+
+    Over two dimensions it is a filled map, grey where the linkage does not assemble; over one, a line for each
+    assembly mode. A further dimension is shown by `panels` or `lines`; all others are fixed by `at`.
+
+    Parameters
+    ----------
+    maps : xarray.Dataset or path
+        From `fastlink.sweep`, `fastlink.run_study` or `fastlink.open`, or the file of a map.
+    name : str
+        The variable.
+    branch : int, optional
+        One assembly mode; by default all, in one picture.
+    at : mapping of str to float, optional
+        Values at which dimensions are fixed, each at the nearest one in the result; angles in degrees if `degrees`.
+    panels : str, optional
+        A third dimension: a small map for each of at most six of its values, evenly over all, in the same colours.
+    lines : str, optional
+        A second dimension: a line for each of at most six of its values, in place of a map over both.
+    degrees : bool, default False
+        Show angles in degrees: axes, colours, values that are fixed and those in `at`.
+    to : path, optional
+        The picture to write; its ending (png, svg, pdf) is its kind. An existing one is replaced.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The figure; it is not part of matplotlib's global state and need not be closed.
+
+    Raises
+    ------
+    InputError
+        Not a map; unknown variable, dimension or branch; more than two dimensions left, or none; matplotlib is missing.
+
+    Examples
+    --------
+    >>> import fastlink as fl
+    >>> space = fl.grid(a1=0.4, a2=[1.1, 1.2, 1.3], a3=[0.7, 0.8], a4=[0.9, 1.0])
+    >>> maps = fl.sweep("planar_4r", space, ["transmission_angle_min"])
+    >>> figure = plot_map(maps, "transmission_angle_min", at={"a4": 1.0})
+    >>> figure.axes[0].get_xlabel()
+    'length of the coupler AB $a_{2}$ [m]'
+    >>> grid = plot_map(maps, "transmission_angle_min", panels="a4")
+    >>> [axis.get_title() for axis in grid.axes[:2]]
+    ['$a_{4}$ = 0.9 m', '$a_{4}$ = 1 m']
+    """
+    path = checked_request(to, degrees)
+    from fastlink.pictures.map_axes import draw
+    from fastlink.pictures.style import style
+
+    if at is not None and (not isinstance(at, Mapping) or hasattr(at, "data_vars")):
+        remedy = ("write such as ", Setting("at", {"a4": 1.0}))
+        raise InputError(f"is {short_repr(at)}", where=("at",), remedy=remedy)
+    splits = [(key, dim) for key, dim in (("panels", panels), ("lines", lines)) if dim is not None]
+    if len(splits) > 1:
+        raise InputError("is given beside panels", where=("lines",), remedy="leave one of them out")
+    with as_map(maps) as dataset:
+        if degrees:
+            dataset = degrees_along(dataset)
+        shown = select(dataset, name, branch, at or {}, *splits)
+        if degrees:
+            shown = replace(shown, variable=in_degrees(shown.variable))
+        with style():
+            figure = draw(dataset, shown)
+            if path is not None:
+                save(figure, path, "to")
+    return figure

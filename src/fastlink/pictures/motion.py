@@ -1,0 +1,453 @@
+"""Positions of the points of one design, by the facts of its mechanism, and the range in which it assembles."""
+
+from __future__ import annotations
+
+import itertools
+import warnings
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+
+from fastlink._text import in_words, short_number
+from fastlink.engine.evaluate import evaluate
+from fastlink.errors import InputError, InputWarning, KeyPath, Remedy, Setting
+from fastlink.plan.request import missing_inputs, selected_variants
+from fastlink.space.design_space import RADIANS
+
+if TYPE_CHECKING:
+    from fastlink.engine.extend import Extension
+    from fastlink.facts.catalogue import Catalogue
+    from fastlink.mechanisms._shared.picture import Picture, Point, Value
+    from fastlink.space.design_space import Links
+
+__all__ = ["PLANES", "Euclidean", "Minkowskian", "Motion", "Names", "as_draw", "samples_of"]
+
+
+T = TypeVar("T")
+#: Positions at which it is looked whether a linkage assembles; halvings of the step where that ends; along a path.
+SAMPLES, HALVINGS, ALONG = 720, 44, 361
+#: Where nothing is said about the ends of an input that does not turn.
+SPAN = (1.0, 1.0)
+#: The share of its range at which a linkage stands unless a position is given.
+USUAL = 1.0 / 6.0
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """One design that moves.
+
+    Attributes
+    ----------
+    mechanism : str
+        Its name.
+    catalogue : Catalogue
+        The mechanism, as driven by the input.
+    picture : Picture
+        Its points.
+    design : dict
+        Its inputs.
+    branches : tuple of int
+        The assembly modes.
+    links : Links or None
+        Where mass data come from.
+    reach : float
+        Of an input without bounds, how far what is looked at reaches at least, to both sides.
+    """
+
+    mechanism: str | Extension
+    catalogue: Catalogue
+    picture: Picture
+    design: dict[str, float]
+    branches: tuple[int, ...]
+    links: Links | None
+    reach: float = 0.0
+
+    @property
+    def input(self) -> str:
+        """The name of the input."""
+        return self.catalogue.position.name
+
+    @property
+    def turns(self) -> bool:
+        """Whether the input turns, so that its range is a circle."""
+        return self.catalogue.position.units == RADIANS
+
+    def values(self, names: Iterable[Value], positions: Any) -> dict[Value, Any]:
+        """Return facts, inputs and constants, each over assembly modes and positions."""
+        positions = np.atleast_1d(np.asarray(positions, dtype=float))
+        shape = (len(self.branches), positions.size)
+        known: dict[Any, Any] = {**self.design, self.input: positions}
+        facts = [name for name in dict.fromkeys(names) if isinstance(name, str) and name not in known]
+        if facts:
+            known |= self._evaluated(facts, np.array(self.branches)[:, None], positions)
+        return {
+            name: np.broadcast_to(known[name] if isinstance(name, str) else float(name), shape)
+            for name in names
+        }
+
+    def number(self, value: Value) -> float:
+        """Return a value of the design: what does not depend on assembly mode and position."""
+        return float(self.values([value], [0.0])[value].flat[0])
+
+    def meaning(self, name: str) -> str:
+        """Return the words for the code of the design, such as its status."""
+        code = int(self.number(name))
+        return in_words(self.catalogue.public_fact(name).flags[code])
+
+    def _evaluated(self, names: list[str], branch: Any, positions: Any) -> dict[str, Any]:
+        given = {**self.design, self.input: positions[None, :]}
+        of = {"branch": branch, "links": self.links, "input": self.input}
+        return as_draw(lambda: dict(evaluate(self.mechanism, names, **of, **given)))
+
+    def has(self, name: Value) -> bool:
+        """Tell whether the design gives all inputs that a fact depends on."""
+        if not isinstance(name, str) or name in (*self.design, self.input):
+            return True
+        if name not in self.catalogue.facts:
+            return False
+        of_links = self.links.values if self.links is not None else {}
+        given = (*self.design, *of_links)
+        variants = selected_variants(self.catalogue, self.links, "eliminated", self.design)
+        return not missing_inputs(self.catalogue, name, variants, (*given, *self._defaults))
+
+    @cached_property
+    def _defaults(self) -> tuple[str, ...]:
+        declared = self.catalogue.known_inputs(self.catalogue.variant_inputs).values()
+        return tuple(one.name for one in declared if one.default is not None or one.choices)
+
+    @cached_property
+    def points(self) -> tuple[Point, ...]:
+        """The points that the design determines; joints are never left out, so that what they lack is said."""
+        needed = ("ground", "joint", "slider")
+        return tuple(
+            one for one in self.picture.points if one.kind in needed or (self.has(one.x) and self.has(one.y))
+        )
+
+    def places(self, positions: Any, points: Sequence[Point] | None = None) -> dict[str, Any]:
+        """Return each point over assembly modes, positions, and x and y."""
+        points = self.points if points is None else points
+        values = self.values([value for one in points for value in (one.x, one.y)], positions)
+        return {one.name: np.stack([values[one.x], values[one.y]], axis=-1) for one in points}
+
+    def assembles(self, positions: Any) -> Any:
+        """Tell for each assembly mode and position whether all joints and sliders have a place."""
+        joints = [one for one in self.points if one.kind in ("joint", "slider")]
+        places = self.places(positions, joints)
+        return np.logical_and.reduce([np.isfinite(place).all(axis=-1) for place in places.values()])
+
+    @cached_property
+    def span(self) -> tuple[float, float]:
+        """The ends of what is looked at: a turn, or what the picture says of the input."""
+        if self.turns:
+            return -np.pi, np.pi
+        low, high = (self.number(end) for end in self.picture.spans.get(self.input, SPAN))
+        return (-max(low, self.reach), max(high, self.reach)) if self.is_window else (-low, high)
+
+    @property
+    def is_window(self) -> bool:
+        """Whether the ends of what is looked at are no limits of the input, which has no bounds."""
+        ends = self.picture.spans.get(self.input, SPAN)
+        return not self.turns and not any(isinstance(end, str) for end in ends)
+
+    def range_texts(self, degrees: bool) -> list[str]:
+        """Return the ranges in which the linkage assembles as texts, such as ``24° to 145°``."""
+        found = []
+        for low, high in self.ranges:
+            first = "" if self.is_window and low == self.span[0] else self.shown(low, degrees)
+            last = "" if self.is_window and high == self.span[1] else self.shown(high, degrees)
+            found.append(
+                f"{first} to {last}" if first and last else f"{first} on" if first else f"up to {last}"
+            )
+        return found
+
+    @cached_property
+    def _samples(self) -> Any:
+        low, high = self.span
+        step = (high - low) / SAMPLES
+        return low + step * (np.arange(SAMPLES) + 0.5)
+
+    @cached_property
+    def ranges(self) -> tuple[tuple[float, float], ...]:
+        """The ranges of the input in which an assembly mode exists; of a full turn, one of 2 pi."""
+        low, high = self.span
+        inner = self._samples
+        samples = np.concatenate(([low], inner, [high]))
+        inside = self.assembles(samples).any(axis=0)
+        if inside.all() or not inside.any():
+            return ((low, high),) if inside.any() else ()
+        edges = np.flatnonzero(inside[1:] != inside[:-1])
+        ends = self._ends(samples[edges], samples[edges + 1], inside[edges])
+        bounds = ([low] if inside[0] else []) + list(ends) + ([high] if inside[-1] else [])
+        found = list(zip(bounds[::2], bounds[1::2], strict=True))
+        if self.turns and inside[0] and inside[-1]:  # one range about half a turn
+            first, last = found[0], found[-1]
+            found = [(last[0], first[1] + 2.0 * np.pi), *found[1:-1]]
+        return tuple((float(a), float(b)) for a, b in found)
+
+    def _ends(self, one: Any, other: Any, begins_inside: Any) -> Any:
+        """Return where the linkage just assembles between neighbours of which it does at one alone."""
+        if not one.size:
+            return one
+        good, bad = np.where(begins_inside, one, other), np.where(begins_inside, other, one)
+        for _ in range(HALVINGS):
+            middle = 0.5 * (good + bad)
+            inside = self.assembles(middle).any(axis=0)
+            good, bad = np.where(inside, middle, good), np.where(inside, bad, middle)
+        return good
+
+    @property
+    def turns_fully(self) -> bool:
+        """Whether the input turns fully."""
+        return self.turns and self.ranges == (self.span,)
+
+    def around(self, positions: Any) -> tuple[tuple[float, float], ...]:
+        """Return the ranges in which some positions are, all where none is in any."""
+        whole = 2.0 * np.pi if self.turns else np.inf
+        inside = [
+            one
+            for one in self.ranges
+            if (np.mod(np.asarray(positions) - one[0], whole) <= one[1] - one[0]).any()
+        ]
+        return tuple(inside) or self.ranges
+
+    def along(self, number: int, positions: Any = None) -> list[Any]:
+        """Return positions along each range, denser towards its ends, where the motion is fast.
+
+        Given positions, along the ranges in which these are.
+        """
+        if self.turns_fully:
+            return [np.linspace(*self.span, 2 * number)]
+        share = 0.5 - 0.5 * np.cos(np.pi * np.linspace(0.0, 1.0, number))
+        ranges = self.ranges if positions is None else self.around(positions)
+        return [low + (high - low) * share for low, high in ranges]
+
+    def spread(self, count: int, ends: bool = True) -> Any:
+        """Return so many positions over the widest range, of a full turn without its end."""
+        low, high = max(self.ranges, key=lambda one: one[1] - one[0])
+        if self.turns_fully:
+            return np.arange(count) * ((high - low) / count)
+        return (
+            np.linspace(low, high, count) if ends else low + (high - low) * (np.arange(count) + 0.5) / count
+        )
+
+    @property
+    def usual(self) -> float:
+        """The position of a picture unless one is given."""
+        low, high = max(self.ranges, key=lambda one: one[1] - one[0])
+        return USUAL * 2.0 * np.pi if self.turns_fully else low + 2.0 * USUAL * (high - low)
+
+    def check(self, positions: Any, degrees: bool, key: str) -> None:
+        """Refuse a design that never assembles, and positions at all of which it does not."""
+        words = self.meaning("status") if "status" in self.catalogue.facts else ""
+        if not self.ranges:
+            what = f"the linkage does not assemble at any {self.input}{f' ({words})' if words else ''}"
+            raise InputError(what, where=("draw",), remedy="draw another design")
+        if positions is None or self.assembles(positions).any():
+            return
+        at = " and ".join(self.shown(one, degrees) for one in np.atleast_1d(positions)[:3])
+        ranges = " or ".join(self.range_texts(degrees))
+        what = f"the linkage does not assemble at {at}{f' ({words})' if words else ''}"
+        raise InputError(what, where=("draw", key), remedy=f"write a position from {ranges}")
+
+    def shown(self, position: float, degrees: bool, brief: bool = False) -> str:
+        """Return a position as text."""
+        if self.turns and degrees:
+            return f"{short_number(round(float(np.degrees(position)), 3))}°"
+        units = "" if self.catalogue.position.units == "1" else f" {self.catalogue.position.units}"
+        return f"{position:.4g}{units}" if brief else f"{short_number(float(position))}{units}"
+
+
+def as_draw(function: Callable[[], T], curve: int = 0) -> T:
+    """Call a function whose problems are those of `fastlink.draw`, its quantities those of a curve.
+
+    What it remarks on was said when the request was read.
+    """
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", InputWarning)
+            return function()
+    except InputError as error:
+        heads: dict[KeyPath, KeyPath] = {("evaluate",): ("draw",), ("quantities",): ("curves", curve)}
+        problems = [
+            replace(
+                one,
+                where=(*heads.get(one.where[:1], one.where[:1]), *_rest(one.where)),
+                remedy=_without(one.remedy, "allow_invalid"),
+            )
+            for one in error.problems
+        ]
+        raise InputError.of(problems) from None
+
+
+def _without(remedy: Remedy, option: str) -> Remedy:
+    """Return a remedy without the part that names an option of another function."""
+    if isinstance(remedy, str):
+        return remedy
+
+    def names_it(part: Any) -> bool:
+        return isinstance(part, tuple) and any(isinstance(p, Setting) and p.name == option for p in part)
+
+    return tuple(part for part in remedy if not names_it(part))
+
+
+def _rest(where: KeyPath) -> KeyPath:
+    """Return a path without its head, and without the number of a quantity."""
+    return where[2:] if where[:1] == ("quantities",) else where[1:]
+
+
+# -- The planes in which mechanisms stand: their circles, and the light cones of the Minkowskian one
+
+
+#: Points along a circle, or an arm of one.
+CIRCLE_POINTS = 181
+#: The greatest rapidity that a picture shows of a circle.
+REACH = 4.0
+
+
+class Euclidean:
+    """The plane of the usual metric."""
+
+    def circle(self, centre: Any, radius: float, view: Any) -> list[tuple[Any, bool]]:
+        """Return the arms of a circle, as far as a view shows them, and whether each is the usual one."""
+        size = float(np.hypot(view[1] - view[0], view[3] - view[2]))
+        turn = np.linspace(0.0, 2.0 * np.pi, CIRCLE_POINTS)
+        if radius > size:  # of a great circle, only what is near the view
+            middle = np.array([view[0] + view[1], view[2] + view[3]]) / 2.0 - centre
+            turn = (
+                np.arctan2(middle[1], middle[0]) + np.linspace(-1.0, 1.0, CIRCLE_POINTS) * 2.0 * size / radius
+            )
+        return [(centre + radius * np.stack([np.cos(turn), np.sin(turn)], axis=-1), True)]
+
+    def distance(self, vector: Any) -> Any:
+        """Return the length of vectors."""
+        return np.hypot(vector[..., 0], vector[..., 1])
+
+    def curvature(self, slope: Any, bend: Any) -> Any:
+        """Return the vector of curvature of a curve by its first two derivatives: along the normal."""
+        across = np.stack([-slope[..., 1], slope[..., 0]], axis=-1)
+        size = np.hypot(slope[..., 0], slope[..., 1])
+        return ((across * bend).sum(axis=-1) / size**4)[..., None] * across
+
+    def cone(self, apex: Any, reach: float) -> list[Any]:
+        """Return the light lines through a point: none."""
+        return []
+
+
+class Minkowskian:
+    """The plane of the metric x^2 - y^2."""
+
+    def circle(self, centre: Any, radius: float, view: Any) -> list[tuple[Any, bool]]:
+        """Return the two arms of a hyperbola, of future-pointing vectors and of past-pointing ones."""
+        t = np.linspace(-REACH, REACH, CIRCLE_POINTS)
+        arm = radius * np.stack([np.cosh(t), np.sinh(t)], axis=-1)
+        return [(centre + arm, True), (centre - arm, False)]
+
+    def distance(self, vector: Any) -> Any:
+        """Return the length of spacelike vectors."""
+        x, y = vector[..., 0], vector[..., 1]
+        return np.sqrt(np.abs(x - y)) * np.sqrt(np.abs(x + y))
+
+    def curvature(self, slope: Any, bend: Any) -> Any:
+        """Return the vector of curvature: along the line that is normal in the sense of the metric."""
+        x, y = slope[..., 0], slope[..., 1]
+        turn, norm = x * bend[..., 1] - y * bend[..., 0], (x - y) * (x + y)
+        return (turn / (norm * np.abs(norm)))[..., None] * slope[..., ::-1]
+
+    def cone(self, apex: Any, reach: float) -> list[Any]:
+        """Return both light lines through a point."""
+        return [apex + reach * np.array([[-1.0, -side], [1.0, side]]) for side in (1.0, -1.0)]
+
+
+PLANES: dict[str, Euclidean | Minkowskian] = {"euclidean": Euclidean(), "minkowskian": Minkowskian()}
+
+
+# -- Find places for names where they cover nothing: among a few round each point, the freest
+
+
+#: In points: the size of a letter, the distance of a name from its point, the step along what must not be covered.
+LETTER, HEIGHT, AWAY, STEP = 5.6, 12.0, 12.0, 3.0
+ROUND = np.pi / 8.0 * np.arange(16)
+#: Where a name stands best if all places are free: above to the right.
+BEST, PREFERENCE, STAY = np.pi / 4.0, 0.15, 0.6
+#: How much farther away a name may stand where that is free, and what it costs.
+FURTHER, FARTHER = 6.0, 3.0
+NEAR, OUTSIDE = 1.7, 6.0
+
+
+def samples_of(line: Any, scale: float) -> Any:
+    """Return points along a broken line, close to each other in the picture; `scale` is points per unit."""
+    line = np.asarray(line, dtype=float)
+    line = line[np.isfinite(line).all(axis=-1)]
+    pieces = [line]
+    for start, end in itertools.pairwise(line):
+        count = min(400, int(np.hypot(*(end - start)) * scale / STEP))
+        if count > 1:
+            share = np.linspace(0.0, 1.0, count)[:, None]
+            pieces.append(start + share * (end - start))
+    return np.concatenate(pieces) if line.size else np.empty((0, 2))
+
+
+class Names:
+    """The names of one picture, placed one after the other."""
+
+    def __init__(self, scale: float, view: Any) -> None:
+        self.scale, self.view = scale, np.asarray(view, dtype=float)
+        self.last: dict[str, int] = {}
+        self.clear()
+
+    def clear(self) -> None:
+        """Forget what must not be covered, but not where names stood, so that they move little."""
+        self.cloud = np.empty((0, 2))
+        self.weights = np.empty(0)
+
+    def keep_free(self, points: Any, weight: float = 1.0) -> None:
+        """Add points that names should not cover."""
+        points = np.asarray(points, dtype=float).reshape(-1, 2)
+        points = points[np.isfinite(points).all(axis=1)]
+        self.cloud = np.concatenate([self.cloud, points])
+        self.weights = np.concatenate([self.weights, np.full(len(points), weight)])
+
+    def place(self, key: str, text: str, anchor: Any, away: float = AWAY) -> Any:
+        """Return where the middle of a name stands that belongs to a point."""
+        wide = 0.5 * LETTER * len(text)
+        rounds = [
+            np.stack([(one + wide - LETTER) * np.cos(ROUND), one * np.sin(ROUND)], axis=-1)
+            for one in (away, away + FURTHER)
+        ]
+        farther = np.repeat([0.0, FARTHER], len(ROUND))
+        middles = np.asarray(anchor) + np.concatenate(rounds) / self.scale
+        return self._best(key, wide, middles, np.tile(ROUND, 2), farther)
+
+    def beside(self, key: str, text: str, start: Any, end: Any, away: float = AWAY) -> Any:
+        """Return where the middle of a name stands that belongs to a bar."""
+        start, end = np.asarray(start), np.asarray(end)
+        along = end - start
+        length = float(np.hypot(*along)) or 1.0
+        normal = np.array([-along[1], along[0]]) / length
+        wide = 0.5 * LETTER * len(text)
+        off = away + max(0.0, wide - LETTER) * abs(normal[0])
+        shares = np.array([0.5, 0.5, 0.38, 0.38, 0.62, 0.62])
+        sides = np.array([1.0, -1.0] * 3)
+        middles = start + shares[:, None] * along + (sides * off / self.scale)[:, None] * normal
+        return self._best(key, wide, middles, BEST + 0.3 * np.arange(6))
+
+    def _best(self, key: str, wide: float, middles: Any, angles: Any, farther: Any = 0.0) -> Any:
+        """Return the freest of some places, and keep it free from now on."""
+        half = np.array([wide + 2.0, 0.5 * HEIGHT + 1.0]) / self.scale
+        cost = PREFERENCE * (1.0 - np.cos(angles - BEST)) + farther
+        if key in self.last:
+            cost += STAY * (np.arange(len(middles)) != self.last[key])
+        if len(self.cloud):
+            gaps = np.abs(self.cloud[None] - middles[:, None]) / half
+            cost = cost + np.maximum(0.0, NEAR - gaps.max(axis=-1)) ** 2 @ self.weights
+        low, high = self.view[::2], self.view[1::2]
+        beyond = (middles - half < low) | (middles + half > high)
+        cost = cost + OUTSIDE * beyond.any(axis=1)
+        chosen = int(np.argmin(cost))
+        self.last[key] = chosen
+        box = np.stack(np.meshgrid(np.linspace(-1, 1, 7), np.linspace(-1, 1, 3)), axis=-1).reshape(-1, 2)
+        self.keep_free(middles[chosen] + box * half, 2.0)
+        return middles[chosen]

@@ -1,0 +1,59 @@
+"""Check a picture's name before anything is drawn, and write it."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fastlink.errors import InputError, check_path, check_switch
+from fastlink.io.output import write_whole
+from fastlink.io.place import check_place
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["check_picture", "checked_request", "require_matplotlib", "save"]
+
+
+#: Endings of pictures: those that matplotlib writes in full quality.
+KINDS = ("png", "svg", "pdf")
+
+
+def require_matplotlib(where: str, extra: str = "plot") -> None:
+    """Check that matplotlib is installed, which an extra brings along."""
+    try:
+        import matplotlib  # noqa: F401
+    except ModuleNotFoundError:
+        remedy = f"python -m pip install 'fastlink-linkages[{extra}]'"
+        raise InputError("matplotlib is not installed", where=(where,), remedy=remedy) from None
+
+
+def check_picture(
+    to: str | Path, where: str, *, kinds: Sequence[str] = KINDS, example: str = "map.png"
+) -> Path:
+    """Return the path of a picture to write; to be called before anything is drawn."""
+    path = check_path((where,), to, example)
+    kind = path.suffix.removeprefix(".")
+    if kind.lower() not in kinds:
+        ending = f"ends in {kind!r}" if kind else "has no ending"
+        remedy = f"write one of {', '.join(kinds)}"
+        raise InputError(f"{path}: the name of the picture {ending}", where=(where,), remedy=remedy)
+    check_place(path, where, example)
+    require_matplotlib(where)
+    return path
+
+
+def checked_request(to: Any, degrees: Any) -> Path | None:
+    """Return the path of the picture of a map, if one is to be written, or refuse what its doors share."""
+    require_matplotlib("plot")
+    check_switch(("degrees",), degrees)
+    return None if to is None else check_picture(to, "to")
+
+
+def save(figure: Figure, path: Path, where: str) -> None:
+    """Write a picture; an existing one is replaced."""
+    picture = io.BytesIO()
+    figure.savefig(picture, format=path.suffix.removeprefix("."))
+    write_whole(path, picture.getvalue(), where)

@@ -1,0 +1,813 @@
+"""Show what moves with a linkage besides its bars: loci of a position, circles about moving points."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from inspect import signature
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.lines import Line2D
+from matplotlib.patches import Ellipse
+from matplotlib.patheffects import withTickedStroke
+from matplotlib.transforms import ScaledTranslation
+
+from fastlink._text import short_number
+from fastlink.errors import InputError
+from fastlink.facts.names import derivative_name
+from fastlink.pictures.motion import PLANES, Names, samples_of
+from fastlink.pictures.style import LINES, mathematical
+
+if TYPE_CHECKING:
+    from fastlink.mechanisms._shared.picture import Bar, Circle, Locus, Point, Value
+    from fastlink.pictures.motion import Motion
+
+__all__ = [
+    "FAINT",
+    "FORCES",
+    "INK",
+    "LONGEST",
+    "MODES",
+    "Loads",
+    "Sheet",
+    "Style",
+    "add_scale",
+    "ends_of_forces",
+    "mode_line",
+]
+
+
+FAINT = "0.62"
+GRID, ELLIPSE, HYPERBOLA = 401, 0, 1
+#: The dashes of an arm of a circle of future-pointing vectors, and of the other one.
+ARMS: dict[bool, Any] = {True: (0, (1.2, 1.6)), False: (0, (5, 3))}
+
+
+def add_arms(sheet: Sheet, position: float, circle: Circle) -> list[Any]:
+    """Draw a circle in each assembly mode, past-pointing arms dashed, and return the lines."""
+    motion, seen, drawn = sheet.motion, set(), []
+    if not motion.has(circle.radius):
+        return []
+    centres = motion.places([position], [motion.picture.point(circle.centre)])[circle.centre][:, 0]
+    radii = motion.values([circle.radius], [position])[circle.radius][:, 0]
+    for centre, radius in zip(centres, radii, strict=True):
+        key = (*np.round(centre * sheet.scale, 3), round(float(radius) * sheet.scale, 3))
+        if not np.isfinite(key).all() or key in seen:
+            continue
+        seen.add(key)
+        for arm, is_usual in sheet.plane.circle(centre, radius, sheet.view):
+            style = {"color": FAINT, "linewidth": 0.9, "linestyle": ARMS[is_usual], "zorder": 1.0}
+            drawn += sheet.axis.plot(*arm.T, **style)
+    return drawn
+
+
+def legend_of_loci(sheet: Sheet) -> list[Any]:
+    """Return the legend of the loci that are shown."""
+    alone = sheet.colour(0) if len(sheet.motion.branches) == 1 else FAINT
+    return [
+        Line2D([], [], color=alone if _is_of_mode(locus) else FAINT, linewidth=0.9, label=locus.meaning)
+        for locus in _shown(sheet)
+    ]
+
+
+def _function(locus: Locus) -> Any:
+    package, name = locus.function.split(".")
+    return getattr(import_module(f"fastlink.{package}"), name)
+
+
+def _is_of_mode(locus: Locus) -> bool:
+    """Tell whether the curve differs by assembly mode."""
+    return "branch" in signature(_function(locus)).parameters
+
+
+def _shown(sheet: Sheet) -> list[Locus]:
+    motion = sheet.motion
+    return [one for one in motion.picture.loci if one.group in sheet.show and one.by in ("", motion.input)]
+
+
+def add_following(sheet: Sheet, position: float) -> list[Any]:
+    """Draw loci and circles as they are at a position, and return what was drawn."""
+    drawn: list[Any] = []
+    picture = sheet.motion.picture
+    for circle in picture.circles:
+        if circle.group in sheet.show and picture.point(circle.centre).kind != "ground":
+            drawn += add_arms(sheet, position, circle)
+    for locus in _shown(sheet):
+        drawn += _locus(sheet, position, locus)
+    return drawn
+
+
+def _locus(sheet: Sheet, position: float, locus: Locus) -> list[Any]:
+    """Draw the curve that a function of fastlink gives for a position, in each assembly mode if they differ."""
+    motion = sheet.motion
+    function = _function(locus)
+    wanted = signature(function).parameters
+    known = {key: value for key, value in {**motion.design, motion.input: position}.items() if key in wanted}
+    further = motion.values(list(locus.given.values()), [position])
+    of_mode = _is_of_mode(locus)
+    drawn: list[Any] = []
+    for k in np.flatnonzero(motion.assembles(position)[:, 0])[: None if of_mode else 1].tolist():
+        own: dict[str, Any] = {"branch": motion.branches[k]} if of_mode else {}
+        own |= {key: float(further[fact][k, 0]) for key, fact in locus.given.items()}
+        curve = function(**known, **own)
+        style = {
+            "color": sheet.colour(k) if of_mode else FAINT,
+            "linewidth": 0.9,
+            "alpha": 0.75,
+            "zorder": 1.2,
+        }
+        if locus.gives == "points":
+            drawn += sheet.axis.plot(*np.asarray(curve).T, **style)
+        elif locus.gives == "conic":
+            drawn += _conic(sheet, curve, style)
+        else:
+            drawn += _level(sheet, curve, style)
+    return drawn
+
+
+def _conic(sheet: Sheet, conic: Any, style: dict[str, Any]) -> list[Any]:
+    """Draw an ellipse or a hyperbola with its second focus."""
+    centre = float(conic.centre_x), float(conic.centre_y)
+    major, minor, turn = (float(one) for one in (conic.major, conic.minor, conic.direction))
+    focus = {"color": style["color"], "markersize": 4.5, "zorder": 5.5}
+    drawn: list[Any] = sheet.axis.plot([conic.x2], [conic.y2], "x", **focus)
+    if int(conic.kind) == ELLIPSE:
+        shape = Ellipse(centre, 2.0 * major, 2.0 * minor, angle=np.degrees(turn), fill=False, **style)
+        drawn.append(sheet.axis.add_patch(shape))
+    elif int(conic.kind) == HYPERBOLA:
+        t = np.linspace(-4.0, 4.0, GRID)
+        for side in (1.0, -1.0):
+            along, across = side * major * np.cosh(t), minor * np.sinh(t)
+            x = centre[0] + along * np.cos(turn) - across * np.sin(turn)
+            y = centre[1] + along * np.sin(turn) + across * np.cos(turn)
+            drawn += sheet.axis.plot(x, y, **style)
+    return drawn
+
+
+def _level(sheet: Sheet, coefficients: Any, style: dict[str, Any]) -> list[Any]:
+    """Draw where a polynomial in x and y is zero."""
+    x, y = (np.linspace(low, high, GRID) for low, high in sheet.view.reshape(2, 2))
+    values = np.polynomial.polynomial.polygrid2d(x, y, coefficients)
+    if not np.nanmin(values) < 0.0 < np.nanmax(values):
+        return []
+    lines = {"colors": [style["color"]], "linewidths": style["linewidth"], "zorder": style["zorder"]}
+    drawn: list[Any] = [sheet.axis.contour(x, y, values.T, [0.0], **lines)]
+    return drawn
+
+
+# -- Marks of one size whatever the scale: ground pivots with their hatching, sliders, lines with hatching
+
+
+INK = "0.15"
+POINT = 1.0 / 72.0
+#: Of a slider in points: half its length and half its height.
+SLIDER = (10.0, 6.0)
+HATCH: dict[str, Any] = {"spacing": 4.0, "length": 0.6}
+
+#: Of a curved arrow: the turn of the greatest and of the least, where it begins, its head in points.
+TURN, LEAST_TURN, TURN_START, HEAD = 1.5 * np.pi, 0.35 * np.pi, 0.25 * np.pi, 7.0
+
+
+def _line(axis: Any, x: Any, y: Any, at: Any, **style: Any) -> Any:
+    """Draw a line in points of the page about a place."""
+    there = ScaledTranslation(float(at[0]), float(at[1]), axis.transData)
+    page = axis.figure.dpi_scale_trans
+    (drawn,) = axis.plot(np.multiply(x, POINT), np.multiply(y, POINT), transform=page + there, **style)
+    drawn.set_in_layout(False)
+    return drawn
+
+
+def add_ground(axis: Any, at: Any, size: float = 1.0) -> None:
+    """Draw the support of a ground pivot: a triangle on hatched ground."""
+    base, half = -11.0 * size, 7.0 * size
+    style: dict[str, Any] = {"color": INK, "linewidth": 1.0, "solid_joinstyle": "round"}
+    there = ScaledTranslation(float(at[0]), float(at[1]), axis.transData)
+    page = axis.figure.dpi_scale_trans
+    triangle = np.multiply([(0.0, 0.0), (-half, base), (half, base)], POINT)
+    axis.fill(
+        *triangle.T, transform=page + there, facecolor="white", edgecolor=INK, linewidth=1.0, zorder=4.5
+    )
+    width = 1.6 * half
+    _line(axis, [-width, width], [base, base], at, zorder=4.5, **style)
+    starts, gap = np.linspace(-0.8 * width, width, 6), np.full(6, np.nan)
+    x = np.stack([starts, starts - 4.0 * size, gap], axis=-1).ravel()
+    y = np.tile([base, base - 4.5 * size, np.nan], 6)
+    _line(axis, x, y, at, zorder=4.5, color=INK, linewidth=0.7)
+
+
+def add_joint(axis: Any, at: Any, colour: Any, size: float) -> Any:
+    """Draw a revolute joint."""
+    style = {"marker": "o", "markersize": size, "markerfacecolor": "white", "markeredgecolor": colour}
+    (drawn,) = axis.plot(*np.reshape(at, (2, 1)), linestyle="none", markeredgewidth=1.3, zorder=6, **style)
+    return drawn
+
+
+def add_slider(axis: Any, at: Any, colour: Any, size: float = 1.0) -> Any:
+    """Draw a slider that runs along x."""
+    x, y = np.multiply(SLIDER, size)
+    corners = np.multiply([(-x, -y), (x, -y), (x, y), (-x, y)], POINT)
+    there = ScaledTranslation(float(at[0]), float(at[1]), axis.transData)
+    style = {"facecolor": "white", "edgecolor": colour, "linewidth": 1.4}
+    (drawn,) = axis.fill(*corners.T, transform=axis.figure.dpi_scale_trans + there, zorder=3.5, **style)
+    return drawn
+
+
+def add_guide(axis: Any, low: float, high: float, y: float, size: float = 1.0) -> None:
+    """Draw the hatched line on which a slider runs along x."""
+    below = ScaledTranslation(0.0, -SLIDER[1] * size * POINT, axis.figure.dpi_scale_trans)
+    effects = [withTickedStroke(angle=-135, **HATCH)]
+    axis.plot(
+        *([low, high], [y, y]),
+        transform=axis.transData + below,
+        color=INK,
+        linewidth=0.8,
+        path_effects=effects,
+        zorder=2.5,
+    )
+
+
+def add_turn(axis: Any, at: Any, share: float, radius: float, colour: Any) -> tuple[list[Any], Any]:
+    """Draw a curved arrow about a place, the longer the greater the share; return it, and its line in points."""
+    sweep = np.sign(share) * max(abs(share) * TURN, LEAST_TURN)
+    turn = TURN_START + np.linspace(0.0, sweep, 41)
+    line = radius * np.stack([np.cos(turn), np.sin(turn)], axis=-1)
+    cut = -1 - int(np.ceil(0.9 * HEAD / np.hypot(*(line[1] - line[0]))))
+    shaft = _line(axis, line[: cut + 1, 0], line[: cut + 1, 1], at, color=colour, linewidth=1.4, zorder=6.5)
+    end, back = line[-1], line[-1] - line[cut]
+    back = HEAD * back / np.hypot(*back)
+    side = 0.38 * np.array([-back[1], back[0]])
+    there = ScaledTranslation(float(at[0]), float(at[1]), axis.transData)
+    corners = POINT * np.array([end, end - back + side, end - back - side])
+    style = {"facecolor": colour, "edgecolor": colour, "linewidth": 0.5, "zorder": 6.5}
+    (head,) = axis.fill(*corners.T, transform=axis.figure.dpi_scale_trans + there, **style)
+    return [shaft, head], line
+
+
+def add_scale(axis: Any, view: Any, width: float) -> None:
+    """Draw the length of a round number of metres in the lower left corner."""
+    step = 10.0 ** np.floor(np.log10(0.3 * width))
+    length = step * max(one for one in (1.0, 2.0, 5.0) if one * step <= 0.3 * width)
+    left, low = view[0], view[2]
+    start = (left, low)
+    axis.plot([left, left + length], [low, low], color=INK, linewidth=1.0, clip_on=False)
+    for x in (left, left + length):
+        _line(axis, [0.0, 0.0], [-3.0, 3.0], (x, start[1]), color=INK, linewidth=1.0, clip_on=False)
+    text = {"xytext": (0, 3), "textcoords": "offset points", "ha": "center", "va": "bottom"}
+    clear = {"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.85}
+    axis.annotate(f"{length:g} m", (left + 0.5 * length, low), fontsize=8, color=INK, bbox=clear, **text)
+
+
+# -- Show forces as arrows and torques as curved ones, all of a kind by one scale
+
+
+FORCES, TORQUES = "forces", "torques"
+#: The units of a kind; its mark in the legend.
+UNITS, MARKS = {FORCES: "N", TORQUES: "N m"}, {FORCES: ">", TORQUES: r"$\circlearrowleft$"}
+#: Of the picture: the length of the greatest force.
+LONGEST = 0.22
+#: Of a torque in points: the radius in the first assembly mode, and by how much each further one's is greater.
+RADIUS, FURTHER_RADIUS = 17.0, 6.0
+#: The distance of a name from the end of an arrow, in points.
+CLOSE = 9.0
+
+
+def _values(motion: Motion, kind: str, positions: Any) -> dict[str, Any]:
+    """Return each load of a kind over assembly modes, positions, and its components."""
+    components = {one.name: one.components for one in motion.picture.loads[kind]}
+    values = motion.values([name for names in components.values() for name in names], positions)
+    return {one: np.stack([values[name] for name in names], axis=-1) for one, names in components.items()}
+
+
+def _shown_positions(motion: Motion, positions: Any, moves: bool) -> Any:
+    """Return the positions of which the loads have one scale."""
+    return motion.spread(61, ends=False) if moves else positions
+
+
+def _greatest(values: dict[str, Any]) -> float:
+    sizes = np.stack([np.linalg.norm(one, axis=-1) for one in values.values()])
+    return float(sizes[np.isfinite(sizes)].max(initial=0.0)) or 1.0
+
+
+def ends_of_forces(motion: Motion, positions: Any, longest: float, *, moves: bool) -> Any:
+    """Return where the arrows of all forces end, the longest of them of a given length."""
+    shown = _shown_positions(motion, positions, moves)
+    values, places = _values(motion, FORCES, shown), motion.places(shown)
+    unit = longest / _greatest(values)
+    ends = [places[one.at] + unit * values[one.name] for one in motion.picture.forces]
+    found = np.concatenate([one.reshape(-1, 2) for one in ends])
+    return found[np.isfinite(found).all(axis=1)]
+
+
+class Loads:
+    """The forces and torques of one picture."""
+
+    def __init__(self, sheet: Sheet) -> None:
+        self.sheet = sheet
+        self.kinds = [kind for kind in (FORCES, TORQUES) if kind in sheet.show]
+        #: The greatest one that is shown of each kind.
+        self.greatest: dict[str, float] = {}
+
+    def scale(self, position: float) -> list[Any]:
+        """Find the greatest of each kind, of the whole motion where one moves, and return the legend."""
+        motion, handles = self.sheet.motion, []
+        for kind in self.kinds:
+            greatest = _greatest(
+                _values(motion, kind, _shown_positions(motion, [position], self.sheet.moves))
+            )
+            self.greatest[kind] = greatest
+            size = {FORCES: (5.0, 1.4), TORQUES: (10.0, 0.0)}[kind]
+            style: dict[str, Any] = {"markersize": size[0], "linewidth": size[1], "markeredgewidth": 0.6}
+            label = f"{kind}, the greatest {short_number(float(f'{greatest:.3g}'))} {UNITS[kind]}"
+            handles.append(
+                Line2D([], [], color=self._colour(0, INK), marker=MARKS[kind], label=label, **style)
+            )
+        return handles
+
+    def draw(self, position: float, places: Any) -> list[Any]:
+        """Draw what is shown at a position, and return what was drawn."""
+        add = {FORCES: self._force, TORQUES: self._torque}
+        drawn: list[Any] = []
+        named = []
+        for kind in self.kinds:
+            values = {
+                name: found[:, 0] for name, found in _values(self.sheet.motion, kind, [position]).items()
+            }
+            for one in self.sheet.motion.picture.loads[kind]:
+                for k, value in enumerate(values[one.name] / self.greatest[kind]):
+                    at = places[one.at][k]
+                    if np.isfinite([*value, *at]).all():
+                        arrow, beside = add[kind](k, value, at)
+                        drawn += arrow
+                        named.append((one.name, k, beside))
+        return drawn + [self._name(*one) for one in named]
+
+    def _colour(self, k: int, shared: str = "") -> str:
+        """Return the colour in an assembly mode; in the legend, that of all."""
+        if len(self.sheet.motion.branches) == 1:
+            return LINES[3]
+        return shared or self.sheet.colour(k)
+
+    def _force(self, k: int, vector: Any, start: Any) -> tuple[list[Any], Any]:
+        """Draw an arrow; return it, and the place beside which its name stands."""
+        sheet = self.sheet
+        end = start + LONGEST * min(np.ptp(sheet.view[:2]), np.ptp(sheet.view[2:])) * vector
+        arrow = {"arrowstyle": "-|>", "color": self._colour(k), "linewidth": 1.4, "shrinkA": 0, "shrinkB": 0}
+        sheet.names.keep_free(samples_of([start, end], sheet.scale))
+        return [sheet.axis.annotate("", end, start, arrowprops=arrow, zorder=6.5)], end
+
+    def _torque(self, k: int, value: Any, at: Any) -> tuple[list[Any], Any]:
+        """Draw a curved arrow; return it, and the place beside which its name stands."""
+        sheet = self.sheet
+        radius = (RADIUS + FURTHER_RADIUS * k) * sheet.style.joint / 7.5
+        drawn, arc = add_turn(sheet.axis, at, float(value[0]), radius, self._colour(k))
+        sheet.names.keep_free(at + arc / sheet.scale)
+        return drawn, at + arc[len(arc) // 2] / sheet.scale
+
+    def _name(self, name: str, k: int, at: Any) -> Any:
+        symbol = self.sheet.motion.catalogue.public_fact(name).symbol.strip("|")
+        middle = self.sheet.names.place(f"{name} {k}", symbol.replace("_", ""), at, CLOSE)
+        return self.sheet.text(mathematical(symbol), middle, self._colour(k))
+
+
+# -- Show more than the linkage, each thing by a word: paths, limits, circles, light cones, curvature combs,
+#    loci
+
+
+#: The colours of assembly modes, and of what belongs to none.
+MODES = LINES
+GHOST = "0.72"
+TEETH = 90
+#: Of the picture: the length of a usual tooth, and of the longest.
+TOOTH, LONGEST_TOOTH = 0.06, 4.0
+#: Of the whole span: how far the positions are from each other of which the change of the slope is taken.
+BESIDE = 1e-6
+#: The usual curvature times the size of the picture below which a path is a straight line, and rounding its curvature.
+STRAIGHT = 1e-6
+
+
+def mode_line(branch: int, **changes: Any) -> dict[str, Any]:
+    """Return how curves of an assembly mode are drawn: in its colour, those of the second dashed."""
+    dashes = "solid" if branch == 1 else (0, (5, 1.6))
+    return {"color": MODES[(branch - 1) % len(MODES)], "linestyle": dashes, "linewidth": 1.3, **changes}
+
+
+def _traced(sheet: Sheet, unless: str = "") -> list[Point]:
+    """Return the points whose paths are shown; where none are, those of a word."""
+    traced = sheet.motion.picture.traced
+    words = [word for word in traced if word in sheet.show] or [unless]
+    names = [name for word in words for name in traced.get(word, "").split()]
+    return [one for one in sheet.motion.points if one.name in names]
+
+
+def _add_paths(sheet: Sheet, position: float) -> list[Any]:
+    """Draw the paths of traced points."""
+    motion, traced = sheet.motion, _traced(sheet)
+    if not traced:
+        return []
+    whole = "circuits" in sheet.show or motion.picture.metric != "euclidean"
+    for positions in motion.along(361, None if whole else position):
+        places = motion.places(positions, traced)
+        for one in traced:
+            for k, branch in enumerate(motion.branches):
+                line = places[one.name][k]
+                if np.isfinite(line).all(axis=-1).any():
+                    sheet.axis.plot(*line.T, zorder=2.0, gid=f"path {one.name} {branch}", **sheet.line_of(k))
+                    sheet.keep_free(samples_of(line, sheet.scale)[::2], 0.5)
+    letters = " and ".join(
+        mathematical(one.name) if one.is_named else "the middle of a bar" for one in traced
+    )
+    style = mode_line(motion.branches[0]) if len(motion.branches) == 1 else {"color": FAINT, "linewidth": 1.3}
+    return [Line2D([], [], label=f"path of {letters}", **style)]
+
+
+def _add_circles(sheet: Sheet, position: float, group: str) -> list[Any]:
+    """Draw the circles about ground pivots and the lines of a group, and return their legend."""
+    motion, arms = sheet.motion, 0
+    for circle in motion.picture.circles:
+        if circle.group == group and motion.picture.point(circle.centre).kind == "ground":
+            lines = add_arms(sheet, position, circle)
+            arms += len(lines)
+            for one in lines:
+                sheet.keep_free(samples_of(one.get_xydata(), sheet.scale)[::2], 0.4)
+    for guide in motion.picture.guides:
+        if guide.group == group and not guide.slider and guide.x is not None and motion.has(guide.x):
+            x = motion.number(guide.x)
+            if np.isfinite(x):
+                sheet.axis.axvline(x, color=FAINT, linewidth=0.9, linestyle=(0, (8, 3, 1, 3)), zorder=1.0)
+    both = arms and motion.picture.metric != "euclidean"
+    legend = [
+        Line2D([], [], color=FAINT, linewidth=0.9, linestyle=ARMS[one]) for one in (True, False) if both
+    ]
+    for line, label in zip(legend, ("future-pointing arms", "past-pointing arms"), strict=False):
+        line.set_label(label)
+    return legend
+
+
+def _limits(sheet: Sheet, position: float) -> list[Any]:
+    """Draw the linkage faintly where its motion ends."""
+    motion = sheet.motion
+    if motion.turns_fully:
+        return []
+    ends = [end for one in motion.around(position) for end in one if end not in motion.span]
+    if not ends:
+        return []
+    places = motion.places(ends)
+    for bar in motion.picture.bars:
+        names = [name for name in bar.points.split() if name in places]
+        if bar.is_ground:
+            continue
+        for at in np.stack([places[name] for name in names], axis=-2).reshape(-1, len(names), 2):
+            if np.isfinite(at).all():
+                sheet.axis.plot(*at[[0, 1]].T, color=GHOST, linewidth=1.0, zorder=1.5)
+    return [Line2D([], [], color=GHOST, linewidth=1.0, label="limits of motion")]
+
+
+def _cones(sheet: Sheet, position: float) -> list[Any]:
+    """Draw the light lines through the ground pivots."""
+    reach = 2.0 * float(np.ptp(sheet.view))
+    for one in sheet.motion.points:
+        if one.kind == "ground":
+            at = sheet.motion.places([position], [one])[one.name][0, 0]
+            for line in sheet.plane.cone(at, reach):
+                sheet.axis.plot(*line.T, color="0.85", linewidth=0.8, zorder=0.5)
+    return [Line2D([], [], color="0.85", linewidth=0.8, label="light lines")]
+
+
+def _comb(sheet: Sheet, position: float) -> list[Any]:
+    """Draw the curvature of each path that is shown as teeth across it, on the outer side."""
+    motion = sheet.motion
+    size = min(np.ptp(sheet.view[:2]), np.ptp(sheet.view[2:]))
+    for point in _traced(sheet, unless="path"):
+        pieces = [_curved(sheet, point, one) for one in motion.along(2 * TEETH, position)]
+        every = np.concatenate([np.hypot(*np.moveaxis(bend, -1, 0)).ravel() for _, bend in pieces])
+        every = every[np.isfinite(every)]
+        usual = float(np.median(every)) if every.size else 0.0
+        if usual * size < STRAIGHT:
+            continue
+        for places, bends in pieces:
+            for k, (at, bend) in enumerate(zip(places, bends, strict=True)):
+                tooth = -TOOTH * size / usual * bend
+                with np.errstate(all="ignore"):
+                    tooth *= np.minimum(1.0, LONGEST_TOOTH * TOOTH * size / np.hypot(*tooth.T))[:, None]
+                tips = at + tooth
+                fine = {"linewidth": 0.5, "alpha": 0.7, "zorder": 1.8}
+                gaps = np.full_like(at, np.nan)
+                teeth = np.stack([at, tips, gaps], axis=1)[::2].reshape(-1, 2)
+                sheet.axis.plot(*teeth.T, **sheet.line_of(k, linestyle="solid", **fine))
+                sheet.axis.plot(*tips.T, **sheet.line_of(k, linestyle="solid", **fine | {"linewidth": 0.8}))
+    return []
+
+
+def _slope(motion: Motion, coordinate: Value) -> Value:
+    """Return the derivative of a coordinate by the input: a fact, or 0 where it is the same everywhere."""
+    name = derivative_name(str(coordinate), motion.input)
+    try:
+        motion.values([name], [motion.usual])
+    except InputError:
+        return 0.0
+    return name
+
+
+def _curved(sheet: Sheet, point: Point, positions: Any) -> tuple[Any, Any]:
+    """Return the places of a point and the vectors of curvature of its path, over assembly modes.
+
+    The second derivative is the difference of first ones, which are facts, on both sides.
+    """
+    motion = sheet.motion
+    slopes = [_slope(motion, xy) for xy in (point.x, point.y)]
+    beside = BESIDE * (motion.span[1] - motion.span[0])
+
+    def slope(shift: float) -> Any:
+        values = motion.values(slopes, positions + shift)
+        return np.stack([values[name] for name in slopes], axis=-1)
+
+    with np.errstate(all="ignore"):
+        bend = (slope(beside) - slope(-beside)) / (2.0 * beside)
+        return motion.places(positions, [point])[point.name], sheet.plane.curvature(slope(0.0), bend)
+
+
+#: What is drawn by a word of its own.
+OF_WORDS: dict[str, Callable[[Sheet, float], list[Any]]] = {
+    "cone": _cones,
+    "limits": _limits,
+    "comb": _comb,
+}
+
+
+def add_overlays(sheet: Sheet, position: float) -> list[Any]:
+    """Draw all that is shown besides the linkage, as for a position, and return its legend."""
+    handles = [line for group in sorted(sheet.show) for line in _add_circles(sheet, position, group)]
+    handles += [*legend_of_loci(sheet), *_add_paths(sheet, position)]
+    for word, add in OF_WORDS.items():
+        if word in sheet.show:
+            handles += add(sheet, position)
+    return handles
+
+
+# -- One picture of a linkage: what stands still, and the linkage itself at a position
+
+
+#: Of the size of the picture: points of two assembly modes that are nearer to each other are one.
+SAME = 1e-9
+PLATE = 0.14
+
+
+@dataclass(frozen=True)
+class Style:
+    """Sizes in points.
+
+    Attributes
+    ----------
+    bar, joint, font : float
+        The width of a bar, the size of a joint, the size of letters.
+    lengths : bool
+        Whether bars carry the symbols of their lengths.
+    """
+
+    bar: float = 3.6
+    joint: float = 7.5
+    font: float = 10.0
+    lengths: bool = True
+
+
+class Sheet:
+    """The picture of a design in one pair of axes."""
+
+    def __init__(
+        self, axis: Any, motion: Motion, view: Any, scale: float, show: frozenset[str], *, style: Style
+    ) -> None:
+        self.axis, self.motion, self.view, self.scale = axis, motion, view, scale
+        self.show, self.style = show, style
+        self.plane = PLANES[motion.picture.metric]
+        self.names = Names(scale, view)
+        #: Whether one scale of forces is for the whole motion.
+        self.moves = False
+        self.loads = Loads(self)
+        self.free: list[tuple[Any, float]] = []
+
+    # -- what stands still -----------------------------------------------------------------------------------------
+
+    def background(self, position: float) -> list[Any]:
+        """Draw what does not move, as for a position; return the legend of it."""
+        axis, view = self.axis, self.view
+        axis.set(xlim=view[:2], ylim=view[2:], aspect="equal", autoscale_on=False)
+        axis.set_axis_off()
+        handles = add_overlays(self, position)
+        handles += self.loads.scale(position)
+        places = self.motion.places([position])
+        ground = [one for one in self.motion.points if one.kind == "ground"]
+        for bar in self.motion.picture.bars:
+            if bar.is_ground:
+                at = np.array([places[name][0, 0] for name in bar.points.split()])
+                axis.plot(*at.T, color="0.75", linewidth=1.0, linestyle=(0, (8, 3, 1, 3)), zorder=2.2)
+                self.keep_free(samples_of(at, self.scale), 0.3)
+        for one in ground:
+            at = places[one.name][0, 0]
+            if np.isfinite(at).all():
+                add_ground(axis, at, self.style.joint / 7.5)
+                corner = np.stack(np.meshgrid([-12.0, -6.0, 0.0, 6.0, 12.0], [-7.0, -11.0, -15.0]), axis=-1)
+                self.keep_free(at + corner * self.style.joint / 7.5 / self.scale, 2.0)
+        for guide in self.motion.picture.guides:
+            if guide.slider and guide.y is not None:
+                (low, high), y, size = (
+                    self._run(guide.slider),
+                    self.motion.number(guide.y),
+                    self.style.joint / 7.5,
+                )
+                add_guide(axis, low, high, y, size)
+                hatched = np.array([[low, y], [high, y]]) - [0.0, 1.3 * SLIDER[1] * size / self.scale]
+                self.keep_free(samples_of(hatched, self.scale), 0.7)
+        return handles
+
+    def _run(self, slider: str) -> tuple[float, float]:
+        """Return how far the ground of a slider reaches."""
+        along = np.concatenate(self.motion.along(61))
+        x = self.motion.places(along, [self.motion.picture.point(slider)])[slider][..., 0]
+        edge = 16.0 / self.scale
+        return float(np.nanmin(x)) - edge, float(np.nanmax(x)) + edge
+
+    def keep_free(self, points: Any, weight: float) -> None:
+        """Note points that names should not cover."""
+        self.free.append((points, weight))
+
+    # -- the linkage -----------------------------------------------------------------------------------------------
+
+    def linkage(self, position: float) -> list[Any]:
+        """Draw the linkage at a position in all its assembly modes, and return what was drawn."""
+        motion, names = self.motion, self.names
+        points = [one for one in motion.points if not one.group or one.group in self.show]
+        there = motion.assembles(position)
+        places = {
+            name: np.where(there, at[:, 0], np.nan) for name, at in motion.places([position], points).items()
+        }
+        places |= {
+            one.name: motion.places([position], [one])[one.name][:, 0]
+            for one in points
+            if one.kind == "ground"
+        }
+        size = float(np.ptp(self.view[:2]))
+        common = {name: self._is_common(at, size) for name, at in places.items()}
+        names.clear()
+        for cloud, weight in self.free:
+            names.keep_free(cloud, weight)
+        drawn = add_following(self, position)
+        for bar in motion.picture.bars:
+            if not bar.is_ground:
+                drawn += self._bar(bar, position, places, common)
+        for one in points:
+            for at, colour in self._modes(places[one.name], common[one.name]):
+                drawn += self._point(one.kind, at, colour)
+        if not there.any():
+            middle = 0.5 * (self.view[::2] + self.view[1::2])
+            drawn.append(self.text("does not assemble", middle, "0.4"))
+        drawn += self.loads.draw(position, places)
+        drawn += self._letters(points, places, common)
+        if self.style.lengths:
+            drawn += self._symbols(places, common)
+        return drawn
+
+    def _is_common(self, at: Any, size: float) -> bool:
+        """Tell whether a point is the same in all assembly modes in which it exists."""
+        finite = at[np.isfinite(at).all(axis=-1)]
+        return (len(finite) < 2 and len(self.motion.branches) < 2) or (
+            len(finite) > 1 and float(np.ptp(finite, axis=0).max()) <= SAME * size
+        )
+
+    def _modes(self, at: Any, common: bool) -> list[tuple[Any, Any]]:
+        """Return the places of a point with their colours: one if they agree."""
+        finite = np.isfinite(at).all(axis=-1)
+        if common:
+            return [(at[k], INK) for k in np.flatnonzero(finite)[:1]]
+        return [(at[k], self.colour(int(k))) for k in np.flatnonzero(finite)]
+
+    def colour(self, k: int) -> str:
+        """Return the colour of the assembly mode with an index."""
+        return MODES[(self.motion.branches[k] - 1) % len(MODES)]
+
+    def _point(self, kind: str, at: Any, colour: Any) -> list[Any]:
+        if kind == "slider":
+            slider = add_slider(self.axis, at, colour, self.style.joint / 7.5)
+            half = np.multiply(SLIDER, self.style.joint / 7.5) / self.scale
+            corners = at + half * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)])
+            self.names.keep_free(samples_of(corners, self.scale))
+            drawn = [slider, add_joint(self.axis, at, colour, 0.8 * self.style.joint)]
+        elif kind in ("traced", "mark"):
+            size = (0.5 if kind == "traced" else 0.4) * self.style.joint
+            drawn = self.axis.plot(*np.reshape(at, (2, 1)), "o", color=colour, markersize=size, zorder=6)
+        else:
+            drawn = [add_joint(self.axis, at, colour, self.style.joint)]
+        return drawn
+
+    def _bar(self, bar: Bar, position: float, places: Any, common: Any) -> list[Any]:
+        """Draw a bar, or a plate, in each assembly mode that has it."""
+        names = [name for name in bar.points.split() if name in places]
+        corners = np.stack([places[name] for name in names], axis=1)
+        complete = np.isfinite(corners).all(axis=(1, 2))
+        modes = np.flatnonzero(complete)
+        is_common = all(common[name] for name in names)
+        drawn: list[Any] = []
+        for k in modes[:1] if is_common else modes:
+            at = corners[k]
+            colour = INK if is_common else self.colour(k)
+            hollow = not is_common and self.motion.branches[k] > 1
+            drawn += self._stroke(self._outline(at, bar, names), self.motion.branches[k], colour, hollow)
+            if len(at) > 2:
+                plate = {"facecolor": colour, "alpha": PLATE, "linewidth": 0, "zorder": 3.0}
+                drawn += self.axis.fill(*at.T, **plate)
+            if bar.orientation:
+                side = self.motion.values([bar.orientation], [position])[bar.orientation][k, 0]
+                drawn += self._direction(at[0], at[1], "white" if side < 0.0 else colour, colour)
+            self.names.keep_free(samples_of(np.concatenate([at, at[:1]]), self.scale))
+        return drawn
+
+    def _direction(self, start: Any, end: Any, face: Any, colour: Any) -> list[Any]:
+        """Draw the head of an arrow on a bar."""
+        head = {"arrowstyle": "-|>,head_length=0.55,head_width=0.3", "edgecolor": colour, "facecolor": face}
+        along = end - start
+        arrow = {**head, "shrinkA": 0, "shrinkB": 0, "linewidth": 1.2}
+        return [self.axis.annotate("", start + 0.6 * along, start + 0.5 * along, arrowprops=arrow, zorder=5)]
+
+    def _outline(self, at: Any, bar: Bar, names: list[str]) -> list[tuple[Any, float, str]]:
+        """Return the lines of a bar, each with width and name: thick along lengths, thin round the rest of a plate."""
+        thick = [tuple(pair.split()) for pair in bar.lengths]
+        edges = list(zip(names, [*names[1:], names[0]], strict=True)) if len(names) > 2 else []
+        thin = [pair for pair in edges if pair not in thick and pair[::-1] not in thick]
+        width = self.style.bar
+        return [
+            (at[[names.index(a), names.index(b)]], width * (1.0 if kind == "bar" else 0.3), f"{kind} {a} {b}")
+            for kind, pairs in (("bar", thick), ("edge", thin))
+            for a, b in pairs
+        ]
+
+    def _stroke(
+        self, lines: list[tuple[Any, float, str]], branch: int, colour: Any, hollow: bool
+    ) -> list[Any]:
+        """Draw lines, with a white core in the second assembly mode."""
+        drawn: list[Any] = []
+        ends = {"solid_capstyle": "round", "zorder": 4.0}
+        for line, width, name in lines:
+            drawn += self.axis.plot(*line.T, color=colour, linewidth=width, gid=f"{name} {branch}", **ends)
+        for line, width, name in lines if hollow else ():
+            if name.startswith("bar"):
+                drawn += self.axis.plot(*line.T, color="white", linewidth=0.45 * width, **ends)
+        return drawn
+
+    def _letters(self, points: Any, places: Any, common: Any) -> list[Any]:
+        """Write the names of points; those that stand in one place share it."""
+        groups: list[tuple[Any, Any, list[str]]] = []
+        near = 0.6 * self.style.joint / self.scale
+        for one in filter(lambda one: one.is_named, points):
+            for at, colour in self._modes(places[one.name], common[one.name]):
+                self.names.keep_free(at + np.array([[0.0, 0.0], [3.0, 0.0], [-3.0, 0.0]]) / self.scale, 1.5)
+                letters = next((names for place, _, names in groups if np.hypot(*(place - at)) < near), None)
+                if letters is None:
+                    groups.append((at, colour, [one.name]))
+                elif one.name not in letters:
+                    letters.append(one.name)
+        drawn = []
+        for number, (at, colour, letters) in enumerate(groups):
+            if not self._is_in_view(at):
+                continue
+            text = ", ".join(letters)
+            middle = self.names.place(f"{text} {number}", text, at)
+            shown = ", ".join(mathematical(one) for one in letters)
+            drawn.append(self.text(shown, middle, colour))
+        return drawn
+
+    def _is_in_view(self, at: Any) -> bool:
+        view = self.view
+        return bool(view[0] <= at[0] <= view[1] and view[2] <= at[1] <= view[3])
+
+    def _symbols(self, places: Any, common: Any) -> list[Any]:
+        """Write the symbols of lengths along bars, those of the first assembly mode."""
+        drawn = []
+        for bar in self.motion.picture.bars:
+            for pair, length in bar.lengths.items():
+                a, b = (places[name] for name in pair.split())
+                there = np.flatnonzero(np.isfinite(a + b).all(axis=-1))
+                if not there.size or not self._is_in_view(0.5 * (a[there[0]] + b[there[0]])):
+                    continue
+                k = there[0]
+                is_common = all(common[name] for name in pair.split())
+                colour = "0.5" if bar.is_ground else INK if is_common else self.colour(k)
+                symbol = self.symbol(length)
+                middle = self.names.beside(pair, symbol.replace("_", ""), a[k], b[k])
+                drawn.append(self.text(mathematical(symbol), middle, colour))
+        return drawn
+
+    def symbol(self, name: str) -> str:
+        """Return the symbol of a fact or an input."""
+        known = self.motion.catalogue
+        inputs = known.known_inputs(known.variant_inputs)
+        return inputs[name].symbol if name in inputs else known.facts[name].symbol
+
+    def text(self, text: str, at: Any, colour: Any) -> Any:
+        """Write the name of something."""
+        style = {"ha": "center", "va": "center", "fontsize": self.style.font, "zorder": 8, "gid": "name"}
+        return self.axis.text(*at, text, color=colour, **style)
+
+    def line_of(self, k: int, **changes: Any) -> dict[str, Any]:
+        """Return how curves of an assembly mode are drawn."""
+        return mode_line(self.motion.branches[k], **changes)

@@ -1,0 +1,299 @@
+"""Choose the colours of maps: ranges without far outliers, and those of codes."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import re
+import textwrap
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+import matplotlib
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import CenteredNorm, ListedColormap, LogNorm, Normalize
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from fastlink._text import in_words, short_number
+from fastlink.maps.units import flags_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = [
+    "ABSENT",
+    "CYCLIC",
+    "INFINITE",
+    "LINES",
+    "VEIL",
+    "WITHOUT_BOUND",
+    "NotebookFigure",
+    "are_counts",
+    "colours_of",
+    "constants_of",
+    "count_colours",
+    "drawable",
+    "flag_colours",
+    "flag_handles",
+    "flag_indices",
+    "label_of",
+    "limits_of",
+    "mathematical",
+    "near",
+    "plain",
+    "style",
+    "title_of",
+    "units_text",
+    "valued",
+]
+
+
+CYCLIC = "twilight_shifted"
+# Colours of assembly modes, and of the codes that most mechanisms have, then of long lists of types. All can be told
+# apart by people who do not see red, green or blue as others do: tests/pictures/test_colours.py.
+LINES = ("#0b5fa5", "#d1495b", "#e69f00", "#56b4e9")
+FLAGS = (
+    *("#009e73", "#f0e442", "#c3c9d3", "#d55e00", "#333333", "#b10de0"),
+    *("#9af79a", "#6b3c0d", "#f782f7", "#0d5382", "#0d0df7", "#e0b153", "#b182b1", "#530d9a", "#e00d3c"),
+)
+ABSENT, INFINITE, VEIL = "0.78", "0.45", (1.0, 1.0, 1.0, 0.55)
+WITHOUT_BOUND = "grows without bound"
+MOST_COUNTS = 8
+# Matplotlib subtracts, multiplies and takes logarithms of values without a care for overflow.
+LARGEST, SMALLEST = 1e300, 1e-290
+FAR = 1e9  # spans outside a range of colours, where all values look the same
+
+
+def colours_of(values: Any, regular: Any, half_turn: float | None) -> tuple[Any, Any, str]:
+    """Return norm, colour map and open ends, from the regular cells if there are any.
+
+    An angle that passes from half a turn to minus half a turn has a cyclic map, values of both signs have zero in the
+    middle.
+    """
+    inside = values[regular]
+    low, high, extend = limits_of(values, inside, 2.0)
+    if half_turn is not None and low < -0.9 * half_turn and high > 0.9 * half_turn:
+        return Normalize(-half_turn, half_turn), matplotlib.colormaps[CYCLIC], "neither"
+    if low < 0 < high and min(-low, high) > 0.05 * max(-low, high):
+        return CenteredNorm(0.0, max(-low, high)), matplotlib.colormaps["RdBu_r"], extend
+    positive = inside[np.isfinite(inside)] if low > 0 else np.empty(0)
+    low_inner, high_inner = np.percentile(positive, (2, 98)) if positive.size else (1.0, 1.0)
+    if high_inner > 30 * low_inner:
+        return LogNorm(low, high), matplotlib.colormaps["viridis"], extend
+    return Normalize(low, high), matplotlib.colormaps["viridis"], extend
+
+
+def drawable(values: Any) -> Any:
+    """Return values with the finite ones beyond what matplotlib can draw at its limits."""
+    clipped = np.where(np.abs(values) < SMALLEST, 0.0, np.clip(values, -LARGEST, LARGEST))
+    return np.where(np.isinf(values), values, clipped)
+
+
+def near(values: Any, norm: Any) -> Any:
+    """Return values with far outliers moved towards the range of a norm, where their colour is the same."""
+    span = norm.vmax - norm.vmin
+    return np.clip(values, norm.vmin - FAR * span, norm.vmax + FAR * span)
+
+
+def are_counts(values: Any) -> bool:
+    """Tell whether values are a few neighbouring whole numbers."""
+    counts = np.unique(values[np.isfinite(values)])
+    few = 1 < counts.size <= MOST_COUNTS and counts[-1] - counts[0] < MOST_COUNTS
+    return bool(few and (counts % 1.0 == 0.0).all())
+
+
+def count_colours(values: Any) -> tuple[Any, Any, str]:
+    """Return norm and colour map of counts, one colour for each."""
+    low, high = np.nanmin(values), np.nanmax(values)
+    colours = matplotlib.colormaps["viridis"].resampled(int(high - low) + 1)
+    return Normalize(low - 0.5, high + 0.5), colours, "neither"
+
+
+def limits_of(values: Any, regular: Any, most: float) -> tuple[float, float, str]:
+    """Return a range, and at which ends values lie outside.
+
+    The range is that of the regular values, or of their inner 96 % if that is `most` times shorter: a few far outliers
+    must not use up a scale.
+    """
+    every = values[np.isfinite(values)]
+    finite = regular[np.isfinite(regular)]
+    finite = finite if finite.size else every
+    if not finite.size:
+        return 0.0, 1.0, "neither"
+    low, high = float(finite.min()), float(finite.max())
+    inner_low, inner_high = (float(value) for value in np.percentile(finite, (2, 98)))
+    if high - low > most * (inner_high - inner_low) > 0:
+        margin = 0.1 * (inner_high - inner_low)
+        low, high = max(low, inner_low - margin), min(high, inner_high + margin)
+    ends = (bool(every.min() < low), bool(every.max() > high))
+    if low == high:
+        low, high = low - 0.5 * (abs(low) or 1.0), high + 0.5 * (abs(high) or 1.0)
+    return low, high, {(True, True): "both", (True, False): "min", (False, True): "max"}.get(ends, "neither")
+
+
+def flag_colours(variable: xr.DataArray) -> tuple[Any, Any, str]:
+    """Return norm and colour map of the indices of a code, one colour for each."""
+    count = len(flags_of(variable))
+    colours = ListedColormap([FLAGS[index % len(FLAGS)] for index in range(count)])
+    return Normalize(-0.5, count - 0.5), colours, "neither"
+
+
+def flag_indices(variable: xr.DataArray, values: Any) -> Any:
+    """Return the index of each code in the list of codes, NaN for other values."""
+    indices = np.full(values.shape, np.nan)
+    for index, code in enumerate(flags_of(variable).values()):
+        indices[values == code] = index
+    return indices
+
+
+def flag_handles(variable: xr.DataArray, values: Any) -> list[Any]:
+    """Return the legend of a code, for the values that occur."""
+    return [
+        Patch(facecolor=FLAGS[index % len(FLAGS)], label=in_words(meaning))
+        for index, (meaning, code) in enumerate(flags_of(variable).items())
+        if (values == code).any()
+    ]
+
+
+# -- Figures that a notebook shows, outside matplotlib's global state
+
+
+STYLE = {
+    "font.size": 10,
+    "axes.titlesize": 10.5,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "hatch.color": "0.35",
+    "hatch.linewidth": 0.5,
+    "savefig.dpi": 160,
+    "svg.hashsalt": "fastlink",  # equal pictures are equal files
+}
+DPI = 100  # in a notebook
+
+
+class NotebookFigure(Figure):
+    """A figure that a notebook shows as a picture, without pyplot; it need not be closed."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**{"layout": "constrained"} | options)
+        FigureCanvasAgg(self)
+
+    def _repr_png_(self) -> bytes:
+        """Return the picture as a notebook shows it."""
+        written = io.BytesIO()
+        with style():
+            self.savefig(written, format="png", dpi=DPI)
+        return written.getvalue()
+
+
+@contextlib.contextmanager
+def style() -> Iterator[None]:
+    """Draw with settings of our own, and restore the user's."""
+    with matplotlib.rc_context():
+        matplotlib.rcParams.update({**matplotlib.rcParamsDefault, **STYLE, "backend": "agg"})
+        yield
+
+
+# -- Compose the text of pictures: titles, labels with symbols and units, fixed values
+
+
+GREEK = "alpha|beta|gamma|delta|epsilon|zeta|eta|theta|kappa|lambda|mu|nu|xi|rho|sigma|tau|phi|chi|psi|omega|Delta"
+#: A symbol with its index; one after the d of a derivative, with the orders; what may stand between symbols.
+SYMBOL = re.compile(rf"({GREEK}|[A-Za-z]+)(?:_\{{?([A-Za-z0-9]+)\}}?)?")
+SLOPE = re.compile(rf"d(\d?)(?:({GREEK}|[A-Za-z])(?:_([A-Za-z0-9]+))?(\d?))?")
+BETWEEN = re.compile(r"([/()|])")
+DEGREE = "degree"
+CONSTANTS_PER_LINE = 8
+TITLE_WIDTH = 64  # letters
+WORDS = frozenset({"max", "min", "rms", "at", "status"})
+
+
+def plain(text: object) -> str:
+    """Return a text as matplotlib shows it as it is: a dollar sign does not begin a formula."""
+    return str(text).replace("$", r"\$")
+
+
+def mathematical(symbol: str) -> str:
+    r"""Return a catalogue symbol as matplotlib sets it.
+
+    Examples
+    --------
+    >>> mathematical("max omega_4"), mathematical("F_32x"), mathematical("theta_{max}")
+    ('max $\\omega_{4}$', '$F_{32x}$', '$\\theta_{max}$')
+    >>> mathematical("1/rho_P"), mathematical("d2v_1/dt2"), mathematical("ch(psi_{max})")
+    ('$1/\\rho_{P}$', '$d^2v_{1}/dt^2$', '$\\mathrm{ch}(\\psi_{max})$')
+    """
+    return " ".join(plain(word) if word in WORDS else _formula(word) for word in symbol.split())
+
+
+def _formula(word: str) -> str:
+    """Return a word of a symbol as a formula; as it is if it is not made of symbols and whole numbers."""
+    pieces = [_piece(piece) for piece in BETWEEN.split(word)]
+    whole = "".join(piece or "" for piece in pieces)
+    return plain(word) if None in pieces or not any(map(str.isalpha, whole)) else f"${whole}$"
+
+
+def _piece(piece: str) -> str | None:
+    """Return a symbol, a slope or a number as part of a formula, None of anything else."""
+    if piece.isdecimal() or not piece or BETWEEN.fullmatch(piece):
+        return piece
+    if (slope := SLOPE.fullmatch(piece)) and piece not in WORDS:
+        order, base, index, by = slope.groups()
+        return f"d{_raised(order)}{_letter(base, index)}{_raised(by)}" if base else f"d{_raised(order)}"
+    if symbol := SYMBOL.fullmatch(piece):
+        return _letter(*symbol.groups())
+    return None
+
+
+def _letter(base: str, index: str | None) -> str:
+    is_greek = re.fullmatch(GREEK, base)
+    letter = f"\\{base}" if is_greek else base if len(base) == 1 else f"\\mathrm{{{base}}}"
+    return letter + (f"_{{{index}}}" if index else "")
+
+
+def _raised(order: str) -> str:
+    return f"^{order}" if order else ""
+
+
+def units_text(units: str) -> str:
+    """Return units as matplotlib sets them, with raised exponents and the sign of degrees."""
+    if units == DEGREE:
+        return "°"
+    return re.sub(r"([A-Za-z]+)(-?\d+)", r"\1$^{\2}$", plain(units))
+
+
+def label_of(array: xr.DataArray, name: bool = True) -> str:
+    """Return the label of an axis: name, symbol and units."""
+    attrs = array.attrs
+    parts = [plain(attrs.get("long_name", array.name))] if name else []
+    if "symbol" in attrs:
+        parts.append(mathematical(str(attrs["symbol"])))
+    units = str(attrs.get("units", "1"))
+    if units != "1":
+        parts.append(f"[{units_text(units)}]")
+    return " ".join(parts) or plain(array.name)
+
+
+def valued(array: xr.DataArray, value: object) -> str:
+    """Return a variable and its value, with symbol and units."""
+    symbol = mathematical(str(array.attrs.get("symbol", array.name)))
+    units = str(array.attrs.get("units", "1"))
+    space = "" if units in ("1", DEGREE) else " "
+    return f"{symbol} = {plain(short_number(value))}{space}{'' if units == '1' else units_text(units)}"
+
+
+def title_of(dataset: xr.Dataset, variable: xr.DataArray, fixed: Mapping[str, object]) -> str:
+    """Return the name of a variable, and the values at which dimensions are fixed."""
+    title = textwrap.fill(plain(variable.attrs.get("long_name", variable.name)), TITLE_WIDTH)
+    values = ", ".join(valued(dataset[dim], value) for dim, value in fixed.items())
+    return f"{title}\n{values}" if values else title
+
+
+def constants_of(dataset: xr.Dataset) -> str:
+    """Return the inputs that are the same for every design, a few to a line."""
+    scalars = [coord for coord in dataset.coords.values() if coord.ndim == 0 and "symbol" in coord.attrs]
+    parts = [valued(coord, coord.item()) for coord in scalars]
+    lines = [", ".join(parts[k : k + CONSTANTS_PER_LINE]) for k in range(0, len(parts), CONSTANTS_PER_LINE)]
+    return ",\n".join(lines)

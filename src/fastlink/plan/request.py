@@ -1,0 +1,542 @@
+"""Checks of a request: inputs and their values, branches, links and solver."""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from functools import lru_cache, reduce
+from numbers import Real
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fastlink._text import joined, short_repr
+from fastlink.errors import (
+    InputError,
+    KeyPath,
+    Model,
+    Problem,
+    Problems,
+    Remedy,
+    Samples,
+    Setting,
+    check_choice,
+    nearest,
+    suggest,
+)
+from fastlink.facts.catalogue import ELIMINATED, Catalogue
+from fastlink.facts.derivative import is_tolerance
+from fastlink.facts.fact import Input
+from fastlink.facts.find import did_you_mean
+from fastlink.mechanisms import NAMES, inputs_of
+from fastlink.plan.query import Extrema, input_remedy, parse_request, suggest_input
+from fastlink.space.design_space import (
+    DEGREE_UNIT,
+    DEGREES,
+    MODELS,
+    MOST_DIMS,
+    MOST_LISTED,
+    RADIANS,
+    Column,
+    Degrees,
+    Links,
+    angle_of,
+    as_floats,
+    cells_of,
+    check_angle,
+    check_length,
+    degrees_name,
+    first_invalid,
+    has_unit,
+    in_unit,
+    is_number,
+    listed,
+    numbers_of,
+    radians,
+    remark_on_angles,
+    steps,
+    unit_remedy,
+    units_of,
+    unmasked,
+)
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from fastlink.engine.extend import Extension
+    from fastlink.space.design_space import DesignSpace
+
+__all__ = [
+    "all_choices",
+    "allowed",
+    "branch_codes",
+    "check_branches",
+    "check_extrema",
+    "check_inputs",
+    "check_keywords",
+    "check_model",
+    "check_positions",
+    "check_turn",
+    "constants_of",
+    "given_angles",
+    "in_degrees",
+    "joined_missing",
+    "missing_inputs",
+    "name_problems",
+    "radian_keywords",
+    "selected_variants",
+    "unknown_input",
+    "value_problems",
+    "variants_of",
+]
+
+
+RULES = {"positive": "greater than 0", "non-negative": "at least 0"}
+
+
+def variants_of(
+    catalogue: Catalogue, links: Links | None, solver: str, given: Iterable[str] = ()
+) -> tuple[str, ...]:
+    """Return the selected variants, each before the variants that it replaces facts of.
+
+    Giving an input of a load selects its variant, see `Catalogue.variants_selected_by`.
+    """
+    check_model(catalogue, links, solver)
+    return selected_variants(catalogue, links, solver, given)
+
+
+def check_model(catalogue: Catalogue, links: Links | None, solver: str) -> None:
+    """Refuse a solver and a model of the links that the mechanism does not have."""
+    problems = Problems()
+    with problems.at():
+        if catalogue.solvers == (ELIMINATED,) and not (isinstance(solver, str) and solver == ELIMINATED):
+            what = f"{short_repr(solver)} is not a solver of {catalogue.name}, which has no linear system"
+            raise InputError(what, where=("solver",), remedy="leave solver out")
+        check_choice(("solver",), solver, catalogue.solvers)
+    if links is not None and not isinstance(links, Links):
+        remedy = "write fastlink.round_bar(density=..., radius=...), or leave links out"
+        problems.add(f"is {short_repr(links)}, not a model of the links", ("links",), remedy)
+    elif links is not None and links.model not in catalogue.variant_inputs:
+        problems.add(f"nothing of {catalogue.name} depends on mass", ("links",), "leave them out")
+    problems.stop()
+
+
+def selected_variants(
+    catalogue: Catalogue, links: Links | None, solver: str, given: Iterable[str]
+) -> tuple[str, ...]:
+    """Return the selected variants, see `variants_of`; what `check_model` refuses selects none."""
+    solved = (solver,) if isinstance(solver, str) and solver != ELIMINATED else ()
+    model = (links.model,) if isinstance(links, Links) else ()
+    return (*solved, *catalogue.variants_selected_by(given), *model)
+
+
+def constants_of(catalogue: Catalogue, links: Links | None, variants: Iterable[str]) -> dict[str, float]:
+    """Return the inputs that a design need not give: those of the links, and the defaults of the variants."""
+    inputs = catalogue.known_inputs(variants).values()
+    defaults = {known.name: known.default for known in inputs if known.default is not None}
+    return defaults if links is None else defaults | dict(links.values)
+
+
+def all_choices(
+    catalogue: Catalogue, given: Iterable[str], variants: Iterable[str]
+) -> dict[str, tuple[int, ...]]:
+    """Return the codes of each input that has choices and is not given."""
+    inputs = catalogue.known_inputs(variants)
+    return {name: tuple(i.choices) for name, i in inputs.items() if i.choices and name not in given}
+
+
+def check_inputs(
+    catalogue: Catalogue, space: DesignSpace, variants: Sequence[str], allow_invalid: bool
+) -> None:
+    """Refuse an unknown input, and values that an input cannot have."""
+    known = catalogue.known_inputs(variants)
+    problems = Problems()
+    of_sample = ("n", "seed") if space.kind in ("sobol", "latin_hypercube") else ()
+    problems.noted += name_problems(catalogue, space.names, known, options=of_sample)
+    for name in filter(known.__contains__, space.names):
+        value = space.constants.get(name)
+        if not allow_invalid and (value is None or not allowed(known[name], value)):
+            column = space.columns.get(name)
+            if isinstance(column, Column):
+                problems.noted += _column_problems(known[name], column)
+            else:
+                problems.noted += value_problems(known[name], space.values(name), "design")
+    problems.stop()
+
+
+def name_problems(
+    catalogue: Catalogue,
+    names: Sequence[str],
+    known: Iterable[str],
+    parent: str = "design",
+    options: Sequence[str] = (),
+) -> list[Problem]:
+    """Return the problems of names that are given for inputs: unknown ones, and pairs that determine each other.
+
+    `parent` heads their paths; `options` are what else may be given there by name, for a hint.
+    """
+    exclusive = _exclusive(catalogue, catalogue.version, tuple(names))[:1]
+    return [
+        *(
+            Problem(f"{other} and {name} determine each other", (parent,), "leave one of them out")
+            for name, other in exclusive
+        ),
+        *(unknown_input(catalogue, name, known, parent, options) for name in names if name not in known),
+    ]
+
+
+@lru_cache(maxsize=256)
+def _exclusive(catalogue: Catalogue, version: int, names: tuple[str, ...]) -> list[tuple[str, str]]:
+    """Return the pairs of given inputs that determine each other."""
+    return [
+        (name, other)
+        for name in names
+        for other in catalogue.mutually_exclusive_inputs(name)
+        if other in names
+    ]
+
+
+def allowed(declared: Input, value: Any) -> Any:
+    """Tell whether an input may have a value; for an array, each of its values."""
+    finite = abs(value) < math.inf
+    if declared.choices:
+        return finite & reduce(operator.or_, (value == code for code in declared.choices))
+    if declared.rule == "positive":
+        return finite & (value > 0)
+    return finite & (value >= 0) if declared.rule == "non-negative" else finite
+
+
+def unknown_input(
+    catalogue: Catalogue,
+    name: str,
+    known: Iterable[str],
+    parent: str = "design",
+    options: Sequence[str] = (),
+) -> Problem:
+    """Return the problem of a name that is not among the known inputs."""
+    for model, inputs in catalogue.variant_inputs.items():
+        if name in inputs:
+            mend = ("write ", Model(model, tuple(inputs)), ", or leave it out")
+            return Problem(f"belongs to links of model {model!r}", (parent, name), mend)
+    if "tol" in name and (near := nearest(name, catalogue.tolerances)):
+        return Problem(f"is unknown to {catalogue.name}", (parent, name), did_you_mean([near]))
+    every = {*known, *(key for inputs in catalogue.variant_inputs.values() for key in inputs)}
+    names = sorted(key for key in every if not is_tolerance(key))  # each input has two, by a rule
+    option = nearest(name, options)
+    near_an_option = option and not nearest(name, names) and not suggest_input(name, catalogue)
+    remedy = suggest(name, options) if near_an_option else input_remedy(name, catalogue, names)
+    return Problem(f"is unknown to {catalogue.name}", (parent, name), remedy)
+
+
+def value_problems(
+    declared: Input, values: NDArray[np.float64], parent: str, remedy: Remedy = ""
+) -> list[Problem]:
+    """Return the first value that an input cannot have, if there is one; a further remedy may be given."""
+    bad = np.flatnonzero(~allowed(declared, values))[:1]
+    if not bad.size:
+        return []
+    index: Sequence[Any] = np.unravel_index(bad[0], values.shape) if values.size > 1 else ()
+    value = values.flat[bad[0]]
+    rule = RULES.get(declared.rule, "")
+    mend = f"write a finite number{' ' if rule else ''}{rule}"
+    if declared.choices and np.isfinite(value):
+        mend = "write one of " + ", ".join(
+            f"{code} ({meaning})" for code, meaning in declared.choices.items()
+        )
+    where: KeyPath = (parent, declared.name, *(int(k) for k in index))
+    return [Problem(f"is {value} ({declared.meaning})", where, (mend, *remedy) if remedy else mend)]
+
+
+def _column_problems(declared: Input, column: Column) -> list[Problem]:
+    """Return the first value of a column that an input cannot have, if its bounds do not rule it out."""
+    if not declared.choices and all(allowed(declared, end) for end in column.bounds):
+        return []
+    for start, stop in steps(0, len(column)):
+        values = column.piece(start, stop)
+        for row in np.flatnonzero(~allowed(declared, values))[:1].tolist():
+            (problem,) = value_problems(declared, values[row : row + 1], "design")
+            return [replace(problem, where=(*problem.where, start + row))]
+    return []
+
+
+def missing_inputs(
+    catalogue: Catalogue, name: str, variants: Sequence[str], given: Iterable[str], parent: str = "design"
+) -> list[Problem]:
+    """Return a problem for each input that a quantity depends on and nothing gives."""
+    of_links = {name for model in MODELS for name in catalogue.variant_inputs.get(model, {})}
+    known, has = catalogue.known_inputs(variants), set(given)
+    absent = {
+        name
+        for name in known
+        if name not in has and not is_tolerance(name) and catalogue.resolve(name, variants) is None
+    }
+    tables = (catalogue.position.name, *catalogue.tables, *catalogue.table_low_parts)
+    request = parse_request(name, catalogue)
+    steps = catalogue.dependencies([request.quantity], {*has, *absent, *tables, "branch"}, variants)
+    needed = absent & {need for step in steps for need in step.depends_on}
+    return [
+        catalogue.missing_problem(known[key], request.name, "links" if key in of_links else parent)
+        for key in known
+        if key in needed
+    ]
+
+
+def joined_missing(problems: Iterable[Problem]) -> list[Problem]:
+    """Return missing inputs with one problem for all mass data that a model of the links would give at once."""
+    groups: dict[tuple[KeyPath, Remedy], list[Problem]] = {}
+    for one in problems:
+        models = one.remedy[1:] if isinstance(one.remedy, tuple) else ()
+        groups.setdefault((one.where[:-1], models) if models else (one.where, ""), []).append(one)
+    return [group[0] if len(group) == 1 else _joined(group) for group in groups.values()]
+
+
+def _joined(group: Sequence[Problem]) -> Problem:
+    names = joined([str(one.where[-1]) for one in group])
+    dependents = list(dict.fromkeys(str(one.remedy[0]).partition(" ")[0] for one in group))
+    needed = f"{joined(dependents)} depend{'' if dependents[1:] else 's'} on them: add them"
+    return Problem(f"{names} are missing", group[0].where[:-1], (needed, *group[0].remedy[1:]))
+
+
+def branch_codes(catalogue: Catalogue, branch: Any, *, gaps: bool = False) -> NDArray[np.float64]:
+    """Return assembly modes as numbers of the same shape, among which NaN may stand if there may be gaps."""
+    if isinstance(branch, np.ma.MaskedArray):
+        branch = unmasked(branch)
+    remedy = f"write some of {', '.join(map(str, catalogue.branches))}"
+    check_length(("branch",), branch, remedy)
+    values = cells_of(branch)
+    if values.dtype.kind in "iuf":
+        known = np.isin(values, tuple(catalogue.branches))
+        bad = values[~(known | np.isnan(values) if gaps else known)].ravel()[:1].tolist()
+    else:
+        cells = values.ravel().tolist()
+        bad = [cell for cell in cells if not (_is_branch(catalogue, cell) or (gaps and _is_gap(cell)))][:1]
+    for value in bad:
+        what = f"{short_repr(value)} is not an assembly mode of {catalogue.name}"
+        raise InputError(what, where=("branch",), remedy=remedy)
+    return values.astype(np.float64)
+
+
+def _is_branch(catalogue: Catalogue, value: object) -> bool:
+    return is_number(value) and isinstance(value, Real) and value in catalogue.branches
+
+
+def _is_gap(value: object) -> bool:
+    return isinstance(value, float) and math.isnan(value)
+
+
+def check_branches(catalogue: Catalogue, branch: Any) -> tuple[int, ...]:
+    """Return the assembly modes as a tuple."""
+    where, codes = ("branch",), branch_codes(catalogue, branch)
+    if codes.ndim > 1:
+        what, remedy = f"has {codes.ndim} dimensions", "write one number or a flat list of numbers"
+        raise InputError(what, where=where, remedy=remedy)
+    if not codes.size:
+        remedy = f"write some of {', '.join(map(str, catalogue.branches))}"
+        raise InputError("none is given", where=where, remedy=remedy)
+    given = tuple(int(code) for code in codes.ravel()[: len(catalogue.branches) + 1])
+    for k, value in enumerate(given):
+        if value in given[:k]:
+            raise InputError(f"{value} is given twice", where=where, remedy="write each once")
+    return given
+
+
+# -- Checks of a request: input positions, by whatever name they are given, and the search for extrema
+
+
+EXTREMA: tuple[Extrema, ...] = ("refined", "sampled")
+ANGLES = 360
+#: What users call an option that takes degrees.
+IN_DEGREES = ("deg", "degree", "degrees", "in_degrees")
+
+
+def check_keywords(
+    mechanism: str | Extension, catalogue: Catalogue, names: Iterable[str], options: Iterable[str]
+) -> None:
+    """Refuse a keyword that is neither an option nor the name of the input that drives the mechanism.
+
+    `names` are the keywords that are not options, `options` those that are, for a hint.
+    """
+    position, problems = catalogue.position.name, Problems()
+    for name in names:
+        if name == position:
+            continue
+        if name in (degrees_name(position), "angles_deg"):
+            if name == "angles_deg":
+                problems.add("is not an option", (name,), f"write {degrees_name(position)}")
+            else:
+                with problems.at():
+                    check_angle(name, position, catalogue.position.units, ())
+        elif name in IN_DEGREES and catalogue.position.units == RADIANS:
+            problems.add("is not an option", (name,), f"write angles in degrees as {degrees_name(position)}")
+        elif any(name in inputs_of(other) for other in NAMES):
+            own = name in inputs_of(mechanism)
+            other = (f", or, to drive {name}, write ", Setting("input", name)) if own else ()
+            problems.add(f"the input is {position}", (name,), (f"write its positions as {position}", other))
+        else:
+            problems.add("is not an option", (name,), suggest(name, {*options, position}))
+    problems.stop()
+
+
+def _are_several(values: Any) -> bool:
+    """Tell whether input positions are an array, or at least no scalar."""
+    if isinstance(values, (list, tuple, range)):  # one of 10^8 takes 10 s to convert
+        return True
+    try:
+        return np.ndim(values) > 0
+    except Exception:  # ragged lists, and whatever a class of somebody's does; `check_positions` refuses them
+        return True
+
+
+def given_angles(catalogue: Catalogue, angles: Any, positions: Mapping[str, Any]) -> tuple[str, Any]:
+    """Return the input positions that were given, and by which name; else the usual ones.
+
+    Those in degrees are converted. A warning tells of numbers that can hardly be radians.
+    """
+    name = catalogue.position.name
+    given = {
+        "angles": angles,
+        name: positions.get(name),
+        degrees_name(name): positions.get(degrees_name(name)),
+    }
+    given = {key: values for key, values in given.items() if values is not None}
+    if len(given) > 1:
+        first, second, *_ = given
+        are = "angles are" if first == "angles" else f"{first} is"
+        raise InputError(f"{are} given too", where=(second,), remedy="write one of them")
+    if catalogue.position.units != RADIANS:
+        given.pop(degrees_name(name), None)  # see `check_keywords`
+    for key, values in given.items():
+        check_length((key,), values)
+        try:
+            if not isinstance(values, (list, tuple, range)):
+                np.ndim(values)
+        except Exception:  # whatever a class of somebody's does when it is converted
+            remedy = "write a flat array of numbers"
+            raise InputError(f"is {short_repr(values)}", where=(key,), remedy=remedy) from None
+        if isinstance(values, Degrees):
+            return degrees_name(name), _from_degrees(catalogue, values.values)
+        unit = units_of(key, values).get(key, "")
+        expected = DEGREE_UNIT if key == degrees_name(name) else catalogue.position.units
+        if unit in DEGREES and expected == RADIANS:
+            return key, _from_degrees(catalogue, values)
+        if unit and not has_unit(unit, expected):
+            raise InputError(f"has the unit {unit!r}", where=(key,), remedy=unit_remedy(expected))
+        if key == degrees_name(name):
+            return key, _from_degrees(catalogue, values)
+        if catalogue.position.units == RADIANS and _are_several(values):
+            remark_on_angles(name, values)
+        return key, values
+    return name, ANGLES if catalogue.positions is None else np.linspace(*catalogue.positions)
+
+
+def in_degrees(catalogue: Catalogue, angles: Any, positions: Mapping[str, Any]) -> bool:
+    """Tell whether input positions are given in degrees."""
+    return isinstance(angles, Degrees) or positions.get(degrees_name(catalogue.position.name)) is not None
+
+
+def _from_degrees(catalogue: Catalogue, values: Any) -> NDArray[Any]:
+    """Return input positions in radians, or refuse what is no array of degrees."""
+    name = catalogue.position.name
+    key = degrees_name(name)
+    if listed(values) == 0 or not _are_several(values):
+        other = f"; {name} may be a number of angles" if catalogue.positions is None else ""
+        raise InputError(
+            f"is {short_repr(values)}", where=(key,), remedy=f"write a flat array of degrees{other}"
+        )
+    return as_floats(check_positions(catalogue, values, key))
+
+
+def radian_keywords(
+    catalogue: Catalogue, door: str, given: Mapping[str, Any], problems: Problems, *, position: bool
+) -> dict[str, Any]:
+    """Return inputs that are given by keywords with every angle in radians, by its own name."""
+    declared = catalogue.all_inputs
+    if position:
+        declared[catalogue.position.name] = catalogue.position
+    result: dict[str, Any] = {}
+    for name, value in given.items():
+        angle = "" if name in declared else angle_of(name)
+        if angle not in declared:
+            result[name] = value
+            continue
+        try:
+            check_angle(name, angle, declared[angle].units, given)
+            numbers = numbers_of(door, name, value, MOST_DIMS)
+            plain = radians(in_unit((door, name), value, numbers, DEGREE_UNIT))
+            result[angle] = _relabelled(value, plain) if hasattr(value, "dims") else plain
+        except InputError as error:
+            problems.noted += [replace(one, where=(door, name, *one.where[2:])) for one in error.problems]
+            result.setdefault(angle, 0.5)  # so that it is not reported as missing too
+    return result
+
+
+def _relabelled(value: Any, numbers: Any) -> Any:
+    """Return other numbers with the dimensions and coordinates of labelled ones."""
+    result = value.copy(data=numbers)
+    result.attrs = {}  # with the unit
+    return result
+
+
+def check_extrema(extrema: str | None, catalogue: Catalogue, angles: Any) -> Extrema:
+    """Return the search for extrema: refined over a whole turn, unless the angles themselves are given."""
+    chosen = _are_several(angles)
+    if extrema is None:
+        return "sampled" if chosen else "refined"
+    extrema = check_choice(("extrema",), extrema, EXTREMA)
+    if chosen and extrema == "refined":
+        name = catalogue.position.name
+        what = f"'refined' is over the whole turn of {name}, but {name} is an array"
+        other = ", or a number of angles" if catalogue.positions is None else ""
+        remedy = ("write ", Setting("extrema", "sampled"), other)
+        raise InputError(what, where=("extrema",), remedy=remedy)
+    return "refined" if extrema == "refined" else "sampled"
+
+
+def check_turn(catalogue: Catalogue, names: Iterable[str], angles: Any) -> None:
+    """Refuse an array of angles for a reduction that needs equal steps over a whole turn."""
+    if not _are_several(angles):
+        return
+    problems = Problems()
+    for k, request in enumerate(parse_request(name, catalogue) for name in names):
+        if request.reduction is not None and request.reduction.whole:
+            what = f"{request.name!r} is over a whole turn, but {catalogue.position.name} is an array"
+            remedy = "write a number of angles" if catalogue.positions is None else "leave it out"
+            problems.add(what, ("quantities", k), remedy)
+    problems.stop()
+
+
+def check_positions(catalogue: Catalogue, given: int | ArrayLike, key: str = "angles") -> NDArray[Any]:
+    """Return the input positions: a number of equal steps over one turn, or the positions themselves."""
+    name, noun = catalogue.position.name, "angles in rad" if catalogue.positions is None else "numbers"
+    noun = "angles in degrees" if angle_of(key) else noun
+    if catalogue.positions is not None and not _are_several(given):
+        what = f"{short_repr(given)} is not an array, and {name} has no bounds"
+        remedies = ("write them all, such as ", Samples(*catalogue.positions))
+        raise InputError(what, where=(key,), remedy=remedies)
+    if isinstance(given, (int, np.integer)) and not isinstance(given, (bool, np.timedelta64)):
+        if not 1 <= given <= MOST_LISTED:
+            what = f"{short_repr(given)} input angles"
+            remedy = f"write a number from 1 to {MOST_LISTED}, or an array in rad"
+            raise InputError(what, where=(key,), remedy=remedy)
+        return np.arange(int(given)) * (2.0 * np.pi / int(given))
+    turning = "a number of angles, or " if catalogue.positions is None else ""
+    remedy = f"write {turning}a flat array of {noun}"
+    try:
+        values = numbers_of("", key, given)
+    except InputError as error:
+        raise InputError(error.what, where=error.where[1:], remedy=remedy) from None
+    if values.ndim != 1:
+        raise InputError(f"is {short_repr(given)}", where=(key,), remedy=remedy)
+    if values.size == 0:
+        raise InputError("the array of input positions is empty", where=(key,), remedy="give at least one")
+    if (bad := first_invalid(values)) is not None:
+        raise InputError(f"is {values[bad]}", where=(key, bad), remedy=f"write finite {noun}")
+    order = np.argsort(values, kind="stable")
+    twice = np.flatnonzero(np.diff(values[order]) == 0.0)
+    if twice.size:
+        first, second = sorted(order[twice[0] : twice[0] + 2].tolist())
+        what = f"{values[first]} stands twice (at {first} and {second})"
+        raise InputError(what, where=(key,), remedy="give each position once")
+    return np.array(values)

@@ -1,1 +1,0 @@
-"""Pictures of maps, drawn by matplotlib, which is imported when it is needed."""

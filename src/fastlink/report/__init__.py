@@ -1,1 +1,0 @@
-"""Tables of text: quantities of a mechanism, summaries of maps."""

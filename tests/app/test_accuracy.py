@@ -1,0 +1,154 @@
+"""Error against run time: the methods, their errors, the front, the file, the picture, bad input."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+from tests.support.refusals import refused
+
+import fastlink as fl
+from fastlink.app.accuracy import front
+from fastlink.numerics.compensated import UNIT_ROUNDING
+
+STUDY = """
+mechanism = "planar_4r"
+quantities = ["omega4_max", "transmission_angle", "status"]
+[design]
+a1 = {linspace = [0.3, 0.5, 40]}
+a2 = 1.2
+a3 = 0.8
+a4 = 1.0
+omega1 = 25.0
+"""
+# Of a curve as of an extreme: what tests/mechanisms/test_precision.py allows, times a condition number of at most 100.
+SMALL = 400 * UNIT_ROUNDING
+
+
+@pytest.fixture(scope="module")
+def folder_of_study(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("accuracy")
+    (folder / "study.toml").write_text(STUDY)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def measured(folder_of_study):
+    return fl.accuracy(
+        folder_of_study / "study.toml",
+        designs=6,
+        outside=True,
+        to=folder_of_study / "accuracy.h5",
+        picture=folder_of_study / "accuracy.png",
+    )
+
+
+def errors(measured, quantity):
+    found = measured["error_max"].sel(quantity=quantity).dropna("way")
+    return {str(name): float(found.sel(way=name)) for name in found["way"].values}
+
+
+def test_every_method_is_as_accurate_as_it_can_be(measured):
+    found = errors(measured, "omega4_max")
+    assert found["refined"] < SMALL
+    # a maximum at most half a step away: error of the second order in the step, so 128 steps for 1 are 1/16384
+    assert found["4096 angles"] < found["32 angles"] / 1000
+    assert 1e-9 < found["4096 angles"] < found["360 angles"] < found["32 angles"] < 0.1
+    curves = errors(measured, "transmission_angle")
+    assert set(curves) == {"eliminated", "NumPy"}
+    assert curves["eliminated"] < SMALL
+    assert curves["NumPy"] < SMALL
+
+
+def test_what_is_written_of_each(measured, folder_of_study):
+    assert measured.sizes == {"way": measured.sizes["way"], "quantity": 2}
+    assert measured.attrs["designs"] == 6
+    assert "a1 = {linspace" in measured.attrs["study"]
+    one = measured.sel(way="refined", quantity="omega4_max")
+    assert one["values"] == 6
+    assert one["missed"] == 0
+    assert one["ns_per_design"] > 0
+    assert one["error_median"] <= one["error_99"] <= one["error_max"]
+    assert np.isnan(measured["error_max"].sel(way="refined", quantity="transmission_angle"))
+    with xr.open_dataset(folder_of_study / "accuracy.h5", engine="h5netcdf") as written:
+        xr.testing.assert_equal(written, measured)
+    assert (folder_of_study / "accuracy.png").stat().st_size > 10_000
+
+
+def test_the_table_marks_the_front(measured):
+    table = fl.accuracy_table(measured)
+    assert [line for line in table.splitlines() if line and not line.startswith((" ", "*"))] == [
+        "omega4_max",
+        "transmission_angle",
+    ]
+    starred = [line for line in table.splitlines() if line.startswith("*")]
+    assert len(starred) == int(measured["pareto"].sum())
+
+
+def test_a_method_on_the_front_is_beaten_by_none():
+    one = xr.Dataset(
+        {
+            "error_max": (("way", "quantity"), [[1e-3], [1e-3], [1e-9], [1e-16], [2e-16], [np.nan]]),
+            "ns_per_design": (("way", "quantity"), [[1.0], [2.0], [3.0], [5.0], [4.0], [np.nan]]),
+        }
+    )
+    # the last digit is not a difference
+    assert front(one)[:, 0].tolist() == [1, 0, 1, 0, 1, 0]
+
+
+def test_the_same_seed_gives_the_same_designs_and_errors(folder_of_study):
+    study = folder_of_study / "curve.toml"
+    study.write_text(STUDY.replace('"omega4_max", ', ""))
+    first, second, other = (fl.accuracy(study, designs=6, seed=seed) for seed in (3, 3, 4))
+    xr.testing.assert_equal(first["error_max"], second["error_max"])
+    assert not first["error_max"].equals(other["error_max"])
+
+
+def test_infinite_extremes_at_toggles_are_found_by_refinement_only(folder_of_study):
+    study = folder_of_study / "toggle.toml"
+    study.write_text(STUDY.replace("[0.3, 0.5, 40]", "[1.3, 1.4, 4]").replace(', "transmission_angle"', ""))
+    measured = fl.accuracy(study, designs=4)
+    assert (measured["missed"].sel(way="refined") == 0).all()
+    assert (measured["missed"].sel(way="4096 angles") == 4).all()  # omega4 is infinite there
+
+
+def test_dense_and_eliminated_reactions(folder_of_study):
+    study = folder_of_study / "forces.toml"
+    bars = '[links]\nmodel = "round_bar"\ndensity = 7750.0\nradius = 0.01\n'
+    study.write_text(STUDY.replace('"omega4_max", "transmission_angle"', '"F32_x"') + bars)
+    found = errors(fl.accuracy(study, designs=4), "F32_x")
+    assert set(found) == {"eliminated", "dense"}
+    assert max(found.values()) < 4 * SMALL
+
+
+@pytest.mark.parametrize(
+    ("change", "options", "key", "remedy"),
+    [
+        ({}, {"designs": 0}, "designs", "a whole number from 1 to"),
+        ({}, {"seed": -1}, "seed", "a whole number from 0 to"),
+        (
+            {'"omega4_max", "transmission_angle", ': ""},
+            {},
+            "quantities",
+            "one of these",
+        ),
+        ({"omega1": "omega"}, {}, "design.omega", ""),
+    ],
+)
+def test_bad_input(folder_of_study, change, options, key, remedy):
+    study = folder_of_study / "bad.toml"
+    text = STUDY
+    for old, new in change.items():
+        text = text.replace(old, new)
+    study.write_text(text)
+    with refused(key, remedy):
+        fl.accuracy(study, **options)
+
+
+def test_a_picture_that_cannot_be_written_is_refused_before_anything_is_measured(folder_of_study):
+    said = []
+    with refused("picture.xyz", "write one of"):
+        fl.accuracy(
+            folder_of_study / "study.toml", picture=folder_of_study / "picture.xyz", announce=said.append
+        )
+    assert said == []

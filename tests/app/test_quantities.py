@@ -1,0 +1,197 @@
+"""The tables of quantities: what is in them, and that the documentation is what they say."""
+
+import doctest
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from tests.support.refusals import refused
+from tests.support.registry import ENTRIES
+
+import fastlink as fl
+from fastlink.app import report
+from fastlink.app.report import GROUPS, Quantity, QuantityList, document
+from fastlink.engine.labels import variables
+from fastlink.engine.resolve import resolve
+from fastlink.mechanisms import NAMES
+from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.plan.query import REDUCTIONS
+
+DOCUMENT = Path(__file__).parents[2] / "docs" / "quantities.md"
+LISTED = [(name, row) for name in NAMES for row in fl.quantities(name)]
+
+
+@pytest.fixture(scope="module")
+def results():
+    """What a sweep says of every public quantity of each mechanism, over a table; nothing is compiled."""
+    found = {}
+    for mechanism in NAMES:
+        position = find_catalogue(mechanism).position.name
+        entry = next(e for e in ENTRIES if (e.mechanism, e.input) == (mechanism, position) and e.moves)
+        drawn = entry.drawn("random", 1, 4)
+        angles = drawn.pop(position)
+        drawn.pop("branch", None)
+        names = [row.name for row in fl.quantities(mechanism)]
+        resolved = resolve(mechanism, fl.table(drawn), names, angles=angles)
+        labelled = variables(resolved.plan, resolved.space, resolved.positions.size)
+        found[mechanism] = {variable.name: variable for variable in labelled}
+    return found
+
+
+def test_the_documentation_is_up_to_date():
+    assert DOCUMENT.read_text(encoding="utf-8") == document(), (
+        "stale: run `python -m fastlink.app.report > docs/quantities.md`"
+    )
+
+
+def test_the_documentation_is_written_by_the_module():
+    done = subprocess.run(
+        [sys.executable, "-m", "fastlink.app.report"],
+        capture_output=True,
+        check=True,
+        encoding="utf-8",
+    )
+    assert done.stdout == document()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_public_quantity_is_listed_once(name):
+    names = [row.name for row in fl.quantities(name)]
+    assert sorted(names) == sorted(find_catalogue(name).public)
+
+
+@pytest.mark.parametrize(("mechanism", "row"), LISTED, ids=[row.name for _, row in LISTED])
+def test_a_row_agrees_with_the_result(mechanism, row, results):
+    assert isinstance(row, Quantity)
+    found = results[mechanism][row.name]
+    assert row.dims == found.dims
+    assert row.units == found.attrs.get("units", "1")
+    assert row.meaning == found.attrs["long_name"]
+    assert row.source == found.attrs["references"]
+
+
+def test_the_table_shows_every_row():
+    listed = fl.quantities("planar_4r")
+    text = str(listed)
+    assert isinstance(listed, QuantityList)
+    assert repr(listed) == text
+    lines = text.splitlines()
+    assert [line[:-1] for line in lines if line[:-1] in GROUPS] == list(
+        dict.fromkeys(r.group for r in listed)
+    )
+    assert lines[2].split() == ["name", "units", "dims", "meaning", "source"]
+    for row in listed:
+        (line,) = [line for line in lines if line.split(" ")[0] == row.name]
+        assert f"({', '.join(row.dims)})" in line
+    assert all(line == line.rstrip() for line in lines)
+
+
+def test_the_inputs_are_a_table_of_their_own():
+    listed = fl.quantities("planar_4r")
+    rows = {given.name: given for given in listed.inputs}
+    assert rows["a1"].allowed == "greater than 0"
+    assert rows["omega1"].links == ""
+    assert rows["m1"].links == "given by round_bar"
+    assert rows["radius"].links == "of round_bar"
+    assert rows["omega1"].units == "rad s-1"
+    below = str(listed).split("Inputs;")[1]
+    assert all(f"\n{name} " in below for name in rows)
+
+
+def test_the_rules_of_names_stand_once_and_are_true():
+    listed = fl.quantities("planar_4r")
+    for text in (str(listed), listed.markdown()):
+        for suffix in REDUCTIONS:
+            named = re.findall(rf"NAME_{suffix}\b", text)  # that of an error has its own
+            assert len(named) == (2 if REDUCTIONS[suffix].has_position else 1)
+        assert len(re.findall(r"theta1_at_NAME_max\b", text)) == 1
+    space = fl.grid(a1=[0.3, 0.4], a2=1.2, a3=0.8, a4=1.0, omega1=25.0)
+    maps = fl.sweep("planar_4r", space, ["omega4_rms", "theta1_at_omega4_max"], theta1=4)
+    assert maps["omega4_rms"].dims == maps["theta1_at_omega4_max"].dims == ("a1", "branch")
+    assert maps["theta1_at_omega4_max"].attrs["units"] == "rad"
+
+
+def test_internal_steps_come_after_the_public_quantities():
+    public, every = fl.quantities("planar_4r"), fl.quantities("planar_4r", internal=True)
+    assert list(every[: len(public)]) == list(public)
+    further = {row.name: row.dims for row in every[len(public) :]}
+    assert further["s1"] == ("design",)
+    assert further["cos_theta1"] == ("theta1",)
+    assert further["p"] == ("design", "theta1")
+    assert further["AB_x"] == ("design", "branch", "theta1")
+
+
+def test_markdown_tables_are_regular():
+    for line in document().splitlines():
+        if line.startswith("|"):
+            assert line.replace("\\|", "").count("|") == 6
+
+
+@pytest.mark.parametrize("mechanism", NAMES)
+def test_groups_stand_in_order_each_together(mechanism):
+    order = [GROUPS.index(row.group) for row in fl.quantities(mechanism)]
+    assert order == sorted(order)
+
+
+@pytest.mark.parametrize(
+    "name", ["T41", "omega4_max", "theta1_at_omega4_max", "d_omega4_d_a1", "omega4_extrema"]
+)
+def test_a_row_by_name_says_what_a_sweep_gives_and_needs(name):
+    row = fl.quantities("planar_4r")[name]
+    inputs = {given: 1.0 for given in row.needs} | {"a1": 0.4, "a2": 1.1, "a3": 0.8}
+    resolved = resolve("planar_4r", fl.table({"a1": [0.4], **{k: [v] for k, v in inputs.items()}}), [name])
+    (variable, *_) = variables(resolved.plan, resolved.space, resolved.positions.size)
+    assert (row.name, row.dims) == (name, variable.dims)
+    assert row.units == variable.attrs["units"]
+    assert row.meaning == variable.attrs["long_name"]
+    for without in row.needs:
+        with pytest.raises(fl.InputError, match=rf"\b{without} is missing"):
+            resolve("planar_4r", fl.grid(**{k: v for k, v in inputs.items() if k != without}), [name])
+
+
+def test_a_row_of_an_unknown_name_is_refused():
+    with refused("'mu'", "transmission_angle"):
+        fl.quantities("planar_4r")["mu"]
+
+
+def test_quantities_are_found_by_what_they_mean():
+    found = fl.quantities("planar_4r", find="torque")
+    assert found[0].name == "T41"
+    assert found.inputs[0].name == "T_load"
+    assert "Driving torque" in str(found)
+    assert fl.quantities("planar_4r", find="peak torque")[0].name == "T41_max"
+
+
+def test_all_mechanisms_are_searched():
+    found = fl.quantities(find="piston")
+    assert {row.mechanism for row in found} == {"slider_crank"}
+    assert found.mechanism == ""
+    assert "slider_crank  slider_velocity" in str(found)
+    assert "<td>slider_velocity</td>" in found._repr_html_()
+    assert "Nothing" in str(fl.quantities(find="xyzzy"))
+
+
+@pytest.mark.parametrize("options", [{}, {"find": ""}, {"find": 3}, {"mechanism": "planar_4r", "find": " "}])
+def test_what_to_list_or_find_is_a_word(options):
+    with refused("find" if options else "mechanism", "torque"):
+        fl.quantities(**options)
+
+
+def test_an_unknown_mechanism_is_refused():
+    with pytest.raises(fl.InputError, match="mechanism: 'planar_4R' is unknown; did you mean 'planar_4r'"):
+        fl.quantities("planar_4R")
+
+
+def test_the_examples_run():
+    result = doctest.testmod(report)
+    assert result.attempted > 0
+    assert result.failed == 0
+
+
+def test_a_word_in_place_of_a_mechanism_may_be_one_to_find():
+    with refused("'torque'", "find='torque'"):
+        fl.quantities("torque")
+    with refused("'planar4r'", "'planar_4r'"):
+        fl.quantities("planar4r")

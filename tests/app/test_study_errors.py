@@ -1,0 +1,404 @@
+"""Study files: one clear line for each thing that is wrong with them."""
+
+from pathlib import Path
+
+import h5py
+import pytest
+from tests.support.study_files import BARE, GOOD, LENGTHS, written
+from typer.testing import CliRunner
+
+import fastlink as fl
+from fastlink.app.cli import app
+from fastlink.app.study import read_study, run_study
+from fastlink.errors import MOST_LINES
+
+
+def refused(text, **options):
+    """Return the lines with which a study is refused, without the name of the file."""
+    path = written(text)
+    with pytest.raises(fl.InputError) as caught:
+        run_study(path, **options)
+    lines = str(caught.value).splitlines()
+    assert all(line.startswith("study.toml: ") for line in lines)
+    return [line.removeprefix("study.toml: ") for line in lines]
+
+
+def assert_problem(text, key, remedy):
+    """Assert that one problem of a study is told: at its key, with its remedy."""
+    (line,) = refused(text)
+    assert line.split(" ")[0].rstrip(":") == key
+    assert remedy in line.partition("; ")[2]
+    assert not any(word in line for word in ("numpy", "allow_invalid", "(lo, hi)"))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "key", "remedy"),
+    [
+        ("mechanism", "mechanim", "mechanim", "did you mean 'mechanism'?"),
+        ("[design]", "[desing]", "desing", "did you mean 'design'?"),
+        ("linspace", "linspce", "design.a2.linspce", "did you mean 'linspace'?"),
+        ("theta1", "teta1", "cycle.teta1", "did you mean 'theta1'?"),
+        ("[cycle]", "[output]\nfiel = 'x'\n[cycle]", "output.fiel", "did you mean 'file'?"),
+        ("a4 = 1", "a4 = 1\nomega_1 = 2", "design.omega_1", "did you mean 'omega1'?"),
+        (
+            "[cycle]",
+            "[links]\nmodel = 'round_bar'\nradus = 1\n[cycle]",
+            "links.radus",
+            "did you mean 'radius'?",
+        ),
+        (
+            "a2 = {linspace = [1.0, 1.4, 3]}",
+            "sobool = {n = 4, a2 = [1, 2]}",
+            "design.sobool",
+            "did you mean 'sobol'?",
+        ),
+        (
+            "theta1 = 8",
+            "theta1 = {geomspace = [1, 2, 3]}",
+            "cycle.theta1.geomspace",
+            "did you mean 'linspace'?",
+        ),
+        ('"planar_4r"', '"planar_4"', "mechanism", "did you mean 'planar_4r'?"),
+        ("omega4_max", "omga4_max", "quantities[0]", "did you mean 'omega4_max'"),
+        ("[cycle]", "[links]\nmodel = 'round_ba'\n[cycle]", "links.model", "did you mean 'round_bar'?"),
+        ("[cycle]", "[cycle]\nsolver = 'dens'", "cycle.solver", "did you mean 'dense'?"),
+        ("[cycle]", "[cycle]\nbranch = 3", "cycle.branch", "write some of 1, 2"),
+        ('"planar_4r"', "4", "mechanism", "write a text that is not empty"),
+        (
+            '["omega4_max", "theta4"]',
+            '"theta4"',
+            "quantities",
+            'write a list of names, such as ["omega4_max"]',
+        ),
+        ('"theta4"]', "4]", "quantities[1]", "write the name of a quantity as text"),
+        ("a1 = 0.4", 'a1 = "0.4"', "design.a1", "write a finite number, or {linspace = [lo, hi, n]},"),
+        ("a1 = 0.4", "a1 = [0.4, 0.5]", "design.a1", "write a finite number, or {linspace = [lo, hi, n]},"),
+        ("a1 = 0.4", "a1 = true", "design.a1", "write a finite number, or {linspace = [lo, hi, n]},"),
+        ("a1 = 0.4", "a1 = nan", "design.a1", "write a finite number, or {linspace = [lo, hi, n]},"),
+        ("a1 = 0.4", "a1 = 1e999", "design.a1", "write a finite number, or {linspace = [lo, hi, n]},"),
+        (
+            "1.4, 3]",
+            "1.4, 3.0]",
+            "design.a2.linspace",
+            "write [lo, hi, n] with finite lo and hi and a whole number",
+        ),
+        (
+            "1.4, 3]",
+            "1.4]",
+            "design.a2.linspace",
+            "write [lo, hi, n] with finite lo and hi and a whole number",
+        ),
+        ("[0.8, 0.7]", '[0.8, "x"]', "design.a3.values[1]", "write a finite number"),
+        (
+            "theta1 = 8",
+            "theta1 = 8.5",
+            "cycle.theta1",
+            "write a number of angles from 1 to 10000000, {linspace =",
+        ),
+        ("[cycle]", "[cycle]\nbranch = 'left'", "cycle.branch", "write assembly modes, such as [1, 2]"),
+        ("[cycle]", "[output]\noverwrite = 1\n[cycle]", "output.overwrite", "write true or false"),
+        (
+            "[cycle]",
+            "[links]\nmodel = 'round_bar'\ndensity = 1\nradius = {values = [1]}\n[cycle]",
+            "links.radius",
+            "write one finite number; to sweep it, make it an axis in",
+        ),
+        ('["omega4_max", "theta4"]', "[]", "quantities", 'write a list of names, such as ["omega4_max"]'),
+        (
+            "1.4, 3]",
+            "1.4, 0]",
+            "design.a2.linspace",
+            "write [lo, hi, n] with finite lo and hi and a whole number",
+        ),
+        (
+            "1.4, 3]",
+            "1.4, 10000001]",
+            "design.a2.linspace",
+            "write [lo, hi, n] with finite lo and hi and a whole number",
+        ),
+        ("[0.8, 0.7]", "[]", "design.a3.values", "write a list of one or more finite numbers"),
+        ("{values = [0.8, 0.7]}", "{}", "design.a3", "write exactly one of geomspace, linspace, values"),
+        (
+            "{values = [0.8, 0.7]}",
+            "{values = [1], linspace = [1, 2, 3]}",
+            "design.a3",
+            "write exactly one of geomspace, linspace, values",
+        ),
+        (
+            "linspace = [1.0",
+            "geomspace = [-1.0",
+            "design.a2.geomspace",
+            "write [lo, hi, n] with finite lo and hi of one sign,",
+        ),
+        (
+            "linspace = [1.0",
+            "geomspace = [inf",
+            "design.a2.geomspace",
+            "write [lo, hi, n] with finite lo and hi of one sign,",
+        ),
+        ("[0.8, 0.7]", "[0.8, 0.8]", "design.a3", "give each value once"),
+        ("a1 = 0.4", "a1 = -0.4", "design.a1", "write a finite number greater than 0"),
+        ("[0.8, 0.7]", "[0.8, 0.0]", "design.a3[1]", "write a finite number greater than 0"),
+        ("[cycle]", "[cycle]\nbranch = []", "cycle.branch", "write some of 1, 2"),
+        ("[cycle]", "[cycle]\nbranch = [1, 1]", "cycle.branch", "write each once"),
+        ("theta1 = 8", "theta1 = {values = [1, 1]}", "cycle.theta1", "give each position once"),
+        ('"theta4"]', '"omega4_max"]', "quantities[1]", "name it once"),
+        ('quantities = ["omega4_max", "theta4"]', "", "quantities", 'write quantities = ["omega4_max"]'),
+        ("omega1 = 25.0", "", "design.omega1", "omega4_max depends on it: add it"),
+        ("[cycle]", "[links]\ndensity = 1.0\n[cycle]", "links.model", 'write model = "round_bar"'),
+    ],
+)
+def test_bad_input(folder, old, new, key, remedy):
+    assert old in GOOD
+    assert_problem(GOOD.replace(old, new, 1), key, remedy)
+
+
+@pytest.mark.parametrize(
+    ("design", "key", "remedy"),
+    [
+        ("", "design", "write a table [design] with a number or an axis for each"),
+        ("[design]\n", "design", "write a number or an axis for each input"),
+        ("[[design]]\na1 = 1\n", "design", "write a table of keys, such as [design]"),
+        (
+            "[design]\nsobol = {n = 4, a1 = [1, 2]}\na2 = {values = [1]}\n",
+            "design",
+            "write one of them, beside constants",
+        ),
+        (
+            "[design]\nsobol = {n = 4, a1 = [1, 2]}\nlatin_hypercube = {n = 4, a1 = [1, 2]}\n",
+            "design",
+            "write one of them, beside constants",
+        ),
+        (
+            "[design]\nsobol = {n = 0, a1 = [1, 2]}\n",
+            "design.sobol.n",
+            "write an integer from 1 to 1125899906842624",
+        ),
+        ("[design]\nsobol = {a1 = [1, 2]}\n", "design.sobol.n", "write n = 1024, the number of designs"),
+        ("[design]\nsobol = {n = 4}\n", "design.sobol", "write [lo, hi] for at least one, or use a grid"),
+        ("[design]\nsobol = {n = 4, a1 = [2, 1]}\n", "design.sobol.a1", "write [lo, hi] with lo < hi"),
+        (
+            "[design]\nsobol = {n = 4, a1 = [1, 2, 3]}\n",
+            "design.sobol.a1",
+            "write [lo, hi] with finite lo < hi, or one finite number",
+        ),
+        ("[design]\nsobol = {n = 4, a1 = [1, 2]}\na1 = 3\n", "design.sobol", "write it once"),
+        (
+            "[design]\na1 = 0.4\na2 = 1.2\na3 = 0.8\na4 = 1.0\nsobol = {n = 4, omga1 = [1, 2]}\n",
+            "design.sobol.omga1",
+            "did you mean 'omega1'?",
+        ),
+        (
+            "[design]\ntable = 3\n",
+            "design.table",
+            'write the path of a CSV or Parquet file, such as "designs.csv"',
+        ),
+        ("[design]\ntable = 'absent.csv'\n", "design.table", "give the path of a CSV file"),
+        ("[design]\ntable = 'holes.csv'\n", "design.table", "write a finite number"),
+        (
+            "[design]\na1 = 0.4\na2 = 1.2\na3 = 0.8\na4 = 1.0\nradius = 0.01\n",
+            "design.radius",
+            '[links] model = "round_bar"',
+        ),
+    ],
+)
+def test_bad_designs(folder, design, key, remedy):
+    Path("holes.csv").write_text("a1,a2\n1,2\n1,\n")
+    assert_problem(BARE + design, key, remedy)
+
+
+def test_links_that_lack_a_value(folder):
+    text = BARE.replace("theta4", "T41") + f"[design]\nomega1 = 1\n{LENGTHS}[links]\nmodel = 'round_bar'\n"
+    assert refused(text) == [
+        "links.density is missing (density of the round bars [kg m-3]); T41 depends on it: add it",
+        "links.radius is missing (radius of the round bars [m]); T41 depends on it: add it",
+    ]
+
+
+def test_every_missing_input_is_named_once(folder):
+    lines = refused(BARE.replace('["theta4"]', '["omega4", "alpha4"]') + "[design]\na1 = 1.0\na4 = 2.0\n")
+    assert [line.split(" ")[0] for line in lines] == ["design.a2", "design.a3", "design.omega1"]
+
+
+def test_several_problems_are_a_line_each(folder):
+    text = (
+        GOOD.replace("a1 = 0.4", "a1 = -1")
+        .replace("theta1 = 8", "theta1 = 8\nbranch = 7")
+        .replace("ga4", "ga")
+    )
+    keys = [line.split(" ")[0].rstrip(":") for line in refused(text)]
+    assert sorted(keys) == ["cycle.branch", "design.a1", "quantities[0]"]
+
+
+def test_very_many_problems_are_counted(folder):
+    names = ", ".join(f'"wrong{k}"' for k in range(MOST_LINES + 5))
+    lines = refused(GOOD.replace('"omega4_max", "theta4"', names))
+    assert len(lines) == MOST_LINES + 1
+    assert lines[-1] == "and 5 more problems"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (GOOD.replace("a1 = 0.4", "a1 = "), "is not TOML: Invalid value (at line 5, column 6)"),
+        (GOOD + "a1\n", "is not TOML: Expected '=' after a key in a key/value pair (at line 12, column 3)"),
+    ],
+)
+def test_toml_faults_have_their_line(folder, text, message):
+    with pytest.raises(fl.InputError) as caught:
+        run_study(written(text))
+    assert str(caught.value).startswith(f"study.toml: {message}; ")
+
+
+def test_files_that_cannot_be_read(folder):
+    with pytest.raises(fl.InputError, match=r"^absent\.toml: cannot be read \(No such file"):
+        run_study("absent.toml")
+    with pytest.raises(fl.InputError, match=r"is a folder.*; give the path of a study,"):
+        run_study(folder)
+    Path("latin.toml").write_bytes("# Länge".encode("latin-1"))
+    with pytest.raises(fl.InputError, match=r"^latin\.toml: is not UTF-8 text .* at byte 3"):
+        run_study("latin.toml")
+
+
+def test_a_map_is_not_a_study(folder):
+    fl.sweep("planar_4r", fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0), ["grashof_class"], to="map.h5").close()
+    with pytest.raises(
+        fl.InputError, match=r"^map\.h5: is a map, not a study; `fastlink info map\.h5` shows it$"
+    ):
+        run_study("map.h5")
+
+
+def test_an_unknown_key_is_refused_with_its_table(folder):
+    (line,) = refused(GOOD + "[output]\nfolder = 'x'\n")
+    assert "output.folder is not a key of [output]" in line
+    (line,) = refused("titel = 'x'\n" + GOOD)
+    assert "titel is not a key of a study" in line
+    (line,) = refused(GOOD.replace("linspace", "linspce"))
+    assert "design.a2.linspce is not a key of [design.a2]" in line
+
+
+def of_the_caller(text, **options):
+    """Return the error of what the study does not say, but its caller."""
+    with pytest.raises(fl.InputError) as caught:
+        run_study(written(text), **options)
+    return caught.value
+
+
+def test_output_that_cannot_be_written(folder):
+    (line,) = refused(GOOD + '[output]\nfile = "no/map.h5"\n')
+    assert line.startswith("output.file: ")
+    assert line.endswith("there is no folder " + f"{folder / 'no'}; create it or choose another")
+    assert of_the_caller(GOOD, to="no/map.h5").where == ("to",)
+    assert_problem(GOOD + '[output]\nfile = ""\n', "output.file", "write a text that is not empty")
+
+
+@pytest.mark.parametrize("name", ["study.toml", "designs.csv"])
+def test_a_study_never_replaces_what_it_is_read_from(folder, name):
+    Path("designs.csv").write_text("a1,a2\n0.4,1.2\n")
+    text = f'{BARE}[design]\ntable = "designs.csv"\na3 = 0.8\na4 = 1.0\n'
+    error = of_the_caller(text, to=name, overwrite=True)
+    assert (error.where, error.what) == (("to",), f"{name!r} is not the name of an HDF5 file")
+    Path("link.h5").symlink_to(name)
+    error = of_the_caller(text, to="link.h5", overwrite=True)
+    assert (error.where, error.what) == (("to",), "link.h5 is a file that is read for it")
+    assert Path("designs.csv").read_text() == "a1,a2\n0.4,1.2\n"
+
+
+def test_what_the_caller_says_is_told_in_the_words_of_the_caller(folder):
+    assert of_the_caller(GOOD, threads=0).where == ("threads",)
+    assert of_the_caller(GOOD, verify=-1).where == ("verify",)
+    assert not Path("study.h5").exists()
+
+
+def test_an_existing_file_is_replaced_when_the_study_or_the_caller_says_so(folder):
+    path = written(GOOD)
+    run_study(path).close()
+    run_study(path).close()  # the same again is up to date
+    (line,) = refused(GOOD + "# and more\n")
+    assert line.startswith("output.file: ")
+    assert line.endswith("overwrite=True")
+    run_study(path, overwrite=True).close()
+    run_study(written(GOOD + "[output]\noverwrite = true\n")).close()
+
+
+@pytest.mark.parametrize("search", ["", '[search]\nminimise = ["omega4_max"]\ntop = 1\n'])
+def test_a_study_of_its_own_replaces_maps_alone(folder, search):
+    text = GOOD + search + "[output]\noverwrite = true\n"
+    with h5py.File("theirs.h5", "w") as file:
+        file["measured"] = [1.0, 2.0]
+    for other in (Path("theirs.h5").read_bytes(), b"", b"years of work"):
+        Path("study.h5").write_bytes(other)
+        (line,) = refused(text)
+        assert line.startswith("output.file: ")
+        assert "is no map" in line
+        assert line.endswith("overwrite=True")
+        assert Path("study.h5").read_bytes() == other
+    done = CliRunner().invoke(app, ["run", "study.toml", "--quiet"])
+    assert done.exit_code == 2
+    assert done.output.endswith("or write --overwrite\n")
+    run_study(written(text), overwrite=True).close()
+    run_study(written(text + "# and more\n")).close()
+
+
+VALUES = (
+    *("3", "-1", "1.5", "nan", "true", '""', '"x"', "1979-05-27", "[]", "[1, 2]", "[[1]]", '["a"]', "{}"),
+    *(
+        "{n = 3}",
+        "{values = 3}",
+        "{values = [1, 2]}",
+        "{linspace = 3}",
+        "{linspace = [1, 1e308, 3]}",
+        f"1{400 * '0'}",
+    ),
+)
+KEYS = {
+    "": ["mechanism", "title", "quantities"],
+    "design": ["a1", "sobol", "latin_hypercube", "table", "unknown"],
+    "links": ["model", "radius"],
+    "cycle": ["input", "angles", "theta1", "branch", "solver", "extrema", "unknown"],
+    "run": ["backend"],
+    "output": ["file", "overwrite", "verify"],
+}
+
+
+@pytest.mark.filterwarnings("ignore::fastlink.errors.InputWarning")  # angles may look like degrees
+@pytest.mark.parametrize(("table", "key"), [(table, key) for table, keys in KEYS.items() for key in keys])
+def test_any_value_of_any_key_is_read_or_refused_at_its_key(folder, table, key):
+    tables = {"": {"mechanism": '"planar_4r"', "quantities": '["theta4"]'}, "links": {"model": '"round_bar"'}}
+    tables["design"] = {"a1": "0.4", "a2": "1.2", "a3": "0.8", "a4": "1.0"}
+    lines = []
+    for value in VALUES:
+        changed = {**tables, table: {**tables.get(table, {}), key: value}}
+        text = "".join(
+            f"[{name}]\n" * bool(name) + "".join(f"{k} = {v}\n" for k, v in entries.items())
+            for name, entries in sorted(changed.items())
+        )
+        try:
+            read_study(written(text))
+        except fl.InputError as error:
+            lines.append(str(error))
+    assert len(lines) > len(VALUES) / 2
+    assert all(line.startswith("study.toml: ") for text in lines for line in text.splitlines())
+    assert any(f"{table}.{key}".lstrip(".") in line for line in lines)
+
+
+def test_columns_of_a_table_are_kept(folder):
+    Path("designs.csv").write_text("a2,part_no\n1.1,7\n1.2,8\n")
+    rest = "a1 = 0.4\na3 = 0.8\na4 = 1.0\n"
+    text = BARE + "[design]\n{}table = 'designs.csv'\n" + rest
+    assert_problem(text.format(""), "design.table.part_no", 'keep = ["part_no"]')
+    with run_study(written(text.format("keep = ['part_no']\n"))) as maps:
+        assert maps.part_no.values.tolist() == [7, 8]
+    assert_problem(BARE + "[design]\nkeep = ['part_no']\na2 = 1.2\n" + rest, "design.keep", "table = ...")
+    assert refused(text.format("keep = 7\n"))[0].startswith("design.keep is 7; write names of columns")
+
+
+def test_an_input_called_as_a_parameter_of_a_sample(folder):
+    text = """mechanism = "hart"
+quantities = ["stroke"]
+[design]
+sobol = {n = 8, ranges = {n = [1.0, 2.0]}, m = [1.5, 2.5], d = 1.0, kappa = 0.5}
+"""
+    with run_study(written(text)) as maps:
+        assert (maps.n.dims, maps.attrs["design_n"]) == (("design",), 8)
+        assert 1.0 <= maps.n.values.min() < maps.n.values.max() <= 2.0

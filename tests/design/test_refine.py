@@ -1,0 +1,291 @@
+"""Refined designs: better, within the conditions, to the bits of a sweep, and nowhere near is a better one."""
+
+import itertools
+
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+from scipy.optimize import minimize
+from tests.support.refusals import refused
+
+import fastlink as fl
+from fastlink.maps.units import flags_of
+
+#: Of each mechanism: its inputs, and what is asked for.
+MECHANISMS = {
+    "planar_4r": (
+        {"a1": (0.2, 0.5), "a2": (0.8, 1.3), "a3": (0.6, 1.2), "a4": 1.0, "omega1": 25.0},
+        {"minimise": "omega4_max", "where": {"swing": (1.0, None), "status": "rotates_fully"}},
+    ),
+    "slider_crank": (
+        {"r": (0.05, 0.15), "l": (0.2, 0.5), "e": (0.0, 0.05), "omega": 10.0},
+        {"minimise": "slider_acceleration_max", "where": {"stroke": (0.2, None), "status": "rotates_fully"}},
+    ),
+    "focal": (
+        {
+            "a": (4.0, 6.0),
+            "b": (4.0, 6.0),
+            "c": (1.5, 2.5),
+            "d": (3.0, 5.0),
+            "rho": (0.5, 1.5),
+            "completion": 1,
+        },
+        {"maximise": "transmission_angle_PQ_least", "where": {"status": "completed"}},
+    ),
+    "hart": ({"m": (3.0, 5.0), "n": (7.0, 9.0), "d": 6.0, "kappa": (0.3, 0.6)}, {"maximise": "stroke"}),
+    "minkowski_4r": (
+        {"a": (2.5, 3.5), "b": (4.5, 5.5), "g": (5.5, 6.5), "h": (3.5, 4.5)},
+        {"minimise": "cosh_psi_max", "where": {"theta_max": (0.5, None)}},
+    ),
+}
+
+
+def sampled(mechanism, n=256, **further):
+    inputs, asked = MECHANISMS[mechanism]
+    names = [
+        asked.get("minimise", asked.get("maximise")),
+        *(n for n in asked.get("where", ()) if n != "status"),
+    ]
+    return fl.sweep(mechanism, fl.sobol(n, inputs, seed=4), names, branch=1, progress=False, **further), asked
+
+
+@pytest.fixture(scope="module")
+def rockers():
+    return sampled("planar_4r")
+
+
+def value_of(found, asked):
+    sign = 1.0 if "minimise" in asked else -1.0
+    return sign * found[asked.get("minimise", asked.get("maximise"))].values
+
+
+def codes_of(found, name="refinement"):
+    meanings = {code: meaning for meaning, code in flags_of(found[name]).items()}
+    return [meanings[code] for code in found[name].values.tolist()]
+
+
+@pytest.mark.parametrize("mechanism", MECHANISMS)
+def test_of_every_mechanism(mechanism):
+    maps, asked = sampled(mechanism)
+    inputs, _ = MECHANISMS[mechanism]
+    ranges = {name: ends for name, ends in inputs.items() if isinstance(ends, tuple)}
+    found = fl.best(maps, **asked, top=2, refine=True)
+    starts = fl.best(maps, **asked, top=2)
+    # better than all starts, by what it says
+    assert value_of(found, asked)[0] <= value_of(starts, asked).min()
+    name = asked.get("minimise", asked.get("maximise"))
+    assert (found[f"{name}_gain"] > 0.0).all()
+    # within the ranges and the conditions, to the bits of a sweep
+    for key, (low, high) in ranges.items():
+        assert ((found[key] >= low) & (found[key] <= high)).all()
+    assert fl.best(found, **asked, top=2).sizes == found.sizes
+    again = fl.sweep(mechanism, found.fastlink.designs.drop_vars("active"), [*map(str, maps.data_vars)][:-1],
+                     branch=1, progress=False)  # fmt: skip
+    for key in maps.data_vars:
+        assert_array_equal(again[key], found[key])
+    # of 4,000 designs about it, none that meets the conditions is better by more than they are apart to second order
+    rng, best = np.random.default_rng(1), found.isel(design=0)
+    assert codes_of(found)[0] == "converged"
+    about = {}
+    for key, (low, high) in ranges.items():
+        reach = 1e-3 * (high - low) * rng.uniform(-1.0, 1.0, 4000)
+        about[key] = np.clip(float(best[key]) + reach, low, high)
+    rest = {key: value for key, value in inputs.items() if key not in ranges}
+    near = fl.sweep(mechanism, fl.table(about | {k: np.full(4000, v) for k, v in rest.items()}), [name, *(
+        key for key in asked.get("where", ()) if key != "status")], branch=1, progress=False)  # fmt: skip
+    others = fl.best(near, **asked, top=1)
+    if others.sizes["design"]:
+        size = abs(float(best[name]))
+        assert value_of(others, asked)[0] >= value_of(found, asked)[0] - 1e-6 * size
+
+
+def test_a_crank_rocker_as_by_its_own_formulas():
+    """The greatest swing with transmission angles from 45 to 135 degrees: by the cosine law alone, from many starts.
+
+    At the folded positions of crank and ground DB and BA make the extreme transmission angles; at those of crank and
+    coupler the output link turns back.
+    """
+
+    def angle(opposite, one, other):
+        return np.arccos((one**2 + other**2 - opposite**2) / (2.0 * one * other))
+
+    def swing(x):
+        a1, a2, a3 = x
+        return abs(angle(a2 + a1, 1.0, a3) - angle(a2 - a1, 1.0, a3))
+
+    def margins(x):
+        a1, a2, a3 = x
+        return np.array([angle(1.0 - a1, a2, a3) - np.pi / 4, 3 * np.pi / 4 - angle(1.0 + a1, a2, a3)])
+
+    bounds, known = [(0.1, 0.6), (0.6, 1.4), (0.5, 1.2)], 0.0
+    for start in itertools.product((0.15, 0.25), (0.8, 1.0), (0.6, 0.8)):
+        with np.errstate(invalid="ignore"):
+            one = minimize(lambda x: -swing(x), start, method="SLSQP", bounds=bounds, options={"ftol": 1e-14},
+                           constraints={"type": "ineq", "fun": margins})  # fmt: skip
+        if one.success and margins(one.x).min() > -1e-9:
+            known = max(known, -one.fun)
+    space = fl.grid(
+        a1=np.linspace(0.1, 0.6, 11), a2=np.linspace(0.6, 1.4, 11), a3=np.linspace(0.5, 1.2, 11), a4=1.0
+    )
+    names = ["swing", "transmission_angle_min", "transmission_angle_max"]
+    maps = fl.sweep("planar_4r", space, names, branch=1, progress=False)
+    where = {"status": "rotates_fully", "transmission_angle_min": (np.pi / 4, None)}
+    where["transmission_angle_max_deg"] = (None, 135.0)
+    found = fl.best(maps, maximise="swing", where=where, top=3, refine=True)
+    # limits are kept by 1e-9 of their size, and the swing changes by a few times as much; SciPy's differences of
+    # the oracle are right to 1e-8
+    assert float(found.swing[0]) == pytest.approx(known, rel=1e-7)
+    assert "transmission_angle_min >= 0.785398 rad" in str(found.active[0].item())
+    assert "transmission_angle_max <= 2.35619 rad" in str(found.active[0].item())
+
+
+def test_counterweights_of_berkof_and_lowen():
+    """The shaking force vanishes where counterweights keep the mass centre at rest: m r = (m1 + m2) a1 / 2 and so on.
+
+    Uniform bars: of the coupler one half counts at A, one at B. The least force is at a kink, where it is 0.
+    """
+    bar = 7750.0 * np.pi * 0.01**2
+    m1, m2, m3 = (bar * a for a in (0.4, 1.2, 0.8))
+    known = [(m1 + m2) * 0.5 * 0.4 / 0.2, (m2 + m3) * 0.5 * 0.8 / 0.4]
+    space = fl.sobol(64, a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=25.0, counterweight1_mass=(0.0, 7.8),
+                     counterweight1_radius=0.2, counterweight3_mass=(0.0, 9.7), counterweight3_radius=0.4)  # fmt: skip
+    maps = fl.sweep("planar_4r", space, ["shaking_force_max"], links=fl.round_bar(density=7750.0, radius=0.01),
+                    branch=1, progress=False)  # fmt: skip
+    found = fl.best(maps, minimise="shaking_force_max", top=1, refine=True)
+    # a force is 1e3 N per kilogram that is off, and its rounding 1e-12 N
+    masses = [float(found.counterweight1_mass[0]), float(found.counterweight3_mass[0])]
+    np.testing.assert_allclose(masses, known, rtol=1e-9)
+    assert float(found.shaking_force_max[0]) < 1e-6
+
+
+def test_a_position_is_found_too(rockers):
+    """Of a quantity at each position a row has one: the best is at the greatest value over the cycle."""
+    inputs, _ = MECHANISMS["planar_4r"]
+    maps = fl.sweep(
+        "planar_4r", fl.sobol(16, inputs, seed=2), ["omega4", "omega4_max"], theta1=16, progress=False
+    )
+    where = {"status": "rotates_fully", "branch": (1, 1)}
+    found = fl.best(maps, maximise="omega4", where=where, top=2, refine=["a1"])
+    np.testing.assert_allclose(found.omega4, found.omega4_max, rtol=1e-9)
+    assert ((found.theta1 >= 0.0) & (found.theta1 < 2.0 * np.pi)).all()
+    again = fl.evaluate("planar_4r", ["omega4"], theta1=found.theta1.values, branch=found.branch.values,
+                        **{key: found[key].values for key in inputs})  # fmt: skip
+    assert_array_equal(again["omega4"], found.omega4)
+    narrow = fl.best(
+        maps, maximise="omega4", where={**where, "theta1_deg": (20.0, 70.0)}, top=2, refine=["a1"]
+    )
+    assert ((narrow.theta1 >= np.deg2rad(20.0)) & (narrow.theta1 <= np.deg2rad(70.0))).all()
+
+
+def test_a_front_moves_out(rockers):
+    maps = rockers[0].isel(design=slice(0, 64))
+    aims = {"minimise": "omega4_max", "maximise": "swing", "where": {"status": "rotates_fully"}}
+    front, finer = fl.best(maps, **aims), fl.best(maps, **aims, refine=True)
+    assert ((finer.omega4_max_gain >= 0.0) & (finer.swing_gain >= 0.0)).all()
+    assert float(finer.swing_gain.max()) > 0.0
+    for speed, swing in zip(front.omega4_max.values, front.swing.values, strict=True):
+        assert ((finer.omega4_max <= speed) & (finer.swing >= swing)).any()
+    again = fl.best(finer, **aims)
+    assert again.sizes["design"] == finer.sizes["design"]
+
+
+def test_inputs_of_a_table_that_lie_on_a_line_stay_there():
+    rng = np.random.default_rng(3)
+    a2 = rng.uniform(0.9, 1.3, 60)
+    columns = {"a1": rng.uniform(0.2, 0.4, 60), "a2": a2, "a3": a2, "a4": 0.5 * a2 + 0.6}
+    maps = fl.sweep(
+        "planar_4r", fl.table(columns), ["transmission_angle_min", "swing"], branch=1, progress=False
+    )
+    found = fl.best(maps, maximise="swing", where={"transmission_angle_min": (0.7, None)}, top=1, refine=True)
+    assert float(found.swing_gain[0]) > 0.0
+    np.testing.assert_allclose(found.a3, found.a2, rtol=4e-16)
+    np.testing.assert_allclose(found.a4, 0.5 * found.a2 + 0.6, rtol=1e-15)
+
+
+def test_only_named_inputs_change(rockers):
+    maps, asked = rockers
+    start = fl.best(maps, **asked, top=1)
+    found = fl.best(maps, **asked, top=1, refine="a2")
+    assert_array_equal(found.a1, start.a1)
+    assert_array_equal(found.a3, start.a3)
+    assert float(found.omega4_max_gain[0]) > 0.0
+
+
+def test_what_is_at_its_best_already_stays(rockers):
+    maps, asked = rockers
+    once = fl.best(maps, **asked, top=1, refine=True)
+    a1 = float(once.a1[0])
+    rest = {name: float(once[name].item()) for name in ("a2", "a3", "a4", "omega1")}
+    space = fl.grid(a1=[a1, 1.1 * a1], **rest)
+    both = fl.sweep("planar_4r", space, ["omega4_max", "swing"], branch=1, progress=False)
+    again = fl.best(both, **asked, top=1, refine=True)
+    assert codes_of(again) == ["nothing_to_gain"]
+    assert_array_equal(again.omega4_max, once.omega4_max)
+    assert_array_equal(again.omega4_max_gain, [0.0])
+
+
+def test_a_map_that_the_mechanism_does_not_give_is_said(rockers):
+    maps, asked = rockers
+    changed = maps.assign(omega4_max=(maps.omega4_max + 0.1).assign_attrs(maps.omega4_max.attrs))
+    found = fl.best(changed, **asked, top=1, refine=True)
+    assert codes_of(found) == ["not_what_the_map_says"]
+    assert_array_equal(found.a1, fl.best(changed, **asked, top=1).a1)
+
+
+def test_a_code_is_a_border():
+    """Nothing but the status bounds the crank: it grows up to where the linkage does not turn fully any more."""
+    space = fl.grid(a1=np.linspace(0.1, 0.9, 5), a2=1.2, a3=0.8, a4=1.0)
+    maps = fl.sweep("planar_4r", space, ["swing"], branch=1, progress=False)
+    found = fl.best(maps, maximise="a1", where="rotates_fully", top=1, refine=True)
+    assert codes_of(found) == ["blocked_by_a_code_or_where_there_is_no_value"]
+    # the border is at a1 = 0.8 + 1.0 - 1.2; steps end below 1e-10 of the range, tenfold shorter each
+    assert 0.6 - 1e-6 < float(found.a1[0]) < 0.6
+    assert codes_of(found, "status") == ["rotates_fully"]
+
+
+def test_it_is_the_same_each_time(rockers):
+    maps, asked = rockers
+    one, other = (fl.best(maps, **asked, top=3, refine=True) for _ in range(2))
+    assert one.identical(other)
+
+
+@pytest.mark.parametrize(
+    ("asked", "key", "remedy"),
+    [
+        ({"refine": "a9"}, "refine", "a3"),
+        ({"refine": ["a4"]}, "refine", "known: a1, a2, a3"),
+        ({"refine": 1}, "refine", "True or False"),
+        ({"where": "mask", "refine": True}, "where", "ranges"),
+        ({"minimise": "cost", "refine": True}, "minimise", "leave refine out"),
+    ],
+)
+def test_what_cannot_be_refined_is_refused(rockers, asked, key, remedy):
+    maps, _ = rockers
+    maps = maps.assign(cost=maps.omega4_max + maps.a1)
+    if asked.get("where") == "mask":
+        asked = asked | {"where": maps.a1 < 0.4}
+    with refused(key, remedy):
+        fl.best(maps, **({"minimise": "omega4_max"} | asked))
+
+
+def test_extremes_over_positions_that_a_map_does_not_hold_are_refused():
+    space = fl.sobol(16, {"m": (3.0, 5.0), "n": (7.0, 9.0), "d": 6.0, "kappa": (0.3, 0.6)})
+    given = {"input": "F_y", "F_y": np.linspace(-1.0, 1.0, 9), "branch": 1, "progress": False}
+    maps = fl.sweep("hart", space, ["A_y_max"], **given)
+    with refused("minimise", "along F_y"):
+        fl.best(maps, minimise="A_y_max", refine=True)
+    both = fl.sweep("hart", space, ["A_y_max", "A_y"], **given)
+    found = fl.best(both, minimise="A_y_max", top=1, refine=True)
+    assert float(found.A_y_max_gain[0]) > 0.0
+    asked = {name: value for name, value in given.items() if name != "branch"}
+    searched = fl.search("hart", space, minimise="A_y_max", top=1, **asked)
+    assert float(searched.A_y_max[0]) == float(found.A_y_max[0])
+
+
+def test_a_map_in_other_units_is_refused(rockers):
+    maps, _ = rockers
+    with refused("swing", "before it was converted"):
+        fl.best(maps.fastlink.degrees(), maximise="swing", refine=True)
+    space = fl.grid(a1=[0.4], a2=1.2, a3=0.8, a4=1.0)
+    with refused("refine", "sweep the inputs"):
+        fl.best(fl.sweep("planar_4r", space, ["swing"], progress=False), maximise="swing", refine=True)

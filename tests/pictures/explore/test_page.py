@@ -1,0 +1,400 @@
+"""The page in a real browser: what a reader sees follows from what is done."""
+
+from __future__ import annotations
+
+import csv
+import time
+import warnings
+
+import numpy as np
+import pytest
+from tests.support.browser import PATIENCE, new_tab, opened
+
+import fastlink as fl
+from fastlink.maps.units import flags_of
+
+pytestmark = [pytest.mark.browser, pytest.mark.filterwarnings("default:NOT TESTED")]
+
+#: The colours at the middle of the cells of a picture of 15 by 13; pixels in the colour of the first assembly mode.
+PIXELS = """(() => {
+    const canvas = element("map"), pen = canvas.getContext("2d"), ratio = canvas.width / canvas.clientWidth;
+    const found = [], {left, top, width, height} = view.box;
+    for (let j = 0; j < 13; j++) for (let i = 0; i < 15; i++) {
+        const x = (left + (i + 0.5) / 15 * width) * ratio, y = (top + (1 - (j + 0.5) / 13) * height) * ratio;
+        found.push([...pen.getImageData(Math.round(x), Math.round(y), 1, 1).data.slice(0, 3)]);
+    }
+    return found;
+})()"""
+GREATEST = """async () => {
+    const found = await source.picture({...view.query, pool: "greatest"});
+    return [found.pooled, Array.from(found.values, one => String(Math.fround(one)))];
+}"""
+INK = """(() => {
+    const canvas = element("linkage"), size = [canvas.width, canvas.height];
+    const data = canvas.getContext("2d").getImageData(0, 0, ...size).data, wanted = ofHex(MODES[0]);
+    let count = 0;
+    for (let k = 0; k < data.length; k += 4) count += wanted.every((one, c) => one === data[k + c]);
+    return count;
+})()"""
+
+
+@pytest.fixture(scope="module")
+def page(path):
+    with fl.explore(path, browser=False) as served:
+        yield served
+
+
+@pytest.fixture(scope="module")
+def show(browser):
+    with new_tab(browser) as found:
+        yield found
+
+
+@pytest.fixture
+def tab(show, page):
+    return show(page.url)
+
+
+def state(tab, expression="state"):
+    """Return a value of the page."""
+    return tab.evaluate(expression)
+
+
+def settled(tab, condition):
+    """Wait until a condition of the page holds."""
+    end = time.monotonic() + PATIENCE / 1000.0
+    while not tab.evaluate(condition):  # the page lets nobody evaluate a text in it, but this
+        assert time.monotonic() < end, condition
+        tab.wait_for_timeout(15)
+
+
+def point(tab, across, up):
+    """Move the mouse to a place of the picture, in shares of its sides."""
+    box, left = tab.locator("#over").bounding_box(), state(tab, "view.box")
+    x = box["x"] + left["left"] + across * left["width"]
+    y = box["y"] + left["top"] + (1 - up) * left["height"]
+    tab.mouse.move(x, y)
+    return x, y
+
+
+def values(tab):
+    """Return the values that are shown, by name."""
+    return tab.evaluate(
+        "Object.fromEntries([...document.querySelectorAll('#values div')].map("
+        "one => [one.dataset.name, one.querySelector('.value').textContent]))"
+    )
+
+
+def test_it_shows_the_map_and_the_values_under_the_cursor(tab, path):
+    assert tab.locator("#choose-name").input_value() == "omega4_max"
+    assert (state(tab, "state.x"), state(tab, "state.y")) == ("a2", "a3")
+    point(tab, 0.99, 0.01)
+    settled(tab, "design.at.a2 === 14 && design.at.a3 === 0")
+    with fl.open(path) as maps:
+        one = maps.isel(a1=1, a2=14, a3=0, branch=0)
+        shown = values(tab)
+        assert shown["a2"] == "1.5 m"
+        (meaning,) = [
+            name for name, code in flags_of(one.grashof_class).items() if code == int(one.grashof_class)
+        ]
+        assert shown["grashof_class"] == meaning.replace("_", " ")
+        for name in ("omega4_max", "transmission_angle_min"):
+            value = float(one[name]) * (180 / np.pi if name == "transmission_angle_min" else 1.0)
+            text = shown[name].replace("−", "-")
+            number = float(text.split("°")[0].split()[0].replace("none", "nan"))
+            assert number == pytest.approx(value, rel=1e-5, nan_ok=True)  # six digits are shown
+
+
+def test_the_pixels_have_the_colours_of_the_values(tab, path):
+    """The colour at the middle of each cell is that of its value, the first row below."""
+    colours = tab.evaluate(PIXELS)
+    with fl.open(path) as maps:
+        cells = maps.omega4_max.isel(a1=1, branch=0).transpose("a3", "a2").values.astype("f4").ravel()
+    wanted = tab.evaluate("cells => cells.map(one => painter(view.scale)(one === null ? NaN : one))",
+                          [None if np.isnan(one) else float(one) for one in cells])  # fmt: skip
+    assert colours == wanted
+    assert len({tuple(one) for one in colours}) > 20
+
+
+def test_a_slider_shows_another_slice(tab, path):
+    before = state(tab, "Array.from(view.values).map(String)")
+    tab.locator("#slide-a1").focus()
+    tab.keyboard.press("ArrowLeft")
+    settled(tab, "!loading && design.at.a1 === 0")
+    assert state(tab, "Array.from(view.values).map(String)") != before
+    with fl.open(path) as maps:
+        cells = maps.omega4_max.isel(a1=0, branch=0).transpose("a3", "a2").values.astype("f4").ravel()
+    np.testing.assert_array_equal(state(tab, "Array.from(view.values, String)"), [
+        "NaN" if np.isnan(one) else tab.evaluate("x => String(x)", float(one)) for one in cells])  # fmt: skip
+
+
+def test_the_mechanism_is_that_of_the_design_under_the_cursor(tab):
+    point(tab, 0.5, 0.5)
+    settled(tab, "design.at.a2 === 7 && design.at.a3 === 6")
+    place = state(tab, "design.motion.places(0.7, 1)")
+    a2, a3 = np.linspace(0.8, 1.5, 15)[7], np.linspace(0.4, 1.3, 13)[6]
+    true = fl.evaluate(
+        "planar_4r", ["A_x", "A_y", "B_x", "B_y"], a1=0.4, a2=a2, a3=a3, a4=1.0, theta1=0.7, branch=1
+    )
+    np.testing.assert_allclose([*place["A"], *place["B"]], list(true.values()), rtol=1e-12)
+    # and it is drawn: ink of the assembly mode on the canvas
+    ink = tab.evaluate(INK)
+    assert ink > 300
+
+
+def test_the_extremes_of_a_curve_are_marked_where_they_are(tab):
+    point(tab, 0.5, 0.5)
+    settled(tab, "design.at.a2 === 7 && design.at.a3 === 6")
+    marks = state(tab, "design.motion.extremes('omega4', 1, design.motion.curve('omega4', 1))")
+    a2, a3 = np.linspace(0.8, 1.5, 15)[7], np.linspace(0.4, 1.3, 13)[6]
+    space = fl.grid(a1=0.4, a2=a2, a3=a3, a4=1.0, omega1=10.0)
+    true = fl.sweep("planar_4r", space, ["omega4_max", "omega4_min"], branch=1, verify=0)
+    # the place of an extreme is found to the root of a rounding, its value to its square
+    np.testing.assert_allclose(
+        [one["value"] for one in marks], [true.omega4_max, true.omega4_min], rtol=1e-12
+    )
+
+
+def test_every_maximum_and_minimum_of_a_curve_is_marked(tab):
+    """In the order of their places, as the sweep lists them over a turn."""
+    point(tab, 0.5, 0.5)
+    settled(tab, "design.at.a2 === 7 && design.at.a3 === 6")
+    a2, a3 = np.linspace(0.8, 1.5, 15)[7], np.linspace(0.4, 1.3, 13)[6]
+    space = fl.grid(a1=0.4, a2=a2, a3=a3, a4=1.0, omega1=10.0)
+    true = fl.sweep("planar_4r", space, ["jerk4_extrema"], branch=1, verify=0)
+    marks = state(tab, "design.motion.bends('jerk4', 1, design.motion.curve('jerk4', 1))")
+    expected = true.jerk4_extrema.values.ravel()
+    expected = np.sort(expected[np.isfinite(expected)])
+    assert len(expected) >= 3
+    np.testing.assert_allclose(np.sort([one["value"] for one in marks]), expected, rtol=1e-9)
+
+
+def test_designs_are_locked_compared_and_written(tab, path):
+    x, y = point(tab, 0.3, 0.4)
+    tab.mouse.dblclick(x, y)
+    settled(tab, "state.locks.length === 1")
+    over = tab.locator("#over")
+    over.focus()
+    for key in ("ArrowRight", "ArrowUp", "Enter"):
+        tab.keyboard.press(key)
+    settled(tab, "state.locks.length === 2 && document.querySelectorAll('#cards figure').length === 2")
+    first, second = state(tab, "state.locks.map(one => one.at)")
+    assert (second["a2"], second["a3"]) == (first["a2"] + 1, first["a3"] + 1)
+    with tab.expect_download() as waiting:
+        tab.locator("#to-csv").click()
+    rows = list(csv.DictReader(waiting.value.path().read_text().splitlines()))
+    with fl.open(path) as maps:
+        for row, at in zip(rows, (first, second), strict=True):
+            one = maps.isel(at)
+            assert {name: float(row[name]) for name in ("a1", "a2", "a3", "a4", "omega1", "branch")} == {
+                name: float(one[name]) for name in ("a1", "a2", "a3", "a4", "omega1", "branch")
+            }
+            assert row["omega4_max"] == ("" if np.isnan(one.omega4_max) else repr(float(one.omega4_max)))
+    tab.locator("#cards button", has_text="Remove").first.click()
+    settled(tab, "state.locks.length === 1 && document.querySelectorAll('#cards figure').length === 1")
+
+
+def test_the_view_is_a_link(browser, page, tab):
+    tab.locator("#choose-name").select_option("grashof_class")
+    settled(tab, "view.name === 'grashof_class' && !loading")
+    tab.locator("#slide-a1").focus()
+    tab.keyboard.press("End")
+    x, y = point(tab, 0.2, 0.8)
+    tab.mouse.dblclick(x, y)
+    settled(tab, "state.locks.length === 1 && !loading")
+    with opened(browser, state(tab, "location.href")) as other:
+        for key in ("state.name", "state.at.a1", "state.cursor", "state.locks.map(one => one.at)"):
+            assert state(other, key) == state(tab, key)
+        assert "crank rocker" in other.locator("#legend").inner_text()
+
+
+def test_a_second_tab_without_the_token_is_refused(browser, page):
+    context = browser.new_context()
+    tab = context.new_page()
+    assert tab.goto(page.url.partition("?")[0]).status == 403
+    assert tab.goto(page.url[:-1]).status == 403
+    assert "token" in tab.inner_text("body")
+    context.close()
+
+
+def test_the_page_asks_nothing_of_any_other_machine(browser, page):
+    asked = []
+    with opened(browser, page.url) as tab:
+        tab.on("request", lambda request: asked.append(request.url))
+        tab.reload()
+        tab.wait_for_selector("body[data-ready=yes]")
+    assert asked
+    assert {one.partition("://")[2].partition("/")[0] for one in asked} == {
+        page.url.partition("://")[2].partition("/")[0]
+    }
+
+
+def drag(tab, start, end):
+    """Drag a region from one place of the picture to another."""
+    point(tab, *start)
+    tab.mouse.down()
+    point(tab, *(0.5 * (a + b) for a, b in zip(start, end, strict=True)))
+    point(tab, *end)
+    tab.mouse.up()
+
+
+def listed(tab):
+    """Return the places of the best designs of the region."""
+    return state(tab, "region.best.map(one => one.at)")
+
+
+def test_a_region_shows_its_best_designs_and_can_be_seen_alone(tab, path):
+    drag(tab, (0.21, 0.32), (0.78, 0.9))
+    settled(tab, "region !== null && !element('region').hidden")
+    window = state(tab, "windowOf(state.brush)")
+    assert window == {"a2": [3, 11], "a3": [4, 11]}
+    assert state(tab, "region.count") == 9 * 8
+    with fl.open(path) as maps:
+        inside = maps.isel(a1=1, branch=0, a2=slice(3, 12), a3=slice(4, 12))
+        for order, largest in (("", False), ("1", True)):
+            tab.locator("#choose-order").select_option(order)
+            settled(tab, f"region.largest === {str(largest).lower()} && region.best.length === 12")
+            true = inside.fastlink.top(12, "omega4_max", largest=largest).omega4_max.values
+            found = [float(maps.omega4_max.isel(at)) for at in listed(tab)]
+            np.testing.assert_array_equal(found, true)
+        rows = state(
+            tab, "Object.fromEntries(region.fields.map((of, k) => [of.name, region.rows[k].length]))"
+        )
+        assert rows == dict.fromkeys(("a2", "a3", "omega4_max", "transmission_angle_min"), 72)
+    tab.locator("#tick-whole").check()
+    settled(tab, "region.count === 9 * 8 * 3 * 2")
+    with fl.open(path) as maps:
+        inside = maps.isel(a2=slice(3, 12), a3=slice(4, 12))
+        true = inside.fastlink.top(12, "omega4_max", largest=True).omega4_max.values
+        np.testing.assert_array_equal([float(maps.omega4_max.isel(at)) for at in listed(tab)], true)
+    assert state(tab, "region.fields.map(of => of.name)")[:4] == ["a2", "a3", "a1", "branch"]
+    tab.locator("#zoom").click()
+    settled(tab, "view.values.length === 72 && !loading && region === null")
+    tab.locator("#controls button", has_text="Whole picture").click()
+    settled(tab, "view.values.length === 195 && !loading")
+
+
+def test_a_region_by_the_keyboard(tab):
+    over = tab.locator("#over")
+    over.focus()
+    for key in ("ArrowLeft", "b", "Shift+ArrowRight", "ArrowUp", "b"):
+        tab.keyboard.press(key)
+    settled(tab, "region !== null")
+    assert state(tab, "windowOf(state.brush)") == {"a2": [6, 14], "a3": [6, 7]}
+    settled(
+        tab, "element('said').textContent.includes('a_2')"
+    )  # where the last arrow led is said a moment later
+    tab.keyboard.press("Escape")
+    settled(tab, "region === null && element('region').hidden")
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_chosen_designs_are_a_study_that_gives_the_same_values(tab, path, tmp_path, count):
+    places = [{"a1": 1, "a2": 9, "a3": 6, "branch": 0}, {"a1": 0, "a2": 4, "a3": 8, "branch": 0}][:count]
+    tab.evaluate("async places => { for (const at of places) await lock(at); }", places)
+    for name, text in state(tab, "studyOf(state.locks)").items():
+        (tmp_path / name).write_text(text)
+    with (
+        fl.run_study(tmp_path / "study.toml", to=tmp_path / "again.h5", verify=0) as again,
+        fl.open(path) as maps,
+    ):
+        for k, at in enumerate(places):
+            one = again.isel(branch=0, **({"design": k} if count > 1 else {}))
+            for name in maps.data_vars:
+                assert float(one[name]) == float(
+                    maps[name].isel({d: p for d, p in at.items() if d in maps[name].dims})
+                )
+
+
+@pytest.fixture(scope="module")
+def written(path, tmp_path_factory):
+    """The page of the map as a file."""
+    file = tmp_path_factory.mktemp("pages") / "page.html"
+    fl.explore(path, to=file, browser=False).close()
+    return file
+
+
+def test_a_page_without_a_server_shows_the_same(browser, tab, written):
+    script = """async () => {
+        const found = {};
+        for (const [a1, name] of [[0, "omega4_max"], [2, "omega4_max"], [1, "grashof_class"]]) {
+            change({name, at: {...state.at, a1}});
+            while (loading) await new Promise(done => setTimeout(done, 5));
+            found[`${name} ${a1}`] = [Array.from(view.values, String), view.scale];
+        }
+        Object.assign(state, {name: "omega4_max", brush: [0.1, 0.9, 0.2, 0.7]});
+        change({});
+        while (loading) await new Promise(done => setTimeout(done, 5));
+        await drawRegion();
+        const short = one => typeof one === "number" ? String(Math.fround(one)) : one;
+        const named = row => Object.entries(row).map(([name, value]) => `${name} ${short(value)}`).sort();
+        found.best = region.best.map(one => [one.at, named(one.row)]);
+        found.rows = region.rows.map(row => row.map(short));
+        found.places = design.motion.places(0.3, 1);
+        return found;
+    }"""
+    with opened(browser, written.as_uri(), offline=True) as alone:
+        assert alone.evaluate(script) == tab.evaluate(script)
+        assert "http" not in alone.evaluate(
+            "performance.getEntriesByType('resource').map(one => one.name).join()"
+        )
+
+
+def test_a_map_of_sampled_designs_is_points(browser, tmp_path):
+    space = fl.sobol(64, seed=1, a1=(0.2, 0.5), a2=(0.9, 1.4), a3=(0.6, 1.2), a4=1.0, omega1=10.0)
+    maps = fl.sweep("planar_4r", space, ["omega4_max"], extrema="sampled", theta1=24, branch=1, verify=0)
+    file = tmp_path / "page.html"
+    maps.fastlink.explore(to=file, browser=False)
+    for served in (True, False):
+        page = fl.explore(maps, browser=False) if served else None
+        with opened(browser, page.url if page else file.as_uri()) as tab:
+            assert state(tab, "view.values.length") == 64
+            place = state(tab, "placeOf({design: 17})")
+            box = tab.locator("#over").bounding_box()
+            tab.mouse.move(box["x"] + place[0], box["y"] + place[1])
+            settled(tab, "design.at.design === 17")
+            inputs = state(tab, "design.motion.inputs")
+            assert {name: inputs[name] for name in ("a1", "a2", "a3", "a4")} == {
+                name: float(maps[name].values.flat[17 if maps[name].ndim else 0])
+                for name in ("a1", "a2", "a3", "a4")
+            }
+            drag(tab, (0.0, 0.0), (1.0, 1.0))
+            settled(tab, "region !== null && region.count === 64 && region.best.length === 12")
+            assert [one["design"] for one in listed(tab)] == np.argsort(maps.omega4_max.values.ravel())[
+                :12
+            ].tolist()
+        if page:
+            page.close()
+
+
+def test_a_cell_of_many_designs_shows_their_mean_once_a_slider_rests(browser, tmp_path):
+    space = fl.grid(a1=np.linspace(0.2, 1.9, 1500), a2=np.linspace(0.5, 1.5, 20), a3=[0.7, 0.9], a4=1.0)
+    maps = fl.sweep("planar_4r", space, ["transmission_angle_least"], verify=0)
+    values, file = maps.transmission_angle_least.values[:, :, 0], tmp_path / "page.html"
+    count = -(-1500 // 720)
+    cells = values.reshape(1500 // count, count, 20)
+    with fl.explore(maps, browser=False) as page, opened(browser, page.url) as tab:
+        settled(tab, "view.pooled === 'mean'")
+        assert f"of {count} × 1 designs" in tab.locator("#legend").inner_text()
+        for pool, merge in (("mean", np.nanmean), ("least", np.nanmin), ("greatest", np.nanmax)):
+            tab.locator("#choose-pool").select_option(pool)
+            settled(tab, f"!loading && view.pooled === '{pool}'")
+            found = np.reshape(np.array(state(tab, "Array.from(view.values, String)"), float), (20, -1)).T
+            with warnings.catch_warnings(action="ignore", category=RuntimeWarning):
+                np.testing.assert_allclose(found, merge(cells, axis=1), rtol=2.0**-22)
+        tab.locator("#choose-pool").select_option("one")
+        settled(tab, "!loading && view.pooled === 'one'")
+        fl.explore(maps, to=file, browser=False).close()
+        with opened(browser, file.as_uri(), offline=True) as alone:
+            settled(alone, "view.pooled === 'mean'")
+            assert alone.evaluate(GREATEST) == tab.evaluate(GREATEST)
+
+
+def test_a_map_of_one_axis_is_a_line(browser):
+    space = fl.grid(a1=0.4, a2=1.1, a3=0.8, a4=1.0, omega1=10.0)
+    maps = fl.sweep("planar_4r", space, ["omega4"], theta1=36, verify=0)
+    with fl.explore(maps, browser=False) as page, opened(browser, page.url) as tab:
+        assert (state(tab, "state.x"), state(tab, "state.y")) == ("theta1", "")
+        point(tab, 0.5, 0.5)
+        settled(tab, "design.at.theta1 === 18")
+        assert values(tab)["theta1"] == "180°"

@@ -1,0 +1,328 @@
+"""What the server answers, and what it refuses."""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import json
+import signal
+import subprocess
+import sys
+import urllib.error
+import urllib.request
+from http.client import HTTPConnection
+from unittest.mock import Mock
+from urllib.parse import quote, urlsplit
+
+import numpy as np
+import pytest
+import xarray as xr
+from tests.support.refusals import refused
+
+import fastlink as fl
+from fastlink.pictures import content, explore, server
+from fastlink.pictures.content import Values
+
+
+@pytest.fixture(scope="module")
+def page(path):
+    with fl.explore(path, browser=False) as served:
+        yield served
+
+
+def ask(page, where, token=None, host=None, query=None):
+    """Return status and body of an answer."""
+    base, _, own = page.url.partition("?token=")
+    address = base + where + (f"?query={quote(json.dumps(query))}" if query is not None else "")
+    request = urllib.request.Request(address, headers={"X-Token": own if token is None else token})
+    if host is not None:
+        request.add_header("Host", host)
+    try:
+        with urllib.request.urlopen(request, timeout=30) as reply:
+            return reply.status, reply.read()
+    except urllib.error.HTTPError as error:
+        with error:
+            return error.code, error.read()
+
+
+def picture(page, **query):
+    """Return head and values of a picture."""
+    status, body = ask(page, "picture", query=query)
+    assert status == 200, body
+    length = int.from_bytes(body[:4], "little")
+    return json.loads(body[4 : 4 + length]), np.frombuffer(body[4 + length :], dtype="<f4")
+
+
+def test_it_is_served_on_this_machine_alone_with_a_token(page):
+    assert page.url.startswith("http://127.0.0.1:")
+    assert len(page.url.partition("?token=")[2]) >= 32
+
+
+@pytest.mark.parametrize("where", ["", "picture", "row", "column", "no", "../../etc/passwd"])
+@pytest.mark.parametrize("token", ["", "x", "é"])
+def test_without_the_token_all_is_refused(page, where, token):
+    base = page.url.partition("?")[0]
+    request = urllib.request.Request(
+        f"{base}{where}?token={quote(token)}&query=%7B%7D", headers={"X-Token": "no"}
+    )
+    with pytest.raises(urllib.error.HTTPError) as caught:
+        urllib.request.urlopen(request, timeout=30)
+    with caught.value as error:
+        assert error.code == 403
+
+
+def test_another_name_of_this_machine_is_refused(page):
+    assert ask(page, "row", host="evil.example", query={"at": {}})[0] == 403
+
+
+@pytest.mark.parametrize("where", ["etc/passwd", "../lengths.h5", "lengths.h5", "page/main.js"])
+def test_there_is_nothing_but_the_map(page, where):
+    assert ask(page, where, query={})[0] == 404
+
+
+@pytest.mark.parametrize(
+    ("where", "query"),
+    [
+        ("picture", None),
+        ("picture", 5),
+        ("picture", {"name": "no", "axes": ["a2"], "at": {}, "window": {}}),
+        ("picture", {"name": "omega4_max", "axes": ["a2", "a3"], "at": {}, "window": {}}),
+        (
+            "picture",
+            {"name": "omega4_max", "axes": ["a2"], "at": {"a1": 99, "a3": 0, "branch": 0}, "window": {}},
+        ),
+        ("row", {"at": {"a1": "x"}}),
+        ("row", []),
+    ],
+)
+def test_what_is_no_request_is_refused(page, where, query):
+    assert ask(page, where, query=query)[0] == 400
+
+
+def nested(opening, closing, count=1000):
+    return quote('{"name": ' + opening * count + "1" + closing * count + "}")
+
+
+def test_whatever_is_asked_is_answered_on_the_same_connection(page, monkeypatch):
+    base, _, token = page.url.partition("?token=")
+    address = urlsplit(base).netloc
+
+    def at(place):
+        return "/row?query=" + quote('{"at": {"a1": ' + place + ', "a2": 0, "a3": 0, "branch": 0}}')
+
+    row = at("0")
+    bad = [
+        "/row?query=" + nested("[", "]"),
+        "/picture?query=" + nested('{"a": ', "}"),
+        "/picture?query=" + quote('{"name": "omega4_max", "axes": [["a2"]], "at": {}, "window": {}}'),
+        "/row?query=" + at("1" + 400 * "0"),
+        "/row?query=" + at("1" + 5000 * "0"),
+        "/row?query=" + quote('"\\ud800"'),
+        "/row",
+        "http://[row",
+    ]
+    connection = HTTPConnection(address, timeout=30)
+
+    def status(where):
+        connection.putrequest("GET", where, skip_host=True)  # which would look into the address
+        connection.putheader("Host", address)
+        connection.putheader("X-Token", token)
+        connection.endheaders()
+        with connection.getresponse() as reply:
+            assert b"\n" not in reply.read()
+            return reply.status
+
+    with contextlib.closing(connection):
+        assert status(row) == 200
+        opened = connection.sock
+        for where in bad:
+            assert status(where) == 400, where
+        with monkeypatch.context() as patch:
+            for error in (
+                OSError("gone"),
+                RuntimeError("Unable to read\nthis"),
+                MemoryError(),
+                AssertionError(),
+            ):
+                patch.setattr(Values, "row", Mock(side_effect=error))
+                assert status(row) == 500
+        assert status(row) == 200
+        assert connection.sock is opened
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["/*FACTS*/", "/*STYLE*/", "/*SCRIPT*/", "NONCE", "</script><script>", "<!--", r"\1 \g<0>", "a\u2028b"],
+)
+def test_texts_of_a_map_are_told_to_the_page_as_they_are(path, tmp_path, text):
+    def page_of(word):
+        with fl.open(path) as maps:
+            other = maps.assign_attrs(title=word).rename(omega4_max=word)
+            other[word].attrs.update(long_name=word, symbol=word, units=word)
+            fl.explore(other, to=tmp_path / "page.html", browser=False)
+        return (tmp_path / "page.html").read_text()
+
+    found = page_of(text)
+    told = json.JSONDecoder().raw_decode(found, found.index("const content = ") + len("const content = "))[0]
+    assert told["title"] == text
+    (one,) = (one for one in told["variables"] if one["name"] == text)
+    assert (one["meaning"], one["symbol"], one["units"]) == (text, text, text)
+    written = json.dumps(text).replace("<", r"\u003c")
+    assert found.replace(written, '"plain"') == page_of("plain")
+
+
+def test_a_picture_holds_the_values_of_the_map(page, path):
+    with fl.open(path) as maps:
+        expected = maps.omega4_max.isel(a1=1, branch=0).transpose("a3", "a2").values
+    at = {"a1": 1, "branch": 0}
+    head, values = picture(page, name="omega4_max", axes=["a3", "a2"], at=at, window={})
+    assert head["steps"] == {"a2": 1, "a3": 1}
+    np.testing.assert_array_equal(values.reshape(expected.shape), expected.astype("f4"))
+    _, values = picture(
+        page, name="omega4_max", axes=["a3", "a2"], at=at, window={"a2": [2, 4], "a3": [5, 5]}
+    )
+    np.testing.assert_array_equal(values, expected[5, 2:5].astype("f4"))
+
+
+def test_a_row_holds_all_values_of_a_design(page, path):
+    with fl.open(path) as maps:
+        expected = maps.isel(a1=1, a2=3, a3=4, branch=1)
+        row = json.loads(ask(page, "row", query={"at": {"a1": 1, "a2": 3, "a3": 4, "branch": 1}})[1])
+        assert {name: float(value) for name, value in row.items()} == {
+            name: float(expected[name]) for name in maps.data_vars
+        }
+
+
+@pytest.mark.parametrize(
+    ("options", "key", "remedy"),
+    [
+        ({"to": "page.pdf"}, "to", "page.html"),
+        ({"to": "no/page.html"}, "to", "create it"),
+        ({"port": -1}, "port", "from 0 to 65535"),
+        ({"browser": 1}, "browser", "True or False"),
+    ],
+)
+def test_wrong_options_are_refused(path, options, key, remedy):
+    with refused(key, remedy):
+        fl.explore(path, **{"browser": False, **options})
+
+
+def test_a_port_that_is_taken_is_refused(page, path):
+    taken = int(page.url.partition("?")[0].rstrip("/").rpartition(":")[2])
+    with refused("port", "leave it out"):
+        fl.explore(path, port=taken, browser=False)
+
+
+def test_a_page_does_not_carry_more_than_a_browser_holds(path, tmp_path, monkeypatch):
+    monkeypatch.setattr(server, "MOST_BYTES", 1000)
+    with refused("to", "fastlink.convert"):
+        fl.explore(path, to=tmp_path / "page.html", browser=False)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_compressed_map_reads_the_same(path, tmp_path):
+    fl.convert(path, tmp_path / "small.h5", compress="gzip:4")
+    with fl.open(path) as one, fl.open(tmp_path / "small.h5") as other:
+        at, axes = {"a1": 0, "branch": 1}, ("a2", "a3")
+        mine, theirs = (Values(maps).picture("omega4_max", axes, at, {})[0] for maps in (one, other))
+        np.testing.assert_array_equal(mine, theirs)
+
+
+@pytest.mark.parametrize("pool", ["mean", "least", "greatest"])
+@pytest.mark.parametrize("axes", [("a", "b"), ("b", "a")])
+def test_a_cell_of_several_designs_is_made_of_all_of_them(pool, axes, monkeypatch):
+    """Of 3 x 2 designs, of fewer at the ends; those without a value count in none, nor infinite ones in a mean."""
+    monkeypatch.setattr(content, "MOST_CELLS", 5)
+    monkeypatch.setattr(content, "BLOCK", 40)
+    numbers = np.random.default_rng(5).normal(size=(13, 2, 9))
+    numbers[3:6, 0, 2:4], numbers[0, 0, 0], numbers[9, 0, 8] = np.nan, np.nan, np.inf
+    maps = xr.Dataset({"x": (("a", "c", "b"), numbers, {"units": "1"})})
+    found, steps, said = Values(maps).picture("x", axes, {"c": 0}, {}, pool)
+    assert (steps, said) == ({"a": 3, "b": 2}, pool)
+    slices, merge = numbers[:, 0], {"mean": np.nanmean, "least": np.nanmin, "greatest": np.nanmax}[pool]
+    for i, j in itertools.product(range(5), range(5)):
+        cell = slices[3 * i : 3 * i + 3, 2 * j : 2 * j + 2]
+        cell = cell[np.isfinite(cell)] if pool == "mean" else cell[~np.isnan(cell)]
+        expected = np.float32(merge(cell)) if cell.size else np.nan
+        at = (i, j) if axes == ("a", "b") else (j, i)
+        # a mean of six is added in another order; both are rounded to 24 bits
+        np.testing.assert_allclose(found[at], expected, rtol=2.0**-22)
+
+
+def test_codes_and_counts_are_those_of_one_design(monkeypatch):
+    monkeypatch.setattr(content, "MOST_CELLS", 5)
+    maps = xr.Dataset({"n": (("a", "b"), np.arange(40.0).reshape(20, 2) % 3)})
+    found, steps, said = Values(maps).picture("n", ("a", "b"), {}, {}, "mean")
+    assert (steps, said) == ({"a": 4, "b": 1}, "one")
+    np.testing.assert_array_equal(found, maps.n.values[::4])
+
+
+@pytest.mark.parametrize("block", [1, 100, 1 << 20])
+def test_the_best_of_a_region_over_all_values_of_a_slider(page, path, block, monkeypatch):
+    monkeypatch.setattr(explore, "BLOCK", block)
+    window = {"a1": [0, 2], "a2": [3, 11], "a3": [4, 11]}
+    query = {
+        "name": "omega4_max",
+        "axes": ["a3", "a2", "a1"],
+        "at": {"branch": 0},
+        "window": window,
+        "largest": True,
+    }
+    status, body = ask(page, "region", query=query)
+    assert status == 200
+    found = json.loads(body)
+    with fl.open(path) as maps:
+        inside = maps.isel(branch=0, a2=slice(3, 12), a3=slice(4, 12))
+        true = inside.fastlink.top(12, "omega4_max").omega4_max.values
+        best = [float(maps.omega4_max.isel(one["at"])) for one in found["best"]]
+    np.testing.assert_array_equal(best, true)
+    assert found["count"] == 3 * 9 * 8
+    assert {one["at"]["a1"] for one in found["best"]} <= {0, 1, 2}
+    assert len(found["values"]["omega4_max"]) == len(found["axes"]["a1"]) <= explore.MOST_ROWS
+
+
+def test_a_large_picture_is_read_at_the_resolution_of_a_screen():
+    maps = xr.Dataset({"x": (("a", "b"), np.arange(3000.0 * 4).reshape(3000, 4), {"units": "1"})})
+    values, steps, _ = Values(maps).picture("x", ("b", "a"), {}, {})
+    assert steps == {"a": 5, "b": 1}
+    np.testing.assert_array_equal(values, maps.x.values[::5].T)
+    values, steps, _ = Values(maps).picture("x", ("a", "b"), {}, {"a": (10, 20)})
+    assert steps == {"a": 1, "b": 1}
+    np.testing.assert_array_equal(values, maps.x.values[10:21])
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        lambda maps: maps.isel(a2=slice(None, None, -1)),
+        lambda maps: maps.assign(omega4_max=2.0 * maps.omega4_max),
+        lambda maps: maps.sortby("a2", ascending=False),
+        lambda maps: maps.isel(a1=slice(1, None)),
+    ],
+)
+def test_a_map_that_was_changed_is_shown_as_it_is_now(path, changed):
+    """Not as the file has it from which it was opened."""
+    with fl.open(path) as maps:
+        other = changed(maps)
+        with fl.explore(other, browser=False) as page:
+            _, values = picture(
+                page, name="omega4_max", axes=["a2", "a3"], at={"a1": 0, "branch": 0}, window={}
+            )
+        expected = other.omega4_max.isel(a1=0, branch=0).values
+        np.testing.assert_array_equal(values.reshape(expected.shape), expected.astype("f4"))
+
+
+def test_the_command_serves_until_it_is_interrupted(path):
+    # a shell's background ignores the signal, and what it starts does too
+    heeds = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
+    runs = "from fastlink.app.cli import main; main()"
+    command = [sys.executable, "-c", f"{heeds}; {runs}", "explore", str(path), "--no-browser"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as running:
+        try:
+            address = running.stdout.readline().strip()
+            with urllib.request.urlopen(address, timeout=60) as reply:
+                assert b"lengths.h5" in reply.read()
+            running.send_signal(signal.SIGINT)
+            assert running.wait(timeout=60) == 0
+        finally:
+            running.kill()
