@@ -235,7 +235,7 @@ def test_a_failed_synchronisation_is_not_forgotten(tmp_path, monkeypatch, expect
 
     def failing_once(fd):
         calls.append(fd)
-        if len(calls) == 3:
+        if len(calls) == 2:  # there are more, but on a busy machine few
             raise OSError(errno.EIO, os.strerror(errno.EIO))
         synchronise(fd)
 
