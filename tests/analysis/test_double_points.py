@@ -19,8 +19,8 @@ from tests.support.curve_designs import (
     traced,
 )
 
-from fastlink.analysis.planar import crunode_count, crunodes, cusp_count, cusps
 from fastlink.numerics.compensated import UNIT_ROUNDING
+from fastlink.planar import crunode_count, crunodes, cusp_count, cusps
 
 # -- crunodes ----------------------------------------------------------------------------------------
 

@@ -8,8 +8,8 @@ import pytest
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.analysis.common import BLOCK
-from fastlink.analysis.minkowski import sextic
+from fastlink.analysis import BLOCK
+from fastlink.minkowski import sextic
 from fastlink.numerics.compensated import UNIT_ROUNDING
 
 DESIGN = ("a", "b", "g", "h", "x", "y")

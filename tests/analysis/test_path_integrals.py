@@ -11,7 +11,7 @@ from tests.support.curve_designs import CURVE, design_of, evaluate
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.analysis.planar import curve_area, curve_length
+from fastlink.planar import curve_area, curve_length
 
 #: What the documentation promises of lengths, and of areas in parts of the area that is swept.
 PROMISED = 1e-12

@@ -10,13 +10,13 @@ import pytest
 from tests.support.configurations import PLANAR
 from tests.support.curve_designs import design_of
 
-from fastlink.analysis.planar import io_coefficients
 from fastlink.facts.evaluate import read_facts
 from fastlink.facts.expression import ExpressionGraph
 from fastlink.facts.fact import Fact, parameters
 from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.numerics import compensated, elementary, logarithm, vectors
+from fastlink.planar import io_coefficients
 
 NUMERICS = (compensated, elementary, logarithm, vectors)
 FUNCTIONS = [f for module in NUMERICS for f in vars(module).values() if callable(f)]

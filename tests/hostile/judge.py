@@ -15,9 +15,9 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from fastlink.analysis.focal import Involution
 from fastlink.engine.function import Function
 from fastlink.errors import InputError, InputWarning, Wording
+from fastlink.focal import Involution
 from fastlink.space.design_space import DesignSpace
 from tests.hostile.values import REFUSED, TAKEN
 

@@ -9,10 +9,17 @@ from tests.support.configurations import LENGTHS, PLANAR
 from tests.support.curve_designs import CURVE, design_of, evaluate, random_designs, traced
 
 import fastlink as fl
-from fastlink.analysis.planar import curve_area, curve_length, curve_straightness, sextic, straightness
 from fastlink.facts.evaluate import read_facts
 from fastlink.numerics.compensated import UNIT_ROUNDING
-from fastlink.planar import cognates, inflections
+from fastlink.planar import (
+    cognates,
+    curve_area,
+    curve_length,
+    curve_straightness,
+    inflections,
+    sextic,
+    straightness,
+)
 
 # -- derivatives -------------------------------------------------------------------------------------
 
