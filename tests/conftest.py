@@ -21,6 +21,21 @@ def pytest_unconfigure() -> None:
         shutil.rmtree(os.environ["FASTLINK_CACHE_DIR"], ignore_errors=True)
 
 
+@pytest.hookimpl(tryfirst=True)  # before pytest leaves out what has the mark `stress`
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Run a part of the cases of a test with the mark `sample` by default, at even distances; all by `stress`."""
+    cases: dict[str, list[pytest.Item]] = {}
+    for item in items:
+        if item.get_closest_marker("sample"):
+            cases.setdefault(item.nodeid.partition("[")[0], []).append(item)
+    for found in cases.values():
+        count = min(found[0].get_closest_marker("sample").args[0], len(found))  # type: ignore[union-attr]
+        kept = {round((k + 0.5) * len(found) / count - 0.5) for k in range(count)}
+        for k, item in enumerate(found):
+            if k not in kept:
+                item.add_marker("stress")
+
+
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Return an empty folder that is the current one."""

@@ -265,6 +265,7 @@ def test_info_of_something_else(folder):
     assert line.startswith("map.txt: cannot be read as HDF5")
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("mechanism", NAMES)
 def test_a_new_study_runs_as_it_is(folder, mechanism):
     done = called("new", mechanism)
@@ -338,6 +339,7 @@ def test_best_designs_are_written_to_be_swept_again(folder):
     assert called(*line, "--overwrite").exit_code == 0
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("arguments", "key", "remedy"),
     [
@@ -394,6 +396,7 @@ def test_an_option_that_is_written_as_an_input_is_refused_with_how_it_is_written
         assert line.endswith(remedy)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -460,6 +463,7 @@ def test_the_version():
     assert called("--version").stdout == f"fastlink {version('fastlink-linkages')}\n"
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     "arguments",
     [

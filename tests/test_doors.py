@@ -183,6 +183,7 @@ def test_a_long_word_is_shortened_in_python(place, swept_maps):
     assert_short(str(caught.value).split("\n")[0])
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("line", LINES, ids=lambda line: line.replace(WORD, "WORD"))
 def test_a_long_word_is_shortened_on_the_command_line(line, swept_maps):
     written(GOOD)
@@ -191,6 +192,7 @@ def test_a_long_word_is_shortened_on_the_command_line(line, swept_maps):
     assert_short(found.output)
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("text", STUDIES, ids=lambda text: text.replace(WORD, "WORD"))
 def test_a_long_word_is_shortened_in_a_study(text, swept_maps):
     key, table = text.partition(" =")[0], text.startswith("[")

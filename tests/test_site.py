@@ -46,6 +46,7 @@ def test_every_page_is_reached_from_the_first(site):
     assert {page for page in pages if f'href="{page}' not in first} - {"index.html"} == set()
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", ["", "planar", "minkowski", "focal", "hart"])
 def test_the_api_shows_every_public_name(site, name):
     package = getattr(fl, name) if name else fl

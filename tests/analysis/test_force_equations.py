@@ -130,6 +130,7 @@ def by_the_equation(pair, lengths, rate):
     return turn, 2 * ddy / (1 + y**2) - y * turn**2
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(("pair", "lengths"), CASES, ids=[pair for pair, _ in CASES])
 def test_extremes_of_rates_follow_from_the_equation_of_the_pair(pair, lengths):
     i, j = pair

@@ -109,6 +109,7 @@ def may_be(name: str, value: Any) -> bool:
     return name in OF_ANY_SIGN or number > 0.0 or (number == 0.0 and name in ("m1", "m2", "m3"))
 
 
+@pytest.mark.sample(6)
 @pytest.mark.filterwarnings(
     "ignore:overflow", "ignore:invalid value", "ignore:divide by zero", "ignore:underflow"
 )

@@ -95,6 +95,7 @@ def printed(design, X, Y, b_for_h=True, exchanged=True):
     return (C1 * B2 - C2 * B1) ** 2 - (A2 * C1 - A1 * C2) ** 2 - (A1 * B2 - A2 * B1) ** 2
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("AX", TYPES)
 @pytest.mark.parametrize("BX", TYPES)
 def test_the_sextic_vanishes_on_the_traced_curve(AX, BX):

@@ -93,6 +93,7 @@ def test_the_map_of_counterweights(folder):
     assert np.all(force[1, 1] <= 32 * UNIT_ROUNDING * force[0, 0])
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", sorted(path.name for path in STUDIES.glob("*.toml")))
 def test_every_study_says_what_it_is_for_and_how_to_run_it(name):
     text = (STUDIES / name).read_text(encoding="utf-8")

@@ -155,6 +155,7 @@ def test_output_is_measured_and_leaves_nothing(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.stress
 def test_files_are_measured_and_none_is_left(tmp_path):
     found = files.checksums(tmp_path, rows=400, repeats=1) + files.layouts(tmp_path, side=2, repeats=1)
     assert all(math.isfinite(value) and value > 0 for _, value, _, _ in found)

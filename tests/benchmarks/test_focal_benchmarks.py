@@ -11,6 +11,7 @@ from fastlink.numerics.compensated import UNIT_ROUNDING
 N, K = 70, 64  # designs of two blocks; the kernels are those of the benchmark
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("case", focal.CASES, ids=lambda case: case.title)
 @pytest.mark.parametrize("other", [in_c, in_numpy])
 def test_the_same_bits(case, other):

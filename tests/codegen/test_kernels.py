@@ -87,6 +87,7 @@ def known_names(mechanism):
     return {*mechanism.facts, *chosen, *inputs, *tables, "branch"}
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", NAMES)
 def test_no_value_of_a_mechanism_has_a_name_that_kernels_use(name):
     """Such a value would be taken for a count or an array: designs were left out in silence."""

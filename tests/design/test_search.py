@@ -306,6 +306,7 @@ def parts_of(folder, space, asked, count=7, **options):
     return paths
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("of", SEARCHES)
 def test_joined_parts_are_the_result_of_one_search(of, tmp_path):
     space, asked = SEARCHES[of]

@@ -62,6 +62,7 @@ def variants_of(mechanism):
     ]
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(("mechanism", "input"), DRIVEN)
 def test_every_quantity_alone_is_as_in_an_array(mechanism, input):
     rng = np.random.default_rng(3)

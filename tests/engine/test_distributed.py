@@ -116,6 +116,7 @@ def test_results_in_memory_have_the_bits_of_one_thread(workers, small_tasks, spa
     assert_same(swept(space, names, client=workers), swept(space, names, threads=1))
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("options", [{}, {"layout": "maps"}, {"part": (2, 3)}], ids=str)
 @pytest.mark.parametrize("space", ["grid", "scaling axis", "sample"])
 def test_workers_write_into_the_file_that_they_see(workers, small_tasks, written, tmp_path, space, options):

@@ -68,6 +68,7 @@ def assert_same(joined, whole):
         assert joined[name].dtype == object or joined[name].values.tobytes() == whole[name].values.tobytes()
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("of", REQUESTS)
 def test_joined_parts_are_the_map_of_one_sweep(of, tmp_path):
     with sweep(of, to=tmp_path / "whole.h5") as whole:
@@ -155,6 +156,7 @@ def part_of_moved(path, number):
     return path.parent / SUBFOLDER / f"maps.part-{number}-of-16.h5"
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("reader", ["open", "link", "h5py", "h5netcdf", "netcdf4", "convert"])
 def test_every_reader_finds_the_values_of_all_parts_where_they_were_moved(reader, sixteen, moved):
     assert moved.stat().st_size < 1e5

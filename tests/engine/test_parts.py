@@ -45,6 +45,7 @@ def assert_is_part(part, whole, swept):
             assert part[name].variable.identical(coord.variable)
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("of", [of for of in REQUESTS if of != "layout of maps"])
 def test_parts_are_those_of_the_whole(of):
     whole = sweep(of)
@@ -66,6 +67,7 @@ def test_parts_are_those_of_the_whole(of):
         assert_array_equal(np.concatenate([part["design"].values for part in parts]), whole["design"].values)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("order", list(itertools.permutations(AXES)))
 def test_an_axis_that_only_scales_results_has_the_same_bits_in_parts(order):
     """Rows of a part follow from designs that are evaluated at another speed, perhaps of another part."""
@@ -144,6 +146,7 @@ def kinds(tmp_path_factory):
     return folder
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(
     ("existing", "asked", "differs"),
     [

@@ -32,6 +32,7 @@ def request_of(mechanism, input):
     return {name: float(column[first]) for name, column in columns.items()}, quantity
 
 
+@pytest.mark.sample(3)
 @EVERY
 def test_a_sweep_takes_positions_by_the_name_of_the_input(mechanism, input):
     design, quantity = request_of(mechanism, input)
@@ -58,6 +59,7 @@ def test_a_function_takes_positions_by_the_name_of_the_input(mechanism, input):
     np.testing.assert_array_equal(one([design[first]]), other([design[first]]))
 
 
+@pytest.mark.sample(3)
 @EVERY
 def test_a_study_takes_positions_by_the_name_of_the_input(folder, mechanism, input):
     design, quantity = request_of(mechanism, input)

@@ -37,6 +37,7 @@ def sweep(quantities=NAMES, mechanism="planar_4r", links=BAR, **given):
     return fl.sweep(mechanism, fl.grid(**given), quantities, links=links, theta1=12, **options)
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("order", [("omega1", "a2", "a3"), ("a2", "omega1", "a3"), ("a2", "a3", "omega1")])
 @pytest.mark.parametrize("block", [None, 1, 7, 64])
 def test_a_speed_axis_has_the_bits_of_its_speeds(order, block, tmp_path):

@@ -14,6 +14,7 @@ FAMILIES = [(name, family) for name, mechanism in MECHANISMS.items() for family 
 STRESS = pytest.param(True, marks=pytest.mark.stress, id="full")
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("full", [pytest.param(False, id="small"), STRESS])
 @pytest.mark.parametrize(("name", "family"), FAMILIES)
 def test_what_comes_out(name, family, full):

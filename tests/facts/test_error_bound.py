@@ -57,6 +57,7 @@ LAWS = {
 }
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", LAWS)
 def test_a_law_bounds_what_errors_of_any_size_do(name):
     law, operation = LAWS[name]
@@ -205,6 +206,7 @@ def bounds_over_errors(entry, names, kind, n):
 BOUNDED = [entry for entry in ENTRIES if entry.solver == "eliminated"]  # a linear system has no bounds
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("entry", BOUNDED, ids=str)
 def test_every_bound_holds_and_is_not_much_greater_than_the_error(entry):
     names = tuple(name for name in entry.names if not entry.catalogue.public_fact(name).flags)
@@ -217,6 +219,7 @@ def test_every_bound_holds_and_is_not_much_greater_than_the_error(entry):
     assert np.median([ratio for _name, ratio in ratios]) < entry.looseness
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("entry", BOUNDED, ids=str)
 def test_bounds_of_derivatives_hold(entry):
     """By the input position and by the first input; in every third family, where derivatives may lose digits."""

@@ -91,6 +91,7 @@ def trees(catalogue):
     return st.one_of(pointwise, reduced, lists, *of_cycle, status)
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(("mechanism", "drive"), DRIVES)
 @settings(deadline=None)
 @given(data=st.data())
@@ -102,6 +103,7 @@ def test_what_is_spelt_is_read_again(mechanism, drive, data):
     assert parse(str(tree), catalogue) == (Quantity(str(tree)) if replaced else tree)
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(("mechanism", "drive"), DRIVES)
 def test_every_listed_name_is_read(mechanism, drive):
     catalogue = find_catalogue(mechanism, drive)
@@ -360,6 +362,7 @@ def test_the_search_finds_what_it_is_for(text):
     assert faults(text)
 
 
+@pytest.mark.sample(12)
 @pytest.mark.parametrize("path", sorted(SOURCE.rglob("*.py")), ids=lambda path: str(path.relative_to(SOURCE)))
 def test_no_other_module_spells_names_or_takes_them_apart(path):
     if path.name not in ("names.py", "trees.py"):

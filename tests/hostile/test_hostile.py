@@ -71,6 +71,7 @@ def test_the_same_seed_draws_the_same_cases() -> None:
         assert list(cases(SEED, 40)) != list(cases(SEED + 1, 40))
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize("door", DOORS, ids=lambda door: door.name)
 def test_a_door_opens_to_good_values(door: Door, names: dict[str, Any]) -> None:
     outcome = campaign.judged(

@@ -96,6 +96,7 @@ def assert_same(one, other):
             np.testing.assert_array_equal(one[name].attrs[key], value)
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize(
     ("kind", "name"), [*(("grid", name) for name in WHOLE), ("sampled", "plain.h5"), ("sampled", "gzip.zarr")]
 )
@@ -166,6 +167,7 @@ SELECTIONS = {
 }  # fmt: skip
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("name", SELECTIONS)
 def test_a_selection_is_that_of_xarray(grid, tmp_path, small_blocks, name):
     given, indexers = SELECTIONS[name]
@@ -325,6 +327,7 @@ def test_all_problems_are_said_together(grid, tmp_path):
     assert len(caught.value.problems) == 4
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", ["out.h5", "out.nc", "out.zarr", "out.csv", "out.parquet"])
 def test_what_exists_is_replaced_only_by_overwrite(grid, sampled, tmp_path, name):
     path = fl.convert(grid, tmp_path / name, quantities=["theta4"])
@@ -355,6 +358,7 @@ def test_the_map_itself_and_other_folders_are_not_replaced(grid, tmp_path):
     assert (tmp_path / "out.zarr.part" / "thesis.txt").read_text() == "years"
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("name", ["out.h5", "z.h5", "out.zarr", "out.csv", "out.parquet"])
 @pytest.mark.parametrize("fault", [KeyboardInterrupt, OSError(errno.ENOSPC, "No space left on device")])
 def test_what_fails_leaves_nothing_and_touches_nothing(
@@ -487,6 +491,7 @@ def converted(grid, path, **options):
     return fl.convert(grid, path, compress="gzip" if path.name == "gzip.h5" else None, **options)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", OUTPUTS)
 def test_what_a_kill_in_the_last_step_left_is_replaced(grid, tmp_path, name):
     path = tmp_path / name
@@ -525,6 +530,7 @@ def test_what_is_left_of_a_zarr_store_is_replaced_too(grid, tmp_path, left):
     assert left_in(tmp_path) == ["out.zarr"]
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", OUTPUTS)
 def test_a_partial_file_of_a_living_process_or_of_another_kind_is_left_alone(grid, tmp_path, name):
     path, part = tmp_path / name, tmp_path / f"{name}.part"
@@ -688,6 +694,7 @@ def test_levels_are_those_of_the_libraries():
             assert parsed.of_zarr()
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("name", "options"),
     [("o.h5", {}), ("z.h5", {"compress": "gzip"}), ("o.zarr", {}), ("o.csv", {}), ("o.parquet", {})],
@@ -730,6 +737,7 @@ OF_STRANGERS = {
 }
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("ending", [".h5", ".zarr", ".csv", ".parquet"])
 @pytest.mark.parametrize("values", OF_STRANGERS.values(), ids=OF_STRANGERS)
 def test_values_labels_and_attributes_that_are_no_numbers_are_refused(tmp_path, values, ending):

@@ -190,6 +190,7 @@ CONVERSIONS = {
 }
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(("name", "options"), CONVERSIONS.items(), ids=CONVERSIONS)
 def test_a_disk_that_fills_up_during_a_conversion(disk, monkeypatch, source, name, options):
     path, read = disk.folder / name, Source.read

@@ -54,6 +54,7 @@ def assert_same(found, expected, same_labels=True):
     assert {name: found.attrs[name] for name in counts} == {name: expected.attrs[name] for name in counts}
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("space", SPACES.values(), ids=SPACES)
 def test_both_layouts_hold_the_same_numbers(tmp_path, space):
     path = tmp_path / "maps.h5"

@@ -188,6 +188,7 @@ LACKS = {
 }
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("lack", LACKS.values(), ids=LACKS)
 def test_the_same_file_comes_out_where_the_system_lacks(tmp_path, monkeypatch, lack):
     expected = digest(Sample().save(tmp_path / "usual.h5"))

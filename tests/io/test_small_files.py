@@ -59,6 +59,7 @@ DOORS = [
 ]
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(("write", "key", "name"), DOORS, ids=[f"{d.__name__} {n}" for d, _, n in DOORS])
 def test_an_older_file_stays_until_the_new_one_is_whole(write, key, name, maps, tmp_path, monkeypatch):
     folder = tmp_path / "made"

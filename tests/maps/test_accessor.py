@@ -166,6 +166,7 @@ def best_by_sorting(maps, name, n, largest, inside):
     return places[order][:n]
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("block", [7, 1000, *(pytest.param(n, marks=pytest.mark.stress) for n in (1, 3, 20))])
 @pytest.mark.parametrize("largest", [True, False])
 @pytest.mark.parametrize("name", ["omega4_max", "theta4"])

@@ -96,6 +96,7 @@ def assert_bounds_hold(mechanism, drive, about, n, by=""):
     return finite, total
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize(("mechanism", "drive", "about"), CASES)
 def test_bounds_hold_at_every_degenerate_set(mechanism, drive, about):
     finite, total = assert_bounds_hold(mechanism, drive, about, 30)
@@ -104,6 +105,7 @@ def test_bounds_hold_at_every_degenerate_set(mechanism, drive, about):
     assert total > 40
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("mechanism", LAST)
 def test_bounds_of_derivatives_hold_at_every_degenerate_set(mechanism):
     finite, total = assert_bounds_hold(mechanism, inputs_of(mechanism)[0], "", 12, LAST[mechanism])

@@ -53,6 +53,7 @@ def assert_limits_of_differences(entry, kind, n):
     return tested
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("entry", DIFFERENTIATED, ids=str)
 def test_every_derivative_is_the_limit_of_differences(entry):
     kinds = [kind for kind in list(entry.families)[::12] if kind not in entry.kinks]
@@ -77,6 +78,7 @@ def held():
                 yield pytest.param(entry, kind, by, id=f"{entry}-{kind}-{by}", marks=marks)
 
 
+@pytest.mark.sample(42)
 @pytest.mark.parametrize(("entry", "kind", "by"), list(held()))
 def test_derivatives_are_a_few_roundings_off(entry, kind, by):
     names = tuple(derivatives(entry, numbers_of(entry), by, given_by(entry)[1]).values())

@@ -52,12 +52,14 @@ def cases(entries):
 FIRST = {entry: next(iter(entry.families)) for entry in DRIVEN[1:] if not entry.about}
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("kind", DRIVEN[0].families)
 def test_extremes_of_the_planar_linkage_are_within_their_bounds(kind):
     designs = designs_of(DRIVEN[0], kind, 1, 2)
     assert np.median(held(DRIVEN[0], designs, SOME["theta1"])) < LOOSENESS
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(("entry", "kind"), [pytest.param(*one, id=str(one[0])) for one in FIRST.items()])
 def test_extremes_of_every_mechanism_are_within_their_bounds(entry, kind):
     designs = designs_of(entry, kind, 3, 3)

@@ -105,6 +105,7 @@ def swept(names, lengths=(0.4, 1.2, 0.8, 1.0), omega1=1.0, point=(), **options):
     return fl.sweep("planar_4r", fl.grid(**design), names, progress=False, allow_invalid=True, **options)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("name", "lengths", "codes"),
     [

@@ -62,6 +62,7 @@ def undeclared(entry):
     ]
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("entry", DRIVES, ids=str)
 def test_searches_know_what_is_sharp(entry):
     assert undeclared(entry) == []

@@ -66,6 +66,7 @@ def assert_bounds_are_known(mechanism, drive, about, n, variables):
             assert finite.sum() > n
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize(("mechanism", "drive", "about"), CASES)
 def test_a_bound_is_a_number_where_the_value_is_one(mechanism, drive, about):
     first = drive == inputs_of(mechanism)[0] and not about
@@ -78,6 +79,7 @@ def test_many_bounds_are_numbers_where_the_values_are(mechanism, drive, about):
     assert_bounds_are_known(mechanism, drive, about, 20_000, ("", drive, LAST[mechanism]))
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize(
     ("mechanism", "drive", "about"),
     [one for one in CASES if catalogue(*one.values[:2]).position.units != "m"],

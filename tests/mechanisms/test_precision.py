@@ -48,6 +48,7 @@ def held(entry, kind, n):
     return numbers
 
 
+@pytest.mark.sample(47)
 @pytest.mark.parametrize(("entry", "kind"), of(FAMILIES))
 def test_every_quantity_is_a_few_roundings_off(entry, kind):
     numbers = held(entry, kind, entry.few)
@@ -84,6 +85,7 @@ def power_of_length(units):
 SCALED = [entry for entry in ENTRIES if entry.solver == "eliminated"]
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("entry", SCALED, ids=str)
 def test_a_power_of_two_of_all_lengths_changes_no_bit(entry):
     """Every operation is exact in the exponent as long as nothing leaves the range of the doubles."""

@@ -85,6 +85,7 @@ def compared(entry, names, n, units):
     return count
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("entry", SIZED, ids=str)
 def test_units_of_mass_and_length_and_time_change_no_bit(entry):
     assert compared(entry, entry.names, 2, UNITS) > 20 * len(entry.names)
@@ -161,6 +162,7 @@ def bounds_compared(entry, share, n, units):
     return count
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("entry", SIZED, ids=str)
 def test_units_change_no_bit_of_derivatives_and_error_bounds(entry):
     assert bounds_compared(entry, 5, 1, UNITS) > 20
@@ -186,6 +188,7 @@ def of_inertias(size, mass):
     return fl.sweep("planar_4r", space, names, branch=1, progress=False)
 
 
+@pytest.mark.stress
 def test_extremes_of_forces_are_found_however_great_inertias_are():
     """Squares of such forces overflow. Of masses 2^-860 of the inertias nothing is left in them."""
     far, near = of_inertias(2.0**-430, 1.0), of_inertias(1.0, 0.0)

@@ -71,6 +71,7 @@ def test_a_mechanism_without_a_picture_is_refused(monkeypatch):
         picture_of("toggle_press", catalogue("hart"))
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("entry", DRAWN, ids=str)
 def test_bars_are_as_long_as_the_design_says(entry):
     """The ends of a bar are rounded by some ten units of the largest coordinate, so its length is by twice that."""
@@ -100,6 +101,7 @@ def test_bars_are_as_long_as_the_design_says(entry):
     assert checked
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("mechanism", NAMES)
 def test_joints_stand_where_the_facts_say_in_both_assembly_modes(mechanism):
     design = DESIGNS[mechanism]

@@ -196,6 +196,7 @@ VALUES = {
 }
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("values", VALUES.values(), ids=VALUES)
 def test_any_values_are_drawn(maps, values):
     changed = maps.assign(omega4_max=maps.omega4_max.copy(data=values(maps.omega4_max.values)))

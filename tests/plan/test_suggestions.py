@@ -35,6 +35,7 @@ def test_the_input_that_a_phrase_means_is_suggested(mechanism, phrase, name):
     assert len(near) <= 3
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("mechanism", NAMES)
 def test_every_suggestion_can_be_requested(mechanism):
     """Whatever phrase, of this mechanism or another: all that is suggested exists here."""
@@ -46,6 +47,7 @@ def test_every_suggestion_can_be_requested(mechanism):
             assert catalogue.is_quantity(name)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("mechanism", NAMES)
 def test_a_name_finds_itself_in_any_spelling(mechanism):
     catalogue = find_catalogue(mechanism)
@@ -64,6 +66,7 @@ def test_keywords_are_of_names_that_exist(mechanism):
         assert len(set(phrases)) == len(phrases)
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(
     "text",
     [

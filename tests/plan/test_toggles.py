@@ -94,6 +94,7 @@ def assert_orders_decide_alike(mechanism, input, derivatives):
     assert tested >= 10
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(("mechanism", "input"), DRIVEN)
 def test_quantities_grow_at_toggles_as_their_facts_say(mechanism, input):
     assert_orders_decide_alike(mechanism, input, derivatives=False)

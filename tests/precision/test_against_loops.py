@@ -33,6 +33,7 @@ QUICK = [("planar_4r", "theta1"), ("slider_crank", "theta"), ("minkowski_4r", "t
 QUICK += [("hart", "phi"), ("planar_4r", "joint_angle_1"), ("planar_4r", "joint_angle_4")]
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(("mechanism", "drive"), QUICK)
 def test_some_designs(mechanism, drive):
     tally = campaign(mechanism, drive, FEW, extremes=False)

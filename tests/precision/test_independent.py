@@ -102,6 +102,7 @@ def compared(entry, kind, n):
     return count
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("name", ENTRY)
 def test_facts_and_loops_agree_to_fifty_digits(name):
     first, *others = ENTRY[name].families
@@ -138,6 +139,7 @@ def agreed(mechanism, drive, n):
     return counts
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(("mechanism", "drive"), DRAWN)
 def test_both_references_have_the_same_numbers(mechanism, drive):
     """Most configurations are next to something degenerate.

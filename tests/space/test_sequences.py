@@ -80,6 +80,7 @@ def test_each_slice_holds_one_design_whatever_their_number(seed):
         assert_array_equal(np.sort(numbers), np.arange(n))
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("n", [3, 1000, 65537, 2**32, 2**32 + 1, 10**10, 2**40 - 1, 2**49 + 1, 2**50])
 def test_a_design_lies_in_its_slice(n):
     axis = Slices(n, UNIT, 3, 0)
@@ -115,6 +116,7 @@ def permuted(axis, n, number):
             return number
 
 
+@pytest.mark.stress
 def test_no_two_of_many_designs_share_a_slice():
     numbers = np.arange(10**6, dtype=np.uint64) + np.uint64(5 * 10**9)
     images = Slices(10**10, UNIT, 0, 0).permutation(numbers)
@@ -142,6 +144,7 @@ def test_axes_are_uncorrelated_and_fill_the_squares(n):
         )  # where all are taken, margins are fixed
 
 
+@pytest.mark.stress
 def test_orders_of_few_designs_come_equally_often():
     for n in (3, 4, 5):
         counts = Counter(

@@ -99,6 +99,7 @@ def test_it_is_said_where_the_file_is_of_no_use(made, folder):
         fl.draw(made[1], design=0, curves=["cost"])
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("command", [
     ["info"], ["check"], ["best", "--minimise", "cost_max"], ["plot", "cost_max", "--at", "weight=1"],
     ["plot", "--minimise", "cost_max", "--minimise", "slider_velocity_max"], ["draw", "--design", "0", "--to", "d.png"],

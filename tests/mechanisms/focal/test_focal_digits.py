@@ -51,6 +51,7 @@ def losses(drive, kind, n, seed):
     return found
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("kind", UNLIKE)
 @pytest.mark.parametrize("drive", DRIVES)
 def test_no_quantity_loses_digits(drive, kind):

@@ -40,6 +40,7 @@ def figure(request):
     return Figure(request.param, inputs, ["omega_angle", "alpha", "beta", "chi", "psi", "F_path_residual"])
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("kind", ["random", "toggle 1e-3", "toggle 1e-8", "kite 1e-3", "kite 1e-8"])
 @pytest.mark.parametrize("drive", DRIVES)
 def test_every_bar_and_both_ratios_close_in_every_branch(drive, kind):

@@ -109,6 +109,7 @@ ANGLES = ["theta_min", "theta_max", "psi_min", "psi_max", "theta_escape", "theta
 COSINES = ["cosh_theta_min", "cosh_theta_max", "cosh_psi_min", "cosh_psi_max", "cosh_theta_branching"]
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("family", FAMILIES)
 def test_sums_are_right_to_a_rounding_and_their_signs_exact(family):
     lengths = FAMILIES[family](np.random.default_rng(12), 4000)
@@ -136,6 +137,7 @@ def with_50_digits(lengths, names):
         return {name: [column[name] for column in columns] for name in names}
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("family", FAMILIES)
 def test_angles_keep_every_digit(family):
     """Relative to the lengths as given, however near a limit is to 0.

@@ -86,6 +86,7 @@ def test_the_second_example_is_not_rigid_in_binary():
     assert got["linkage_type"] == "irreducible_rocker_rocker"
 
 
+@pytest.mark.sample(3)
 def test_theorems_3_12_to_3_20_and_tables_1_and_2(theorem):
     name, _, got = theorem
     expected = THEOREMS[name][1]
@@ -138,6 +139,7 @@ def assert_same_changes(lengths, quadratic, starts, changes, inner, outer, kept)
         assert np.all(error <= rounding(lengths[:, some], quadratic, found))
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize("crank", ["input", "output"])
 def test_limits_and_types_are_those_of_a_scan(theorem, crank):
     """Theorems 3.8 to 3.11, where CB (for the input) or OA (for the output) may point either way."""
@@ -152,6 +154,7 @@ def test_limits_and_types_are_those_of_a_scan(theorem, crank):
     np.testing.assert_array_equal(got[f"{crank}_type"][kept], types[np.sum(~np.isnan(changes), axis=1)][kept])
 
 
+@pytest.mark.sample(3)
 def test_what_assembles_with_CB_ahead_is_that_of_a_scan(theorem):
     _, lengths, got = theorem
     inner, outer = got["theta_min_future"], got["theta_max_future"]
@@ -162,6 +165,7 @@ def test_what_assembles_with_CB_ahead_is_that_of_a_scan(theorem):
     np.testing.assert_array_equal(got["assembly_count_future"][kept], ranges(starts, changes)[kept])
 
 
+@pytest.mark.sample(3)
 def test_what_assembles_with_OA_ahead_is_that_of_a_scan(theorem):
     _, lengths, got = theorem
     inner, outer = got["psi_min_future"], got["psi_max"]

@@ -62,6 +62,7 @@ def circular(difference: np.ndarray) -> np.ndarray:
     return np.abs((difference + np.pi) % TURN - np.pi)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("n", [150, pytest.param(2500, marks=pytest.mark.stress)])
 @pytest.mark.parametrize("family", FAMILIES)
 def test_none_is_missed_and_each_is_right_to_rounding(family, n):
@@ -142,6 +143,7 @@ def taken(lengths: np.ndarray, quantity: str, **options):
     return [result[name].values for name in (*asked, f"theta1_at_{quantity}_extrema")]
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("family", FAMILIES)
 @pytest.mark.parametrize("quantity", RATES)
 def test_max_and_min_are_the_outermost_extrema_or_infinite_at_a_toggle(family, quantity):
@@ -198,6 +200,7 @@ def test_the_swing_of_a_crank_rocker_lies_between_extrema_of_theta4():
     np.testing.assert_array_equal(least[:, 0], -greatest[:, 1])
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("quantity", [*RATES, "transmission_angle", "B_x"])
 def test_samples_never_exceed_the_refined_extremes_and_come_close(quantity):
     rng = np.random.default_rng(93)

@@ -98,6 +98,7 @@ def designs(family: str, masses: str, n: int, seed: int) -> tuple[dict, fl.Links
     return inputs | others, links, variants
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("n", [9, pytest.param(120, marks=pytest.mark.stress)])
 @pytest.mark.parametrize("family", ["crank", "drag-link", "non-Grashof"])
 @pytest.mark.parametrize("masses", MASSES)

@@ -16,6 +16,7 @@ DERIVATIVES = {"omega4": "alpha4", "omega2": "alpha2", "alpha4": "jerk4", "alpha
 SAMPLED = ("crank", "drag-link", "rocker input", "non-Grashof", "change-point gap", "near kite")
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize("family", SAMPLED)
 @pytest.mark.parametrize("quantity", RATES)
 def test_exact_counts_are_the_sign_changes_of_the_derivative(family, quantity):

@@ -24,6 +24,7 @@ COUNTS = {
 }
 
 
+@pytest.mark.sample(8)
 @pytest.mark.parametrize("family", FAMILIES)
 @pytest.mark.parametrize("quantity", RATES)
 def test_the_exact_extrema_obey_the_rules_and_the_rules_notice_a_loss(family, quantity):
@@ -36,6 +37,7 @@ def test_the_exact_extrema_obey_the_rules_and_the_rules_notice_a_loss(family, qu
     np.testing.assert_array_equal(broken(lengths, quantity, theta1, kind), present)
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("family", FAMILIES)
 @pytest.mark.parametrize("link", "24")
 def test_an_acceleration_is_zero_where_the_rate_has_its_exact_extrema(family, link):
@@ -45,6 +47,7 @@ def test_an_acceleration_is_zero_where_the_rate_has_its_exact_extrema(family, li
     np.testing.assert_array_equal(zeros(lengths, f"alpha{link}", theta1, value), count)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("n", [20_000, pytest.param(1_000_000, marks=pytest.mark.stress)])
 @pytest.mark.parametrize("family", FAMILIES)
 def test_no_design_breaks_a_rule(family, n):
@@ -68,6 +71,7 @@ def test_no_design_breaks_a_rule(family, n):
                 assert set(np.unique(count.sum(axis=1))) <= allowed, about
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("n", [20_000, pytest.param(1_000_000, marks=pytest.mark.stress)])
 @pytest.mark.parametrize("family", FAMILIES)
 def test_an_acceleration_is_zero_where_its_rate_has_extrema(family, n):

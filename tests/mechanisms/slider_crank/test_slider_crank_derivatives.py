@@ -38,6 +38,7 @@ def configurations(kind, n):
             yield dict(zip(drawn, map(float, values), strict=True)) | {"branch": branch}
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("kind", ["random", "gap 1e-4", "toggle 1e-3", "aligned 1e-3", "stiff 1e3"])
 def test_derivatives_are_those_of_differences(kind):
     names = [f"d_{name}_d_{by}" for name, by in PAIRS]
@@ -64,6 +65,7 @@ def test_derivatives_are_those_of_differences(kind):
     assert tested > 60
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     "kind", ["random", "inline", "gap 1e-8", "toggle 1e-6", "aligned 1e-9", "isosceles 1e-3", "stiff 1e9"]
 )

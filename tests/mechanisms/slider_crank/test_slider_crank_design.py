@@ -85,6 +85,7 @@ def reached(r, l, e, branch):
     return theta[there], x["slider_position"][there]
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("r", "l", "e"),
     [(1, 3, 0.5), (1, 3, -1.5), (1, 3, 0), (3, 1, 0.5), (3, 1, -1), (2, 2.5, 1), (2, 1.5, -1), (1, 1, 1.5)],

@@ -23,6 +23,7 @@ def at(names, **given):
     return fl.evaluate("slider_crank", names, **given)
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(
     "kind", ["random", "gap 1e-4", "toggle 1e-3", "stiff 1e3", "short 1e-1", "aligned 1e-3"]
 )

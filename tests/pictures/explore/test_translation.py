@@ -55,6 +55,7 @@ def run_motion(blank, mechanism, given, task):
     return blank.evaluate(task, [mechanism | {"script": ""}, given])
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(("mechanism", "design"), DESIGNS)
 @pytest.mark.browser
 @pytest.mark.filterwarnings("default:NOT TESTED")
