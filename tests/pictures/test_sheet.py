@@ -20,7 +20,6 @@ def folder(tmp_path_factory):
     return tmp_path_factory.mktemp("page")
 
 
-@pytest.mark.sample(3)
 @pytest.mark.parametrize("line", COMMANDS)
 def test_the_commands_of_the_page(line, folder, monkeypatch):
     monkeypatch.chdir(folder)
