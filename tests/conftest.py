@@ -23,7 +23,7 @@ def pytest_unconfigure() -> None:
 
 @pytest.hookimpl(tryfirst=True)  # before pytest leaves out what has the mark `stress`
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Run a part of the cases of a test with the mark `sample` by default, at even distances; the others by `stress`."""
+    """Run some cases of a test with the mark `sample` by default, at even distances, the others by `stress`."""
     cases: dict[str, list[pytest.Item]] = {}
     for item in items:
         if item.get_closest_marker("sample"):

@@ -12,7 +12,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.pictures.style import ABSENT, WITHOUT_BOUND, limits_of, mathematical
+from fastlink.pictures.labels import mathematical
+from fastlink.pictures.style import ABSENT, WITHOUT_BOUND, limits_of
 
 BARS = fl.round_bar(7750.0, 0.01)
 
@@ -371,15 +372,42 @@ def test_a_picture_that_cannot_be_written(maps, tmp_path):
         fl.plot_map(maps, "omega4_max", at={"a4": 1.0}, to=tmp_path / "map.png")
 
 
-def test_without_matplotlib_the_message_has_the_remedy(maps, monkeypatch):
-    for module in [name for name in sys.modules if name.startswith(("matplotlib", "fastlink.pictures."))]:
-        monkeypatch.delitem(sys.modules, module)
-    monkeypatch.delattr(sys.modules["fastlink.pictures"], "map_axes", raising=False)
-    monkeypatch.setitem(sys.modules, "matplotlib", None)
-    with pytest.raises(
-        fl.InputError, match=r"matplotlib is not installed; python -m pip install 'fastlink-li"
-    ):
-        fl.plot_map(maps, "omega4_max")
+WITHOUT = """
+import sys
+sys.modules["matplotlib"] = None  # as where it is not installed
+import fastlink as fl
+from fastlink.app.cli import app
+
+maps = fl.sweep("planar_4r", fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0), ["swing"], verify=0, to="maps.h5")
+design = {"a1": 0.4, "a2": 1.1, "a3": 0.8, "a4": 1.0}
+doors = [
+    lambda: fl.plot_map(maps, "swing"),
+    lambda: fl.plot_designs(maps, ["swing", "a2"]),
+    lambda: fl.plot_front(maps, minimise="swing", maximise="a2"),
+    lambda: fl.draw("planar_4r", **design),
+    lambda: fl.explore(maps, to="page.html"),
+    lambda: maps.fastlink.plot("swing"),
+    lambda: maps.fastlink.plot.designs(["swing", "a2"]),
+]
+for door in doors:
+    try:
+        door()
+    except fl.InputError as error:
+        print(str(error).partition("matplotlib is not installed; python -m pip install ")[2])
+draw = "draw planar_4r a1=0.4 a2=1.1 a3=0.8 a4=1.0 --to b.png"
+for line in ("plot maps.h5 swing --to a.png", draw, "explore maps.h5 --to c.html"):
+    try:
+        app(line.split(), standalone_mode=False)
+    except SystemExit as done:
+        print(done.code)
+"""
+
+
+def test_without_matplotlib_the_message_has_the_remedy_at_every_door(folder):
+    done = subprocess.run([sys.executable, "-c", WITHOUT], capture_output=True, text=True, check=False)
+    *doors, plot, draw, explore = done.stdout.splitlines()
+    assert all(remedy.startswith("'fastlink-linkages[") for remedy in doors), done.stderr
+    assert (len(doors), plot, draw, explore) == (7, "2", "2", "2")
 
 
 @pytest.mark.parametrize(

@@ -12,9 +12,10 @@ from matplotlib.lines import Line2D
 from fastlink._text import short_number
 from fastlink.maps.units import half_turn
 from fastlink.pictures.draw import Request
+from fastlink.pictures.labels import mathematical, units_text
 from fastlink.pictures.map_axes import cut
 from fastlink.pictures.scene import FORCES, LONGEST, MODES, Sheet, Style, add_scale, ends_of_forces, mode_line
-from fastlink.pictures.style import NotebookFigure, drawable, limits_of, mathematical, units_text
+from fastlink.pictures.style import NotebookFigure, drawable, limits_of
 from fastlink.space.design_space import RADIANS
 
 if TYPE_CHECKING:

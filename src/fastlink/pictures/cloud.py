@@ -17,18 +17,9 @@ from matplotlib.lines import Line2D
 from fastlink._text import in_words
 from fastlink.maps.best import Condition, Objective, Reading, Rows
 from fastlink.maps.units import DEGREE, RADIAN, flags_of
+from fastlink.pictures.labels import label_of, plain
 from fastlink.pictures.map_axes import STYLES
-from fastlink.pictures.style import (
-    FLAGS,
-    LINES,
-    NotebookFigure,
-    colours_of,
-    drawable,
-    label_of,
-    limits_of,
-    near,
-    plain,
-)
+from fastlink.pictures.style import FLAGS, LINES, NotebookFigure, colours_of, drawable, limits_of, near
 
 if TYPE_CHECKING:
     import xarray as xr

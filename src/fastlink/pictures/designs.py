@@ -13,9 +13,9 @@ from fastlink._text import counted, in_words, joined, short_repr
 from fastlink.errors import InputError, Problems, Setting, check_choice, door
 from fastlink.io.reader import as_map
 from fastlink.maps.best import choice_of, chosen, conditions, listed, numeric
+from fastlink.pictures.labels import constants_of, plain
 from fastlink.pictures.maps import one_branch, plot_map
 from fastlink.pictures.picture import checked_request, save
-from fastlink.pictures.style import constants_of, plain
 from fastlink.space.tables import STATUS
 
 if TYPE_CHECKING:

@@ -32,10 +32,10 @@ from fastlink.errors import (
 from fastlink.io.reader import as_map
 from fastlink.mechanisms import NAMES, name_of
 from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.pictures.labels import mathematical
 from fastlink.pictures.maps import nearest_place
 from fastlink.pictures.motion import Motion, as_draw
 from fastlink.pictures.picture import check_picture, require_matplotlib, save
-from fastlink.pictures.style import mathematical
 from fastlink.plan.query import check_names
 from fastlink.plan.request import all_choices, check_branches, check_model, radian_keywords, selected_variants
 from fastlink.space.design_space import (

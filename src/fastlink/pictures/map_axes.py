@@ -15,6 +15,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator
 
 from fastlink._text import in_words
 from fastlink.maps.units import RADIAN, flags_of, half_turn
+from fastlink.pictures.labels import constants_of, label_of, title_of
 from fastlink.pictures.maps import Selection, modes_of, name_places, panels_of, sameness
 from fastlink.pictures.style import (
     ABSENT,
@@ -26,16 +27,13 @@ from fastlink.pictures.style import (
     NotebookFigure,
     are_counts,
     colours_of,
-    constants_of,
     count_colours,
     drawable,
     flag_colours,
     flag_handles,
     flag_indices,
-    label_of,
     limits_of,
     near,
-    title_of,
 )
 from fastlink.space.design_space import DESIGN
 

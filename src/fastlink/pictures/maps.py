@@ -16,8 +16,8 @@ from fastlink.errors import InputError, Remedy, Setting, check_choice, check_who
 from fastlink.io.reader import as_map
 from fastlink.maps.units import degrees as in_degrees
 from fastlink.maps.units import degrees_along, flags_of
+from fastlink.pictures.labels import plain, units_text, valued
 from fastlink.pictures.picture import checked_request, save
-from fastlink.pictures.style import plain, units_text, valued
 from fastlink.space.design_space import BRANCH, as_real
 from fastlink.space.tables import STATUS
 

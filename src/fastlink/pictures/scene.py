@@ -17,8 +17,9 @@ from matplotlib.transforms import ScaledTranslation
 from fastlink._text import short_number
 from fastlink.errors import InputError
 from fastlink.facts.names import derivative_name
+from fastlink.pictures.labels import mathematical
 from fastlink.pictures.motion import PLANES, Names, samples_of
-from fastlink.pictures.style import LINES, mathematical
+from fastlink.pictures.style import LINES
 
 if TYPE_CHECKING:
     from fastlink.mechanisms._shared.picture import Bar, Circle, Locus, Point, Value

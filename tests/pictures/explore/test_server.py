@@ -20,7 +20,7 @@ import xarray as xr
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.pictures import content, explore, server
+from fastlink.pictures import content, server
 from fastlink.pictures.content import Values
 
 
@@ -260,7 +260,7 @@ def test_codes_and_counts_are_those_of_one_design(monkeypatch):
 
 @pytest.mark.parametrize("block", [1, 100, 1 << 20])
 def test_the_best_of_a_region_over_all_values_of_a_slider(page, path, block, monkeypatch):
-    monkeypatch.setattr(explore, "BLOCK", block)
+    monkeypatch.setattr(server, "BLOCK", block)
     window = {"a1": [0, 2], "a2": [3, 11], "a3": [4, 11]}
     query = {
         "name": "omega4_max",
@@ -279,7 +279,7 @@ def test_the_best_of_a_region_over_all_values_of_a_slider(page, path, block, mon
     np.testing.assert_array_equal(best, true)
     assert found["count"] == 3 * 9 * 8
     assert {one["at"]["a1"] for one in found["best"]} <= {0, 1, 2}
-    assert len(found["values"]["omega4_max"]) == len(found["axes"]["a1"]) <= explore.MOST_ROWS
+    assert len(found["values"]["omega4_max"]) == len(found["axes"]["a1"]) <= server.MOST_ROWS
 
 
 def test_a_large_picture_is_read_at_the_resolution_of_a_screen():
