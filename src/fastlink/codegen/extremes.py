@@ -584,25 +584,13 @@ class _ExtremaWriter:
                 self.write_value(number)
                 text.call(undecided.keep_beside_fold, "state, filled")
 
-    def write_thinning(self) -> None:
-        """Write that lists of extremes leave out what is rounding."""
+    def write_lists(self, function: Callable[..., Any]) -> None:
+        """Write the call of a function for the lists of the extremes of each quantity."""
         columns = len(self.program.branches) * LANES
         for number, search in enumerate(self.program.searches):
             if not search.onto:
-                first = number * columns
-                self.text.call(
-                    undecided.thin, f"lists, best, {first}, {first + columns}, {self.room(search)}"
-                )
-
-    def write_flags(self) -> None:
-        """Write that lists that doubles do not decide tell so by their bounds."""
-        columns = len(self.program.branches) * LANES
-        for number, search in enumerate(self.program.searches):
-            if not search.onto:
-                first = number * columns
-                self.text.call(
-                    undecided.flag_undecided, f"lists, best, {first}, {first + columns}, {self.room(search)}"
-                )
+                own = f"{number * columns}, {(number + 1) * columns}, {self.room(search)}"
+                self.text.call(function, f"lists, best, {own}")
 
     # -- the kernel ------------------------------------------------------------------------------------
 
@@ -624,11 +612,11 @@ class _ExtremaWriter:
             for search in filter(self.needs_ends, searches):
                 self.write_ends(searches.index(search))
             if self.kept:
-                self.write_thinning()
+                self.write_lists(undecided.thin)
             for row in self.doubts:
                 text.call(results.doubt, f"w, {row}, n_here, lists, best")
             if self.flagged:
-                self.write_flags()
+                self.write_lists(undecided.flag_undecided)
             for number in range(len(searches)):
                 self.write_gradients(number)
             for output in self.program.outputs:
