@@ -36,7 +36,6 @@ from fastlink.facts.fact import (
     System,
     first_line,
     needs_of,
-    parameters,
 )
 from fastlink.facts.names import (
     Below,
@@ -68,9 +67,7 @@ __all__ = [
     "GradedRange",
     "Input",
     "Rows",
-    "Selection",
     "System",
-    "parameters",
 ]
 
 
@@ -342,6 +339,7 @@ class Catalogue:
         self.definition: tuple[Any, ...] = ()
         self._formed: dict[str, list[tuple[str, bool]]] = {}
         self._seen: tuple[list[Any], int] = [], next(_versions)
+        self._tolerances: tuple[int, dict[str, Input]] = -1, {}
 
     @property
     def version(self) -> int:
@@ -607,8 +605,6 @@ class Catalogue:
             inputs = {**self.known_inputs(self.variant_inputs), self.position.name: self.position}
             self._tolerances = version, tolerance_inputs(inputs.values())
         return self._tolerances[1]
-
-    _tolerances: tuple[int, dict[str, Input]] = -1, {}
 
     def variants_selected_by(self, given: Iterable[str]) -> tuple[str, ...]:
         """Return the variants that a design selects by giving these inputs.
