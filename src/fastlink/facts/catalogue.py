@@ -1,4 +1,4 @@
-"""Declare facts in rows of plain data, where one law holds for several quantities."""
+"""The catalogue of a mechanism: its inputs and facts, each declared once, and what follows from them."""
 
 from __future__ import annotations
 
@@ -71,6 +71,13 @@ __all__ = [
 ]
 
 
+#: The name of the solver that needs no linear system: closed forms.
+ELIMINATED = "eliminated"
+
+F = TypeVar("F", bound=Callable[..., Any])
+_versions = count()
+
+
 @dataclass(frozen=True)
 class Rows:
     """Facts with common labels, each declared by a call.
@@ -129,16 +136,6 @@ class Rows:
             names = {parameter: other.replace("*", component) for parameter, other in given.items()}
             labels = (name.replace("*", component), symbol.replace("*", component), f"{meaning}, {component}")
             self(own, *labels, units=units, source=source, **names)
-
-
-# -- Declare physical facts once: inputs, quantities, tables, linear systems, derivatives
-
-
-#: The name of the solver that needs no linear system: closed forms.
-ELIMINATED = "eliminated"
-
-F = TypeVar("F", bound=Callable[..., Any])
-_versions = count()
 
 
 # -- A mechanism with selected variants, some of whose facts are given: its derivatives and error bounds

@@ -1,4 +1,4 @@
-"""The functions that a user's text may call, and what is written for them in the text of a fact."""
+"""Quantities that users declare: their texts are read, and rewritten in the grammar of facts or refused."""
 
 from __future__ import annotations
 
