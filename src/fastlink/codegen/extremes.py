@@ -1,4 +1,10 @@
-"""The loop of each value in the kernel of a search, the row that keeps it, the arrays, and the parts of the range."""
+"""The text of a kernel that finds every extremum of some quantities, to rounding.
+
+For a block of designs: samples of the derivatives on the graded range (lanes are designs), the cells that hold a zero,
+their refinement (lanes are cells), and the quantities there, see `fastlink.codegen.runtime.cells`. Derivatives by
+inputs are evaluated once all extremes of a quantity are known, where the greatest and the least value are: at one input
+position, or at limits of motion at a place that moves with them, see `fastlink.codegen.runtime.results`.
+"""
 
 from __future__ import annotations
 
@@ -15,17 +21,23 @@ from fastlink.facts.fact import Fact
 from fastlink.facts.names import error_name
 
 if TYPE_CHECKING:
-    from fastlink.facts.fact import Fact
     from fastlink.plan.programs import ExtremaProgram, ExtremumSearch, Gradient, Output
 
 __all__ = ["write_extrema"]
 
 
-class ExtremaSchedule:
-    """The steps of a search by loop, and the rows of lane values."""
+#: The functions that evaluate derivatives by inputs: at one input position, and at limits of motion.
+FUNCTIONS = ("gradient", "limit")
+# Bisection alone halves a cell to nothing in half as many; values that are no numbers must not go on for ever.
+MOST_STEPS = 200
+
+
+class _ExtremaWriter:
+    """One kernel while it is written: the steps of a search by loop, and the rows of lane values."""
 
     def __init__(self, program: ExtremaProgram) -> None:
         self.program = program
+        self.text = Text()
         self.cells = program.searches[0].cells
         self.samples = 2 * self.cells + 1
         steps = [step for step in program.steps if isinstance(step, Fact)]
@@ -264,25 +276,7 @@ class ExtremaSchedule:
         others = (k for k, other in enumerate(self.program.branches) if other != branch)
         return next(others, -1) if self.program.mirrored else -1
 
-
-# -- The parts of a kernel of a search that evaluate at places: the sampled function, the quantity,
-#    derivatives by inputs
-
-# Derivatives by inputs are evaluated once all extremes of a quantity are known, where the greatest and the
-# least value are: at one input position, or at limits of motion at a place that moves with them, see
-# `fastlink.codegen.runtime.results`.
-
-
-#: The functions that evaluate derivatives by inputs: at one input position, and at limits of motion.
-FUNCTIONS = ("gradient", "limit")
-
-
-class PlacesWriter(ExtremaSchedule):
-    """One kernel while it is written: where it evaluates at places."""
-
-    def __init__(self, program: ExtremaProgram) -> None:
-        super().__init__(program)
-        self.text = Text()
+    # -- evaluation at places: the sampled function, the quantity, derivatives by inputs ---------------
 
     def write_position(self, position: str, upper: str) -> None:
         """Write the distances of a position from the near and the far end, over the width."""
@@ -477,27 +471,7 @@ class PlacesWriter(ExtremaSchedule):
         )
         self.text.call(results.store_change, f"{target}, gradients, w, {table}")
 
-
-def _text(gradient: Gradient, at_limit: bool) -> str:
-    """Return the kernel text of a derivative."""
-    if at_limit:
-        return gradient.moving or "0.0"
-    if not gradient.held:
-        return "0.0"
-    return f"-({' / '.join(gradient.held)})" if gradient.is_position else gradient.held[0]
-
-
-def _sign(output: Output) -> int:
-    """Return 1 for greatest values, -1 for least ones, 0 for a list."""
-    reduction = output.request.reduction
-    return reduction.sign if reduction is not None else 0
-
-
-# -- The parts of a kernel of a search that look beside folds and toggles, where slopes may be rounding
-
-
-class FoldsWriter(PlacesWriter):
-    """One kernel while it is written: beside folds."""
+    # -- beside folds and toggles, where slopes may be rounding ----------------------------------------
 
     @property
     def flagged(self) -> bool:
@@ -610,40 +584,15 @@ class FoldsWriter(PlacesWriter):
                 self.write_value(number)
                 text.call(undecided.keep_beside_fold, "state, filled")
 
-    def write_thinning(self) -> None:
-        """Write that lists of extremes leave out what is rounding."""
+    def write_lists(self, function: Callable[..., Any]) -> None:
+        """Write the call of a function for the lists of the extremes of each quantity."""
         columns = len(self.program.branches) * LANES
         for number, search in enumerate(self.program.searches):
             if not search.onto:
-                first = number * columns
-                self.text.call(
-                    undecided.thin, f"lists, best, {first}, {first + columns}, {self.room(search)}"
-                )
+                own = f"{number * columns}, {(number + 1) * columns}, {self.room(search)}"
+                self.text.call(function, f"lists, best, {own}")
 
-    def write_flags(self) -> None:
-        """Write that lists that doubles do not decide tell so by their bounds."""
-        columns = len(self.program.branches) * LANES
-        for number, search in enumerate(self.program.searches):
-            if not search.onto:
-                first = number * columns
-                self.text.call(
-                    undecided.flag_undecided, f"lists, best, {first}, {first + columns}, {self.room(search)}"
-                )
-
-
-# -- The text of a kernel that finds every extremum of some quantities, to rounding
-
-# For a block of designs: samples of the derivatives on the graded range (lanes are designs), the cells that
-# hold a zero, their refinement (lanes are cells), and the quantities there. See
-# `fastlink.codegen.runtime.cells`.
-
-
-# Bisection alone halves a cell to nothing in half as many; values that are no numbers must not go on for ever.
-MOST_STEPS = 200
-
-
-class _ExtremaWriter(FoldsWriter):
-    """One kernel while it is written."""
+    # -- the kernel ------------------------------------------------------------------------------------
 
     def write(self) -> Source:
         """Return the kernel."""
@@ -663,11 +612,11 @@ class _ExtremaWriter(FoldsWriter):
             for search in filter(self.needs_ends, searches):
                 self.write_ends(searches.index(search))
             if self.kept:
-                self.write_thinning()
+                self.write_lists(undecided.thin)
             for row in self.doubts:
                 text.call(results.doubt, f"w, {row}, n_here, lists, best")
             if self.flagged:
-                self.write_flags()
+                self.write_lists(undecided.flag_undecided)
             for number in range(len(searches)):
                 self.write_gradients(number)
             for output in self.program.outputs:
@@ -918,6 +867,21 @@ class _ExtremaWriter(FoldsWriter):
         else:
             row = results.LIST_ROW_OF[request.listed]
             self.text.call(results.store_list, f"{target}, lists, {row}")
+
+
+def _text(gradient: Gradient, at_limit: bool) -> str:
+    """Return the kernel text of a derivative."""
+    if at_limit:
+        return gradient.moving or "0.0"
+    if not gradient.held:
+        return "0.0"
+    return f"-({' / '.join(gradient.held)})" if gradient.is_position else gradient.held[0]
+
+
+def _sign(output: Output) -> int:
+    """Return 1 for greatest values, -1 for least ones, 0 for a list."""
+    reduction = output.request.reduction
+    return reduction.sign if reduction is not None else 0
 
 
 def write_extrema(program: ExtremaProgram) -> Source:

@@ -32,7 +32,6 @@ __all__ = [
     "Kernel",
     "MachineCode",
     "backend_of",
-    "kernel_key",
     "kernel_of",
     "llvm_text",
     "load_kernel",

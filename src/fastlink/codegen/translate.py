@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import ast
 import struct
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 from types import ModuleType
@@ -25,20 +24,7 @@ import numpy as np
 from fastlink.numerics import elementary
 from fastlink.numerics.compiler import COMPILED_AS, INLINED, MERGED, OUTLINED, parsed, syntax
 
-__all__ = [
-    "Array",
-    "Calls",
-    "Expressions",
-    "Lane",
-    "Module",
-    "Name",
-    "Refused",
-    "Slot",
-    "Unknown",
-    "Value",
-    "constant",
-    "translate",
-]
+__all__ = ["Refused", "translate"]
 
 
 # -- Values and instructions of LLVM, as text: what a translated function is made of
@@ -120,18 +106,157 @@ def type_of(kind: str, lanes: int = 1) -> str:
     return LLVM[kind] if lanes == 1 else f"<{lanes} x {LLVM[kind]}>"
 
 
-class Builder:
-    """Instructions of one function, in order."""
+# -- One LLVM module under construction: functions, constants, declarations
 
-    def __init__(self, module: Module) -> None:
-        self.module = module
+
+#: Of functions, of those that are merged into others, and of those whose vectors go to the stack: else LLVM leaves
+#: them across cache lines there in every other process, in which reactions took up to 1.25 times as long.
+ATTRIBUTES = """attributes #0 = { nounwind "denormal-fp-math"="ieee,ieee" }
+attributes #1 = { nounwind alwaysinline "denormal-fp-math"="ieee,ieee" }
+attributes #2 = { nounwind "stackrealign" "denormal-fp-math"="ieee,ieee" }"""
+
+
+class Module:
+    """The functions of one kernel under construction."""
+
+    def __init__(self, lanes: int, flags: str = "") -> None:
+        self.flags = flags
+        self.lanes = lanes
+        self.text: list[str] = []
+        self.constants: list[str] = []
+        self.declarations: dict[str, None] = {}
+        #: Of each function that was translated, by text and kinds of arguments, its name and the kind of its result.
+        self.functions: dict[Hashable, tuple[str, str | None]] = {}
+
+    def __str__(self) -> str:
+        return "\n".join([*self.constants, *self.declarations, *self.text, ATTRIBUTES])
+
+    def declare(self, text: str) -> None:
+        """Declare a function of LLVM, once."""
+        self.declarations[text] = None
+
+    def constant_array(self, values: Sequence[Value]) -> Array:
+        """Return a read-only array of known numbers."""
+        kind = "f" if any(value.kind == "f" for value in values) else "i"
+        at = f"@c{len(self.constants)}"
+        numbers = [constant(value.known or 0, kind).at for value in values]
+        entries = ", ".join(f"{LLVM[kind]} {number}" for number in numbers)
+        self.constants.append(
+            f"{at} = private unnamed_addr constant [{len(values)} x {LLVM[kind]}] [{entries}], align 64"
+        )
+        return Array(at, kind, (constant(len(values)),))
+
+
+# -- One function of kernel text as LLVM
+
+
+FLOATING = {ast.Add: "add", ast.Sub: "sub", ast.Mult: "mul", ast.Div: "div"}
+INTEGER = {
+    ast.Add: "add",
+    ast.Sub: "sub",
+    ast.Mult: "mul",
+    ast.LShift: "shl",
+    ast.RShift: "ashr",
+    ast.BitAnd: "and",
+    ast.BitOr: "or",
+    ast.BitXor: "xor",
+}
+COMPARISONS = {ast.Lt: "lt", ast.LtE: "le", ast.Gt: "gt", ast.GtE: "ge", ast.Eq: "eq", ast.NotEq: "ne"}
+#: Functions of Python that need no import.
+PYTHON_NAMES = {"abs": abs, "min": min, "max": max, "int": int, "float": float}
+#: The value of a name: a number, several, an array, a place in memory, the counter of lanes.
+Name = Value | Array | Slot | Lane | tuple[Any, ...]
+T = TypeVar("T")
+
+
+class Refused(Exception):
+    """A text that is not of the grammar: where, and what is wrong with it."""
+
+
+def as_load(target: ast.expr) -> ast.expr:
+    """Return the expression that reads what an assignment writes."""
+    if isinstance(target, ast.Name):
+        return ast.Name(target.id, ast.Load())
+    assert isinstance(target, ast.Subscript)
+    return ast.Subscript(target.value, target.slice, ast.Load())
+
+
+#: Loops whose counter is many at once.
+ABREAST = ("lanes", "entries")
+#: AVX2 has so many for vectors; what has to wait beyond them goes to memory and back.
+REGISTERS = 16
+
+
+class _Function:
+    """One function while it is translated: its instructions in order, and what its names stand for."""
+
+    def __init__(
+        self,
+        module: Module,
+        node: ast.FunctionDef,
+        scope: dict[str, Any],
+        args: Sequence[Name],
+        symbol: str,
+        noalias: bool,
+    ) -> None:
+        self.module, self.symbol = module, symbol
         self.lines: list[str] = []
         self.allocas: list[str] = []
+        self._count = 0
         #: What is one of two numbers in each lane.
         self.selected: set[str] = set()
-        self._count = 0
+        #: The text at hand, the function's or that of one that is pasted, and the names of the module of that text.
+        self.node, self.scope = node, scope
         #: Freedoms of arithmetic; none but in kernels that show what these would cost and gain.
-        self.flags = ""
+        self.flags = module.flags
+        #: What names stand for in the text.
+        self.names: dict[str, Name] = {}
+        #: Whether values are bound as they are: where no control flow meets, they need no memory.
+        self.straight = False
+        #: Lanes at hand: 1 outside the loops over lanes.
+        self.width = 1
+        #: Where the instructions before the loop over lanes end, and what names stood for there.
+        self.before = 0
+        self.outside: dict[str, Name] = {}
+        #: Numbers from outside that stand in all lanes already.
+        self.everywhere: dict[str, Value] = {}
+        #: Whether values may go to the stack, whether arrays of different names do not overlap.
+        self.spills = False
+        self.apart = noalias
+        self.result: str | None = None
+        self.parameters: list[str] = []
+        #: Where `continue` and `break` go.
+        self.loops: list[tuple[str, str]] = []
+        for parameter, arg in zip(node.args.args, args, strict=True):
+            self.names[parameter.arg] = self._parameter(arg, noalias)
+
+    def _parameter(self, arg: Name, noalias: bool) -> Name:
+        def next_one(text: str) -> str:
+            at = f"%p{len(self.parameters)}"
+            self.parameters.append(f"{text} {at}")
+            return at
+
+        if isinstance(arg, Array):
+            at = next_one("ptr noalias" if noalias else "ptr")
+            shape = (d if d.known is not None else Value(next_one("i64"), "i") for d in arg.shape)
+            return Array(at, arg.kind, tuple(shape))
+        assert isinstance(arg, Value)
+        return self.slot(Value(next_one(LLVM[arg.kind]), arg.kind))
+
+    def finish(self, *, merged: bool) -> tuple[str, str | None]:
+        """Translate the body, add the function to the module, return its name and the kind of its result."""
+        self.block(self.node.body)
+        if self.result is None:
+            self.put("ret void")
+        else:
+            self.put("unreachable")
+        result = LLVM[self.result] if self.result else "void"
+        attributes = "#1" if merged else "#2" if self.spills else "#0"
+        head = (
+            f"define internal {result} @{self.symbol}({', '.join(self.parameters)}) {attributes} {{\nentry:"
+        )
+        self.module.text += [head, *self.allocas, *self.lines, "}"]
+        return self.symbol, self.result
 
     # -- instructions ------------------------------------------------------------------------------
 
@@ -332,123 +457,6 @@ class Builder:
         self.module.declare(f"declare {vector} @{full}({', '.join([vector] * len(args))})")
         return self.let(f"call {vector} @{full}({', '.join(f'{vector} {x.at}' for x in given)})", "f", lanes)
 
-
-# -- One LLVM module under construction: functions, constants, declarations
-
-
-#: Of functions, of those that are merged into others, and of those whose vectors go to the stack: else LLVM leaves
-#: them across cache lines there in every other process, in which reactions took up to 1.25 times as long.
-ATTRIBUTES = """attributes #0 = { nounwind "denormal-fp-math"="ieee,ieee" }
-attributes #1 = { nounwind alwaysinline "denormal-fp-math"="ieee,ieee" }
-attributes #2 = { nounwind "stackrealign" "denormal-fp-math"="ieee,ieee" }"""
-
-
-class Module:
-    """The functions of one kernel under construction."""
-
-    def __init__(self, lanes: int, flags: str = "") -> None:
-        self.flags = flags
-        self.lanes = lanes
-        self.text: list[str] = []
-        self.constants: list[str] = []
-        self.declarations: dict[str, None] = {}
-        #: Of each function that was translated, by text and kinds of arguments, its name and the kind of its result.
-        self.functions: dict[Hashable, tuple[str, str | None]] = {}
-
-    def __str__(self) -> str:
-        return "\n".join([*self.constants, *self.declarations, *self.text, ATTRIBUTES])
-
-    def declare(self, text: str) -> None:
-        """Declare a function of LLVM, once."""
-        self.declarations[text] = None
-
-    def constant_array(self, values: Sequence[Value]) -> Array:
-        """Return a read-only array of known numbers."""
-        kind = "f" if any(value.kind == "f" for value in values) else "i"
-        at = f"@c{len(self.constants)}"
-        numbers = [constant(value.known or 0, kind).at for value in values]
-        entries = ", ".join(f"{LLVM[kind]} {number}" for number in numbers)
-        self.constants.append(
-            f"{at} = private unnamed_addr constant [{len(values)} x {LLVM[kind]}] [{entries}], align 64"
-        )
-        return Array(at, kind, (constant(len(values)),))
-
-
-# -- Expressions of kernel text as LLVM: numbers, choices, entries of arrays, calls
-
-
-FLOATING = {ast.Add: "add", ast.Sub: "sub", ast.Mult: "mul", ast.Div: "div"}
-INTEGER = {
-    ast.Add: "add",
-    ast.Sub: "sub",
-    ast.Mult: "mul",
-    ast.LShift: "shl",
-    ast.RShift: "ashr",
-    ast.BitAnd: "and",
-    ast.BitOr: "or",
-    ast.BitXor: "xor",
-}
-COMPARISONS = {ast.Lt: "lt", ast.LtE: "le", ast.Gt: "gt", ast.GtE: "ge", ast.Eq: "eq", ast.NotEq: "ne"}
-#: Functions of Python that need no import.
-PYTHON_NAMES = {"abs": abs, "min": min, "max": max, "int": int, "float": float}
-#: The value of a name: a number, several, an array, a place in memory, the counter of lanes.
-Name = Value | Array | Slot | Lane | tuple[Any, ...]
-T = TypeVar("T")
-
-
-class Refused(Exception):
-    """A text that is not of the grammar: where, and what is wrong with it."""
-
-
-class Unknown(Exception):
-    """A name that nothing binds."""
-
-
-def as_load(target: ast.expr) -> ast.expr:
-    """Return the expression that reads what an assignment writes."""
-    if isinstance(target, ast.Name):
-        return ast.Name(target.id, ast.Load())
-    assert isinstance(target, ast.Subscript)
-    return ast.Subscript(target.value, target.slice, ast.Load())
-
-
-class Expressions(Builder, ABC):
-    """The expressions of one function, and what its names stand for.
-
-    Attributes
-    ----------
-    node : ast.FunctionDef
-        The text at hand: the function's, or that of one that is pasted.
-    scope : dict
-        The names of the module of that text.
-    names : dict
-        What names stand for in it.
-    straight : bool
-        Whether values are bound as they are: where no control flow meets, they need no memory.
-    width : int
-        Lanes at hand: 1 outside the loops over lanes.
-    """
-
-    def __init__(self, module: Module, node: ast.FunctionDef, scope: dict[str, Any]) -> None:
-        super().__init__(module)
-        self.node, self.scope, self.flags = node, scope, module.flags
-        self.names: dict[str, Name] = {}
-        self.straight = False
-        self.width = 1
-        #: Where the instructions before the loop over lanes end, and what names stood for there.
-        self.before = 0
-        self.outside: dict[str, Name] = {}
-        #: Numbers from outside that stand in all lanes already.
-        self.everywhere: dict[str, Value] = {}
-
-    @abstractmethod
-    def subscript(self, node: ast.Subscript) -> Any:
-        """Return a part of a tuple, an entry of an array, or the rows there."""
-
-    @abstractmethod
-    def call(self, node: ast.Call) -> Any:
-        """Translate a call."""
-
     def refuse(self, node: ast.AST, why: str) -> NoReturn:
         """Refuse a part of the text."""
         where = f"{self.node.name}, line {getattr(node, 'lineno', '?')}"
@@ -494,10 +502,7 @@ class Expressions(Builder, ABC):
         """Return what a name stands for; in lanes, a number from outside stands in all of them."""
         if node.id in self.everywhere:
             return self.everywhere[node.id]
-        try:
-            value = self.lookup(node.id)
-        except Unknown:
-            self.refuse(node, "nothing has that name here")
+        value = self.lookup(node.id, node)
         if isinstance(value, Lane):
             self.refuse(node, "the counter of lanes stands as last index only")
         if isinstance(value, Slot) and self.width > 1 and value.kind == "f":
@@ -521,12 +526,12 @@ class Expressions(Builder, ABC):
         self.lines = inside
         return value
 
-    def lookup(self, name: str) -> Any:
+    def lookup(self, name: str, node: ast.AST) -> Any:
         """Return what a name is bound to: here, in the module of the text, in Python."""
         for names in (self.names, self.scope, PYTHON_NAMES):
             if name in names:
                 return names[name]
-        raise Unknown(name)
+        self.refuse(node, "nothing has that name here")
 
     def unary(self, node: ast.UnaryOp) -> Value:
         """Negate a number or a truth."""
@@ -616,23 +621,6 @@ class Expressions(Builder, ABC):
             return of.shape[0]
         self.refuse(node, "arrays have shape, those of one axis size")
 
-
-# -- Entries of arrays and calls in kernel text, as LLVM
-
-
-class Calls(Expressions):
-    """Entries of arrays and calls of one function."""
-
-    @abstractmethod
-    def statement(self, node: ast.stmt) -> None:
-        """Translate a statement of a text that is pasted."""
-
-    @abstractmethod
-    def translated(
-        self, node: ast.FunctionDef, scope: dict[str, Any], args: Sequence[Any], *, merged: bool
-    ) -> tuple[str, str | None]:
-        """Return the name of a function for arguments of these kinds, and the kind of its result."""
-
     # -- arrays ------------------------------------------------------------------------------------
 
     def subscript(self, node: ast.Subscript) -> Any:
@@ -708,10 +696,7 @@ class Calls(Expressions):
             return self.words(node)
         function: Any = self.value(node.func) if isinstance(node.func, ast.Attribute) else None
         if isinstance(node.func, ast.Name):
-            try:
-                function = self.lookup(node.func.id)
-            except Unknown:
-                self.refuse(node, "nothing has that name here")
+            function = self.lookup(node.func.id, node)
         if function is np.array and len(node.args) == 1 and isinstance(node.args[0], ast.List):
             return self.module.constant_array([self.number(part) for part in node.args[0].elts])
         args = [self.value(arg) for arg in node.args]
@@ -746,7 +731,7 @@ class Calls(Expressions):
         self, node: ast.FunctionDef, scope: dict[str, Any], args: Sequence[Any], *, merged: bool = False
     ) -> Value | None:
         """Call a function, which is translated if it is not yet."""
-        name, kind = self.translated(node, scope, args, merged=merged)
+        name, kind = translate_function(self.module, node, scope, args, merged=merged)
         given = []
         for arg in args:
             if isinstance(arg, Array):
@@ -783,106 +768,6 @@ class Calls(Expressions):
         if not isinstance(node, ast.Assign):
             self.refuse(node, "an inlined function has assignments only")
         self.statement(node)
-
-
-def _bits(f: Calls, value: Value, before: str, after: str) -> Value:
-    text = f"bitcast {type_of(before, value.lanes)} {f.to_kind(value, before).at} to "
-    return f.let(text + type_of(after, value.lanes), after, value.lanes)
-
-
-def _trailing_zeros(f: Calls, x: Value) -> Value:
-    f.module.declare("declare i64 @llvm.cttz.i64(i64, i1)")
-    return f.let(f"call i64 @llvm.cttz.i64(i64 {f.to_kind(x, 'i').at}, i1 true)", "i")
-
-
-#: Operations that are instructions.
-BUILT_IN: dict[Any, Callable[..., Value]] = {
-    elementary.sqrt: lambda f, x: f.intrinsic("sqrt", x),
-    np.sqrt: lambda f, x: f.intrinsic("sqrt", x),
-    abs: lambda f, x: f.intrinsic("fabs", x),
-    np.copysign: lambda f, x, y: f.intrinsic("copysign", x, y),
-    elementary.select: lambda f, condition, a, b: f.select(condition, a, b),
-    elementary.bits_of: lambda f, x: _bits(f, x, "f", "i"),
-    elementary.double_of: lambda f, x: _bits(f, x, "i", "f"),
-    elementary.trailing_zeros: lambda f, x: _trailing_zeros(f, x),
-    min: lambda f, a, b: f.select(f.compare("lt", b, a), b, a),
-    max: lambda f, a, b: f.select(f.compare("gt", b, a), b, a),
-    int: lambda f, x: f.to_kind(x, "i"),
-    float: lambda f, x: f.to_kind(x, "f"),
-    np.uint64: lambda f, x: f.to_kind(x, "u"),
-}
-
-
-#: Loops whose counter is many at once.
-ABREAST = ("lanes", "entries")
-#: AVX2 has so many for vectors; what has to wait beyond them goes to memory and back.
-REGISTERS = 16
-
-
-def _signature(arg: Name) -> Any:
-    if isinstance(arg, Array):
-        return arg.kind, tuple(length.known for length in arg.shape)
-    assert isinstance(arg, Value)
-    return arg.kind
-
-
-class _Function(Calls):
-    """One function while it is translated."""
-
-    def __init__(
-        self,
-        module: Module,
-        node: ast.FunctionDef,
-        scope: dict[str, Any],
-        args: Sequence[Name],
-        symbol: str,
-        noalias: bool,
-    ) -> None:
-        super().__init__(module, node, scope)
-        self.symbol = symbol
-        #: Whether values may go to the stack, whether arrays of different names do not overlap.
-        self.spills = False
-        self.apart = noalias
-        self.result: str | None = None
-        self.parameters: list[str] = []
-        #: Where `continue` and `break` go.
-        self.loops: list[tuple[str, str]] = []
-        for parameter, arg in zip(node.args.args, args, strict=True):
-            self.names[parameter.arg] = self._parameter(arg, noalias)
-
-    def _parameter(self, arg: Name, noalias: bool) -> Name:
-        def next_one(text: str) -> str:
-            at = f"%p{len(self.parameters)}"
-            self.parameters.append(f"{text} {at}")
-            return at
-
-        if isinstance(arg, Array):
-            at = next_one("ptr noalias" if noalias else "ptr")
-            shape = (d if d.known is not None else Value(next_one("i64"), "i") for d in arg.shape)
-            return Array(at, arg.kind, tuple(shape))
-        assert isinstance(arg, Value)
-        return self.slot(Value(next_one(LLVM[arg.kind]), arg.kind))
-
-    def finish(self, *, merged: bool) -> tuple[str, str | None]:
-        """Translate the body, add the function to the module, return its name and the kind of its result."""
-        self.block(self.node.body)
-        if self.result is None:
-            self.put("ret void")
-        else:
-            self.put("unreachable")
-        result = LLVM[self.result] if self.result else "void"
-        attributes = "#1" if merged else "#2" if self.spills else "#0"
-        head = (
-            f"define internal {result} @{self.symbol}({', '.join(self.parameters)}) {attributes} {{\nentry:"
-        )
-        self.module.text += [head, *self.allocas, *self.lines, "}"]
-        return self.symbol, self.result
-
-    def translated(
-        self, node: ast.FunctionDef, scope: dict[str, Any], args: Sequence[Any], *, merged: bool
-    ) -> tuple[str, str | None]:
-        """Return the name of a function for arguments of these kinds, and the kind of its result."""
-        return translate_function(self.module, node, scope, args, merged=merged)
 
     # -- statements --------------------------------------------------------------------------------
 
@@ -1086,6 +971,34 @@ class _Function(Calls):
         self.start(self.label())
 
 
+def _bits(f: _Function, value: Value, before: str, after: str) -> Value:
+    text = f"bitcast {type_of(before, value.lanes)} {f.to_kind(value, before).at} to "
+    return f.let(text + type_of(after, value.lanes), after, value.lanes)
+
+
+def _trailing_zeros(f: _Function, x: Value) -> Value:
+    f.module.declare("declare i64 @llvm.cttz.i64(i64, i1)")
+    return f.let(f"call i64 @llvm.cttz.i64(i64 {f.to_kind(x, 'i').at}, i1 true)", "i")
+
+
+#: Operations that are instructions.
+BUILT_IN: dict[Any, Callable[..., Value]] = {
+    elementary.sqrt: lambda f, x: f.intrinsic("sqrt", x),
+    np.sqrt: lambda f, x: f.intrinsic("sqrt", x),
+    abs: lambda f, x: f.intrinsic("fabs", x),
+    np.copysign: lambda f, x, y: f.intrinsic("copysign", x, y),
+    elementary.select: lambda f, condition, a, b: f.select(condition, a, b),
+    elementary.bits_of: lambda f, x: _bits(f, x, "f", "i"),
+    elementary.double_of: lambda f, x: _bits(f, x, "i", "f"),
+    elementary.trailing_zeros: lambda f, x: _trailing_zeros(f, x),
+    min: lambda f, a, b: f.select(f.compare("lt", b, a), b, a),
+    max: lambda f, a, b: f.select(f.compare("gt", b, a), b, a),
+    int: lambda f, x: f.to_kind(x, "i"),
+    float: lambda f, x: f.to_kind(x, "f"),
+    np.uint64: lambda f, x: f.to_kind(x, "u"),
+}
+
+
 def in_order_of_need(touched: Sequence[tuple[set[str], set[str]]]) -> list[int]:
     """Return the numbers of assignments, by what they read and write, in an order in which few values wait for use.
 
@@ -1127,6 +1040,13 @@ def in_order_of_need(touched: Sequence[tuple[set[str], set[str]]]) -> list[int]:
             if not before[j]:
                 ready.append(j)
     return order
+
+
+def _signature(arg: Name) -> Any:
+    if isinstance(arg, Array):
+        return arg.kind, tuple(length.known for length in arg.shape)
+    assert isinstance(arg, Value)
+    return arg.kind
 
 
 def translate_function(

@@ -111,58 +111,6 @@ def axes_of(outputs: Sequence[Output]) -> tuple[str, ...]:
 NONE = (MOVING, NOTHING)
 
 
-class WithGradient:
-    """A function of arrays that has the derivatives of its outputs by its inputs."""
-
-    inputs: tuple[str, ...]
-    outputs: tuple[str, ...]
-    shape: tuple[int, ...]
-    _resolved: ResolvedSweep
-    _recipe: Callable[[list[str]], Function]
-    _rows: Callable[[ArrayLike], NDArray[np.float64]]
-
-    @door(name="function", hint="x is one array, with a row for each input")
-    def gradient(self, x: ArrayLike) -> NDArray[np.float64]:
-        """Return the derivatives (outputs, inputs, ...) of the outputs of designs (inputs, ...).
-
-        Those of extremes, means and places over the cycle are ``d_NAME_max_d_INPUT`` and its like, see
-        docs/design_search.md: where two places tie or the motion has a limit, they are one-sided or NaN.
-
-        Examples
-        --------
-        >>> import fastlink as fl
-        >>> speed = fl.function("planar_4r", ["a2", "a3"], ["omega4_max"], a1=0.4, a4=1.0, omega1=25.0)
-        >>> speed.gradient([1.2, 0.8]).round(6)
-        array([[  7.846495, -17.870504]])
-        """
-        rows = self._rows(x)
-        function, wanted = self._derivatives
-        result = np.zeros((len(self.outputs), len(self.inputs), *rows.shape[1:], *self.shape))
-        found = dict(zip(function.outputs, function(rows), strict=True))
-        for name, place in wanted.by_name.items():
-            result[place] = found[name]
-        for name, places in wanted.zero_unless.items():
-            none = np.isin(found[name], NONE) if name in wanted.statuses else np.isnan(found[name])
-            for place in places:
-                result[place] = np.where(none, np.nan, 0.0)
-        return result
-
-    @property
-    def without_gradient(self) -> tuple[str, ...]:
-        """The outputs that have no derivatives: codes, lists, error bounds."""
-        try:
-            _wanted(self._resolved, self.inputs)
-        except InputError as error:
-            return tuple({self.outputs[int(one.where[1])]: None for one in error.problems})
-        return ()
-
-    @cached_property
-    def _derivatives(self) -> tuple[Function, _Wanted]:
-        """The function that gives what derivatives are made of, and what that is."""
-        wanted = _wanted(self._resolved, self.inputs)
-        return self._recipe(list(dict.fromkeys((*wanted.by_name, *wanted.zero_unless)))), wanted
-
-
 @dataclass
 class _Wanted:
     """Quantities of which derivatives are made, each with the numbers of the output and of the input.
@@ -356,7 +304,7 @@ def function(
 _OPTIONS = tuple(name for name in signature(function).parameters if name != "fixed")
 
 
-class Function(WithGradient):
+class Function:
     """Compiled quantities of a mechanism as a function of arrays.
 
     Attributes
@@ -441,6 +389,47 @@ class Function(WithGradient):
             (self, "jitted"),
         )  # its addresses are of this process
         return jitted
+
+    @door(name="function", hint="x is one array, with a row for each input")
+    def gradient(self, x: ArrayLike) -> NDArray[np.float64]:
+        """Return the derivatives (outputs, inputs, ...) of the outputs of designs (inputs, ...).
+
+        Those of extremes, means and places over the cycle are ``d_NAME_max_d_INPUT`` and its like, see
+        docs/design_search.md: where two places tie or the motion has a limit, they are one-sided or NaN.
+
+        Examples
+        --------
+        >>> import fastlink as fl
+        >>> speed = fl.function("planar_4r", ["a2", "a3"], ["omega4_max"], a1=0.4, a4=1.0, omega1=25.0)
+        >>> speed.gradient([1.2, 0.8]).round(6)
+        array([[  7.846495, -17.870504]])
+        """
+        rows = self._rows(x)
+        function, wanted = self._derivatives
+        result = np.zeros((len(self.outputs), len(self.inputs), *rows.shape[1:], *self.shape))
+        found = dict(zip(function.outputs, function(rows), strict=True))
+        for name, place in wanted.by_name.items():
+            result[place] = found[name]
+        for name, places in wanted.zero_unless.items():
+            none = np.isin(found[name], NONE) if name in wanted.statuses else np.isnan(found[name])
+            for place in places:
+                result[place] = np.where(none, np.nan, 0.0)
+        return result
+
+    @property
+    def without_gradient(self) -> tuple[str, ...]:
+        """The outputs that have no derivatives: codes, lists, error bounds."""
+        try:
+            _wanted(self._resolved, self.inputs)
+        except InputError as error:
+            return tuple({self.outputs[int(one.where[1])]: None for one in error.problems})
+        return ()
+
+    @cached_property
+    def _derivatives(self) -> tuple[Function, _Wanted]:
+        """The function that gives what derivatives are made of, and what that is."""
+        wanted = _wanted(self._resolved, self.inputs)
+        return self._recipe(list(dict.fromkeys((*wanted.by_name, *wanted.zero_unless)))), wanted
 
     def _rows(self, x: ArrayLike) -> NDArray[np.float64]:
         """Return the argument as an array with a row for each input."""

@@ -14,7 +14,7 @@ from typing import Any
 from fastlink.facts.expression import Condition
 from fastlink.facts.fact import Fact, GradedRange, System
 
-__all__ = ["Asymptotics", "asymptotics"]
+__all__ = ["asymptotics"]
 
 
 #: Whether values may be compared: in facts of users, whose text may do more than to choose.

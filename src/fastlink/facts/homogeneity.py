@@ -14,7 +14,7 @@ from typing import Any
 from fastlink.facts.expression import Condition
 from fastlink.facts.fact import Fact, System
 
-__all__ = ["Homogeneity", "homogeneity_degrees"]
+__all__ = ["homogeneity_degrees"]
 
 
 class _NotHomogeneous(Exception):

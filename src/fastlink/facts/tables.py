@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from fastlink.facts.catalogue import Catalogue
 
-__all__ = ["angle_tables", "exact_words", "words"]
+__all__ = ["angle_tables", "words"]
 
 
 Function = Callable[[Any], Any]

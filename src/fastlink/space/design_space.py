@@ -752,57 +752,18 @@ def round_bar(density: float | None = None, radius: float | None = None) -> Link
     return Links("round_bar", {name: value for name, value in given.items() if value is not None})
 
 
-# -- List a design space: how many designs, along which axes, from where to where, and what it keeps in
-#    memory
+# -- Designs: the values of swept inputs, and the constant inputs
 
 
 HEADER = ("input", "values", "from", "to", "units")
 DOUBLE = 8
-
-
-class Listed:
-    """Prints a design space as a table, in a notebook as one of the page."""
-
-    def __repr__(self) -> str:
-        space = cast("DesignSpace", self)
-        return f"{_title(space)}\n{aligned([HEADER, *_rows(space)], indent='  ')}"
-
-    def _repr_html_(self) -> str:
-        """Return the table as a notebook shows it."""
-        space = cast("DesignSpace", self)
-        return f"<div><b>{html.escape(_title(space))}</b>{html_table(HEADER, _rows(space))}</div>"
-
-
-def _title(space: DesignSpace) -> str:
-    """Return kind, number and memory."""
-    arrays = [*space.axes.values(), *(one for one in space.columns.values() if isinstance(one, np.ndarray))]
-    held, all_of_them = sum(one.nbytes for one in arrays), DOUBLE * space.size * len(space.names)
-    shape = f" ({' x '.join(map(str, space.shape))})" if len(space.shape) > 1 else ""
-    about = f"{in_words(space.kind)} of {counted(space.size, 'design')}{shape}"
-    return f"{about}, {size(held)} in memory, {size(all_of_them)} as a table of doubles"
-
-
-def _rows(space: DesignSpace) -> Iterator[tuple[str, ...]]:
-    """Yield a row for each input: those that vary, then constants."""
-    for name in space.names:
-        units = space.units.get(name, "")
-        if name in space.constants:
-            yield name, "one", short_number(space.constants[name]), "", units
-            continue
-        values: Any = space.axes.get(name, space.columns.get(name))
-        if isinstance(values, np.ndarray) and values.size:
-            yield name, f"{values.size:,}", short_number(values.min()), short_number(values.max()), units
-        else:
-            yield name, f"{len(values):,}", "computed", "", units
-
-
 #: Dimensions: designs that span no grid, assembly modes, the extremes of a quantity.
 DESIGN, BRANCH, EXTREMUM = "design", "branch", "extremum"
 MAKERS = "grid, table, sobol and latin_hypercube make design spaces"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DesignSpace(Listed):
+class DesignSpace:
     """A set of designs: the values of swept inputs, and the constant inputs.
 
     Made by `grid`, `table`, `sobol` and `latin_hypercube`. Designs are numbered 0, 1, ... in C order over the
@@ -854,6 +815,34 @@ class DesignSpace(Listed):
     ignored: tuple[str, ...] = field(default=(), repr=False)
     doubtful: dict[str, Problem] = field(default_factory=dict, repr=False)
     comments: dict[str, str] = field(default_factory=dict, repr=False)
+
+    def __repr__(self) -> str:
+        return f"{self._title()}\n{aligned([HEADER, *self._rows()], indent='  ')}"
+
+    def _repr_html_(self) -> str:
+        """Return the table as a notebook shows it."""
+        return f"<div><b>{html.escape(self._title())}</b>{html_table(HEADER, self._rows())}</div>"
+
+    def _title(self) -> str:
+        """Return kind, number and memory."""
+        arrays = [*self.axes.values(), *(one for one in self.columns.values() if isinstance(one, np.ndarray))]
+        held, all_of_them = sum(one.nbytes for one in arrays), DOUBLE * self.size * len(self.names)
+        shape = f" ({' x '.join(map(str, self.shape))})" if len(self.shape) > 1 else ""
+        about = f"{in_words(self.kind)} of {counted(self.size, 'design')}{shape}"
+        return f"{about}, {size(held)} in memory, {size(all_of_them)} as a table of doubles"
+
+    def _rows(self) -> Iterator[tuple[str, ...]]:
+        """Yield a row for each input: those that vary, then constants."""
+        for name in self.names:
+            units = self.units.get(name, "")
+            if name in self.constants:
+                yield name, "one", short_number(self.constants[name]), "", units
+                continue
+            values: Any = self.axes.get(name, self.columns.get(name))
+            if isinstance(values, np.ndarray) and values.size:
+                yield name, f"{values.size:,}", short_number(values.min()), short_number(values.max()), units
+            else:
+                yield name, f"{len(values):,}", "computed", "", units
 
     @property
     def size(self) -> int:
