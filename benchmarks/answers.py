@@ -10,19 +10,16 @@ seconds, how many times a fixed piece of Python they would take, for `--check`. 
 import contextlib
 import importlib
 import importlib.util
-import json
 import os
-import subprocess
-import sys
 import tempfile
 import time
 from pathlib import Path
 
-from benchmarks import heyoka_baseline
-from benchmarks.closed_forms import FORMS
-from benchmarks.inputs import CASES, INPUTS, designs
+import numpy as np
 
-ROOT = Path(__file__).parents[1]
+from benchmarks.cases import CASES, INPUTS, ROOT, child, designs
+from benchmarks.peers import FORMS, available
+
 COMMAND = "README's command"
 STUDY = ROOT / "data" / "studies" / "crank_rocker_map.toml"
 SAMPLED = {"extrema": "sampled"}
@@ -137,33 +134,7 @@ def first(label, is_known):
     return found
 
 
-def calls():
-    """Return the shortest times of small calls that this process knows: a sweep to a file, one configuration."""
-    import fastlink as fl
-
-    import_all()
-    label = "extremes of omega4"
-    one = dict(zip(INPUTS, designs(1)[:, 0].tolist(), strict=True)) | {"theta1": 1.0, "branch": 2}
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder, "one.h5")
-        to_file = shortest(lambda: sweep(label, file).close(), 20)[1]
-    return {"file": to_file, "one": shortest(lambda: fl.evaluate("planar_4r", ["omega4"], **one), 200)[1]}
-
-
 # ---- from outside ----
-
-
-def child(code, module="answers", **environment):
-    """Return the value of an expression over a module of this package, in a fresh Python."""
-    done = subprocess.run(
-        [sys.executable, "-c", f"import json; from benchmarks.{module} import *; print(json.dumps({code}))"],
-        cwd=ROOT,
-        env=os.environ | environment,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    return json.loads(done.stdout.splitlines()[-1])
 
 
 def least(found, name):
@@ -171,21 +142,16 @@ def least(found, name):
     return min(one[name] for one in found)
 
 
-def heyoka_time(case):
-    """Return how long heyoka.py takes to compile a case in a fresh process, in s."""
-    return child(f"compile_time({case!r})", module="heyoka_baseline")
-
-
 def row_of(label, repeats):
     """Return the row of a request, measured so many times."""
     cold, known, theirs = [], [], []
     for _ in range(repeats):
         with tempfile.TemporaryDirectory() as folder:
-            cold.append(child(f"first({label!r}, False)", FASTLINK_CACHE_DIR=folder))
+            cold.append(child(f"first({label!r}, False)", "answers", FASTLINK_CACHE_DIR=folder))
             size = sum(file.stat().st_size for file in Path(folder).rglob("*") if file.is_file())
-            known.append(child(f"first({label!r}, True)", FASTLINK_CACHE_DIR=folder))
-        if label in FORMS and heyoka_baseline.available():
-            theirs.append(heyoka_time(label))
+            known.append(child(f"first({label!r}, True)", "answers", FASTLINK_CACHE_DIR=folder))
+        if label in FORMS and available("heyoka"):
+            theirs.append(child(f"heyoka_compile_time({label!r})", "peers"))
     fixed = least(cold + known, "fixed")
     return {
         "request": label,
@@ -211,7 +177,7 @@ def rows(labels=LABELS, repeats=3, log=lambda text: None):
 
 
 def facts_of(found):
-    """Return facts about the rows, with their aims, and those of small calls."""
+    """Return facts about the rows, with their aims."""
     aims = {COMMAND: "< 2"} | {label: aim for label, (_, _, aim) in REQUESTS.items()}
     facts = []
     for row in found:
@@ -226,10 +192,57 @@ def facts_of(found):
     return facts
 
 
-def small_calls():
-    """Return the facts about small calls."""
-    found = child("calls()")
-    return [
-        ("sweep of one design to a file, known in this process", 1e3 * found["file"], "ms", "< 40"),
-        ("evaluate one configuration, known in this process", 1e3 * found["one"], "ms", "< 0.2"),
-    ]
+# ---- layouts of files ----
+
+#: Places at which a picture or a curve is read; the shortest time counts.
+PLACES = (0.1, 0.37, 0.5, 0.73, 0.9)
+PARTS = {"picture": ("theta1",), "curve": ("a2", "a3")}
+
+
+def forget(path):
+    """Take a file out of the page cache."""
+    fd = os.open(path, os.O_RDONLY)
+    os.fsync(fd)
+    if hasattr(os, "posix_fadvise"):
+        os.posix_fadvise(fd, 0, 0, os.POSIX_FADV_DONTNEED)
+    os.close(fd)
+
+
+def read(path, axis, place):
+    """Read a picture at one input position (``theta1``), or the curve of one design (``a2``, ``a3``)."""
+    import fastlink as fl
+
+    with fl.open(path) as maps:
+        found = maps.theta4.isel(branch=0)
+        where = {dim: int(place * found.sizes[dim]) for dim in axis}
+        return shortest(lambda: found.isel(where).values.sum(), 1)[1]
+
+
+def layouts(folder=None, side=500, repeats=3):
+    """Sweeps of one quantity by both layouts, in turns, and reading them from disk and from memory (docs/files.md)."""
+    import fastlink as fl
+
+    grid = {"a1": 0.4, "a2": np.linspace(1.0, 1.4, side), "a3": np.linspace(0.6, 1.0, side), "a4": 1.0}
+    space, facts = fl.grid(**grid, omega1=25.0), []
+    with tempfile.TemporaryDirectory(dir=folder or Path.cwd(), prefix="fastlink-benchmark-") as place:
+        paths = {layout: Path(place, f"{layout}.h5") for layout in ("curves", "maps")}
+
+        def write(layout):
+            options = {"layout": layout, "theta1": 360, "threads": 2, "verify": 0, "overwrite": True}
+            fl.sweep("planar_4r", space, ["theta4"], to=paths[layout], **options).close()
+
+        writing = [[shortest(lambda one=one: write(one), 1)[1] for one in paths] for _ in range(repeats)]
+        for (layout, path), seconds in zip(paths.items(), map(min, *writing, writing[0]), strict=True):
+            size = path.stat().st_size / 1e9
+            facts.append((f"{layout}, {size:.3g} GB: writing", 1e3 * seconds, "ms", ""))
+            for name, axis in PARTS.items():
+                disk, memory = [], []
+                for at in PLACES:
+                    forget(path)
+                    disk.append(read(path, axis, at))
+                    memory.append(read(path, axis, at))
+                for source, times in (("disk", disk), ("memory", memory)):
+                    facts.append(
+                        (f"{layout}, {size:.3g} GB: {name}, from {source}", 1e3 * min(times), "ms", "")
+                    )
+    return facts

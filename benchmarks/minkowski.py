@@ -1,25 +1,22 @@
-"""psi of the Minkowskian 4R with its orientation: the engine against C, against NumPy and against eq. (3) of the paper.
+"""psi of the Minkowskian 4R near all that is hard: error against 50 digits and time, of the null form and of eq. (3).
 
-A fact is (what, value, unit, aim).
+``python -m benchmarks.minkowski`` prints the table of docs/minkowski.md. A fact is (what, value, unit, aim).
 """
 
+import math
 from functools import partial
 
+import mpmath
+import numba
 import numpy as np
 
-from benchmarks import c_kernel
-from benchmarks.engine import bind_results
-from benchmarks.inputs import aligned_copy, empty, race
-from benchmarks.numpy_baseline import PIECE
-from fastlink.facts.evaluate import read_facts
-from fastlink.facts.tables import angle_tables
+from benchmarks.cases import aligned_copy, bind_program, race
+from fastlink.engine.evaluate import evaluate
 from fastlink.mechanisms import catalogue
 from fastlink.plan.programs import make_program
+from fastlink.precision.reference import DIGITS, STEP
 
-MINKOWSKI = catalogue("minkowski_4r")
 LENGTHS = ("a", "b", "g", "h")
-PSI = ("psi", "CB_orientation")
-TYPES = ("linkage_type", "input_type", "output_type", "grashof", "assembly_count_future")
 
 
 def designs(n, seed=0):
@@ -27,64 +24,12 @@ def designs(n, seed=0):
     return aligned_copy(np.exp(np.random.default_rng(seed).uniform(-1.5, 1.5, (4, n))))
 
 
-# ---- in NumPy ----
-
-DESIGN = (
-    *("inner_limit", "inner_limit_low", "outer_limit", "outer_limit_low", "ground_share", "ground_share_low"),
-    *("CB_inner", "CB_outer", "product_two", "a_two", "b_share"),
-)
-TABLES = ("side", "twos", "r", "S_r", "S_r_low", "p_r", "p_r_low", "per_p", "per_p_low")
-
-
-def constants(x):
-    """Return what depends on the design alone, as columns (design, 1)."""
-    found = read_facts(MINKOWSKI, DESIGN, dict(zip(LENGTHS, x, strict=True)))
-    return {name: found[name][:, None] for name in DESIGN}
-
-
-def difference(limit, limit_low, r, table, table_low):
-    """Return table - limit r, both with what rounding left out."""
-    found = table_low - limit_low * r
-    high = table - limit * r
-    high += found
-    return high
-
-
-def null_piece(o, tables, psi, orientation):
-    """Put psi and orientation (design, branch, theta) of a few designs: the closed forms of the mechanism."""
-    side, twos, r, S_r, S_r_low, p_r, p_r_low, per_p, per_p_low = tables
-    S_r, S_r_low = o["product_two"] * S_r, o["product_two"] * S_r_low
-    inside = difference(o["inner_limit"], o["inner_limit_low"], r, S_r, S_r_low)
-    outside = difference(o["outer_limit"], o["outer_limit_low"], r, S_r, S_r_low)
-    alpha = difference(o["ground_share"], o["ground_share_low"], r, p_r, p_r_low)
-    alpha *= -o["a_two"] * o["b_share"]
-    beta = difference(o["ground_share"], o["ground_share_low"], 1.0, per_p, per_p_low)
-    beta *= -o["a_two"] * o["b_share"]
-    within = inside <= 0.0  # minus what the mechanism calls inside
-    half = np.where(within, inside - o["CB_inner"] * r, outside - o["CB_outer"] * r)
-    inside *= outside
-    np.sqrt(inside, out=inside)  # NaN where the loop does not close
-    total = np.copysign(inside, half)
-    total += half  # of the sum that does not cancel; the other root by Vieta
-    roots = total / beta, np.divide(alpha, total, out=alpha)
-    shift = twos * np.log(2.0)
-    logs = [np.log(np.abs(root)) for root in roots]
-    logs[0] += shift
-    signs = [(root > 0.0).view(np.int8) - (root < 0.0).view(np.int8) for root in roots]
-    first = (half < 0.0) != (side > 0.0)  # where the sum is the root of branch 1
-    for branch, (one, other) in enumerate(((0, 1), (1, 0))):
-        np.multiply(side, np.where(first, logs[one], logs[other]), out=psi[:, branch])
-        orientation[:, branch] = np.where(first, signs[one], signs[other])
-
-
-def null_form(o, tables, out):
-    """Put psi and orientation, each (design, branch, theta), into ``out``; pieces stay in the cache."""
-    step = max(1, PIECE // tables.shape[1])
-    with np.errstate(all="ignore"):
-        for first in range(0, len(out[0]), step):
-            part = slice(first, first + step)
-            null_piece({name: column[part] for name, column in o.items()}, tables, *(a[part] for a in out))
-    return out
+def bind(x, theta):
+    """Return the kernel of psi and its orientation, bound."""
+    program = make_program(
+        catalogue("minkowski_4r"), ("psi", "CB_orientation"), given=LENGTHS, angles=len(theta)
+    )
+    return bind_program(program, x, theta, LENGTHS)
 
 
 def eq3(x, theta):
@@ -100,63 +45,171 @@ def eq3(x, theta):
         return 2 * np.arctanh(np.where(ahead, y, 1 / y)), np.where(ahead, 1.0, np.where(np.isnan(y), y, -1.0))
 
 
-# ---- time ----
+def exact(a, b, g, h, theta, branch):
+    """Return psi, the loop's root with as many digits as mpmath works with; NaN where it does not assemble."""
+    p = mpmath.exp(theta)
+    alpha, beta = g - a * p, g - a / p
+    middle = alpha * beta + b * b - h * h
+    square = middle**2 - 4 * b * b * alpha * beta
+    if square < 0:
+        return mpmath.nan
+    root = mpmath.sqrt(square) * (1 if branch == 1 else -1)
+    q = 2 * b * alpha / (-middle - root) if middle * root > 0 else (-middle + root) / (2 * b * beta)
+    return mpmath.log(abs(q))
 
 
-def bind(names, x, theta=()):
-    """Return one call of the bare kernel and the arrays that it fills."""
-    program = make_program(MINKOWSKI, names, given=LENGTHS, angles=len(theta) or 1)
-    bound = bind_results(program, LENGTHS, x, theta)
-    return bound, bound.arrays
+def condition(one, branch, value):
+    """Return |psi| + sum |x dpsi/dx| over lengths and theta: what one rounding each may do."""
+    found = abs(value)
+    for k, number in enumerate(one):
+        found += abs(exact(*one[:k], number * (1 + STEP), *one[k + 1 :], branch) - value) / STEP
+    return found
 
 
-def bind_c(x, theta):
-    """Return one call of the C kernel and the arrays that it fills: the limit, the same operations."""
-    n, K = x.shape[1], len(theta)
-    arrays = empty((n, 2, K)), np.empty((n, 2, K), dtype=np.int8)
-    tables = aligned_copy(angle_tables(MINKOWSKI, TABLES, np.asarray(theta)))
-    return c_kernel.call_of("minkowski_psi", (n, K), [x, tables, *arrays]), arrays
+def families(n, seed=0):
+    """Return, by name, lengths (4, n) and an input each, none of them exactly on what it is near."""
+    rng = np.random.default_rng(seed)
+    sides = rng.choice([-1.0, 1.0], n)
+    near = sides * np.exp(rng.uniform(np.log(1e-12), np.log(1e-3), n))
+    x = designs(n, seed)
+    a, b, g, h = x
+
+    def at(cosh):
+        return sides * np.arccosh(np.maximum(cosh, 1.0)) * (1 + np.abs(near))
+
+    equal, long, light = x.copy(), x.copy(), x.copy()
+    equal[1] = h * (1 + near)
+    long[2] = (a + b + h) * (1 + np.abs(near) * 1e3)  # has a theta_min
+    light[3] = h * np.abs(near)  # AB is short, its null coordinates are not
+    long_min = np.arccosh((a * a + long[2] ** 2 - (b + h) ** 2) / (2 * a * long[2]))
+
+    def sum_of_four(of, rest):
+        """Lengths of which number `of` nearly is the sum of the others, with the given signs."""
+        found = x.copy()
+        others = [x[k] * sign for k, sign in zip([k for k in range(4) if k != of], rest, strict=True)]
+        found[of] = np.abs(sum(others)) * (1 + near)
+        return found
+
+    anywhere = rng.uniform(-4, 4, n)
+    return {
+        "any: ratios of lengths up to 20, theta in -4 ... 4": (x, rng.uniform(-4, 4, n)),
+        "theta near ±ln(g/a)": (x, sides * np.abs(np.log(g / a)) * (1 + near)),
+        "theta near theta_max": (x, at((a * a + g * g - (b - h) ** 2) / (2 * a * g))),
+        "theta near theta_min": (long, sides * long_min * (1 - np.abs(near))),
+        "AB near lightlike (h from 1e-12 to 1e-3 of the others)": (light, rng.uniform(-4, 4, n)),
+        "T1 near 0, theta near 0": (sum_of_four(3, (-1, 1, 1)), near),
+        "T2 near 0, theta near 0": (sum_of_four(3, (1, 1, -1)), near),
+        "T3 near 0, theta near 0": (sum_of_four(2, (1, 1, 1)), near),
+        "T4 near 0, theta near 0": (sum_of_four(0, (1, 1, 1)), near),
+        "T5 near 0": (sum_of_four(3, (1, 1, 1)), anywhere),
+        "b near a + g + h": (sum_of_four(1, (1, 1, 1)), anywhere),
+        "b near h": (equal, rng.uniform(-4, 4, n)),
+        "theta from 10 to 300": (x, sides * rng.uniform(10, 300, n)),
+        "theta from 400 to 700": (x, sides * rng.uniform(400, 700, n)),
+        "theta from 710 to 1e5, where cosh overflows": (
+            x,
+            sides * np.exp(rng.uniform(np.log(710), np.log(1e5), n)),
+        ),
+        "lengths near 1e-150": (1e-150 * x, rng.uniform(-4, 4, n)),
+        "lengths near 1e150": (1e150 * x, rng.uniform(-4, 4, n)),
+    }
 
 
-def bind_c_types(x):
-    """Return one call of the C kernel of linkage_type, and the codes that it fills."""
-    codes = np.empty(x.shape[1], dtype=np.int8)
-    return c_kernel.call_of("minkowski_types", (x.shape[1],), [x, codes]), codes
+def worst(psi, x, theta):
+    """Return the largest error of psi (n, 2) in roundings times the condition; infinite if one is missing."""
+    found = 0.0
+    with mpmath.workdps(DIGITS):
+        for i, t in enumerate(theta):
+            one = [mpmath.mpf(float(number)) for number in (*x[:, i], t)]
+            for branch in (1, 2):
+                value = exact(*one, branch)
+                if mpmath.isnan(value):
+                    continue
+                ours = psi[i, branch - 1]
+                if not np.isfinite(ours):
+                    return np.inf
+                unit = condition(one, branch, value) * mpmath.mpf(2) ** -53
+                found = max(found, float(abs(mpmath.mpf(float(ours)) - value) / unit))
+    return found
 
 
-def times(n=114, K=400, rounds=12):
-    """The kernel against NumPy and C, both orientations; a classification without any theta."""
-    x, theta, many = designs(n), np.linspace(-4.0, 4.0, K), designs(64 * n)
-    tables = angle_tables(MINKOWSKI, TABLES, theta)
-    kernel, _ = bind(PSI, x, theta)
-    out = empty((n, 2, K)), np.empty((n, 2, K), dtype=np.int8)
+def one_each(form, x, theta):
+    """Return psi (n, 2) of one input per design by a form of many."""
+    return np.array([form(x[:, i : i + 1], theta[i : i + 1])[0][0, :, 0] for i in range(len(theta))])
+
+
+def ours(x, theta):
+    """Return psi (n, 2) of one input per design by fastlink."""
+    inputs = {name: row[:, None] for name, row in zip(LENGTHS, x, strict=True)}
+    return evaluate("minkowski_4r", ["psi"], branch=np.array([1, 2]), theta=theta[:, None], **inputs)["psi"]
+
+
+def errors(n=100):
+    """Yield each family, the error of fastlink there and that of eq. (3)."""
+    for name, (x, theta) in families(n).items():
+        yield name, worst(ours(x, theta), x, theta), worst(one_each(eq3, x, theta), x, theta)
+
+
+@numba.njit(error_model="numpy")
+def compiled_eq3(x, cosh, sinh, psi, orientation):
+    """Eq. (3) as a loop, as one writes it: the mathematical library's artanh."""
+    for i in range(x.shape[1]):
+        a, b, g, h = x[0, i], x[1, i], x[2, i], x[3, i]
+        for k in range(cosh.size):
+            A = 2 * g * b - 2 * a * b * cosh[k]
+            B = 2 * a * b * sinh[k]
+            C = h * h - g * g - b * b - a * a + 2 * a * g * cosh[k]
+            root = np.sqrt(B * B + C * C - A * A)
+            for branch in range(2):
+                y = ((root if branch == 0 else -root) - B) / (A + C)
+                ahead = abs(y) < 1
+                psi[i, branch, k] = 2 * math.atanh(y if ahead else 1 / y)
+                orientation[i, branch, k] = 0 if y != y else 1 if ahead else -1
+
+
+def times_of(x, theta, rounds):
+    """Return ns for each configuration of designs by inputs, four times over: ours, eq. (3) in NumPy, compiled."""
+    theta = np.tile(theta, 4)
+    kernel = bind(x, theta)
+    with np.errstate(over="ignore"):
+        cosh, sinh = np.cosh(theta), np.sinh(theta)
+    arrays = tuple(np.empty_like(array) for array in kernel.arrays)
     calls = {
         "ours": kernel,
-        "NumPy": partial(null_form, constants(x), tables, out),
-        "eq3": partial(eq3, x, theta),
+        "NumPy": partial(eq3, x, theta),
+        "compiled": partial(compiled_eq3, x, cosh, sinh, *arrays),
     }
-    classes = {"ours": bind(("linkage_type",), many)[0], "all": bind(TYPES, many)[0]}
-    if c_kernel.available():
-        calls["C"], classes["C"] = bind_c(x, theta)[0], bind_c_types(many)[0]
-    best, of_types = race(calls, rounds), race(classes, rounds)
-    what = "psi and CB_orientation of the Minkowskian 4R"
-    facts = [
-        (what, best["ours"] * 1e9 / (2 * n * K), "ns", ""),
-        (f"{what}, NumPy / ours", best["NumPy"] / best["ours"], "times", ">= 8"),
-        (f"{what}, eq. (3) in NumPy / ours", best["eq3"] / best["ours"], "times", ""),
-        ("types and count of assemblies, by design", 1e9 * of_types["all"] / (64 * n), "ns", "< 100"),
-    ]
-    if "C" in best:
-        facts.append((f"{what}, time / C", best["ours"] / best["C"], "", "<= 1.1"))
-        facts.append(("linkage_type, time / C", of_types["ours"] / of_types["C"], "", "<= 1.1"))
-    return facts
+    return [1e9 * seconds / arrays[0].size for seconds in race(calls, rounds, 0.02).values()]
 
 
-def measure(quick=False, log=lambda text: None):
+def facts(quick=False, log=lambda text: None):
     """Return all facts; quick: small sizes."""
-    from benchmarks.minkowski_errors import errors
-
     log("minkowski")
-    facts = times(8, 64, rounds=1) if quick else times()
-    found = max(own for _, own, _ in errors(3 if quick else 100))
-    return [*facts, ("max error of psi, Minkowskian 4R, all families", found, "roundings", "<= 4")]
+    n, K, rounds, count = (8, 16, 1, 3) if quick else (114, 100, 12, 100)
+    ours, by_numpy, _ = times_of(designs(n), np.linspace(-4.0, 4.0, K), rounds)
+    what, found = "psi and CB_orientation of the Minkowskian 4R", max(own for _, own, _ in errors(count))
+    return [
+        (what, ours, "ns", ""),
+        (f"{what}, eq. (3) in NumPy / ours", by_numpy / ours, "times", ""),
+        ("max error of psi, Minkowskian 4R, all families", found, "roundings", "<= 4"),
+    ]
+
+
+HEADS = (
+    *("inputs", "fastlink: error", "eq. (3): error"),
+    *("fastlink: ns", "eq. (3) in NumPy: ns", "eq. (3) compiled: ns"),
+)
+
+
+def error_table(n=100, rounds=5):
+    """Return the table of docs/minkowski.md."""
+    lines = [f"| {' | '.join(HEADS)} |", "|---" * len(HEADS) + "|"]
+    for (name, own, by_eq3), (x, theta) in zip(errors(n), families(n).values(), strict=True):
+        cells = [f"{own:.1f}", f"{by_eq3:.2g}" if np.isfinite(by_eq3) else "no value"]
+        cells += [f"{time:.2g}" for time in times_of(np.ascontiguousarray(x), theta, rounds)]
+        lines.append(f"| {name} | {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    print(error_table())

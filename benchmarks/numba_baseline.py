@@ -5,12 +5,11 @@ omega4: where alpha4 changes its sign between 24 angles, false position (Illinoi
 """
 
 import math
-import time
 
 import numba
 import numpy as np
 
-from benchmarks.inputs import CASES, angle_tables, designs, outputs
+from benchmarks.cases import outputs
 
 jit = numba.njit(error_model="numpy", cache=True)
 SCAN = 24
@@ -101,20 +100,11 @@ def extremes(x, tables, omega4_max, omega4_min, alpha4_max, alpha4_min, T41_max,
             for k in range(tables.shape[1]):
                 f = forces(x, i, tables[0, k], tables[1, k], 2.0 * j - 1.0)
                 if f[0] == f[0]:  # it assembles
-                    w_max, w_min, a_max, a_min = (
-                        max(w_max, f[0]),
-                        min(w_min, f[0]),
-                        max(a_max, f[1]),
-                        min(a_min, f[1]),
-                    )
+                    w_max, w_min = max(w_max, f[0]), min(w_min, f[0])
+                    a_max, a_min = max(a_max, f[1]), min(a_min, f[1])
                     T_max, F_max = max(T_max, f[10]), max(F_max, f[6])
-            omega4_max[i, j], omega4_min[i, j], alpha4_max[i, j], alpha4_min[i, j] = (
-                w_max,
-                w_min,
-                a_max,
-                a_min,
-            )
-            T41_max[i, j], F32_x_max[i, j] = T_max, F_max
+            omega4_max[i, j], omega4_min[i, j], alpha4_max[i, j] = w_max, w_min, a_max
+            alpha4_min[i, j], T41_max[i, j], F32_x_max[i, j] = a_min, T_max, F_max
 
 
 @jit
@@ -158,19 +148,3 @@ def bind(case, x, tables):
     arrays = outputs(case, x.shape[1], tables.shape[1])
     function = globals()[case]
     return lambda: function(x, tables, *arrays), arrays
-
-
-def evaluate(case, x, tables):
-    """One array for each name of ``CASES[case]``."""
-    call, arrays = bind(case, x, tables)
-    call()
-    assert len(arrays) == len(CASES[case])
-    return arrays
-
-
-def compile_time(case):
-    """Return how long a case takes to compile, in s; to be called once in a process, with an empty cache."""
-    call, _ = bind(case, designs(2), angle_tables(4))
-    start = time.perf_counter()
-    call()
-    return time.perf_counter() - start

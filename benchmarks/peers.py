@@ -1,84 +1,484 @@
-"""Peers beside fastlink: hand-written numba with a scan, pylinkage, what compilers take, errors of all.
+"""Peers: C, NumPy, NumPy's 9x9 systems, heyoka.py, JAX and pylinkage; numba by hand is `numba_baseline`.
 
-How long heyoka.py, JAX and numba run is in the table of `table`. A fact is (what, value, unit, aim).
+``bind_NAME(case, x, tables)`` returns ``call, arrays``: ``call()`` evaluates into the arrays, one for each name of
+``CASES[case]``. Those but C read one text of the closed forms: operators, and a square root that is handed in.
 """
 
+import ctypes
+import functools
+import importlib.util
+import os
+import platform
+import shutil
+import subprocess
 import tempfile
+import time
+from pathlib import Path
 
 import numpy as np
 
-from benchmarks import errors, extrema, heyoka_baseline, jax_baseline, numba_baseline, pylinkage_baseline
-from benchmarks.answers import child
-from benchmarks.closed_forms import FORMS
-from benchmarks.inputs import CASES, angle_tables, designs, race
+from benchmarks.cases import (
+    CASES,
+    INPUTS,
+    TABLES,
+    aligned_copy,
+    angle_tables,
+    best_time,
+    child,
+    designs,
+    empty,
+    outputs,
+)
+from fastlink.codegen.machine import lanes_of_host
 
 
-def against_scan(n=extrema.BLOCK, rounds=12):
-    """Every extreme of omega4 of cranks against a scan of 24 angles with false position, in numba."""
-    x = extrema.draw("crank", n)
-    by_scan, found = numba_baseline.bind_scan(x, angle_tables(numba_baseline.SCAN))
-    (ours,) = extrema.bind(extrema.extremes(["omega4"]), x)
-    best = race({"ours": ours, "scan": by_scan}, rounds)
-    missed = [np.abs(a / b - 1) > 1e-9 for a, b in zip(found, ours.arrays, strict=True)]
-    label = f"extremes of omega4 by {numba_baseline.SCAN} angles and false position in numba"
-    return [
-        (f"{label}, by design", 1e9 * best["scan"] / n, "ns", ""),
-        ("extremes of omega4, by design, crank", 1e9 * best["ours"] / n, "ns", ""),
-        ("extremes of omega4, crank / scan of 24 angles in numba", best["ours"] / best["scan"], "", ""),
-        (f"{label}: designs of {n:,} that it gets wrong", int(np.any(missed, axis=(0, 2)).sum()), "", ""),
-    ]
+def available(module):
+    return importlib.util.find_spec(module) is not None
 
 
-def against_pylinkage(n=10, K=360, rounds=3):
-    """Positions by pylinkage, next to the kernel's time."""
-    if not pylinkage_baseline.available():
-        return []
-    x = designs(n)
-    call, _ = pylinkage_baseline.bind(x, K)
-    best = race({"ours": extrema.engine.bind("positions", x, K), "theirs": call}, rounds)
-    theirs, ours = best["theirs"] / (n * K), best["ours"] / (2 * n * K)
-    return [
-        ("positions by pylinkage", 1e9 * theirs, "ns", ""),
-        ("positions, pylinkage / ours", theirs / ours, "times", ""),
-    ]
+# ---- C: compiled by gcc at the first use, called by ctypes ----
+
+#: Strict IEEE arithmetic; without the last two gcc vectorises neither the square root nor a choice.
+FLAGS = (
+    *("-O3", "-march=native", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math"),
+    *("-std=c11", "-fPIC", "-shared"),
+)
+ADDRESS = ctypes.POINTER(ctypes.c_double)
 
 
-def largest_errors(count=40, K=360):
-    """Errors of the peers' results against 50 digits."""
-    peers = {"numba by hand": (numba_baseline.evaluate, CASES)}
-    if heyoka_baseline.available():
-        peers["heyoka.py"] = heyoka_baseline.evaluate, FORMS
-    if jax_baseline.available():
-        peers["JAX"] = jax_baseline.evaluate, CASES
-    facts = []
-    for peer, (evaluate, cases) in peers.items():
-        for case in cases:
-            worst = errors.worst(
-                case, lambda x, K, case=case, by=evaluate: by(case, x, angle_tables(K)), K=K, count=count
-            )
-            facts.append((f"max error of {case} by {peer}", worst, "roundings", ""))
-    return facts
+def compiler():
+    """Return the C compiler's path, or None."""
+    return shutil.which(os.environ.get("CC", "gcc"))
 
 
-def compilation(cases=CASES):
-    """What JAX and numba take to compile the same, in fresh processes."""
-    facts = []
-    for case in cases:
-        with tempfile.TemporaryDirectory() as folder:
-            seconds = child(f"compile_time({case!r})", module="numba_baseline", NUMBA_CACHE_DIR=folder)
-        facts.append((f"compile {case} by numba, written by hand", seconds, "s", ""))
-        if jax_baseline.available():
-            seconds = child(f"compile_time({case!r})", module="jax_baseline")
-            facts.append((f"compile {case} by JAX", seconds, "s", ""))
-    return facts
+@functools.cache
+def library():
+    """Return the C files of this folder, compiled and loaded."""
+    width = ["-mprefer-vector-width=512"] if platform.machine().lower() in ("x86_64", "amd64") else []
+    with tempfile.TemporaryDirectory() as folder:
+        target = Path(folder, "kernels.so")
+        sources = sorted(Path(__file__).parent.glob("*.c"))
+        subprocess.run([compiler(), *FLAGS, *width, *sources, "-o", target, "-lm"], check=True)
+        return ctypes.CDLL(str(target))  # stays loaded when the file goes
 
 
-def measure(quick=False, log=lambda text: None):
-    """Return all facts; quick: small sizes, no compilation."""
-    if quick:
-        return against_scan(64, 1) + against_pylinkage(1, 36, 1)
-    facts = []
-    for part in (against_scan, against_pylinkage, largest_errors, compilation):
-        log(f"peers: {part.__name__}")
-        facts += part()
-    return facts
+def call_of(name, lengths, arrays):
+    """Return a call of a C function, of which Python takes next to nothing, so that the clock sees the kernel."""
+    kernel = getattr(library(), f"c_{name}")
+    kernel.restype = None
+    if any(not a.flags.c_contiguous or a.dtype != np.float64 for a in arrays):
+        raise ValueError("C kernels take C-contiguous arrays of doubles")
+    arguments = [*map(ctypes.c_long, lengths), *(a.ctypes.data_as(ADDRESS) for a in arrays)]
+
+    def call():
+        kernel(*arguments)
+        return arrays  # they live as long as the call
+
+    return call
+
+
+def bind_c(case, x, tables):
+    n, K = x.shape[1], tables.shape[1]
+    whole = empty((len(CASES[case]), *outputs(case, n, K)[0].shape))
+    return call_of(case, (n, K), [x, tables, whole]), tuple(whole)
+
+
+def bind_c_extrema(x):
+    """Return ``call, arrays`` for every extreme of omega4: its greatest and its least value."""
+    whole = empty((2, x.shape[1], 2))
+    return call_of("extrema", (x.shape[1],), [x, whole]), tuple(whole)
+
+
+def c_extrema_cells():
+    """Return half the number of cells that C searches."""
+    return ctypes.c_long.in_dll(library(), "c_extrema_cells").value
+
+
+# ---- the closed forms: a quantity is even + s odd, with s = -1 for branch 1, +1 for 2 ----
+
+
+def two_sum(a, b):
+    s = a + b
+    t = s - a
+    return s, (a - (s - t)) + (b - t)
+
+
+def sum4(a, b, c, d):
+    s, low_1 = two_sum(a, b)
+    s, low_2 = two_sum(s, c)
+    s, low_3 = two_sum(s, d)
+    return two_sum(s, low_1 + low_2 + low_3)  # next to a change point s may have cancelled to less
+
+
+def two_product(a, b):
+    """Return a b and what the rounding left out (Dekker)."""
+    p = a * b
+    a_hi, b_hi = a * 134217729.0, b * 134217729.0
+    a_hi, b_hi = a_hi - (a_hi - a), b_hi - (b_hi - b)
+    a_lo, b_lo = a - a_hi, b - b_hi
+    return p, ((a_hi * b_hi - p) + a_hi * b_lo + a_lo * b_hi) + a_lo * b_lo
+
+
+def gap(u, v, a, d):
+    """Return u v / (4 a d) to twice the working precision, u and v being (high, low)."""
+    p, p_low = two_product(u[0], v[0])
+    p_low = p_low + (u[0] * v[1] + u[1] * v[0])
+    g, g_low = two_product(4 * a, d)
+    ratio = p / g
+    back, back_low = two_product(ratio, g)
+    return two_sum(ratio, ((p - back) - back_low + p_low - ratio * g_low) / g)
+
+
+def constants(i, exact=True):
+    """Return what depends on the design alone, from its inputs by name; the masses' only if they are given.
+
+    Expressions that are simplified cannot carry what rounding left out: ``exact=False``.
+    """
+    a, b, c, d, w = (i[name] for name in INPUTS[:5])
+    r = 1.0 / (4.0 * (a * d))
+    o = {
+        "a": a,
+        "d": d,
+        "w": w,
+        "r": r,
+        "d_a": d - a,
+        "two_a": 2.0 * a,
+        "half_w": 0.5 * w,
+        "half_ww": 0.5 * w * w,
+    }
+    if exact:
+        Z0, Z0_low = gap(sum4(a, -b, c, -d), sum4(a, b, -c, -d), a, d)
+        o |= {"Z0": -Z0, "Z0_low": -Z0_low}
+        o["C0"], o["C0_low"] = gap(sum4(a, -b, -c, d), sum4(a, b, c, d), a, d)
+    else:
+        o["Z0"] = ((b + d) - (a + c)) * ((a + b) - (c + d)) * r
+        o["C0"] = ((a + d) - (b + c)) * ((a + d) + (b + c)) * r
+        o |= {"Z0_low": 0.0, "C0_low": 0.0}
+    o["Z0_ww"], o["C0_ww"] = 0.25 * w * w * o["Z0"], 0.25 * w * w * o["C0"]
+    o |= {"gamma0": (a - d) * (a - d) * r, "lambda": 0.5 * (a - d) / d, "kappa": (b - c) * (b + c) * r}
+    o |= {"eps": (a - d) * (a + d) * r, "beta": b * (b - c) * r, "delta": c * (c - b) * r}
+    if "m1" in i:
+        o |= {"f1_u": -(w * w) * i["m1"] * i["G1_u"], "f1_v": -(w * w) * i["m1"] * i["G1_v"], "ww": w * w}
+        o |= {"g2_u": i["G2_u"] / b, "g2_v": i["G2_v"] / b, "m2": i["m2"], "I2": i["I2"]}
+        o |= {"f3_u": i["m3"] * i["G3_u"] / c, "f3_v": i["m3"] * i["G3_v"] / c}
+        o["J3"] = i["I3"] + i["m3"] * (i["G3_u"] * i["G3_u"] + i["G3_v"] * i["G3_v"])
+    return o
+
+
+def columns(x):
+    """Return the inputs by name, as columns (design, 1)."""
+    return {name: row[:, None] for name, row in zip(INPUTS, x, strict=False)}
+
+
+def closure(o, tables, sqrt):
+    """Return A, the even part of AB, the odd part that AB and DB share, and p, q, sigma, 1/gamma."""
+    cos, sin, Z, Z_low, C, C_low = tables
+    p = (Z - o["Z0"]) + (Z_low - o["Z0_low"])
+    q = (C - o["C0"]) + (C_low - o["C0_low"])
+    sigma, r_gamma = sqrt(p * q), 1.0 / (o["gamma0"] + Z)
+    A, u_x = (o["a"] * cos, o["a"] * sin), o["d_a"] + o["two_a"] * Z
+    AB, height = (0.5 * p + o["beta"]) * r_gamma, 0.5 * sigma * r_gamma
+    return A, (AB * u_x, -AB * A[1]), (height * A[1], height * u_x), (p, q, sigma, r_gamma)
+
+
+def rates_of(o, tables, p, q, sigma, r_gamma):
+    """Return (even, odd) of omega2, omega4, alpha2, alpha4, and 1/sigma."""
+    _, sin, Z, _, C, _ = tables
+    r_sigma, h, k = 1.0 / sigma, 0.5 * sin, o["kappa"] * r_gamma
+    H, minus, plus = h * r_sigma, k - 1.0, k + 1.0
+    dH = (o["C0_ww"] * Z * p - o["Z0_ww"] * C * q) * (r_sigma * r_sigma * r_sigma)
+    T, j, wH = o["half_w"] * ((o["lambda"] + Z) * r_gamma), o["half_ww"] * h * r_gamma, o["half_w"] * H
+    E, L = -(o["eps"] * j * r_gamma), H * k * j
+    return ((T, wH * minus), (T, wH * plus), (E, dH * minus - L), (E, dH * plus - L)), r_sigma
+
+
+def both(even, odd):
+    return even - odd, even + odd
+
+
+def positions(o, tables, sqrt):
+    A, AB, odd, _ = closure(o, tables, sqrt)
+    return (*((axis, axis) for axis in A), *(both(A[i] + AB[i], odd[i]) for i in range(2)))
+
+
+def rates(o, tables, sqrt):
+    A, AB, odd, loop = closure(o, tables, sqrt)
+    return (
+        *(both(A[i] + AB[i], odd[i]) for i in range(2)),
+        *(both(*rate) for rate in rates_of(o, tables, *loop)[0]),
+    )
+
+
+def motion(o, tables, sqrt):
+    """Return A, and for each branch AB, DB and the rates; with 1/sigma."""
+    A, AB, odd, loop = closure(o, tables, sqrt)
+    parts, r_sigma = rates_of(o, tables, *loop)
+    DB = (0.5 * loop[0] + o["delta"]) * loop[3]
+    even = (*AB, -DB * (o["d_a"] + o["two_a"] * tables[2]), DB * A[1])
+    return (
+        A,
+        list(zip(*map(both, even, odd + odd), strict=True)),
+        list(zip(*(both(*p) for p in parts), strict=True)),
+        r_sigma,
+    )
+
+
+def turned(u, v, x, y):
+    return u * x - v * y, u * y + v * x
+
+
+def _reactions(o, tables, A, links, rate, r_sigma, s):
+    cos, sin = tables[:2]
+    (AB_x, AB_y, DB_x, DB_y), (omega2, omega4, alpha2, alpha4) = links, rate
+    g_x, g_y = turned(o["g2_u"], o["g2_v"], AB_x, AB_y)
+    w2, w4 = omega2 * omega2, omega4 * omega4
+    f2_x = o["m2"] * (-o["ww"] * A[0] - alpha2 * g_y - w2 * g_x)
+    f2_y = o["m2"] * (-o["ww"] * A[1] + alpha2 * g_x - w2 * g_y)
+    scale = 2.0 * s * o["r"] * r_sigma
+    M2, M3 = (o["I2"] * alpha2 + (g_x * f2_y - g_y * f2_x)) * scale, o["J3"] * scale * alpha4
+    F32_x, F32_y = M2 * DB_x + M3 * AB_x, M2 * DB_y + M3 * AB_y
+    F21_x, F21_y = F32_x - f2_x, F32_y - f2_y
+    F41_x, F41_y = o["f1_u"] * cos - o["f1_v"] * sin - F21_x, o["f1_u"] * sin + o["f1_v"] * cos - F21_y
+    g_x, g_y = turned(o["f3_u"], o["f3_v"], DB_x, DB_y)
+    F43_x, F43_y = F32_x - (alpha4 * g_y + w4 * g_x), F32_y + (alpha4 * g_x - w4 * g_y)
+    return F41_x, F41_y, F21_x, F21_y, F32_x, F32_y, F43_x, F43_y, A[1] * F21_x - A[0] * F21_y
+
+
+def reactions(o, tables, sqrt):
+    return of_motion(o, tables, motion(o, tables, sqrt))
+
+
+def of_motion(o, tables, moves):
+    A, links, rate, r_sigma = moves
+    branches = (_reactions(o, tables, A, links[k], rate[k], r_sigma, s) for k, s in enumerate((-1.0, 1.0)))
+    return tuple(zip(*branches, strict=True))
+
+
+def extremes(o, tables, sqrt, greatest):
+    """Return for each name of ``CASES["extremes"]`` a pair; ``greatest`` passes over NaN along the angle."""
+    moves = motion(o, tables, sqrt)
+    found = dict(zip(CASES["reactions"], of_motion(o, tables, moves), strict=True))
+    found |= dict(zip(CASES["rates"][2:], zip(*moves[2], strict=True), strict=True))
+    results = []
+    for name in CASES["extremes"]:
+        quantity, _, kind = name.rpartition("_")
+        sign = 1.0 if kind == "max" else -1.0
+        results.append(tuple(sign * greatest(curve if sign > 0 else -curve) for curve in found[quantity]))
+    return tuple(results)
+
+
+#: For each name of ``CASES[case]`` a pair, its two branches, of constants, tables and a square root.
+FORMS = {"positions": positions, "rates": rates, "reactions": reactions}
+
+# ---- NumPy ----
+
+#: Pairs (design, angle) evaluated at once, so that the intermediate arrays stay in the cache.
+PIECE = 23040
+
+# An array of 16 MB, freed at once: from then on glibc serves smaller ones from the heap and keeps what they
+# leave, where otherwise each array above 128 KB costs page faults (measured: up to 4 times the run time).
+np.empty(2**21)
+
+
+def bind_numpy(case, x, tables):
+    """A good user's NumPy: each value once, where it depends on least, in pieces of a few designs."""
+    arrays, size = outputs(case, x.shape[1], tables.shape[1]), max(1, PIECE // tables.shape[1])
+    form = FORMS.get(case) or functools.partial(
+        extremes, greatest=lambda curve: np.fmax.reduce(curve, axis=-1)
+    )
+
+    def call():
+        o = constants(columns(x))
+        with np.errstate(invalid="ignore", divide="ignore"):
+            for first in range(0, x.shape[1], size):
+                part = slice(first, first + size)
+                pairs = form({name: column[part] for name, column in o.items()}, tables, np.sqrt)
+                for array, pair in zip(arrays, pairs, strict=True):
+                    array[part, 0], array[part, 1] = pair
+
+    return call, arrays
+
+
+def system(x, tables):
+    """Return the matrices (design, branch, angle, 9, 9) and right sides of eq. (9) of Hayes, Hninn, Irani.
+
+    Unknowns: ``CASES["reactions"]`` in order, F_ij the force of link i on link j. Rows: forces along x and y
+    and moment about the mass centre, of links 1, 2, 3. r_ij points from the mass centre of link i to joint j.
+    """
+    n, K = x.shape[1], tables.shape[1]
+    i = {name: row[:, None, None] for name, row in zip(INPUTS, x, strict=True)}
+    with np.errstate(invalid="ignore", divide="ignore"):
+        A, links, rate, _ = motion(constants(columns(x)), tables, np.sqrt)
+    AB_x, AB_y, DB_x, DB_y = (np.stack(pair, axis=1) for pair in zip(*links, strict=True))
+    omega2, omega4, alpha2, alpha4 = (np.stack(pair, axis=1) for pair in zip(*rate, strict=True))
+    A_x, A_y = A[0][:, None], A[1][:, None]
+
+    def acceleration(a0, g, omega, alpha):
+        return a0[0] - alpha * g[1] - omega**2 * g[0], a0[1] + alpha * g[0] - omega**2 * g[1]
+
+    omega1 = i["omega1"]
+    centre = (
+        turned(i["G1_u"], i["G1_v"], *tables[:2]),
+        turned(i["G2_u"] / i["a2"], i["G2_v"] / i["a2"], AB_x, AB_y),
+        turned(i["G3_u"] / i["a3"], i["G3_v"] / i["a3"], DB_x, DB_y),
+    )
+    motions = (
+        (i["m1"], acceleration((0, 0), centre[0], omega1, 0), 0),
+        (
+            i["m2"],
+            acceleration((-(omega1**2) * A_x, -(omega1**2) * A_y), centre[1], omega2, alpha2),
+            i["I2"] * alpha2,
+        ),
+        (i["m3"], acceleration((0, 0), centre[2], omega4, alpha4), i["I3"] * alpha4),
+    )
+    # Each link's two joints: the column of the force's x component, r_ij, the force's sign.
+    near, ends = [(-g[0], -g[1]) for g in centre], ((A_x, A_y), (AB_x, AB_y), (DB_x, DB_y))
+    far = [(end[0] - g[0], end[1] - g[1]) for end, g in zip(ends, centre, strict=True)]
+    forces = ((0, near[0], 1, 2, far[0], 1), (2, near[1], -1, 4, far[1], 1), (6, near[2], 1, 4, far[2], -1))
+    matrix, right = np.zeros((n, 2, K, 9, 9)), np.empty((n, 2, K, 9))
+    for link, ((m, a, torque), row) in enumerate(zip(motions, forces, strict=True)):
+        e = 3 * link
+        for column, r, sign in (row[:3], row[3:]):
+            matrix[..., e, column] = matrix[..., e + 1, column + 1] = sign
+            matrix[..., e + 2, column] = -sign * r[1]
+            matrix[..., e + 2, column + 1] = sign * r[0]
+        right[..., e], right[..., e + 1], right[..., e + 2] = m * a[0], m * a[1], torque
+    matrix[..., 2, 8] = 1
+    open_loop = np.isnan(right[..., 8])  # LU of NaN raises: keep NaN to the right side
+    matrix[open_loop], right[open_loop] = np.eye(9), np.nan
+    return matrix, right
+
+
+def solve(matrix, right):
+    """Return the reactions of the paper's stacked 9x9 systems by LU."""
+    return tuple(np.moveaxis(np.linalg.solve(matrix, right[..., None])[..., 0], -1, 0))
+
+
+# ---- heyoka.py, which writes vectors of LLVM as fastlink does: its caches are off ----
+
+#: Tables that are no zeros here: expressions are simplified, and carry no second digits.
+READ = [k for k, name in enumerate(TABLES) if not name.endswith("_low")]
+#: Configurations of one call: a call costs some microseconds, and what leaves the second-level cache as much again.
+BLOCK = 8192
+
+
+def inputs_of(case):
+    return {"positions": INPUTS[:4], "rates": INPUTS[:5]}.get(case, INPUTS)
+
+
+def heyoka_compiled(case):
+    """Return a case's function of inputs and then tables, both modes at once, as wide as the processor's vectors."""
+    import heyoka as hy
+
+    hy.llvm_state.set_memcache_limit(0)
+    hy.llvm_state.set_diskcache_enabled(False)
+    names = [*inputs_of(case), *(TABLES[k] for k in READ)]
+    known = {"omega1": 0.0} | dict.fromkeys(TABLES, 0.0) | dict(zip(names, hy.make_vars(*names), strict=True))
+    given = {name: known[name] for name in {*inputs_of(case), "omega1"}}
+    pairs = FORMS[case](constants(given, exact=False), [known[name] for name in TABLES], hy.sqrt)
+    # "force_avx512" takes effect where the processor has it, as the width of eight does.
+    options = {"compact_mode": False, "force_avx512": True, "batch_size": lanes_of_host()}
+    return hy.cfunc([one for pair in pairs for one in pair], [known[name] for name in names], **options)
+
+
+def bind_heyoka(case, x, tables):
+    """As it knows no loops, it takes again for each angle what is fixed for a design."""
+    n, K = x.shape[1], tables.shape[1]
+    function, rows = heyoka_compiled(case), x[[INPUTS.index(name) for name in inputs_of(case)]]
+    given = np.vstack([np.repeat(rows, K, axis=1), np.tile(tables[READ], n)])
+    blocks = [aligned_copy(given[:, k : k + BLOCK]) for k in range(0, n * K, BLOCK)]
+    results = [empty((2 * len(CASES[case]), block.shape[1])) for block in blocks]
+
+    def call():
+        for block, result in zip(blocks, results, strict=True):
+            function(block, outputs=result)
+
+    call()
+    return call, tuple(np.hstack(results).reshape(len(CASES[case]), 2, n, K).swapaxes(1, 2))
+
+
+def heyoka_compile_time(case):
+    """Return how long a case takes to compile, expressions and all, in s; to be called once in a process."""
+    import heyoka  # noqa: F401
+
+    start = time.perf_counter()
+    heyoka_compiled(case)
+    return time.perf_counter() - start
+
+
+# ---- JAX on the CPU, in double precision ----
+
+WIDE = "--xla_cpu_prefer_vector_width=512"
+
+
+def jax_kernels():
+    """Return by case the jitted functions of (x, tables); branches stacked inside take 2 to 5 times as long."""
+    import jax
+    import jax.numpy as jnp
+
+    jax.config.update("jax_enable_x64", True)
+    jax.config.update("jax_platforms", "cpu")
+
+    def greatest(curve):
+        found = jnp.max(jnp.where(curve == curve, curve, -jnp.inf), axis=1)
+        return jnp.where(found > -jnp.inf, found, jnp.nan)
+
+    def jitted(form):
+        return jax.jit(lambda x, tables: form(constants(columns(x)), tables, jnp.sqrt))
+
+    forms = FORMS | {"extremes": functools.partial(extremes, greatest=greatest)}
+    return {name: jitted(form) for name, form in forms.items()}
+
+
+def jax_measure(n, K):
+    """Return ns per configuration by case, on one processor (Linux); to be called before JAX starts its threads."""
+    os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
+    import jax
+
+    jitted = jax_kernels()  # first: it asks for double precision
+    x, tables = jax.device_put(designs(n)), jax.device_put(angle_tables(K))
+    found = {}
+    for case, kernel in jitted.items():
+        if kernel(x, tables)[0][0].dtype != np.float64:
+            raise RuntimeError("JAX did not compute in double precision")
+        found[case] = best_time(lambda run=kernel: jax.block_until_ready(run(x, tables)))
+    return {case: 1e9 * t / (2 * n * K) for case, t in found.items()}
+
+
+def jax_times(wide, n=512, K=360):
+    """Return `jax_measure` of a fresh process, with vectors of 512 bits or XLA's usual ones.
+
+    Threads and the width are fixed when JAX starts; a JAX that does not know the option has its usual ones.
+    """
+    for flag in [WIDE, ""] if wide else [""]:
+        try:
+            flags = f"{os.environ.get('XLA_FLAGS', '')} {flag}".strip()
+            return child(f"jax_measure({n}, {K})", "peers", XLA_FLAGS=flags)
+        except subprocess.CalledProcessError as error:
+            failed = error
+    raise RuntimeError(f"the JAX baseline failed:\n{failed.stderr}")
+
+
+# ---- pylinkage: a linkage object for each design, its compiled solver, one assembly mode ----
+
+
+def bind_pylinkage(x, K):
+    """Return ``call, arrays``: A_x, A_y, B_x, B_y of branch 2 at K angles over the turn, the first 0."""
+    from pylinkage.actuators import Crank
+    from pylinkage.components import Ground
+    from pylinkage.dyads import RRRDyad
+    from pylinkage.simulation import Linkage
+
+    arrays = [array[:, 0] for array in outputs("positions", x.shape[1], K)]
+    step = 2 * np.pi / K
+
+    def call():
+        for i, (a, b, c, d) in enumerate(x[:4].T.tolist()):
+            O, D = Ground(0.0, 0.0), Ground(d, 0.0)
+            crank = Crank(anchor=O, radius=a, angular_velocity=step, initial_angle=-step)
+            rocker = RRRDyad(anchor1=crank.output, anchor2=D, distance1=b, distance2=c)
+            found = Linkage([O, D, crank, rocker]).step_fast(K)
+            for axis in range(2):
+                arrays[axis][i], arrays[axis + 2][i] = found[:, 2, axis], found[:, 3, axis]
+
+    return call, arrays

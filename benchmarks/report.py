@@ -1,4 +1,4 @@
-"""Results to text: the tables, ``data/benchmarks/``, and the part of docs/performance.md between its markers."""
+"""Results to text, ``data/benchmarks/`` and docs/performance.md between its markers; and against the record."""
 
 import json
 import os
@@ -9,32 +9,32 @@ from datetime import date
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from benchmarks import c_kernel
+from benchmarks import answers, peers, table
+from benchmarks.cases import ROOT
 
-ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "data" / "benchmarks"
 PAGE = ROOT / "docs" / "performance.md"
 BEGIN, END = "<!-- benchmarks -->", "<!-- /benchmarks -->"
-HEADS = {
-    "case": "case",
-    "ns": "ns per configuration",
-    "to_C": "time / C",
-    "NumPy": "faster than NumPy",
-    "JAX": "faster than JAX",
-    "heyoka": "faster than heyoka.py",
-    "numba": "faster than numba by hand",
-    "threads": "gain by two threads",
-    "error": "max error",
+#: By column: its head, and the format of its numbers.
+SPEED = {
+    "case": ("case", ""),
+    "ns": ("ns per configuration", ".2f"),
+    "to_C": ("time / C", ".2f"),
+    "NumPy": ("faster than NumPy", ".3g"),
+    "JAX": ("faster than JAX", ".3g"),
+    "heyoka": ("faster than heyoka.py", ".3g"),
+    "numba": ("faster than numba by hand", ".3g"),
+    "threads": ("gain by two threads", ".2f"),
+    "error": ("max error", ".1f"),
 }
-FORMATS = {
-    "ns": ".2f",
-    "to_C": ".2f",
-    "NumPy": ".3g",
-    "JAX": ".3g",
-    "heyoka": ".3g",
-    "numba": ".3g",
-    "threads": ".2f",
-    "error": ".1f",
+ANSWERS = {
+    "request": ("time to a first answer", ""),
+    "cold": ("set-up, empty cache: s", ".2f"),
+    "to_heyoka": ("/ heyoka.py", ".1f"),
+    "known": ("known kernel, new process: s", ".3f"),
+    "again": ("known in the process: ms", ".2f"),
+    "memory": ("compiling takes: MiB", ".0f"),
+    "cache": ("cached: KiB per kernel", ".1f"),
 }
 LEGEND = (
     "One thread, 360 input angles, two assembly modes; times are shortest of many, taken in turns in one "
@@ -45,24 +45,6 @@ LEGEND = (
 BY_HAND = (
     "numba by hand: textbook formulas in plain loops. heyoka.py: both modes by one function, widest vectors."
 )
-#: Of the table of times to an answer, in the order of `answers.COLUMNS`.
-ANSWER_HEADS = {
-    "request": "time to a first answer",
-    "cold": "set-up, empty cache: s",
-    "to_heyoka": "/ heyoka.py",
-    "known": "known kernel, new process: s",
-    "again": "known in the process: ms",
-    "memory": "compiling takes: MiB",
-    "cache": "cached: KiB per kernel",
-}
-ANSWER_FORMATS = {
-    "cold": ".2f",
-    "to_heyoka": ".1f",
-    "known": ".3f",
-    "again": ".2f",
-    "memory": ".0f",
-    "cache": ".1f",
-}
 ANSWER_LEGEND = (
     "Shortest of fresh processes, imports not counted. A known kernel is in the cache; known times are of one design "
     "swept, but for the README's command, which is set up. heyoka.py compiles the same, its caches off."
@@ -86,7 +68,7 @@ def _processor():
 
 def machine():
     """Return what the numbers depend on."""
-    compiler = c_kernel.compiler()
+    compiler = peers.compiler()
     if compiler is not None:
         done = subprocess.run([compiler, "-dumpfullversion"], capture_output=True, text=True, check=False)
         compiler = done.stdout.strip() or None
@@ -114,23 +96,15 @@ def _markdown(heads, rows):
     return "\n".join(lines)
 
 
-def _table(rows, heads, formats):
+def _table(rows, columns):
     """Return a table without the columns that no row has, as of peers that are not installed."""
-    heads = {name: head for name, head in heads.items() if any(row.get(name) is not None for row in rows)}
+    columns = {name: c for name, c in columns.items() if any(row.get(name) is not None for row in rows)}
 
-    def cell(row, name):
-        value = row.get(name)
-        return "-" if value is None else format(value, formats[name]) if name in formats else value
+    def cell(row, name, form):
+        return "-" if row.get(name) is None else format(row[name], form)
 
-    return _markdown(list(heads.values()), [[cell(row, name) for name in heads] for row in rows])
-
-
-def speed_table(rows):
-    return _table(rows, HEADS, FORMATS)
-
-
-def answer_table(answers):
-    return f"{_table(answers, ANSWER_HEADS, ANSWER_FORMATS)}\n\n{ANSWER_LEGEND}"
+    cells = [[cell(row, name, form) for name, (_, form) in columns.items()] for row in rows]
+    return _markdown([head for head, _ in columns.values()], cells)
 
 
 def fact_table(facts):
@@ -147,10 +121,10 @@ def caption(rows, about):
     return f"{LEGEND}{peers}{absent} {place}; {used}; {about['date']}."
 
 
-def text_of(rows, answers, about):
+def text_of(rows, answered, about):
     """Return the tables with their captions: what the page shows."""
-    shown = f"{speed_table(rows)}\n\n{caption(rows, about)}"
-    return f"{answer_table(answers)}\n\n{shown}" if answers else shown
+    shown = f"{_table(rows, SPEED)}\n\n{caption(rows, about)}"
+    return f"{_table(answered, ANSWERS)}\n\n{ANSWER_LEGEND}\n\n{shown}" if answered else shown
 
 
 def in_page():
@@ -165,14 +139,106 @@ def record():
     return json.loads(path.read_text()) if path.exists() else None
 
 
-def write(rows, answers, facts, about):
+def write(rows, answered, facts, about):
     """Write both files, and the page's part where it has the markers."""
     FOLDER.mkdir(parents=True, exist_ok=True)
     named = [dict(zip(("fact", "value", "unit", "aim"), fact, strict=True)) for fact in facts]
-    everything = {"machine": about, "cases": rows, "answers": answers, "facts": named}
+    everything = {"machine": about, "cases": rows, "answers": answered, "facts": named}
     (FOLDER / "benchmarks.json").write_text(json.dumps(everything, indent=2) + "\n")
-    shown = text_of(rows, answers, about)
+    shown = text_of(rows, answered, about)
     (FOLDER / "benchmarks.md").write_text(f"{shown}\n\n{fact_table(facts)}\n")
     if in_page() is not None:
         before, rest = PAGE.read_text().split(BEGIN, 1)
         PAGE.write_text(f"{before}{BEGIN}\n{shown}\n{END}{rest.split(END, 1)[1]}")
+
+
+# ---- ``python -m benchmarks --check``: ratios of times that got worse than the committed record has them ----
+#
+# A ratio is of two things that were timed in turns in one run: ours to C, to a peer, or to a fixed piece of Python.
+# What looks worse is measured again, in further rounds of which the least counts: other load seldom slows one side.
+
+#: A ratio that is more than so many times the record's is worse.
+WORSE = 1.1
+#: How often a group is measured that holds something worse.
+ROUNDS = 4
+
+
+def ratios(facts):
+    """Return by name what facts have of ratios of times, where less is better."""
+    return {what: value for what, value, unit, _ in facts if unit == "" and " / " in what}
+
+
+def answer_ratios(rows):
+    """Return by name the ratios of times to an answer."""
+    found = {}
+    for row in rows:
+        label = row["request"]
+        for column, other in (
+            ("to_heyoka", "/ heyoka.py"),
+            ("to_fixed", "/ fixed work"),
+            ("known_to_fixed", "from the cache / fixed work"),
+        ):
+            if row.get(column) is not None:
+                found[f"set-up of {label}, {other}"] = row[column]
+    return found
+
+
+def groups():
+    """Return what is measured together, by name."""
+    parts = (
+        *(table.ratios_to_c, table.extrema_against_c, table.against_scan, table.refined_over_sampled),
+        *(table.one_mode, table.end_to_end, table.derivative),
+    )
+    measured = {part.__name__: lambda part=part: ratios(part()) for part in parts}
+    for label in answers.LABELS:
+        measured[f"set-up of {label}"] = lambda one=label: answer_ratios([answers.row_of(one, repeats=2)])
+    return measured
+
+
+def recorded(record):
+    """Return the ratios of a record by name."""
+    found = ratios([(fact["fact"], fact["value"], fact["unit"], fact["aim"]) for fact in record["facts"]])
+    found |= answer_ratios(record.get("answers", []))
+    for row in record["cases"]:
+        if row.get("to_C") is not None:
+            found[f"{row['case']}, time / C"] = row["to_C"]
+    return found
+
+
+def worse(now, then):
+    """Return the names of what is worse than recorded."""
+    return [name for name, value in now.items() if name in then and value > WORSE * then[name]]
+
+
+def check(record, measured, log=lambda text: None):
+    """Return what got worse: by name, the ratio now and the one recorded.
+
+    ``measured`` has functions that measure some ratios together, by the name of the group.
+    """
+    then, found = recorded(record), {}
+    for group, measure in measured.items():
+        log(group)
+        now = measure()
+        for _ in range(ROUNDS - 1):
+            if not worse(now, then):
+                break
+            log(f"{group}, again: {', '.join(worse(now, then))}")
+            again = measure()
+            now = {name: min(value, again.get(name, value)) for name, value in now.items()}
+        found |= {name: (now[name], then[name]) for name in worse(now, then)}
+        for name in now.keys() - then.keys():
+            log(f"not in the record: {name}")
+    return found
+
+
+def report_worse(record, log=lambda text: None, measured=None):
+    """Print what got worse; return the exit status, 1 if anything did."""
+    if record is None:
+        print("no record to check against: run `python -m benchmarks` first")
+        return 1
+    found = check(record, groups() if measured is None else measured, log)
+    for name, (now, then) in found.items():
+        print(f"{name}: {now:.3g}, recorded {then:.3g}, {100 * (now / then - 1):.0f} % worse")
+    if not found:
+        print(f"nothing is more than {100 * (WORSE - 1):.0f} % worse than recorded")
+    return 1 if found else 0

@@ -1,114 +1,150 @@
-"""The table of speed and error: one row for each case, every ratio of two things timed in turns."""
+"""The table of speed and error, and ratios of extremes: two things of a ratio are timed in turns.
 
-from functools import partial
+A fact is (what, value, unit, aim). Times are of the bare kernel, one thread, but for what names `fastlink.sweep`.
+"""
+
+import time
 
 import numpy as np
 
-from benchmarks import (
-    c_kernel,
-    dense_baseline,
-    engine,
-    errors,
-    heyoka_baseline,
-    jax_baseline,
-    numba_baseline,
-    numpy_baseline,
+import fastlink as fl
+from benchmarks import numba_baseline, peers
+from benchmarks.cases import (
+    CASES,
+    FAMILIES,
+    INPUTS,
+    angle_tables,
+    angles,
+    bind,
+    bind_names,
+    designs,
+    extremes,
+    race,
+    round_bars,
+    threads,
 )
-from benchmarks.closed_forms import FORMS
-from benchmarks.inputs import CASES, angle_tables, designs, outputs, race
+from fastlink.mechanisms import catalogue
+from fastlink.precision.reference import HighPrecision, error_in_roundings
 
 COLUMNS = ("case", "ns", "to_C", "NumPy", "JAX", "heyoka", "numba", "threads", "error")
-
-
 #: No multiple of 32: curves of 360 angles, one behind the other, would all begin at one place of their pages, for which
 #: the first cache has fewer lines than there are curves. Those of sweeps do not lie so.
 DESIGNS = 60
+K = 360
 
 
-def against_c(case, n=DESIGNS, K=360):
+# ---- error ----
+
+
+def in_units(values, inputs):
+    """Return the largest error of the named values of one configuration, in roundings."""
+    facts = HighPrecision(catalogue("planar_4r"), values, inputs)
+    exact = facts.at(inputs)
+    sums = facts.condition(exact, (*INPUTS, "theta1"))
+    return max(error_in_roundings(value, exact[name], sums[name]) for name, value in values.items())
+
+
+def configurations(case, arrays, x, K, count):
+    """Yield (design, branch, angle, values by quantity) of so many designs, one of each."""
+    rng = np.random.default_rng(0)
+    for i in rng.permutation(x.shape[1])[:count]:
+        branch = rng.integers(2)
+        if case != "extremes":
+            closed = np.flatnonzero(np.isfinite(arrays[-1][i, branch]))
+            if closed.size:
+                k = rng.choice(closed)
+                yield (
+                    i,
+                    branch,
+                    k,
+                    {name: a[i, branch, k] for name, a in zip(CASES[case], arrays, strict=True)},
+                )
+        elif not np.isnan(arrays[0][i, branch]):
+            curves = {}
+            for source in ("rates", "reactions"):
+                curves |= zip(CASES[source], bind(source, x[:, i : i + 1], K).arrays, strict=True)
+            for name, a in zip(CASES[case], arrays, strict=True):
+                quantity, _, kind = name.rpartition("_")
+                best = np.nanargmax if kind == "max" else np.nanargmin
+                yield i, branch, best(curves[quantity][0, branch]), {quantity: a[i, branch]}
+
+
+def worst(case, evaluate, n=64, K=K, count=40):
+    """Return the largest error of ``evaluate(x, K)``, the arrays of a case, over random configurations."""
+    x, theta = designs(n, seed=1), angles(K)
+    arrays, found = [np.array(array) for array in evaluate(x, K)], 0.0
+    for i, branch, k, values in configurations(case, arrays, x, K, count):
+        inputs = dict(zip(INPUTS, x[:, i], strict=True)) | {"theta1": theta[k], "branch": branch + 1}
+        found = max(found, in_units(values, inputs))
+    return found
+
+
+def error_of(case, K, count, **options):
+    return worst(case, lambda x, K: bind(case, x, K, **options).arrays, K=K, count=count)
+
+
+# ---- the table ----
+
+
+def against_c(case, n=DESIGNS, K=K):
     """Return calls, of ours and of C where there is a compiler, and what they are called with."""
     x, tables = designs(n), angle_tables(K)
-    calls = {"ours": engine.bind(case, x, K)}
-    if c_kernel.available():
-        calls["C"], _ = c_kernel.bind(case, x, tables)
+    calls = {"ours": bind(case, x, K)}
+    if peers.compiler():
+        calls["C"], _ = peers.bind_c(case, x, tables)
     return calls, x, tables
 
 
 def ratios_to_c(cases=CASES, rounds=12):
     """Return facts: the time of each case over that of C."""
-    facts = []
-    for case in cases:
-        best = race(against_c(case)[0], rounds)
-        if "C" in best:
-            facts.append((f"{case}, time / C", best["ours"] / best["C"], "", ""))
-    return facts
+    found = {case: race(against_c(case)[0], rounds) for case in cases}
+    return [(f"{case}, time / C", t["ours"] / t["C"], "", "") for case, t in found.items() if "C" in t]
 
 
 def case_row(case, n, K, rounds, seconds, repeats):
     """Return the row of a case without JAX; times are ns per configuration, one thread."""
     calls, x, tables = against_c(case, n, K)
-    calls["NumPy"] = partial(numpy_baseline.evaluate, case, x, tables, outputs(case, n, K))
+    calls["NumPy"], _ = peers.bind_numpy(case, x, tables)
     calls["numba"], _ = numba_baseline.bind(case, x, tables)
-    if case in FORMS and heyoka_baseline.available():
-        calls["heyoka"], _ = heyoka_baseline.bind(case, x, tables)
+    if case in peers.FORMS and peers.available("heyoka"):
+        calls["heyoka"], _ = peers.bind_heyoka(case, x, tables)
     best = race(calls, rounds)
-    one, two, count = engine.threads(case, seconds, repeats, K)
-    faster = {
-        name: best[name] / best["ours"] if name in best else None for name in ("NumPy", "heyoka", "numba")
-    }
-    return {
-        "case": case,
-        "ns": 1e9 * best["ours"] / (2 * n * K),
-        "to_C": best["ours"] / best["C"] if "C" in best else None,
-        "JAX": None,
-        **faster,
-        "threads": one / two,
-        "error": None,
-        "run_ns": 1e9 * one / count,
-    }
-
-
-def error_of(case, K, count, **options):
-    return errors.worst(case, lambda x, K: engine.bind(case, x, K, **options).arrays, K=K, count=count)
+    one, two, count = threads(case, seconds, repeats, K)
+    faster = {name: best[name] / best["ours"] for name in ("NumPy", "heyoka", "numba") if name in best}
+    ours = {"ns": 1e9 * best["ours"] / (2 * n * K), "threads": one / two, "run_ns": 1e9 * one / count}
+    to_c = best["ours"] / best["C"] if "C" in best else None
+    return dict.fromkeys(COLUMNS) | {"case": case, "to_C": to_c} | ours | faster
 
 
 def dense_rows(n, K, rounds, count):
     """Return the rows of the nine reactions against the stacked 9x9, eliminated and by our own LU."""
-    x, tables = designs(n), angle_tables(K)
     few = designs(n // 4)  # for LU in NumPy, which takes hundreds of times as long
-    calls = {
-        "eliminated": engine.bind("reactions", x, K),
-        "dense": engine.bind("reactions", x, K, variants=engine.DENSE),
-        "solve": partial(dense_baseline.reactions, few, tables, dense_baseline.system(few, tables)),
+    assembled = peers.system(few, angle_tables(K))
+    ways = {
+        "reactions against np.linalg.solve": {},
+        'solver="dense" against np.linalg.solve': {"variants": ("dense",)},
     }
-    best = race(calls, rounds)
-    best["solve"] *= n // few.shape[1]
-    empty = dict.fromkeys(COLUMNS)
-    rows = []
-    for label, name, options in (
-        ("reactions against np.linalg.solve", "eliminated", {}),
-        ('solver="dense" against np.linalg.solve', "dense", {"variants": engine.DENSE}),
-    ):
-        numbers = {"ns": 1e9 * best[name] / (2 * n * K), "NumPy": best["solve"] / best[name]}
-        rows.append(empty | {"case": label} | numbers | {"error": error_of("reactions", K, count, **options)})
+    calls = {label: bind("reactions", designs(n), K, **options) for label, options in ways.items()}
+    best = race({"solve": lambda: peers.solve(*assembled)} | calls, rounds)
+    theirs, rows = best["solve"] * (n // few.shape[1]), []
+    for label, options in ways.items():
+        numbers = {"ns": 1e9 * best[label] / (2 * n * K), "NumPy": theirs / best[label]}
+        error = error_of("reactions", K, count, **options)
+        rows.append(dict.fromkeys(COLUMNS) | {"case": label, "error": error} | numbers)
     return rows
 
 
 def add_jax(rows, n, K, turns=2):
     """Put in how many times as long JAX takes: a fresh process each time, in turns with ours."""
-    if not jax_baseline.available():
+    if not peers.available("jax"):
         return
-    kernels = {row["case"]: engine.bind(row["case"], designs(n), K) for row in rows if row["case"] in CASES}
+    kernels = {case: bind(case, designs(n), K) for case in CASES}
     ours, theirs = dict.fromkeys(kernels, np.inf), dict.fromkeys(kernels, np.inf)
-    for _ in range(turns):
-        for wide in (True, False):
-            found = jax_baseline.times(one_thread=True, wide=wide)
-            if found is None:
-                return
-            best = race(kernels, rounds=4)
-            for case in kernels:
-                theirs[case] = min(theirs[case], found[case])
-                ours[case] = min(ours[case], 1e9 * best[case] / (2 * n * K))
+    for wide in (True, False) * turns:
+        found, best = peers.jax_times(wide), race(kernels, rounds=4)
+        for case in kernels:
+            theirs[case] = min(theirs[case], found[case])
+            ours[case] = min(ours[case], 1e9 * best[case] / (2 * n * K))
     for row in rows:
         if row["case"] in kernels:
             row["JAX"] = theirs[row["case"]] / ours[row["case"]]
@@ -122,11 +158,136 @@ def measure(quick=False, log=lambda text: None):
     rows = []
     for case in CASES:
         log(case)
-        rows.append(case_row(case, n, K, rounds, seconds, repeats))
-        rows[-1]["error"] = error_of(case, K, count)
+        rows.append(case_row(case, n, K, rounds, seconds, repeats) | {"error": error_of(case, K, count)})
     log("np.linalg.solve")
     rows += dense_rows(n, K, rounds, count)
     if not quick:
         log("JAX")
         add_jax(rows, n, K)
     return rows
+
+
+# ---- extremes ----
+
+FIVE = CASES["extremes"][:5]
+OMEGA4 = extremes(["omega4"])
+#: What is refined, by label: names, aim of refined over sampled.
+REFINED = {
+    "omega4": (OMEGA4, "<= 0.7"),
+    "omega4 and alpha4": (extremes(["omega4", "alpha4"]), "<= 1.0"),
+    "shaking force": (extremes(["shaking_force"]), "<= 1.0"),
+}
+
+
+def draw(family, n, seed=0):
+    """Return designs of round bars of a family."""
+    return round_bars(FAMILIES[family](np.random.default_rng(seed), n))
+
+
+def extrema_against_c(n=4096, rounds=12):
+    """Every extreme of omega4 against C."""
+    facts = []
+    for family in ("crank", "drag-link", "rocker input", "non-Grashof") if peers.compiler() else ():
+        x = draw(family, n)
+        best = race({"ours": bind_names(OMEGA4, x)[0], "C": peers.bind_c_extrema(x)[0]}, rounds)
+        facts.append((f"extremes of omega4 / C, {family}", best["ours"] / best["C"], "", "<= 1.1"))
+    return facts
+
+
+def against_scan(n=4096, rounds=12):
+    """Every extreme of omega4 of cranks against a scan of 24 angles with false position, in numba."""
+    x = draw("crank", n)
+    by_scan, found = numba_baseline.bind_scan(x, angle_tables(numba_baseline.SCAN))
+    call, (ours,) = bind_names(OMEGA4, x)
+    best = race({"ours": call, "scan": by_scan}, rounds)
+    wrong = [np.abs(a / b - 1) > 1e-9 for a, b in zip(found, ours.arrays, strict=True)]
+    label = f"extremes of omega4 by {numba_baseline.SCAN} angles and false position in numba"
+    return [
+        (f"{label}, by design", 1e9 * best["scan"] / n, "ns", ""),
+        ("extremes of omega4, by design, crank", 1e9 * best["ours"] / n, "ns", ""),
+        ("extremes of omega4, crank / scan of 24 angles in numba", best["ours"] / best["scan"], "", ""),
+        (f"{label}: designs of {n:,} that it gets wrong", int(np.any(wrong, axis=(0, 2)).sum()), "", ""),
+    ]
+
+
+def against_pylinkage(n=10, rounds=3):
+    """Positions by pylinkage, next to the kernel's time."""
+    if not peers.available("pylinkage"):
+        return []
+    x = designs(n)
+    best = race({"ours": bind("positions", x, K), "theirs": peers.bind_pylinkage(x, K)[0]}, rounds)
+    theirs, ours = best["theirs"] / (n * K), best["ours"] / (2 * n * K)
+    return [
+        ("positions by pylinkage", 1e9 * theirs, "ns", ""),
+        ("positions, pylinkage / ours", theirs / ours, "times", ""),
+    ]
+
+
+def end_to_end(n=200_000, rounds=4):
+    """Extremes of omega4 of many designs through `fastlink.sweep`, over C where there is a compiler."""
+    x = designs(n)
+    space = fl.table(dict(zip(INPUTS, x, strict=True)))
+    calls = {"ours": lambda: fl.sweep("planar_4r", space, OMEGA4, threads=1, verify=0, progress=False)}
+    if peers.compiler():
+        calls["C"] = peers.bind_c_extrema(x)[0]
+    best = dict.fromkeys(calls, np.inf)
+    for _ in range(rounds + 1):
+        for name, call in calls.items():
+            start = time.perf_counter()
+            call()
+            best[name] = min(best[name], time.perf_counter() - start)
+    what = f"refined extremes of omega4, `fastlink.sweep` of {n:,} designs"
+    facts = [(f"{what}, by design", 1e9 * best["ours"] / n, "ns", "")]
+    return [*facts, (f"{what} / C", best["ours"] / best["C"], "", "<= 1.15")] if "C" in best else facts
+
+
+def of_extremes(names, x, way, branches=(1, 2)):
+    return bind_names(names, x, angles(K) if way == "sampled" else (), extrema=way, branches=branches)[0]
+
+
+def refined_over_sampled(n=2048, rounds=10, labels=tuple(REFINED)):
+    """Refined extremes over 360 samples of the same quantities."""
+    x, facts = designs(n), []
+    for label in labels:
+        names, aim = REFINED[label]
+        best = race({way: of_extremes(names, x, way) for way in ("refined", "sampled")}, rounds)
+        ratio = best["refined"] / best["sampled"]
+        facts.append((f"extremes of {label}, refined / of {K} samples", ratio, "", aim))
+    return facts
+
+
+def one_mode(n=2048, rounds=10, labels=tuple(REFINED)):
+    """One assembly mode alone over both."""
+    x, facts = designs(n), []
+    cases = {f"refined extremes of {label}": (REFINED[label][0], "refined") for label in labels}
+    for label, (names, way) in {"five sampled extremes": (FIVE, "sampled"), **cases}.items():
+        best = race({modes: of_extremes(names, x, way, modes) for modes in ((1,), (2,), (1, 2))}, rounds)
+        ratio = max(best[1,], best[2,]) / best[1, 2]
+        facts.append((f"{label}, one assembly mode / both", ratio, "", "<= 0.65"))
+    return facts
+
+
+def derivative(n=64, K=K, rounds=12):
+    """The derivative of a curve against the curve."""
+    x, theta = designs(n), angles(K)
+    best = race({name: bind_names([name], x, theta)[0] for name in ("T41", "d_T41_d_theta1")}, rounds)
+    return [("d_T41_d_theta1 / T41, curves", best["d_T41_d_theta1"] / best["T41"], "", "")]
+
+
+def facts(quick=False, log=lambda text: None):
+    """Return all facts; quick: small sizes."""
+    few = ("omega4",)
+    sizes = {
+        extrema_against_c: (64, 1),
+        against_scan: (64, 1),
+        against_pylinkage: (1, 1),
+        end_to_end: (128, 1),
+        refined_over_sampled: (64, 1, few),
+        one_mode: (64, 1, few),
+        derivative: (8, 64, 1),
+    }
+    found = []
+    for part, size in sizes.items():
+        log(part.__name__)
+        found += part(*size) if quick else part()
+    return found

@@ -8,19 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks import c_kernel, minkowski, minkowski_errors
+from benchmarks import minkowski
 from fastlink.numerics.compensated import UNIT_ROUNDING
 
 
-def test_numpy_has_the_same_roots():
+def test_eq3_has_the_same_roots():
     x, theta = minkowski.designs(40), np.linspace(-4.0, 4.0, 57)
-    _, (psi, orientation) = minkowski.bind(minkowski.PSI, x, theta)
-    out = np.empty_like(psi), np.empty_like(orientation)
-    tables = minkowski.angle_tables(minkowski.MINKOWSKI, minkowski.TABLES, theta)
-    minkowski.null_form(minkowski.constants(x), tables, out)
-    # The same operations but for the logarithm, of 2 units in the last place and one.
-    np.testing.assert_allclose(out[0], psi, rtol=8 * UNIT_ROUNDING, atol=8 * UNIT_ROUNDING)
-    np.testing.assert_array_equal(out[1], orientation)
+    psi, orientation = minkowski.bind(x, theta).arrays
     by_eq3, sign = minkowski.eq3(x, theta)
     np.testing.assert_array_equal(np.isnan(by_eq3), np.isnan(psi))
     np.testing.assert_array_equal(np.nan_to_num(sign), orientation)
@@ -28,27 +22,10 @@ def test_numpy_has_the_same_roots():
     np.testing.assert_allclose(by_eq3, psi, rtol=0, atol=1e-10)
 
 
-@pytest.mark.stress
-def test_c_has_the_same_bits():
-    if not c_kernel.available():
-        pytest.skip("the C limit kernels need gcc, which is not here")
-    x, theta = minkowski.designs(200), np.linspace(-6.0, 6.0, 700)  # more than a tile
-    x[:, :50] = np.random.default_rng(1).integers(0, 4, (4, 50))  # equal lengths, and 0
-    x[:, 50:60] *= [1e-155] * 5 + [1e155] * 5
-    x[0, 60], x[1, 61], x[2, 62] = np.nan, np.inf, -1.0
-    for (call, theirs), (_, ours) in (
-        (minkowski.bind_c(x, theta), minkowski.bind(minkowski.PSI, x, theta)),
-        (minkowski.bind_c_types(x), minkowski.bind(("linkage_type",), x)),
-    ):
-        call()
-        for one, other in zip(theirs if isinstance(theirs, tuple) else (theirs,), ours, strict=True):
-            np.testing.assert_array_equal(one, other)
-
-
 def test_compiled_eq3_is_eq3():
     x, theta = minkowski.designs(20), np.linspace(-3.0, 3.0, 31)
     psi, orientation = np.empty((20, 2, 31)), np.empty((20, 2, 31), dtype=np.int8)
-    minkowski_errors.compiled_eq3(x, np.cosh(theta), np.sinh(theta), psi, orientation)
+    minkowski.compiled_eq3(x, np.cosh(theta), np.sinh(theta), psi, orientation)
     by_numpy, sign = minkowski.eq3(x, theta)
     # Two libraries' artanh, of 2 units in the last place each, where y is the same.
     np.testing.assert_allclose(psi, by_numpy, rtol=16 * UNIT_ROUNDING, atol=16 * UNIT_ROUNDING)
@@ -56,19 +33,19 @@ def test_compiled_eq3_is_eq3():
 
 
 def test_errors_are_measured():
-    families = {name: (own, by_eq3) for name, own, by_eq3 in minkowski_errors.errors(4)}
-    assert len(families) == len(minkowski_errors.families(1))
+    families = {name: (own, by_eq3) for name, own, by_eq3 in minkowski.errors(4)}
+    assert len(families) == len(minkowski.families(1))
     assert max(own for own, _ in families.values()) <= 4.0
     # Where cosh overflows there is no value.
     assert families["theta from 400 to 700"][1] == math.inf
     # The measure tells a wrong value.
-    x, theta = next(iter(minkowski_errors.families(4).values()))
-    assert minkowski_errors.worst(minkowski_errors.ours(x, theta) + 1e-12, x, theta) > 100.0
+    x, theta = next(iter(minkowski.families(4).values()))
+    assert minkowski.worst(minkowski.ours(x, theta) + 1e-12, x, theta) > 100.0
 
 
 def test_the_table_of_the_docs_is_the_one_that_is_measured():
     page = Path(__file__).parents[2].joinpath("docs", "minkowski.md").read_text()
-    head, _, *rows = minkowski_errors.error_table(2, rounds=1).splitlines()
+    head, _, *rows = minkowski.error_table(2, rounds=1).splitlines()
     short_repr = page[page.index(head) :].split("\n\n")[0].splitlines()[2:]
     assert len(short_repr) == len(rows)
     for row, measured in zip(short_repr, rows, strict=True):
@@ -85,7 +62,5 @@ def test_the_table_of_the_docs_is_the_one_that_is_measured():
 
 @pytest.mark.stress
 def test_facts_are_positive_numbers():
-    found = minkowski.measure(quick=True)
+    found = minkowski.facts(quick=True)
     assert all(math.isfinite(value) and value > 0 for _, value, _, _ in found)
-    aims = [what for what, _, _, aim in found if aim == "<= 1.1"]
-    assert len(aims) == (2 if c_kernel.available() else 0)

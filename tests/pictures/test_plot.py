@@ -397,7 +397,7 @@ for door in doors:
 draw = "draw planar_4r a1=0.4 a2=1.1 a3=0.8 a4=1.0 --to b.png"
 for line in ("plot maps.h5 swing --to a.png", draw, "explore maps.h5 --to c.html"):
     try:
-        app(line.split(), standalone_mode=False)
+        print(app(line.split(), standalone_mode=False))
     except SystemExit as done:
         print(done.code)
 """
@@ -425,7 +425,7 @@ def test_symbols_are_set_as_mathematics(symbol, text):
     assert mathematical(symbol) == text
 
 
-@pytest.mark.parametrize("name", ["pictures.maps", "pictures.style"])
+@pytest.mark.parametrize("name", ["pictures.maps", "pictures.labels"])
 def test_the_examples_run(name):
     result = doctest.testmod(importlib.import_module(f"fastlink.{name}"))
     assert result.attempted > 0

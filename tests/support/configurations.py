@@ -7,8 +7,8 @@ from itertools import combinations
 from typing import Any
 
 import numpy as np
-from benchmarks.families import near_change_point as near_change_point
-from benchmarks.families import near_toggle as near_toggle
+from benchmarks.cases import near_change_point as near_change_point
+from benchmarks.cases import near_toggle as near_toggle
 
 import fastlink as fl
 from fastlink.facts.catalogue import Catalogue

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from benchmarks.families import FAMILIES
+from benchmarks.cases import FAMILIES
 
 import fastlink as fl
 from tests.support.configurations import LENGTHS
