@@ -1,4 +1,4 @@
-"""Errors that a user can mend, in the words of each door."""
+"""Errors that a user can mend, in the words of each door; the guard of the doors, and their checks."""
 
 from __future__ import annotations
 
@@ -47,6 +47,9 @@ __all__ = [
     "remark",
     "suggest",
 ]
+
+
+# -- Errors that a user can mend, in the words of each door
 
 
 #: Known names in a suggestion, and problems with a line each; the others are counted.

@@ -1,4 +1,4 @@
-"""Let several threads take work until there is none, or until one of them fails."""
+"""Threads that take work until one of them fails, and the memory that is left."""
 
 from __future__ import annotations
 
@@ -13,6 +13,9 @@ from fastlink._text import size
 from fastlink.errors import InputError, KeyPath, Remedy
 
 __all__ = ["available_memory", "check_memory", "work_in_threads"]
+
+
+# -- Let several threads take work until there is none, or until one of them fails
 
 
 def work_in_threads(work: Callable[[], None], threads: int, name: str, stop: threading.Event) -> None:

@@ -1,4 +1,4 @@
-"""The methods for a quantity, NumPy among them, and their run times."""
+"""Error against run time of a study's quantities, by every method: measured, compared, drawn."""
 
 from __future__ import annotations
 
@@ -59,6 +59,9 @@ __all__ = [
     "methods_for",
     "race",
 ]
+
+
+# -- The methods for a quantity, NumPy among them, and their run times
 
 
 #: Numbers of input angles that extremes are sampled at, and the one for everything else.

@@ -1,4 +1,7 @@
-"""The application, and what all its commands share: their wording of problems, their options."""
+"""The command line: one function for each command, and what all of them share.
+
+Everything heavy is imported inside the commands, so that help comes at once.
+"""
 
 from __future__ import annotations
 
@@ -60,6 +63,9 @@ __all__ = [
     "text_of",
     "tolerance",
 ]
+
+
+# -- The application, and what all its commands share: their wording of problems, their options
 
 
 BAD_INPUT, INTERRUPTED, TERMINATED = 2, 130, 143
@@ -1043,12 +1049,7 @@ def _number_or_text(text: str) -> float | str | None:
         return text_of(text)
 
 
-# -- The command line: one function for each command, in the module of what the command is about
-
-# Everything heavy is imported inside the commands, so that help comes at once.
-
-
-# in the order of the help: from a first look at a mechanism to its maps
+# -- The commands in the order of the help: from a first look at a mechanism to its maps
 for function in (
     mechanisms,
     new,

@@ -1,4 +1,4 @@
-"""Time a request on a sample of its designs, to say beforehand how long all of them take."""
+"""Say what a request computes, what it takes of memory, disk and time, and what it leaves out."""
 
 from __future__ import annotations
 
@@ -53,6 +53,9 @@ if TYPE_CHECKING:
     from fastlink.space.design_space import DesignSpace
 
 __all__ = ["HELPERS", "KINDS", "explain", "forecast", "request_of", "timing_of"]
+
+
+# -- Time a request on a sample of its designs, to say beforehand how long all of them take
 
 
 #: Seconds after which no more designs are evaluated, and bytes of results after which no more are.

@@ -1,4 +1,4 @@
-"""List designs that were selected from a map, a row each."""
+"""Lists and summaries: quantities and inputs of a mechanism, what a map holds, designs, tolerances."""
 
 from __future__ import annotations
 
@@ -66,6 +66,9 @@ __all__ = [
     "row_of",
     "summary",
 ]
+
+
+# -- List designs that were selected from a map, a row each
 
 
 #: Rows of a list that are shown.

@@ -1,4 +1,4 @@
-"""Quantities of one's own beside a study: the Python file that declares them, run only by who trusts it."""
+"""Studies: TOML files that name a mechanism, designs and quantities; read, checked and run."""
 
 from __future__ import annotations
 
@@ -83,6 +83,9 @@ __all__ = [
     "run_study",
     "text_of",
 ]
+
+
+# -- Quantities of one's own beside a study: the Python file that declares them, run only by who trusts it
 
 
 #: The key of a study that names the file, and the option by which it is run.

@@ -1,4 +1,4 @@
-"""Changes by tolerances from derivatives that are known, and the share of each input in them."""
+"""Tell what manufacturing tolerances do to the results of a map or a study."""
 
 from __future__ import annotations
 
@@ -38,6 +38,9 @@ if TYPE_CHECKING:
     from fastlink.space.design_space import DesignSpace
 
 __all__ = ["tolerance"]
+
+
+# -- Changes by tolerances from derivatives that are known, and the share of each input in them
 
 
 HOWS = ("worst", "rss")

@@ -1,4 +1,4 @@
-"""The inputs that a refinement may change: their ranges in a map, and those that follow others."""
+"""Refine designs that were selected from a map: off its grid, by derivatives, within what was asked for."""
 
 from __future__ import annotations
 
@@ -62,6 +62,9 @@ __all__ = [
     "spans_of_space",
     "within",
 ]
+
+
+# -- The inputs that a refinement may change: their ranges in a map, and those that follow others
 
 
 #: Rows of a table in which inputs are compared; how far from a line two of them may be, of their size.

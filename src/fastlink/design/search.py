@@ -1,4 +1,4 @@
-"""Keep the best rows of a sweep that goes by block by block: memory does not grow with the number of designs."""
+"""Search a design space without a map: sweep it block by block, keep the best rows, refine them; join parts."""
 
 from __future__ import annotations
 
@@ -93,6 +93,10 @@ __all__ = [
     "to_file",
     "write",
 ]
+
+
+# -- Keep the best rows of a sweep that goes by block by block: memory does not grow with the number of
+#    designs
 
 
 #: Rows that are compared with a front at once: to compare few takes as long as its own length.

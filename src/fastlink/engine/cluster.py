@@ -1,8 +1,4 @@
-"""Sinks that travel: they work in other processes, and what they have gathered there is merged here.
-
-A sink is made of functions and of objects that keep something: a file, counts, chosen designs. Functions travel by
-value; of each object a twin is made in the other process, which keeps the same for some designs and reports it.
-"""
+"""Run kernels on the workers of a dask.distributed cluster: tasks, what works there, what comes back."""
 
 from __future__ import annotations
 
@@ -45,6 +41,13 @@ if TYPE_CHECKING:
     from fastlink.io.checksums import Range
 
 __all__ = ["Cluster", "Report", "about", "connected", "difference", "packed"]
+
+
+# -- Sinks that travel: they work in other processes, and what they have gathered there is merged here
+
+# A sink is made of functions and of objects that keep something: a file, counts, chosen designs. Functions
+# travel by value; of each object a twin is made in the other process, which keeps the same for some designs
+# and reports it.
 
 
 class Twin(Protocol):

@@ -1,4 +1,4 @@
-"""Bind kernels to the buffers of one thread: designs, angles, scratch, results."""
+"""Run kernels over all designs, in blocks that threads take one by one, each with buffers of its own."""
 
 from __future__ import annotations
 
@@ -37,6 +37,9 @@ __all__ = [
     "row_bytes",
     "run",
 ]
+
+
+# -- Bind kernels to the buffers of one thread: designs, angles, scratch, results
 
 
 #: Bytes; the last is an odd number of lines, so that all lines of a page have their turn.

@@ -1,8 +1,4 @@
-"""Evaluate one value of an axis that only scales results, and multiply.
-
-Rates grow in proportion to omega1, forces to its square or to the density of the links, places not at all (see
-`fastlink.facts.homogeneity`). A swept axis of such an input costs the output of its results and no more.
-"""
+"""Axes that only scale results, and designs that are far from 1 and swept in units of their own."""
 
 from __future__ import annotations
 
@@ -37,6 +33,13 @@ __all__ = [
     "find_scaling_axis",
     "sized_outputs",
 ]
+
+
+# -- Evaluate one value of an axis that only scales results, and multiply
+
+# Rates grow in proportion to omega1, forces to its square or to the density of the links, places not at all
+# (see `fastlink.facts.homogeneity`). A swept axis of such an input costs the output of its results and no
+# more.
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Sinks, which receive the results of a sweep block by block, from any thread."""
+"""Sinks, which receive the results of a sweep, and the memory that a sweep needs, counted beforehand."""
 
 from __future__ import annotations
 
@@ -43,6 +43,9 @@ __all__ = [
     "tee",
     "within",
 ]
+
+
+# -- Sinks, which receive the results of a sweep block by block, from any thread
 
 
 def tee(*sinks: Sink) -> Sink:

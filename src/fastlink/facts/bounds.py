@@ -1,4 +1,4 @@
-"""The error bound of one value: a relative part known beforehand, an expression, and low words."""
+"""Error bounds of facts, from their text: of an operation, of a gap, of all; NAME_error and NAME_trust."""
 
 from __future__ import annotations
 
@@ -64,6 +64,9 @@ __all__ = [
     "trust_fact",
     "with_error_labels",
 ]
+
+
+# -- The error bound of one value: a relative part known beforehand, an expression, and low words
 
 
 #: What rounding lost and another value keeps (the low word of a sum of two): a multiple of that value is the error,

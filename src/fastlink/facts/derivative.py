@@ -1,8 +1,4 @@
-"""Tell from the text of facts on what it depends whether a value is a number.
-
-A configuration that does not exist shows in a root of a negative number, a quotient by zero, or a choice that says so.
-What does not depend on it has a value all the same.
-"""
+"""Derivatives of facts, from text to text; whether values are numbers; changes by tolerances."""
 
 from __future__ import annotations
 
@@ -46,6 +42,12 @@ __all__ = [
     "with_derivative_labels",
     "worded",
 ]
+
+
+# -- Tell from the text of facts on what it depends whether a value is a number
+
+# A configuration that does not exist shows in a root of a negative number, a quotient by zero, or a choice
+# that says so. What does not depend on it has a value all the same.
 
 
 #: Functions that have no value for some numbers.

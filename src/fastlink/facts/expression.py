@@ -1,4 +1,4 @@
-"""Visit values after those that they are made of, in chains of any length: no recursion."""
+"""Expressions: graphs of values that exist once; conditions, choices, and functions made of them."""
 
 from __future__ import annotations
 
@@ -27,6 +27,9 @@ __all__ = [
     "is_power_of_two",
     "postorder",
 ]
+
+
+# -- Visit values after those that they are made of, in chains of any length: no recursion
 
 
 T = TypeVar("T", bound=Hashable)

@@ -1,4 +1,4 @@
-"""Read names and phrases as words of the field, so that other spellings compare equal."""
+"""Find declared names by what a phrase means, in whatever spelling."""
 
 from __future__ import annotations
 
@@ -27,6 +27,9 @@ __all__ = [
     "squeezed",
     "words",
 ]
+
+
+# -- Read names and phrases as words of the field, so that other spellings compare equal
 
 
 #: Words of one sense, the first of which stands for all.

@@ -1,5 +1,6 @@
-"""Labelled HDF5 files: what stands in them, reading and checking them; `writing` makes them.
+"""Labelled HDF5 files: what stands in them, making, reading and checking them.
 
+`writer` makes them, `reader` opens and checks them, `joining` puts parts together, `convert` writes other formats.
 Nothing here knows a mechanism or a kernel.
 """
 

@@ -1,4 +1,4 @@
-"""The compressions of converted files, by name and level, in the words of each library."""
+"""Convert a finished map to another format, compressed, in part, or with fewer digits."""
 
 from __future__ import annotations
 
@@ -85,6 +85,9 @@ __all__ = [
     "selected",
     "write_csv",
 ]
+
+
+# -- The compressions of converted files, by name and level, in the words of each library
 
 
 #: The levels of each compression, from the fastest to the smallest, and the one that is taken unless given.

@@ -1,4 +1,4 @@
-"""Tell where the values of designs lie among those of a variable: design by design, or value by value."""
+"""What a map is made of: variables and where their values lie, attributes, the history."""
 
 from __future__ import annotations
 
@@ -19,6 +19,9 @@ from fastlink.space.design_space import DESIGN, Column, Counted, DesignSpace
 from fastlink.space.tables import FORMAT
 
 __all__ = ["HISTORY", "PLAIN", "SOURCE", "Placement", "check_attrs", "fault_of_value", "history"]
+
+
+# -- Tell where the values of designs lie among those of a variable: design by design, or value by value
 
 
 @dataclass(frozen=True)

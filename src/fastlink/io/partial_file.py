@@ -1,9 +1,4 @@
-"""Record the designs that a partial file holds, to resume a killed run.
-
-A thread synchronises the file's data while the sweep computes, and then records their designs: whatever the journal
-names is on the disk, even after a power cut. The system would otherwise wait some seconds or for much memory to be
-dirty, and the last fsync would write it all at once.
-"""
+"""Partial files: their journal, lock, room and final name, and whether an output may be made."""
 
 from __future__ import annotations
 
@@ -49,6 +44,13 @@ __all__ = [
     "synchronise",
     "uninterrupted",
 ]
+
+
+# -- Record the designs that a partial file holds, to resume a killed run
+
+# A thread synchronises the file's data while the sweep computes, and then records their designs: whatever
+# the journal names is on the disk, even after a power cut. The system would otherwise wait some seconds or
+# for much memory to be dirty, and the last fsync would write it all at once.
 
 
 STEP_BYTES = 32 << 20

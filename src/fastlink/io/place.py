@@ -1,4 +1,4 @@
-"""The place of a map file: what may be written there, and the words in which a place is refused."""
+"""The place of a map file: what may be written there, how it is renamed, how far its run is."""
 
 from __future__ import annotations
 
@@ -19,6 +19,9 @@ from fastlink._text import size
 from fastlink.errors import InputError, Remedy, Setting, check_output, not_a_file
 
 __all__ = ["exchange", "exclusive_rename", "progress_bar"]
+
+
+# -- The place of a map file: what may be written there, and the words in which a place is refused
 
 
 #: The remedy where a file exists.

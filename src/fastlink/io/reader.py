@@ -1,4 +1,4 @@
-"""Open finished maps, lazily, and refuse other files."""
+"""Open and check finished maps and the parts whose values they show; refuse other files."""
 
 from __future__ import annotations
 
@@ -71,6 +71,9 @@ __all__ = [
     "scalar",
     "shown_parts",
 ]
+
+
+# -- Open finished maps, lazily, and refuse other files
 
 
 # -- Parts of a map: consecutive designs in files of their own, which `fastlink.join` puts together

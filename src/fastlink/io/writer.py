@@ -1,4 +1,4 @@
-"""Put blocks of values in the order of the file, and cut them where its pieces end."""
+"""Write labelled HDF5 files block by block; only complete ones get their name."""
 
 from __future__ import annotations
 
@@ -59,6 +59,9 @@ from fastlink.io.reader import LABELS, NAMES, WHOLE, Shown, Source, as_source
 from fastlink.space.tables import FORMAT
 
 __all__ = ["NotHereError", "Rows", "Writer", "Written", "cut", "resume"]
+
+
+# -- Put blocks of values in the order of the file, and cut them where its pieces end
 
 
 #: Designs that are put in order at once: of each value as many as fill a few lines of the cache.

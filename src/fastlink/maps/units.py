@@ -1,4 +1,4 @@
-"""Convert the units of maps: radians to degrees, and others by pint."""
+"""Units of maps, the codes of their flags, and infinite values."""
 
 from __future__ import annotations
 
@@ -34,6 +34,9 @@ __all__ = [
     "has_flag",
     "units_of",
 ]
+
+
+# -- Convert the units of maps: radians to degrees, and others by pint
 
 
 RADIAN, DEGREE = "rad", "degree"  # in the spelling of CF

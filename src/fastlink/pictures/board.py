@@ -1,4 +1,4 @@
-"""Curves of quantities over the input, beside a linkage, with the input marked."""
+"""The whole picture of a linkage: sheets, curves beside them, the legend, the numbers of the design."""
 
 from __future__ import annotations
 
@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from fastlink.pictures.motion import Motion
 
 __all__ = ["Board", "Curves"]
+
+
+# -- Curves of quantities over the input, beside a linkage, with the input marked
 
 
 CURVE_POINTS = 361

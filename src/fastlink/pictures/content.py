@@ -1,8 +1,4 @@
-"""Write facts as JavaScript, so that a page moves a mechanism by the same formulas.
-
-Doubles of JavaScript are those of IEEE 754, and each operation of a fact is one operation there: only functions that
-JavaScript has itself, such as the sine, may differ in their last bits.
-"""
+"""The content of the page that explores a map: values, colours, facts as JavaScript; put together."""
 
 from __future__ import annotations
 
@@ -60,6 +56,12 @@ __all__ = [
     "scale_of",
     "script_of",
 ]
+
+
+# -- Write facts as JavaScript, so that a page moves a mechanism by the same formulas
+
+# Doubles of JavaScript are those of IEEE 754, and each operation of a fact is one operation there: only
+# functions that JavaScript has itself, such as the sine, may differ in their last bits.
 
 
 #: Functions that JavaScript has.

@@ -1,4 +1,4 @@
-"""Find the design that is drawn: by numbers, in a study, or in a map."""
+"""Draw a mechanism: find its design, check the request, draw, write."""
 
 from __future__ import annotations
 
@@ -64,6 +64,9 @@ if TYPE_CHECKING:
     from fastlink.space.design_space import Links
 
 __all__ = ["Options", "Request", "Source", "draw", "picture_of", "request_of"]
+
+
+# -- Find the design that is drawn: by numbers, in a study, or in a map
 
 
 STUDY, MAPS = ".toml", (".h5", ".hdf5", ".nc", ".he5")

@@ -1,4 +1,4 @@
-"""Draw a variable over two dimensions, as a map, or as a grid of maps."""
+"""Draw a variable over one dimension as lines, over two as a map or as a grid of maps."""
 
 from __future__ import annotations
 
@@ -43,6 +43,9 @@ if TYPE_CHECKING:
     from fastlink.pictures.maps import Panel, Selection
 
 __all__ = ["cut", "draw"]
+
+
+# -- Draw a variable over two dimensions, as a map, or as a grid of maps
 
 
 CONTOURS = 8

@@ -1,4 +1,4 @@
-"""Select what a picture shows: one variable, at fixed values of all dimensions but one or two."""
+"""Draw a variable of a map: check the request, select, lay out panels, draw, write."""
 
 from __future__ import annotations
 
@@ -40,6 +40,9 @@ __all__ = [
     "select",
     "spread",
 ]
+
+
+# -- Select what a picture shows: one variable, at fixed values of all dimensions but one or two
 
 
 MOST_CELLS = 1600  # along each side, more than the pixels of a picture

@@ -1,4 +1,4 @@
-"""Positions of the points of one design, by the facts of its mechanism, and the range in which it assembles."""
+"""Positions of the points of one design, the planes in which they stand, and places for names."""
 
 from __future__ import annotations
 
@@ -24,6 +24,10 @@ if TYPE_CHECKING:
     from fastlink.space.design_space import Links
 
 __all__ = ["PLANES", "Euclidean", "Minkowskian", "Motion", "Names", "as_draw", "samples_of"]
+
+
+# -- Positions of the points of one design, by the facts of its mechanism, and the range in which it
+#    assembles
 
 
 T = TypeVar("T")

@@ -1,4 +1,4 @@
-"""Show what moves with a linkage besides its bars: loci of a position, circles about moving points."""
+"""One picture of a linkage at a position: links, marks, forces, and further things by a word."""
 
 from __future__ import annotations
 
@@ -38,6 +38,9 @@ __all__ = [
     "ends_of_forces",
     "mode_line",
 ]
+
+
+# -- Show what moves with a linkage besides its bars: loci of a position, circles about moving points
 
 
 FAINT = "0.62"

@@ -1,4 +1,4 @@
-"""Write a map as one page that needs neither Python nor a network."""
+"""The page of a map: written as one file, or served on this machine."""
 
 from __future__ import annotations
 
@@ -28,6 +28,9 @@ from fastlink.maps.best import least
 from fastlink.pictures.content import ONE, POOLS, Values, content_of, page_of
 
 __all__ = ["Server", "check_page", "write_page"]
+
+
+# -- Write a map as one page that needs neither Python nor a network
 
 
 #: Bytes of values, before they are compressed, that a page may carry: a browser keeps all of them in memory.

@@ -1,4 +1,4 @@
-"""Choose the colours of maps: ranges without far outliers, and those of codes."""
+"""Colours of maps and of codes, and figures that a notebook shows."""
 
 from __future__ import annotations
 
@@ -39,6 +39,9 @@ __all__ = [
     "near",
     "style",
 ]
+
+
+# -- Choose the colours of maps: ranges without far outliers, and those of codes
 
 
 CYCLIC = "twilight_shifted"

@@ -1,4 +1,4 @@
-"""Programs: the computation of one kernel as data, of which its text is made."""
+"""Programs: what each kernel computes, as data; how a request is split into them."""
 
 from __future__ import annotations
 
@@ -54,6 +54,9 @@ __all__ = [
     "order_at_toggles",
     "output_of",
 ]
+
+
+# -- Programs: the computation of one kernel as data, of which its text is made
 
 
 Lanes = Literal["designs", "angles"]

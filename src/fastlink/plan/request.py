@@ -1,4 +1,4 @@
-"""Checks of a request: inputs and their values, branches, links and solver."""
+"""Checks of a request: inputs, branches, links, solver, input positions, the search for extrema."""
 
 from __future__ import annotations
 
@@ -91,6 +91,9 @@ __all__ = [
     "value_problems",
     "variants_of",
 ]
+
+
+# -- Checks of a request: inputs and their values, branches, links and solver
 
 
 RULES = {"positive": "greater than 0", "non-negative": "at least 0"}

@@ -1,4 +1,4 @@
-"""Collect the errors of one variable, and state them as its attributes."""
+"""Compare the results of some designs with 50 digits, and state the errors as attributes."""
 
 from __future__ import annotations
 
@@ -43,6 +43,9 @@ __all__ = [
     "values",
     "within",
 ]
+
+
+# -- Collect the errors of one variable, and state them as its attributes
 
 
 # -- The designs that are verified, their results, and the budget of evaluations

@@ -1,4 +1,4 @@
-"""Numbered designs whose inputs are filled in on demand."""
+"""Design spaces: numbered designs whose inputs are filled in on demand; angles, columns, links."""
 
 from __future__ import annotations
 
@@ -57,6 +57,9 @@ __all__ = [
     "taken_links",
     "unit_remedy",
 ]
+
+
+# -- Numbered designs whose inputs are filled in on demand
 
 
 # -- Check the values that are given for inputs

@@ -1,4 +1,4 @@
-"""Collect the columns and constants of a table: the numbers of inputs, and labels of its rows."""
+"""Read tables of designs: mappings, data frames, datasets, CSV and Parquet files."""
 
 from __future__ import annotations
 
@@ -73,6 +73,9 @@ __all__ = [
     "refused",
     "table",
 ]
+
+
+# -- Collect the columns and constants of a table: the numbers of inputs, and labels of its rows
 
 
 #: Names of columns that tell designs apart and are no inputs, whatever they hold; and endings of such names.

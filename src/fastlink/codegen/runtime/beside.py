@@ -1,9 +1,4 @@
-"""Ends of the range: where a quantity may be extreme though its slope is not 0, and where it grows without bound.
-
-At a toggle a quantity has a limit or grows by its order. At a fold, where all bars of a change point are in line, it is
-a sum of powers of the distance x: it may have a pole there whose factor is as small as masses and loads are, so that
-nothing shows it but positions far closer. Arrays are as in `results`.
-"""
+"""Beside the samples: ends of the range, toggles, folds octave by octave, jumps and kinks of a slope."""
 
 from __future__ import annotations
 
@@ -97,6 +92,14 @@ __all__ = [
     "tries",
     "weigh_octave",
 ]
+
+
+# -- Ends of the range: where a quantity may be extreme though its slope is not 0, and where it grows
+#    without bound
+
+# At a toggle a quantity has a limit or grows by its order. At a fold, where all bars of a change point are
+# in line, it is a sum of powers of the distance x: it may have a pole there whose factor is as small as
+# masses and loads are, so that nothing shows it but positions far closer. Arrays are as in `results`.
 
 
 # The first sample stands at 2^-60 of the scale. How much farther from a toggle a quantity is evaluated too, how much

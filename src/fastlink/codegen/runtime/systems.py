@@ -1,8 +1,4 @@
-"""Dense linear systems in the lanes: LU with partial pivoting, one system per lane.
-
-The matrices stand as a structure of arrays, entry (r, c) of all lanes side by side, so that elimination
-vectorises over the lanes. Pivoting is by selection: rows are exchanged lane by lane without a branch.
-"""
+"""Functions of whole systems and cycles in the lanes: dense linear systems, fluctuation over a cycle."""
 
 from __future__ import annotations
 
@@ -12,6 +8,12 @@ from fastlink.numerics.compiler import lanes, outlined
 from fastlink.numerics.elementary import TWO_PI
 
 __all__ = ["fluctuation_lanes", "solve_lanes"]
+
+
+# -- Dense linear systems in the lanes: LU with partial pivoting, one system per lane
+
+# The matrices stand as a structure of arrays, entry (r, c) of all lanes side by side, so that elimination
+# vectorises over the lanes. Pivoting is by selection: rows are exchanged lane by lane without a branch.
 
 
 @outlined

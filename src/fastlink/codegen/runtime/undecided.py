@@ -1,21 +1,4 @@
-"""Entries of the lists that are nothing but rounding, next to folds.
-
-At a fold a quantity may be a small difference of great numbers: its slope changes its sign with every last bit, and
-each change looks like an extreme. So an extreme is listed only if its slope has one sign on its one side and the other
-on the other, at some distance at which a slight change of the position leaves the slope what it is: rounding errors do
-as they like. Of others between two maxima, or two minima, one is left, as there is one; else all leave. They still
-count for the greatest and the least value, within whose bounds they are.
-
-At a toggle a curvature goes on in the other branch, and its slope in the input position is infinite: a small difference
-of great numbers there. An entry within 2^-20 of the scale from a toggle is listed only if its slope is certain, too.
-
-Where a slope has three zeros in place of one, two of these are rounding. What that does to the value is measured, too:
-it is evaluated at positions beside, which differ by so little that an extreme would not change in its last digits. A
-maximum and the minimum next to it whose values differ by less than rounding does to each of them leave the list
-together; the nearest values first. The greatest and the least of all stay. Where more entries are certain than the
-lists have room for, all stay. A list from which uncertain ones were taken, or that has no room for all, is undecided:
-it may lack an extreme, or hold one too many, see `hidden`.
-"""
+"""Lists that doubles do not decide: entries of rounding, extremes that may hide, halves at rest."""
 
 from __future__ import annotations
 
@@ -96,6 +79,28 @@ __all__ = [
     "silence_rest",
     "thin",
 ]
+
+
+# -- Entries of the lists that are nothing but rounding, next to folds
+
+# At a fold a quantity may be a small difference of great numbers: its slope changes its sign with every
+# last bit, and each change looks like an extreme. So an extreme is listed only if its slope has one sign on
+# its one side and the other on the other, at some distance at which a slight change of the position leaves
+# the slope what it is: rounding errors do as they like. Of others between two maxima, or two minima, one is
+# left, as there is one; else all leave. They still count for the greatest and the least value, within whose
+# bounds they are.
+#
+# At a toggle a curvature goes on in the other branch, and its slope in the input position is infinite: a
+# small difference of great numbers there. An entry within 2^-20 of the scale from a toggle is listed only
+# if its slope is certain, too.
+#
+# Where a slope has three zeros in place of one, two of these are rounding. What that does to the value is
+# measured, too: it is evaluated at positions beside, which differ by so little that an extreme would not
+# change in its last digits. A maximum and the minimum next to it whose values differ by less than rounding
+# does to each of them leave the list together; the nearest values first. The greatest and the least of all
+# stay. Where more entries are certain than the lists have room for, all stay. A list from which uncertain
+# ones were taken, or that has no room for all, is undecided: it may lack an extreme, or hold one too many,
+# see `hidden`.
 
 
 #: Positions are moved by 2^-20 of themselves, then 2^-28, 2^-36, 2^-44; rounding is at most so many times as great as
