@@ -279,12 +279,13 @@ def _read_seal(path: str | os.PathLike[str]) -> tuple[bool, int | None]:
 
 
 def _end_of_hdf5(fd: int) -> int:
-    """Return where HDF5's part of a file ends, as its superblock says; the end of a file that has none."""
+    """Return where HDF5's part of a file ends, as its superblock says; the end of one without it, -1 of no place."""
     size = os.fstat(fd).st_size
     head = bytes(read_all(fd, min(size, 64), 0))
-    if not head.startswith(SIGNATURE) or size < 64 or head[VERSION_AT] not in END_AT:
+    if not head.startswith(SIGNATURE) or size < 64:
         return size
-    return int(struct.unpack_from("<Q", head, END_AT[head[VERSION_AT]])[0])
+    at = END_AT.get(head[VERSION_AT])
+    return -1 if at is None else int(struct.unpack_from("<Q", head, at)[0])
 
 
 def read_all(fd: int, count: int, position: int) -> bytearray:
