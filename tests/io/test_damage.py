@@ -228,7 +228,10 @@ def _damaged(path, count):
     rng = np.random.default_rng(len(whole))
     at = rng.choice(places, min(count, len(places)), replace=False)
     bits = [(int(k), 1 << int(rng.integers(8))) for k in at]
-    bits += [(whole.index(b"GCOL") + 73, 1 << 2), (len(SIGNATURE), 1 << 7)]  # the last makes a version that is none
+    bits += [
+        (whole.index(b"GCOL") + 73, 1 << 2),
+        (len(SIGNATURE), 1 << 7),
+    ]  # the last makes a version that is none
     for k, bit in bits:
         yield whole[:k] + bytes([whole[k] ^ bit]) + whole[k + 1 :]
     for k in (whole.index(b"GCOL"), len(whole) - 512, len(whole) - 1400):

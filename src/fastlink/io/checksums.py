@@ -45,6 +45,7 @@ __all__ = [
     "open_to_read",
     "pieces",
     "read_all",
+    "read_seal",
     "seal",
     "seal_is_broken",
     "sealed_labels",
@@ -244,15 +245,15 @@ def seal_is_broken(path: str | os.PathLike[str]) -> bool:
 
     A file without a seal, of an earlier version or changed by HDF5 since, is not broken.
     """
-    return _read_seal(path)[0]
+    return read_seal(path)[0]
 
 
 def sealed_labels(path: str | os.PathLike[str]) -> int | None:
     """Return the checksum of all that is not values in a map, thus of theirs too; None without an intact seal."""
-    return _read_seal(path)[1]
+    return read_seal(path)[1]
 
 
-def _read_seal(path: str | os.PathLike[str]) -> tuple[bool, int | None]:
+def read_seal(path: str | os.PathLike[str]) -> tuple[bool, int | None]:
     """Return whether the seal of a file is broken, and the checksum of its labels where there is an intact one."""
     fd = os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
     try:
@@ -412,15 +413,14 @@ def check_own(path: Path, file: Any) -> None:
     """
 
     def of_link(name: str, link: Any) -> str | None:
-        foreign = isinstance(link, h5py.ExternalLink)
-        return (
-            f"{name} is a link to the file {short_repr(link.filename)}, which is not read"
-            if foreign
-            else None
-        )
+        if not isinstance(link, h5py.ExternalLink):
+            return None
+        return f"{name} is a link to the file {short_repr(link.filename)}, which is not read"
 
     def of_values(name: str, one: Any) -> str | None:
-        if not isinstance(one, h5py.Dataset) or not one.size or one.is_virtual:  # see `parts.check_parts`
+        if (
+            not isinstance(one, h5py.Dataset) or not one.size or one.is_virtual
+        ):  # see `fastlink.io.reader.check_parts`
             return None
         if one.external:
             return f"the values of {name} are in the file {short_repr(one.external[0][0])}, which is not read"

@@ -34,7 +34,7 @@ from fastlink.errors import (
     suggest,
 )
 from fastlink.io import partial_file
-from fastlink.io.checksums import OF_REST, of_file, pieces, seal
+from fastlink.io.checksums import OF_REST, pieces
 from fastlink.io.finished import WRITTEN
 from fastlink.io.layout import (
     FINGERPRINT,
@@ -843,10 +843,7 @@ def write_compressed(
                     file[variable.name].id.chunk_iter(of_values.append)
         target.check()
         compressed = {int(chunk.byte_offset): int(chunk.size) for chunk in of_values}
-        position, sealed = seal(out.fd, compressed, place)
-        partial_file.write_all(out.fd, memoryview(sealed), position)
-        rest = np.array([of_file(out.fd, {}, (place, place + 4))], "u4")
-        partial_file.write_all(out.fd, rest.view(np.uint8).data, place)
+        partial_file.write_seal(out.fd, compressed, place, {})
         out.publish()
 
 

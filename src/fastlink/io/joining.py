@@ -19,7 +19,7 @@ import xarray as xr
 
 from fastlink._text import counted, short_repr, unwritable
 from fastlink.errors import InputError, Problem, Problems, check_path, remark
-from fastlink.io.checksums import Range, Stored, check_own, crc32, open_to_read, read_all, sealed_labels
+from fastlink.io.checksums import Range, Stored, check_own, crc32, open_to_read, read_all
 from fastlink.io.finished import WRITTEN
 from fastlink.io.layout import FINGERPRINT, HISTORY, Variable, history
 from fastlink.io.place import left_of, reason, refused
@@ -236,7 +236,7 @@ def _read(path: Path, chosen: bool) -> PartFile | None:
     try:
         if not chosen and (path.suffix in OF_WRITER or not is_hdf5(path)):
             return None
-        check_seal(existing_map(path))
+        labels = check_seal(existing_map(path))
         with h5py.File(path, "r") as file:
             check_own(path, file)
             attrs = {str(name): scalar(value) for name, value in file.attrs.items()}
@@ -244,7 +244,7 @@ def _read(path: Path, chosen: bool) -> PartFile | None:
             if of is not None and WHOLE in file:
                 stored = Stored.of(file)
                 measured = {name: _measured(file[name].attrs) for name in stored.values}
-                return PartFile(path, of, attrs, stored, measured, sealed_labels(path))
+                return PartFile(path, of, attrs, stored, measured, labels)
         if any(name in attrs for name in OF_PARTS):
             raise refused(
                 f"{path}: what it says of its part has changed since it was written", RUN_AGAIN, "paths"

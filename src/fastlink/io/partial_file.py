@@ -8,6 +8,7 @@ import json
 import os
 import signal
 import stat
+import sys
 import threading
 import zlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -17,7 +18,7 @@ from typing import Any, TypeVar
 import h5py
 
 from fastlink.errors import KeyPath, Remedy, Setting, check_output
-from fastlink.io.checksums import Range, add, joined_ranges, seal_is_broken, seek_lock
+from fastlink.io.checksums import Range, add, joined_ranges, of_file, seal, seal_is_broken, seek_lock
 from fastlink.io.layout import FINGERPRINT
 from fastlink.io.place import (
     SLACK,
@@ -374,6 +375,14 @@ def publish(fd: int, part: Path, final: Path, overwrite: bool) -> None:
     with contextlib.suppress(OSError):  # its bytes are on the disk already
         os.close(fd)
     synchronise_folder(final.parent)
+
+
+def write_seal(fd: int, values: Mapping[int, int], rest_at: int, left_out: Mapping[int, int]) -> None:
+    """Write the seal of all but values, then the checksum of all but what is left out, which has its own."""
+    position, sealed = seal(fd, values, rest_at)
+    write_all(fd, memoryview(sealed), position)
+    rest = of_file(fd, left_out, (rest_at, rest_at + 4))
+    write_all(fd, memoryview(rest.to_bytes(4, sys.byteorder)), rest_at)
 
 
 def write_all(fd: int, data: memoryview, position: int) -> None:

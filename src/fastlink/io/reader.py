@@ -32,6 +32,7 @@ from fastlink.io.checksums import (
     joined_ranges,
     open_to_read,
     read_all,
+    read_seal,
     seal_is_broken,
     sealed_labels,
 )
@@ -241,8 +242,8 @@ def shown_parts(path: Path) -> dict[Path, int]:
     return _shown(path)[0]
 
 
-def _shown(path: Path) -> tuple[dict[Path, int], set[str]]:
-    """Return the parts whose values a map shows, and the names of these values there."""
+def _shown(path: Path) -> tuple[dict[Path, int], set[str], str]:
+    """Return the parts whose values a map shows, the names of these values there, and the hash of its request."""
     folder = Path(os.path.realpath(path)).parent
     found, used, variables = dict[str, int](), set[str](), set[str]()
 
@@ -255,6 +256,7 @@ def _shown(path: Path) -> tuple[dict[Path, int], set[str]]:
     with h5py.File(path, "r") as file:
         check_own(path, file)
         file.visititems(add)
+        whole = str(file.attrs.get(FINGERPRINT))
         if used and NAMES in file and LABELS in file:
             names = [os.fsdecode(name) for name in file[NAMES][:].tolist()]
             found = dict(zip(names, file[LABELS][:].tolist(), strict=True))
@@ -263,7 +265,7 @@ def _shown(path: Path) -> tuple[dict[Path, int], set[str]]:
         if name not in found or os.path.isabs(name) or not real.is_relative_to(folder):
             what = f"{path}: shows values of {short_repr(name)}, which is no part of it in its folder"
             raise PartsError(what, remedy="move the parts into the folder of the map, and join them there")
-    return {folder / name: labels for name, labels in found.items()}, variables
+    return {folder / name: labels for name, labels in found.items()}, variables, whole
 
 
 def check_parts(path: Path) -> bool:
@@ -271,12 +273,10 @@ def check_parts(path: Path) -> bool:
 
     HDF5 reads fill values where the file of a virtual dataset is missing, or cannot be opened.
     """
-    shown, variables = _shown(path)
+    shown, variables, whole = _shown(path)
     if not shown:
         return False
     check_open_files(len(shown))
-    with h5py.File(path, "r") as file:
-        whole = str(file.attrs.get(FINGERPRINT))
     for part, labels in shown.items():
         try:
             if why := _fault_of_part(part, labels, whole, variables):
@@ -530,16 +530,17 @@ def existing_map(path: Any, *, or_zarr: bool = False) -> Path:
     return file
 
 
-def check_seal(path: Path) -> None:
-    """Refuse a map whose labels have changed since they were written, before HDF5 reads them."""
+def check_seal(path: Path) -> int | None:
+    """Refuse a map whose labels have changed since they were written, before HDF5 reads them; else return their sum."""
     try:
-        broken = seal_is_broken(path)
+        broken, labels = read_seal(path)
     except OSError as error:
         remedy = "give a map that a sweep has written"
         raise InputError(f"{path}: cannot be read ({reason(error)})", remedy=remedy) from error
     if broken:
         what = f"{path}: is damaged: labels or attributes have changed since they were written"
         raise InputError(what, remedy="take a copy of it, or write it again")
+    return labels
 
 
 def _fault(path: Path, error: Exception) -> str:

@@ -35,10 +35,8 @@ from fastlink.io.checksums import (
     block_count,
     joined_ranges,
     missing,
-    of_file,
     of_pieces,
     read_all,
-    seal,
 )
 from fastlink.io.finished import marks, stamp
 from fastlink.io.layout import FORMAT_VERSION, Placement, Variable, check_dims, plain_attrs
@@ -879,10 +877,7 @@ class Writer:
         if blocks := sum(block_count(variable.nbytes) for variable in variables):
             sums = np.array([self._sums[block] for block in range(blocks)], "u4")
             partial_file.write_all(self._fd, sums.view(np.uint8).data, places[OF_VALUES])
-        position, sealed = seal(self._fd, self._file.places, places[OF_REST])
-        partial_file.write_all(self._fd, memoryview(sealed), position)
-        rest = np.array([of_file(self._fd, self._file.places, (places[OF_REST], places[OF_REST] + 4))], "u4")
-        partial_file.write_all(self._fd, rest.view(np.uint8).data, places[OF_REST])
+        partial_file.write_seal(self._fd, self._file.places, places[OF_REST], self._file.places)
 
     def _publish(self) -> None:
         try:

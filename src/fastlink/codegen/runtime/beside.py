@@ -211,7 +211,7 @@ def collect_ends(w: Any, count: int, table: Any, search: Any, best: Any, ends: A
 # 2^-26 of the scale its sign is nothing but rounding, and a wrong one at the last sample hides the extreme
 # that follows. The value at a little distance stands for that at the toggle. Where both signs are certain
 # there is an extreme between that is not looked for: it is in the error bounds of the greatest and least
-# values. Arrays are as in `sampling`.
+# values. Arrays are as in `cells`.
 
 
 # The function at a toggle over that at the next sample, below which it vanishes there.
@@ -313,7 +313,7 @@ def bound_hidden(s: Any, count: int) -> None:
 # A load by the square of a rate changes its sign with the rate: the slope is a V there, which may dip below
 # zero within a millionth of a cell. Neither the samples nor a parabola through them tell of it, and a
 # search for the least magnitude ends above it. The function on both sides of the place itself tells:
-# between such places it is smooth. Arrays are as in `sampling`.
+# between such places it is smooth. Arrays are as in `cells`.
 
 
 #: How many places of one design are kept; a rate is zero twice in a half of the range at most.
@@ -471,7 +471,7 @@ def collect_jumps(part: Any, splits: Any, counts: Any, roots: Any) -> None:
 #
 # Close to a fold the slope may be nothing but rounding. A smooth function changes by a millionth with its
 # argument, rounding errors do as they like: signs count where the function stays what it is. Arrays are as
-# in `sampling`.
+# in `cells`.
 
 
 #: From the first sample, 2^-60 of the scale, to the second one, less than 2^-4 of it.

@@ -3,7 +3,7 @@
 Zeros hide where the function is not resolved: a pair between two samples of one sign, or three between samples of both
 signs. The fourth differences of the samples tell where: cubic interpolation between equally spaced samples is off by
 about 3/128 of them where they change little from sample to sample. It is an estimate, no bound: what leaves no trace in
-six samples stays unseen. Arrays are as in `sampling`.
+six samples stays unseen. Arrays are as in `cells`.
 """
 
 from __future__ import annotations

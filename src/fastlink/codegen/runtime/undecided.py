@@ -392,7 +392,7 @@ def flag_undecided(lists: Any, best: Any, first: int, last: int, room: int) -> N
 
 # At a fold a linkage may go on as another: a kite with two of its joints in one place, a parallelogram
 # whose output turns as its input does. Forces and torques are constant then, and all that samples show of
-# the slope is rounding errors, of which zeros fill the lists. Arrays are as in `sampling`.
+# the slope is rounding errors, of which zeros fill the lists. Arrays are as in `cells`.
 
 
 #: A half may be at rest where the greatest slope is so little of the greatest of the half that continues it. It is if

@@ -403,7 +403,7 @@ for _i, _nth in enumerate(("first", "second", "third", "fourth"), 1):
     second(_law, f"v{_i}_ddot", f"d2v_{_i}/dt2", f"Second time derivative of {_tangent}", **_v)
 
 
-# -- for the residuals (factors.py) ------------------------------------------------------------------
+# -- for the residuals (classes.py) ------------------------------------------------------------------
 
 
 @planar_4r.quantity(units="1", symbol="a_1 a_4/(a_2 a_3)", source=JOINTS, internal=True)
