@@ -8,7 +8,6 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from fastlink.analysis import broadcast, broadcast_points, check_lengths, check_samples, read_design
 from fastlink.engine.evaluate import evaluate, like
 from fastlink.errors import InputError, Pair, check_choice, door
 from fastlink.facts.fact import Input
@@ -17,6 +16,7 @@ from fastlink.mechanisms.focal import focal
 from fastlink.mechanisms.planar_4r import planar_4r
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.numerics.vectors import cross
+from fastlink.papers import broadcast, broadcast_points, check_lengths, check_samples, read_design
 from fastlink.plan.request import branch_codes
 from fastlink.space.design_space import ends_of
 

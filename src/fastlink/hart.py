@@ -19,9 +19,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from fastlink.analysis import read_design
 from fastlink.errors import check_switch, check_whole, door
 from fastlink.mechanisms.hart import hart
+from fastlink.papers import read_design
 
 __all__ = ["held_at_AB", "integer_designs"]
 

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from fastlink._text import in_words
-from fastlink.analysis import broadcast, check_lengths, coupler_sextic
 from fastlink.engine.evaluate import broadcast_inputs, like
 from fastlink.errors import InputError, Problems, door
 from fastlink.facts.fact import Input, Rule
@@ -19,6 +18,7 @@ from fastlink.io.reader import as_dataset
 from fastlink.mechanisms.minkowski_4r import minkowski_4r
 from fastlink.mechanisms.minkowski_4r.design_facts import LINKAGE_FLAGS
 from fastlink.numerics.compensated import sum_of_four, two_product
+from fastlink.papers import broadcast, check_lengths, coupler_sextic
 from fastlink.plan.request import value_problems
 from fastlink.space.design_space import MOST_DIMS, in_unit, numbers_of
 

@@ -16,17 +16,6 @@ import xarray as xr
 from scipy.spatial import ConvexHull, QhullError
 
 from fastlink._text import short_repr
-from fastlink.analysis import (
-    BY_NAME,
-    CURVE,
-    all_entries,
-    broadcast,
-    broadcast_points,
-    check_samples,
-    coupler_sextic,
-    integrate,
-    read_design,
-)
 from fastlink.engine.evaluate import broadcast_inputs, evaluate, like
 from fastlink.engine.sweep import sweep
 from fastlink.errors import InputError, KeyPath, Piece, Problems, Setting, Wording, check_switch, door, listed
@@ -43,6 +32,17 @@ from fastlink.mechanisms.planar_4r.inputs import LINKS
 from fastlink.mechanisms.planar_4r.position import EQUATION_9, IO_CROSS, IO_PRODUCTS
 from fastlink.numerics.compensated import UNIT_ROUNDING, sum_of_four
 from fastlink.numerics.vectors import cross
+from fastlink.papers import (
+    BY_NAME,
+    CURVE,
+    all_entries,
+    broadcast,
+    broadcast_points,
+    check_samples,
+    coupler_sextic,
+    integrate,
+    read_design,
+)
 from fastlink.plan.request import branch_codes, check_model, constants_of, selected_variants, value_problems
 from fastlink.space.design_space import (
     MOST_DIMS,

@@ -8,9 +8,9 @@ import pytest
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.analysis import BLOCK
 from fastlink.minkowski import sextic
 from fastlink.numerics.compensated import UNIT_ROUNDING
+from fastlink.papers import BLOCK
 
 DESIGN = ("a", "b", "g", "h", "x", "y")
 #: Causal types of a vector: the sign of its square.

@@ -1,4 +1,4 @@
-"""Read the numbers of one or many designs for functions of both planes, by the rules of a sweep."""
+"""Pieces that the functions of the papers share: designs as they are read, integrals, the coupler sextic."""
 
 from __future__ import annotations
 
