@@ -413,11 +413,13 @@ def maps_to_read(folder):
 
 def trial_of_a_door(to, door=""):
     """Let a function read what stands beside the file of the trials; all of them once, to load what they need."""
-    with tempfile.TemporaryDirectory() as loaded:
-        if to is None:
-            maps_to_read(Path(loaded))
-        for one in (door,) if to is not None else DOORS:
-            DOORS[one](Path(loaded) if to is None else Path(to).parent)
+    if to is not None:
+        DOORS[door](Path(to).parent)
+        return contextlib.ExitStack()
+    with tempfile.TemporaryDirectory() as folder:
+        maps_to_read(Path(folder))
+        for read in DOORS.values():
+            read(Path(folder))
     return contextlib.ExitStack()
 
 
