@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.support.focal_designs import GIVEN, LENGTHS, exact, facts, family, given_by, one, random_designs
+from tests.support.focal_designs import GIVEN, LENGTHS, exact, facts, given_by, one, random_designs
 
 import fastlink as fl
-from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.precision.reference import CONTEXT as MP
-from fastlink.precision.reference import HighPrecision
 
 BARS = ("lambda_", "m", "n", "p", "q", "r", "FT", "s", "T_ratio")
 #: 50 digits, of which the worst of these designs loses some ten by cancellation.
@@ -82,28 +80,6 @@ def test_both_completions_exchange_r_and_FT():
             assert abs(first["x"]) >= abs(second["x"]) > 0
 
 
-def test_completions_of_a_given_lambda_have_the_product_of_rho():
-    designs = given_by("lambda_", random_designs(np.random.default_rng(3), 60))
-    found = exact(("rho", "lambda_", "r"), "lambda_")
-    for i in range(len(designs["a"])):
-        first, second = (found.at(one(designs, i, completion, "lambda_")) for completion in (1.0, 2.0))
-        assert same(first["rho"] * second["rho"], (first["a"] / first["b"]) ** 2)
-        # one of them is what lambda came from
-        rho = MP.mpf(float(designs["rho"][i]))
-        near = min(abs(x["rho"] - rho) / abs(rho) for x in (first, second))
-        assert near < 1e-5  # lambda was rounded: 1e-16 of it, and more where both completions are near
-
-
-def test_what_is_given_does_not_matter():
-    designs = random_designs(np.random.default_rng(4), 60)
-    by_rho, by_s = exact(BARS), exact(tuple(name for name in BARS if name != "s"), "s")
-    for i in range(60):
-        at = by_rho.at(one(designs, i, 1.0))
-        other = by_s.at({name: at[name] for name in (*LENGTHS, "completion", "s")})
-        if not MP.isnan(at["m"]):
-            assert all(same(at[name], other[name]) for name in BARS)
-
-
 def test_the_chebyshev_linkage_to_every_digit():
     maps = fl.sweep(
         "focal", fl.grid(**CHEBYSHEV), ["m", "n", "p", "q", "r", "FT", "h1", "h2", "S_x", "T_ratio"]
@@ -155,84 +131,9 @@ def test_the_symmetric_formulas_of_section_6():
     assert tested > 20
 
 
-def test_heights_are_of_symmetric_four_bars_only():
-    found = facts(random_designs(np.random.default_rng(6), 20), 1.0, ["h1", "h2"])
-    assert np.isnan(found["h1"]).all()
-    assert np.isnan(found["h2"]).all()
-
-
-def test_the_mirror_exchanges_M_and_N():
-    designs = random_designs(np.random.default_rng(7), 40)
-    found = exact(BARS)
-    for i in range(40):
-        given = one(designs, i, 1.0)
-        mirrored = given | {"a": given["b"], "b": given["a"], "rho": 1 / MP.mpf(given["rho"])}
-        at, other = found.at(given), found.at(mirrored)
-        if not MP.isnan(at["m"]):
-            pairs = ("m", "n"), ("p", "q"), ("r", "r"), ("FT", "FT"), ("lambda_", "lambda_")
-            assert all(same(abs(at[x]), abs(other[y])) for x, y in pairs)
-
-
-def test_the_straight_line_is_where_the_circle_goes():
-    designs = random_designs(np.random.default_rng(8), 60)
-    line, circle = exact(("line_x", "status")), exact(("r", "s"))
-    tested = 0
-    for i in range(60):
-        given = one(designs, i, 1.0)
-        at = line.at(given | {"rho": -1.0})
-        if at["status"] == 3:
-            # r and s grow to the 25th power of ten: half of the 50 digits is left, and the tangent leaves by as much
-            near = circle.at(given | {"rho": -1 + MP.mpf(10) ** -25})
-            meets = min((near["s"] - near["r"], near["s"] + near["r"]), key=abs)
-            assert abs(meets - at["line_x"]) <= 1e-15 * (1 + abs(at["line_x"]))
-            tested += 1
-        else:
-            assert MP.isnan(at["line_x"])
-    assert tested > 20
-
-
-def test_hart_s_linkages_are_the_completions_with_rho_minus_1():
-    rng = np.random.default_rng(14)
-    hart = HighPrecision(catalogue("hart"), ("a", "b", "c", "p", "q", "line_x"), ("m", "n", "d", "kappa"))
-    found = exact(("m", "n", "p", "q", "line_x", "status"))
-    tested = 0
-    for m, n, d, kappa in rng.uniform(0.1, 2.0, (60, 4)):
-        at = hart.at({"m": m, "n": n, "d": d, "kappa": kappa / 2.5})
-        given = {name: at[name] for name in LENGTHS} | {"rho": -1.0, "completion": 2.0}
-        ours = found.at(given)
-        if ours["status"] == 3:
-            assert same(ours["m"], at["m"])
-            assert same(ours["n"], at["n"])
-            # the same but for the signs of p and q, and omega + pi
-            assert same(ours["p"], -at["p"])
-            assert same(ours["q"], -at["q"])
-            assert same(ours["line_x"], at["line_x"], d)
-            tested += 1
-    assert tested > 20
-
-
 # -- brute force over the crank -------------------------------------------------------------------------------
 
-RANGES = ("phi_low", "phi_high", "psi_low", "psi_high")
 ANGLES = ("transmission_angle_PQ_least", "transmission_angle_F_least")
-
-
-def test_the_coupler_closes_by_itself():
-    """At any direction of the crank the dyads MPF and NQF hold A and B as far apart as AB is long."""
-    tested = 0
-    turns = [MP.expj(float(sigma)) for sigma in np.random.default_rng(15).uniform(-3.0, 3.0, 8)]
-    for a, b, c, d, _, _, m, n, p, q, r, _, s, _ in completed(np.random.default_rng(16), 40):
-        for turn in turns:
-            z = s + r * turn
-            cosine = (m * m + p * p - abs(z) ** 2) / (2 * m * p)
-            if abs(cosine) < 0.999:  # F is in reach, and not so near its end that digits are lost
-                w = MP.mpc(cosine, MP.sqrt(1 - cosine * cosine))
-                at_M, at_N = m - p * w, n + q * w
-                u, v = z / at_M, (z - d) / at_N
-                lost = max(abs(m / at_M), abs(p / at_M), abs(n / at_N), abs(q / at_N), 1) ** 2
-                assert same(abs(d + b * v - a * u), c, lost * max(a, b, d, abs(z)))
-                tested += 1
-    assert tested > 100
 
 
 def around(a, b, c, d, m, n, p, q, r, s, steps=4000):
@@ -308,14 +209,14 @@ def test_ranges_and_transmission_angles_by_brute_force(completion):
 
 
 def test_every_double_rocker_of_grashof_s_kind_has_a_crank_that_turns_fully():
-    designs = random_designs(np.random.default_rng(11), 100_000)
+    designs = random_designs(np.random.default_rng(11), 20_000)
     first, second = (facts(designs, k, ["grashof_class", "crank_type", "status"]) for k in (1.0, 2.0))
     rockers = first["grashof_class"] == 2.0
     between = rockers & (designs["rho"] > 0.0)
-    assert between.sum() > 4000
+    assert between.sum() > 800
     assert (first["status"][between] == 0.0).all()
     real = rockers & (first["status"] == 0.0)
-    assert real.sum() > between.sum() + 1000
+    assert real.sum() > between.sum() + 200
     assert (first["crank_type"][real] == 0.0).all()
     assert (second["crank_type"][real] == 3.0).all()
     # double cranks have it the other way round, triple rockers have none
@@ -324,29 +225,3 @@ def test_every_double_rocker_of_grashof_s_kind_has_a_crank_that_turns_fully():
     assert (first["crank_type"][cranks] == 3.0).all()
     triple = (first["grashof_class"] >= 4.0) & (first["grashof_class"] <= 7.0)
     assert not (first["crank_type"][triple] == 0.0).any()
-
-
-def test_the_transmission_angle_at_F_belongs_to_the_four_bar():
-    designs = family("random", np.random.default_rng(12), 200)
-    name = "transmission_angle_F_least"
-    found = [facts(designs | {"rho": np.full(200, rho)}, 1.0, [name])[name] for rho in (0.5, 1.0, -3.0)]
-    np.testing.assert_array_equal(found[0], found[1])
-    np.testing.assert_array_equal(found[0], found[2])
-
-
-def test_the_crank_s_four_bar_is_tied_to_the_rockers():
-    count = 0
-    for a, b, c, d, _, L, m, n, p, q, r, _, s, share in completed(np.random.default_rng(13), 60):
-        for (e, f), (x, y), sizes in (((a, b), (m, p), (s, share)), ((b, a), (n, q), (d - s, 1 - share))):
-            # N S F Q is the same with M and N exchanged
-            mu = sizes[1] / L
-            assert same(abs(x * sizes[0]), abs(mu * e * d))
-            assert same(abs(y) * r, abs(mu) * f * c)
-            left, right = x * x + sizes[0] ** 2 - y * y - r * r, mu * (e * e + d * d - f * f - c * c)
-            assert same(left, right, x * x, sizes[0] ** 2, y * y, r * r)
-        M, P, S = abs(m), abs(p), abs(s)
-        stretched, folded = (M + P) ** 2 - (S + r) ** 2, (S - r) ** 2 - (M - P) ** 2
-        gaps = (a + b - c - d) * (a + c - b - d) * (a + d - b - c) * (a + b + c + d)
-        assert same(stretched * folded, -((share / L) ** 2) * gaps, (M + P + S + r) ** 4)
-        count += 1
-    assert count > 60

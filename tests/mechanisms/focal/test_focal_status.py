@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from pathlib import Path
 
+import mpmath as mp
 import numpy as np
 import pytest
-from tests.support.focal_designs import FACTS, FOCAL, NUMBERS, facts
+from tests.support.focal_designs import FACTS, FOCAL, GIVEN, LENGTHS, NUMBERS, facts, random_designs
 from tests.support.refusals import refused
 
 import fastlink as fl
@@ -20,12 +22,6 @@ FOUR_BAR = {"a": 5.0, "b": 5.0, "c": 2.0, "d": 4.0}
 #: What needs the bars of the completion, and what needs the crank.
 BARS, CRANK = ("m", "n", "p", "q"), ("r", "FT", "transmission_angle_PQ_least")
 UP, DOWN = np.inf, -np.inf
-
-
-def status(given="rho", completion=1.0, **design):
-    return facts({name: [value] for name, value in design.items()}, completion, ["status"], given)["status"][
-        0
-    ]
 
 
 def beside(x, where):
@@ -71,22 +67,12 @@ BOUNDARIES = [
 
 @pytest.mark.parametrize(("meaning", "design"), BOUNDARIES)
 def test_status_at_and_next_to_its_boundaries(meaning, design):
-    design = dict(design)
-    given = next(name for name in ("rho", "s", "lambda_") if name in design)
-    completion = design.pop("completion", 1.0)
-    assert status(given, completion, **design) == CODES[meaning]
-
-
-def test_every_status_is_met():
-    assert {meaning for meaning, _ in BOUNDARIES} == set(STATUS_FLAGS.values())
-
-
-@pytest.mark.parametrize(("meaning", "design"), BOUNDARIES)
-def test_what_is_not_there_is_no_number(meaning, design):
+    """With what has a number there, and what has none."""
     design = dict(design)
     given = next(name for name in ("rho", "s", "lambda_") if name in design)
     completion = design.pop("completion", 1.0)
     found = facts({name: [value] for name, value in design.items()}, completion, FACTS, given)
+    assert found["status"][0] == CODES[meaning]
     there = {name: bool(np.isfinite(found[name][0])) for name in NUMBERS}
     assert {there[name] for name in CRANK} == {meaning == "completed"}
     assert {there[name] for name in BARS} == {meaning in ("completed", "F_on_a_straight_line")}
@@ -97,6 +83,10 @@ def test_what_is_not_there_is_no_number(meaning, design):
     if meaning == "invalid_input" and completion != 3.0 and not np.isnan(design.get("rho", 0.0)):
         # the sum of the lengths alone says of what is not a linkage
         assert not any(there[name] for name in NUMBERS if name != "lambda_")
+
+
+def test_every_status_is_met():
+    assert {meaning for meaning, _ in BOUNDARIES} == set(STATUS_FLAGS.values())
 
 
 def test_both_completions_are_one_where_they_meet():
@@ -136,6 +126,71 @@ def test_change_points_are_told_as_such():
 def test_bad_designs_are_refused_in_a_line(design, key, remedy):
     with refused(key, remedy):
         fl.sweep("focal", fl.grid(**FOUR_BAR | design), ["s"])
+
+
+# -- where both completions meet: the last bit of the inputs decides whether there is one -------------------------
+
+
+def quadratic(given, lengths, sign):
+    """Return the coefficients of the discriminant times the denominators, by powers of what is given, least first.
+
+    W - (u +- v)^2 = 0 with W = (1 + x)(f^2 + x g^2)/x, where x is the given ratio; s = d x/(1 + x).
+    """
+    a, b, c, d = map(Fraction, lengths)
+    f, g, u, v = (c, d, a, b) if given == "lambda_" else (a, b, c, d)
+    of_ratio = (f * f, f * f + g * g - (u + sign * v) ** 2, g * g)
+    if given == "rho":
+        return of_ratio
+    p, q, r = of_ratio
+    if given == "lambda_":  # x = lambda - 1
+        return p - q + r, q - 2 * r, r
+    return p * d * d, q * d - 2 * p * d, p - q + r  # x = s/(d - s), times (d - s)^2
+
+
+def ratio_of(given, value, d):
+    """Return rho of s, lambda - 1 of lambda, exactly."""
+    value = Fraction(value)
+    if given == "s":
+        return value / (Fraction(d) - value)
+    return value - 1 if given == "lambda_" else value
+
+
+def meeting(rng, n, given):
+    """Yield lengths, a ratio within three last bits of where completions meet, and whether they exist, exactly."""
+    designs = random_designs(rng, n)
+    for lengths in zip(*(designs[name].tolist() for name in LENGTHS), strict=True):
+        if 2 * max(lengths) >= sum(lengths):  # the four-bar never assembles
+            continue
+        for sign in (1, -1):
+            p, q, r = (mp.mpf(one.numerator) / one.denominator for one in quadratic(given, lengths, sign))
+            if q * q < 4 * p * r:
+                continue
+            root = float((-q + rng.choice([-1, 1]) * mp.sqrt(q * q - 4 * p * r)) / (2 * r))
+            for steps in range(-3, 4):
+                value = root + steps * float(np.spacing(root))
+                x = ratio_of(given, value, lengths[3])
+                if (x > 0) == (sign > 0):
+                    parts = enumerate(quadratic(given, lengths, sign))
+                    excess = sum(part * Fraction(value) ** k for k, part in parts)
+                    # W - (u +- v)^2 is that over x: real roots need it positive, or with a negative x negative
+                    yield lengths, value, excess >= 0
+
+
+@pytest.mark.parametrize("given", GIVEN)
+def test_the_last_bit_decides_whether_there_is_a_completion(given):
+    with mp.workdps(60):
+        lengths, values, exist = zip(*meeting(np.random.default_rng(5), 60, given), strict=True)
+    design = dict(zip(LENGTHS, np.array(lengths).T, strict=True)) | {given: np.array(values)}
+    names = [name for name in ("lambda_", *BARS, "r", "FT") if name != given]
+    for completion in (1, 2):
+        found = fl.evaluate("focal", ["status", *names], **design, completion=completion, phi=1.0, branch=1)
+        np.testing.assert_array_equal(
+            found["status"], np.where(exist, CODES["completed"], CODES["no_real_lambda_or_rho"])
+        )
+        for name in names:
+            np.testing.assert_array_equal(np.isfinite(found[name]), exist)
+    assert 0.2 < np.mean(exist) < 0.8
+    assert len(exist) > 200
 
 
 # -- studies --------------------------------------------------------------------------------------------------
