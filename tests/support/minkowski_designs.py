@@ -7,7 +7,7 @@ import numpy as np
 from fastlink.facts.evaluate import read_facts
 from fastlink.mechanisms.minkowski_4r import design_facts, minkowski_4r
 
-MANY = 100_000
+MANY = 10_000
 LENGTHS = "abgh"
 #: What the sums T_i add up: signs of a, b, g, h.
 SUMS = {
