@@ -32,57 +32,33 @@ LEAST = 2.0**-900
 
 @dataclass(frozen=True)
 class Case:
-    """One configuration where a computation may go wrong.
-
-    Attributes
-    ----------
-    name : str
-        What is extreme in it.
-    inputs : mapping of str to float
-        All inputs and the position.
-    status : str
-        What `status` must say by rational arithmetic; else it is that of the same facts with 50 digits.
-    """
+    """One configuration where a computation may go wrong: its name says what is extreme in it."""
 
     name: str
+    #: All inputs and the position.
     inputs: Mapping[str, float]
+    #: What `status` must say by rational arithmetic; else it is that of the same facts with 50 digits.
     status: str | None = None
 
 
 @dataclass(frozen=True)
 class Mechanism:
-    """What the runner needs to know of a mechanism.
-
-    Attributes
-    ----------
-    catalogue : Catalogue
-        The mechanism.
-    families : mapping of str to callable
-        By name of the family what returns its cases, all of them or the small form.
-    loop : str
-        A fact that is NaN where the loop does not close, and with it all that is not `free`.
-    swept : tuple of str
-        What the compiled sweep is asked for: compiling all takes long.
-    lengths : tuple of str
-        The inputs that are lengths of links.
-    free : tuple of str
-        What does not need the loop.
-    measures : mapping of str to float
-        What measures its own roundings, not named a residual: the greatest that comes out.
-    skipped : tuple of str
-        What is left out, with the reason beside it.
-    held : mapping of str to callable
-        Internal facts that are right to a few roundings, see `extreme.exact.HighPrecision`.
-    """
+    """A mechanism and its cases."""
 
     catalogue: Catalogue
+    #: By name of the family what returns its cases, all of them or the small form.
     families: Mapping[str, Callable[[bool], list[Case]]]
+    #: A fact that is NaN where the loop does not close, and with it all that is not `free`.
     loop: str | None = None
-    swept: tuple[str, ...] = ()
+    #: The inputs that are lengths of links.
     lengths: tuple[str, ...] = ()
+    #: What does not need the loop.
     free: tuple[str, ...] = ()
+    #: What measures its own roundings, not named a residual: the greatest that comes out.
     measures: Mapping[str, float] = field(default_factory=dict)
+    #: What is left out, with the reason beside it.
     skipped: tuple[str, ...] = ()
+    #: Internal facts that are right to a few roundings, see `extreme.exact.Configuration`.
     held: Mapping[str, Size] = field(default_factory=dict)
 
     @cached_property
@@ -92,21 +68,14 @@ class Mechanism:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came out for one quantity of one configuration.
+    """What came out for one quantity of one configuration."""
 
-    Attributes
-    ----------
-    what : str
-        ``value``, ``nan``, ``inf``, ``pole``, ``code``; ``underflow`` where digits are lost and a product on the
-        way may be below 2^-1022; or what is wrong with it.
-    right : bool
-        Whether it is what must come out.
-    error : float
-        In units of (condition x rounding), where both are numbers.
-    """
-
+    #: ``value``, ``nan``, ``inf``, ``pole``, ``code``; ``underflow`` where digits are lost and a product on the way may
+    #: be below 2^-1022; or what is wrong with it.
     what: str
+    #: Whether it is what must come out.
     right: bool
+    #: In units of (condition x rounding), where both are numbers.
     error: float = 0.0
 
 

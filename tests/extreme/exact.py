@@ -31,17 +31,8 @@ def alone(values: Mapping[str, Any]) -> Any:
 class Configuration:
     """The facts of one configuration with 50 digits, and what rounding does to them.
 
-    Parameters
-    ----------
-    catalogue : Catalogue
-        The mechanism.
-    names : tuple of str
-        Facts.
-    inputs : mapping of str to float
-        Inputs, position and branch, all taken as exact.
-    held : mapping of str to callable
-        Facts that are right to a few roundings however their data cancel, being taken in twice the working precision,
-        and of all values the size of what they are differences of.
+    Facts that are `held` are right to a few roundings however their data cancel, being taken in twice the working
+    precision; of all values they have the size of what they are differences of.
     """
 
     def __init__(

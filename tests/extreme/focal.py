@@ -81,8 +81,7 @@ FOCAL = Mechanism(
         "scales": scales,
         "angles": angles,
     },
-    # a distance without scale, whose exact value 0 has no condition number: test_focal_motion.py
+    # a distance without scale, whose exact value 0 has no condition number: test_focal_figure.py
     skipped=("F_path_residual",),
     lengths=tuple(LENGTHS),
-    swept=("F_x", "F_y", "T_x", "psi", "omega_angle", "P_x", "lambda_", "status", "r"),
 )

@@ -64,5 +64,4 @@ HART = Mechanism(
     free=tuple(OF_THE_CRANK),
     # three roundings of MP and PF, which sum to MP + PF
     measures={"F_deviation": 6.0},
-    swept=("F_x", "F_y", "psi", "omega_angle", "B_x", "line_x", "stroke", "status", "F_deviation"),
 )

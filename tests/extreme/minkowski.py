@@ -162,7 +162,6 @@ MINKOWSKI_4R = Mechanism(
         "scales": scales,
     },
     loop="half_root",
-    swept=("psi", "AB_rapidity", "zeta", "B_x", "configuration_status", "dpsi_dtheta", "linkage_type"),
     lengths=tuple(LENGTHS),
     free=("A_x", "A_y", "coefficient_A", "coefficient_B", "coefficient_C", "delta"),
     held={

@@ -181,10 +181,6 @@ PLANAR_4R = Mechanism(
     PLANAR,
     {"toggles": toggles, "change points": change_points, "scales": scales, "angles": angles},
     loop="sigma",
-    swept=(
-        *("B_x", "P_y", "theta4", "transmission_angle", "omega4", "alpha4", "jerk2", "v4", "joint_angle_3"),
-        *("F32", "T41", "shaking_force", "status", "grashof_class", "theta4_high"),
-    ),
     lengths=LENGTHS,
     free=(
         *("A_x", "A_y", "joint_angle_1", "v1", "v1_dot", "v1_ddot", "inertia_force1_x", "inertia_force1_y"),

@@ -5,11 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import fastlink as fl
 from tests.extreme.case import evaluated, outcomes, unknown
-from tests.extreme.mechanisms import MECHANISMS
+from tests.extreme.focal import FOCAL
+from tests.extreme.hart import HART
+from tests.extreme.minkowski import MINKOWSKI_4R
 from tests.extreme.planar import PLANAR_4R
 
+MECHANISMS = {mechanism.catalogue.name: mechanism for mechanism in (PLANAR_4R, MINKOWSKI_4R, FOCAL, HART)}
 FAMILIES = [(name, family) for name, mechanism in MECHANISMS.items() for family in mechanism.families]
 STRESS = pytest.param(True, marks=pytest.mark.stress, id="full")
 
@@ -33,26 +35,6 @@ def test_what_comes_out(name, family, full):
             seen.update(outcome.what for outcome in result.values())
     assert "value" in seen
     assert "underflow" not in seen
-
-
-@pytest.mark.parametrize("name", MECHANISMS)
-def test_compiled_sweeps_have_the_same_bits(name):
-    """All cases as one table of designs, over the positions of all; a quantity's bits do not depend on the others."""
-    mechanism = MECHANISMS[name]
-    cases = [case for make in mechanism.families.values() for case in make(False)]
-    position = mechanism.catalogue.position.name
-    positions, places = np.unique([case.inputs[position] for case in cases], return_inverse=True)
-    names = [name for name in cases[0].inputs if name != position]
-    designs = fl.table({name: np.array([case.inputs[name] for case in cases]) for name in names})
-    swept = fl.sweep(name, designs, mechanism.swept, threads=2, **{position: positions})
-    expected = evaluated(mechanism, cases)
-    for quantity in mechanism.swept:
-        found = swept[quantity].transpose("design", ...).values
-        for k, branch in enumerate(mechanism.catalogue.branches):
-            dims = swept[quantity].dims
-            one = found[:, k] if "branch" in dims else found
-            one = one[np.arange(len(cases)), places] if position in dims else one
-            np.testing.assert_array_equal(one, expected[branch][quantity], err_msg=quantity)
 
 
 def test_the_runner_sees_what_is_wrong():

@@ -479,6 +479,18 @@ def test_nothing_beside_a_fold_is_beyond_greatest_and_least(case):
     extremes_beside(case)
 
 
+def test_nothing_next_to_change_points_is_beyond_greatest_and_least():
+    """With gaps down to a last bit, links of very different lengths, and a rocker."""
+    gaps = [sign * 10.0**-power for power in (1, 4, 8, 12, 15) for sign in (-1, 1)] + [2.0**-52, 0.0]
+    folded = [(1.25, 1.0, 0.875, 1.125), (1.375, 1.25, 1.5, 1.125), (1.25, 1.0, 1.125, 0.875)]
+    lengths = [(a + gap, b, c, d) for a, b, c, d in folded for gap in gaps]
+    lengths += [(1e-8, 1.1, 0.8, 0.9), (1.0, 3.0, 2.0, 1e-8), (2.0, 1.0, 2.5, 3.0)]
+    near = np.concatenate([np.geomspace(1e-17, 3.0, 400), np.linspace(0.01, 3.1, 200)])
+    positions = np.concatenate([sign * (fold + near) for sign in (-1, 1) for fold in (0.0, -np.pi)])[None]
+    names = ["omega4", "transmission_angle"]
+    assert_none_beyond("planar_4r", "theta1", by_name(*lengths, omega1=25.0), names, positions)
+
+
 def test_extremes_beside_folds_are_those_of_closed_forms():
     """T41 of r = l without offset; the pull of the crank alone; a cusp; what is 0, and what rests."""
     most = extremes_beside("torque that is zero for half a turn")[0]

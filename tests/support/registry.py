@@ -180,7 +180,7 @@ PLANAR_4R = (
         multiple=16.0,
         # By the one short length, and of magnitudes where links turn nearly as one, forward mode cancels.
         slopes=dict.fromkeys(("two short 1e-4", "two short 1e-8"), 0.95),
-        elsewhere=dict.fromkeys(ACROSS, "is right to roundings of the force: test_unequal_lengths.py"),
+        elsewhere=dict.fromkeys(ACROSS, "is right to roundings of the force: test_planar_4r.py"),
     ),
     Entry(
         *("planar_4r", "theta1"),
@@ -303,7 +303,7 @@ FOCAL = (
             | dict.fromkeys(("S_along_AB", "S_across_AB"), 16.0),
             # Of the longest bar: two ends of two coordinates, each right to 8 roundings, and the length itself.
             errors={"closure_residual": 40 * UNIT_ROUNDING},
-            elsewhere={"F_path_residual": "is measured by the reach of the dyads: test_focal_motion.py"},
+            elsewhere={"F_path_residual": "is measured by the reach of the dyads: test_focal_figure.py"},
         )
         for drive in focal_configurations.DRIVES
     ),
