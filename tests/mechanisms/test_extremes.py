@@ -18,6 +18,7 @@ from tests.support.extremes import (
     assert_none_beyond,
     bounded_extremes,
     designs_of,
+    search_of,
     searched,
 )
 from tests.support.neighbourhoods import folded_planar_4r
@@ -31,7 +32,7 @@ from fastlink.facts.names import derivative_name
 from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.numerics.compiler import syntax
-from fastlink.plan.programs import find_extremum_search, make_plan
+from fastlink.plan.programs import make_plan
 from fastlink.precision.errors import MeasuredErrors
 from fastlink.precision.reference import CONTEXT
 
@@ -145,8 +146,7 @@ def test_extremes_of_derivatives_are_those_at_one_input_position(entry):
     preferred = ("B_x", "slider_position", "joint_angle_3", "joint_angle_4", "F_y", "N_y")
     name = next(one for one in preferred if one in entry.names)
     names = [derivative_name(name, by) for by in designs if by in known.variables]
-    variants = known.variants_selected_by(designs)
-    name = next(one for one in names if find_extremum_search(known, one, tuple(designs), variants))
+    name = next(one for one in names if search_of(entry, one, designs))
     ends = [f"{name}_max", f"{name}_min"]
     found, sampled = (
         fl.sweep(entry.mechanism, fl.table(designs), ends, input=entry.input, **QUIET, **at)
@@ -556,9 +556,7 @@ def counted(entry, designs, names, monkeypatch=None):
 @pytest.mark.stress
 @pytest.mark.parametrize("entry", SEARCHED, ids=str)
 def test_finer_samples_show_no_more_extremes_of_anything(entry, monkeypatch):
-    searches = {
-        name: find_extremum_search(entry.catalogue, name, entry.catalogue.inputs, ()) for name in entry.names
-    }
+    searches = {name: search_of(entry, name) for name in entry.names}
     names = [name for name, search in searches.items() if search is not None and search.divided]
     for kind in entry.families:
         if kind.startswith(("kite", "line 1e-12")):
@@ -617,7 +615,7 @@ def sharp_by_text(entry):
         calls = [
             node.func for node in ast.walk(syntax(known.facts[name].function)) if isinstance(node, ast.Call)
         ]
-        search = find_extremum_search(known, name, known.inputs, ())
+        search = search_of(entry, name)
         if search is not None and any(isinstance(call, ast.Name) and call.id in SHARP for call in calls):
             found[name] = search
     return found

@@ -8,14 +8,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.support.registry import ENTRIES, Entry
+from tests.support.extremes import SEARCHED, assert_none_beyond, designs_of
+from tests.support.registry import Entry
 
 import fastlink as fl
 from fastlink.facts.catalogue import Catalogue
 from fastlink.mechanisms import catalogue
 from fastlink.plan.programs import KnownProgram, make_plan
 
-KNOWN = [e for e in ENTRIES if e.catalogue.graded and e.catalogue.graded.known and not e.about]
+KNOWN = [entry for entry in SEARCHED if entry.catalogue.graded.known]
 MANY = [e for e in KNOWN if len(e.catalogue.graded.known) > 4 and e.mechanism != "focal"]
 #: Both ways evaluate by the same facts, at places that differ by roundings: their bounds are the same but for a few
 #: of the second order. A place where nothing is extreme is not told from its neighbours by rounding.
@@ -40,13 +41,6 @@ def searched(of: Catalogue) -> Iterator[None]:
         of.graded = graded
 
 
-def designs_of(entry: Entry, family: str, n: int) -> dict[str, np.ndarray]:
-    """Return designs of a family, without their input positions and modes."""
-    drawn = entry.families[family](np.random.default_rng(0), n)
-    known = entry.catalogue.known_inputs(entry.catalogue.variants_selected_by(drawn))
-    return {name: values for name, values in drawn.items() if name in known and name != "completion"}
-
-
 def assert_alike(mechanism: str, input: str | None, designs: dict[str, np.ndarray]) -> None:
     """Assert that known extremes are those that a search finds, with their bounds."""
     of = catalogue(mechanism, input)
@@ -67,33 +61,45 @@ def assert_alike(mechanism: str, input: str | None, designs: dict[str, np.ndarra
         assert np.all(bound[there] <= alike * other_bound[there] + np.spacing(abs(other))[there]), name
 
 
-@pytest.mark.parametrize("entry", MANY, ids=lambda e: f"{e.mechanism} by {e.input}")
+def drawn(entry: Entry, family: str, n: int) -> dict[str, np.ndarray]:
+    """Return designs of a family, in one completion."""
+    designs = designs_of(entry, family, 0, n)
+    return {name: values for name, values in designs.items() if name != "completion"}
+
+
+@pytest.mark.parametrize("entry", MANY, ids=str)
 def test_known_extremes_are_those_that_a_search_finds(entry):
     """Of all families together; the inputs with one law or two are left to the long form."""
-    drawn = [designs_of(entry, family, 3) for family in entry.families]
-    designs = {name: np.concatenate([each[name] for each in drawn]) for name in drawn[0]}
+    parts = [drawn(entry, family, 3) for family in entry.families]
+    designs = {name: np.concatenate([each[name] for each in parts]) for name in parts[0]}
     assert_alike(entry.mechanism, entry.input, designs)
 
 
 @pytest.mark.stress
-@pytest.mark.parametrize("entry", KNOWN, ids=lambda e: f"{e.mechanism} by {e.input}")
+@pytest.mark.parametrize("entry", KNOWN, ids=str)
 def test_known_extremes_are_those_that_a_search_finds_in_many_designs(entry):
-    """Family by family."""
     for family in entry.families:
-        assert_alike(entry.mechanism, entry.input, designs_of(entry, family, 2000))
+        assert_alike(entry.mechanism, entry.input, drawn(entry, family, 2000))
 
 
-def test_known_extremes_of_linkages_that_fold():
-    """Exact change points, and linkages that assemble in one position or never."""
+@pytest.mark.parametrize("longest", [0, pytest.param(9, marks=pytest.mark.stress)])
+def test_known_extremes_of_linkages_that_fold(longest):
+    """Exact change points, and linkages that assemble in one position or never; all whole lengths in the long form."""
     lengths = np.array([[float(digit) for digit in design] for design in FOLDING.split()]).T
+    if longest:
+        lengths = np.stack(np.meshgrid(*[np.arange(1.0, longest + 1.0)] * 4), axis=-1).reshape(-1, 4).T
     assert_alike("planar_4r", None, dict(zip(LENGTHS, lengths, strict=True)))
 
 
-@pytest.mark.stress
-def test_known_extremes_of_all_whole_lengths():
-    """Every kind of change point: all lengths up to 9."""
-    lengths = np.stack(np.meshgrid(*[np.arange(1.0, 10.0)] * 4), axis=-1).reshape(-1, 4).T
-    assert_alike("planar_4r", None, dict(zip(LENGTHS, lengths, strict=True)))
+def test_nothing_in_the_motion_is_beyond_known_extremes():
+    """By 360 positions of other facts: those of the input angle, not of the range in which extremes are known."""
+    designs = dict(zip(LENGTHS, np.random.default_rng(2).uniform(0.2, 2.0, (4, 300)), strict=True))
+    graded = catalogue("planar_4r").graded
+    assert graded is not None
+    # where the crank is says nothing of the loop
+    names = [name for name in graded.known if not name.startswith("A_")]
+    positions = np.linspace(0.0, 2.0 * np.pi, 360)[None]
+    assert_none_beyond("planar_4r", "theta1", designs, names, positions)
 
 
 def test_places_are_those_of_a_search_and_hold_the_extreme():
@@ -109,27 +115,6 @@ def test_places_are_those_of_a_search_and_hold_the_extreme():
         # a place where the slope is 0 to a rounding is known to its root
         assert np.nanmax(np.minimum(apart, abs(apart - 2 * np.pi))) < 1e-6, name
         assert np.array_equal(np.isnan(known[place]), np.isnan(known[name]))
-
-
-def test_nothing_in_the_motion_is_beyond_known_extremes():
-    """By 360 positions of other facts: those of the input angle, not of the range in which extremes are known."""
-    designs = dict(zip(LENGTHS, np.random.default_rng(2).uniform(0.2, 2.0, (4, 300)), strict=True))
-    graded = catalogue("planar_4r").graded
-    assert graded is not None
-    curves = fl.sweep("planar_4r", fl.table(designs), list(graded.known))
-    curves = curves.where(curves.transmission_angle.notnull())  # where the crank is says nothing of the loop
-    ends = [f"{name}_{end}" for name in graded.known for end in ("max", "min")]
-    known = fl.sweep("planar_4r", fl.table(designs), ends)
-    for name in graded.known:
-        span = curves[name].max() - curves[name].min()
-        above = (curves[name] - known[f"{name}_max"]).max("theta1") / span
-        below = (known[f"{name}_min"] - curves[name]).max("theta1") / span
-        # 8 roundings of a value each, of both sides
-        assert float(above.max()) < 16 * 2.0**-53, name
-        assert float(below.max()) < 16 * 2.0**-53, name
-        # half a step from an extreme a smooth quantity misses 4e-5 of its span, next to a toggle sqrt(0.5 degrees)
-        assert float(above.median()) > -0.1, name
-        assert float(below.median()) > -0.1, name
 
 
 @pytest.mark.parametrize("quantity", ["transmission_angle", pytest.param("theta4", marks=pytest.mark.stress)])
@@ -167,14 +152,3 @@ def test_what_is_known_is_not_searched():
         by_crank, asked, given=given, variants=by_crank.variants_selected_by(given)
     ).programs
     assert type(program) is not KnownProgram
-
-
-def test_known_extremes_have_the_bits_that_they_have_alone():
-    """Whatever else is requested of them."""
-    designs = fl.table(dict(zip(LENGTHS, np.random.default_rng(3).uniform(0.2, 2.0, (4, 70)), strict=True)))
-    alone = fl.sweep("planar_4r", designs, ["theta4_max"])
-    more = ["theta4_max", "theta4_max_error", "theta4_extrema", "transmission_angle_min", "d_theta4_max_d_a2"]
-    among = fl.sweep("planar_4r", designs, more)
-    one = fl.sweep("planar_4r", designs, ["theta4_max"], branch=2)
-    assert np.array_equal(alone.theta4_max, among.theta4_max, equal_nan=True)
-    assert np.array_equal(alone.theta4_max.sel(branch=2), one.theta4_max.squeeze(), equal_nan=True)

@@ -29,15 +29,24 @@ class Case:
     mechanism: str
     input: str
     design: dict[str, float]
-    quantity: Callable[[float], float]
     name: str
+    quantity: Callable[[float], float]
     closes: Callable[[float], bool]
     positions: Any = None
 
     def sweep(self, names: list[str], **options: Any) -> Any:
-        return fl.sweep(
-            self.mechanism, fl.grid(**self.design), names, input=self.input, branch=1, verify=0, **options
-        )
+        space = fl.grid(**self.design)
+        return fl.sweep(self.mechanism, space, names, input=self.input, branch=1, verify=0, **options)
+
+
+def reaches(crank: float, ground: float, one: float, other: float) -> Callable[[float], bool]:
+    """Return whether two links reach from the end of a crank to the far pivot, by its angle."""
+
+    def closes(angle: float) -> bool:
+        end = crank * math.cos(angle), crank * math.sin(angle)
+        return between(math.dist(end, (ground, 0.0)), abs(one), abs(other))
+
+    return closes
 
 
 def _by_joint_four(angle: float) -> bool:
@@ -46,55 +55,27 @@ def _by_joint_four(angle: float) -> bool:
     return between(math.sqrt(a3 * a3 + a4 * a4 + 2.0 * a3 * a4 * math.cos(angle)), a1, a2)
 
 
-def _hart() -> Case:
-    design = {"m": 1.0, "n": 0.7, "d": 1.2, "kappa": 0.5}
-    four_bar = {name: float(value) for name, value in fl.evaluate("hart", ["a", "b", "c"], **design).items()}
-    a, b, c = four_bar.values()
-
-    def closes(phi: float) -> bool:
-        return between(math.dist((a * math.cos(phi), a * math.sin(phi)), (1.2, 0.0)), abs(b), abs(c))
-
-    return Case("hart", "phi", design, lambda phi: math.sin(phi), "P_y", closes)
+def _minkowskian(theta: float) -> bool:
+    # two spacelike bars reach over AC where (AC)^2 >= (b + h)^2, or <= (b - h)^2 with the other orientation
+    return not 0.25 < 4.0 + 16.0 - 16.0 * math.cosh(theta) < 6.25
 
 
+HART = {"m": 1.0, "n": 0.7, "d": 1.2, "kappa": 0.5}
+FOUR_BAR = {name: float(value) for name, value in fl.evaluate("hart", ["a", "b", "c"], **HART).items()}
+FOCAL = {"a": 1.0, "b": 0.7, "c": 0.6, "d": 1.2, "rho": 1.0, "completion": 1}
+MINKOWSKI = {"a": 2.0, "b": 1.0, "g": 4.0, "h": 1.5}
+SLIDER = {"r": 1.0, "l": 0.6, "e": 0.1}
 CASES = [
+    Case("planar_4r", "theta1", LINKS, "A_x", math.cos, reaches(1.0, 1.2, 0.6, 0.7)),
+    Case("planar_4r", "joint_angle_4", LINKS, "v4", lambda angle: math.tan(angle / 2.0), _by_joint_four),
+    Case("slider_crank", "theta", SLIDER, "A_y", math.sin, lambda angle: abs(math.sin(angle) - 0.1) <= 0.6),
+    Case("focal", "phi", FOCAL, "A_x", math.cos, reaches(1.0, 1.2, 0.6, 0.7)),
+    Case("hart", "phi", HART, "P_y", math.sin, reaches(FOUR_BAR["a"], 1.2, FOUR_BAR["b"], FOUR_BAR["c"])),
     Case(
-        "planar_4r",
-        "theta1",
-        LINKS,
-        math.cos,
-        "A_x",
-        lambda angle: between(math.dist((math.cos(angle), math.sin(angle)), (1.2, 0.0)), 0.6, 0.7),
-    ),
-    Case("planar_4r", "joint_angle_4", LINKS, lambda angle: math.tan(angle / 2.0), "v4", _by_joint_four),
-    Case(
-        "slider_crank",
-        "theta",
-        {"r": 1.0, "l": 0.6, "e": 0.1},
-        math.sin,
-        "A_y",
-        lambda angle: abs(math.sin(angle) - 0.1) <= 0.6,
-    ),
-    Case(
-        "focal",
-        "phi",
-        {"a": 1.0, "b": 0.7, "c": 0.6, "d": 1.2, "rho": 1.0, "completion": 1},
-        math.cos,
-        "A_x",
-        lambda angle: between(math.dist((math.cos(angle), math.sin(angle)), (1.2, 0.0)), 0.6, 0.7),
-    ),
-    _hart(),
-    Case(
-        "minkowski_4r",
-        "theta",
-        {"a": 2.0, "b": 1.0, "g": 4.0, "h": 1.5},
-        lambda theta: 2.0 * math.cosh(theta),
-        "A_x",
-        # two spacelike bars reach over AC where (AC)^2 >= (b + h)^2, or <= (b - h)^2 with the other orientation
-        lambda theta: not 0.25 < 4.0 + 16.0 - 16.0 * math.cosh(theta) < 6.25,
+        *("minkowski_4r", "theta", MINKOWSKI, "A_x", lambda theta: 2.0 * math.cosh(theta), _minkowskian),
         positions=np.linspace(-1.5, 1.5, 60),
     ),
-]  # fmt: skip
+]
 REDUCED = {
     "mean": lambda values: values.mean(),
     "rms": lambda values: math.sqrt((values * values).mean()),

@@ -40,13 +40,17 @@ def designs_of(entry: Entry, kind: str, seed: int, n: int) -> dict[str, np.ndarr
     return {name: np.asarray(values, dtype=float) for name, values in columns.items()}
 
 
+def search_of(entry: Entry, name: str, designs: Iterable[str] = ()) -> Any:
+    """Return the search for the extremes of a quantity, with inputs by which variants are selected; None if none."""
+    given = tuple(designs) or tuple(entry.catalogue.inputs)
+    return find_extremum_search(entry.catalogue, name, given, entry.catalogue.variants_selected_by(given))
+
+
 def searched(entry: Entry, designs: dict[str, np.ndarray]) -> list[str]:
     """Return the quantities whose extremes are searched."""
     catalogue = entry.catalogue
-    variants = catalogue.variants_selected_by(designs)
     names = [name for name in catalogue.public if catalogue.has_reductions(name)]
-    found = ((name, find_extremum_search(catalogue, name, tuple(designs), variants)) for name in names)
-    return [name for name, search in found if search is not None and not catalogue.public[name].flags]
+    return [name for name in names if search_of(entry, name, designs) and not catalogue.public[name].flags]
 
 
 # -- values and bounds ----------------------------------------------------------------------------------------------

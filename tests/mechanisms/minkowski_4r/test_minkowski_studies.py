@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.mechanisms.minkowski_4r.test_minkowski_types import EXAMPLES
 from tests.support.refusals import refused
 
 import fastlink as fl
@@ -17,27 +18,6 @@ from fastlink.mechanisms.minkowski_4r.design_facts import LINKAGE_FLAGS
 from fastlink.numerics.compensated import UNIT_ROUNDING
 
 STUDIES = Path(__file__).parents[3] / "data" / "studies"
-
-#: As printed, with what half a unit of the last digit printed is worth ("1.6666" and "0.71428" are cut, not rounded).
-EXACT, CUT = 1e-15, 1e-4
-PRINTED = {
-    "cosh_theta_min": ((1.625, EXACT), (1.0, EXACT), (-4.0, EXACT), (-1.6666, CUT)),
-    "cosh_theta_max": ((2.125, EXACT), (1.6666, CUT), (1.0, EXACT), (0.71428, 1e-5)),
-    "cosh_psi_min": ((-2.125, EXACT), (1.0, EXACT), (-0.25, EXACT), (-1.05714, 1e-5)),
-    "cosh_psi_max": ((-1.625, EXACT), (7.0, EXACT), (1.0, EXACT), (-0.2, EXACT)),
-    "T1": ((3.0, EXACT), (-0.8, EXACT), (0.0, EXACT), (0.6, EXACT)),
-    "T2": ((-3.0, EXACT), (0.8, EXACT), (-3.0, EXACT), (0.4, EXACT)),
-    "T3": ((1.0, EXACT), (-1.6, EXACT), (-2.0, EXACT), (-1.4, EXACT)),
-    "T4": ((5.0, EXACT), (0.0, EXACT), (5.0, EXACT), (1.6, EXACT)),
-    "T5": ((5.0, EXACT), (1.6, EXACT), (1.0, EXACT), (1.8, EXACT)),
-    "cosh_theta_branching": ((1.5, EXACT), (np.nan, EXACT), (-5.0, EXACT), (-0.5555, CUT)),
-}
-TYPES = (
-    "strange_superrocker_crank",
-    "rigid_rocker_rocker",
-    "reducible_crank_crank",
-    "irreducible_crank_crank",
-)
 
 
 @pytest.fixture(scope="module")
@@ -48,15 +28,21 @@ def examples(tmp_path_factory):
         return maps.load()
 
 
-@pytest.mark.parametrize("name", PRINTED)
-def test_every_number_of_the_examples(examples, name):
-    for found, (printed, allowed) in zip(examples[name].values, PRINTED[name], strict=True):
-        # Decimals are a rounding off their doubles, and so is each of three sums and two ratios: below 8 of 1e-16.
-        np.testing.assert_allclose(found, printed, rtol=allowed, atol=allowed)
-
-
-def test_the_types_of_the_examples(examples):
-    assert tuple(LINKAGE_FLAGS[int(code)] for code in examples.linkage_type) == TYPES
+def test_every_number_of_the_examples(examples):
+    """As in section 3.7, which is held digit by digit in test_minkowski_types.py."""
+    limits = [f"cosh_{name}" for name in ("theta_min", "theta_max", "psi_min", "psi_max")]
+    for k, (lengths, cosines, sums, branching, _) in enumerate(EXAMPLES.values()):
+        one = examples.isel(design=k)
+        for names, printed, allowed in (
+            ("abgh", lengths, 1e-15),
+            (limits, cosines, 1e-4),
+            ([f"T{i}" for i in range(1, 6)], sums, 1e-15),
+            (["cosh_theta_branching"], [branching], 1e-4),
+        ):
+            np.testing.assert_allclose([one[name] for name in names], printed, rtol=0, atol=allowed)
+    assert [LINKAGE_FLAGS[int(code)] for code in examples.linkage_type] == [
+        kind for *_, kind in EXAMPLES.values()
+    ]
     np.testing.assert_array_equal(np.isfinite(examples.theta_branching), [True, False, False, False])
 
 
