@@ -248,15 +248,7 @@ def with_derivatives(lender: Catalogue, names: Iterable[str], known: Iterable[st
 
 
 def renaming(lender: Catalogue, names: Mapping[str, str], prefix: str) -> Renaming:
-    """Return a renaming: some names by a mapping, derivatives by their parts, all others by a prefix.
-
-    Examples
-    --------
-    >>> from fastlink.mechanisms.planar_4r import planar_4r
-    >>> rename = renaming(planar_4r, {"a1": "a", "theta1": "phi"}, "bar_")
-    >>> [rename(name) for name in ("a1", "sigma", "branch", "d_Z_d_theta1")]
-    ['a', 'bar_sigma', 'branch', 'd_bar_Z_d_phi']
-    """
+    """Return a renaming: some names by a mapping, derivatives by their parts, all others by a prefix."""
 
     def rename(name: str) -> str:
         if name in names or name == "branch":
@@ -291,18 +283,8 @@ def borrow(
 ) -> None:
     """Declare facts of one mechanism in another, with their dependencies and declared derivatives.
 
-    Parameters
-    ----------
-    borrower, lender : Catalogue
-        The mechanism in which they are declared, and the one that has them.
-    names : mapping of str to str
-        The borrower's names of the lender's inputs, its position, its tables and some of its facts. A fact that the
-        borrower has under such a name already is its own.
-    prefix : str
-        Before the names of all other facts.
-    labels : mapping of str to mapping
-        The facts that keep a name, and their labels where these differ from the lender's: ``symbol``,
-        ``meaning``, ... What these need in turn is internal.
+    `names` are the borrower's for the lender's inputs, position, tables and some facts; others get the prefix. A fact
+    that the borrower has already is its own. `labels` has the facts that are public here, and what differs in them.
     """
     rename = renaming(lender, names, prefix)
     own = [name for name, other in names.items() if other in borrower.facts]
@@ -321,17 +303,9 @@ def borrow_range(
     known: Mapping[str, str],
     **fields: Any,
 ) -> None:
-    """Declare the graded range of one mechanism in another, with all that it needs.
+    """Declare the graded range of one mechanism in another, with all that it needs, see `borrow`.
 
-    Parameters
-    ----------
-    borrower, lender, names, prefix
-        As in `borrow`.
-    known : mapping of str to str
-        For quantities of the borrower those of the lender that have their extremes at the same places.
-    **fields
-        The fields of `GradedRange` that belong to the borrower's quantities: ``cells``, ``max_extrema``,
-        ``not_differentiable`` and ``wraps_at``.
+    `known` has for quantities of the borrower those of the lender with extremes at the same places.
     """
     graded = lender.graded
     assert graded is not None
@@ -387,17 +361,7 @@ def build_on(
 
 
 class ByOtherInput(Catalogue):
-    """The catalogue of a mechanism by another input.
-
-    Parameters
-    ----------
-    first : Catalogue
-        The mechanism by its first input.
-    title, branches, position, positions
-        As in `Catalogue`.
-    instead : sequence of str
-        Some quantities that are offered here, named in the message about one that is not.
-    """
+    """The catalogue of a mechanism by another input; messages name `instead` where a quantity is not offered."""
 
     def __init__(
         self,
@@ -476,15 +440,7 @@ def on_axis(length: Any) -> Any:
 
 
 def declare(catalogue: Catalogue, bars: Mapping[int, tuple[str, str]]) -> None:
-    """Declare masses, inertias and mass centres of links that are round bars, as the variant `ROUND_BAR`.
-
-    Parameters
-    ----------
-    catalogue : Catalogue
-        The mechanism, with the inputs m1, I1, G1_u, G1_v of its link 1 and so on.
-    bars : mapping of int to (str, str)
-        By the number of the link what it is, and the name of its length.
-    """
+    """Declare `ROUND_BAR`: masses, inertias and centres of links, `bars` having the name and length of each."""
     step = catalogue.steps(units="m2", source=SOURCE, variant=ROUND_BAR)
     bar = catalogue.quantities(units="m", source=SOURCE, variant=ROUND_BAR)
     for name, units, symbol, meaning in (

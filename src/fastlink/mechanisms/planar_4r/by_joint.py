@@ -8,7 +8,7 @@ i + k - 1, with joint_angle_k + pi for theta1.
 
 Steps on the way are in the frame of link k - 1 and keep the names that they have in `planar_4r`. What belongs to
 the linkage whichever joint is driven (its class, the input-output equations) is adopted as it is. Of quantities in
-the ground frame the places of A, B and P are offered, see `places_by_joint`.
+the ground frame the places of A, B and P are offered.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ __all__ = ["PLACES", "POINT", "driven_by", "driven_catalogues"]
 
 # -- Places of A, B and P in the ground frame where another joint than O is driven
 
-# The facts of `by_joint` are in the frame of link k - 1, which is held there, and in which the ground
+# The facts of joints are in the frame of link k - 1, which is held there, and in which the ground
 # moves: its direction turns what is known of A and B back. The joint that is opposite to the driven one is
 # straight at the toggles, where B or A is on the line OD and moves without bound: its place is by half the
 # angle of that joint.
@@ -181,24 +181,12 @@ def angle_of_place(side: Any, Z: Any, C: Any) -> Any:
 
 
 def moved_number(number: int, joint: int) -> int:
-    """Return the joint or length of the linkage that is called `number` where `joint` is called 1.
-
-    Examples
-    --------
-    >>> [moved_number(i, joint=3) for i in (1, 2, 3, 4)]
-    [3, 4, 1, 2]
-    """
+    """Return the joint or length of the linkage that is called `number` where `joint` is called 1."""
     return (number + joint - 2) % 4 + 1
 
 
 def moved_name(name: str, joint: int) -> str:
-    """Return the name of a fact of `planar_4r` where `joint` is driven.
-
-    Examples
-    --------
-    >>> [moved_name(name, joint=2) for name in ("a4", "omega1", "height", "d_v4_d_theta1")]
-    ['a1', 'joint_omega_2', 'height', 'd_v1_d_joint_angle_2']
-    """
+    """Return the name of a fact of `planar_4r` where `joint` is driven."""
     if name == planar_4r.position.name:
         return f"joint_angle_{joint}"
     tree = planar_4r.parse(name)
