@@ -82,17 +82,13 @@ def test_other_inputs_and_mechanisms():
     assert_right(maps, ["joint_angle_3", "joint_omega_4_max"])
 
 
-def test_small_sweeps_are_verified_completely_and_sweeps_in_memory_on_request():
-    maps = fl.sweep("planar_4r", fl.grid(**CRANK), ["theta4"], theta1=8, verify=64)
-    assert maps.verified_designs == 1
-    assert maps.theta4.attrs["verified_values"] == 4
-    without = fl.sweep("planar_4r", fl.grid(**CRANK), ["theta4"], theta1=8)
-    assert not [
-        name for name in {**without.attrs, **without.theta4.attrs} if "verif" in name or "error" in name
-    ]
-
-
 def test_a_file_states_its_errors_and_the_summary_shows_them(tmp_path):
+    """All designs of a small sweep, those in memory on request; without a warning where a bound divides by zero."""
+    maps = fl.sweep("planar_4r", fl.grid(**CRANK), ["theta4"], theta1=8)
+    assert not [name for name in {**maps.attrs, **maps.theta4.attrs} if "verif" in name or "error" in name]
+    maps = fl.sweep("planar_4r", fl.grid(**CRANK | {"a2": 1.4}), ["theta4", "swing"], theta1=8, verify=64)
+    assert (maps.verified_designs, maps.theta4.attrs["verified_values"]) == (1, 4)
+    assert maps.attrs["verify_mismatches"] == 0
     with fl.sweep("planar_4r", fl.grid(**CRANK), ["theta4"], theta1=8, to=tmp_path / "m.h5") as maps:
         assert maps.theta4.attrs["error_max_roundings"] <= ROUNDINGS
         assert maps.attrs["verify_seed"] == 0
@@ -115,35 +111,35 @@ def test_the_same_designs_give_the_same_errors_and_bits_do_not_depend_on_them():
     np.testing.assert_array_equal(first.omega4_max, without.omega4_max)
 
 
-class Spoiled(Verification):
-    """A verification of results that are not what the sweep found."""
+def spoil(monkeypatch, change):
+    """Let sweeps verify results that are not what they have found."""
 
-    factor, missing = 1.0, False
+    class Spoiled(Verification):
+        def collect(self, start, stop, arrays):
+            spoiled = [change(array) if array.dtype == np.float64 else array + 1 for array in arrays]
+            super().collect(start, stop, spoiled)
 
-    def collect(self, start, stop, arrays):
-        spoiled = [array * self.factor if array.dtype == np.float64 else array + 1 for array in arrays]
-        if self.missing:
-            spoiled = [np.full_like(a, np.nan) if a.dtype == np.float64 else a for a in spoiled]
-        super().collect(start, stop, spoiled)
-
-
-@pytest.mark.parametrize("names", [["theta4"], ["omega4_max"], ["omega4_rms"]])
-def test_a_wrong_digit_is_seen(monkeypatch, names):
     monkeypatch.setattr(import_module("fastlink.engine.sweep"), "Verification", Spoiled)
-    monkeypatch.setattr(Spoiled, "factor", 1.0 + 1e-9)
-    space = fl.grid(**CRANK, omega1=25.0)
-    maps = fl.sweep("planar_4r", space, names, theta1=12, verify=4)
-    assert maps[names[0]].attrs["error_max_relative"] == pytest.approx(1e-9, rel=1e-5)
-    assert maps.status.attrs["verify_mismatches"] > 0  # the code is another
 
 
 @pytest.mark.parametrize("name", ["theta4", "omega4_max", "omega4_rms", "omega4_extrema"])
-def test_a_missing_value_is_a_mismatch(monkeypatch, name):
-    monkeypatch.setattr(import_module("fastlink.engine.sweep"), "Verification", Spoiled)
-    monkeypatch.setattr(Spoiled, "missing", True)
-    maps = fl.sweep("planar_4r", fl.grid(**CRANK, omega1=25.0), [name], theta1=12, verify=4)
+def test_a_wrong_digit_is_seen_and_a_missing_value_is_a_mismatch(monkeypatch, name):
+    space = fl.grid(**CRANK, omega1=25.0)
+    spoil(monkeypatch, lambda array: array * (1.0 + 1e-9))
+    maps = fl.sweep("planar_4r", space, [name], theta1=12, verify=4)
+    assert maps[name].attrs["error_max_relative"] == pytest.approx(1e-9, rel=1e-5)
+    assert maps.status.attrs["verify_mismatches"] > 0  # the code is another
+    spoil(monkeypatch, lambda array: np.full_like(array, np.nan))
+    maps = fl.sweep("planar_4r", space, [name], theta1=12, verify=4)
     assert maps[name].attrs["verify_mismatches"] > 0
     assert "NOT AS WITH 50 DIGITS" in fl.summary(maps)
+
+
+def test_a_value_that_is_wrong_by_more_than_its_bound_is_a_mismatch(monkeypatch):
+    spoil(monkeypatch, lambda array: array * (1.0 + 1e-12))
+    maps = fl.sweep("planar_4r", fl.grid(**CRANK, omega1=25.0), ["theta4", "omega4"], theta1=12, verify=4)
+    for name in ("theta4", "omega4"):
+        assert maps[name].attrs["verify_mismatches"] == maps[name].attrs["verified_values"]
 
 
 def test_what_fails_or_is_interrupted_leaves_the_file(monkeypatch, tmp_path):
@@ -184,31 +180,15 @@ def test_what_vanishes_is_measured_against_the_lengths_that_made_it():
         assert maps[name].attrs["error_max_relative"] <= 4 * UNIT_ROUNDING * 8, name
 
 
-@pytest.mark.parametrize("name", ["F_y", "B_y"])
-def test_a_value_that_should_vanish_and_does_not_is_a_mismatch(monkeypatch, name):
-    class Added(Verification):
-        def collect(self, start, stop, arrays):
-            super().collect(start, stop, [a + 1e-12 if a.dtype == np.float64 else a for a in arrays])
-
-    monkeypatch.setattr(import_module("fastlink.engine.sweep"), "Verification", Added)
-    maps = fl.sweep("hart", fl.grid(**KITE), [name], phi=np.linspace(0.3, 2.8, 40), branch=1, verify=1)
-    assert maps[name].attrs["verify_mismatches"] == maps[name].attrs["verified_values"]
-    assert maps[name].attrs["error_max_roundings"] > 100
-    assert "NOT AS WITH 50 DIGITS" in fl.summary(maps)
-
-
-def test_a_bound_at_a_change_point_is_found_without_a_warning():
-    """Its text divides by zero in a case that is not selected."""
-    maps = fl.sweep("planar_4r", fl.grid(a1=0.4, a2=1.4, a3=0.8, a4=1.0), ["swing"], verify=1)
-    assert maps.attrs["verify_mismatches"] == 0
-
-
-def test_a_value_that_is_wrong_by_more_than_its_bound_is_a_mismatch(monkeypatch):
-    monkeypatch.setattr(import_module("fastlink.engine.sweep"), "Verification", Spoiled)
-    monkeypatch.setattr(Spoiled, "factor", 1.0 + 1e-12)
-    maps = fl.sweep("planar_4r", fl.grid(**CRANK, omega1=25.0), ["theta4", "omega4"], theta1=12, verify=4)
-    for name in ("theta4", "omega4"):
+def test_a_value_that_should_vanish_and_does_not_is_a_mismatch(monkeypatch):
+    spoil(monkeypatch, lambda array: array + 1e-12)
+    maps = fl.sweep(
+        "hart", fl.grid(**KITE), ["F_y", "B_y"], phi=np.linspace(0.3, 2.8, 40), branch=1, verify=1
+    )
+    for name in ("F_y", "B_y"):
         assert maps[name].attrs["verify_mismatches"] == maps[name].attrs["verified_values"]
+        assert maps[name].attrs["error_max_roundings"] > 100
+    assert "NOT AS WITH 50 DIGITS" in fl.summary(maps)
 
 
 @pytest.mark.parametrize("verify", [-1, 1.5, True, "all"])

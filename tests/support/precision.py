@@ -82,20 +82,9 @@ def _swept(entry: Entry, names: tuple[str, ...], inputs: dict[str, np.ndarray]) 
 
 
 class Truth:
-    """The facts of an entry's configurations with 50 digits.
+    """The facts of an entry's configurations, in every mode, with 50 digits.
 
-    Parameters
-    ----------
-    entry : Entry
-        The mechanism.
-    names : tuple of str
-        Quantities.
-    inputs : dict
-        Configurations in every mode.
-    kind : str
-        Their family.
-    zeroes : bool
-        Whether gaps within the rounding of the lengths are zero, as in doubles: then errors are those of rounding.
+    With `zeroes` gaps within the rounding of the lengths are zero, as in doubles: then errors are those of rounding.
     """
 
     def __init__(

@@ -36,63 +36,42 @@ MULTIPLE = 4.0
 
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """One mechanism driven by one input.
-
-    Attributes
-    ----------
-    mechanism, input : str
-        Their names.
-    families : mapping of str to callable
-        Configurations, easy and hard.
-    few, many : int
-        Configurations of a family in each run, and in a long one.
-    about : str
-        What tells it from other entries of the same input.
-    solver : str
-        As in `fastlink.evaluate`.
-    quantities : tuple of str
-        What is tested; all that is public (and belongs to a design, if there is no position) unless it is given.
-    elsewhere : mapping of str to str
-        What is not tested, and why.
-    multiple : float
-        The greatest error in roundings of the result and of each input, see
-        `fastlink.precision.reference.error_in_roundings`. The facts are chains of up to forty
-        operations that do not cancel, and their errors mostly average out.
-    long_chains : mapping of str to float
-        The same of single quantities.
-    errors : mapping of str to float
-        What is nothing but an error, and has no condition: the greatest value.
-    looseness, near_bounds : float
-        The greatest median of error bounds over errors, and the least share of bounds below a hundred errors.
-    sharing_errors : tuple of str
-        Quantities whose terms have errors in common, each of which a bound takes on its own: the least share is of
-        bounds below a thousand errors. They are bounds as all others are.
-    slopes : mapping of str to float
-        Of a family, the least share of derivatives that keep to the multiple, too: the rule is that of what they are
-        derivatives of, and forward mode may cancel where these do not.
-    kinks : tuple of str
-        Families with designs where something has no derivative, or none that differences show.
-    undetermined : mapping of str to callable
-        Of a family, what tells by facts, which are its parameters, whether nothing is determined there.
-    """
+    """One mechanism driven by one input."""
 
     mechanism: str
     input: str
+    #: Configurations, easy and hard, and how many of each in a run, and in a long one.
     families: Mapping[str, Family]
     few: int
     many: int
+    #: What tells it from other entries of the same input.
     about: str = ""
+    #: As in `fastlink.evaluate`.
     solver: str = "eliminated"
+    #: What is tested; all that is public (and belongs to a design, if there is no position) unless it is given.
     quantities: tuple[str, ...] = ()
+    #: What is not tested, and why.
     elsewhere: Mapping[str, str] = field(default_factory=dict)
+    #: The greatest error in roundings of the result and of each input, see
+    #: `fastlink.precision.reference.error_in_roundings`. The facts are chains of up to forty operations that do not
+    #: cancel, and their errors mostly average out.
     multiple: float = MULTIPLE
+    #: The same of single quantities.
     long_chains: Mapping[str, float] = field(default_factory=dict)
+    #: What is nothing but an error, and has no condition: the greatest value.
     errors: Mapping[str, float] = field(default_factory=dict)
+    #: The greatest median of error bounds over errors, and the least share of bounds below a hundred errors.
     looseness: float = 25.0
     near_bounds: float = 0.9
+    #: Quantities whose terms have errors in common, each of which a bound takes on its own: the least share is of
+    #: bounds below a thousand errors. They are bounds as all others are.
     sharing_errors: tuple[str, ...] = ()
+    #: Of a family, the least share of derivatives that keep to the multiple, too: the rule is that of what they are
+    #: derivatives of, and forward mode may cancel where these do not.
     slopes: Mapping[str, float] = field(default_factory=lambda: {"random": 0.9})
+    #: Families with designs where something has no derivative, or none that differences show.
     kinks: tuple[str, ...] = ()
+    #: Of a family, what tells by facts, which are its parameters, whether nothing is determined there.
     undetermined: Mapping[str, Callable[..., bool]] = field(default_factory=dict)
 
     def __str__(self) -> str:
