@@ -1,12 +1,11 @@
-"""Values, bounds and extremes against the loops: ``python -m tests.support.against_loops [DESIGNS [MECHANISM ...]]``.
+"""Values, bounds and extremes of many designs against the loops.
 
 The reference shares no formula with the facts: `fastlink.precision.independent` on balls of python-flint, with as many
-bits as it takes. A mechanism may be followed by its input, as in ``focal:sigma``.
+bits as it takes.
 """
 
 from __future__ import annotations
 
-import sys
 from collections import Counter
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -45,8 +44,6 @@ EXTREMES = {
     ("hart", "phi"): ("F_y", "dpsi_dphi"),
 }
 SHARE = 0.5
-#: After so many blocks the table so far is shown: a run of hours may be cut off.
-SHOWN = 10
 #: The share of a bound that a ball may have.
 SHARP = 2.0**-20
 
@@ -269,30 +266,12 @@ def count(tally, names, rows, values, bounds, errors, radius, kinds, high):
             tally.fail(kind, names[k], rows[i], about)
 
 
-def campaign(mechanism, drive, designs, seed=0, extremes=True, show=False):
-    """Return the tally of so many designs; `show` what it is so far, once in a while."""
+def campaign(mechanism, drive, designs, seed=0, extremes=True):
+    """Return the tally of so many designs."""
     tally = Tally(mechanism, drive)
     rng = np.random.default_rng([seed, *map(ord, mechanism + drive)])
     for start in range(0, designs, BLOCK):
         n = min(BLOCK, designs - start)
         design = DRAWN[mechanism, drive](rng, n) | {"branch": rng.integers(1, 3, n).astype(float)}
         compare(tally, design, rng, extremes)
-        if show and (start // BLOCK) % SHOWN == SHOWN - 1:
-            print("\n".join(filter(None, (tally.row(), tally.report()))), file=sys.stderr, flush=True)
     return tally
-
-
-def main():
-    """Print the table, row by row, then what fails."""
-    designs = int(sys.argv[1]) if len(sys.argv) > 1 else 1000
-    chosen = [drawn for drawn in DRAWN if not sys.argv[2:] or {drawn[0], ":".join(drawn)} & {*sys.argv[2:]}]
-    print(HEADER)
-    tallies = []
-    for mechanism, drive in chosen:
-        tallies.append(campaign(mechanism, drive, designs, show=True))
-        print(tallies[-1].row(), flush=True)
-    print("\n".join(filter(None, (tally.report() for tally in tallies))))
-
-
-if __name__ == "__main__":
-    main()

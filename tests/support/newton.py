@@ -88,17 +88,3 @@ def newton_euler(one):
     moment[3] -= bodies["T_load"] + bodies["T_load_linear"] * speed[3]
     moment[3] -= bodies["T_load_quadratic"] * speed[3] * abs(speed[3])
     return force, moment, now
-
-
-def kinetic_energy(bodies, time, step):
-    """Kinetic energy at a time, from positions alone."""
-    before, after = bodies.at(time - step), bodies.at(time + step)
-    total = mp.mpf(0)
-    for link in (1, 2, 3):
-        places = zip(*(bodies.points(link, frames) for *_, frames in (before, after)), strict=True)
-        total += (
-            sum(mass * abs((future - past) / (2 * step)) ** 2 for (mass, past), (_, future) in places) / 2
-        )
-        spin = mp.arg(after[3][link][1] / before[3][link][1]) / (2 * step)
-        total += bodies[f"I{link}"] * spin**2 / 2
-    return total
