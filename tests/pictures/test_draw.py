@@ -489,7 +489,7 @@ def test_what_names_no_design_of_a_map_is_refused(maps, given, key, remedy):
 
 def test_other_sources_and_options_among_the_inputs_are_refused(tmp_path):
     """A design is a mapping, whose names would else be taken for keywords of the evaluation."""
-    with refused("mechanism", "mechanisms/toggle_press/picture.py"):
+    with refused("mechanism", "mechanisms/toggle_press/__init__.py"):
         picture_of("toggle_press", catalogue("hart"))
     with refused("mechanism", "did you mean 'planar_4r'"):
         fl.draw("planar4r", FOUR_BAR)

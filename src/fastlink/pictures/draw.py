@@ -350,11 +350,10 @@ def request_of(source: Source, options: Options) -> Request:
 def picture_of(mechanism: str, catalogue: Catalogue) -> Picture:
     """Return what a mechanism declares to be drawn, or refuse one that does not."""
     try:
-        module = import_module(f"fastlink.mechanisms.{mechanism}.picture")
-    except ModuleNotFoundError:
-        remedy = f"declare its joints and bars in mechanisms/{mechanism}/picture.py"
+        picture: Picture = import_module(f"fastlink.mechanisms.{mechanism}").PICTURE
+    except (ModuleNotFoundError, AttributeError):
+        remedy = f"declare its joints and bars in mechanisms/{mechanism}/__init__.py"
         raise InputError(f"{mechanism} has no picture", where=("mechanism",), remedy=remedy) from None
-    picture: Picture = module.PICTURE
     known = {*catalogue.facts, *catalogue.inputs, catalogue.position.name}
     for inputs in catalogue.variant_inputs.values():
         known |= set(inputs)
