@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.pictures import cloud
+from fastlink.pictures import charts
 from fastlink.pictures.labels import mathematical
 from fastlink.pictures.style import ABSENT, WITHOUT_BOUND, limits_of
 
@@ -474,7 +474,7 @@ def test_a_third_quantity_colours(rows):
 
 
 def test_many_rows_are_counted_in_cells(rows, usable, monkeypatch):
-    monkeypatch.setattr(cloud, "MOST_POINTS", 20)
+    monkeypatch.setattr(charts, "MOST_POINTS", 20)
     axis, scale = fl.plot_designs(rows, NAMES).axes
     assert scale.get_ylabel() == "rows in a cell"
     mesh = shown(axis, QuadMesh)
@@ -496,9 +496,9 @@ def test_a_corner_has_each_pair_and_each_by_itself(rows):
     assert len(shown(two, PathCollection).get_offsets())
 
 
-@pytest.mark.parametrize("most", [cloud.MOST_POINTS, 20], ids=["points", "cells"])
+@pytest.mark.parametrize("most", [charts.MOST_POINTS, 20], ids=["points", "cells"])
 def test_a_cumulative_distribution_counts_what_grows_without_bound(rows, most, monkeypatch):
-    monkeypatch.setattr(cloud, "MOST_POINTS", most)
+    monkeypatch.setattr(charts, "MOST_POINTS", most)
     (axis,) = fl.plot_designs(rows, "omega4_max", where={"a4": (1.0, 1.0)}).axes
     (line, _) = axis.get_lines()
     values = rows.omega4_max.sel(a4=1.0).values

@@ -14,10 +14,8 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import h5py
-import matplotlib
 import numpy as np
 import xarray as xr
-from matplotlib.colors import CenteredNorm, LogNorm, to_hex
 from numpy.typing import NDArray
 
 from fastlink._text import filled, in_words
@@ -26,13 +24,12 @@ from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.fact import Fact, System
 from fastlink.facts.names import innermost
 from fastlink.io.reader import is_hdf5
-from fastlink.maps.units import flags_of, half_turn
+from fastlink.maps.units import flags_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.numerics import elementary, logarithm
 from fastlink.numerics.compiler import COMPILED_AS, INLINED, syntax
 from fastlink.pictures.draw import picture_of
 from fastlink.pictures.motion import Motion
-from fastlink.pictures.style import CYCLIC, FLAGS, LINES, are_counts, colours_of, drawable
 from fastlink.plan.query import parse_request
 from fastlink.plan.request import constants_of, selected_variants
 from fastlink.space.design_space import BRANCH, DEGREES, DESIGN, taken_links
@@ -45,7 +42,6 @@ if TYPE_CHECKING:
     from fastlink.mechanisms._shared.picture import Picture
 
 __all__ = [
-    "COLOURS",
     "MOST_CELLS",
     "ONE",
     "POOLS",
@@ -53,7 +49,6 @@ __all__ = [
     "content_of",
     "page_of",
     "pooled",
-    "scale_of",
     "script_of",
 ]
 
@@ -293,46 +288,13 @@ def _entry(script: _Script, step: Fact | System) -> str:
     return f"[{script.add(step.function)}, {json.dumps(step.depends_on)}, {json.dumps(step.names)}]"
 
 
-# -- Choose the colours of a variable for the page, as a picture of it has them
-
-
-#: The colour maps that scales name: even in lightness, and told apart by the colour-blind.
-COLOURS = ("viridis", "RdBu_r", CYCLIC)
-STEPS = 256
-
-
-def colour_tables() -> dict[str, list[str]]:
-    """Return each colour map as a list of colours."""
-    places = np.linspace(0.0, 1.0, STEPS)
-    return {name: [to_hex(one) for one in matplotlib.colormaps[name](places)] for name in COLOURS}
-
-
-def scale_of(variable: xr.DataArray, sample: Any, regular: Any = None) -> dict[str, Any]:
-    """Return how values become colours, from a sample of them."""
-    if flags := flags_of(variable):
-        colours = {str(code): FLAGS[k % len(FLAGS)] for k, code in enumerate(flags.values())}
-        return {"kind": "codes", "colours": colours, "pools": False}
-    values = np.ravel(np.asarray(sample, dtype=float))
-    if are_counts(values):
-        low, high = float(np.nanmin(values)), float(np.nanmax(values))
-        return {"kind": "counts", "low": low - 0.5, "high": high + 0.5, "map": "viridis", "pools": False}
-    values = np.where(np.isfinite(values), drawable(values), np.nan)
-    inside = np.ones(values.shape, bool) if regular is None or not np.any(regular) else np.ravel(regular)
-    norm, colours, extend = colours_of(values, inside, half_turn(variable.attrs.get("units")))
-    low, high = float(norm.vmin), float(norm.vmax)
-    if isinstance(norm, CenteredNorm):
-        low, high = norm.vcenter - norm.halfrange, norm.vcenter + norm.halfrange
-    kind = "log" if isinstance(norm, LogNorm) else "linear"
-    # an angle and that half a turn further on have no mean
-    scale = {"kind": kind, "low": float(low), "high": float(high), "map": colours.name, "extend": extend}
-    return {**scale, "pools": colours.name != CYCLIC}
-
-
 # -- Tell a page what a map holds: its dimensions and variables, and the mechanism that it is of
 
 
 def content_of(values: Values) -> dict[str, Any]:
     """Return what a page has to know of a map before it asks for values."""
+    from fastlink.pictures.style import LINES, colour_tables
+
     maps = values.maps
     names = values.names
     if not names:
@@ -696,6 +658,8 @@ class Values:
     def scale(self, name: str) -> dict[str, Any]:
         """Return how the values of a variable become colours, from a sample of all of them."""
         if name not in self.scales:
+            from fastlink.pictures.style import scale_of
+
             array = self.maps[name]
             sizes = {str(dim): length for dim, length in array.sizes.items()}
             steps = _steps(sizes, SAMPLED)

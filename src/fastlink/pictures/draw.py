@@ -582,7 +582,7 @@ def draw(
     path = None if to is None else check_picture(to, "to", example="linkage.png")
     film = None
     if animate is not None:
-        from fastlink.pictures.film import check_film
+        from fastlink.pictures.linkage import check_film
 
         film = check_picture(animate, "animate", kinds=FILMS, example="linkage.gif")
         check_film(film)
@@ -592,7 +592,7 @@ def draw(
     request = request_of(
         source, Options(branch, links, input, strip, curves, show, degrees, film is not None)
     )
-    from fastlink.pictures.board import Board
+    from fastlink.pictures.linkage import Board, write_film
     from fastlink.pictures.style import style
 
     with style():
@@ -601,7 +601,5 @@ def draw(
         if path is not None:
             save(board.figure, path, "to")
         if film is not None:
-            from fastlink.pictures.film import write_film
-
             write_film(board, film, frames)
     return board.figure

@@ -19,7 +19,7 @@ import xarray as xr
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.pictures import content, server
+from fastlink.pictures import content, explore
 from fastlink.pictures.content import Values
 
 
@@ -203,7 +203,7 @@ def test_a_large_picture_is_read_at_the_resolution_of_a_screen():
 
 @pytest.mark.parametrize("block", [1, 100, 1 << 20])
 def test_the_best_of_a_region_over_all_values_of_a_slider(page, path, block, monkeypatch):
-    monkeypatch.setattr(server, "BLOCK", block)
+    monkeypatch.setattr(explore, "BLOCK", block)
     query = {"name": "omega4_max", "axes": ["a3", "a2", "a1"], "at": {"branch": 0}, "largest": True}
     status, body = ask(page, "region", query | {"window": {"a1": [0, 2], "a2": [3, 11], "a3": [4, 11]}})
     assert status == 200
@@ -215,11 +215,11 @@ def test_the_best_of_a_region_over_all_values_of_a_slider(page, path, block, mon
     np.testing.assert_array_equal(best, true)
     assert found["count"] == 3 * 9 * 8
     assert {one["at"]["a1"] for one in found["best"]} <= {0, 1, 2}
-    assert len(found["values"]["omega4_max"]) == len(found["axes"]["a1"]) <= server.MOST_ROWS
+    assert len(found["values"]["omega4_max"]) == len(found["axes"]["a1"]) <= explore.MOST_ROWS
 
 
 def test_wrong_options_are_refused(page, path, folder, monkeypatch):
-    monkeypatch.setattr(server, "MOST_BYTES", 1000)
+    monkeypatch.setattr(explore, "MOST_BYTES", 1000)
     for options, key, remedy in (
         ({"to": "page.pdf"}, "to", "page.html"),
         ({"to": "no/page.html"}, "to", "create it"),
