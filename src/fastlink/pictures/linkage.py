@@ -1,7 +1,7 @@
 """The picture of a linkage: sheets of links, marks, forces and overlays; curves, legend and numbers; films.
 
-A `Sheet` draws one design at a position, by functions that return what they drew, so that a film draws anew what moves;
-a `Board` is the whole figure.
+A `Sheet` draws one design at a position, a `Board` is the whole figure. What moves is what is added to the axes after
+the background: it is taken away and drawn anew for each picture of a film.
 """
 
 from __future__ import annotations
@@ -34,7 +34,6 @@ from fastlink.facts.names import derivative_name
 from fastlink.io.output import write_whole
 from fastlink.maps.units import half_turn
 from fastlink.pictures.charts import cut
-from fastlink.pictures.draw import Request
 from fastlink.pictures.labels import mathematical, units_text
 from fastlink.pictures.motion import PLANES, Names, samples_of
 from fastlink.pictures.style import LINES, NotebookFigure, drawable, limits_of
@@ -42,15 +41,105 @@ from fastlink.space.design_space import RADIANS
 
 if TYPE_CHECKING:
     from fastlink.mechanisms._shared.picture import Bar, Circle, Locus, Point, Value
+    from fastlink.pictures.draw import Request
     from fastlink.pictures.motion import Motion
 
 __all__ = ["Board", "check_film", "write_film"]
 
 
+# -- Marks of one size whatever the scale: ground pivots with their hatching, sliders, lines with hatching
+
+
+INK, FAINT, GHOST = "0.15", "0.62", "0.72"
+POINT = 1.0 / 72.0
+#: Of a slider in points: half its length and half its height.
+SLIDER = (10.0, 6.0)
+HATCH: dict[str, Any] = {"spacing": 4.0, "length": 0.6}
+#: Of a curved arrow: the turn of the greatest and of the least, where it begins, its head in points.
+TURN, LEAST_TURN, TURN_START, HEAD = 1.5 * np.pi, 0.35 * np.pi, 0.25 * np.pi, 7.0
+
+
+def _about(axis: Any, at: Any) -> Any:
+    """Return the transform of inches of the page about a place."""
+    return axis.figure.dpi_scale_trans + ScaledTranslation(float(at[0]), float(at[1]), axis.transData)
+
+
+def _line(axis: Any, x: Any, y: Any, at: Any, **style: Any) -> None:
+    """Draw a line in points of the page about a place."""
+    (drawn,) = axis.plot(np.multiply(x, POINT), np.multiply(y, POINT), transform=_about(axis, at), **style)
+    drawn.set_in_layout(False)
+
+
+def _shape(axis: Any, corners: Any, at: Any, **style: Any) -> None:
+    """Fill a shape in points of the page about a place."""
+    axis.fill(*np.multiply(corners, POINT).T, transform=_about(axis, at), **style)
+
+
+def add_ground(axis: Any, at: Any, size: float) -> None:
+    """Draw the support of a ground pivot: a triangle on hatched ground."""
+    base, half = -11.0 * size, 7.0 * size
+    look: dict[str, Any] = {"linewidth": 1.0, "zorder": 4.5}
+    _shape(axis, [(0.0, 0.0), (-half, base), (half, base)], at, facecolor="white", edgecolor=INK, **look)
+    width = 1.6 * half
+    _line(axis, [-width, width], [base, base], at, color=INK, solid_joinstyle="round", **look)
+    starts, gap = np.linspace(-0.8 * width, width, 6), np.full(6, np.nan)
+    x = np.stack([starts, starts - 4.0 * size, gap], axis=-1).ravel()
+    y = np.tile([base, base - 4.5 * size, np.nan], 6)
+    _line(axis, x, y, at, zorder=4.5, color=INK, linewidth=0.7)
+
+
+def add_joint(axis: Any, at: Any, colour: Any, size: float) -> None:
+    """Draw a revolute joint."""
+    style = {"marker": "o", "markersize": size, "markerfacecolor": "white", "markeredgecolor": colour}
+    axis.plot(*np.reshape(at, (2, 1)), linestyle="none", markeredgewidth=1.3, zorder=6, **style)
+
+
+def add_slider(axis: Any, at: Any, colour: Any, size: float) -> None:
+    """Draw a slider that runs along x."""
+    x, y = np.multiply(SLIDER, size)
+    style = {"facecolor": "white", "edgecolor": colour, "linewidth": 1.4, "zorder": 3.5}
+    _shape(axis, [(-x, -y), (x, -y), (x, y), (-x, y)], at, **style)
+
+
+def add_guide(axis: Any, low: float, high: float, y: float, size: float) -> None:
+    """Draw the hatched line on which a slider runs along x."""
+    below = ScaledTranslation(0.0, -SLIDER[1] * size * POINT, axis.figure.dpi_scale_trans)
+    style = {"color": INK, "linewidth": 0.8, "zorder": 2.5}
+    effects = [withTickedStroke(angle=-135, **HATCH)]
+    axis.plot([low, high], [y, y], transform=axis.transData + below, path_effects=effects, **style)
+
+
+def add_turn(axis: Any, at: Any, share: float, radius: float, colour: Any) -> Any:
+    """Draw a curved arrow about a place, the longer the greater the share; return its line in points."""
+    sweep = np.sign(share) * max(abs(share) * TURN, LEAST_TURN)
+    turn = TURN_START + np.linspace(0.0, sweep, 41)
+    line = radius * np.stack([np.cos(turn), np.sin(turn)], axis=-1)
+    cut = -1 - int(np.ceil(0.9 * HEAD / np.hypot(*(line[1] - line[0]))))
+    _line(axis, line[: cut + 1, 0], line[: cut + 1, 1], at, color=colour, linewidth=1.4, zorder=6.5)
+    end, back = line[-1], line[-1] - line[cut]
+    back = HEAD * back / np.hypot(*back)
+    side = 0.38 * np.array([-back[1], back[0]])
+    style = {"facecolor": colour, "edgecolor": colour, "linewidth": 0.5, "zorder": 6.5}
+    _shape(axis, np.array([end, end - back + side, end - back - side]), at, **style)
+    return line
+
+
+def add_scale(axis: Any, view: Any, width: float) -> None:
+    """Draw the length of a round number of metres in the lower left corner."""
+    step = 10.0 ** np.floor(np.log10(0.3 * width))
+    length = step * max(one for one in (1.0, 2.0, 5.0) if one * step <= 0.3 * width)
+    left, low = view[0], view[2]
+    axis.plot([left, left + length], [low, low], color=INK, linewidth=1.0, clip_on=False)
+    for x in (left, left + length):
+        _line(axis, [0.0, 0.0], [-3.0, 3.0], (x, low), color=INK, linewidth=1.0, clip_on=False)
+    text = {"xytext": (0, 3), "textcoords": "offset points", "ha": "center", "va": "bottom"}
+    clear = {"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.85}
+    axis.annotate(f"{length:g} m", (left + 0.5 * length, low), fontsize=8, color=INK, bbox=clear, **text)
+
+
 # -- Show what moves with a linkage besides its bars: loci of a position, circles about moving points
 
 
-FAINT = "0.62"
 GRID, ELLIPSE, HYPERBOLA = 401, 0, 1
 #: The dashes of an arm of a circle of future-pointing vectors, and of the other one.
 ARMS: dict[bool, Any] = {True: (0, (1.2, 1.6)), False: (0, (5, 3))}
@@ -58,10 +147,10 @@ ARMS: dict[bool, Any] = {True: (0, (1.2, 1.6)), False: (0, (5, 3))}
 
 def add_arms(sheet: Sheet, position: float, circle: Circle) -> list[Any]:
     """Draw a circle in each assembly mode, past-pointing arms dashed, and return the lines."""
-    motion, seen, drawn = sheet.motion, set(), []
+    motion, seen, drawn = sheet.motion, set(), list[Any]()
     if not motion.has(circle.radius):
         return []
-    centres = motion.places([position], [motion.picture.point(circle.centre)])[circle.centre][:, 0]
+    centres = motion.places_at(position, [motion.picture.point(circle.centre)])[circle.centre]
     radii = motion.values([circle.radius], [position])[circle.radius][:, 0]
     for centre, radius in zip(centres, radii, strict=True):
         key = (*np.round(centre * sheet.scale, 3), round(float(radius) * sheet.scale, 3))
@@ -74,15 +163,6 @@ def add_arms(sheet: Sheet, position: float, circle: Circle) -> list[Any]:
     return drawn
 
 
-def legend_of_loci(sheet: Sheet) -> list[Any]:
-    """Return the legend of the loci that are shown."""
-    alone = sheet.colour(0) if len(sheet.motion.branches) == 1 else FAINT
-    return [
-        Line2D([], [], color=alone if _is_of_mode(locus) else FAINT, linewidth=0.9, label=locus.meaning)
-        for locus in _shown(sheet)
-    ]
-
-
 def _function(locus: Locus) -> Any:
     package, name = locus.function.split(".")
     return getattr(import_module(f"fastlink.{package}"), name)
@@ -93,36 +173,40 @@ def _is_of_mode(locus: Locus) -> bool:
     return "branch" in signature(_function(locus)).parameters
 
 
-def _shown(sheet: Sheet) -> list[Locus]:
+def _shown_loci(sheet: Sheet) -> list[Locus]:
     motion = sheet.motion
     return [one for one in motion.picture.loci if one.group in sheet.show and one.by in ("", motion.input)]
 
 
-def add_following(sheet: Sheet, position: float) -> list[Any]:
-    """Draw loci and circles as they are at a position, and return what was drawn."""
-    drawn: list[Any] = []
+def legend_of_loci(sheet: Sheet) -> list[Any]:
+    """Return the legend of the loci that are shown."""
+    single = sheet.colour(0) if len(sheet.motion.branches) == 1 else FAINT
+    return [
+        Line2D([], [], color=single if _is_of_mode(one) else FAINT, linewidth=0.9, label=one.meaning)
+        for one in _shown_loci(sheet)
+    ]
+
+
+def add_following(sheet: Sheet, position: float) -> None:
+    """Draw loci and circles as they are at a position."""
     picture = sheet.motion.picture
     for circle in picture.circles:
         if circle.group in sheet.show and picture.point(circle.centre).kind != "ground":
-            drawn += add_arms(sheet, position, circle)
-    for locus in _shown(sheet):
-        drawn += _locus(sheet, position, locus)
-    return drawn
+            add_arms(sheet, position, circle)
+    for locus in _shown_loci(sheet):
+        _add_locus(sheet, position, locus)
 
 
-def _locus(sheet: Sheet, position: float, locus: Locus) -> list[Any]:
+def _add_locus(sheet: Sheet, position: float, locus: Locus) -> None:
     """Draw the curve that a function of fastlink gives for a position, in each assembly mode if they differ."""
-    motion = sheet.motion
-    function = _function(locus)
-    wanted = signature(function).parameters
-    known = {key: value for key, value in {**motion.design, motion.input: position}.items() if key in wanted}
+    motion, function, of_mode = sheet.motion, _function(locus), _is_of_mode(locus)
+    inputs = {**motion.design, motion.input: position}
+    given = {name: inputs[name] for name in signature(function).parameters if name in inputs}
     further = motion.values(list(locus.given.values()), [position])
-    of_mode = _is_of_mode(locus)
-    drawn: list[Any] = []
     for k in np.flatnonzero(motion.assembles(position)[:, 0])[: None if of_mode else 1].tolist():
         own: dict[str, Any] = {"branch": motion.branches[k]} if of_mode else {}
         own |= {key: float(further[fact][k, 0]) for key, fact in locus.given.items()}
-        curve = function(**known, **own)
+        curve = function(**given, **own)
         style = {
             "color": sheet.colour(k) if of_mode else FAINT,
             "linewidth": 0.9,
@@ -130,152 +214,48 @@ def _locus(sheet: Sheet, position: float, locus: Locus) -> list[Any]:
             "zorder": 1.2,
         }
         if locus.gives == "points":
-            drawn += sheet.axis.plot(*np.asarray(curve).T, **style)
+            sheet.axis.plot(*np.asarray(curve).T, **style)
         elif locus.gives == "conic":
-            drawn += _conic(sheet, curve, style)
+            _add_conic(sheet.axis, curve, style)
         else:
-            drawn += _level(sheet, curve, style)
-    return drawn
+            _add_level(sheet, curve, style)
 
 
-def _conic(sheet: Sheet, conic: Any, style: dict[str, Any]) -> list[Any]:
+def _add_conic(axis: Any, conic: Any, style: dict[str, Any]) -> None:
     """Draw an ellipse or a hyperbola with its second focus."""
     centre = float(conic.centre_x), float(conic.centre_y)
     major, minor, turn = (float(one) for one in (conic.major, conic.minor, conic.direction))
-    focus = {"color": style["color"], "markersize": 4.5, "zorder": 5.5}
-    drawn: list[Any] = sheet.axis.plot([conic.x2], [conic.y2], "x", **focus)
+    axis.plot([conic.x2], [conic.y2], "x", color=style["color"], markersize=4.5, zorder=5.5)
     if int(conic.kind) == ELLIPSE:
-        shape = Ellipse(centre, 2.0 * major, 2.0 * minor, angle=np.degrees(turn), fill=False, **style)
-        drawn.append(sheet.axis.add_patch(shape))
+        angle = np.degrees(turn)
+        axis.add_patch(Ellipse(centre, 2.0 * major, 2.0 * minor, angle=angle, fill=False, **style))
     elif int(conic.kind) == HYPERBOLA:
         t = np.linspace(-4.0, 4.0, GRID)
         for side in (1.0, -1.0):
             along, across = side * major * np.cosh(t), minor * np.sinh(t)
             x = centre[0] + along * np.cos(turn) - across * np.sin(turn)
             y = centre[1] + along * np.sin(turn) + across * np.cos(turn)
-            drawn += sheet.axis.plot(x, y, **style)
-    return drawn
+            axis.plot(x, y, **style)
 
 
-def _level(sheet: Sheet, coefficients: Any, style: dict[str, Any]) -> list[Any]:
+def _add_level(sheet: Sheet, coefficients: Any, style: dict[str, Any]) -> None:
     """Draw where a polynomial in x and y is zero."""
     x, y = (np.linspace(low, high, GRID) for low, high in sheet.view.reshape(2, 2))
     values = np.polynomial.polynomial.polygrid2d(x, y, coefficients)
-    if not np.nanmin(values) < 0.0 < np.nanmax(values):
-        return []
-    lines = {"colors": [style["color"]], "linewidths": style["linewidth"], "zorder": style["zorder"]}
-    drawn: list[Any] = [sheet.axis.contour(x, y, values.T, [0.0], **lines)]
-    return drawn
-
-
-# -- Marks of one size whatever the scale: ground pivots with their hatching, sliders, lines with hatching
-
-
-INK = "0.15"
-POINT = 1.0 / 72.0
-#: Of a slider in points: half its length and half its height.
-SLIDER = (10.0, 6.0)
-HATCH: dict[str, Any] = {"spacing": 4.0, "length": 0.6}
-
-#: Of a curved arrow: the turn of the greatest and of the least, where it begins, its head in points.
-TURN, LEAST_TURN, TURN_START, HEAD = 1.5 * np.pi, 0.35 * np.pi, 0.25 * np.pi, 7.0
-
-
-def _line(axis: Any, x: Any, y: Any, at: Any, **style: Any) -> Any:
-    """Draw a line in points of the page about a place."""
-    there = ScaledTranslation(float(at[0]), float(at[1]), axis.transData)
-    page = axis.figure.dpi_scale_trans
-    (drawn,) = axis.plot(np.multiply(x, POINT), np.multiply(y, POINT), transform=page + there, **style)
-    drawn.set_in_layout(False)
-    return drawn
-
-
-def add_ground(axis: Any, at: Any, size: float = 1.0) -> None:
-    """Draw the support of a ground pivot: a triangle on hatched ground."""
-    base, half = -11.0 * size, 7.0 * size
-    style: dict[str, Any] = {"color": INK, "linewidth": 1.0, "solid_joinstyle": "round"}
-    there = ScaledTranslation(float(at[0]), float(at[1]), axis.transData)
-    page = axis.figure.dpi_scale_trans
-    triangle = np.multiply([(0.0, 0.0), (-half, base), (half, base)], POINT)
-    axis.fill(
-        *triangle.T, transform=page + there, facecolor="white", edgecolor=INK, linewidth=1.0, zorder=4.5
-    )
-    width = 1.6 * half
-    _line(axis, [-width, width], [base, base], at, zorder=4.5, **style)
-    starts, gap = np.linspace(-0.8 * width, width, 6), np.full(6, np.nan)
-    x = np.stack([starts, starts - 4.0 * size, gap], axis=-1).ravel()
-    y = np.tile([base, base - 4.5 * size, np.nan], 6)
-    _line(axis, x, y, at, zorder=4.5, color=INK, linewidth=0.7)
-
-
-def add_joint(axis: Any, at: Any, colour: Any, size: float) -> Any:
-    """Draw a revolute joint."""
-    style = {"marker": "o", "markersize": size, "markerfacecolor": "white", "markeredgecolor": colour}
-    (drawn,) = axis.plot(*np.reshape(at, (2, 1)), linestyle="none", markeredgewidth=1.3, zorder=6, **style)
-    return drawn
-
-
-def add_slider(axis: Any, at: Any, colour: Any, size: float = 1.0) -> Any:
-    """Draw a slider that runs along x."""
-    x, y = np.multiply(SLIDER, size)
-    corners = np.multiply([(-x, -y), (x, -y), (x, y), (-x, y)], POINT)
-    there = ScaledTranslation(float(at[0]), float(at[1]), axis.transData)
-    style = {"facecolor": "white", "edgecolor": colour, "linewidth": 1.4}
-    (drawn,) = axis.fill(*corners.T, transform=axis.figure.dpi_scale_trans + there, zorder=3.5, **style)
-    return drawn
-
-
-def add_guide(axis: Any, low: float, high: float, y: float, size: float = 1.0) -> None:
-    """Draw the hatched line on which a slider runs along x."""
-    below = ScaledTranslation(0.0, -SLIDER[1] * size * POINT, axis.figure.dpi_scale_trans)
-    effects = [withTickedStroke(angle=-135, **HATCH)]
-    axis.plot(
-        *([low, high], [y, y]),
-        transform=axis.transData + below,
-        color=INK,
-        linewidth=0.8,
-        path_effects=effects,
-        zorder=2.5,
-    )
-
-
-def add_turn(axis: Any, at: Any, share: float, radius: float, colour: Any) -> tuple[list[Any], Any]:
-    """Draw a curved arrow about a place, the longer the greater the share; return it, and its line in points."""
-    sweep = np.sign(share) * max(abs(share) * TURN, LEAST_TURN)
-    turn = TURN_START + np.linspace(0.0, sweep, 41)
-    line = radius * np.stack([np.cos(turn), np.sin(turn)], axis=-1)
-    cut = -1 - int(np.ceil(0.9 * HEAD / np.hypot(*(line[1] - line[0]))))
-    shaft = _line(axis, line[: cut + 1, 0], line[: cut + 1, 1], at, color=colour, linewidth=1.4, zorder=6.5)
-    end, back = line[-1], line[-1] - line[cut]
-    back = HEAD * back / np.hypot(*back)
-    side = 0.38 * np.array([-back[1], back[0]])
-    there = ScaledTranslation(float(at[0]), float(at[1]), axis.transData)
-    corners = POINT * np.array([end, end - back + side, end - back - side])
-    style = {"facecolor": colour, "edgecolor": colour, "linewidth": 0.5, "zorder": 6.5}
-    (head,) = axis.fill(*corners.T, transform=axis.figure.dpi_scale_trans + there, **style)
-    return [shaft, head], line
-
-
-def add_scale(axis: Any, view: Any, width: float) -> None:
-    """Draw the length of a round number of metres in the lower left corner."""
-    step = 10.0 ** np.floor(np.log10(0.3 * width))
-    length = step * max(one for one in (1.0, 2.0, 5.0) if one * step <= 0.3 * width)
-    left, low = view[0], view[2]
-    start = (left, low)
-    axis.plot([left, left + length], [low, low], color=INK, linewidth=1.0, clip_on=False)
-    for x in (left, left + length):
-        _line(axis, [0.0, 0.0], [-3.0, 3.0], (x, start[1]), color=INK, linewidth=1.0, clip_on=False)
-    text = {"xytext": (0, 3), "textcoords": "offset points", "ha": "center", "va": "bottom"}
-    clear = {"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.85}
-    axis.annotate(f"{length:g} m", (left + 0.5 * length, low), fontsize=8, color=INK, bbox=clear, **text)
+    if np.nanmin(values) < 0.0 < np.nanmax(values):
+        lines = {"colors": [style["color"]], "linewidths": style["linewidth"], "zorder": style["zorder"]}
+        sheet.axis.contour(x, y, values.T, [0.0], **lines)
 
 
 # -- Show forces as arrows and torques as curved ones, all of a kind by one scale
 
 
 FORCES, TORQUES = "forces", "torques"
-#: The units of a kind; its mark in the legend.
-UNITS, MARKS = {FORCES: "N", TORQUES: "N m"}, {FORCES: ">", TORQUES: r"$\circlearrowleft$"}
+#: The units of a kind; its mark in the legend, with size and width of line.
+UNITS, MARKS = (
+    {FORCES: "N", TORQUES: "N m"},
+    {FORCES: (">", 5.0, 1.4), TORQUES: (r"$\circlearrowleft$", 10.0, 0.0)},
+)
 #: Of the picture: the length of the greatest force.
 LONGEST = 0.22
 #: Of a torque in points: the radius in the first assembly mode, and by how much each further one's is greater.
@@ -284,28 +264,25 @@ RADIUS, FURTHER_RADIUS = 17.0, 6.0
 CLOSE = 9.0
 
 
-def _values(motion: Motion, kind: str, positions: Any) -> dict[str, Any]:
+def _loads(motion: Motion, kind: str, positions: Any) -> dict[str, Any]:
     """Return each load of a kind over assembly modes, positions, and its components."""
     components = {one.name: one.components for one in motion.picture.loads[kind]}
     values = motion.values([name for names in components.values() for name in names], positions)
     return {one: np.stack([values[name] for name in names], axis=-1) for one, names in components.items()}
 
 
-def _shown_positions(motion: Motion, positions: Any, moves: bool) -> Any:
-    """Return the positions of which the loads have one scale."""
-    return motion.spread(61, ends=False) if moves else positions
-
-
-def _greatest(values: dict[str, Any]) -> float:
+def _scaled_by(motion: Motion, kind: str, positions: Any, moves: bool) -> tuple[Any, dict[str, Any], float]:
+    """Return the positions of which the loads have one scale, the loads there, and the greatest of them."""
+    positions = motion.spread(61, ends=False) if moves else positions
+    values = _loads(motion, kind, positions)
     sizes = np.stack([np.linalg.norm(one, axis=-1) for one in values.values()])
-    return float(sizes[np.isfinite(sizes)].max(initial=0.0)) or 1.0
+    return positions, values, float(sizes[np.isfinite(sizes)].max(initial=0.0)) or 1.0
 
 
 def ends_of_forces(motion: Motion, positions: Any, longest: float, *, moves: bool) -> Any:
     """Return where the arrows of all forces end, the longest of them of a given length."""
-    shown = _shown_positions(motion, positions, moves)
-    values, places = _values(motion, FORCES, shown), motion.places(shown)
-    unit = longest / _greatest(values)
+    positions, values, greatest = _scaled_by(motion, FORCES, positions, moves)
+    places, unit = motion.places(positions), longest / greatest
     ends = [places[one.at] + unit * values[one.name] for one in motion.picture.forces]
     found = np.concatenate([one.reshape(-1, 2) for one in ends])
     return found[np.isfinite(found).all(axis=1)]
@@ -316,43 +293,36 @@ class Loads:
 
     def __init__(self, sheet: Sheet) -> None:
         self.sheet = sheet
-        self.kinds = [kind for kind in (FORCES, TORQUES) if kind in sheet.show]
-        #: The greatest one that is shown of each kind.
+        #: The greatest one of each kind that is shown.
         self.greatest: dict[str, float] = {}
 
     def scale(self, position: float) -> list[Any]:
         """Find the greatest of each kind, of the whole motion where one moves, and return the legend."""
-        motion, handles = self.sheet.motion, []
-        for kind in self.kinds:
-            greatest = _greatest(
-                _values(motion, kind, _shown_positions(motion, [position], self.sheet.moves))
-            )
+        handles = []
+        for kind in (kind for kind in (FORCES, TORQUES) if kind in self.sheet.show):
+            _, _, greatest = _scaled_by(self.sheet.motion, kind, [position], self.sheet.moves)
             self.greatest[kind] = greatest
-            size = {FORCES: (5.0, 1.4), TORQUES: (10.0, 0.0)}[kind]
-            style: dict[str, Any] = {"markersize": size[0], "linewidth": size[1], "markeredgewidth": 0.6}
+            marker, size, width = MARKS[kind]
+            style: dict[str, Any] = {"markersize": size, "linewidth": width, "markeredgewidth": 0.6}
             label = f"{kind}, the greatest {short_number(float(f'{greatest:.3g}'))} {UNITS[kind]}"
-            handles.append(
-                Line2D([], [], color=self._colour(0, INK), marker=MARKS[kind], label=label, **style)
-            )
+            handles.append(Line2D([], [], color=self._colour(0, INK), marker=marker, label=label, **style))
         return handles
 
-    def draw(self, position: float, places: Any) -> list[Any]:
-        """Draw what is shown at a position, and return what was drawn."""
+    def draw(self, position: float, places: Any) -> None:
+        """Draw what is shown at a position."""
         add = {FORCES: self._force, TORQUES: self._torque}
-        drawn: list[Any] = []
         named = []
-        for kind in self.kinds:
-            values = {
-                name: found[:, 0] for name, found in _values(self.sheet.motion, kind, [position]).items()
-            }
+        for kind, greatest in self.greatest.items():
+            values = _loads(self.sheet.motion, kind, [position])
             for one in self.sheet.motion.picture.loads[kind]:
-                for k, value in enumerate(values[one.name] / self.greatest[kind]):
+                for k, value in enumerate(values[one.name][:, 0] / greatest):
                     at = places[one.at][k]
                     if np.isfinite([*value, *at]).all():
-                        arrow, beside = add[kind](k, value, at)
-                        drawn += arrow
-                        named.append((one.name, k, beside))
-        return drawn + [self._name(*one) for one in named]
+                        named.append((one.name, k, add[kind](k, value, at)))
+        for name, k, at in named:
+            symbol = self.sheet.motion.catalogue.public_fact(name).symbol.strip("|")
+            middle = self.sheet.names.place(f"{name} {k}", symbol.replace("_", ""), at, CLOSE)
+            self.sheet.write(mathematical(symbol), middle, self._colour(k))
 
     def _colour(self, k: int, shared: str = "") -> str:
         """Return the colour in an assembly mode; in the legend, that of all."""
@@ -360,35 +330,29 @@ class Loads:
             return LINES[3]
         return shared or self.sheet.colour(k)
 
-    def _force(self, k: int, vector: Any, start: Any) -> tuple[list[Any], Any]:
-        """Draw an arrow; return it, and the place beside which its name stands."""
+    def _force(self, k: int, vector: Any, start: Any) -> Any:
+        """Draw an arrow; return the place beside which its name stands."""
         sheet = self.sheet
         end = start + LONGEST * min(np.ptp(sheet.view[:2]), np.ptp(sheet.view[2:])) * vector
         arrow = {"arrowstyle": "-|>", "color": self._colour(k), "linewidth": 1.4, "shrinkA": 0, "shrinkB": 0}
         sheet.names.keep_free(samples_of([start, end], sheet.scale))
-        return [sheet.axis.annotate("", end, start, arrowprops=arrow, zorder=6.5)], end
+        sheet.axis.annotate("", end, start, arrowprops=arrow, zorder=6.5)
+        return end
 
-    def _torque(self, k: int, value: Any, at: Any) -> tuple[list[Any], Any]:
-        """Draw a curved arrow; return it, and the place beside which its name stands."""
+    def _torque(self, k: int, value: Any, at: Any) -> Any:
+        """Draw a curved arrow; return the place beside which its name stands."""
         sheet = self.sheet
-        radius = (RADIUS + FURTHER_RADIUS * k) * sheet.style.joint / 7.5
-        drawn, arc = add_turn(sheet.axis, at, float(value[0]), radius, self._colour(k))
+        radius = (RADIUS + FURTHER_RADIUS * k) * sheet.size
+        arc = add_turn(sheet.axis, at, float(value[0]), radius, self._colour(k))
         sheet.names.keep_free(at + arc / sheet.scale)
-        return drawn, at + arc[len(arc) // 2] / sheet.scale
-
-    def _name(self, name: str, k: int, at: Any) -> Any:
-        symbol = self.sheet.motion.catalogue.public_fact(name).symbol.strip("|")
-        middle = self.sheet.names.place(f"{name} {k}", symbol.replace("_", ""), at, CLOSE)
-        return self.sheet.text(mathematical(symbol), middle, self._colour(k))
+        return at + arc[len(arc) // 2] / sheet.scale
 
 
-# -- Show more than the linkage, each thing by a word: paths, limits, circles, light cones, curvature combs,
-#    loci
+# -- Show more than the linkage, each thing by a word: paths, limits, circles, light cones, curvature combs
 
 
-#: The colours of assembly modes, and of what belongs to none.
+#: The colours of assembly modes.
 MODES = LINES
-GHOST = "0.72"
 TEETH = 90
 #: Of the picture: the length of a usual tooth, and of the longest.
 TOOTH, LONGEST_TOOTH = 0.06, 4.0
@@ -417,14 +381,14 @@ def _add_paths(sheet: Sheet, position: float) -> list[Any]:
     motion, traced = sheet.motion, _traced(sheet)
     if not traced:
         return []
-    whole = "circuits" in sheet.show or motion.picture.metric != "euclidean"
-    for positions in motion.along(361, None if whole else position):
+    every_range = "circuits" in sheet.show or motion.picture.metric != "euclidean"
+    for positions in motion.along(361, None if every_range else position):
         places = motion.places(positions, traced)
         for one in traced:
-            for k, branch in enumerate(motion.branches):
-                line = places[one.name][k]
+            for branch, line in zip(motion.branches, places[one.name], strict=True):
                 if np.isfinite(line).all(axis=-1).any():
-                    sheet.axis.plot(*line.T, zorder=2.0, gid=f"path {one.name} {branch}", **sheet.line_of(k))
+                    style = mode_line(branch, zorder=2.0, gid=f"path {one.name} {branch}")
+                    sheet.axis.plot(*line.T, **style)
                     sheet.keep_free(samples_of(line, sheet.scale)[::2], 0.5)
     letters = " and ".join(
         mathematical(one.name) if one.is_named else "the middle of a bar" for one in traced
@@ -435,58 +399,49 @@ def _add_paths(sheet: Sheet, position: float) -> list[Any]:
 
 def _add_circles(sheet: Sheet, position: float, group: str) -> list[Any]:
     """Draw the circles about ground pivots and the lines of a group, and return their legend."""
-    motion, arms = sheet.motion, 0
+    motion, arms = sheet.motion, list[Any]()
     for circle in motion.picture.circles:
         if circle.group == group and motion.picture.point(circle.centre).kind == "ground":
-            lines = add_arms(sheet, position, circle)
-            arms += len(lines)
-            for one in lines:
-                sheet.keep_free(samples_of(one.get_xydata(), sheet.scale)[::2], 0.4)
+            arms += add_arms(sheet, position, circle)
+    for one in arms:
+        sheet.keep_free(samples_of(one.get_xydata(), sheet.scale)[::2], 0.4)
     for guide in motion.picture.guides:
         if guide.group == group and not guide.slider and guide.x is not None and motion.has(guide.x):
             x = motion.number(guide.x)
             if np.isfinite(x):
                 sheet.axis.axvline(x, color=FAINT, linewidth=0.9, linestyle=(0, (8, 3, 1, 3)), zorder=1.0)
-    both = arms and motion.picture.metric != "euclidean"
-    legend = [
-        Line2D([], [], color=FAINT, linewidth=0.9, linestyle=ARMS[one]) for one in (True, False) if both
-    ]
-    for line, label in zip(legend, ("future-pointing arms", "past-pointing arms"), strict=False):
-        line.set_label(label)
-    return legend
+    if not arms or motion.picture.metric == "euclidean":
+        return []
+    labels = {True: "future-pointing arms", False: "past-pointing arms"}
+    style = {"color": FAINT, "linewidth": 0.9}
+    return [Line2D([], [], linestyle=ARMS[one], label=label, **style) for one, label in labels.items()]
 
 
-def _limits(sheet: Sheet, position: float) -> list[Any]:
+def _add_limits(sheet: Sheet, position: float) -> list[Any]:
     """Draw the linkage faintly where its motion ends."""
     motion = sheet.motion
-    if motion.turns_fully:
-        return []
     ends = [end for one in motion.around(position) for end in one if end not in motion.span]
-    if not ends:
+    if motion.turns_fully or not ends:
         return []
     places = motion.places(ends)
-    for bar in motion.picture.bars:
+    for bar in (bar for bar in motion.picture.bars if not bar.is_ground):
         names = [name for name in bar.points.split() if name in places]
-        if bar.is_ground:
-            continue
         for at in np.stack([places[name] for name in names], axis=-2).reshape(-1, len(names), 2):
             if np.isfinite(at).all():
                 sheet.axis.plot(*at[[0, 1]].T, color=GHOST, linewidth=1.0, zorder=1.5)
     return [Line2D([], [], color=GHOST, linewidth=1.0, label="limits of motion")]
 
 
-def _cones(sheet: Sheet, position: float) -> list[Any]:
+def _add_cones(sheet: Sheet, position: float) -> list[Any]:
     """Draw the light lines through the ground pivots."""
-    reach = 2.0 * float(np.ptp(sheet.view))
-    for one in sheet.motion.points:
-        if one.kind == "ground":
-            at = sheet.motion.places([position], [one])[one.name][0, 0]
-            for line in sheet.plane.cone(at, reach):
-                sheet.axis.plot(*line.T, color="0.85", linewidth=0.8, zorder=0.5)
-    return [Line2D([], [], color="0.85", linewidth=0.8, label="light lines")]
+    reach, style = 2.0 * float(np.ptp(sheet.view)), {"color": "0.85", "linewidth": 0.8}
+    for at in sheet.ground.values():
+        for line in sheet.plane.cone(at, reach):
+            sheet.axis.plot(*line.T, zorder=0.5, **style)
+    return [Line2D([], [], label="light lines", **style)]
 
 
-def _comb(sheet: Sheet, position: float) -> list[Any]:
+def _add_comb(sheet: Sheet, position: float) -> list[Any]:
     """Draw the curvature of each path that is shown as teeth across it, on the outer side."""
     motion = sheet.motion
     size = min(np.ptp(sheet.view[:2]), np.ptp(sheet.view[2:]))
@@ -498,16 +453,15 @@ def _comb(sheet: Sheet, position: float) -> list[Any]:
         if usual * size < STRAIGHT:
             continue
         for places, bends in pieces:
-            for k, (at, bend) in enumerate(zip(places, bends, strict=True)):
+            for branch, at, bend in zip(motion.branches, places, bends, strict=True):
                 tooth = -TOOTH * size / usual * bend
                 with np.errstate(all="ignore"):
                     tooth *= np.minimum(1.0, LONGEST_TOOTH * TOOTH * size / np.hypot(*tooth.T))[:, None]
                 tips = at + tooth
-                fine = {"linewidth": 0.5, "alpha": 0.7, "zorder": 1.8}
-                gaps = np.full_like(at, np.nan)
-                teeth = np.stack([at, tips, gaps], axis=1)[::2].reshape(-1, 2)
-                sheet.axis.plot(*teeth.T, **sheet.line_of(k, linestyle="solid", **fine))
-                sheet.axis.plot(*tips.T, **sheet.line_of(k, linestyle="solid", **fine | {"linewidth": 0.8}))
+                teeth = np.stack([at, tips, np.full_like(at, np.nan)], axis=1)[::2].reshape(-1, 2)
+                for line, width in ((teeth, 0.5), (tips, 0.8)):
+                    style = {"linestyle": "solid", "linewidth": width, "alpha": 0.7, "zorder": 1.8}
+                    sheet.axis.plot(*line.T, **mode_line(branch, **style))
     return []
 
 
@@ -528,22 +482,22 @@ def _curved(sheet: Sheet, point: Point, positions: Any) -> tuple[Any, Any]:
     """
     motion = sheet.motion
     slopes = [_slope(motion, xy) for xy in (point.x, point.y)]
-    beside = ASIDE * (motion.span[1] - motion.span[0])
+    aside = ASIDE * (motion.span[1] - motion.span[0])
 
     def slope(shift: float) -> Any:
         values = motion.values(slopes, positions + shift)
         return np.stack([values[name] for name in slopes], axis=-1)
 
     with np.errstate(all="ignore"):
-        bend = (slope(beside) - slope(-beside)) / (2.0 * beside)
+        bend = (slope(aside) - slope(-aside)) / (2.0 * aside)
         return motion.places(positions, [point])[point.name], sheet.plane.curvature(slope(0.0), bend)
 
 
 #: What is drawn by a word of its own.
 OF_WORDS: dict[str, Callable[[Sheet, float], list[Any]]] = {
-    "cone": _cones,
-    "limits": _limits,
-    "comb": _comb,
+    "cone": _add_cones,
+    "limits": _add_limits,
+    "comb": _add_comb,
 }
 
 
@@ -563,22 +517,16 @@ def add_overlays(sheet: Sheet, position: float) -> list[Any]:
 #: Of the size of the picture: points of two assembly modes that are nearer to each other are one.
 SAME = 1e-9
 PLATE = 0.14
+#: The size of a joint for which marks have their sizes.
+USUAL_JOINT = 7.5
 
 
 @dataclass(frozen=True)
 class Style:
-    """Sizes in points.
-
-    Attributes
-    ----------
-    bar, joint, font : float
-        The width of a bar, the size of a joint, the size of letters.
-    lengths : bool
-        Whether bars carry the symbols of their lengths.
-    """
+    """The width of a bar, the sizes of joints and letters in points, and whether bars carry their lengths' symbols."""
 
     bar: float = 3.6
-    joint: float = 7.5
+    joint: float = USUAL_JOINT
     font: float = 10.0
     lengths: bool = True
 
@@ -590,45 +538,42 @@ class Sheet:
         self, axis: Any, motion: Motion, view: Any, scale: float, show: frozenset[str], *, style: Style
     ) -> None:
         self.axis, self.motion, self.view, self.scale = axis, motion, view, scale
-        self.show, self.style = show, style
+        self.show, self.style, self.size = show, style, style.joint / USUAL_JOINT
         self.plane = PLANES[motion.picture.metric]
         self.names = Names(scale, view)
         #: Whether one scale of forces is for the whole motion.
         self.moves = False
         self.loads = Loads(self)
         self.free: list[tuple[Any, float]] = []
+        #: The places of the ground pivots.
+        self.ground: dict[str, Any] = {}
 
     # -- what stands still -----------------------------------------------------------------------------------------
 
     def background(self, position: float) -> list[Any]:
         """Draw what does not move, as for a position; return the legend of it."""
-        axis, view = self.axis, self.view
+        axis, view, motion = self.axis, self.view, self.motion
         axis.set(xlim=view[:2], ylim=view[2:], aspect="equal", autoscale_on=False)
         axis.set_axis_off()
+        pivots = [one for one in motion.points if one.kind == "ground"]
+        self.ground = {name: at[0] for name, at in motion.places_at(position, pivots).items()}
         handles = add_overlays(self, position)
         handles += self.loads.scale(position)
-        places = self.motion.places([position])
-        ground = [one for one in self.motion.points if one.kind == "ground"]
-        for bar in self.motion.picture.bars:
+        for bar in motion.picture.bars:
             if bar.is_ground:
-                at = np.array([places[name][0, 0] for name in bar.points.split()])
+                at = np.array([self.ground[name] for name in bar.points.split()])
                 axis.plot(*at.T, color="0.75", linewidth=1.0, linestyle=(0, (8, 3, 1, 3)), zorder=2.2)
                 self.keep_free(samples_of(at, self.scale), 0.3)
-        for one in ground:
-            at = places[one.name][0, 0]
+        corner = np.stack(np.meshgrid([-12.0, -6.0, 0.0, 6.0, 12.0], [-7.0, -11.0, -15.0]), axis=-1)
+        for at in self.ground.values():
             if np.isfinite(at).all():
-                add_ground(axis, at, self.style.joint / 7.5)
-                corner = np.stack(np.meshgrid([-12.0, -6.0, 0.0, 6.0, 12.0], [-7.0, -11.0, -15.0]), axis=-1)
-                self.keep_free(at + corner * self.style.joint / 7.5 / self.scale, 2.0)
-        for guide in self.motion.picture.guides:
+                add_ground(axis, at, self.size)
+                self.keep_free(at + corner * self.style.joint / USUAL_JOINT / self.scale, 2.0)
+        for guide in motion.picture.guides:
             if guide.slider and guide.y is not None:
-                (low, high), y, size = (
-                    self._run(guide.slider),
-                    self.motion.number(guide.y),
-                    self.style.joint / 7.5,
-                )
-                add_guide(axis, low, high, y, size)
-                hatched = np.array([[low, y], [high, y]]) - [0.0, 1.3 * SLIDER[1] * size / self.scale]
+                (low, high), y = self._run(guide.slider), motion.number(guide.y)
+                add_guide(axis, low, high, y, self.size)
+                hatched = np.array([[low, y], [high, y]]) - [0.0, 1.3 * SLIDER[1] * self.size / self.scale]
                 self.keep_free(samples_of(hatched, self.scale), 0.7)
         return handles
 
@@ -645,127 +590,104 @@ class Sheet:
 
     # -- the linkage -----------------------------------------------------------------------------------------------
 
-    def linkage(self, position: float) -> list[Any]:
-        """Draw the linkage at a position in all its assembly modes, and return what was drawn."""
+    def linkage(self, position: float) -> None:
+        """Draw the linkage at a position in all its assembly modes."""
         motion, names = self.motion, self.names
         points = [one for one in motion.points if not one.group or one.group in self.show]
-        there = motion.assembles(position)
+        assembled = motion.assembles(position)
         places = {
-            name: np.where(there, at[:, 0], np.nan) for name, at in motion.places([position], points).items()
+            one.name: at if one.kind == "ground" else np.where(assembled, at, np.nan)
+            for one, at in zip(points, motion.places_at(position, points).values(), strict=True)
         }
-        places |= {
-            one.name: motion.places([position], [one])[one.name][:, 0]
-            for one in points
-            if one.kind == "ground"
-        }
-        size = float(np.ptp(self.view[:2]))
-        common = {name: self._is_common(at, size) for name, at in places.items()}
+        common = {name: self._is_common(at) for name, at in places.items()}
         names.clear()
         for cloud, weight in self.free:
             names.keep_free(cloud, weight)
-        drawn = add_following(self, position)
+        add_following(self, position)
         for bar in motion.picture.bars:
             if not bar.is_ground:
-                drawn += self._bar(bar, position, places, common)
+                self._bar(bar, position, places, common)
         for one in points:
             for at, colour in self._modes(places[one.name], common[one.name]):
-                drawn += self._point(one.kind, at, colour)
-        if not there.any():
-            middle = 0.5 * (self.view[::2] + self.view[1::2])
-            drawn.append(self.text("does not assemble", middle, "0.4"))
-        drawn += self.loads.draw(position, places)
-        drawn += self._letters(points, places, common)
+                self._point(one.kind, at, colour)
+        if not assembled.any():
+            self.write("does not assemble", 0.5 * (self.view[::2] + self.view[1::2]), "0.4")
+        self.loads.draw(position, places)
+        self._letters(points, places, common)
         if self.style.lengths:
-            drawn += self._symbols(places, common)
-        return drawn
+            self._symbols(places, common)
 
-    def _is_common(self, at: Any, size: float) -> bool:
+    def _is_common(self, at: Any) -> bool:
         """Tell whether a point is the same in all assembly modes in which it exists."""
         finite = at[np.isfinite(at).all(axis=-1)]
-        return (len(finite) < 2 and len(self.motion.branches) < 2) or (
-            len(finite) > 1 and float(np.ptp(finite, axis=0).max()) <= SAME * size
-        )
+        if len(finite) < 2:
+            return len(self.motion.branches) < 2
+        return float(np.ptp(finite, axis=0).max()) <= SAME * float(np.ptp(self.view[:2]))
 
     def _modes(self, at: Any, common: bool) -> list[tuple[Any, Any]]:
         """Return the places of a point with their colours: one if they agree."""
-        finite = np.isfinite(at).all(axis=-1)
-        if common:
-            return [(at[k], INK) for k in np.flatnonzero(finite)[:1]]
-        return [(at[k], self.colour(int(k))) for k in np.flatnonzero(finite)]
+        finite = np.flatnonzero(np.isfinite(at).all(axis=-1)).tolist()
+        return [(at[k], INK) for k in finite[:1]] if common else [(at[k], self.colour(k)) for k in finite]
 
     def colour(self, k: int) -> str:
         """Return the colour of the assembly mode with an index."""
         return MODES[(self.motion.branches[k] - 1) % len(MODES)]
 
-    def _point(self, kind: str, at: Any, colour: Any) -> list[Any]:
+    def _point(self, kind: str, at: Any, colour: Any) -> None:
+        joint = self.style.joint
         if kind == "slider":
-            slider = add_slider(self.axis, at, colour, self.style.joint / 7.5)
-            half = np.multiply(SLIDER, self.style.joint / 7.5) / self.scale
+            add_slider(self.axis, at, colour, self.size)
+            half = np.multiply(SLIDER, self.size) / self.scale
             corners = at + half * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)])
             self.names.keep_free(samples_of(corners, self.scale))
-            drawn = [slider, add_joint(self.axis, at, colour, 0.8 * self.style.joint)]
+            add_joint(self.axis, at, colour, 0.8 * joint)
         elif kind in ("traced", "mark"):
-            size = (0.5 if kind == "traced" else 0.4) * self.style.joint
-            drawn = self.axis.plot(*np.reshape(at, (2, 1)), "o", color=colour, markersize=size, zorder=6)
+            size = (0.5 if kind == "traced" else 0.4) * joint
+            self.axis.plot(*np.reshape(at, (2, 1)), "o", color=colour, markersize=size, zorder=6)
         else:
-            drawn = [add_joint(self.axis, at, colour, self.style.joint)]
-        return drawn
+            add_joint(self.axis, at, colour, joint)
 
-    def _bar(self, bar: Bar, position: float, places: Any, common: Any) -> list[Any]:
+    def _bar(self, bar: Bar, position: float, places: Any, common: Any) -> None:
         """Draw a bar, or a plate, in each assembly mode that has it."""
         names = [name for name in bar.points.split() if name in places]
         corners = np.stack([places[name] for name in names], axis=1)
-        complete = np.isfinite(corners).all(axis=(1, 2))
-        modes = np.flatnonzero(complete)
+        modes = np.flatnonzero(np.isfinite(corners).all(axis=(1, 2)))
         is_common = all(common[name] for name in names)
-        drawn: list[Any] = []
         for k in modes[:1] if is_common else modes:
-            at = corners[k]
+            at, branch = corners[k], self.motion.branches[k]
             colour = INK if is_common else self.colour(k)
-            hollow = not is_common and self.motion.branches[k] > 1
-            drawn += self._stroke(self._outline(at, bar, names), self.motion.branches[k], colour, hollow)
+            self._outline(bar, names, at, branch, colour, hollow=not is_common and branch > 1)
             if len(at) > 2:
-                plate = {"facecolor": colour, "alpha": PLATE, "linewidth": 0, "zorder": 3.0}
-                drawn += self.axis.fill(*at.T, **plate)
+                self.axis.fill(*at.T, facecolor=colour, alpha=PLATE, linewidth=0, zorder=3.0)
             if bar.orientation:
                 side = self.motion.values([bar.orientation], [position])[bar.orientation][k, 0]
-                drawn += self._direction(at[0], at[1], "white" if side < 0.0 else colour, colour)
+                self._direction(at[0], at[1], "white" if side < 0.0 else colour, colour)
             self.names.keep_free(samples_of(np.concatenate([at, at[:1]]), self.scale))
-        return drawn
 
-    def _direction(self, start: Any, end: Any, face: Any, colour: Any) -> list[Any]:
+    def _direction(self, start: Any, end: Any, face: Any, colour: Any) -> None:
         """Draw the head of an arrow on a bar."""
-        head = {"arrowstyle": "-|>,head_length=0.55,head_width=0.3", "edgecolor": colour, "facecolor": face}
+        arrow = {"arrowstyle": "-|>,head_length=0.55,head_width=0.3", "edgecolor": colour, "facecolor": face}
+        arrow |= {"shrinkA": 0, "shrinkB": 0, "linewidth": 1.2}
         along = end - start
-        arrow = {**head, "shrinkA": 0, "shrinkB": 0, "linewidth": 1.2}
-        return [self.axis.annotate("", start + 0.6 * along, start + 0.5 * along, arrowprops=arrow, zorder=5)]
+        self.axis.annotate("", start + 0.6 * along, start + 0.5 * along, arrowprops=arrow, zorder=5)
 
-    def _outline(self, at: Any, bar: Bar, names: list[str]) -> list[tuple[Any, float, str]]:
-        """Return the lines of a bar, each with width and name: thick along lengths, thin round the rest of a plate."""
+    def _outline(
+        self, bar: Bar, names: list[str], at: Any, branch: int, colour: Any, *, hollow: bool
+    ) -> None:
+        """Draw a bar: thick along lengths, hollow in the second assembly mode; thin round the rest of a plate."""
         thick = [tuple(pair.split()) for pair in bar.lengths]
         edges = list(zip(names, [*names[1:], names[0]], strict=True)) if len(names) > 2 else []
         thin = [pair for pair in edges if pair not in thick and pair[::-1] not in thick]
-        width = self.style.bar
-        return [
-            (at[[names.index(a), names.index(b)]], width * (1.0 if kind == "bar" else 0.3), f"{kind} {a} {b}")
-            for kind, pairs in (("bar", thick), ("edge", thin))
-            for a, b in pairs
-        ]
+        width, style = self.style.bar, {"solid_capstyle": "round", "zorder": 4.0}
+        ends = {(a, b): at[[names.index(a), names.index(b)]].T for a, b in (*thick, *thin)}
+        for kind, pairs, wide in (("bar", thick, width), ("edge", thin, 0.3 * width)):
+            for a, b in pairs:
+                look = {"color": colour, "linewidth": wide, "gid": f"{kind} {a} {b} {branch}", **style}
+                self.axis.plot(*ends[a, b], **look)
+        for a, b in thick if hollow else ():
+            self.axis.plot(*ends[a, b], color="white", linewidth=0.45 * width, **style)
 
-    def _stroke(
-        self, lines: list[tuple[Any, float, str]], branch: int, colour: Any, hollow: bool
-    ) -> list[Any]:
-        """Draw lines, with a white core in the second assembly mode."""
-        drawn: list[Any] = []
-        ends = {"solid_capstyle": "round", "zorder": 4.0}
-        for line, width, name in lines:
-            drawn += self.axis.plot(*line.T, color=colour, linewidth=width, gid=f"{name} {branch}", **ends)
-        for line, width, name in lines if hollow else ():
-            if name.startswith("bar"):
-                drawn += self.axis.plot(*line.T, color="white", linewidth=0.45 * width, **ends)
-        return drawn
-
-    def _letters(self, points: Any, places: Any, common: Any) -> list[Any]:
+    def _letters(self, points: Any, places: Any, common: Any) -> None:
         """Write the names of points; those that stand in one place share it."""
         groups: list[tuple[Any, Any, list[str]]] = []
         near = 0.6 * self.style.joint / self.scale
@@ -777,36 +699,30 @@ class Sheet:
                     groups.append((at, colour, [one.name]))
                 elif one.name not in letters:
                     letters.append(one.name)
-        drawn = []
         for number, (at, colour, letters) in enumerate(groups):
-            if not self._is_in_view(at):
-                continue
-            text = ", ".join(letters)
-            middle = self.names.place(f"{text} {number}", text, at)
-            shown = ", ".join(mathematical(one) for one in letters)
-            drawn.append(self.text(shown, middle, colour))
-        return drawn
+            if self._is_in_view(at):
+                text = ", ".join(letters)
+                middle = self.names.place(f"{text} {number}", text, at)
+                self.write(", ".join(map(mathematical, letters)), middle, colour)
 
     def _is_in_view(self, at: Any) -> bool:
         view = self.view
         return bool(view[0] <= at[0] <= view[1] and view[2] <= at[1] <= view[3])
 
-    def _symbols(self, places: Any, common: Any) -> list[Any]:
+    def _symbols(self, places: Any, common: Any) -> None:
         """Write the symbols of lengths along bars, those of the first assembly mode."""
-        drawn = []
         for bar in self.motion.picture.bars:
             for pair, length in bar.lengths.items():
                 a, b = (places[name] for name in pair.split())
-                there = np.flatnonzero(np.isfinite(a + b).all(axis=-1))
-                if not there.size or not self._is_in_view(0.5 * (a[there[0]] + b[there[0]])):
+                modes = np.flatnonzero(np.isfinite(a + b).all(axis=-1))
+                if not modes.size or not self._is_in_view(0.5 * (a[modes[0]] + b[modes[0]])):
                     continue
-                k = there[0]
+                k = modes[0]
                 is_common = all(common[name] for name in pair.split())
                 colour = "0.5" if bar.is_ground else INK if is_common else self.colour(k)
                 symbol = self.symbol(length)
                 middle = self.names.beside(pair, symbol.replace("_", ""), a[k], b[k])
-                drawn.append(self.text(mathematical(symbol), middle, colour))
-        return drawn
+                self.write(mathematical(symbol), middle, colour)
 
     def symbol(self, name: str) -> str:
         """Return the symbol of a fact or an input."""
@@ -814,14 +730,10 @@ class Sheet:
         inputs = known.known_inputs(known.variant_inputs)
         return inputs[name].symbol if name in inputs else known.facts[name].symbol
 
-    def text(self, text: str, at: Any, colour: Any) -> Any:
+    def write(self, text: str, at: Any, colour: Any) -> None:
         """Write the name of something."""
         style = {"ha": "center", "va": "center", "fontsize": self.style.font, "zorder": 8, "gid": "name"}
-        return self.axis.text(*at, text, color=colour, **style)
-
-    def line_of(self, k: int, **changes: Any) -> dict[str, Any]:
-        """Return how curves of an assembly mode are drawn."""
-        return mode_line(self.motion.branches[k], **changes)
+        self.axis.text(*at, text, color=colour, **style)
 
 
 # -- Curves of quantities over the input, beside a linkage, with the input marked
@@ -880,20 +792,18 @@ class Curves:
             step = next(step for step in (5, 10, 15, 30, 45, 60, 90) if (ends[1] - ends[0]) / step <= 8.5)
             axis.set_xticks(np.arange(np.ceil(ends[0] / step), np.floor(ends[1] / step) + 1) * step)
 
-    def mark(self, positions: Sequence[float]) -> list[Any]:
-        """Mark the input and the values there, and return what was drawn."""
-        drawn: list[Any] = []
+    def mark(self, positions: Sequence[float]) -> None:
+        """Mark the input and the values there."""
         shown = [self._within(position) for position in positions]
         for axis, name in zip(self.axes, self.names, strict=True):
             for position, x in zip(positions, self._at(shown), strict=True):
-                drawn.append(axis.axvline(x, color="0.35", linewidth=0.9, zorder=1.5))
+                axis.axvline(x, color="0.35", linewidth=0.9, zorder=1.5)
                 values = self._scaled(self.motion.values([name], [position])[name][:, 0], self.units[name])
                 for branch, value in zip(self.motion.branches, values, strict=True):
                     if np.isfinite(value):
                         colour = MODES[(branch - 1) % len(MODES)]
                         style = {"color": colour, "markersize": 5, "markeredgecolor": "white", "zorder": 5}
-                        drawn += axis.plot([x], [value], "o", **style)
-        return drawn
+                        axis.plot([x], [value], "o", **style)
 
     def _within(self, position: float) -> float:
         """Return a position moved by whole turns into what the axis shows."""
@@ -1069,14 +979,23 @@ class Board:
 
     def show(self, positions: Sequence[float] | None = None) -> None:
         """Draw the linkages at positions, one for each sheet, in place of those that are there."""
+        self.clear()
+        still = set(self._artists())
+        given = [position for _, position, _ in self.request.sheets] if positions is None else positions
+        for sheet, position in zip(self.sheets, given, strict=True):
+            sheet.linkage(position)
+        if self.curves is not None:
+            self.curves.mark(given)
+        self.moving = [one for one in self._artists() if one not in still]
+
+    def clear(self) -> None:
+        """Take away what moves."""
         for one in self.moving:
             one.remove()
-        given = [position for _, position, _ in self.request.sheets] if positions is None else positions
-        self.moving = [
-            artist for sheet, at in zip(self.sheets, given, strict=True) for artist in sheet.linkage(at)
-        ]
-        if self.curves is not None:
-            self.moving += self.curves.mark(given)
+        self.moving = []
+
+    def _artists(self) -> list[Any]:
+        return [one for axis, _ in self.placed for one in axis.get_children()]
 
 
 def _view(request: Request) -> Any:
@@ -1165,9 +1084,7 @@ def _pictures(board: Board, positions: Any) -> list[Any]:
     """Return a picture for each position: what stands still is drawn once."""
     figure = board.figure
     figure.set_dpi(DPI)
-    for one in board.moving:
-        one.remove()
-    board.moving = []
+    board.clear()
     canvas: Any = figure.canvas
     canvas.draw()
     still = canvas.copy_from_bbox(figure.bbox)

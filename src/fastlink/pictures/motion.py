@@ -136,6 +136,10 @@ class Motion:
         values = self.values([value for one in points for value in (one.x, one.y)], positions)
         return {one.name: np.stack([values[one.x], values[one.y]], axis=-1) for one in points}
 
+    def places_at(self, position: float, points: Sequence[Point]) -> dict[str, Any]:
+        """Return each point at one position, over assembly modes, and x and y."""
+        return {name: place[:, 0] for name, place in self.places([position], points).items()}
+
     def assembles(self, positions: Any) -> Any:
         """Tell for each assembly mode and position whether all joints and sliders have a place."""
         joints = [one for one in self.points if one.kind in ("joint", "slider")]
