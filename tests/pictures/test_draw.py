@@ -487,6 +487,14 @@ def test_what_names_no_design_of_a_map_is_refused(maps, given, key, remedy):
         fl.draw(maps, **given, theta1=1.0)
 
 
+def test_a_curve_whose_function_takes_more_than_the_design_gives_is_left_out_of_all_and_refused_by_its_word():
+    design = {name: DESIGNS["minkowski_4r"][name] for name in "abgh"}
+    every = fl.draw("minkowski_4r", design, show="all")
+    assert not any("sextic" in one.get_text() for one in every.legends[0].get_texts())
+    with pytest.raises(fl.InputError, match="x is missing; sextic depends on it; add it"):
+        fl.draw("minkowski_4r", design, show="sextic")
+
+
 def test_other_sources_and_options_among_the_inputs_are_refused(tmp_path):
     """A design is a mapping, whose names would else be taken for keywords of the evaluation."""
     with refused("mechanism", "mechanisms/toggle_press/__init__.py"):

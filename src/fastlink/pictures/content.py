@@ -8,9 +8,10 @@ import math
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Iterable, Mapping
+from functools import reduce
 from importlib.resources import files
+from inspect import getclosurevars
 from pathlib import Path
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import h5py
@@ -129,49 +130,40 @@ class _Text:
 
     def __init__(self, script: _Script, function: Callable[..., Any]) -> None:
         self.script, self.tree = script, syntax(function)
-        self.scope = dict(function.__globals__)
-        self.scope |= zip(
-            function.__code__.co_freevars, [c.cell_contents for c in function.__closure__ or ()], strict=True
-        )
+        self.scope = {"abs": abs, **function.__globals__, **getclosurevars(function).nonlocals}
         self.parameters = [one.arg for one in self.tree.args.args]
-        self.local = {
-            node.id
-            for node in ast.walk(self.tree)
-            if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
-        }
+        stored = (node for node in ast.walk(self.tree) if isinstance(node, ast.Name))
+        self.local = {*self.parameters, *(node.id for node in stored if isinstance(node.ctx, ast.Store))}
 
     def text(self) -> str:
         """Return the whole function."""
-        lines = [self.statement(one) for one in self.tree.body if not _is_docstring(one)]
+        lines = " ".join(filter(None, map(self.statement, self.tree.body)))
         own = sorted(self.local - set(self.parameters))
         declared = f"let {', '.join(map(_own, own))}; " if own else ""
-        return f"({', '.join(map(_own, self.parameters))}) => {{ {declared}{' '.join(lines)} }}"
+        return f"({', '.join(map(_own, self.parameters))}) => {{ {declared}{lines} }}"
 
     def statement(self, node: ast.stmt) -> str:
-        """Return an assignment or a return."""
-        if isinstance(node, ast.Return) and node.value is not None:
-            return f"return {self.value(node.value)};"
-        if isinstance(node, ast.Assign) and len(node.targets) == 1:
-            return f"{self.target(node.targets[0])} = {self.value(node.value)};"
-        raise Untranslatable(ast.unparse(node))
-
-    def target(self, node: ast.expr) -> str:
-        """Return what is assigned to."""
-        if isinstance(node, ast.Tuple):
-            return f"[{', '.join(map(self.target, node.elts))}]"
-        if isinstance(node, ast.Name):
-            return _own(node.id)
+        """Return an assignment or a return; of a docstring nothing."""
+        match node:
+            case ast.Return(value=ast.expr() as value):
+                return f"return {self.value(value)};"
+            case ast.Assign(targets=[target]):
+                return f"{self.value(target)} = {self.value(node.value)};"
+            case ast.Expr(value=ast.Constant()):
+                return ""
         raise Untranslatable(ast.unparse(node))
 
     def value(self, node: ast.expr) -> str:
-        """Return an expression."""
+        """Return an expression, or what is assigned to."""
         match node:
             case ast.Constant(value=bool() | int() | float() as number):
                 return _number(number)
-            case ast.Name():
-                return self.named(node)
-            case ast.Tuple():
-                return f"[{', '.join(map(self.value, node.elts))}]"
+            case ast.Name(id=name) if name in self.local:
+                return _own(name)
+            case ast.Name() | ast.Attribute():
+                return _number(self.global_of(node))
+            case ast.Tuple(elts=parts):
+                return f"[{', '.join(map(self.value, parts))}]"
             case ast.BinOp() if type(node.op) in SIGNS:
                 return f"({self.value(node.left)} {SIGNS[type(node.op)]} {self.value(node.right)})"
             case ast.UnaryOp(op=ast.USub()):
@@ -180,43 +172,28 @@ class _Text:
                 return f"({self.value(node.left)} {SIGNS[type(sign)]} {self.value(other)})"
             case ast.Subscript(slice=ast.Constant(value=int() as place)):
                 return f"{self.value(node.value)}[{place}]"
-            case ast.Attribute():
-                return _number(self.known(node))
             case ast.Call(keywords=[]):
-                return self.call(node)
+                return self.call(self.global_of(node.func), [self.value(arg) for arg in node.args])
         raise Untranslatable(ast.unparse(node))
 
-    def named(self, node: ast.Name) -> str:
-        """Return a local name, or the number that a name of the module stands for."""
-        if node.id in self.local or node.id in self.parameters:
-            return _own(node.id)
-        return _number(self.known(node))
-
-    def known(self, node: ast.expr) -> Any:
+    def global_of(self, node: ast.expr) -> Any:
         """Return what a name of the module, or of a module in it, stands for."""
-        if isinstance(node, ast.Attribute):
-            of = self.known(node.value)
-            if isinstance(of, ModuleType) and hasattr(of, node.attr):
-                return getattr(of, node.attr)
-        if isinstance(node, ast.Name):
-            if node.id in self.scope:
-                return self.scope[node.id]
-            if node.id == "abs":
-                return abs
-        raise Untranslatable(ast.unparse(node))
+        first, *rest = ast.unparse(node).split(".")
+        try:
+            return reduce(getattr, rest, self.scope[first])
+        except (KeyError, AttributeError):
+            raise Untranslatable(ast.unparse(node)) from None
 
-    def call(self, node: ast.Call) -> str:
+    def call(self, function: Any, args: list[str]) -> str:
         """Return a call: of a choice, of a function of JavaScript, of one of the script."""
-        function, args = self.known(node.func), [self.value(arg) for arg in node.args]
         if function is elementary.select:
             condition, yes, no = args
             return f"({condition} ? {yes} : {no})"
-        if function in OWN:
-            return f"{OWN[function]}({', '.join(args)})"
-        function = COMPILED_AS.get(function, function)
-        if function in INLINED:
-            return f"{self.script.add(function)}({', '.join(args)})"
-        raise Untranslatable(ast.unparse(node))
+        if function not in OWN:
+            function = COMPILED_AS.get(function, function)
+            if function not in INLINED:
+                raise Untranslatable(function)
+        return f"{OWN.get(function) or self.script.add(function)}({', '.join(args)})"
 
 
 def _own(name: str) -> str:
@@ -234,10 +211,6 @@ def _number(value: Any) -> str:
     if math.isfinite(number):
         return repr(number).removesuffix(".0") if number >= 0 else f"({number!r})"
     return "NaN" if math.isnan(number) else "Infinity" if number > 0 else "(-Infinity)"
-
-
-def _is_docstring(node: ast.stmt) -> bool:
-    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
 
 
 def script_of(

@@ -16,7 +16,6 @@ import tempfile
 import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from importlib import import_module
 from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -35,7 +34,7 @@ from fastlink.io.output import write_whole
 from fastlink.maps.units import half_turn
 from fastlink.pictures.charts import cut
 from fastlink.pictures.labels import mathematical, units_text
-from fastlink.pictures.motion import PLANES, Names, samples_of
+from fastlink.pictures.motion import PLANES, Names, function_of, samples_of
 from fastlink.pictures.style import LINES, NotebookFigure, drawable, limits_of
 from fastlink.space.design_space import RADIANS
 
@@ -163,14 +162,9 @@ def add_arms(sheet: Sheet, position: float, circle: Circle) -> list[Any]:
     return drawn
 
 
-def _function(locus: Locus) -> Any:
-    package, name = locus.function.split(".")
-    return getattr(import_module(f"fastlink.{package}"), name)
-
-
 def _is_of_mode(locus: Locus) -> bool:
     """Tell whether the curve differs by assembly mode."""
-    return "branch" in signature(_function(locus)).parameters
+    return "branch" in signature(function_of(locus)).parameters
 
 
 def _shown_loci(sheet: Sheet) -> list[Locus]:
@@ -199,7 +193,7 @@ def add_following(sheet: Sheet, position: float) -> None:
 
 def _add_locus(sheet: Sheet, position: float, locus: Locus) -> None:
     """Draw the curve that a function of fastlink gives for a position, in each assembly mode if they differ."""
-    motion, function, of_mode = sheet.motion, _function(locus), _is_of_mode(locus)
+    motion, function, of_mode = sheet.motion, function_of(locus), _is_of_mode(locus)
     inputs = {**motion.design, motion.input: position}
     given = {name: inputs[name] for name in signature(function).parameters if name in inputs}
     further = motion.values(list(locus.given.values()), [position])
