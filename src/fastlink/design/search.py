@@ -50,10 +50,11 @@ from fastlink.maps.best import (
     REFINEMENT,
     STARTS,
     Choice,
+    Tally,
     choice_of,
+    kept_of,
     least,
     listed,
-    nondominated,
     strongest,
     unbeaten,
     undominated,
@@ -103,10 +104,12 @@ __all__ = [
 MOST_WAITING = 1 << 17
 #: Rows of a front with which each block is compared: each leaves less, and takes 20 us of a block of 4,096.
 MOST_STRONG = 16
+#: What is counted of rows.
+COUNTS = ("failed", "considered", "not_numbers", "infinite")
 
 
-@dataclass
-class Kept:
+@dataclass(kw_only=True)
+class Kept(Tally):
     """The best rows of some designs, and how many rows there were; that of several blocks in any order is the same.
 
     Attributes
@@ -117,30 +120,21 @@ class Kept:
         Their objectives, to be as small as possible.
     designs : array of int64
         The number of designs by status.
-    failed : array of int64
-        For each condition, the number of rows that do not meet it.
-    considered, not_numbers, infinite : int
-        The rows that meet all conditions; those of them without numbers; those with infinite ones, which do not count.
     """
 
     rows: NDArray[np.int64]
     points: NDArray[np.float64]
     designs: NDArray[np.int64]
-    failed: NDArray[np.int64]
-    considered: int = 0
-    not_numbers: int = 0
-    infinite: int = 0
 
     def arrays(self) -> dict[str, Any]:
         """Return everything as arrays by name, as a file keeps them."""
-        return {name: np.asarray(value) for name, value in vars(self).items()}
+        return {name: np.asarray(getattr(self, name)) for name in ("rows", "points", "designs", *COUNTS)}
 
     @classmethod
     def of_arrays(cls, arrays: Mapping[str, Any]) -> Kept:
         """Return what `arrays` has given, perhaps flat."""
-        numbers = ("considered", "not_numbers", "infinite")
         given: dict[str, Any] = {name: np.array(arrays[name]) for name in cls.__dataclass_fields__}
-        given |= {name: int(given[name].item()) for name in numbers}
+        given |= {name: int(given[name].item()) for name in COUNTS[1:]}
         if len(given["rows"]):
             given["points"] = given["points"].reshape(len(given["rows"]), -1)
         return cls(**given)
@@ -199,38 +193,17 @@ class Stream:
     def nothing(self) -> Kept:
         """Return what is kept of no rows."""
         empty = np.empty((0, len(self.choice.objectives)))
-        counts = np.zeros(self.codes, dtype=np.int64), np.zeros(len(self.choice.wanted), dtype=np.int64)
-        return Kept(np.empty(0, dtype=np.int64), empty, *counts)
+        designs, failed = (np.zeros(n, dtype=np.int64) for n in (self.codes, len(self.choice.wanted)))
+        return Kept(rows=np.empty(0, dtype=np.int64), points=empty, designs=designs, failed=failed)
 
     def read(self, start: int, stop: int, arrays: list[NDArray[Any]], into: Kept, known: Kept) -> None:
         """Add the results of consecutive designs to what is kept of a block; `known` is kept of others already."""
-        count = stop - start
-        whole = (count, *self.rows.sizes.values())
         values = self._values(start, stop, arrays)
         into.designs += np.bincount(arrays[self.status].reshape(-1), minlength=self.codes)
-        inside = np.ones(whole, dtype=bool)
-        for k, condition in enumerate(self.choice.wanted):
-            holds = condition.holds(values[str(condition.array.name)])
-            into.failed[k] += (holds.size - np.count_nonzero(holds)) * (inside.size // holds.size)
-            inside &= holds
-        places = np.flatnonzero(inside)
-        into.considered += len(places)
-        if not len(places):
-            return
-        points = np.empty((len(places), len(self.choice.objectives)))
-        for k, one in enumerate(self.choice.objectives):
-            own = np.broadcast_to(values[str(one.array.name)], whole).reshape(-1)
-            np.multiply(own[places], one.sign, out=points[:, k])
-        usable = np.isfinite(points).all(axis=1)
-        if not usable.all():
-            absent = np.isnan(points).any(axis=1)
-            into.not_numbers += int(np.count_nonzero(absent))
-            if self.choice.infinite:
-                usable = ~absent
-            else:
-                into.infinite += int(np.count_nonzero(~usable & ~absent))
-            places, points = places[usable], points[usable]
-        self._add(into, start * self.rows.of_design + places, points, known)
+        shape = (stop - start, *self.rows.sizes.values())
+        places, points = into.usable(self.choice, shape, lambda array: values[str(array.name)])
+        if len(places):
+            self._add(into, start * self.rows.of_design + places, points, known)
 
     def _values(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> dict[str, NDArray[Any]]:
         """Return what is looked at, with a length or 1 along each dimension of the rows."""
@@ -252,7 +225,7 @@ class Stream:
 
     def merge(self, one: Kept, other: Kept) -> None:
         """Add what is kept of other designs; rows of a front wait until they are many, see `settle`."""
-        for name in ("designs", "failed", "considered", "not_numbers", "infinite"):
+        for name in ("designs", *COUNTS):
             setattr(one, name, getattr(one, name) + getattr(other, name))
         if len(other.rows):
             self.waiting.append((other.rows, other.points))
@@ -272,7 +245,7 @@ class Stream:
         rows, points = np.concatenate((kept.rows, rows)), np.concatenate((kept.points, points))
         order = np.argsort(rows, kind="stable")
         rows, points = rows[order], points[order]
-        chosen = nondominated(points) if self.several else least(points[:, 0], self.choice.top)
+        chosen = kept_of(points, self.choice.top)
         kept.rows, kept.points = rows[chosen], points[chosen]
         if self.several:
             self.strongest = strongest(kept.points, points, MOST_STRONG)

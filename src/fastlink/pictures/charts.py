@@ -19,7 +19,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, MaxNLocator
 
 from fastlink._text import in_words
-from fastlink.maps.best import Condition, Objective, Reading, Rows
+from fastlink.maps.best import Choice, Condition, Objective, Reading, Rows
 from fastlink.maps.units import DEGREE, RADIAN, flags_of, half_turn
 from fastlink.pictures.labels import constants_of, label_of, plain, title_of
 from fastlink.pictures.maps import Selection, modes_of, name_places, panels_of, sameness
@@ -515,12 +515,12 @@ class Cloud:
         for column, values in zip(self.columns, some.T, strict=True):
             column.settle(values)
         self.points = some if step == 1 and self.count <= MOST_POINTS else None
-        self.considered, self.left_out = reading.considered, reading.left_out
+        self.considered, self.left_out = reading.tally.considered, reading.left_out
 
     def _reading(self) -> Reading:
         arrays = [column.array for column in self.columns]
         rows = Rows.of([*arrays, *(one.array for one in self.wanted)])
-        return Reading(rows, [Objective(array, 1.0) for array in arrays], list(self.wanted), False)
+        return Reading(rows, Choice([Objective(array, 1.0) for array in arrays], list(self.wanted)))
 
     def _blocks(self, reading: Reading) -> Iterator[Any]:
         factors = np.array([column.factor for column in self.columns])
