@@ -61,7 +61,7 @@ def test_ends_of_inputs_are_named_and_where_nothing_can_be_gained_the_start_stay
     assert found.outcome is Outcome.NOTHING_TO_GAIN
     np.testing.assert_array_equal(found.point, start)
     found = descend(task(lambda x: [x[0]], lambda x: [[np.nan]]), np.array([0.5]))
-    assert found.outcome is Outcome.NO_DERIVATIVE
+    assert found.outcome is Outcome.NO_DERIVATIVE_AT_THE_START
 
 
 @pytest.mark.parametrize("blocked_by", ["a code", "no number"])
@@ -71,7 +71,7 @@ def test_what_does_not_count_is_not_entered(blocked_by):
 
     counts = (lambda x: x[0] >= 0.2) if blocked_by == "a code" else None
     found = descend(task(f, lambda x: [[1.0, 0.0]], counts=counts), np.array([0.9, 0.5]))
-    assert found.outcome is Outcome.BLOCKED
+    assert found.outcome is Outcome.BLOCKED_BY_A_CODE_OR_WHERE_THERE_IS_NO_VALUE
     # steps shrink tenfold as long as they lead across the border
     assert 0.2 <= found.point[0] < 0.2 + 1e-6
 

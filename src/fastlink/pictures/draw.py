@@ -364,7 +364,7 @@ def _check_positions(name: str, positions: Any) -> None:
 def _check_computed(motion: Motion, names: list[str], curve: int = 0) -> None:
     """Refuse quantities that the design does not give, as the evaluation does."""
     of = {"branch": motion.branches[0], "links": motion.links, "input": motion.input}
-    given = {**of, **motion.design, motion.input: 0.0}
+    given: dict[str, Any] = {**of, **motion.design, motion.input: 0.0}
     as_draw(lambda: evaluate(motion.mechanism, names, **given), curve)
 
 

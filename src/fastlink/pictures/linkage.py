@@ -407,7 +407,7 @@ def _add_circles(sheet: Sheet, position: float, group: str) -> list[Any]:
     if not arms or motion.picture.metric == "euclidean":
         return []
     labels = {True: "future-pointing arms", False: "past-pointing arms"}
-    style = {"color": FAINT, "linewidth": 0.9}
+    style: dict[str, Any] = {"color": FAINT, "linewidth": 0.9}
     return [Line2D([], [], linestyle=ARMS[one], label=label, **style) for one, label in labels.items()]
 
 
@@ -428,7 +428,7 @@ def _add_limits(sheet: Sheet, position: float) -> list[Any]:
 
 def _add_cones(sheet: Sheet, position: float) -> list[Any]:
     """Draw the light lines through the ground pivots."""
-    reach, style = 2.0 * float(np.ptp(sheet.view)), {"color": "0.85", "linewidth": 0.8}
+    reach, style = 2.0 * float(np.ptp(sheet.view)), dict[str, Any](color="0.85", linewidth=0.8)
     for at in sheet.ground.values():
         for line in sheet.plane.cone(at, reach):
             sheet.axis.plot(*line.T, zorder=0.5, **style)
