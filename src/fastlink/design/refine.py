@@ -69,24 +69,16 @@ ON_A_LINE = 1e-12
 
 @dataclass(frozen=True)
 class Span:
-    """An input that may change, from one end to the other.
+    """An input that may change, from one end to the other."""
 
-    Attributes
-    ----------
-    name : str
-        The input.
-    low, high : float
-        Its ends, which belong to it.
-    followers : tuple of (name, slope)
-        The inputs that change with it, and by how much.
-    period : float
-        Of an input position that goes all around: a turn; 0 of what has ends.
-    """
-
+    #: The input.
     name: str
+    #: Its ends, which belong to it.
     low: float
     high: float
+    #: The inputs that change with it, and by how much.
     followers: tuple[tuple[str, float], ...] = ()
+    #: Of an input position that goes all around: a turn; 0 of what has ends.
     period: float = 0.0
 
     def about(self, value: float) -> Span:
@@ -233,20 +225,13 @@ def _slope(leader: NDArray[np.float64], follower: NDArray[np.float64]) -> float 
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """A mechanism with the options of the sweep of a map.
+    """A mechanism with the options of the sweep of a map."""
 
-    Attributes
-    ----------
-    mechanism : str or Extension
-        Its name, or its extension by quantities of one's own.
-    options : dict
-        Links, input, solver, extrema and angles, as `fastlink.sweep` takes them.
-    knows_positions : bool
-        Whether the input positions of the sweep are known, or there is a usual choice of them.
-    """
-
+    #: Its name, or its extension by quantities of one's own.
     mechanism: str | Extension
+    #: Links, input, solver, extrema and angles, as `fastlink.sweep` takes them.
     options: dict[str, Any]
+    #: Whether the input positions of the sweep are known, or there is a usual choice of them.
     knows_positions: bool = True
 
     @classmethod
@@ -303,32 +288,21 @@ def angles_of(catalogue: Catalogue, positions: NDArray[np.float64]) -> dict[str,
 
 @dataclass(frozen=True, eq=False)
 class Results:
-    """Some results of a model, as functions of some inputs.
+    """Some results of a model, as functions of some inputs."""
 
-    Attributes
-    ----------
-    model : Model
-        The mechanism.
-    names : tuple of str
-        The results.
-    pointwise : tuple of bool
-        Which of them are of one input position.
-    inputs : tuple of str
-        The inputs that are given for each design; the last one is the input position where `at_position`.
-    branch : int
-        The assembly mode.
-    codes : dict
-        Inputs that are the same for all, such as choices.
-    at_position : bool
-        Whether designs come with an input position.
-    """
-
+    #: The mechanism.
     model: Model
+    #: The results.
     names: tuple[str, ...]
+    #: Which of them are of one input position.
     pointwise: tuple[bool, ...]
+    #: The inputs that are given for each design; the last one is the input position where `at_position`.
     inputs: tuple[str, ...]
+    #: The assembly mode.
     branch: int
+    #: Inputs that are the same for all, such as choices.
     codes: Mapping[str, float] = field(default_factory=dict)
+    #: Whether designs come with an input position.
     at_position: bool = False
 
     def values(self, designs: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -445,13 +419,7 @@ class Requirement:
 
 
 class Points:
-    """The designs that can be reached from one start, as points: each input that may change runs from 0 to 1.
-
-    Attributes
-    ----------
-    begin : array
-        The point of the start.
-    """
+    """The designs that can be reached from one start, as points: each input that may change runs from 0 to 1."""
 
     def __init__(
         self,
@@ -573,17 +541,7 @@ def _pattern(count: int) -> Floats:
 
 
 class Program:
-    """A linear program over the pieces about a point.
-
-    Attributes
-    ----------
-    step : array
-        Where it leads.
-    height : float
-        The height that it promises there.
-    left_out : bool
-        Whether a point about it does not count, or has no number or slope.
-    """
+    """A linear program over the pieces about a point."""
 
     def __init__(self, walk: _Walk, reach: float, points: Floats, values: Floats, slopes: Floats) -> None:
         self.walk = walk
@@ -603,7 +561,9 @@ class Program:
                 of += [(int(k), sign)] * len(points)
         self.rows, self.ends, self.of = np.concatenate(rows), np.concatenate(ends), of
         self.bounds = [*zip(np.maximum(-reach, -walk.best), np.minimum(reach, 1.0 - walk.best), strict=True)]
-        self.count, self.reach, self.left_out = count, reach, False
+        self.count, self.reach = count, reach
+        #: Whether a point about it does not count, or has no number or slope.
+        self.left_out = False
 
     @classmethod
     def about(cls, walk: _Walk, reach: float) -> Program | None:
@@ -628,6 +588,7 @@ class Program:
         )
         if found.status != 0:
             return False
+        #: Where it leads, and the height that it promises there.
         self.step, self.height, self.found = found.x[:-1], float(found.x[-1]), found
         return True
 
@@ -687,49 +648,33 @@ class Outcome(IntEnum):
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """A search for the least results within limits.
+    """A search for the least results within limits."""
 
-    Attributes
-    ----------
-    values : callable
-        Designs (points, inputs), each input from 0 to 1, to results (points, results) and to whether a design counts
-        (points,): whether its codes are those that are wanted.
-    slopes : callable
-        Designs to the derivatives (points, results, inputs).
-    signs : array
-        1 for a result to be least, -1 to be greatest, 0 for one that has limits alone.
-    low, high : array
-        The limits of the results.
-    """
-
+    #: Designs (points, inputs), each input from 0 to 1, to results (points, results) and to whether a design counts
+    # (points,): whether its codes are those that are wanted.
     values: Callable[[Floats], tuple[Floats, NDArray[np.bool_]]]
+    #: Designs to the derivatives (points, results, inputs).
     slopes: Callable[[Floats], Floats]
+    #: 1 for a result to be least, -1 to be greatest, 0 for one that has limits alone.
     signs: Floats
+    #: The limits of the results.
     low: Floats
     high: Floats
 
 
 @dataclass
 class Descent:
-    """A design that was found, and how.
+    """A design that was found, and how."""
 
-    Attributes
-    ----------
-    point, values : array
-        The best design of all that were looked at, and its results.
-    outcome : Outcome
-        How it ended.
-    size : array
-        The sizes of its results, in which what is left undone is measured.
-    limits, ends : set of (int, int)
-        The results whose limits hold it back, and the inputs whose ends do; each with -1 for the lower one, 1 for the
-        upper one.
-    """
-
+    #: The best design of all that were looked at, and its results.
     point: Floats
     values: Floats
+    #: How it ended.
     outcome: Outcome
+    #: The sizes of its results, in which what is left undone is measured.
     size: Floats
+    #: The results whose limits hold it back, and the inputs whose ends do; each with -1 for the lower one, 1 for the
+    # upper one.
     limits: set[tuple[int, int]] = field(default_factory=set)
     ends: set[tuple[int, int]] = field(default_factory=set)
 
@@ -1024,27 +969,18 @@ REFERENCE = "docs/design_search.md"
 
 @dataclass(frozen=True, eq=False)
 class End:
-    """A design at which a refinement ended.
+    """A design at which a refinement ended."""
 
-    Attributes
-    ----------
-    row : int
-        The number of its start.
-    reader, points : Results, Points
-        What computes its results, and the designs that can be reached.
-    descent : Descent
-        How it was reached.
-    design : array
-        Its inputs.
-    starts : int
-        From how many starts.
-    """
-
+    #: The number of its start.
     row: int
+    #: What computes its results, and the designs that can be reached.
     reader: Results
     points: Points
+    #: How it was reached.
     descent: Descent
+    #: Its inputs.
     design: NDArray[np.float64]
+    #: From how many starts.
     starts: int = 1
 
 

@@ -110,20 +110,13 @@ COUNTS = ("failed", "considered", "not_numbers", "infinite")
 
 @dataclass(kw_only=True)
 class Kept(Tally):
-    """The best rows of some designs, and how many rows there were; that of several blocks in any order is the same.
+    """The best rows of some designs, and how many rows there were; that of several blocks in any order is the same."""
 
-    Attributes
-    ----------
-    rows : array of int64
-        Their numbers.
-    points : array (rows, objectives)
-        Their objectives, to be as small as possible.
-    designs : array of int64
-        The number of designs by status.
-    """
-
+    #: Their numbers.
     rows: NDArray[np.int64]
+    #: Their objectives, to be as small as possible.
     points: NDArray[np.float64]
+    #: The number of designs by status.
     designs: NDArray[np.int64]
 
     def arrays(self) -> dict[str, Any]:
@@ -142,14 +135,9 @@ class Kept(Tally):
 
 @dataclass(frozen=True)
 class Rows:
-    """The rows of a search: places along the designs and further dimensions, numbered in C order.
+    """The rows of a search: places along the designs and further dimensions, numbered in C order."""
 
-    Attributes
-    ----------
-    sizes : dict
-        The further dimensions of objectives and conditions, and their lengths.
-    """
-
+    #: The further dimensions of objectives and conditions, and their lengths.
     sizes: dict[str, int] = field(default_factory=dict)
 
     @property
@@ -515,50 +503,34 @@ SEARCHED = "searched_"
 
 @dataclass
 class Request:
-    """A search whose parts were checked.
+    """A search whose parts were checked."""
 
-    Attributes
-    ----------
-    mechanism : str or Extension
-        The mechanism, as it was given.
-    resolved : ResolvedSweep
-        The sweep of what objectives and conditions need.
-    options : dict
-        The options of the sweeps of designs that were found.
-    quantities : tuple of str
-        What is computed of these.
-    only : tuple of str or None
-        The inputs that a refinement may change, none named for all; None for no refinement.
-    bounds : dict
-        Ranges of refined designs, where they are not those of the space.
-    labels : xarray.Dataset
-        The labels of the sweep, with one design.
-    size : int
-        How many designs are searched.
-    origin : dict
-        What is said of where they come from.
-    attrs : dict
-        Further attributes of the result.
-    spans : list of Span or None
-        The inputs that a refinement may change, where they do not follow from the space.
-    numbers : array or None
-        Of a search that parts make together: the numbers of the designs of `resolved`, which are those that were kept.
-    known : str
-        Its fingerprint.
-    """
-
+    #: The mechanism, as it was given.
     mechanism: Any
+    #: The sweep of what objectives and conditions need.
     resolved: ResolvedSweep
+    #: The options of the sweeps of designs that were found.
     options: dict[str, Any]
+    #: What is computed of these.
     quantities: tuple[str, ...]
+    #: The inputs that a refinement may change, none named for all; None for no refinement.
     only: tuple[str, ...] | None
+    #: Ranges of refined designs, where they are not those of the space.
     bounds: Mapping[str, tuple[float, float]]
+    #: The labels of the sweep, with one design.
     labels: xr.Dataset
+    #: How many designs are searched.
     size: int
+    #: What is said of where they come from.
     origin: Mapping[str, Any]
+    #: Further attributes of the result.
     attrs: Mapping[str, Any] = field(default_factory=dict)
+    #: The inputs that a refinement may change, where they do not follow from the space.
     spans: list[Span] | None = None
+    #: Of a search that parts make together: the numbers of the designs of `resolved`, which are those that were
+    # kept.
     numbers: NDArray[np.int64] | None = None
+    #: Its fingerprint.
     known: str = ""
     asked: dict[str, Any] = field(init=False)
     choice: Choice = field(init=False)

@@ -411,24 +411,16 @@ FAR, WIDE = 5.0, 30.0
 
 @dataclass
 class Column:
-    """A variable or input as an axis of a picture.
+    """A variable or input as an axis of a picture."""
 
-    Attributes
-    ----------
-    array : xarray.DataArray
-        Its values.
-    factor : float
-        Into what is shown: of degrees, where angles are in degrees.
-    low, high : float
-        The range that is shown, of logarithms where `logarithmic`.
-    logarithmic : bool
-        Whether the scale is.
-    """
-
+    #: Its values.
     array: xr.DataArray
+    #: Into what is shown: of degrees, where angles are in degrees.
     factor: float = 1.0
+    #: The range that is shown, of logarithms where `logarithmic`.
     low: float = 0.0
     high: float = 1.0
+    #: Whether the scale is.
     logarithmic: bool = False
 
     @property
@@ -475,27 +467,18 @@ class Column:
 
 @dataclass
 class Cloud:
-    """The rows of a map that meet some conditions and have a number in every column.
+    """The rows of a map that meet some conditions and have a number in every column."""
 
-    Attributes
-    ----------
-    columns : list of Column
-        What is read.
-    wanted : list of Condition
-        The conditions.
-    points : array or None
-        Rows and columns, if they are at most `MOST_POINTS`.
-    count, considered : int
-        How many are shown, and how many meet the conditions.
-    left_out : Counter
-        How many are not shown, by why.
-    """
-
+    #: What is read.
     columns: list[Column]
+    #: The conditions.
     wanted: Sequence[Condition]
+    #: Rows and columns, if they are at most `MOST_POINTS`.
     points: Any = None
+    #: How many are shown, and how many meet the conditions.
     count: int = 0
     considered: int = 0
+    #: How many are not shown, by why.
     left_out: Counter[str] = field(default_factory=Counter)
     names: Mapping[str, int] = field(init=False)
 

@@ -223,27 +223,18 @@ BEYOND = 1.25
 
 @dataclass(frozen=True)
 class Request:
-    """The whole of what a picture shows.
+    """The whole of what a picture shows."""
 
-    Attributes
-    ----------
-    motions, titles
-        The designs side by side, one for each value of a choice, and what tells them apart.
-    positions : array
-        The input positions, side by side too.
-    show : frozenset of str
-        Words, see `fastlink.draw`.
-    curves : tuple of str
-        Quantities whose curves stand beside.
-    degrees, moves : bool
-        Whether angles are in degrees; whether the picture is to be animated, so that the view holds the whole motion.
-    """
-
+    #: The designs side by side, one for each value of a choice, and what tells them apart.
     motions: tuple[Motion, ...]
     titles: tuple[str, ...]
+    #: The input positions, side by side too.
     positions: Any
+    #: Words, see `fastlink.draw`.
     show: frozenset[str]
+    #: Quantities whose curves stand beside.
     curves: tuple[str, ...] = ()
+    #: Whether angles are in degrees; whether the picture is to be animated, so that the view holds the whole motion.
     degrees: bool = False
     moves: bool = False
 

@@ -43,32 +43,21 @@ USUAL = 1.0 / 6.0
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """One design that moves.
+    """One design that moves."""
 
-    Attributes
-    ----------
-    mechanism : str
-        Its name.
-    catalogue : Catalogue
-        The mechanism, as driven by the input.
-    picture : Picture
-        Its points.
-    design : dict
-        Its inputs.
-    branches : tuple of int
-        The assembly modes.
-    links : Links or None
-        Where mass data come from.
-    reach : float
-        Of an input without bounds, how far what is looked at reaches at least, to both sides.
-    """
-
+    #: Its name.
     mechanism: str | Extension
+    #: The mechanism, as driven by the input.
     catalogue: Catalogue
+    #: Its points.
     picture: Picture
+    #: Its inputs.
     design: dict[str, float]
+    #: The assembly modes.
     branches: tuple[int, ...]
+    #: Where mass data come from.
     links: Links | None
+    #: Of an input without bounds, how far what is looked at reaches at least, to both sides.
     reach: float = 0.0
 
     @property
