@@ -515,8 +515,9 @@ class Request:
     quantities: tuple[str, ...]
     #: The inputs that a refinement may change, none named for all; None for no refinement.
     only: tuple[str, ...] | None
-    #: Ranges of refined designs, where they are not those of the space.
-    bounds: Mapping[str, tuple[float, float]]
+    #: What is searched for, as it was given, and which rows that are.
+    asked: dict[str, Any]
+    choice: Choice
     #: The labels of the sweep, with one design.
     labels: xr.Dataset
     #: How many designs are searched.
@@ -525,47 +526,14 @@ class Request:
     origin: Mapping[str, Any]
     #: Further attributes of the result.
     attrs: Mapping[str, Any] = field(default_factory=dict)
-    #: The inputs that a refinement may change, where they do not follow from the space.
+    #: The inputs that a refinement may change, and how it goes.
     spans: list[Span] | None = None
+    refinement: Refinement | None = None
     #: Of a search that parts make together: the numbers of the designs of `resolved`, which are those that were
     # kept.
     numbers: NDArray[np.int64] | None = None
     #: Its fingerprint.
     known: str = ""
-    asked: dict[str, Any] = field(init=False)
-    choice: Choice = field(init=False)
-    refinement: Refinement | None = field(init=False, default=None)
-
-    @classmethod
-    def of(
-        cls,
-        mechanism: Any,
-        resolved: ResolvedSweep,
-        ways: Mapping[str, Any],
-        **given: Any,
-    ) -> Request:
-        """Return the request of a resolved sweep, of which the options are given too."""
-        names = ("links", "input", "solver", "backend", "branch")
-        options = {name: ways[name] for name in names if name in ways}
-        options |= {"extrema": resolved.plan.extrema or None, "threads": None}
-        options |= angles_of(resolved.catalogue, resolved.positions)
-        of_space = {"size": resolved.space.size, "origin": resolved.space.attrs}
-        return cls(mechanism, resolved, options, labels=labels_of(resolved), **of_space, **given)  # type: ignore[arg-type]
-
-    def choose(self, **asked: Any) -> None:
-        """Set what is searched for, and how it is refined, or refuse it."""
-        self.asked, self.choice = asked, (choice := choice_of(self.labels, **asked))
-        for one in choice.wanted:
-            if one.array.dtype.kind == "b":
-                remedy = "write conditions by name, such as {'a1': (None, 0.5)}"
-                raise InputError("is a mask of one map", where=("where",), remedy=remedy)
-        if self.only is not None:
-            catalogue = self.resolved.catalogue
-            if self.spans is None:
-                self.spans = spans_of_space(catalogue, self.resolved.space, self.bounds, self.only)
-            of_model = {n: self.options.get(n) for n in ("links", "input", "solver", "extrema", "angles")}
-            model = Model(self.mechanism, of_model)
-            self.refinement = Refinement(self.labels, model, self.spans, choice.objectives, choice.wanted)
 
     @property
     def along(self) -> dict[str, NDArray[Any]]:
@@ -961,16 +929,25 @@ def request_of(
         resolved = resolve(mechanism, space, names or [STATUS], **of_sweep)
     problems.stop()
     assert resolved is not None
+    labels, space = labels_of(resolved), resolved.space
+    choice_asked = {name: asked[name] for name in ("minimise", "maximise", "where", "top", "infinite")}
+    choice = choice_of(labels, **choice_asked)
+    if any(one.array.dtype.kind == "b" for one in choice.wanted):
+        remedy = "write conditions by name, such as {'a1': (None, 0.5)}"
+        raise InputError("is a mask of one map", where=("where",), remedy=remedy)
+    taken = ("links", "input", "solver", "backend", "branch")
+    options = {name: of_sweep[name] for name in taken if name in of_sweep}
+    options |= {"extrema": resolved.plan.extrema or None, "threads": None}
+    options |= angles_of(resolved.catalogue, resolved.positions)
     wanted = tuple(dict.fromkeys([*others, *names]))
-    given: dict[str, Any] = {
-        "quantities": wanted,
-        "only": only,
-        "bounds": bounds,
-        "spans": asked.get("spans"),
-    }
-    request = Request.of(mechanism, resolved, of_sweep, **given)
-    choice = {name: asked[name] for name in ("minimise", "maximise", "where", "top", "infinite")}
-    request.choose(**choice)
+    about = choice_asked, choice, labels, space.size, space.attrs
+    request = Request(mechanism, resolved, options, wanted, only, *about)
+    if only is not None:
+        spans = asked.get("spans")
+        request.spans = spans or spans_of_space(resolved.catalogue, space, bounds, only)
+        of_model = {n: options.get(n) for n in ("links", "input", "solver", "extrema", "angles")}
+        model = Model(mechanism, of_model)
+        request.refinement = Refinement(labels, model, request.spans, choice.objectives, choice.wanted)
     return request
 
 
