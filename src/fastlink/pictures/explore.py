@@ -370,25 +370,6 @@ class Page:
         return f'<a href="{self.url}" target="_blank" rel="noreferrer">Explore this map</a>'
 
 
-def _served(maps: Any, port: int) -> Page:
-    with ExitStack() as stack:
-        server = Server(Values(stack.enter_context(as_map(maps)), _file_of(maps)), port)
-        stack.callback(server.close)
-        return Page(server.url, stack.pop_all())
-
-
-def _file_of(maps: Any) -> Path | None:
-    """Return the file that a caller names, None of a Dataset."""
-    return Path(maps) if isinstance(maps, (str, PathLike)) else None
-
-
-def _written(maps: Any, to: Any) -> Page:
-    path = check_page(to)
-    with as_map(maps) as dataset:
-        write_page(Values(dataset, _file_of(maps)), path)
-    return Page(path.absolute().as_uri(), ExitStack())
-
-
 @door
 def explore(maps: Any, *, to: str | Path | None = None, port: int = 0, browser: bool = True) -> Page:
     """Show a map in a browser, served on this machine alone, or write it as a page.
@@ -432,9 +413,17 @@ def explore(maps: Any, *, to: str | Path | None = None, port: int = 0, browser: 
     require_matplotlib("explore", extra="explore")
     check_switch(("browser",), browser)
     check_whole(("port",), port, 0, LAST_PORT)
-    if to is not None:
-        return _written(maps, to)
-    page = _served(maps, port)
+    path = None if to is None else check_page(to)
+    with ExitStack() as stack:
+        values = Values(
+            stack.enter_context(as_map(maps)), Path(maps) if isinstance(maps, (str, PathLike)) else None
+        )
+        if path is not None:
+            write_page(values, path)
+            return Page(path.absolute().as_uri(), ExitStack())
+        server = Server(values, port)
+        stack.callback(server.close)
+        page = Page(server.url, stack.pop_all())
     if browser:
         import webbrowser
 
