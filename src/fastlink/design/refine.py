@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from functools import cache, cached_property
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,13 +43,10 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Descent",
-    "End",
     "Model",
     "Outcome",
     "Points",
-    "Program",
     "Refinement",
-    "Results",
     "Span",
     "Starts",
     "Task",
@@ -57,10 +54,8 @@ __all__ = [
     "candidates",
     "descend",
     "is_one_design",
-    "labelled",
     "spans_of",
     "spans_of_space",
-    "within",
 ]
 
 
@@ -74,24 +69,16 @@ ON_A_LINE = 1e-12
 
 @dataclass(frozen=True)
 class Span:
-    """An input that may change, from one end to the other.
+    """An input that may change, from one end to the other."""
 
-    Attributes
-    ----------
-    name : str
-        The input.
-    low, high : float
-        Its ends, which belong to it.
-    followers : tuple of (name, slope)
-        The inputs that change with it, and by how much.
-    period : float
-        Of an input position that goes all around: a turn; 0 of what has ends.
-    """
-
+    #: The input.
     name: str
+    #: Its ends, which belong to it.
     low: float
     high: float
+    #: The inputs that change with it, and by how much.
     followers: tuple[tuple[str, float], ...] = ()
+    #: Of an input position that goes all around: a turn; 0 of what has ends.
     period: float = 0.0
 
     def about(self, value: float) -> Span:
@@ -238,20 +225,13 @@ def _slope(leader: NDArray[np.float64], follower: NDArray[np.float64]) -> float 
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """A mechanism with the options of the sweep of a map.
+    """A mechanism with the options of the sweep of a map."""
 
-    Attributes
-    ----------
-    mechanism : str or Extension
-        Its name, or its extension by quantities of one's own.
-    options : dict
-        Links, input, solver, extrema and angles, as `fastlink.sweep` takes them.
-    knows_positions : bool
-        Whether the input positions of the sweep are known, or there is a usual choice of them.
-    """
-
+    #: Its name, or its extension by quantities of one's own.
     mechanism: str | Extension
+    #: Links, input, solver, extrema and angles, as `fastlink.sweep` takes them.
     options: dict[str, Any]
+    #: Whether the input positions of the sweep are known, or there is a usual choice of them.
     knows_positions: bool = True
 
     @classmethod
@@ -308,32 +288,21 @@ def angles_of(catalogue: Catalogue, positions: NDArray[np.float64]) -> dict[str,
 
 @dataclass(frozen=True, eq=False)
 class Results:
-    """Some results of a model, as functions of some inputs.
+    """Some results of a model, as functions of some inputs."""
 
-    Attributes
-    ----------
-    model : Model
-        The mechanism.
-    names : tuple of str
-        The results.
-    pointwise : tuple of bool
-        Which of them are of one input position.
-    inputs : tuple of str
-        The inputs that are given for each design; the last one is the input position where `at_position`.
-    branch : int
-        The assembly mode.
-    codes : dict
-        Inputs that are the same for all, such as choices.
-    at_position : bool
-        Whether designs come with an input position.
-    """
-
+    #: The mechanism.
     model: Model
+    #: The results.
     names: tuple[str, ...]
+    #: Which of them are of one input position.
     pointwise: tuple[bool, ...]
+    #: The inputs that are given for each design; the last one is the input position where `at_position`.
     inputs: tuple[str, ...]
+    #: The assembly mode.
     branch: int
+    #: Inputs that are the same for all, such as choices.
     codes: Mapping[str, float] = field(default_factory=dict)
+    #: Whether designs come with an input position.
     at_position: bool = False
 
     def values(self, designs: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -434,8 +403,8 @@ DIFFERENCE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Looked:
-    """A result or an input that a refinement looks at, with its aim and limits, or a code with its values."""
+class Requirement:
+    """A result or an input with its aim and limits, or a code with the values that it must have."""
 
     name: str
     sign: float = 0.0
@@ -450,18 +419,12 @@ class Looked:
 
 
 class Points:
-    """The designs that can be reached from one start, as points: each input that may change runs from 0 to 1.
-
-    Attributes
-    ----------
-    begin : array
-        The point of the start.
-    """
+    """The designs that can be reached from one start, as points: each input that may change runs from 0 to 1."""
 
     def __init__(
         self,
         reader: Results,
-        looked: Sequence[Looked],
+        required: Sequence[Requirement],
         spans: Sequence[Span],
         start: NDArray[np.float64],
     ) -> None:
@@ -477,11 +440,11 @@ class Points:
         self.low, self.high = np.array([(span.low, span.high) for span in spans]).T
         width = self.high - self.low
         self.begin = np.divide(own - self.low, width, out=np.zeros(len(own)), where=width > 0.0)
-        self.shown = [one for one in looked if not one.is_code]
+        self.shown = [one for one in required if not one.is_code]
         places = {name: k for k, name in enumerate(reader.names)}
         self.read = [(k, places[one.name]) for k, one in enumerate(self.shown) if one.name in places]
         self.own = [(k, inputs.index(one.name)) for k, one in enumerate(self.shown) if one.name not in places]
-        self.codes = [(places[one.name], one.condition) for one in looked if one.is_code]
+        self.codes = [(places[one.name], one.condition) for one in required if one.is_code]
         self.periods = np.array([span.period for span in spans])
 
     @property
@@ -568,32 +531,6 @@ HOLDS = 1e-6
 AT_END = 1e-6
 
 
-class Surroundings(Protocol):
-    """A point of a walk, with the measures of its results.
-
-    Attributes
-    ----------
-    best : array
-        The point about which it is.
-    aims : array
-        The numbers of the objectives.
-    signs, low, high, first, size, margin : array
-        Of each result: its aim, its limits, its value at the start, its size, and how far within limits it is kept.
-    """
-
-    best: Floats
-    aims: NDArray[Any]
-    signs: Floats
-    low: Floats
-    high: Floats
-    first: Floats
-    size: Floats
-    margin: Floats
-
-    def measured(self, points: Floats) -> tuple[Floats, Floats]:
-        """Return values, NaN where a design does not count, and slopes."""
-
-
 @cache
 def _pattern(count: int) -> Floats:
     """Return the points about a design at which it is looked at: along each input, and all about."""
@@ -604,21 +541,9 @@ def _pattern(count: int) -> Floats:
 
 
 class Program:
-    """A linear program over the pieces about a point.
+    """A linear program over the pieces about a point."""
 
-    Attributes
-    ----------
-    step : array
-        Where it leads.
-    height : float
-        The height that it promises there.
-    left_out : bool
-        Whether a point about it does not count, or has no number or slope.
-    """
-
-    def __init__(
-        self, walk: Surroundings, reach: float, points: Floats, values: Floats, slopes: Floats
-    ) -> None:
+    def __init__(self, walk: _Walk, reach: float, points: Floats, values: Floats, slopes: Floats) -> None:
         self.walk = walk
         count, offsets = points.shape[1], points - walk.best
         # of each result at each point: its value by that piece at the best point, so that steps start there
@@ -636,10 +561,12 @@ class Program:
                 of += [(int(k), sign)] * len(points)
         self.rows, self.ends, self.of = np.concatenate(rows), np.concatenate(ends), of
         self.bounds = [*zip(np.maximum(-reach, -walk.best), np.minimum(reach, 1.0 - walk.best), strict=True)]
-        self.count, self.reach, self.left_out = count, reach, False
+        self.count, self.reach = count, reach
+        #: Whether a point about it does not count, or has no number or slope.
+        self.left_out = False
 
     @classmethod
-    def about(cls, walk: Surroundings, reach: float) -> Program | None:
+    def about(cls, walk: _Walk, reach: float) -> Program | None:
         """Return that of a reach, None where too few points have numbers."""
         points = np.clip(walk.best + reach * _pattern(len(walk.best)), 0.0, 1.0)
         values, slopes = walk.measured(points)
@@ -661,6 +588,7 @@ class Program:
         )
         if found.status != 0:
             return False
+        #: Where it leads, and the height that it promises there.
         self.step, self.height, self.found = found.x[:-1], float(found.x[-1]), found
         return True
 
@@ -703,61 +631,50 @@ PROMISE = 1e-10
 
 
 class Outcome(IntEnum):
-    """How a descent ended."""
+    """How a descent ended, by the names that maps have for it."""
 
     CONVERGED = 0
     NOTHING_TO_GAIN = 1
     OUT_OF_STEPS = 2
-    BLOCKED = 3
-    NO_DERIVATIVE = 4
-    NOT_REPRODUCED = 5
+    BLOCKED_BY_A_CODE_OR_WHERE_THERE_IS_NO_VALUE = 3
+    NO_DERIVATIVE_AT_THE_START = 4
+    NOT_WHAT_THE_MAP_SAYS = 5
+
+    @property
+    def meaning(self) -> str:
+        """The name as a flag of a variable."""
+        return self.name.lower()
 
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """A search for the least results within limits.
+    """A search for the least results within limits."""
 
-    Attributes
-    ----------
-    values : callable
-        Designs (points, inputs), each input from 0 to 1, to results (points, results) and to whether a design counts
-        (points,): whether its codes are those that are wanted.
-    slopes : callable
-        Designs to the derivatives (points, results, inputs).
-    signs : array
-        1 for a result to be least, -1 to be greatest, 0 for one that has limits alone.
-    low, high : array
-        The limits of the results.
-    """
-
+    #: Designs (points, inputs), each input from 0 to 1, to results (points, results) and to whether a design counts
+    # (points,): whether its codes are those that are wanted.
     values: Callable[[Floats], tuple[Floats, NDArray[np.bool_]]]
+    #: Designs to the derivatives (points, results, inputs).
     slopes: Callable[[Floats], Floats]
+    #: 1 for a result to be least, -1 to be greatest, 0 for one that has limits alone.
     signs: Floats
+    #: The limits of the results.
     low: Floats
     high: Floats
 
 
 @dataclass
 class Descent:
-    """A design that was found, and how.
+    """A design that was found, and how."""
 
-    Attributes
-    ----------
-    point, values : array
-        The best design of all that were looked at, and its results.
-    outcome : Outcome
-        How it ended.
-    size : array
-        The sizes of its results, in which what is left undone is measured.
-    limits, ends : set of (int, int)
-        The results whose limits hold it back, and the inputs whose ends do; each with -1 for the lower one, 1 for the
-        upper one.
-    """
-
+    #: The best design of all that were looked at, and its results.
     point: Floats
     values: Floats
+    #: How it ended.
     outcome: Outcome
+    #: The sizes of its results, in which what is left undone is measured.
     size: Floats
+    #: The results whose limits hold it back, and the inputs whose ends do; each with -1 for the lower one, 1 for the
+    # upper one.
     limits: set[tuple[int, int]] = field(default_factory=set)
     ends: set[tuple[int, int]] = field(default_factory=set)
 
@@ -778,7 +695,7 @@ def descend(task: Task, start: Floats) -> Descent:
     """
     walk = _Walk(task, np.clip(start, 0.0, 1.0))
     if not walk.can_start:
-        return Descent(walk.start, walk.first, Outcome.NO_DERIVATIVE, walk.size)
+        return Descent(walk.start, walk.first, Outcome.NO_DERIVATIVE_AT_THE_START, walk.size)
     with np.errstate(all="ignore"):
         walk.by_slsqp()
         outcome = walk.by_programs()
@@ -928,7 +845,7 @@ class _Walk:
                 share = (before - self.best_height) / promised
                 reach = min(2.0 * reach, GREATEST_REACH) if share > 0.7 else reach * (0.5 if gained else 0.1)
             if reach < LAST_REACH:
-                return Outcome.BLOCKED if blocked else Outcome.CONVERGED
+                return Outcome.BLOCKED_BY_A_CODE_OR_WHERE_THERE_IS_NO_VALUE if blocked else Outcome.CONVERGED
         return Outcome.OUT_OF_STEPS
 
     def _step(self, program: Program) -> bool:
@@ -1027,7 +944,7 @@ def is_one_design(points: Points, end: Descent, other: NDArray[np.float64]) -> b
     They are closer than a refinement looks about, and what rises between them, or is missed of limits, is within what a
     refinement leaves undone: the margin of limits, and to second order of their distance what a bent way adds.
     """
-    if end.outcome is Outcome.NOT_REPRODUCED:
+    if end.outcome is Outcome.NOT_WHAT_THE_MAP_SAYS:
         return False
     place = points.place_of(other)
     if place is None:
@@ -1044,108 +961,27 @@ def is_one_design(points: Points, end: Descent, other: NDArray[np.float64]) -> b
     return bool(counts.all() and np.isfinite(values).all() and kept.all() and flat.all())
 
 
-# -- The ends of refinements as labelled designs: what was gained, how each ended, what holds it back
+# -- Refine designs that were selected from a map: off its grid, by derivatives, within what was asked for
 
 
-MEANINGS = {
-    Outcome.CONVERGED: "converged",
-    Outcome.NOTHING_TO_GAIN: "nothing_to_gain",
-    Outcome.OUT_OF_STEPS: "out_of_steps",
-    Outcome.BLOCKED: "blocked_by_a_code_or_where_there_is_no_value",
-    Outcome.NO_DERIVATIVE: "no_derivative_at_the_start",
-    Outcome.NOT_REPRODUCED: "not_what_the_map_says",
-}
 REFERENCE = "docs/design_search.md"
 
 
 @dataclass(frozen=True, eq=False)
 class End:
-    """A design at which a refinement ended.
+    """A design at which a refinement ended."""
 
-    Attributes
-    ----------
-    row : int
-        The number of its start.
-    reader, points : Results, Points
-        What computes its results, and the designs that can be reached.
-    descent : Descent
-        How it was reached.
-    design : array
-        Its inputs.
-    starts : int
-        From how many starts.
-    """
-
+    #: The number of its start.
     row: int
+    #: What computes its results, and the designs that can be reached.
     reader: Results
     points: Points
+    #: How it was reached.
     descent: Descent
+    #: Its inputs.
     design: NDArray[np.float64]
+    #: From how many starts.
     starts: int = 1
-
-
-@dataclass(frozen=True, eq=False)
-class Aim:
-    """Results and inputs that a refinement looks at, the units of a map, and how many rows may be starts."""
-
-    results: Sequence[Looked]
-    spans: Sequence[Span]
-    units: Mapping[str, str]
-    rows: int
-
-
-def labelled(result: xr.Dataset, found: xr.Dataset, ends: Sequence[End], aim: Aim) -> xr.Dataset:
-    """Return the designs with how each was refined, best first; of a front those that none beats."""
-    aims = [one for one in aim.results if one.sign]
-    for one in aims:
-        before, after = found[one.name].values, result[one.name].values
-        of = result[one.name].attrs
-        attrs = {"units": of.get("units", "1"), "references": REFERENCE}
-        attrs["long_name"] = f"Gain by refinement of: {of.get('long_name', one.name)}"
-        with np.errstate(invalid="ignore"):
-            result[f"{one.name}_{GAIN}"] = (DESIGN,), one.sign * (before - after), attrs
-    codes = np.array([int(one.descent.outcome) for one in ends], dtype=np.int8)
-    attrs = {"long_name": "How the refinement ended", "references": REFERENCE}
-    attrs["flag_values"] = np.array([int(one) for one in MEANINGS], dtype=np.int8)
-    attrs["flag_meanings"] = " ".join(MEANINGS.values())
-    result[REFINEMENT] = (DESIGN,), codes, attrs
-    attrs = {"long_name": "Number of starts whose refinement ended in this design", "references": REFERENCE}
-    result[STARTS] = (DESIGN,), np.array([one.starts for one in ends], dtype=np.int32), attrs
-    attrs = {"long_name": "What holds the design back", "references": REFERENCE}
-    texts = np.array([_active(aim, one.descent) for one in ends], dtype=str)
-    result = result.assign_coords({ACTIVE: ((DESIGN,), texts, attrs)})
-    points = np.stack([one.sign * result[one.name].values for one in aims], axis=1)
-    order = np.argsort(points[:, 0], kind="stable") if len(aims) == 1 else nondominated(points)
-    beaten = len(points) - len(order)
-    endings = Counter(in_words(MEANINGS[one.descent.outcome]) for one in ends)
-    starts = sum(one.starts for one in ends)
-    some = f" from {starts:,} of these" if starts < aim.rows else ""
-    ended = f" to {counted(len(ends), 'different design')}" if len(ends) < starts else ""
-    about = ", ".join(f"{count:,} {meaning}" for meaning, count in endings.items()) or "none"
-    dropped = f"; {beaten:,} that others beat then are left out" if beaten else ""
-    result = result.isel({DESIGN: order})
-    result.attrs["selection"] = f"{found.attrs.get('selection', '')}; refined{some}{ended}: {about}{dropped}"
-    return result
-
-
-def _active(aim: Aim, descent: Descent) -> str:
-    """Return the limits that hold a design back."""
-    shown = [one for one in aim.results if not one.is_code]
-    held: list[tuple[Looked | Span, int]] = [(shown[k], sign) for k, sign in sorted(descent.limits)]
-    held += [(aim.spans[j], sign) for j, sign in sorted(descent.ends)]
-
-    def units(one: Looked | Span) -> str:
-        of = aim.units.get(one.name, "1")
-        return "" if of == "1" else f" {of}"
-
-    texts = (
-        f"{one.name} {'<=' if sign > 0 else '>='} {short_number(one.high if sign > 0 else one.low)}{units(one)}"
-        for one, sign in held
-    )
-    return ", ".join(texts)
-
-
-# -- Refine designs that were selected from a map: off its grid, by derivatives, within what was asked for
 
 
 #: How far the value of a map may be from that which the mechanism has there: results may be in single precision.
@@ -1186,9 +1022,9 @@ class Refinement:
 
     def _results(
         self, maps: xr.Dataset, objectives: Sequence[Objective], wanted: Sequence[Condition]
-    ) -> list[Looked]:
+    ) -> list[Requirement]:
         """Return what is looked at, the codes last, or refuse what nothing computes."""
-        problems, found, codes = Problems(), dict[str, dict[str, Any]](), list[Looked]()
+        problems, found, codes = Problems(), dict[str, dict[str, Any]](), list[Requirement]()
         for aim in objectives:
             with problems.at():
                 name = self._computed(maps, aim.array, "minimise" if aim.sign > 0.0 else "maximise")
@@ -1200,12 +1036,12 @@ class Refinement:
             with problems.at():
                 name = self._computed(maps, one.array, "where")
                 if one.codes is not None or one.array.dtype.kind != "f":
-                    codes.append(Looked(name, condition=one))
+                    codes.append(Requirement(name, condition=one))
                 else:
                     found.setdefault(name, {})
                     found[name] |= {"low": one.low, "high": one.high}
         problems.stop()
-        return [*(Looked(name, **given) for name, given in found.items()), *codes]
+        return [*(Requirement(name, **given) for name, given in found.items()), *codes]
 
     def _computed(self, maps: xr.Dataset, array: xr.DataArray, where: str) -> str:
         """Return the name of a variable that is computed anywhere, or refuse it."""
@@ -1269,8 +1105,7 @@ class Refinement:
         kept = [one.row for one in ends]
         own = whole(kept) if whole is not None else found.isel({DESIGN: kept})
         designs = np.array([one.design for one in ends]).reshape(-1, len(self.inputs)).T
-        aim = Aim(self.results, self.spans, self.units, found.sizes[DESIGN])
-        return labelled(self._again(own, designs), own, ends, aim)
+        return self._labelled(self._again(own, designs), own, ends, found.sizes[DESIGN])
 
     def _starts(self, found: xr.Dataset, searched: int, top: int | None) -> Starts | range:
         """Return the numbers of the rows from which to start."""
@@ -1331,7 +1166,7 @@ class Refinement:
         expected = np.array([float(row[one.name]) for one in aims])
         own = points.values(points.begin[None])[0][0]
         if not np.allclose(own[: len(aims)], expected, rtol=REPRODUCED, atol=0.0, equal_nan=True):
-            return Descent(points.begin, own, Outcome.NOT_REPRODUCED, np.ones(len(own)))
+            return Descent(points.begin, own, Outcome.NOT_WHAT_THE_MAP_SAYS, np.ones(len(own)))
         low, high, signs = points.limits
         return descend(Task(points.values, points.slopes, signs, low, high), points.begin)
 
@@ -1392,6 +1227,59 @@ class Refinement:
         for name in names:
             result[name] = (DESIGN,), values[name], _unmeasured(found[name].attrs)
         return result
+
+    def _labelled(self, result: xr.Dataset, found: xr.Dataset, ends: Sequence[End], rows: int) -> xr.Dataset:
+        """Return the designs with how each was refined, best first; of a front those that none beats."""
+
+        def added(name: str, values: Any, meaning: str, **attrs: Any) -> None:
+            result[name] = (DESIGN,), values, {"long_name": meaning, "references": REFERENCE, **attrs}
+
+        aims = [one for one in self.results if one.sign]
+        for one in aims:
+            before, after, of = found[one.name].values, result[one.name].values, result[one.name].attrs
+            with np.errstate(invalid="ignore"):
+                gain = one.sign * (before - after)
+            meaning = f"Gain by refinement of: {of.get('long_name', one.name)}"
+            added(f"{one.name}_{GAIN}", gain, meaning, units=of.get("units", "1"))
+        outcomes = [one.descent.outcome for one in ends]
+        flags = {
+            "flag_values": np.array([*Outcome], np.int8),
+            "flag_meanings": " ".join(o.meaning for o in Outcome),
+        }
+        added(REFINEMENT, np.array(outcomes, dtype=np.int8), "How the refinement ended", **flags)
+        starts = np.array([one.starts for one in ends], dtype=np.int32)
+        added(STARTS, starts, "Number of starts whose refinement ended in this design")
+        added(
+            ACTIVE,
+            np.array([self._active(one.descent) for one in ends], dtype=str),
+            "What holds the design back",
+        )
+        result = result.set_coords(ACTIVE)
+        points = np.stack([one.sign * result[one.name].values for one in aims], axis=1)
+        order = np.argsort(points[:, 0], kind="stable") if len(aims) == 1 else nondominated(points)
+        beaten, count = len(points) - len(order), int(starts.sum())
+        some = f" from {count:,} of these" if count < rows else ""
+        ended = f" to {counted(len(ends), 'different design')}" if len(ends) < count else ""
+        endings = Counter(in_words(one.meaning) for one in outcomes)
+        about = ", ".join(f"{n:,} {meaning}" for meaning, n in endings.items()) or "none"
+        dropped = f"; {beaten:,} that others beat then are left out" if beaten else ""
+        result = result.isel({DESIGN: order})
+        result.attrs["selection"] = (
+            f"{found.attrs.get('selection', '')}; refined{some}{ended}: {about}{dropped}"
+        )
+        return result
+
+    def _active(self, descent: Descent) -> str:
+        """Return the limits that hold a design back."""
+        shown = [one for one in self.results if not one.is_code]
+        held: list[tuple[Requirement | Span, int]] = [(shown[k], sign) for k, sign in sorted(descent.limits)]
+        held += [(self.spans[j], sign) for j, sign in sorted(descent.ends)]
+        texts = []
+        for one, sign in held:
+            limit = f"<= {short_number(one.high)}" if sign > 0 else f">= {short_number(one.low)}"
+            units = self.units.get(one.name, "1")
+            texts.append(f"{one.name} {limit}{'' if units == '1' else f' {units}'}")
+        return ", ".join(texts)
 
 
 def _unmeasured(attrs: Mapping[Any, Any]) -> dict[Any, Any]:

@@ -50,10 +50,11 @@ from fastlink.maps.best import (
     REFINEMENT,
     STARTS,
     Choice,
+    Tally,
     choice_of,
+    kept_of,
     least,
     listed,
-    nondominated,
     strongest,
     unbeaten,
     undominated,
@@ -103,44 +104,30 @@ __all__ = [
 MOST_WAITING = 1 << 17
 #: Rows of a front with which each block is compared: each leaves less, and takes 20 us of a block of 4,096.
 MOST_STRONG = 16
+#: What is counted of rows.
+COUNTS = ("failed", "considered", "not_numbers", "infinite")
 
 
-@dataclass
-class Kept:
-    """The best rows of some designs, and how many rows there were; that of several blocks in any order is the same.
+@dataclass(kw_only=True)
+class Kept(Tally):
+    """The best rows of some designs, and how many rows there were; that of several blocks in any order is the same."""
 
-    Attributes
-    ----------
-    rows : array of int64
-        Their numbers.
-    points : array (rows, objectives)
-        Their objectives, to be as small as possible.
-    designs : array of int64
-        The number of designs by status.
-    failed : array of int64
-        For each condition, the number of rows that do not meet it.
-    considered, not_numbers, infinite : int
-        The rows that meet all conditions; those of them without numbers; those with infinite ones, which do not count.
-    """
-
+    #: Their numbers.
     rows: NDArray[np.int64]
+    #: Their objectives, to be as small as possible.
     points: NDArray[np.float64]
+    #: The number of designs by status.
     designs: NDArray[np.int64]
-    failed: NDArray[np.int64]
-    considered: int = 0
-    not_numbers: int = 0
-    infinite: int = 0
 
     def arrays(self) -> dict[str, Any]:
         """Return everything as arrays by name, as a file keeps them."""
-        return {name: np.asarray(value) for name, value in vars(self).items()}
+        return {name: np.asarray(getattr(self, name)) for name in ("rows", "points", "designs", *COUNTS)}
 
     @classmethod
     def of_arrays(cls, arrays: Mapping[str, Any]) -> Kept:
         """Return what `arrays` has given, perhaps flat."""
-        numbers = ("considered", "not_numbers", "infinite")
         given: dict[str, Any] = {name: np.array(arrays[name]) for name in cls.__dataclass_fields__}
-        given |= {name: int(given[name].item()) for name in numbers}
+        given |= {name: int(given[name].item()) for name in COUNTS[1:]}
         if len(given["rows"]):
             given["points"] = given["points"].reshape(len(given["rows"]), -1)
         return cls(**given)
@@ -148,14 +135,9 @@ class Kept:
 
 @dataclass(frozen=True)
 class Rows:
-    """The rows of a search: places along the designs and further dimensions, numbered in C order.
+    """The rows of a search: places along the designs and further dimensions, numbered in C order."""
 
-    Attributes
-    ----------
-    sizes : dict
-        The further dimensions of objectives and conditions, and their lengths.
-    """
-
+    #: The further dimensions of objectives and conditions, and their lengths.
     sizes: dict[str, int] = field(default_factory=dict)
 
     @property
@@ -199,38 +181,17 @@ class Stream:
     def nothing(self) -> Kept:
         """Return what is kept of no rows."""
         empty = np.empty((0, len(self.choice.objectives)))
-        counts = np.zeros(self.codes, dtype=np.int64), np.zeros(len(self.choice.wanted), dtype=np.int64)
-        return Kept(np.empty(0, dtype=np.int64), empty, *counts)
+        designs, failed = (np.zeros(n, dtype=np.int64) for n in (self.codes, len(self.choice.wanted)))
+        return Kept(rows=np.empty(0, dtype=np.int64), points=empty, designs=designs, failed=failed)
 
     def read(self, start: int, stop: int, arrays: list[NDArray[Any]], into: Kept, known: Kept) -> None:
         """Add the results of consecutive designs to what is kept of a block; `known` is kept of others already."""
-        count = stop - start
-        whole = (count, *self.rows.sizes.values())
         values = self._values(start, stop, arrays)
         into.designs += np.bincount(arrays[self.status].reshape(-1), minlength=self.codes)
-        inside = np.ones(whole, dtype=bool)
-        for k, condition in enumerate(self.choice.wanted):
-            holds = condition.holds(values[str(condition.array.name)])
-            into.failed[k] += (holds.size - np.count_nonzero(holds)) * (inside.size // holds.size)
-            inside &= holds
-        places = np.flatnonzero(inside)
-        into.considered += len(places)
-        if not len(places):
-            return
-        points = np.empty((len(places), len(self.choice.objectives)))
-        for k, one in enumerate(self.choice.objectives):
-            own = np.broadcast_to(values[str(one.array.name)], whole).reshape(-1)
-            np.multiply(own[places], one.sign, out=points[:, k])
-        usable = np.isfinite(points).all(axis=1)
-        if not usable.all():
-            absent = np.isnan(points).any(axis=1)
-            into.not_numbers += int(np.count_nonzero(absent))
-            if self.choice.infinite:
-                usable = ~absent
-            else:
-                into.infinite += int(np.count_nonzero(~usable & ~absent))
-            places, points = places[usable], points[usable]
-        self._add(into, start * self.rows.of_design + places, points, known)
+        shape = (stop - start, *self.rows.sizes.values())
+        places, points = into.usable(self.choice, shape, lambda array: values[str(array.name)])
+        if len(places):
+            self._add(into, start * self.rows.of_design + places, points, known)
 
     def _values(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> dict[str, NDArray[Any]]:
         """Return what is looked at, with a length or 1 along each dimension of the rows."""
@@ -252,7 +213,7 @@ class Stream:
 
     def merge(self, one: Kept, other: Kept) -> None:
         """Add what is kept of other designs; rows of a front wait until they are many, see `settle`."""
-        for name in ("designs", "failed", "considered", "not_numbers", "infinite"):
+        for name in ("designs", *COUNTS):
             setattr(one, name, getattr(one, name) + getattr(other, name))
         if len(other.rows):
             self.waiting.append((other.rows, other.points))
@@ -272,7 +233,7 @@ class Stream:
         rows, points = np.concatenate((kept.rows, rows)), np.concatenate((kept.points, points))
         order = np.argsort(rows, kind="stable")
         rows, points = rows[order], points[order]
-        chosen = nondominated(points) if self.several else least(points[:, 0], self.choice.top)
+        chosen = kept_of(points, self.choice.top)
         kept.rows, kept.points = rows[chosen], points[chosen]
         if self.several:
             self.strongest = strongest(kept.points, points, MOST_STRONG)
@@ -542,85 +503,37 @@ SEARCHED = "searched_"
 
 @dataclass
 class Request:
-    """A search whose parts were checked.
+    """A search whose parts were checked."""
 
-    Attributes
-    ----------
-    mechanism : str or Extension
-        The mechanism, as it was given.
-    resolved : ResolvedSweep
-        The sweep of what objectives and conditions need.
-    options : dict
-        The options of the sweeps of designs that were found.
-    quantities : tuple of str
-        What is computed of these.
-    only : tuple of str or None
-        The inputs that a refinement may change, none named for all; None for no refinement.
-    bounds : dict
-        Ranges of refined designs, where they are not those of the space.
-    labels : xarray.Dataset
-        The labels of the sweep, with one design.
-    size : int
-        How many designs are searched.
-    origin : dict
-        What is said of where they come from.
-    attrs : dict
-        Further attributes of the result.
-    spans : list of Span or None
-        The inputs that a refinement may change, where they do not follow from the space.
-    numbers : array or None
-        Of a search that parts make together: the numbers of the designs of `resolved`, which are those that were kept.
-    known : str
-        Its fingerprint.
-    """
-
+    #: The mechanism, as it was given.
     mechanism: Any
+    #: The sweep of what objectives and conditions need.
     resolved: ResolvedSweep
+    #: The options of the sweeps of designs that were found.
     options: dict[str, Any]
+    #: What is computed of these.
     quantities: tuple[str, ...]
+    #: The inputs that a refinement may change, none named for all; None for no refinement.
     only: tuple[str, ...] | None
-    bounds: Mapping[str, tuple[float, float]]
+    #: What is searched for, as it was given, and which rows that are.
+    asked: dict[str, Any]
+    choice: Choice
+    #: The labels of the sweep, with one design.
     labels: xr.Dataset
+    #: How many designs are searched.
     size: int
+    #: What is said of where they come from.
     origin: Mapping[str, Any]
+    #: Further attributes of the result.
     attrs: Mapping[str, Any] = field(default_factory=dict)
+    #: The inputs that a refinement may change, and how it goes.
     spans: list[Span] | None = None
+    refinement: Refinement | None = None
+    #: Of a search that parts make together: the numbers of the designs of `resolved`, which are those that were
+    # kept.
     numbers: NDArray[np.int64] | None = None
+    #: Its fingerprint.
     known: str = ""
-    asked: dict[str, Any] = field(init=False)
-    choice: Choice = field(init=False)
-    refinement: Refinement | None = field(init=False, default=None)
-
-    @classmethod
-    def of(
-        cls,
-        mechanism: Any,
-        resolved: ResolvedSweep,
-        ways: Mapping[str, Any],
-        **given: Any,
-    ) -> Request:
-        """Return the request of a resolved sweep, of which the options are given too."""
-        names = ("links", "input", "solver", "backend", "branch")
-        options = {name: ways[name] for name in names if name in ways}
-        options |= {"extrema": resolved.plan.extrema or None, "threads": None}
-        options |= angles_of(resolved.catalogue, resolved.positions)
-        of_space = {"size": resolved.space.size, "origin": resolved.space.attrs}
-        return cls(mechanism, resolved, options, labels=labels_of(resolved), **of_space, **given)  # type: ignore[arg-type]
-
-    def choose(self, **asked: Any) -> None:
-        """Set what is searched for, and how it is refined, or refuse it."""
-        self.asked, self.choice = asked, (choice := choice_of(self.labels, **asked))
-        for one in choice.wanted:
-            if one.array.dtype.kind == "b":
-                remedy = "write conditions by name, such as {'a1': (None, 0.5)}"
-                raise InputError("is a mask of one map", where=("where",), remedy=remedy)
-        if self.only is not None:
-            catalogue = self.resolved.catalogue
-            if self.spans is None:
-                self.spans = spans_of_space(catalogue, self.resolved.space, self.bounds, self.only)
-            of_model = {n: self.options.get(n) for n in ("links", "input", "solver", "extrema", "angles")}
-            model = Model(self.mechanism, of_model)
-            self.refinement = Refinement(self.labels, model, self.spans, choice.objectives, choice.wanted)
 
     @property
     def along(self) -> dict[str, NDArray[Any]]:
@@ -1016,16 +929,25 @@ def request_of(
         resolved = resolve(mechanism, space, names or [STATUS], **of_sweep)
     problems.stop()
     assert resolved is not None
+    labels, space = labels_of(resolved), resolved.space
+    choice_asked = {name: asked[name] for name in ("minimise", "maximise", "where", "top", "infinite")}
+    choice = choice_of(labels, **choice_asked)
+    if any(one.array.dtype.kind == "b" for one in choice.wanted):
+        remedy = "write conditions by name, such as {'a1': (None, 0.5)}"
+        raise InputError("is a mask of one map", where=("where",), remedy=remedy)
+    taken = ("links", "input", "solver", "backend", "branch")
+    options = {name: of_sweep[name] for name in taken if name in of_sweep}
+    options |= {"extrema": resolved.plan.extrema or None, "threads": None}
+    options |= angles_of(resolved.catalogue, resolved.positions)
     wanted = tuple(dict.fromkeys([*others, *names]))
-    given: dict[str, Any] = {
-        "quantities": wanted,
-        "only": only,
-        "bounds": bounds,
-        "spans": asked.get("spans"),
-    }
-    request = Request.of(mechanism, resolved, of_sweep, **given)
-    choice = {name: asked[name] for name in ("minimise", "maximise", "where", "top", "infinite")}
-    request.choose(**choice)
+    about = choice_asked, choice, labels, space.size, space.attrs
+    request = Request(mechanism, resolved, options, wanted, only, *about)
+    if only is not None:
+        spans = asked.get("spans")
+        request.spans = spans or spans_of_space(resolved.catalogue, space, bounds, only)
+        of_model = {n: options.get(n) for n in ("links", "input", "solver", "extrema", "angles")}
+        model = Model(mechanism, of_model)
+        request.refinement = Refinement(labels, model, request.spans, choice.objectives, choice.wanted)
     return request
 
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -40,17 +41,19 @@ __all__ = [
     "Choice",
     "Condition",
     "Objective",
+    "Reading",
     "Rows",
     "Selection",
+    "Tally",
     "choice_of",
     "chosen",
     "conditions",
+    "kept_of",
     "least",
     "listed",
     "nondominated",
     "numeric",
     "objective",
-    "ranked",
     "strongest",
     "top",
     "unbeaten",
@@ -482,11 +485,8 @@ class Selection:
 
 def chosen(maps: xr.Dataset, choice: Choice) -> Selection:
     """Return the best rows of a map, see `fastlink.best`; it is read block by block."""
-    sought, wanted, infinite = choice.objectives, choice.wanted, choice.infinite
-    rows = Rows.of([*(one.array for one in sought), *(one.array for one in wanted)])
-    if len(sought) == 1:
-        return ranked(rows, sought[0], wanted, top=choice.top, infinite=infinite)
-    return _front(rows, sought, wanted, infinite=infinite)
+    arrays = [*(one.array for one in choice.objectives), *(one.array for one in choice.wanted)]
+    return _best_of(Rows.of(arrays), choice)
 
 
 def _objectives(maps: xr.Dataset, minimise: Any, maximise: Any) -> list[Objective]:
@@ -529,35 +529,73 @@ def objective(maps: xr.Dataset, where: str, name: Any, sign: float) -> Objective
     return Objective(maps[name if name in usable else check_choice((where,), name, own)], sign)
 
 
-@dataclass
-class Reading:
-    """The rows that are considered, block by block, and what is left out."""
+@dataclass(kw_only=True)
+class Tally:
+    """How many rows of a map or a sweep were considered, and why others do not count.
 
-    rows: Rows
-    objectives: list[Objective]
-    conditions: list[Condition]
-    infinite: bool
+    Attributes
+    ----------
+    failed : array of int64
+        For each condition, the number of rows that do not meet it.
+    considered, not_numbers, infinite : int
+        The rows that meet all conditions; those of them without numbers; those with infinite ones, which do not count.
+    """
+
+    failed: NDArray[np.int64]
     considered: int = 0
-    left_out: Counter[str] = field(default_factory=Counter)
+    not_numbers: int = 0
+    infinite: int = 0
+
+    def usable(
+        self, choice: Choice, shape: tuple[int, ...], values: Callable[[xr.DataArray], NDArray[Any]]
+    ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Return the rows of a block that count and their objectives, to be as small as possible; count the others.
+
+        `values` returns those of a variable in the rows, with the length of these or 1 along each dimension.
+        """
+        inside = np.ones(shape, dtype=bool)
+        for k, condition in enumerate(choice.wanted):
+            holds = condition.holds(values(condition.array))
+            self.failed[k] += (holds.size - np.count_nonzero(holds)) * (inside.size // holds.size)
+            inside &= holds
+        places = np.flatnonzero(inside)
+        self.considered += len(places)
+        points = np.empty((len(places), len(choice.objectives)))
+        if not len(places):
+            return places, points
+        for k, one in enumerate(choice.objectives):
+            own = np.broadcast_to(values(one.array), shape).reshape(-1)
+            np.multiply(own[places], one.sign, out=points[:, k])
+        usable = np.isfinite(points).all(axis=1)
+        if not usable.all():
+            absent = np.isnan(points).any(axis=1)
+            self.not_numbers += int(np.count_nonzero(absent))
+            if choice.infinite:
+                usable = ~absent
+            else:
+                self.infinite += int(np.count_nonzero(~usable & ~absent))
+            places, points = places[usable], points[usable]
+        return places, points
+
+
+class Reading:
+    """The rows of a map that count, block by block, and what is left out."""
+
+    def __init__(self, rows: Rows, choice: Choice) -> None:
+        self.rows, self.choice = rows, choice
+        self.tally = Tally(failed=np.zeros(len(choice.wanted), dtype=np.int64))
 
     def __iter__(self) -> Any:
         """Yield the numbers of rows that count, and their objectives to be as small as possible."""
         for block in self.rows.blocks():
-            inside = np.ones(block.count, dtype=bool)
-            for condition in self.conditions:
-                inside &= condition.holds(self.rows.read(condition.array, block))
-            places = np.flatnonzero(inside)
-            read = [
-                one.sign * self.rows.read(one.array, block)[places].astype(float) for one in self.objectives
-            ]
-            points = np.stack(read, axis=1)
-            absent = np.isnan(points).any(axis=1)
-            boundless = np.isinf(points).any(axis=1) & ~absent & (not self.infinite)
-            self.considered += len(places)
-            self.left_out[NOT_A_NUMBER] += int(absent.sum())
-            self.left_out[INFINITE] += int(boundless.sum())
-            usable = ~absent & ~boundless
-            yield block.first + places[usable], points[usable]
+            read = partial(self.rows.read, block=block)
+            places, points = self.tally.usable(self.choice, (block.count,), read)
+            yield block.first + places, points
+
+    @property
+    def left_out(self) -> Counter[str]:
+        """How many rows meet the conditions and do not count, by why."""
+        return Counter({NOT_A_NUMBER: self.tally.not_numbers, INFINITE: self.tally.infinite})
 
     def noted(self) -> str:
         """Return what was left out, to follow the number of those considered."""
@@ -565,17 +603,30 @@ class Reading:
         return f", without {', '.join(parts)}" if parts else ""
 
 
-def ranked(rows: Rows, one: Objective, wanted: list[Condition], *, top: int, infinite: bool) -> Selection:
-    """Return the rows with the least or greatest values of one objective."""
-    reading = Reading(rows, [one], wanted, infinite)
-    chosen, kept = np.empty(0, dtype=np.int64), np.empty(0)
+def kept_of(points: NDArray[np.float64], top: int) -> NDArray[np.int64]:
+    """Return the rows that stay: the front of several objectives, of one the least, by growing place."""
+    return nondominated(points) if points.shape[1] > 1 else least(points[:, 0], top)
+
+
+def _best_of(rows: Rows, choice: Choice) -> Selection:
+    """Return the best rows, the best of the first objective first."""
+    sought, reading = choice.objectives, Reading(rows, choice)
+    chosen, kept = np.empty(0, dtype=np.int64), np.empty((0, len(sought)))
     for places, points in reading:
-        chosen, kept = np.concatenate((chosen, places)), np.concatenate((kept, points[:, 0]))
-        again = least(kept, top)
+        if len(sought) > 1:
+            left = undominated(points, kept)
+            places, points = places[left], points[left]
+        chosen, kept = np.concatenate((chosen, places)), np.concatenate((kept, points))
+        again = kept_of(kept, choice.top)
         chosen, kept = chosen[again], kept[again]
-    word = "least" if one.sign > 0 else "greatest"
-    about = f"{len(chosen)} {word} of {reading.considered:,} values of {one.array.name}"
-    return Selection(rows, chosen[np.lexsort((chosen, kept))], about + reading.noted())
+    considered = f"of {reading.tally.considered:,}"
+    if len(sought) > 1:
+        about = f"the front of {len(chosen):,} {considered} rows by the {joined(list(map(str, sought)))}"
+    else:
+        chosen = chosen[np.lexsort((chosen, kept[:, 0]))]
+        word = "least" if sought[0].sign > 0 else "greatest"
+        about = f"{len(chosen)} {word} {considered} values of {sought[0].array.name}"
+    return Selection(rows, chosen, about + reading.noted())
 
 
 def least(values: NDArray[np.float64], n: int) -> NDArray[np.int64]:
@@ -586,21 +637,6 @@ def least(values: NDArray[np.float64], n: int) -> NDArray[np.int64]:
     below = np.flatnonzero(values < bound)
     equal = np.flatnonzero(values == bound)[: n - len(below)]
     return np.sort(np.concatenate((below, equal)))
-
-
-def _front(rows: Rows, sought: list[Objective], wanted: list[Condition], *, infinite: bool) -> Selection:
-    """Return the rows that no other row beats."""
-    reading = Reading(rows, sought, wanted, infinite)
-    chosen, front = np.empty(0, dtype=np.int64), np.empty((0, len(sought)))
-    for places, points in reading:
-        left = undominated(points, front)
-        chosen, front = np.concatenate((chosen, places[left])), np.concatenate((front, points[left]))
-        again = nondominated(front)
-        chosen, front = chosen[again], front[again]
-    about = (
-        f"the front of {len(chosen):,} of {reading.considered:,} rows by the {joined(list(map(str, sought)))}"
-    )
-    return Selection(rows, chosen, about + reading.noted())
 
 
 # -- Rank the rows of a map by one variable
@@ -617,4 +653,4 @@ def top(maps: xr.Dataset, n: int, by: str, *, largest: bool, where: Any, infinit
     for condition in wanted:
         for dim, length in condition.array.sizes.items():
             check_along(condition.array.name, str(dim), length, rows.sizes)
-    return ranked(rows, key, wanted, top=n, infinite=infinite).of(maps)
+    return _best_of(rows, Choice([key], wanted, n, infinite)).of(maps)

@@ -52,29 +52,19 @@ COUNTS = {1: "one", 2: "two", 3: "three"}
 
 @dataclass(frozen=True)
 class Selection:
-    """A variable as a picture shows it.
+    """A variable as a picture shows it."""
 
-    Attributes
-    ----------
-    variable : xarray.DataArray
-        Over one or two dimensions by growing coordinates, and over assembly modes.
-    free : list of str
-        Those dimensions.
-    fixed : dict
-        The value of each dimension that is fixed.
-    status : xarray.DataArray, optional
-        The status of each cell, where the cells of a map are designs.
-    names : dict
-        The labels along dimensions whose coordinates are not numbers; these have their places instead.
-    split : str, optional
-        The dimension whose values are shown beside each other.
-    """
-
+    #: Over one or two dimensions by growing coordinates, and over assembly modes.
     variable: xr.DataArray
+    #: Those dimensions.
     free: list[str]
+    #: The value of each dimension that is fixed.
     fixed: dict[str, Any]
+    #: The status of each cell, where the cells of a map are designs.
     status: xr.DataArray | None
+    #: The labels along dimensions whose coordinates are not numbers; these have their places instead.
     names: dict[str, list[str]]
+    #: The dimension whose values are shown beside each other.
     split: str | None = None
 
 
@@ -276,21 +266,15 @@ SAME = 1e-12
 
 @dataclass(frozen=True)
 class Panel:
-    """One of the pictures, or lines, that stand side by side.
+    """One of the pictures, or lines, that stand side by side."""
 
-    Attributes
-    ----------
-    modes, value : str
-        Which assembly modes these are, and which value of the dimension that is split; empty where there are no others.
-    array : xarray.DataArray
-        The values.
-    place : int
-        The place along the dimension that is split, 0 where there is none.
-    """
-
+    #: Which assembly modes these are, and which value of the dimension that is split; empty where there are no
+    # others.
     modes: str
     value: str
+    #: The values.
     array: xr.DataArray
+    #: The place along the dimension that is split, 0 where there is none.
     place: int = 0
 
     @property
@@ -423,7 +407,7 @@ def plot_map(
     ['$a_{4}$ = 0.9 m', '$a_{4}$ = 1 m']
     """
     path = checked_request(to, degrees)
-    from fastlink.pictures.map_axes import draw
+    from fastlink.pictures.charts import draw
     from fastlink.pictures.style import style
 
     if at is not None and (not isinstance(at, Mapping) or hasattr(at, "data_vars")):

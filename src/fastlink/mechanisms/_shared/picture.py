@@ -18,27 +18,18 @@ Value: TypeAlias = str | float
 
 @dataclass(frozen=True)
 class Point:
-    """A point of a mechanism.
+    """A point of a mechanism."""
 
-    Attributes
-    ----------
-    name : str
-        Its letter, as in the papers.
-    x, y : str or float
-        Where it is.
-    kind : str
-        A moving ``"joint"``, a ``"ground"`` pivot, a ``"slider"``, a ``"traced"`` point of a link, a mere ``"mark"``.
-    group : str
-        The word of `fastlink.draw` that shows it; always shown without one.
-    is_named : bool
-        Whether its name is written.
-    """
-
+    #: Its letter, as in the papers.
     name: str
+    #: Where it is.
     x: Value
     y: Value
+    #: A moving ``"joint"``, a ``"ground"`` pivot, a ``"slider"``, a ``"traced"`` point of a link, a mere ``"mark"``.
     kind: Literal["joint", "ground", "slider", "traced", "mark"] = "joint"
+    #: The word of `fastlink.draw` that shows it; always shown without one.
     group: str = ""
+    #: Whether its name is written.
     is_named: bool = True
 
 
@@ -49,23 +40,15 @@ def joint(name: str, kind: Literal["joint", "traced", "mark"] = "joint", **label
 
 @dataclass(frozen=True)
 class Bar:
-    """A link through some of the points.
+    """A link through some of the points."""
 
-    Attributes
-    ----------
-    points : str
-        Their names; a link of three that are not in line is a plate.
-    lengths : mapping of str to str
-        The facts that are distances of two of its points, but for a sign.
-    is_ground : bool
-        Whether it is the frame.
-    orientation : str
-        The fact that tells a future-pointing bar, 1, from a past-pointing one, -1.
-    """
-
+    #: Their names; a link of three that are not in line is a plate.
     points: str
+    #: The facts that are distances of two of its points, but for a sign.
     lengths: Mapping[str, str]
+    #: Whether it is the frame.
     is_ground: bool = False
+    #: The fact that tells a future-pointing bar, 1, from a past-pointing one, -1.
     orientation: str = ""
 
 
@@ -116,49 +99,26 @@ class Torque:
 
 @dataclass(frozen=True)
 class Locus:
-    """A curve that a function of fastlink gives for a position of the mechanism.
+    """A curve that a function of fastlink gives for a position of the mechanism."""
 
-    Attributes
-    ----------
-    group : str
-        The word of `fastlink.draw` that shows it.
-    function : str
-        Its public name, such as ``"focal.cubic_points"``; it takes inputs and the input position by their names.
-    gives : str
-        ``"points"`` (x, y), the ``"equation"`` by the coefficients of x^i y^j, or a ``"conic"`` with its axes and foci.
-    meaning : str
-        Words for the legend.
-    by : str
-        The input that has to drive, where the function takes its position; an empty text where it takes none.
-    given : mapping of str to str
-        The facts that are further arguments.
-    """
-
+    #: The word of `fastlink.draw` that shows it.
     group: str
+    #: Its public name, such as ``"focal.cubic_points"``; it takes inputs and the input position by their names.
     function: str
+    #: ``"points"`` (x, y), the ``"equation"`` by the coefficients of x^i y^j, or a ``"conic"`` with its axes and
+    # foci.
     gives: Literal["points", "equation", "conic"]
+    #: Words for the legend.
     meaning: str
+    #: The input that has to drive, where the function takes its position; an empty text where it takes none.
     by: str = ""
+    #: The facts that are further arguments.
     given: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class Picture:
-    """All that is drawn of a mechanism.
-
-    Attributes
-    ----------
-    points, bars, circles, guides, forces, torques, loci : tuple
-        See there.
-    traced : mapping of str to str
-        The points whose paths are drawn, by the word that shows them.
-    metric : str
-        What makes a circle of the plane, ``"euclidean"`` or ``"minkowskian"``.
-    usual : str
-        The words of `fastlink.draw` that hold unless others are given.
-    spans : mapping of str to tuple
-        Of an input that has no turn, the ends of what is drawn: facts or numbers, the first with its sign changed.
-    """
+    """All that is drawn of a mechanism."""
 
     points: tuple[Point, ...]
     bars: tuple[Bar, ...]
@@ -167,9 +127,13 @@ class Picture:
     forces: tuple[Force, ...] = ()
     torques: tuple[Torque, ...] = ()
     loci: tuple[Locus, ...] = ()
+    #: The points whose paths are drawn, by the word that shows them.
     traced: Mapping[str, str] = field(default_factory=dict)
+    #: What makes a circle of the plane, ``"euclidean"`` or ``"minkowskian"``.
     metric: Literal["euclidean", "minkowskian"] = "euclidean"
+    #: The words of `fastlink.draw` that hold unless others are given.
     usual: str = "path limits"
+    #: Of an input that has no turn, the ends of what is drawn: facts or numbers, the first with its sign changed.
     spans: Mapping[str, tuple[Value, Value]] = field(default_factory=dict)
 
     def point(self, name: str) -> Point:
