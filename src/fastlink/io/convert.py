@@ -9,6 +9,7 @@ import json
 import math
 import os
 import shlex
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -67,16 +68,7 @@ from fastlink.space.design_space import (
 )
 from fastlink.space.tables import FORMAT, STATUS
 
-__all__ = [
-    "BLOCK_BYTES",
-    "Index",
-    "Source",
-    "check_compression",
-    "check_conversion",
-    "convert",
-    "labelled",
-    "write_csv",
-]
+__all__ = ["Source", "check_conversion", "convert"]
 
 
 # -- The compressions of converted files, by name and level, in the words of each library
@@ -115,25 +107,20 @@ class Compression:
         import hdf5plugin
 
         register_filter(self.name)
+        if self.name == "lz4":
+            return dict(hdf5plugin.LZ4())
         if self.name == "zstd":
             return dict(hdf5plugin.Zstd(clevel=self.level))
-        if self.name == "blosc":
-            return dict(hdf5plugin.Blosc(cname="zstd", clevel=self.level, shuffle=hdf5plugin.Blosc.NOSHUFFLE))
-        return dict(hdf5plugin.LZ4())
+        return dict(hdf5plugin.Blosc(cname="zstd", clevel=self.level, shuffle=hdf5plugin.Blosc.NOSHUFFLE))
 
     def of_zarr(self) -> Any:
         """Return the codec of an array of zarr."""
         import numcodecs
 
-        if self.name == "gzip":
-            return numcodecs.GZip(level=self.level)
-        if self.name == "lz4":
-            return numcodecs.LZ4()
-        return (
-            numcodecs.Zstd(level=self.level)
-            if self.name == "zstd"
-            else numcodecs.Blosc(cname="zstd", clevel=self.level, shuffle=numcodecs.Blosc.SHUFFLE)
-        )
+        if self.name == "blosc":
+            return numcodecs.Blosc(cname="zstd", clevel=self.level, shuffle=numcodecs.Blosc.SHUFFLE)
+        level = {} if self.level is None else {"level": self.level}
+        return numcodecs.get_codec({"id": self.name, **level})
 
 
 def check_compression(value: Any, format: str) -> Compression | None:
@@ -154,10 +141,10 @@ def check_compression(value: Any, format: str) -> Compression | None:
     name, colon, level = value.partition(":") if isinstance(value, str) else (value, "", "")
     name = check_choice(where, name, known)
     levels = LEVELS[name]
-    number = None if levels is None else levels[2]
-    if levels is None and colon:
+    if colon and levels is None:
         what = f"is {short_repr(value)}, and {name} has no levels"
         raise InputError(what, where=where, remedy=("write ", Setting("compress", name)))
+    number = None if levels is None else levels[2]
     if levels is not None and colon:
         number = int(level) if level.isdecimal() and level.isascii() and len(level) < 4 else -1
         if not levels[0] <= number <= levels[1]:
@@ -271,7 +258,7 @@ class Source:
         for dim, part in zip(variable.dims, index, strict=False):
             takes[dim] = takes[dim][part]
         try:
-            values = np.ascontiguousarray(_taken(self._maps[variable.name].variable, list(takes.values())))
+            values = np.asarray(_taken(self._maps[variable.name].variable, list(takes.values())), order="C")
         except (OSError, RuntimeError, KeyError, ValueError) as error:
             what = f"{variable.name} cannot be read ({reason(error)})"
             raise InputError(what, where=("maps",), remedy="check the file by `fastlink check`") from error
@@ -361,7 +348,8 @@ def labelled(maps: xr.Dataset, source: Source, selection: Selection, command: st
         attrs = _selected(maps, attrs, source, selection)
     for variable in source.variables:
         if selection.texts:
-            renamed = {_of_source(name, MEASURED): value for name, value in variable.attrs.items()}
+            named = [f"{SOURCE}{name}" if name.startswith(MEASURED) else name for name in variable.attrs]
+            renamed = dict(zip(named, variable.attrs.values(), strict=True))
             variable.attrs.clear()
             variable.attrs.update(renamed)
         rounded = maps[variable.name].dtype.itemsize > variable.dtype.itemsize
@@ -391,55 +379,46 @@ def _selected(
     maps: xr.Dataset, attrs: Mapping[str, Any], source: Source, selection: Selection
 ) -> dict[str, Any]:
     """Return attributes that are true of a part of a map: its designs are counted, those of the run renamed."""
+    sizes = {str(dim): selection.size(str(dim), size) for dim, size in maps.sizes.items()}
     designs = _design_dims(maps)
     fewer = [dim for dim in designs if dim in selection.indexers]
-    is_table = DESIGN in fewer and not isinstance(selection.indexers[DESIGN], int)
+    of_run = (*OF_RUN, *OF_RUN_BEGIN, *(("design_",) if DESIGN in fewer else ()))
     result: dict[str, Any] = {}
     for name, value in attrs.items():
-        of_designs = name.startswith("design_") and DESIGN in fewer
-        counted = name == "designs" or name.startswith("designs_")
-        renamed = of_designs or name == "designs" or _of_source(name, (*OF_RUN, *OF_RUN_BEGIN)) != name
-        if renamed:
+        if name == "designs" or name.startswith(of_run):
             result[f"{SOURCE}{name}"] = value
-        elif not counted and name != "configurations":
+        elif not name.startswith("designs_") and name != "configurations":
             result[name] = value
     if DESIGN in fewer:
-        result["design_kind"] = "table" if is_table else "grid"
-    before = selection.texts if "selection" not in attrs else [str(attrs["selection"]), *selection.texts]
-    result["selection"] = "; ".join(before)
-    return result | _counts(maps, attrs, source, designs, selection)
-
-
-def _counts(
-    maps: xr.Dataset, attrs: Mapping[str, Any], source: Source, designs: list[str], selection: Selection
-) -> dict[str, Any]:
-    """Return the numbers of designs, of those with each status, and of configurations."""
-    sizes = source.coords.sizes
-    count = math.prod(_size(maps, sizes, selection, dim) for dim in designs)
-    result: dict[str, Any] = {"designs": count}
-    status = next((v for v in source.variables if v.name == STATUS), None)
-    if status is not None and status.dtype.kind in "iu":
-        codes = np.atleast_1d(status.attrs.get("flag_values", ())).tolist()
-        numbers = dict.fromkeys(codes, 0)
-        for _, _, values in source.blocks(status):
-            for code, number in zip(*np.unique(values, return_counts=True), strict=True):
-                numbers[int(code)] = numbers.get(int(code), 0) + int(number)
-        meanings = str(status.attrs.get("flag_meanings", "")).split()
-        result |= {f"designs_{m}": numbers[code] for m, code in zip(meanings, codes, strict=False)}
+        result["design_kind"] = "grid" if isinstance(selection.indexers[DESIGN], int) else "table"
+    result["selection"] = "; ".join(
+        [*([str(attrs["selection"])] if "selection" in attrs else []), *selection.texts]
+    )
+    result["designs"] = math.prod(sizes[dim] for dim in designs)
+    result |= _statuses(source)
     position = str(attrs.get("input", ""))
     if "configurations" in attrs:
-        inner = [dim for dim in (BRANCH, position) if dim in maps.sizes]
-        result["configurations"] = count * math.prod(_size(maps, sizes, selection, dim) for dim in inner)
-    if f"{position}_count" in attrs and position in maps.sizes:
-        result[f"{position}_count"] = _size(maps, sizes, selection, position)
+        inner = [dim for dim in (BRANCH, position) if dim in sizes]
+        result["configurations"] = result["designs"] * math.prod(sizes[dim] for dim in inner)
+    if f"{position}_count" in attrs and position in sizes:
+        result[f"{position}_count"] = sizes[position]
     return result
 
 
-def _size(maps: xr.Dataset, sizes: Mapping[Any, int], selection: Selection, dim: str) -> int:
-    """Return how many values of a dimension are taken."""
-    if isinstance(selection.indexers.get(dim), int):
-        return 1
-    return int(sizes.get(dim, maps.sizes[dim]))
+def _statuses(source: Source) -> dict[str, int]:
+    """Return the numbers of designs with each status."""
+    status = next((one for one in source.variables if one.name == STATUS and one.dtype.kind in "iu"), None)
+    if status is None:
+        return {}
+    numbers = Counter[int]()
+    for _, _, values in source.blocks(status):
+        codes, counts = np.unique(values, return_counts=True)
+        numbers.update(dict(zip(codes.tolist(), counts.tolist(), strict=True)))
+    meanings = str(status.attrs.get("flag_meanings", "")).split()
+    codes = np.atleast_1d(status.attrs.get("flag_values", ()))
+    return {
+        f"designs_{meaning}": numbers[code] for meaning, code in zip(meanings, codes.tolist(), strict=False)
+    }
 
 
 def _design_dims(maps: xr.Dataset) -> list[str]:
@@ -448,11 +427,6 @@ def _design_dims(maps: xr.Dataset) -> list[str]:
         return list(map(str, maps[STATUS].dims))
     dims = [set(map(str, one.dims)) for one in maps.data_vars.values()]
     return sorted(set.intersection(*dims) if dims else set())
-
-
-def _of_source(name: str, beginnings: tuple[str, ...]) -> str:
-    """Return the name of an attribute in the result, where it is true of the converted map alone."""
-    return f"{SOURCE}{name}" if name.startswith(beginnings) else name
 
 
 def _round(variable: Variable) -> None:
@@ -469,6 +443,21 @@ def _round(variable: Variable) -> None:
         f"float64 rounded to {variable.dtype}: off by at most {unit:.3g} of the value more than before; "
         f"by {least:.1g} below {float(info.smallest_normal):.3g}; infinite beyond {float(info.max):.3g}"
     )
+
+
+# -- Write a converted map, in one of the formats
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is to be written, and what is to be told of the bytes that are."""
+
+    path: Path
+    source: Source
+    attrs: dict[str, Any]
+    overwrite: bool
+    show: Callable[[int], Any]
+    compression: Compression | None
 
 
 # -- Write a converted map as HDF5 or netCDF-4, which is HDF5: as a sweep does, or compressed
@@ -515,27 +504,26 @@ class _UntilItFails(io.FileIO):
                 self._error = error
 
 
-def write_plain(path: Path, source: Source, attrs: Mapping[str, Any], overwrite: bool, show: Any) -> None:
-    """Write a file with contiguous variables and their checksums."""
-    with Writer(path, source.coords, source.all, attrs, overwrite=overwrite) as writer:
+def write_hdf5(task: Task) -> None:
+    """Write a file: with contiguous variables and their checksums, or compressed."""
+    source = task.source
+    if task.compression is not None:
+        _write_compressed(task, task.compression)
+        return
+    with Writer(task.path, source.coords, source.all, task.attrs, overwrite=task.overwrite) as writer:
         for variable in source.all:
             for _, first, values in source.blocks(variable):
                 writer.write(variable.name, first, values.reshape(-1))
-                show(values.nbytes)
+                task.show(values.nbytes)
         writer.finish(source.remarks())
 
 
-def write_compressed(
-    path: Path,
-    source: Source,
-    attrs: Mapping[str, Any],
-    overwrite: bool,
-    show: Any,
-    *,
-    compression: Compression,
-) -> None:
+def _write_compressed(task: Task, compression: Compression) -> None:
     """Write a file with compressed chunks, and one checksum of all its bytes."""
-    with OutputFile(path, overwrite, lambda fresh: lay_labels(fresh, source.coords, attrs)) as out:
+    source = task.source
+    with OutputFile(
+        task.path, task.overwrite, partial(lay_labels, coords=source.coords, attrs=task.attrs)
+    ) as out:
         target = _UntilItFails(out.fd)
         with h5py.File(target, "r+") as file:
             filters = compression.of_hdf5()
@@ -547,7 +535,7 @@ def write_compressed(
                 for index, _, values in source.blocks(variable, chunks):
                     dataset[index] = values
                     target.check()
-                    show(values.nbytes)
+                    task.show(values.nbytes)
             for name, value in {**source.remarks(), FORMAT: FORMAT_VERSION}.items():
                 file.attrs[name] = value
             place = create_checksums(file, [])[OF_REST]
@@ -570,20 +558,13 @@ ZARR_CHUNK_BYTES = 1 << 22
 ZARR_FORMAT = 2
 
 
-def write_zarr(
-    path: Path,
-    source: Source,
-    attrs: Mapping[str, Any],
-    overwrite: bool,
-    show: Any,
-    *,
-    compression: Compression | None,
-) -> None:
+def write_zarr(task: Task) -> None:
     """Write a zarr store, chunk by chunk; without a compression by the library's own."""
     import zarr
 
-    labels = source.coords.assign_attrs(as_json(attrs))
-    with OutputFolder(path, overwrite) as out:
+    source, compression = task.source, task.compression
+    labels = source.coords.assign_attrs(as_json(task.attrs))
+    with OutputFolder(task.path, task.overwrite) as out:
         labels.to_zarr(
             out.part,
             mode="a",
@@ -609,7 +590,7 @@ def write_zarr(
             )
             for index, _, values in source.blocks(variable, chunks):
                 array[index if index else ...] = values
-                show(values.nbytes)
+                task.show(values.nbytes)
         group.attrs.update(as_json({**source.remarks(), FORMAT: FORMAT_VERSION}))
         zarr.consolidate_metadata(str(out.part), zarr_format=ZARR_FORMAT)
         out.publish()
@@ -620,6 +601,8 @@ def write_zarr(
 
 #: Bytes of a number as text, with the object that holds it, and of one in a column of a table.
 TEXT_BYTES, NUMBER_BYTES = 100, 8
+#: A function that returns the values of a column for each row.
+Spread = Callable[[NDArray[Any]], NDArray[Any]]
 #: Key of the attributes of a map in those of a Parquet file.
 METADATA = "fastlink"
 
@@ -639,117 +622,90 @@ def check_table(variables: list[Variable]) -> None:
             )
 
 
-class _Rows:
-    """The rows of a long table, block by block.
-
-    Attributes
-    ----------
-    coords : dict of str
-        The columns of inputs, arrays or what is read block by block: those along the dimensions first, then constants.
-    """
-
-    def __init__(self, source: Source, cell_bytes: int) -> None:
-        widest = max(source.variables, key=lambda variable: len(variable.dims))
-        self.source, self.dims, self.shape = source, widest.dims, widest.shape
-        inputs: dict[str, Any] = {str(name): coord for name, coord in source.coords.coords.items()}
-        inputs |= {column.name: column for column in source.columns}
-        order = [*self.dims, *(name for name in inputs if name not in self.dims)]
-        inside = [name for name in order if name in inputs and set(inputs[name].dims) <= set(self.dims)]
-        inside.sort(key=lambda name: not inputs[name].dims)
-        self.coords = {name: inputs[name] for name in inside}
-        self.most = max(1, BLOCK_BYTES // (cell_bytes * (len(self.coords) + len(source.variables))))
-
-    @property
-    def names(self) -> list[str]:
-        """The names of all columns."""
-        return [*self.coords, *(variable.name for variable in self.source.variables)]
-
-    def blocks(self) -> Iterator[tuple[tuple[int, ...], list[NDArray[Any]]]]:
-        """Yield the shape of a block, and the values of each column, which spread over that shape."""
-        for index, _ in pieces(self.shape, self.most):
-            box = {
-                dim: slice(part, part + 1) if isinstance(part, int) else part
-                for dim, part in zip(self.dims, index, strict=False)
-            }
-            shape = tuple(
-                len(range(size)[box.get(dim, slice(None))])
-                for dim, size in zip(self.dims, self.shape, strict=True)
-            )
-            columns = []
-            for one in (*self.coords.values(), *self.source.variables):
-                if isinstance(one, Variable):
-                    whole: Index = tuple(box.get(dim, slice(None)) for dim in one.dims)
-                    values = self.source.read(one, whole)
-                else:
-                    values = one.variable.isel({dim: box[dim] for dim in one.dims if dim in box}).values
-                columns.append(self._spread(values, one.dims))
-            yield shape, columns
-
-    def _spread(self, values: NDArray[Any], dims: tuple[Any, ...]) -> NDArray[Any]:
-        """Return values with all dimensions of the rows, of length 1 where they do not vary."""
-        here = [dim for dim in self.dims if dim in dims]
-        ordered = np.transpose(values, [dims.index(dim) for dim in here])
-        places = tuple(slice(None) if dim in dims else None for dim in self.dims)
-        return np.asarray(ordered[places])
+def _fields(source: Source) -> dict[str, Any]:
+    """Return the columns of a table by name: inputs along the dimensions of its rows, constants, then results."""
+    dims = _widest(source).dims
+    inputs: dict[str, Any] = {str(name): coord for name, coord in source.coords.coords.items()}
+    inputs |= {column.name: column for column in source.columns}
+    order = [*dims, *(name for name in inputs if name not in dims)]
+    inside = [name for name in order if name in inputs and set(inputs[name].dims) <= set(dims)]
+    inside.sort(key=lambda name: not inputs[name].dims)
+    return {name: inputs[name] for name in inside} | {one.name: one for one in source.variables}
 
 
-def write_csv(path: Path, source: Source, attrs: Mapping[str, Any], overwrite: bool, show: Any) -> None:
+def _widest(source: Source) -> Variable:
+    """Return the variable that has a value in each row."""
+    return max(source.variables, key=lambda variable: len(variable.dims))
+
+
+def _rows(task: Task, cell_bytes: int) -> Iterator[list[tuple[NDArray[Any], Spread]]]:
+    """Yield the values of each column in a block of rows, and what spreads them over these."""
+    source = task.source
+    fields, widest = _fields(source).values(), _widest(source)
+    most = max(1, BLOCK_BYTES // (cell_bytes * len(fields)))
+    for index, _ in pieces(widest.shape, most):
+        box = {dim: slice(0, size) for dim, size in zip(widest.dims, widest.shape, strict=True)}
+        for dim, part in zip(widest.dims, index, strict=False):
+            box[dim] = slice(part, part + 1) if isinstance(part, int) else part
+        sizes = {dim: part.stop - part.start for dim, part in box.items()}
+        columns = list[tuple[NDArray[Any], Spread]]()
+        for one in fields:
+            if isinstance(one, Variable):
+                values = source.read(one, tuple(box[dim] for dim in one.dims))
+            else:
+                values = one.variable.isel({dim: box[dim] for dim in one.dims}).values
+            columns.append((values, partial(_spread, dims=one.dims, sizes=sizes)))
+        yield columns
+        task.show(
+            source.nbytes * math.prod(sizes.values()) // max(math.prod(one.shape) for one in source.variables)
+        )
+
+
+def _spread(values: NDArray[Any], dims: tuple[Any, ...], sizes: Mapping[Any, int]) -> NDArray[Any]:
+    """Return values along some dimensions for each row, flat."""
+    ordered = np.transpose(values, [dims.index(dim) for dim in sizes if dim in dims])
+    places = tuple(slice(None) if dim in dims else None for dim in sizes)
+    return np.broadcast_to(ordered[places], tuple(sizes.values())).ravel()
+
+
+def write_csv(task: Task) -> None:
     """Write a CSV file; its numbers are read back with the same bits."""
-    rows = _Rows(source, TEXT_BYTES)
-    with OutputFile(path, overwrite, _empty) as out:
+    with OutputFile(task.path, task.overwrite, _empty) as out:
         with os.fdopen(os.dup(out.fd), "w", encoding="utf-8", newline="") as file:
-            file.write(",".join(map(_quoted, rows.names)) + "\n")
-            for shape, columns in rows.blocks():
-                texts = [np.broadcast_to(_texts(values), shape).ravel().tolist() for values in columns]
+            file.write(",".join(map(_quoted, _fields(task.source))) + "\n")
+            for columns in _rows(task, TEXT_BYTES):
+                texts = [spread(_texts(values)).tolist() for values, spread in columns]
                 file.write("\n".join(map(",".join, zip(*texts, strict=True))) + "\n")
-                show(_nbytes(shape, source))
         out.publish()
 
 
-def write_parquet(
-    path: Path,
-    source: Source,
-    attrs: Mapping[str, Any],
-    overwrite: bool,
-    show: Any,
-    *,
-    compression: Compression | None,
-) -> None:
+def write_parquet(task: Task) -> None:
     """Write a Parquet file, a row group for each block; without a compression by the library's own."""
     import pyarrow as pa
     from pyarrow import parquet
 
-    rows = _Rows(source, NUMBER_BYTES)
-    fields = rows.coords | {variable.name: variable for variable in source.variables}
     schema = pa.schema(
         [
             pa.field(name, _arrow(pa, one.dtype), metadata=_metadata(one.attrs))
-            for name, one in fields.items()
+            for name, one in _fields(task.source).items()
         ],
-        metadata={METADATA: json.dumps(as_json(attrs))},
+        metadata={METADATA: json.dumps(as_json(task.attrs))},
     )
     options: dict[str, Any] = {}
-    if compression is not None:
+    if compression := task.compression:
         options = {"compression": compression.name, "compression_level": compression.level}
-    with OutputFile(path, overwrite, _empty) as out:
+    with OutputFile(task.path, task.overwrite, _empty) as out:
         with (
             os.fdopen(os.dup(out.fd), "wb") as file,
             parquet.ParquetWriter(file, schema, **options) as writer,
         ):
-            for shape, columns in rows.blocks():
+            for columns in _rows(task, NUMBER_BYTES):
                 arrays = [
-                    pa.array(np.broadcast_to(values, shape).ravel(), field.type)
-                    for values, field in zip(columns, schema, strict=True)
+                    pa.array(spread(values), field.type)
+                    for (values, spread), field in zip(columns, schema, strict=True)
                 ]
-                writer.write_batch(pa.record_batch(arrays, schema=schema), row_group_size=math.prod(shape))
-                show(_nbytes(shape, source))
+                writer.write_batch(pa.record_batch(arrays, schema=schema), row_group_size=len(arrays[0]))
         out.publish()
-
-
-def _nbytes(shape: tuple[int, ...], source: Source) -> int:
-    """Return the share of a block of rows in all values."""
-    widest = max(math.prod(variable.shape) for variable in source.variables)
-    return source.nbytes * math.prod(shape) // widest
 
 
 def _empty(path: Path) -> None:
@@ -889,34 +845,19 @@ def convert(
         path = _target(to, form, dataset, 0 if compression or form != "hdf5" else source.nbytes, overwrite)
         command = _command(dataset, to, selection, quantities, dtype, compression)
         attrs = labelled(dataset, source, selection, command)
+        if compression is not None:
+            attrs[COMPRESSION] = str(compression)
+        if form in ("csv", "parquet"):
+            check_table(source.variables)
         with _shown(source.nbytes, progress) as show:
-            _write(path, source, attrs, form, compression, overwrite, show)
+            WRITERS[form](Task(path, source, attrs, overwrite, show, compression))
     if source.overflows:
         what = f"values that are infinite in {kind}: {', '.join(f'{n:,} of {k}' for k, n in source.overflows.items())}"
         remark(what, ("dtype",), "keep float64 if they matter")
     return path
 
 
-def _write(
-    path: Path,
-    source: Source,
-    attrs: dict[str, Any],
-    form: str,
-    compression: Compression | None,
-    *more: Any,
-) -> None:
-    """Write the result in its format."""
-    if compression is not None:
-        attrs[COMPRESSION] = str(compression)
-    writers = {
-        "hdf5": write_plain if compression is None else partial(write_compressed, compression=compression),
-        "zarr": partial(write_zarr, compression=compression),
-        "csv": write_csv,
-        "parquet": partial(write_parquet, compression=compression),
-    }
-    if form in ("csv", "parquet"):
-        check_table(source.variables)
-    writers[form](path, source, attrs, *more)
+WRITERS = {"hdf5": write_hdf5, "zarr": write_zarr, "csv": write_csv, "parquet": write_parquet}
 
 
 def _format(to: Any) -> str:

@@ -46,13 +46,13 @@ class Range:
 Value = TypeVar("Value", Range, float)
 
 
-def named(known: Mapping[str, xr.DataArray], name: Any) -> tuple[xr.DataArray | None, bool]:
-    """Return the array of a name, and whether values are in degrees: those of NAME by NAME_deg; None of an unknown."""
+def named(known: Mapping[str, Any], name: Any) -> tuple[str, bool]:
+    """Return which variable a name means, and whether in degrees, as NAME_deg means NAME; an empty text for none."""
     angle = angle_of(name) if isinstance(name, str) and name not in known else ""
-    if angle in known:
-        check_angle(name, angle, str(known[angle].attrs.get("units", "1")), ())
-        return known[angle], True
-    return known.get(name), False
+    if angle not in known:
+        return (name if name in known else ""), False
+    check_angle(name, angle, str(known[angle].attrs.get("units", "1")), ())
+    return angle, True
 
 
 def in_units(array: xr.DataArray, value: Value, where: str, *, in_degrees: bool) -> Value:
@@ -112,6 +112,11 @@ class Selection:
             indexer = range(int(indexer[0]), int(indexer[-1]) + 1)  # which is read at once
         self.indexers[dim] = indexer
 
+    def size(self, dim: str, size: int) -> int:
+        """Return how many values are taken along a dimension of some size."""
+        indexer = self.indexers.get(dim, range(size))
+        return 1 if isinstance(indexer, int) else len(indexer)
+
 
 def selected(maps: xr.Dataset, given: Any) -> Selection:
     """Return what conditions take of a map, or refuse them.
@@ -152,9 +157,9 @@ def _coordinate(maps: xr.Dataset, name: Any) -> tuple[xr.DataArray, bool]:
         for dim, size in maps.sizes.items()
         if str(dim) not in known
     }
-    coordinate, in_degrees = named(known, name)
-    if coordinate is not None:
-        return coordinate, in_degrees
+    key, in_degrees = named(known, name)
+    if key in known:
+        return known[key], in_degrees
     if name in maps.data_vars:
         what, remedy = "is a result, which has no dimension of its own", f"select by {', '.join(known)}"
         raise InputError(what, remedy=remedy)

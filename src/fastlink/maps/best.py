@@ -16,16 +16,9 @@ from numpy.typing import NDArray
 from fastlink._text import joined, short_number, short_repr
 from fastlink.errors import InputError, Pair, Problems, Setting, check_choice, check_switch, check_whole
 from fastlink.io.checksums import pieces
+from fastlink.io.where import Range, in_units, named
 from fastlink.maps.units import check_flags, flags_of
-from fastlink.space.design_space import (
-    DESIGN,
-    RADIANS,
-    angle_of,
-    as_real,
-    check_angle,
-    radians,
-    remark_on_angles,
-)
+from fastlink.space.design_space import DESIGN, as_real
 from fastlink.space.tables import STATUS
 
 if TYPE_CHECKING:
@@ -99,7 +92,7 @@ class Condition:
             return found
         if self.array.dtype.kind == "b":
             return np.asarray(values, dtype=bool)
-        return (values >= self.low) & (values <= self.high)
+        return Range(self.low, self.high).holds(values)
 
 
 def conditions(maps: xr.Dataset, where: Any) -> list[Condition]:
@@ -142,9 +135,9 @@ def _of_code(array: xr.DataArray, where: str, meanings: Any) -> Condition:
 
 def _of_name(maps: xr.Dataset, name: Any, given: Any) -> Condition:
     """Return the condition on one variable or input; the limits of an angle NAME in degrees as NAME_deg."""
-    known = [str(one) for one, array in maps.variables.items() if array.dtype.kind in "iuf"]
-    angle = angle_of(name) if isinstance(name, str) and name not in known else ""
-    array = maps[angle if angle in known else check_choice(("where",), name, known)]
+    known = {str(one): array for one, array in maps.variables.items() if array.dtype.kind in "iuf"}
+    key, in_degrees = named(known, name)
+    array = maps[key or check_choice(("where",), name, list(known))]
     if flags_of(array) and isinstance(given, (str, list, tuple)):
         return _of_code(array, name, given)
     where, remedy = ("where", name), ("write ", Pair(unlimited=True))
@@ -153,26 +146,21 @@ def _of_name(maps: xr.Dataset, name: Any, given: Any) -> Condition:
         raise InputError(what, where=where, remedy=f"write one of its meanings, {', '.join(flags_of(array))}")
     if not isinstance(given, (list, tuple)) or len(given) != 2:
         raise InputError(f"is {short_repr(given)}", where=where, remedy=remedy)
-    low, high = (_limit(name, *end) for end in zip(given, (-math.inf, math.inf), strict=True))
-    if not low <= high:
-        raise InputError(f"runs from {low:g} to {high:g}", where=where, remedy="exchange the ends")
-    units = str(array.attrs.get("units", "1"))
-    if angle:
-        check_angle(name, angle, units, ())
-        low, high = float(radians(low)), float(radians(high))
-    elif units == RADIANS:
-        remark_on_angles(name, [end for end in (low, high) if math.isfinite(end)], "where")
-    return Condition(array, None, low, high)
+    limits = Range(*(_limit(name, *end) for end in zip(given, (-math.inf, math.inf), strict=True)))
+    if not limits.low <= limits.high:
+        what = f"runs from {limits.low:g} to {limits.high:g}"
+        raise InputError(what, where=where, remedy="exchange the ends")
+    limits = in_units(array, limits, "where", in_degrees=in_degrees)
+    return Condition(array, None, limits.low, limits.high)
 
 
 def _limit(name: str, end: Any, otherwise: float) -> float:
     """Return one end of a range, or refuse it."""
-    if end is None:
-        return otherwise
-    if (number := as_real(end)) is not None:
-        return number
-    what, remedy = f"ends at {short_repr(end)}", "write a number, or None for no limit"
-    raise InputError(what, where=("where", name), remedy=remedy)
+    number = otherwise if end is None else as_real(end)
+    if number is None:
+        what, remedy = f"ends at {short_repr(end)}", "write a number, or None for no limit"
+        raise InputError(what, where=("where", name), remedy=remedy)
+    return number
 
 
 # -- Rows of a map: the places along some dimensions, read block by block, so that a map may be larger than
