@@ -124,13 +124,7 @@ class Compression:
 
 
 def check_compression(value: Any, format: str) -> Compression | None:
-    """Return a compression that is given as ``"zstd:3"`` or ``"gzip"``, or refuse it.
-
-    Examples
-    --------
-    >>> str(check_compression("gzip", "hdf5"))
-    'gzip:4'
-    """
+    """Return a compression that is given as zstd:3 or gzip, or refuse it."""
     if value is None:
         return None
     where = ("compress",)
@@ -177,19 +171,7 @@ Index = tuple[int | slice, ...]
 
 
 class Source:
-    """The part of a map that a conversion takes.
-
-    Attributes
-    ----------
-    coords : xarray.Dataset
-        Coordinates of the result, besides the columns.
-    columns : list of Variable
-        Coordinates with a value for each design, where these are many.
-    variables : list of Variable
-        Its variables, with the attributes of the map.
-    overflows : dict of str to int
-        How many values have become infinite, by variable.
-    """
+    """The part of a map that a conversion takes: coordinates, columns of many designs, variables, read by blocks."""
 
     def __init__(
         self, maps: xr.Dataset, selection: Selection, names: Sequence[str], dtype: np.dtype[Any] | None

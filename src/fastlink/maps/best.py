@@ -56,17 +56,7 @@ __all__ = [
 
 @dataclass(frozen=True)
 class Condition:
-    """A set of values that a variable must have in a row.
-
-    Attributes
-    ----------
-    array : xarray.DataArray
-        The variable.
-    codes : tuple of int or None
-        The codes that it may have.
-    low, high : float
-        Where there are no codes: the ends of its range, which belong to it.
-    """
+    """A variable of which each row must have one of some codes, or a value from low to high."""
 
     array: xr.DataArray
     codes: tuple[int, ...] | None = None
@@ -175,15 +165,7 @@ DENSE = 1e-3
 
 @dataclass(frozen=True)
 class Block:
-    """Consecutive rows.
-
-    Attributes
-    ----------
-    index : tuple of int or slice
-        Where they are, along the first dimensions.
-    first, count : int
-        The number of the first one, and how many they are.
-    """
+    """Consecutive rows: where they are along the first dimensions, the number of the first, and how many."""
 
     index: tuple[int | slice, ...]
     first: int
@@ -192,13 +174,7 @@ class Block:
 
 @dataclass(frozen=True)
 class Rows:
-    """The places along some dimensions, numbered in C order.
-
-    Attributes
-    ----------
-    sizes : dict
-        The dimensions and their lengths.
-    """
+    """The places along some dimensions of some sizes, numbered in C order."""
 
     sizes: dict[str, int]
 
@@ -216,13 +192,7 @@ class Rows:
         return tuple(self.sizes.values())
 
     def blocks(self, most: int = 0) -> Iterator[Block]:
-        """Yield all rows in consecutive pieces of about `most`, `MOST_ROWS` unless given.
-
-        Examples
-        --------
-        >>> list(Rows({"a1": 2, "a2": 3}).blocks(2))[:2]
-        [Block(index=(0, slice(0, 2, None)), first=0, count=2), Block(index=(0, slice(2, 3, None)), first=2, count=1)]
-        """
+        """Yield all rows in consecutive pieces of about so many, MOST_ROWS unless given."""
         for index, first in pieces(self.shape, most or MOST_ROWS):
             lead = index[-1]
             assert isinstance(lead, slice)
@@ -291,16 +261,7 @@ SAMPLED = 4096
 
 
 def nondominated(points: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Return the rows that no other row beats, by growing values; of equal ones the first.
-
-    A row beats another one if it is nowhere greater, and less somewhere.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> nondominated(np.array([[1.0, 3.0], [2.0, 2.0], [2.0, 3.0], [1.0, 3.0]]))
-    array([0, 1])
-    """
+    """Return the rows that no other beats (nowhere greater, less somewhere), by growing values; of equal ones the first."""
     order = np.lexsort(points.T[::-1])  # stable: equal rows by their places
     # no later row beats an earlier one, and what is before has the first objective no greater
     rest = points[order, 1:]
@@ -342,10 +303,7 @@ def _above_stairs(rest: NDArray[np.float64]) -> list[int]:
 
 
 def undominated(points: NDArray[np.float64], front: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Return rows among which are all that neither the others nor a front beat, in their order.
-
-    Rows are compared with the few that beat most of them.
-    """
+    """Return rows, compared with the few that beat most, among which are all that neither others nor a front beat."""
     places = np.arange(len(points))
     if not len(points):
         return places
@@ -398,19 +356,7 @@ class Objective:
 
 @dataclass(frozen=True)
 class Choice:
-    """Which rows of a map are the best.
-
-    Attributes
-    ----------
-    objectives : list of Objective
-        One, by which rows are ranked, or several, of which the front is.
-    wanted : list of Condition
-        What the rows must meet.
-    top : int
-        How many rows, of one objective.
-    infinite : bool
-        Whether infinite objectives count.
-    """
+    """Which rows are the best: by one objective the top ones, by several the front; whether infinite ones count."""
 
     objectives: list[Objective]
     wanted: list[Condition]
@@ -441,17 +387,7 @@ def choice_of(
 
 @dataclass(frozen=True)
 class Selection:
-    """The best rows of a map, the best first, and what was left out.
-
-    Attributes
-    ----------
-    rows : Rows
-        All rows.
-    places : array of int64
-        The numbers of those that are selected.
-    about : str
-        How they were.
-    """
+    """The numbers of the best rows of a map, the best first, and how they were selected."""
 
     rows: Rows
     places: NDArray[np.int64]

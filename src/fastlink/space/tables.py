@@ -298,13 +298,7 @@ def _read_parquet(path: Path, keep: Collection[str], allow_invalid: bool) -> Col
 
 
 class TableFile(ABC):
-    """A table in a file, of which blocks of rows are read; thread-safe.
-
-    Attributes
-    ----------
-    starts : list of int
-        The number of the first row of each block, and the number of all rows.
-    """
+    """A table in a file, of which blocks of rows are read, numbered by the first row of each; thread-safe."""
 
     is_large: bool
 
@@ -711,12 +705,7 @@ OF_RESULTS = (BRANCH, EXTREMUM)
 
 
 def space_of_dataset(dataset: Any, keep: Collection[str], allow_invalid: bool) -> DesignSpace:
-    """Return the designs of a Dataset, in its own dimensions.
-
-    Variables and coordinates along one dimension are columns, a dimension whose coordinate stands alone is an axis,
-    scalars are constants, texts and other numbers along an index are labels. The results of a map, and their further
-    dimensions, are left out.
-    """
+    """Return the designs of a Dataset in its own dimensions, as table says; results of a map are left out."""
     reader = _DatasetReader(dataset)
     columns = Columns(keep, allow_invalid, [str(name) for name in (*dataset.data_vars, *dataset.coords)])
     columns.of_map |= reader.of_map
@@ -756,17 +745,7 @@ def _add(columns: Columns, reader: _DatasetReader, name: str, variable: Any) -> 
 
 
 class _DatasetReader:
-    """The variables of a Dataset that may give designs.
-
-    Attributes
-    ----------
-    of_map : bool
-        Whether it is the result of a sweep.
-    results : list of str
-        The results of that sweep.
-    entries : dict
-        The other variables and coordinates by name.
-    """
+    """The variables of a Dataset that may give designs, and which are results of the map that it is."""
 
     def __init__(self, dataset: Any) -> None:
         self.dataset = dataset
@@ -876,13 +855,7 @@ def table(source: Any, *, keep: Sequence[str] = (), allow_invalid: bool = False)
 
 
 def as_space(source: Any, *, allow_invalid: bool = False) -> DesignSpace:
-    """Return the designs that stand in place of a design space: a table, one design, or those of a map.
-
-    Examples
-    --------
-    >>> as_space({"a1": 0.4, "a2": 1.2}).dims, as_space({"a1": [0.4, 0.5], "a2": 1.2}).dims
-    ((), ('design',))
-    """
+    """Return the designs that stand in place of a design space: a table, one design, or those of a map."""
     space = source if isinstance(source, DesignSpace) else _space_of(source, (), allow_invalid, single=True)
     if space is None:
         remedy = f"give fastlink.grid(...), fastlink.sobol(...), {SOURCES}"
