@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -43,9 +43,6 @@ class Range:
         return [end for end in (self.low, self.high) if math.isfinite(end)]
 
 
-Value = TypeVar("Value", Range, float)
-
-
 def named(known: Mapping[str, Any], name: Any) -> tuple[str, bool]:
     """Return which variable a name means, and whether in degrees, as NAME_deg means NAME; an empty text for none."""
     angle = angle_of(name) if isinstance(name, str) and name not in known else ""
@@ -55,15 +52,14 @@ def named(known: Mapping[str, Any], name: Any) -> tuple[str, bool]:
     return angle, True
 
 
-def in_units(array: xr.DataArray, value: Value, where: str, *, in_degrees: bool) -> Value:
-    """Return a value or range in the units of an array; radians that look like degrees are remarked on."""
-    if in_degrees and isinstance(value, Range):
-        return Range(float(radians(value.low)), float(radians(value.high)))
+def in_units(array: xr.DataArray, values: Range, where: str, *, in_degrees: bool) -> Range:
+    """Return a range in the units of an array; radians that look like degrees are remarked on."""
     if in_degrees:
-        return float(radians(value))
+        return Range(float(radians(values.low)), float(radians(values.high)))
     if array.attrs.get("units") == RADIANS:
-        remark_on_angles(str(array.name), value.ends if isinstance(value, Range) else value, where)
-    return value
+        given = values.low if values.low == values.high else values.ends
+        remark_on_angles(str(array.name), given, where)
+    return values
 
 
 def is_scale(values: NDArray[Any]) -> bool:
@@ -178,11 +174,13 @@ def _taken(coordinate: xr.DataArray, condition: Any, *, in_degrees: bool) -> Ind
         if text is None:
             raise InputError(f"is {short_repr(condition)}", remedy="write one of its texts")
         return np.flatnonzero(values.astype(str) == text)
-    form = in_units(coordinate, _form(condition), "select", in_degrees=in_degrees)
-    if isinstance(form, Range):
-        slack = SLACK * max(map(abs, form.ends), default=0.0)
-        return np.flatnonzero(form.holds(values, slack))
-    slack, is_axis = SLACK * abs(form), coordinate.name in coordinate.dims
+    given = _form(condition)
+    limits = given if isinstance(given, Range) else Range(given, given)
+    limits = in_units(coordinate, limits, "select", in_degrees=in_degrees)
+    slack = SLACK * max(map(abs, limits.ends), default=0.0)
+    if isinstance(given, Range):
+        return np.flatnonzero(limits.holds(values, slack))
+    form, is_axis = limits.low, coordinate.name in coordinate.dims
     if is_axis and values.dtype.kind == "f" and is_scale(values):
         place = nearest(values, form, slack)
         if place is None:

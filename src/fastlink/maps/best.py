@@ -261,7 +261,7 @@ SAMPLED = 4096
 
 
 def nondominated(points: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Return the rows that no other beats (nowhere greater, less somewhere), by growing values; of equal ones the first."""
+    """Return the rows that no other beats (nowhere greater, less somewhere), by growing values; of equal ones one."""
     order = np.lexsort(points.T[::-1])  # stable: equal rows by their places
     # no later row beats an earlier one, and what is before has the first objective no greater
     rest = points[order, 1:]

@@ -518,9 +518,10 @@ class CsvColumn:
             self.bad = self.bad or cell(0)
             stripped = list(map(str.strip, texts))
             self.labels.append(_whole(stripped) if self.by_name else stripped)
-            numbers = (row for row, text in enumerate(texts) if _number(text) is not None)
-            wrong = None if self.by_name else next(numbers, None)
-            return None if wrong is None else (wrong, self._no_number(*self.bad))
+            for row, text in () if self.by_name else enumerate(texts):
+                if _number(text) is not None:
+                    return row, self._no_number(*self.bad)
+            return None
         numbers = _numbers(texts)
         if numbers is None:
             wrong = next(row for row, text in enumerate(texts) if not _is_numeric(text))
@@ -539,7 +540,8 @@ class CsvColumn:
                 found.doubt(self.name, *self.bad)
             found.take(self.name, self.walk)
             return
-        if all(isinstance(labels, np.ndarray) for labels in self.labels):
+        labels: Any
+        if all(isinstance(block, np.ndarray) for block in self.labels):
             labels = np.concatenate(self.labels)
         else:
             labels = [str(label) for block in self.labels for label in block]
