@@ -101,12 +101,6 @@ def test_one_array_of_a_map_is_refused_with_the_whole():
         as_space(xr.DataArray([1.0], dims="a2"))
 
 
-def test_columns_of_other_lengths_name_both_ways():
-    for remedy in ("one per design", "fl.grid(**...)"):
-        with refused("column a2", remedy):
-            as_space({"a1": [0.4, 0.5, 0.6], "a2": [1.1, 1.2]})
-
-
 LABELLED = {
     "names": (pd.DataFrame(COLUMNS, index=["x", "y"]), {"index": ["x", "y"]}),
     "named": (pd.DataFrame(COLUMNS, index=pd.Index([7, 9], name="part")), {"part": [7, 9]}),
@@ -205,21 +199,6 @@ def test_a_grid_of_something_else():
         grid([1.0, 2.0])
     with refused("grid: a1", "write it once"):
         grid({"a1": 1.0}, a1=2.0)
-
-
-WRONG_NUMBERS = {
-    "a quote in a number": ('a1,a2\n0.4,"1.2"5\n', "CSV text"),
-    "an underscore": ("a1,a2\n0.4,1_0\n", "row 0 (line 2) of column a2"),
-    "digits of another script": ("a1,a2\n0.4,١\n", "row 0 (line 2) of column a2"),
-    "a unit in a name": ("a1,a2 [m]\n0.4,1.0\n", "'a2 [m]'"),
-}
-
-
-@pytest.mark.parametrize(("text", "key"), WRONG_NUMBERS.values(), ids=WRONG_NUMBERS)
-def test_what_python_reads_as_another_number_is_refused(tmp_path, text, key):
-    (tmp_path / "d.csv").write_text(text.replace("a2\n", "a2\n0.3,1.0\n", 1) if "row" in key else text)
-    with refused(key.replace("row 0 (line 2)", "row 1 (line 3)")):
-        as_space(tmp_path / "d.csv")
 
 
 NO_NUMBERS = [memoryview(b"12"), b"12", [0.4, True], np.longdouble("1e4000"), np.array([1], "m8[s]")]

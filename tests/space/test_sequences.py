@@ -44,14 +44,6 @@ def test_any_block_of_the_sequence_has_scipys_bits(dimensions, seed, n, data):
             assert_array_equal(axis.piece(start, stop), column[start:stop])
 
 
-def test_far_points_have_scipys_bits():
-    engine = qmc.Sobol(3, rng=np.random.default_rng(5))
-    engine.fast_forward(2**22 - 5000)
-    points = engine.random(10_000)  # across a power of two, and across a table
-    for axis, column in zip(sobol_axes(2**30, 5, [UNIT] * 3), points.T, strict=True):
-        assert_array_equal(axis.piece(2**22 - 5000, 2**22 + 5000), column)
-
-
 def test_the_farthest_points_are_those_of_the_gray_code():
     engine = qmc.Sobol(2, rng=np.random.default_rng(5), bits=53)
     for n in (2**50, 2**40):
@@ -224,6 +216,7 @@ for sample in (fl.sobol, fl.latin_hypercube):
 """
 
 
+@pytest.mark.stress
 @pytest.mark.skipif(sys.platform != "linux", reason="the limit of the address space is that of Linux")
 def test_little_memory_is_enough():
     # 10^10 designs of three inputs would be 240 GB; 256 MB are for the results and coordinates of 10^5 designs (5 MB,
@@ -240,9 +233,3 @@ def test_blocks_that_were_read_last_change_nothing(sample):
         values = column.piece(start, stop)
         assert_array_equal(values, whole[start:stop])
         values[:] = -1.0  # of the caller
-
-
-def test_the_table_of_points_does_not_matter(monkeypatch):
-    expected = sobol_axes(2**20, 3, [UNIT])[0].piece(1000, 9000)
-    monkeypatch.setattr(samplers, "TABLE_BITS", 3)
-    assert_array_equal(sobol_axes(2**20, 3, [UNIT])[0].piece(1000, 9000), expected)

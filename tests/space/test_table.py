@@ -195,6 +195,14 @@ CSV_ERRORS = {
     ),
     "empty cell": ("a1,a2\n1,\n", "row 0 (line 2) of column a2", KEEP),
     "nan": ("a1,a2\n1,2\n\nNaN,2\n", "row 1 (line 4) of column a1", KEEP),
+    "a quote in a number": ('a1,a2\n0.4,"1.2"5\n', "CSV text", "UTF-8"),
+    "an underscore": ("a1,a2\n0.3,1.0\n0.4,1_0\n", "row 1 (line 3) of column a2", "a number"),
+    "digits of another script": ("a1,a2\n0.3,1.0\n0.4,١\n", "row 1 (line 3) of column a2", "a number"),
+    "a zero byte": ("a1,a2\n0.3,1.0\n0.4,1\0\n", "row 1 (line 3) of column a2", "a number"),
+    "lines within quotes": ('name,a2\n"two\nlines",1.0\nx,y\n', "row 1 (line 4) of column a2", "a number"),
+    "the first of two": ("a1,a2\n0.3,1\n0.3,x\n0.4\n", "row 1 (line 3) of column a2", "a number"),
+    "a unit in a name": ("a1,a2 [m]\n0.4,1.0\n", "'a2 [m]'", "such as a2"),
+    "a number among texts": ("a1,a2\nx,1\n2,1\n", "row 0 (line 2) of column a1 in d.csv is 'x'", "a number"),
     "overflow": ("a1\n1e999\n", "row 0 (line 2) of column a1", KEEP),
 }
 
@@ -202,7 +210,7 @@ CSV_ERRORS = {
 @pytest.mark.parametrize(("text", "key", "remedy"), CSV_ERRORS.values(), ids=CSV_ERRORS)
 def test_a_bad_csv_file_is_refused_in_one_line(tmp_path, text, key, remedy):
     path = tmp_path / "d.csv"
-    path.write_text(text)
+    path.write_text(text, encoding="utf-8")
     with refused(key, remedy):
         table(path)
 

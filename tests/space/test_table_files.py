@@ -29,7 +29,6 @@ FIXED = {"a1": 0.4, "a4": 1.0, "omega1": 25.0}
 @pytest.fixture
 def every_file_is_large(monkeypatch):
     monkeypatch.setattr(tables, "LARGE", 0)
-    monkeypatch.setattr(tables, "LARGE", 0)
     monkeypatch.setattr(tables, "BLOCK_ROWS", 3)
 
 
@@ -52,7 +51,7 @@ CELLS = st.one_of(
 NUMBERS = st.floats(-1e9, 1e9).map(repr)
 
 
-@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=80, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.data())
 def test_a_text_file_reads_the_same_in_memory_and_block_by_block(tmp_path, monkeypatch, data):
     names = data.draw(
@@ -220,8 +219,7 @@ def test_a_large_file_needs_little_memory(tmp_path, monkeypatch, kind):
         csv.write_csv(table, path)
     else:
         parquet.write_table(table, path, row_group_size=500)
-    for module in (tables, tables):
-        monkeypatch.setattr(module, "LARGE", 0)
+    monkeypatch.setattr(tables, "LARGE", 0)
     monkeypatch.setattr(tables, "BLOCK_ROWS", 500)
     monkeypatch.setattr(tables, "KEPT_BYTES", 0)
     tracemalloc.start()

@@ -9,8 +9,9 @@ import json
 import math
 import os
 import shlex
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -20,7 +21,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from fastlink._text import short_number, short_repr, unwritable
+from fastlink._text import short_repr, unwritable
 from fastlink.errors import (
     InputError,
     KeyPath,
@@ -59,32 +60,15 @@ from fastlink.io.reader import (
     register_filter,
     require_package,
 )
+from fastlink.io.where import Indexer, Selection, selected
 from fastlink.io.writer import Writer, auxiliary, create_checksums, label, lay_labels
 from fastlink.space.design_space import (
     BRANCH,
     DESIGN,
-    RADIANS,
-    angle_of,
-    as_real,
-    check_angle,
-    degrees_name,
-    radians,
-    remark_on_angles,
 )
 from fastlink.space.tables import FORMAT, STATUS
 
-__all__ = [
-    "BLOCK_BYTES",
-    "Index",
-    "Selection",
-    "Source",
-    "check_compression",
-    "check_conversion",
-    "convert",
-    "labelled",
-    "selected",
-    "write_csv",
-]
+__all__ = ["Source", "check_conversion", "convert"]
 
 
 # -- The compressions of converted files, by name and level, in the words of each library
@@ -123,35 +107,24 @@ class Compression:
         import hdf5plugin
 
         register_filter(self.name)
+        if self.name == "lz4":
+            return dict(hdf5plugin.LZ4())
         if self.name == "zstd":
             return dict(hdf5plugin.Zstd(clevel=self.level))
-        if self.name == "blosc":
-            return dict(hdf5plugin.Blosc(cname="zstd", clevel=self.level, shuffle=hdf5plugin.Blosc.NOSHUFFLE))
-        return dict(hdf5plugin.LZ4())
+        return dict(hdf5plugin.Blosc(cname="zstd", clevel=self.level, shuffle=hdf5plugin.Blosc.NOSHUFFLE))
 
     def of_zarr(self) -> Any:
         """Return the codec of an array of zarr."""
         import numcodecs
 
-        if self.name == "gzip":
-            return numcodecs.GZip(level=self.level)
-        if self.name == "lz4":
-            return numcodecs.LZ4()
-        return (
-            numcodecs.Zstd(level=self.level)
-            if self.name == "zstd"
-            else numcodecs.Blosc(cname="zstd", clevel=self.level, shuffle=numcodecs.Blosc.SHUFFLE)
-        )
+        if self.name == "blosc":
+            return numcodecs.Blosc(cname="zstd", clevel=self.level, shuffle=numcodecs.Blosc.SHUFFLE)
+        level = {} if self.level is None else {"level": self.level}
+        return numcodecs.get_codec({"id": self.name, **level})
 
 
 def check_compression(value: Any, format: str) -> Compression | None:
-    """Return a compression that is given as ``"zstd:3"`` or ``"gzip"``, or refuse it.
-
-    Examples
-    --------
-    >>> str(check_compression("gzip", "hdf5"))
-    'gzip:4'
-    """
+    """Return a compression that is given as zstd:3 or gzip, or refuse it."""
     if value is None:
         return None
     where = ("compress",)
@@ -162,10 +135,10 @@ def check_compression(value: Any, format: str) -> Compression | None:
     name, colon, level = value.partition(":") if isinstance(value, str) else (value, "", "")
     name = check_choice(where, name, known)
     levels = LEVELS[name]
-    number = None if levels is None else levels[2]
-    if levels is None and colon:
+    if colon and levels is None:
         what = f"is {short_repr(value)}, and {name} has no levels"
         raise InputError(what, where=where, remedy=("write ", Setting("compress", name)))
+    number = None if levels is None else levels[2]
     if levels is not None and colon:
         number = int(level) if level.isdecimal() and level.isascii() and len(level) < 4 else -1
         if not levels[0] <= number <= levels[1]:
@@ -186,266 +159,6 @@ def chunks_of(variable: Variable, nbytes: int) -> tuple[int, ...]:
     return (*divided, *variable.shape[len(divided) :])
 
 
-# -- Select a part of a map by values, or by numbers, along its dimensions
-
-
-#: What is taken along a dimension: one number, which the result has no dimension for, or several.
-Indexer = int | slice | NDArray[np.intp]
-#: A value counts as an end of a range if it differs by four roundings: 1.1 + 0.1 is more than 1.2.
-SLACK = 4 * 2.0**-52
-NUMBER_SIGN, TO = "#", ":"
-FORMS = (
-    "write ",
-    Setting("select", {"a2": "1.1:1.2"}),
-    " for a range, a number for the nearest value, or '#3' or '#0:10' for numbers of values",
-)
-
-
-@dataclass
-class Selection:
-    """The conditions on what is taken of a map, and what meets them.
-
-    Attributes
-    ----------
-    indexers : dict of str to Indexer
-        What is taken along each dimension that is not taken whole.
-    texts : list of str
-        Each condition, such as ``a2=1.1:1.2``.
-    """
-
-    indexers: dict[str, Indexer] = field(default_factory=dict)
-    texts: list[str] = field(default_factory=list)
-
-    def __str__(self) -> str:
-        return "; ".join(self.texts)
-
-    def add(self, dim: str, indexer: Indexer) -> None:
-        """Take less along a dimension; both conditions have to hold."""
-        if dim in self.indexers:
-            indexer = np.intersect1d(_numbers(self.indexers[dim]), _numbers(indexer))
-        self.indexers[dim] = _simple(indexer)
-
-
-@dataclass(frozen=True)
-class _Numbers:
-    """Numbers of values along a dimension: one, or a slice of them."""
-
-    value: int | slice
-
-
-@dataclass(frozen=True)
-class _Ends:
-    """A range of values, both ends included."""
-
-    low: float
-    high: float
-
-
-def selected(maps: xr.Dataset, given: Any) -> Selection:
-    """Return what conditions take of a map, or refuse them.
-
-    Examples
-    --------
-    >>> maps = xr.Dataset(coords={"a2": [1.0, 1.1, 1.2, 1.3]})
-    >>> selected(maps, {"a2": "1.1:1.2"})
-    Selection(indexers={'a2': slice(1, 3, None)}, texts=['a2=1.1:1.2'])
-    """
-    selection, problems = Selection(), Problems()
-    if given is None:
-        return selection
-    if not isinstance(given, Mapping):
-        raise InputError(f"is {short_repr(given)}", where=("select",), remedy=FORMS)
-    for name, condition in given.items():
-        with problems.at("select", str(name)):
-            _add(selection, maps, name, condition)
-    problems.stop()
-    for dim, indexer in selection.indexers.items():
-        if not isinstance(indexer, int) and not _numbers(indexer).size:
-            what = f"no value along {dim} meets {selection}"
-            raise InputError(what, where=("select",), remedy="leave one of the conditions out")
-    return selection
-
-
-def _add(selection: Selection, maps: xr.Dataset, name: Any, condition: Any) -> None:
-    """Add one condition to a selection."""
-    coordinate, in_degrees = _coordinate(maps, name)
-    dim = str(coordinate.dims[0]) if coordinate.dims else ""
-    form = _form(name, condition, coordinate)
-    if isinstance(form, _Numbers):
-        if not dim:
-            raise InputError("is one value for all designs, which has no numbers", remedy="select by values")
-        taken: Indexer = _by_number(form.value, coordinate.size)
-    elif isinstance(form, str):
-        taken = np.flatnonzero(coordinate.values.astype(str).reshape(-1) == form)
-    else:
-        form = _in_radians(form) if in_degrees else form
-        if coordinate.attrs.get("units") == RADIANS and not in_degrees:
-            numbers = [form.low, form.high] if isinstance(form, _Ends) else form
-            remark_on_angles(str(coordinate.name), numbers, "select")
-        taken = _by_value(coordinate, form, is_axis=coordinate.name == dim)
-    if isinstance(taken, np.ndarray) and not taken.size:
-        raise InputError(f"{_text(condition)} takes nothing; {_span(coordinate)}", remedy="widen it")
-    if dim:
-        selection.add(dim, taken)
-    selection.texts.append(f"{name}={_text(condition)}")
-
-
-def _coordinate(maps: xr.Dataset, name: Any) -> tuple[xr.DataArray, bool]:
-    """Return the coordinate of a condition, and whether its values are in degrees."""
-    known = {str(key): coord for key, coord in maps.coords.items() if coord.ndim < 2}
-    known |= {
-        str(dim): xr.DataArray(np.arange(size), dims=str(dim), name=str(dim))
-        for dim, size in maps.sizes.items()
-        if str(dim) not in known
-    }
-    if name in known:
-        return known[name], False
-    angle = angle_of(name) if isinstance(name, str) else ""
-    if angle in known:
-        check_angle(str(name), angle, str(known[angle].attrs.get("units", "1")), ())
-        return known[angle], True
-    if name in maps.data_vars:
-        what, remedy = "is a result, which has no dimension of its own", f"select by {', '.join(known)}"
-        raise InputError(what, remedy=remedy)
-    angles = [degrees_name(key) for key, one in known.items() if one.attrs.get("units") == RADIANS]
-    raise InputError("is no dimension and no coordinate of the map", remedy=suggest(name, [*known, *angles]))
-
-
-def _form(name: Any, condition: Any, coordinate: xr.DataArray) -> _Numbers | _Ends | float | str:
-    """Return a condition as numbers of values, ends of a range, a value, or a text to be met."""
-    is_text = coordinate.dtype.kind not in "iufb"
-    if isinstance(condition, str):
-        text = condition.strip()
-        if text.startswith(NUMBER_SIGN):
-            return _Numbers(_slice(text[1:]))
-        if is_text:
-            return text
-        if TO in text:
-            low, _, high = text.partition(TO)
-            return _ends(_number(low, -math.inf), _number(high, math.inf))
-        return _number(text, None)
-    if is_text:
-        raise InputError(f"is {short_repr(condition)}", remedy="write one of its texts")
-    if isinstance(condition, (tuple, list)) and len(condition) == 2:
-        low, high = condition
-        return _ends(
-            -math.inf if low is None else _real(low, condition),
-            math.inf if high is None else _real(high, condition),
-        )
-    return _real(condition, condition)
-
-
-def _real(value: Any, condition: Any) -> float:
-    if (number := as_real(value)) is not None:
-        return number
-    raise InputError(f"is {short_repr(condition)}", remedy=FORMS)
-
-
-def _number(text: str, default: float | None) -> float:
-    """Return the number that a text says; an end may be left out."""
-    if not text.strip() and default is not None:
-        return default
-    try:
-        number = float(text)
-    except ValueError:
-        number = math.nan
-    if math.isnan(number):
-        raise InputError(f"{short_repr(text)} is not a number", remedy=FORMS)
-    return number
-
-
-def _ends(low: float, high: float) -> _Ends:
-    if low > high:
-        raise InputError(f"runs from {low:g} down to {high:g}", remedy="write the lesser end first")
-    return _Ends(low, high)
-
-
-def _slice(text: str) -> int | slice:
-    """Return the numbers of values that a text after ``#`` says, as Python counts."""
-    try:
-        parts = [int(part) if part.strip() else None for part in text.split(TO)]
-    except ValueError:
-        parts = []
-    if len(parts) == 1 and parts[0] is not None:
-        return parts[0]
-    if len(parts) not in (2, 3) or (len(parts) == 3 and parts[2] is not None and parts[2] < 1):
-        remedy = "write such as #3, #0:10 (without the tenth) or #::4, counted from 0"
-        raise InputError(f"'#{text}' is not a number of a value", remedy=remedy)
-    return slice(*parts)
-
-
-def _in_radians(form: _Ends | float) -> _Ends | float:
-    if isinstance(form, _Ends):
-        return _Ends(float(radians(form.low)), float(radians(form.high)))
-    return float(radians(form))
-
-
-def _by_number(numbers: int | slice, size: int) -> Indexer:
-    if isinstance(numbers, int):
-        if not -size <= numbers < size:
-            what = f"'#{numbers}' is beyond the {size} values"
-            raise InputError(what, remedy=f"write #0 to #{size - 1}")
-        return numbers % size
-    return np.arange(size)[numbers]
-
-
-def _by_value(coordinate: xr.DataArray, form: _Ends | float, *, is_axis: bool) -> Indexer:
-    """Return what a range, or a value, takes: of an axis of floats, a value takes the nearest."""
-    values = np.atleast_1d(coordinate.values)
-    if isinstance(form, _Ends):
-        slack = SLACK * max((abs(end) for end in (form.low, form.high) if math.isfinite(end)), default=0.0)
-        return np.flatnonzero((values >= form.low - slack) & (values <= form.high + slack))
-    if values.dtype.kind == "f" and is_axis and np.isfinite(values).all():
-        nearest = int(np.argmin(abs(values - form)))
-        off, near = abs(values[nearest] - form), float(values[nearest])
-        slack = SLACK * abs(form)
-        if not values.min() - slack <= form <= values.max() + slack:
-            return np.empty(0, dtype=np.intp)
-        if off > slack:
-            remark(
-                f"{short_number(form)} is not among the values: the nearest, {short_number(near)}, is taken",
-                ("select", str(coordinate.name)),
-            )
-        return nearest
-    found = np.flatnonzero(abs(values - form) <= SLACK * abs(form))
-    return int(found[0]) if is_axis and found.size == 1 else found
-
-
-def _span(coordinate: xr.DataArray) -> str:
-    """Return what values a coordinate has, for a message."""
-    values = np.atleast_1d(coordinate.values)
-    name = coordinate.name
-    if values.dtype.kind not in "iuf" or values.size < 4:
-        shown = ", ".join(
-            short_repr(str(v)) if values.dtype.kind not in "iuf" else f"{v:g}" for v in values[:4]
-        )
-        return f"{name} is {shown}{', ...' if values.size > 4 else ''}"
-    units = coordinate.attrs.get("units", "1")
-    return f"{name} runs from {values.min():g} to {values.max():g}{'' if units == '1' else f' {units}'}"
-
-
-def _text(condition: Any) -> str:
-    """Return a condition as on the command line."""
-    if isinstance(condition, (tuple, list)):
-        return TO.join("" if end is None else f"{end!s}" for end in condition)
-    return str(condition).strip()
-
-
-def _numbers(indexer: Indexer) -> NDArray[np.intp]:
-    if isinstance(indexer, np.ndarray):
-        return indexer
-    if isinstance(indexer, slice):
-        return np.arange(indexer.start, indexer.stop)
-    return np.array([indexer])
-
-
-def _simple(indexer: Indexer) -> Indexer:
-    """Return consecutive numbers as a slice, which is read at once."""
-    if isinstance(indexer, np.ndarray) and indexer.size and indexer[-1] - indexer[0] == indexer.size - 1:
-        return slice(int(indexer[0]), int(indexer[-1]) + 1)
-    return indexer
-
-
 # -- The part of a map that a conversion reads, block by block
 
 
@@ -458,19 +171,7 @@ Index = tuple[int | slice, ...]
 
 
 class Source:
-    """The part of a map that a conversion takes.
-
-    Attributes
-    ----------
-    coords : xarray.Dataset
-        Coordinates of the result, besides the columns.
-    columns : list of Variable
-        Coordinates with a value for each design, where these are many.
-    variables : list of Variable
-        Its variables, with the attributes of the map.
-    overflows : dict of str to int
-        How many values have become infinite, by variable.
-    """
+    """The part of a map that a conversion takes: coordinates, columns of many designs, variables, read by blocks."""
 
     def __init__(
         self, maps: xr.Dataset, selection: Selection, names: Sequence[str], dtype: np.dtype[Any] | None
@@ -481,7 +182,11 @@ class Source:
         # a dimension that no variable has tells nothing
         coords = coords.drop_vars([n for n, one in coords.coords.items() if not set(one.dims) <= used])
         coords = coords.drop_vars(list(coords.data_vars)).isel(
-            {dim: indexer for dim, indexer in selection.indexers.items() if dim in coords.dims}
+            {
+                dim: slice(one.start, one.stop, one.step) if isinstance(one, range) else one
+                for dim, one in selection.indexers.items()
+                if dim in coords.dims
+            }
         )
         _check_kinds([maps[name] for name in names], list(coords.coords.values()))
         long = [
@@ -511,11 +216,15 @@ class Source:
         return [*self.columns, *self.variables]
 
     def _variable(self, name: str, dtype: np.dtype[Any] | None) -> Variable:
-        array = self._maps[name]
-        kept = [dim for dim in array.dims if not isinstance(self._indexers.get(str(dim)), int)]
-        shape = tuple(_length(self._indexers.get(str(dim)), array.sizes[dim]) for dim in kept)
-        own = array.dtype if dtype is None or array.dtype.kind != "f" else dtype
-        return Variable(name, tuple(map(str, kept)), shape, own, plain_attrs(array.attrs))
+        array, takes = self._maps[name], self._takes(name)
+        kept = {dim: len(take) for dim, take in takes.items() if not isinstance(take, int)}
+        kind = array.dtype if dtype is None or array.dtype.kind != "f" else dtype
+        return Variable(name, tuple(kept), tuple(kept.values()), kind, plain_attrs(array.attrs))
+
+    def _takes(self, name: str) -> dict[str, Indexer]:
+        """Return what is taken of a variable along each of its dimensions."""
+        sizes = self._maps[name].sizes
+        return {str(dim): self._indexers.get(str(dim), range(size)) for dim, size in sizes.items()}
 
     def blocks(
         self, variable: Variable, steps: tuple[int, ...] = ()
@@ -527,15 +236,11 @@ class Source:
 
     def read(self, variable: Variable, index: Index) -> NDArray[Any]:
         """Return part of a variable of the result, in its type."""
-        array = self._maps[variable.name].variable
-        wanted = dict(zip(variable.dims, (*index, *[slice(None)] * len(variable.dims)), strict=False))
-        lengths = dict(zip(variable.dims, variable.shape, strict=True))
-        takes = [
-            _within(self._indexers.get(str(dim)), wanted.get(str(dim), 0), lengths.get(str(dim), 1))
-            for dim in array.dims
-        ]
+        takes: dict[str, Any] = self._takes(variable.name)
+        for dim, part in zip(variable.dims, index, strict=False):
+            takes[dim] = takes[dim][part]
         try:
-            values = np.ascontiguousarray(_taken(array, takes))
+            values = np.asarray(_taken(self._maps[variable.name].variable, list(takes.values())), order="C")
         except (OSError, RuntimeError, KeyError, ValueError) as error:
             what = f"{variable.name} cannot be read ({reason(error)})"
             raise InputError(what, where=("maps",), remedy="check the file by `fastlink check`") from error
@@ -582,44 +287,23 @@ def _is_bound(variable: Variable) -> bool:
     return str(variable.attrs.get("symbol", "")).startswith("err ")
 
 
-def _length(indexer: Indexer | None, size: int) -> int:
-    if isinstance(indexer, np.ndarray):
-        return indexer.size
-    return size if not isinstance(indexer, slice) else len(range(size)[indexer])
-
-
-def _within(indexer: Indexer | None, wanted: int | slice, length: int) -> Indexer:
-    """Return what is read of a dimension of the map, for a part of the result."""
-    if isinstance(indexer, int):
-        return indexer
-    if isinstance(indexer, np.ndarray):
-        return int(indexer[wanted]) if isinstance(wanted, int) else indexer[wanted]
-    first = indexer.start if isinstance(indexer, slice) else 0
-    if isinstance(wanted, int):
-        return first + wanted
-    start, stop, _ = wanted.indices(length)
-    return slice(first + start, first + stop)
-
-
-def _taken(array: xr.Variable, takes: list[Indexer]) -> NDArray[Any]:
+def _taken(array: xr.Variable, takes: list[Any]) -> NDArray[Any]:
     """Return part of an array: read from the first to the last number along each dimension, then picked."""
-    spans = [
-        slice(int(take[0]), int(take[-1]) + 1) if isinstance(take, np.ndarray) else take for take in takes
+    several = {k: take for k, take in enumerate(takes) if not isinstance(take, (int, np.integer))}
+    spans: list[Any] = [
+        slice(takes[k][0], takes[k][-1] + 1) if k in several else takes[k] for k in range(len(takes))
     ]
-    lengths = [1 if isinstance(span, int) else span.stop - span.start for span in spans]
-    if math.prod(lengths) * array.dtype.itemsize > 2 * BLOCK_BYTES:  # few numbers far from each other
-        for k, take in enumerate(takes):
-            if isinstance(take, np.ndarray) and take.size > 1:
-                halves = (take[: take.size // 2], take[take.size // 2 :])
-                axis = sum(not isinstance(one, int) for one in takes[:k])
+    apart = {k: take for k, take in several.items() if len(take) < spans[k].stop - spans[k].start}
+    read = math.prod(spans[k].stop - spans[k].start for k in several)
+    if read * array.dtype.itemsize > 2 * BLOCK_BYTES:  # few numbers far from each other
+        for k, take in apart.items():
+            if len(take) > 1:
+                halves = (take[: len(take) // 2], take[len(take) // 2 :])
                 parts = [_taken(array, [*takes[:k], half, *takes[k + 1 :]]) for half in halves]
-                return np.concatenate(parts, axis)
+                return np.concatenate(parts, list(several).index(k))
     values = np.asarray(array[tuple(spans)].values)
-    axis = 0
-    for take in takes:
-        if isinstance(take, np.ndarray):
-            values = np.take(values, take - take[0], axis)
-        axis += not isinstance(take, int)
+    for k, take in apart.items():
+        values = np.take(values, np.subtract(take, take[0]), list(several).index(k))
     return values
 
 
@@ -646,7 +330,8 @@ def labelled(maps: xr.Dataset, source: Source, selection: Selection, command: st
         attrs = _selected(maps, attrs, source, selection)
     for variable in source.variables:
         if selection.texts:
-            renamed = {_of_source(name, MEASURED): value for name, value in variable.attrs.items()}
+            named = [f"{SOURCE}{name}" if name.startswith(MEASURED) else name for name in variable.attrs]
+            renamed = dict(zip(named, variable.attrs.values(), strict=True))
             variable.attrs.clear()
             variable.attrs.update(renamed)
         rounded = maps[variable.name].dtype.itemsize > variable.dtype.itemsize
@@ -676,55 +361,46 @@ def _selected(
     maps: xr.Dataset, attrs: Mapping[str, Any], source: Source, selection: Selection
 ) -> dict[str, Any]:
     """Return attributes that are true of a part of a map: its designs are counted, those of the run renamed."""
+    sizes = {str(dim): selection.size(str(dim), size) for dim, size in maps.sizes.items()}
     designs = _design_dims(maps)
     fewer = [dim for dim in designs if dim in selection.indexers]
-    is_table = DESIGN in fewer and not isinstance(selection.indexers[DESIGN], int)
+    of_run = (*OF_RUN, *OF_RUN_BEGIN, *(("design_",) if DESIGN in fewer else ()))
     result: dict[str, Any] = {}
     for name, value in attrs.items():
-        of_designs = name.startswith("design_") and DESIGN in fewer
-        counted = name == "designs" or name.startswith("designs_")
-        renamed = of_designs or name == "designs" or _of_source(name, (*OF_RUN, *OF_RUN_BEGIN)) != name
-        if renamed:
+        if name == "designs" or name.startswith(of_run):
             result[f"{SOURCE}{name}"] = value
-        elif not counted and name != "configurations":
+        elif not name.startswith("designs_") and name != "configurations":
             result[name] = value
     if DESIGN in fewer:
-        result["design_kind"] = "table" if is_table else "grid"
-    before = selection.texts if "selection" not in attrs else [str(attrs["selection"]), *selection.texts]
-    result["selection"] = "; ".join(before)
-    return result | _counts(maps, attrs, source, designs, selection)
-
-
-def _counts(
-    maps: xr.Dataset, attrs: Mapping[str, Any], source: Source, designs: list[str], selection: Selection
-) -> dict[str, Any]:
-    """Return the numbers of designs, of those with each status, and of configurations."""
-    sizes = source.coords.sizes
-    count = math.prod(_size(maps, sizes, selection, dim) for dim in designs)
-    result: dict[str, Any] = {"designs": count}
-    status = next((v for v in source.variables if v.name == STATUS), None)
-    if status is not None and status.dtype.kind in "iu":
-        codes = np.atleast_1d(status.attrs.get("flag_values", ())).tolist()
-        numbers = dict.fromkeys(codes, 0)
-        for _, _, values in source.blocks(status):
-            for code, number in zip(*np.unique(values, return_counts=True), strict=True):
-                numbers[int(code)] = numbers.get(int(code), 0) + int(number)
-        meanings = str(status.attrs.get("flag_meanings", "")).split()
-        result |= {f"designs_{m}": numbers[code] for m, code in zip(meanings, codes, strict=False)}
+        result["design_kind"] = "grid" if isinstance(selection.indexers[DESIGN], int) else "table"
+    result["selection"] = "; ".join(
+        [*([str(attrs["selection"])] if "selection" in attrs else []), *selection.texts]
+    )
+    result["designs"] = math.prod(sizes[dim] for dim in designs)
+    result |= _statuses(source)
     position = str(attrs.get("input", ""))
     if "configurations" in attrs:
-        inner = [dim for dim in (BRANCH, position) if dim in maps.sizes]
-        result["configurations"] = count * math.prod(_size(maps, sizes, selection, dim) for dim in inner)
-    if f"{position}_count" in attrs and position in maps.sizes:
-        result[f"{position}_count"] = _size(maps, sizes, selection, position)
+        inner = [dim for dim in (BRANCH, position) if dim in sizes]
+        result["configurations"] = result["designs"] * math.prod(sizes[dim] for dim in inner)
+    if f"{position}_count" in attrs and position in sizes:
+        result[f"{position}_count"] = sizes[position]
     return result
 
 
-def _size(maps: xr.Dataset, sizes: Mapping[Any, int], selection: Selection, dim: str) -> int:
-    """Return how many values of a dimension are taken."""
-    if isinstance(selection.indexers.get(dim), int):
-        return 1
-    return int(sizes.get(dim, maps.sizes[dim]))
+def _statuses(source: Source) -> dict[str, int]:
+    """Return the numbers of designs with each status."""
+    status = next((one for one in source.variables if one.name == STATUS and one.dtype.kind in "iu"), None)
+    if status is None:
+        return {}
+    numbers = Counter[int]()
+    for _, _, values in source.blocks(status):
+        codes, counts = np.unique(values, return_counts=True)
+        numbers.update(dict(zip(codes.tolist(), counts.tolist(), strict=True)))
+    meanings = str(status.attrs.get("flag_meanings", "")).split()
+    codes = np.atleast_1d(status.attrs.get("flag_values", ()))
+    return {
+        f"designs_{meaning}": numbers[code] for meaning, code in zip(meanings, codes.tolist(), strict=False)
+    }
 
 
 def _design_dims(maps: xr.Dataset) -> list[str]:
@@ -733,11 +409,6 @@ def _design_dims(maps: xr.Dataset) -> list[str]:
         return list(map(str, maps[STATUS].dims))
     dims = [set(map(str, one.dims)) for one in maps.data_vars.values()]
     return sorted(set.intersection(*dims) if dims else set())
-
-
-def _of_source(name: str, beginnings: tuple[str, ...]) -> str:
-    """Return the name of an attribute in the result, where it is true of the converted map alone."""
-    return f"{SOURCE}{name}" if name.startswith(beginnings) else name
 
 
 def _round(variable: Variable) -> None:
@@ -754,6 +425,21 @@ def _round(variable: Variable) -> None:
         f"float64 rounded to {variable.dtype}: off by at most {unit:.3g} of the value more than before; "
         f"by {least:.1g} below {float(info.smallest_normal):.3g}; infinite beyond {float(info.max):.3g}"
     )
+
+
+# -- Write a converted map, in one of the formats
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is to be written, and what is to be told of the bytes that are."""
+
+    path: Path
+    source: Source
+    attrs: dict[str, Any]
+    overwrite: bool
+    show: Callable[[int], Any]
+    compression: Compression | None
 
 
 # -- Write a converted map as HDF5 or netCDF-4, which is HDF5: as a sweep does, or compressed
@@ -800,27 +486,26 @@ class _UntilItFails(io.FileIO):
                 self._error = error
 
 
-def write_plain(path: Path, source: Source, attrs: Mapping[str, Any], overwrite: bool, show: Any) -> None:
-    """Write a file with contiguous variables and their checksums."""
-    with Writer(path, source.coords, source.all, attrs, overwrite=overwrite) as writer:
+def write_hdf5(task: Task) -> None:
+    """Write a file: with contiguous variables and their checksums, or compressed."""
+    source = task.source
+    if task.compression is not None:
+        _write_compressed(task, task.compression)
+        return
+    with Writer(task.path, source.coords, source.all, task.attrs, overwrite=task.overwrite) as writer:
         for variable in source.all:
             for _, first, values in source.blocks(variable):
                 writer.write(variable.name, first, values.reshape(-1))
-                show(values.nbytes)
+                task.show(values.nbytes)
         writer.finish(source.remarks())
 
 
-def write_compressed(
-    path: Path,
-    source: Source,
-    attrs: Mapping[str, Any],
-    overwrite: bool,
-    show: Any,
-    *,
-    compression: Compression,
-) -> None:
+def _write_compressed(task: Task, compression: Compression) -> None:
     """Write a file with compressed chunks, and one checksum of all its bytes."""
-    with OutputFile(path, overwrite, lambda fresh: lay_labels(fresh, source.coords, attrs)) as out:
+    source = task.source
+    with OutputFile(
+        task.path, task.overwrite, partial(lay_labels, coords=source.coords, attrs=task.attrs)
+    ) as out:
         target = _UntilItFails(out.fd)
         with h5py.File(target, "r+") as file:
             filters = compression.of_hdf5()
@@ -832,7 +517,7 @@ def write_compressed(
                 for index, _, values in source.blocks(variable, chunks):
                     dataset[index] = values
                     target.check()
-                    show(values.nbytes)
+                    task.show(values.nbytes)
             for name, value in {**source.remarks(), FORMAT: FORMAT_VERSION}.items():
                 file.attrs[name] = value
             place = create_checksums(file, [])[OF_REST]
@@ -855,20 +540,13 @@ ZARR_CHUNK_BYTES = 1 << 22
 ZARR_FORMAT = 2
 
 
-def write_zarr(
-    path: Path,
-    source: Source,
-    attrs: Mapping[str, Any],
-    overwrite: bool,
-    show: Any,
-    *,
-    compression: Compression | None,
-) -> None:
+def write_zarr(task: Task) -> None:
     """Write a zarr store, chunk by chunk; without a compression by the library's own."""
     import zarr
 
-    labels = source.coords.assign_attrs(as_json(attrs))
-    with OutputFolder(path, overwrite) as out:
+    source, compression = task.source, task.compression
+    labels = source.coords.assign_attrs(as_json(task.attrs))
+    with OutputFolder(task.path, task.overwrite) as out:
         labels.to_zarr(
             out.part,
             mode="a",
@@ -894,7 +572,7 @@ def write_zarr(
             )
             for index, _, values in source.blocks(variable, chunks):
                 array[index if index else ...] = values
-                show(values.nbytes)
+                task.show(values.nbytes)
         group.attrs.update(as_json({**source.remarks(), FORMAT: FORMAT_VERSION}))
         zarr.consolidate_metadata(str(out.part), zarr_format=ZARR_FORMAT)
         out.publish()
@@ -905,6 +583,8 @@ def write_zarr(
 
 #: Bytes of a number as text, with the object that holds it, and of one in a column of a table.
 TEXT_BYTES, NUMBER_BYTES = 100, 8
+#: A function that returns the values of a column for each row.
+Spread = Callable[[NDArray[Any]], NDArray[Any]]
 #: Key of the attributes of a map in those of a Parquet file.
 METADATA = "fastlink"
 
@@ -924,117 +604,90 @@ def check_table(variables: list[Variable]) -> None:
             )
 
 
-class _Rows:
-    """The rows of a long table, block by block.
-
-    Attributes
-    ----------
-    coords : dict of str
-        The columns of inputs, arrays or what is read block by block: those along the dimensions first, then constants.
-    """
-
-    def __init__(self, source: Source, cell_bytes: int) -> None:
-        widest = max(source.variables, key=lambda variable: len(variable.dims))
-        self.source, self.dims, self.shape = source, widest.dims, widest.shape
-        inputs: dict[str, Any] = {str(name): coord for name, coord in source.coords.coords.items()}
-        inputs |= {column.name: column for column in source.columns}
-        order = [*self.dims, *(name for name in inputs if name not in self.dims)]
-        inside = [name for name in order if name in inputs and set(inputs[name].dims) <= set(self.dims)]
-        inside.sort(key=lambda name: not inputs[name].dims)
-        self.coords = {name: inputs[name] for name in inside}
-        self.most = max(1, BLOCK_BYTES // (cell_bytes * (len(self.coords) + len(source.variables))))
-
-    @property
-    def names(self) -> list[str]:
-        """The names of all columns."""
-        return [*self.coords, *(variable.name for variable in self.source.variables)]
-
-    def blocks(self) -> Iterator[tuple[tuple[int, ...], list[NDArray[Any]]]]:
-        """Yield the shape of a block, and the values of each column, which spread over that shape."""
-        for index, _ in pieces(self.shape, self.most):
-            box = {
-                dim: slice(part, part + 1) if isinstance(part, int) else part
-                for dim, part in zip(self.dims, index, strict=False)
-            }
-            shape = tuple(
-                len(range(size)[box.get(dim, slice(None))])
-                for dim, size in zip(self.dims, self.shape, strict=True)
-            )
-            columns = []
-            for one in (*self.coords.values(), *self.source.variables):
-                if isinstance(one, Variable):
-                    whole: Index = tuple(box.get(dim, slice(None)) for dim in one.dims)
-                    values = self.source.read(one, whole)
-                else:
-                    values = one.variable.isel({dim: box[dim] for dim in one.dims if dim in box}).values
-                columns.append(self._spread(values, one.dims))
-            yield shape, columns
-
-    def _spread(self, values: NDArray[Any], dims: tuple[Any, ...]) -> NDArray[Any]:
-        """Return values with all dimensions of the rows, of length 1 where they do not vary."""
-        here = [dim for dim in self.dims if dim in dims]
-        ordered = np.transpose(values, [dims.index(dim) for dim in here])
-        places = tuple(slice(None) if dim in dims else None for dim in self.dims)
-        return np.asarray(ordered[places])
+def _fields(source: Source) -> dict[str, Any]:
+    """Return the columns of a table by name: inputs along the dimensions of its rows, constants, then results."""
+    dims = _widest(source).dims
+    inputs: dict[str, Any] = {str(name): coord for name, coord in source.coords.coords.items()}
+    inputs |= {column.name: column for column in source.columns}
+    order = [*dims, *(name for name in inputs if name not in dims)]
+    inside = [name for name in order if name in inputs and set(inputs[name].dims) <= set(dims)]
+    inside.sort(key=lambda name: not inputs[name].dims)
+    return {name: inputs[name] for name in inside} | {one.name: one for one in source.variables}
 
 
-def write_csv(path: Path, source: Source, attrs: Mapping[str, Any], overwrite: bool, show: Any) -> None:
+def _widest(source: Source) -> Variable:
+    """Return the variable that has a value in each row."""
+    return max(source.variables, key=lambda variable: len(variable.dims))
+
+
+def _rows(task: Task, cell_bytes: int) -> Iterator[list[tuple[NDArray[Any], Spread]]]:
+    """Yield the values of each column in a block of rows, and what spreads them over these."""
+    source = task.source
+    fields, widest = _fields(source).values(), _widest(source)
+    most = max(1, BLOCK_BYTES // (cell_bytes * len(fields)))
+    for index, _ in pieces(widest.shape, most):
+        box = {dim: slice(0, size) for dim, size in zip(widest.dims, widest.shape, strict=True)}
+        for dim, part in zip(widest.dims, index, strict=False):
+            box[dim] = slice(part, part + 1) if isinstance(part, int) else part
+        sizes = {dim: part.stop - part.start for dim, part in box.items()}
+        columns = list[tuple[NDArray[Any], Spread]]()
+        for one in fields:
+            if isinstance(one, Variable):
+                values = source.read(one, tuple(box[dim] for dim in one.dims))
+            else:
+                values = one.variable.isel({dim: box[dim] for dim in one.dims}).values
+            columns.append((values, partial(_spread, dims=one.dims, sizes=sizes)))
+        yield columns
+        task.show(
+            source.nbytes * math.prod(sizes.values()) // max(math.prod(one.shape) for one in source.variables)
+        )
+
+
+def _spread(values: NDArray[Any], dims: tuple[Any, ...], sizes: Mapping[Any, int]) -> NDArray[Any]:
+    """Return values along some dimensions for each row, flat."""
+    ordered = np.transpose(values, [dims.index(dim) for dim in sizes if dim in dims])
+    places = tuple(slice(None) if dim in dims else None for dim in sizes)
+    return np.broadcast_to(ordered[places], tuple(sizes.values())).ravel()
+
+
+def write_csv(task: Task) -> None:
     """Write a CSV file; its numbers are read back with the same bits."""
-    rows = _Rows(source, TEXT_BYTES)
-    with OutputFile(path, overwrite, _empty) as out:
+    with OutputFile(task.path, task.overwrite, _empty) as out:
         with os.fdopen(os.dup(out.fd), "w", encoding="utf-8", newline="") as file:
-            file.write(",".join(map(_quoted, rows.names)) + "\n")
-            for shape, columns in rows.blocks():
-                texts = [np.broadcast_to(_texts(values), shape).ravel().tolist() for values in columns]
+            file.write(",".join(map(_quoted, _fields(task.source))) + "\n")
+            for columns in _rows(task, TEXT_BYTES):
+                texts = [spread(_texts(values)).tolist() for values, spread in columns]
                 file.write("\n".join(map(",".join, zip(*texts, strict=True))) + "\n")
-                show(_nbytes(shape, source))
         out.publish()
 
 
-def write_parquet(
-    path: Path,
-    source: Source,
-    attrs: Mapping[str, Any],
-    overwrite: bool,
-    show: Any,
-    *,
-    compression: Compression | None,
-) -> None:
+def write_parquet(task: Task) -> None:
     """Write a Parquet file, a row group for each block; without a compression by the library's own."""
     import pyarrow as pa
     from pyarrow import parquet
 
-    rows = _Rows(source, NUMBER_BYTES)
-    fields = rows.coords | {variable.name: variable for variable in source.variables}
     schema = pa.schema(
         [
             pa.field(name, _arrow(pa, one.dtype), metadata=_metadata(one.attrs))
-            for name, one in fields.items()
+            for name, one in _fields(task.source).items()
         ],
-        metadata={METADATA: json.dumps(as_json(attrs))},
+        metadata={METADATA: json.dumps(as_json(task.attrs))},
     )
     options: dict[str, Any] = {}
-    if compression is not None:
+    if compression := task.compression:
         options = {"compression": compression.name, "compression_level": compression.level}
-    with OutputFile(path, overwrite, _empty) as out:
+    with OutputFile(task.path, task.overwrite, _empty) as out:
         with (
             os.fdopen(os.dup(out.fd), "wb") as file,
             parquet.ParquetWriter(file, schema, **options) as writer,
         ):
-            for shape, columns in rows.blocks():
+            for columns in _rows(task, NUMBER_BYTES):
                 arrays = [
-                    pa.array(np.broadcast_to(values, shape).ravel(), field.type)
-                    for values, field in zip(columns, schema, strict=True)
+                    pa.array(spread(values), field.type)
+                    for (values, spread), field in zip(columns, schema, strict=True)
                 ]
-                writer.write_batch(pa.record_batch(arrays, schema=schema), row_group_size=math.prod(shape))
-                show(_nbytes(shape, source))
+                writer.write_batch(pa.record_batch(arrays, schema=schema), row_group_size=len(arrays[0]))
         out.publish()
-
-
-def _nbytes(shape: tuple[int, ...], source: Source) -> int:
-    """Return the share of a block of rows in all values."""
-    widest = max(math.prod(variable.shape) for variable in source.variables)
-    return source.nbytes * math.prod(shape) // widest
 
 
 def _empty(path: Path) -> None:
@@ -1174,34 +827,19 @@ def convert(
         path = _target(to, form, dataset, 0 if compression or form != "hdf5" else source.nbytes, overwrite)
         command = _command(dataset, to, selection, quantities, dtype, compression)
         attrs = labelled(dataset, source, selection, command)
+        if compression is not None:
+            attrs[COMPRESSION] = str(compression)
+        if form in ("csv", "parquet"):
+            check_table(source.variables)
         with _shown(source.nbytes, progress) as show:
-            _write(path, source, attrs, form, compression, overwrite, show)
+            WRITERS[form](Task(path, source, attrs, overwrite, show, compression))
     if source.overflows:
         what = f"values that are infinite in {kind}: {', '.join(f'{n:,} of {k}' for k, n in source.overflows.items())}"
         remark(what, ("dtype",), "keep float64 if they matter")
     return path
 
 
-def _write(
-    path: Path,
-    source: Source,
-    attrs: dict[str, Any],
-    form: str,
-    compression: Compression | None,
-    *more: Any,
-) -> None:
-    """Write the result in its format."""
-    if compression is not None:
-        attrs[COMPRESSION] = str(compression)
-    writers = {
-        "hdf5": write_plain if compression is None else partial(write_compressed, compression=compression),
-        "zarr": partial(write_zarr, compression=compression),
-        "csv": write_csv,
-        "parquet": partial(write_parquet, compression=compression),
-    }
-    if form in ("csv", "parquet"):
-        check_table(source.variables)
-    writers[form](path, source, attrs, *more)
+WRITERS = {"hdf5": write_hdf5, "zarr": write_zarr, "csv": write_csv, "parquet": write_parquet}
 
 
 def _format(to: Any) -> str:

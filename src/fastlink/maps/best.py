@@ -17,16 +17,9 @@ from numpy.typing import NDArray
 from fastlink._text import joined, short_number, short_repr
 from fastlink.errors import InputError, Pair, Problems, Setting, check_choice, check_switch, check_whole
 from fastlink.io.checksums import pieces
+from fastlink.io.where import Range, in_units, named
 from fastlink.maps.units import check_flags, flags_of
-from fastlink.space.design_space import (
-    DESIGN,
-    RADIANS,
-    angle_of,
-    as_real,
-    check_angle,
-    radians,
-    remark_on_angles,
-)
+from fastlink.space.design_space import DESIGN, as_real
 from fastlink.space.tables import STATUS
 
 if TYPE_CHECKING:
@@ -66,17 +59,7 @@ __all__ = [
 
 @dataclass(frozen=True)
 class Condition:
-    """A set of values that a variable must have in a row.
-
-    Attributes
-    ----------
-    array : xarray.DataArray
-        The variable.
-    codes : tuple of int or None
-        The codes that it may have.
-    low, high : float
-        Where there are no codes: the ends of its range, which belong to it.
-    """
+    """A variable of which each row must have one of some codes, or a value from low to high."""
 
     array: xr.DataArray
     codes: tuple[int, ...] | None = None
@@ -102,7 +85,7 @@ class Condition:
             return found
         if self.array.dtype.kind == "b":
             return np.asarray(values, dtype=bool)
-        return (values >= self.low) & (values <= self.high)
+        return Range(self.low, self.high).holds(values)
 
 
 def conditions(maps: xr.Dataset, where: Any) -> list[Condition]:
@@ -145,9 +128,9 @@ def _of_code(array: xr.DataArray, where: str, meanings: Any) -> Condition:
 
 def _of_name(maps: xr.Dataset, name: Any, given: Any) -> Condition:
     """Return the condition on one variable or input; the limits of an angle NAME in degrees as NAME_deg."""
-    known = [str(one) for one, array in maps.variables.items() if array.dtype.kind in "iuf"]
-    angle = angle_of(name) if isinstance(name, str) and name not in known else ""
-    array = maps[angle if angle in known else check_choice(("where",), name, known)]
+    known = {str(one): array for one, array in maps.variables.items() if array.dtype.kind in "iuf"}
+    key, in_degrees = named(known, name)
+    array = maps[key or check_choice(("where",), name, list(known))]
     if flags_of(array) and isinstance(given, (str, list, tuple)):
         return _of_code(array, name, given)
     where, remedy = ("where", name), ("write ", Pair(unlimited=True))
@@ -156,26 +139,21 @@ def _of_name(maps: xr.Dataset, name: Any, given: Any) -> Condition:
         raise InputError(what, where=where, remedy=f"write one of its meanings, {', '.join(flags_of(array))}")
     if not isinstance(given, (list, tuple)) or len(given) != 2:
         raise InputError(f"is {short_repr(given)}", where=where, remedy=remedy)
-    low, high = (_limit(name, *end) for end in zip(given, (-math.inf, math.inf), strict=True))
-    if not low <= high:
-        raise InputError(f"runs from {low:g} to {high:g}", where=where, remedy="exchange the ends")
-    units = str(array.attrs.get("units", "1"))
-    if angle:
-        check_angle(name, angle, units, ())
-        low, high = float(radians(low)), float(radians(high))
-    elif units == RADIANS:
-        remark_on_angles(name, [end for end in (low, high) if math.isfinite(end)], "where")
-    return Condition(array, None, low, high)
+    limits = Range(*(_limit(name, *end) for end in zip(given, (-math.inf, math.inf), strict=True)))
+    if not limits.low <= limits.high:
+        what = f"runs from {limits.low:g} to {limits.high:g}"
+        raise InputError(what, where=where, remedy="exchange the ends")
+    limits = in_units(array, limits, "where", in_degrees=in_degrees)
+    return Condition(array, None, limits.low, limits.high)
 
 
 def _limit(name: str, end: Any, otherwise: float) -> float:
     """Return one end of a range, or refuse it."""
-    if end is None:
-        return otherwise
-    if (number := as_real(end)) is not None:
-        return number
-    what, remedy = f"ends at {short_repr(end)}", "write a number, or None for no limit"
-    raise InputError(what, where=("where", name), remedy=remedy)
+    number = otherwise if end is None else as_real(end)
+    if number is None:
+        what, remedy = f"ends at {short_repr(end)}", "write a number, or None for no limit"
+        raise InputError(what, where=("where", name), remedy=remedy)
+    return number
 
 
 # -- Rows of a map: the places along some dimensions, read block by block, so that a map may be larger than
@@ -190,15 +168,7 @@ DENSE = 1e-3
 
 @dataclass(frozen=True)
 class Block:
-    """Consecutive rows.
-
-    Attributes
-    ----------
-    index : tuple of int or slice
-        Where they are, along the first dimensions.
-    first, count : int
-        The number of the first one, and how many they are.
-    """
+    """Consecutive rows: where they are along the first dimensions, the number of the first, and how many."""
 
     index: tuple[int | slice, ...]
     first: int
@@ -207,13 +177,7 @@ class Block:
 
 @dataclass(frozen=True)
 class Rows:
-    """The places along some dimensions, numbered in C order.
-
-    Attributes
-    ----------
-    sizes : dict
-        The dimensions and their lengths.
-    """
+    """The places along some dimensions of some sizes, numbered in C order."""
 
     sizes: dict[str, int]
 
@@ -231,13 +195,7 @@ class Rows:
         return tuple(self.sizes.values())
 
     def blocks(self, most: int = 0) -> Iterator[Block]:
-        """Yield all rows in consecutive pieces of about `most`, `MOST_ROWS` unless given.
-
-        Examples
-        --------
-        >>> list(Rows({"a1": 2, "a2": 3}).blocks(2))[:2]
-        [Block(index=(0, slice(0, 2, None)), first=0, count=2), Block(index=(0, slice(2, 3, None)), first=2, count=1)]
-        """
+        """Yield all rows in consecutive pieces of about so many, MOST_ROWS unless given."""
         for index, first in pieces(self.shape, most or MOST_ROWS):
             lead = index[-1]
             assert isinstance(lead, slice)
@@ -306,16 +264,7 @@ SAMPLED = 4096
 
 
 def nondominated(points: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Return the rows that no other row beats, by growing values; of equal ones the first.
-
-    A row beats another one if it is nowhere greater, and less somewhere.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> nondominated(np.array([[1.0, 3.0], [2.0, 2.0], [2.0, 3.0], [1.0, 3.0]]))
-    array([0, 1])
-    """
+    """Return the rows that no other beats (nowhere greater, less somewhere), by growing values; of equal ones one."""
     order = np.lexsort(points.T[::-1])  # stable: equal rows by their places
     # no later row beats an earlier one, and what is before has the first objective no greater
     rest = points[order, 1:]
@@ -357,10 +306,7 @@ def _above_stairs(rest: NDArray[np.float64]) -> list[int]:
 
 
 def undominated(points: NDArray[np.float64], front: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Return rows among which are all that neither the others nor a front beat, in their order.
-
-    Rows are compared with the few that beat most of them.
-    """
+    """Return rows, compared with the few that beat most, among which are all that neither others nor a front beat."""
     places = np.arange(len(points))
     if not len(points):
         return places
@@ -413,19 +359,7 @@ class Objective:
 
 @dataclass(frozen=True)
 class Choice:
-    """Which rows of a map are the best.
-
-    Attributes
-    ----------
-    objectives : list of Objective
-        One, by which rows are ranked, or several, of which the front is.
-    wanted : list of Condition
-        What the rows must meet.
-    top : int
-        How many rows, of one objective.
-    infinite : bool
-        Whether infinite objectives count.
-    """
+    """Which rows are the best: by one objective the top ones, by several the front; whether infinite ones count."""
 
     objectives: list[Objective]
     wanted: list[Condition]
@@ -456,17 +390,7 @@ def choice_of(
 
 @dataclass(frozen=True)
 class Selection:
-    """The best rows of a map, the best first, and what was left out.
-
-    Attributes
-    ----------
-    rows : Rows
-        All rows.
-    places : array of int64
-        The numbers of those that are selected.
-    about : str
-        How they were.
-    """
+    """The numbers of the best rows of a map, the best first, and how they were selected."""
 
     rows: Rows
     places: NDArray[np.int64]

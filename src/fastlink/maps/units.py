@@ -71,10 +71,7 @@ def half_turn(units: object) -> float | None:
 
 
 def degrees(maps: T) -> T:
-    """Return a copy whose angles in radians are in degrees, coordinates too.
-
-    Rates, such as rad s-1, stay as they are.
-    """
+    """Return a copy whose angles in radians, coordinates too, are in degrees; rates stay as they are."""
     result = degrees_along(maps)
     if isinstance(result, xr.DataArray):
         return _scaled(result, np.rad2deg, DEGREE) if _is_angle(result) else result
@@ -156,10 +153,7 @@ def _parsed(text: Any, name: str) -> Any:
 
 
 def _factor(own: str, units: Any, name: str) -> float:
-    """Return the factor from one unit to another of the same kind.
-
-    An angle is kept as one: 1 rad/s is not 1 Hz, though both are 1/s to pint.
-    """
+    """Return the factor from one unit to another of the same kind: 1 rad/s is not 1 Hz, though both are 1/s to pint."""
     registry, old, new = _registry(), _parsed(own, name), _parsed(units, name)
     roots = [registry.get_root_units(unit) for unit in (old, new)]
     if dict(roots[0][1]._units) != dict(roots[1][1]._units):
@@ -200,10 +194,7 @@ def flags_of(array: xr.DataArray) -> dict[str, int]:
 
 
 def check_flags(array: xr.DataArray, where: str, meanings: Sequence[Any]) -> list[int]:
-    """Return the codes of some meanings of a variable, or refuse them.
-
-    Spaces may stand for the underscores of a meaning.
-    """
+    """Return the codes of some meanings of a variable, of which spaces may stand for underscores, or refuse them."""
     flags = flags_of(array)
     if not flags:
         what = f"{array.name!r} has no codes with meanings"
@@ -225,10 +216,7 @@ def has_flag(array: xr.DataArray, codes: Sequence[int]) -> xr.DataArray:
 
 
 def flag_counts(array: xr.DataArray) -> dict[str, int] | None:
-    """Return how many values have each meaning, or None where the values are not codes.
-
-    An average of codes is not a code, even where it is a whole number.
-    """
+    """Return how many values have each meaning, None where they are no codes, as averages are not even if whole."""
     flags = flags_of(array)
     if not flags or array.dtype.kind not in "iu":
         return None

@@ -14,6 +14,7 @@ import numpy as np
 from fastlink._text import short_number, short_repr
 from fastlink.errors import InputError, Remedy, Setting, check_choice, check_whole, door, suggest
 from fastlink.io.reader import as_map
+from fastlink.io.where import is_scale, nearest
 from fastlink.maps.units import degrees as in_degrees
 from fastlink.maps.units import degrees_along, flags_of
 from fastlink.pictures.labels import plain, units_text, valued
@@ -99,7 +100,7 @@ def select(
     names: dict[str, list[str]] = {}
     for dim in free:
         along = variable[dim]
-        if _is_scale(along.values):
+        if is_scale(along.values):
             order = np.argsort(along.values, kind="stable")
         else:
             names[dim], order = [str(value) for value in along.values], np.arange(along.size)
@@ -126,7 +127,7 @@ def _check_split(variable: xr.DataArray, option: str, dim: Any, at: Mapping[str,
 def _few(variable: xr.DataArray, dim: str) -> Any:
     """Return some places along a dimension by growing values, evenly over all of them."""
     values = variable[dim].values
-    order = np.argsort(values, kind="stable") if _is_scale(values) else np.arange(len(values))
+    order = np.argsort(values, kind="stable") if is_scale(values) else np.arange(len(values))
     return order[spread(len(order), MOST_BESIDE)]
 
 
@@ -188,15 +189,15 @@ def nearest_place(dim: str, values: Any, value: Any) -> int:
     wanted = as_real(value)
     if wanted is None or not math.isfinite(wanted):
         raise InputError(f"is {short_repr(value)}", where=("at", dim), remedy="write a finite number")
-    if not _is_scale(values):
+    if not is_scale(values):
         what = f"has {'no values' if not values.size else 'coordinates that are not finite numbers'}"
         raise InputError(what, where=("at", dim), remedy=f"select by maps.isel({dim}=0)")
     low, high = float(values.min()), float(values.max())
-    slack = 1e-9 * max(abs(low), abs(high))
-    if not low - slack <= wanted <= high + slack:
+    place = nearest(values, wanted, 1e-9 * max(abs(low), abs(high)))
+    if place is None:
         remedy = f"write a number from {low:g} to {high:g}"
         raise InputError(f"is {wanted:g}, outside the result", where=("at", dim), remedy=remedy)
-    return int(abs(values - wanted).argmin())
+    return place
 
 
 def _check_free(variable: xr.DataArray, name: str, free: list[str], split: tuple[str, Any] | None) -> None:
@@ -213,7 +214,7 @@ def _check_free(variable: xr.DataArray, name: str, free: list[str], split: tuple
     if len(free) > 2:
         what = f"{name} has the dimensions {', '.join(_listed(variable[dim]) for dim in free)}"
         values = variable[free[-1]].values
-        middle = float(f"{values[len(values) // 2]:g}") if _is_scale(values) else 0
+        middle = float(f"{values[len(values) // 2]:g}") if is_scale(values) else 0
         count = COUNTS.get(len(free) - 2, str(len(free) - 2))
         beside = (", or show some values side by side by ", Setting("panels", free[-1]))
         remedy = (f"fix {count} of them by ", Setting("at", {free[-1]: middle}), *(() if split else beside))
@@ -225,13 +226,8 @@ def _check_free(variable: xr.DataArray, name: str, free: list[str], split: tuple
 
 
 def _listed(along: xr.DataArray) -> str:
-    values = np.sort(along.values) if _is_scale(along.values) else along.values
+    values = np.sort(along.values) if is_scale(along.values) else along.values
     return f"{along.name} ({along.size} from {short_number(values[0])} to {short_number(values[-1])})"
-
-
-def _is_scale(values: Any) -> bool:
-    """Tell whether coordinates are finite numbers, which an axis can show."""
-    return bool(values.size and values.dtype.kind in "iuf" and np.isfinite(values).all())
 
 
 def _by_place(array: xr.DataArray, dim: str) -> xr.DataArray:

@@ -59,9 +59,6 @@ __all__ = [
 ]
 
 
-# -- Numbered designs whose inputs are filled in on demand
-
-
 # -- Check the values that are given for inputs
 
 
@@ -159,16 +156,7 @@ def has(value: Any, name: str) -> bool:
 
 
 def read_or_none(read: Callable[..., T], source: Any, *args: Any, **options: Any) -> T | None:
-    """Return what a function reads from an object, None where somebody's class fails when it is read.
-
-    Examples
-    --------
-    >>> class Sulky:
-    ...     def __len__(self):
-    ...         raise RuntimeError
-    >>> read_or_none(len, [1.0, 2.0]), read_or_none(len, Sulky())
-    (2, None)
-    """
+    """Return what a function reads from an object, None where somebody's class fails when it is read."""
     try:
         return read(source, *args, **options)
     except InputError:
@@ -315,13 +303,7 @@ class Degrees:
 
 
 def angle_of(name: str) -> str:
-    """Return the name of an angle that is given in degrees, an empty text for another name.
-
-    Examples
-    --------
-    >>> angle_of("theta1_deg"), angle_of("theta1")
-    ('theta1', '')
-    """
+    """Return the name of an angle that is given in degrees, theta1 of theta1_deg; an empty text for another name."""
     return name.removesuffix(ENDING) if name.endswith(ENDING) else ""
 
 
@@ -331,16 +313,7 @@ def degrees_name(name: str) -> str:
 
 
 def radians(degrees: Any) -> Any:
-    """Return degrees in radians, rounded once from 100 bits of deg pi/180, if not below 1e-307.
-
-    180 gives the double nearest to pi.
-
-    Examples
-    --------
-    >>> import math
-    >>> float(radians(180.0)) == math.pi, float(radians(40.0))
-    (True, 0.6981317007977318)
-    """
+    """Return degrees in radians, rounded once from 100 bits of deg pi/180, if not below 1e-307: 180 gives pi."""
     values = np.asarray(degrees, dtype=np.float64)
     with np.errstate(all="ignore"):
         size = abs(values)
@@ -352,13 +325,7 @@ def radians(degrees: Any) -> Any:
 
 
 def looks_like_degrees(values: Any) -> bool:
-    """Tell whether numbers can hardly be radians by their size: whole ones, or up to a multiple of 30.
-
-    Examples
-    --------
-    >>> looks_like_degrees([40, 80, 120]), looks_like_degrees([0.0, 3.1]), looks_like_degrees([0, 1, 2, 3, 4, 5, 6])
-    (True, False, False)
-    """
+    """Tell whether numbers can hardly be radians by their size: whole ones, or up to a multiple of 30."""
     if isinstance(values, (bytes, bytearray, memoryview)):
         return False  # refused as such
     try:
@@ -383,13 +350,7 @@ def check_angle(name: str, angle: str, unit: str, others: Collection[str]) -> No
 
 
 def has_unit(unit: str, expected: str) -> bool:
-    """Tell whether labelled values state the unit that is expected, by whatever spelling.
-
-    Examples
-    --------
-    >>> has_unit("rad/s", "rad s-1"), has_unit("rad s-1", "rad s-1"), has_unit("mm", "m"), has_unit("°", "deg")
-    (False, True, False, True)
-    """
+    """Tell whether labelled values state the unit that is expected, by whatever spelling."""
     plain = unit.translate(str.maketrans("", "", "^* ."))
     return plain == expected.replace(" ", "") or unit.strip() in SAME_UNITS.get(expected, ())
 
@@ -580,13 +541,7 @@ class Consecutive(Column):
 
 
 class Counted(Column):
-    """Whole numbers that follow each other.
-
-    Examples
-    --------
-    >>> Counted(10**10, 4)[1:3].tolist()
-    [10000000001, 10000000002]
-    """
+    """Whole numbers that follow each other."""
 
     dtype = np.dtype(np.int64)
 
@@ -624,13 +579,7 @@ class Converted(Column):
 
 
 def steps(start: int, stop: int) -> Iterator[tuple[int, int]]:
-    """Yield the pieces in which many values are walked through.
-
-    Examples
-    --------
-    >>> list(steps(0, 100_000))
-    [(0, 65536), (65536, 100000)]
-    """
+    """Yield the pieces in which many values are walked through."""
     for first in range(start, stop, STEP):
         yield first, min(first + STEP, stop)
 
@@ -711,14 +660,7 @@ class Links:
 
 
 def taken_links(given: dict[str, Any]) -> Links | None:
-    """Take the numbers of a model of the links out of what is given, and return it; None without any.
-
-    Examples
-    --------
-    >>> given = {"a1": 0.4, "density": 7750.0, "radius": 0.01}
-    >>> taken_links(given).values, given
-    ({'density': 7750.0, 'radius': 0.01}, {'a1': 0.4})
-    """
+    """Take the numbers of a model of the links out of what is given, and return it; None without any."""
     for model, names in MODELS.items():
         values = {name: given.pop(name) for name in names if name in given}
         if values:
