@@ -82,59 +82,24 @@ def within(ranges: Sequence[Range], sink: Sink, first: int = 0) -> Sink:
     return clip
 
 
-_counting = threading.Lock()
-
-
-class _Counts:
-    """Numbers of designs by the value of a result."""
-
-    def __init__(self, index: int, size: int) -> None:
-        self.index, self.size = index, size
-        self.counts = np.zeros(size, dtype=np.int64)
-
-    def take(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
-        """Count the designs of a block; thread-safe."""
-        self.merge(np.bincount(arrays[self.index], minlength=self.size))
-
-    def merge(self, counts: NDArray[Any]) -> None:
-        """Add numbers; thread-safe."""
-        with _counting:
-            self.counts += counts
-
-    def report(self) -> NDArray[Any]:
-        """Return the numbers."""
-        return self.counts
-
-
-class StatusCounts(_Counts):
+class StatusCounts:
     """Count the designs of each status."""
 
     def __init__(self, plan: Plan) -> None:
         self.flags = plan.catalogue.facts["status"].flags
-        super().__init__([output.name for output in plan.outputs].index("status"), max(self.flags) + 1)
+        self.index = [output.name for output in plan.outputs].index("status")
+        self.counts = np.zeros(max(self.flags) + 1, dtype=np.int64)
+        self.lock = threading.Lock()
 
-    def twin(self) -> _Counts:
-        """Return an object that counts in another process, see `fastlink.engine.cluster`."""
-        return _Counts(self.index, self.size)
+    def take(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
+        """Count the designs of a block; thread-safe."""
+        found = np.bincount(arrays[self.index], minlength=len(self.counts))
+        with self.lock:
+            self.counts += found
 
     def attrs(self) -> dict[str, int]:
         """Return the counts as file attributes."""
         return {f"designs_{meaning}": int(self.counts[value]) for value, meaning in self.flags.items()}
-
-
-class _Done:
-    """Count designs."""
-
-    def __init__(self) -> None:
-        self.count = 0
-
-    def take(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
-        """Count the designs of a block."""
-        self.count += stop - start
-
-    def report(self) -> int:
-        """Return their number."""
-        return self.count
 
 
 class ProgressBar:
@@ -153,10 +118,6 @@ class ProgressBar:
         if self.bar is not None:
             with self.lock:
                 self.bar.update(count)
-
-    def twin(self) -> _Done:
-        """Return an object that counts designs in another process."""
-        return _Done()
 
     def __enter__(self) -> ProgressBar:
         return self

@@ -56,7 +56,7 @@ from fastlink.io.place import SLACK, not_written, part_of, reason, refused
 from fastlink.io.reader import LABELS, NAMES, WHOLE, Shown, Source, as_source
 from fastlink.space.tables import FORMAT
 
-__all__ = ["NotHereError", "Rows", "Writer", "Written", "cut", "resume"]
+__all__ = ["NotSeenError", "Rows", "Writer", "Written", "cut", "resume"]
 
 
 # -- Put blocks of values in the order of the file, and cut them where its pieces end
@@ -603,8 +603,8 @@ class ValuesFile:
 # -- Write into the file of a run from another process or machine that sees it, and report what was written
 
 
-class NotHereError(Exception):
-    """The file of a run is not seen from here."""
+class NotSeenError(Exception):
+    """The file of a run is not seen from this machine."""
 
 
 @dataclass
@@ -629,7 +629,7 @@ class Written:
     nbytes: int = 0
 
 
-class WriterElsewhere:
+class RemoteWriter:
     """A stand-in for a `Writer` in another process, for the designs of one task; a context manager.
 
     It opens the file anew for each task: the system reports an error of writing once for each time that a file is open,
@@ -647,7 +647,7 @@ class WriterElsewhere:
         self._variables = [replace(variable, attrs={}) for variable in variables]
         self._written = Written()
 
-    def __enter__(self) -> WriterElsewhere:
+    def __enter__(self) -> RemoteWriter:
         self._fd = self._opened()
         self._file = ValuesFile(self._fd, self._offsets, self._variables)
         self._of_thread = OfThread()
@@ -680,17 +680,17 @@ class WriterElsewhere:
         try:
             known = partial_file.opened(self._part)
         except (OSError, InputError) as error:
-            raise NotHereError from error
+            raise NotSeenError from error
         try:
             for position, expected in self._token.items():
                 if read_all(known, len(expected), position) != expected:
-                    raise NotHereError(self._part)
+                    raise NotSeenError(self._part)
             fd = os.open(self._part, os.O_WRONLY | getattr(os, "O_BINARY", 0) | getattr(os, "O_NOFOLLOW", 0))
             if not os.path.samestat(os.fstat(fd), os.fstat(known)):
                 os.close(fd)
-                raise NotHereError(self._part)
+                raise NotSeenError(self._part)
         except (OSError, EOFError) as error:
-            raise NotHereError from error
+            raise NotSeenError from error
         finally:
             os.close(known)
         return fd
@@ -824,16 +824,16 @@ class Writer:
                 self._writing -= 1
                 self._idle.notify_all()
 
-    def twin(self) -> WriterElsewhere:
-        """Return what writes in another process that knows the file by a token, in the place of its checksums."""
+    def remote(self) -> RemoteWriter:
+        """Return a writer for another process, which knows the file by a token, in the place of its checksums."""
         token = {self._offsets[name]: os.urandom(4) for name in (OF_VALUES, OF_REST)}
         for position, data in token.items():
             partial_file.write_all(self._fd, memoryview(data), position)
         synchronise(self._fd)
-        return WriterElsewhere(self.part, token, self._offsets, list(self._variables.values()))
+        return RemoteWriter(self.part, token, self._offsets, list(self._variables.values()))
 
     def merge(self, written: Written) -> None:
-        """Record what a twin has written; thread-safe."""
+        """Record what a remote writer has written; thread-safe."""
         with self._idle:
             if self._journal.error:
                 raise self._failure(self._journal.error)

@@ -58,10 +58,6 @@ class _Chosen:
             chosen = self.designs[first:last] - start
             self.rows.append((first, last, [array[chosen] for array in arrays]))
 
-    def report(self) -> list[_Rows]:
-        """Return what was collected."""
-        return self.rows
-
     def joined(self) -> list[NDArray[Any]]:
         """Return the results of all of them, by output."""
         joined = [np.empty((self.designs.size, *a.shape[1:]), a.dtype) for a in self.rows[0][2]]
@@ -86,14 +82,6 @@ class Verification:
     def collect(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
         """Copy the results of the sampled designs among start to stop; thread-safe."""
         self._chosen.collect(start, stop, arrays)
-
-    def merge(self, rows: list[_Rows]) -> None:
-        """Add what a twin has collected."""
-        self._chosen.rows += rows
-
-    def twin(self) -> _Chosen:
-        """Return an object that collects in another process, see `fastlink.engine.cluster`."""
-        return _Chosen(self.designs)
 
     def measure(self) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
         """Return attributes of the result, which state a failure too, and of its variables."""
