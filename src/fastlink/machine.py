@@ -12,9 +12,6 @@ from pathlib import Path
 from fastlink._text import size
 from fastlink.errors import InputError, KeyPath, Remedy
 
-__all__ = ["available_memory", "check_memory", "work_in_threads"]
-
-
 # -- Let several threads take work until there is none, or until one of them fails
 
 

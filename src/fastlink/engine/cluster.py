@@ -37,8 +37,6 @@ if TYPE_CHECKING:
 
     from fastlink.io.checksums import Range
 
-__all__ = ["Cluster", "Report", "about", "connected", "difference"]
-
 
 class Keeper(Protocol):
     """What a worker keeps of the results of one task, picklable before it has any; it may be a context manager."""

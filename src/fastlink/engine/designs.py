@@ -39,8 +39,6 @@ if TYPE_CHECKING:
     from fastlink.facts.fact import Input
     from fastlink.space.design_space import DesignSpace, Links
 
-__all__ = ["designs_of"]
-
 
 #: The attribute of a result that names what stood beside its designs and is ignored.
 IGNORED = "design_ignored"

@@ -50,8 +50,6 @@ from fastlink.space.design_space import (
 if TYPE_CHECKING:
     from fastlink.engine.extend import Extension
 
-__all__ = ["broadcast_inputs", "evaluate", "like", "too_many"]
-
 
 # -- Broadcast the numbers of a call: arrays by their shapes, DataArrays by the names of their dimensions
 
@@ -255,40 +253,26 @@ _OPTIONS = tuple(signature(evaluate).parameters)[2:-1]
 
 @dataclass(frozen=True, eq=False)
 class _Given:
-    """A request without its numbers: all that follows from the names of the given inputs.
+    """A request without its numbers: all that follows from the names of the given inputs."""
 
-    Attributes
-    ----------
-    names, variants : tuple of str
-        Everything that has a value; the selected variants.
-    declared : dict
-        The inputs that may be given, with the input position.
-    defaults : dict
-        The inputs that are not given, but for those of the links.
-    problems : list of Problem
-        Unknown names, and a missing input position.
-    """
-
+    #: Everything that has a value; the selected variants.
     names: tuple[str, ...]
     variants: tuple[str, ...]
+    #: The inputs that may be given, with the input position.
     declared: dict[str, Input]
+    #: The inputs that are not given, but for those of the links.
     defaults: dict[str, np.float64]
+    #: Unknown names, and a missing input position.
     problems: list[Problem]
 
 
 @dataclass(frozen=True)
 class _Recipe:
-    """The steps from given inputs to quantities; to resolve takes longer than to run.
+    """The steps from given inputs to quantities; to resolve takes longer than to run."""
 
-    Attributes
-    ----------
-    tables : tuple of str
-        The functions of the input position that are read.
-    steps : tuple of Fact or System
-        Everything that is computed, in order.
-    """
-
+    #: The functions of the input position that are read.
     tables: tuple[str, ...]
+    #: Everything that is computed, in order.
     steps: tuple[Fact | System, ...]
 
 

@@ -49,8 +49,6 @@ if TYPE_CHECKING:
     from fastlink.plan.query import Request
     from fastlink.space.design_space import DesignSpace, Links
 
-__all__ = ["Function", "constants", "derivative_of", "function"]
-
 
 # -- Check the request of `fastlink.function`: inputs that vary, numbers that stay, outputs that go together
 
@@ -113,20 +111,14 @@ NONE = (MOVING, NOTHING)
 
 @dataclass
 class _Wanted:
-    """Quantities of which derivatives are made, each with the numbers of the output and of the input.
+    """Quantities of which derivatives are made, each with the numbers of the output and of the input."""
 
-    Attributes
-    ----------
-    by_name : dict
-        The derivatives.
-    zero_unless : dict
-        Outputs that do not depend on inputs, NaN where that has no derivative: the outputs themselves, or `statuses`.
-    statuses : set of str
-        Those that are the status of derivatives.
-    """
-
+    #: The derivatives.
     by_name: dict[str, tuple[int, int]] = field(default_factory=dict)
+    #: Outputs that do not depend on inputs, NaN where that has no derivative: the outputs themselves, or
+    #: `statuses`.
     zero_unless: dict[str, list[tuple[int, int]]] = field(default_factory=dict)
+    #: Those that are the status of derivatives.
     statuses: set[str] = field(default_factory=set)
 
 

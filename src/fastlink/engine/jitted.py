@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from fastlink.engine.run import FunctionKernel
     from fastlink.facts.fact import Input
 
-__all__ = ["JITTED_BLOCK", "Apart", "jitted_of"]
-
 
 #: Designs in one call of a kernel.
 JITTED_BLOCK = 64
@@ -184,20 +182,13 @@ class _Layout:
 
 @dataclass(frozen=True)
 class Apart:
-    """Designs that are far from 1, see `fastlink.facts.sizes`: Python evaluates them in units of their own.
+    """Designs that are far from 1, see `fastlink.facts.sizes`: Python evaluates them in units of their own."""
 
-    Attributes
-    ----------
-    function : callable
-        Returns the outputs of designs, as `fastlink.engine.function.Function` does.
-    rows : list of int
-        The inputs that have a dimension.
-    always : bool
-        Whether what stays is far from 1.
-    """
-
+    #: Returns the outputs of designs, as `fastlink.engine.function.Function` does.
     function: Callable[[NDArray[Any]], NDArray[Any]]
+    #: The inputs that have a dimension.
     rows: list[int]
+    #: Whether what stays is far from 1.
     always: bool
 
 

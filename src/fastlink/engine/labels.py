@@ -34,17 +34,6 @@ if TYPE_CHECKING:
 
     from fastlink.space.design_space import Column
 
-__all__ = [
-    "computed",
-    "coordinates_of",
-    "global_attrs",
-    "labelled",
-    "request_labels",
-    "sweep_coordinates",
-    "variables",
-    "variables_of",
-]
-
 
 def variables(
     plan: Plan, space: DesignSpace, positions: int, *, one_branch: bool = False, layout: str = CURVES

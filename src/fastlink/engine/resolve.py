@@ -57,49 +57,33 @@ if TYPE_CHECKING:
     from fastlink.facts.own import Definition
     from fastlink.space.design_space import DesignSpace, Links
 
-__all__ = ["ResolvedSweep", "axis_lengths", "cached_plan", "check", "given_tolerances", "resolve"]
-
 
 # -- Check a request part by part, so that all its problems are reported together
 
 
 @dataclass(frozen=True, eq=False)
 class CheckedRequest:
-    """A request whose parts are each without problems.
+    """A request whose parts are each without problems."""
 
-    Attributes
-    ----------
-    catalogue : Catalogue
-        The mechanism, as driven by the input.
-    names : tuple of str
-        The quantities.
-    links : Links or None
-        The model of the links.
-    solver : str
-        How reactions are computed.
-    variants : tuple of str
-        The selected sets of facts.
-    branches : tuple of int
-        Assembly modes.
-    positions : array
-        Input positions.
-    extrema : {"refined", "sampled"}
-        How extremes are computed.
-    backend : str
-        What compiles the kernels.
-    declared : tuple
-        See `all_declared`.
-    """
-
+    #: The mechanism, as driven by the input.
     catalogue: Catalogue
+    #: The quantities.
     names: tuple[str, ...]
+    #: The model of the links.
     links: Links | None
+    #: How reactions are computed.
     solver: str
+    #: The selected sets of facts.
     variants: tuple[str, ...]
+    #: Assembly modes.
     branches: tuple[int, ...]
+    #: Input positions.
     positions: NDArray[Any]
+    #: How extremes are computed.
     extrema: Extrema
+    #: What compiles the kernels.
     backend: str
+    #: See `all_declared`.
     declared: tuple[Any, ...]
 
 
@@ -167,38 +151,25 @@ def _check_quantities(
 
 @dataclass(frozen=True, eq=False)
 class ResolvedSweep:
-    """A request to sweep whose every part was checked.
+    """A request to sweep whose every part was checked."""
 
-    Attributes
-    ----------
-    mechanism : str
-        The name of the mechanism, whatever input drives it.
-    space : DesignSpace
-        The designs, with every constant and choice.
-    plan : Plan
-        What is computed.
-    positions : array
-        Input positions.
-    solver : str
-        How reactions are computed; empty where nothing that is computed depends on it.
-    scaling_axis : ScalingAxis or None
-        The axis that only scales the results, if there is one.
-    backend : str
-        What compiles the kernels.
-    one_branch : bool
-        Whether the assembly mode was given as a scalar, which makes it a coordinate instead of a dimension.
-    layout : str
-        How the results lie in a file, one of `fastlink.io.layout.LAYOUTS`.
-    """
-
+    #: The name of the mechanism, whatever input drives it.
     mechanism: str
+    #: The designs, with every constant and choice.
     space: DesignSpace
+    #: What is computed.
     plan: Plan
+    #: Input positions.
     positions: NDArray[Any]
+    #: How reactions are computed; empty where nothing that is computed depends on it.
     solver: str
+    #: The axis that only scales the results, if there is one.
     scaling_axis: ScalingAxis | None
+    #: What compiles the kernels.
     backend: str
+    #: Whether the assembly mode was given as a scalar, which makes it a coordinate instead of a dimension.
     one_branch: bool
+    #: How the results lie in a file, one of `fastlink.io.layout.LAYOUTS`.
     layout: str = CURVES
 
     @property

@@ -21,23 +21,6 @@ if TYPE_CHECKING:
     from fastlink.codegen.source import Source
     from fastlink.engine.scaling import BlockUnits, UnitsOfDesigns
 
-__all__ = [
-    "BLOCK_BYTES",
-    "COUNT",
-    "VECTOR",
-    "BoundKernel",
-    "FunctionKernel",
-    "Job",
-    "KernelTask",
-    "Shapes",
-    "Sink",
-    "aligned",
-    "block_length",
-    "default_threads",
-    "row_bytes",
-    "run",
-]
-
 
 # -- Bind kernels to the buffers of one thread: designs, angles, scratch, results
 
@@ -57,32 +40,21 @@ Fill = Callable[[int, int, "NDArray[Any]"], None]
 
 @dataclass(frozen=True)
 class KernelTask:
-    """One kernel of a request, compiled, with the data that it runs on.
+    """One kernel of a request, compiled, with the data that it runs on."""
 
-    Attributes
-    ----------
-    source : Source
-        Its text.
-    inputs : tuple of str
-        The rows of its designs.
-    backend : str
-        What compiles it.
-    code : callable
-        Its machine code, which does not travel: another process compiles the text, or has it in its cache.
-    angles : array (tables, positions)
-        Its angle array.
-    results : tuple of int
-        Which results of the job it gives, in the order of its arguments.
-    fill : callable
-        ``fill(start, stop, x)`` writes the inputs of designs start to stop into ``x[:, :stop - start]``.
-    """
-
+    #: Its text.
     source: Source
+    #: The rows of its designs.
     inputs: tuple[str, ...]
+    #: What compiles it.
     backend: str
+    #: Its machine code, which does not travel: another process compiles the text, or has it in its cache.
     code: Callable[..., None]
+    #: Its angle array.
     angles: NDArray[Any]
+    #: Which results of the job it gives, in the order of its arguments.
     results: tuple[int, ...]
+    #: ``fill(start, stop, x)`` writes the inputs of designs start to stop into ``x[:, :stop - start]``.
     fill: Fill
 
     @classmethod
@@ -109,16 +81,11 @@ _scratch = _KeptScratch()
 
 
 class BoundKernel:
-    """A kernel with the buffers of one thread.
-
-    Attributes
-    ----------
-    designs : array (inputs, designs padded to whole vectors)
-        The inputs, to be filled before a run; lanes beyond the last design repeat it.
-    """
+    """A kernel with the buffers of one thread."""
 
     def __init__(self, task: KernelTask, block: int) -> None:
         self.task, self.block = task, block
+        #: The inputs, to be filled before a run; lanes beyond the last design repeat it.
         self.designs = aligned((len(task.inputs), -(-block // LANES) * LANES))
         self.angles = aligned(task.angles.shape)
         self.angles[...] = task.angles
@@ -160,23 +127,15 @@ class BoundKernel:
 
 @dataclass(frozen=True, eq=False)
 class FunctionKernel:
-    """A kernel with arrays of its own for its results.
+    """A kernel with arrays of its own for its results."""
 
-    Attributes
-    ----------
-    bound : BoundKernel
-        The kernel and its buffers.
-    rows : list of (array, int)
-        The rows of its designs that are inputs of the function, and which; the others hold constants.
-    results : list of (int, array)
-        Which output of the function each of its results is, and where it is written.
-    run : callable
-        ``run(count)`` evaluates the first designs.
-    """
-
+    #: The kernel and its buffers.
     bound: BoundKernel
+    #: The rows of its designs that are inputs of the function, and which; the others hold constants.
     rows: list[tuple[NDArray[Any], int]]
+    #: Which output of the function each of its results is, and where it is written.
     results: list[tuple[int, NDArray[Any]]]
+    #: ``run(count)`` evaluates the first designs.
     run: Callable[[int], None]
 
 
@@ -210,23 +169,15 @@ Shapes = Sequence[tuple[tuple[int, ...], str]]
 
 @dataclass(frozen=True)
 class Job:
-    """Kernels that together give all results of all designs.
+    """Kernels that together give all results of all designs."""
 
-    Attributes
-    ----------
-    tasks : sequence of KernelTask
-        They run one after the other on each block.
-    shapes : sequence of (shape, dtype)
-        Of each result.
-    size : int
-        Number of designs.
-    units : UnitsOfDesigns, optional
-        Those of designs that are far from 1.
-    """
-
+    #: They run one after the other on each block.
     tasks: Sequence[KernelTask]
+    #: Of each result.
     shapes: Shapes
+    #: Number of designs.
     size: int
+    #: Those of designs that are far from 1.
     units: UnitsOfDesigns | None = None
 
 

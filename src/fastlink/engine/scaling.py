@@ -25,15 +25,6 @@ if TYPE_CHECKING:
     from fastlink.plan.programs import Output, Plan
     from fastlink.space.design_space import DesignSpace
 
-__all__ = [
-    "BlockUnits",
-    "ScalingAxis",
-    "UnitsOfDesigns",
-    "dimensional_of",
-    "find_scaling_axis",
-    "sized_outputs",
-]
-
 
 # -- Evaluate one value of an axis that only scales results, and multiply
 
@@ -44,26 +35,17 @@ __all__ = [
 
 @dataclass(frozen=True)
 class ScalingAxis:
-    """An input that only scales results, and the designs without its axis.
+    """An input that only scales results, and the designs without its axis."""
 
-    Attributes
-    ----------
-    name : str
-        The input.
-    space : DesignSpace
-        The designs that are evaluated, at 1 for that input.
-    inner : int
-        How many of them follow each other before the axis moves on.
-    factors : tuple of (array or None)
-        For each result its factor at each value of the axis; None where it stays the same.
-    length : int
-        Number of values of the axis.
-    """
-
+    #: The input.
     name: str
+    #: The designs that are evaluated, at 1 for that input.
     space: DesignSpace
+    #: How many of them follow each other before the axis moves on.
     inner: int
+    #: For each result its factor at each value of the axis; None where it stays the same.
     factors: tuple[NDArray[Any] | None, ...]
+    #: Number of values of the axis.
     length: int
 
     def over(self, sink: Sink, most: int = BLOCK_BYTES) -> Sink:
@@ -220,29 +202,19 @@ def _power(output: Output, degree: float | None, name: str) -> float | None:
 
 @dataclass(frozen=True, eq=False)
 class UnitsOfDesigns:
-    """The designs of a sweep, as seen in units of their own.
+    """The designs of a sweep, as seen in units of their own."""
 
-    Attributes
-    ----------
-    catalogue : Catalogue
-        The mechanism.
-    space : DesignSpace
-        The designs.
-    results : sequence of Sized
-        What each result has of units.
-    ordinary : bool
-        Whether constants and axes are near 1; columns are looked at block by block.
-    names : tuple of str
-        The inputs with a dimension.
-    columns : tuple of str
-        Those of them along the designs that may be far from 1.
-    """
-
+    #: The mechanism.
     catalogue: Catalogue
+    #: The designs.
     space: DesignSpace
+    #: What each result has of units.
     results: Sequence[Sized]
+    #: Whether constants and axes are near 1; columns are looked at block by block.
     ordinary: bool
+    #: The inputs with a dimension.
     names: tuple[str, ...]
+    #: Those of them along the designs that may be far from 1.
     columns: tuple[str, ...]
 
     @classmethod

@@ -30,20 +30,6 @@ if TYPE_CHECKING:
     from fastlink.io.checksums import Range
     from fastlink.plan.programs import Plan
 
-__all__ = [
-    "Needs",
-    "ProgressBar",
-    "StatusCounts",
-    "allocated",
-    "bytes_at_once",
-    "check_needs",
-    "designs_per_block",
-    "into",
-    "needs_of",
-    "tee",
-    "within",
-]
-
 
 # -- Sinks, which receive the results of a sweep block by block, from any thread
 
@@ -144,26 +130,18 @@ TO_FILE: Remedy = (
 
 @dataclass(frozen=True)
 class Needs:
-    """The bytes that a sweep takes at most, besides those of its design space.
+    """The bytes that a sweep takes at most, besides those of its design space."""
 
-    Attributes
-    ----------
-    values : int
-        All results.
-    buffers : int
-        Results of the blocks under way, scratch of the kernels and tables of the input position, for all threads.
-    labels : int
-        Coordinates that the design space does not hold already.
-    columns : int
-        Coordinates that are computed where they are looked at: a file gets them block by block.
-    verification : int
-        The designs that are computed again, and their results.
-    """
-
+    #: All results.
     values: int
+    #: Results of the blocks under way, scratch of the kernels and tables of the input position, for all
+    #: threads.
     buffers: int
+    #: Coordinates that the design space does not hold already.
     labels: int
+    #: Coordinates that are computed where they are looked at: a file gets them block by block.
     columns: int
+    #: The designs that are computed again, and their results.
     verification: int
 
     @property

@@ -52,8 +52,6 @@ if TYPE_CHECKING:
     from fastlink.io.layout import Variable
     from fastlink.space.design_space import DesignSpace, Links
 
-__all__ = ["Evaluation", "consecutive", "sweep"]
-
 
 # -- The designs of a part of a sweep, and what it keeps of the whole
 
@@ -90,15 +88,7 @@ REPLAYED = 4096
 
 
 class Evaluation:
-    """A sweep from its resolved request to its labelled results.
-
-    Attributes
-    ----------
-    whole : ResolvedSweep
-        The request, whose kernels run.
-    resolved : ResolvedSweep
-        The same of the designs of the part, which label the results.
-    """
+    """A sweep from its resolved request to its labelled results."""
 
     def __init__(
         self,
@@ -112,6 +102,7 @@ class Evaluation:
         cluster: Cluster | None = None,
     ) -> None:
         verify = (0 if in_memory else DESIGNS) if verify is None else verify
+        #: The request, whose kernels run.
         self.whole, self.part, self.cluster = resolved, part, cluster
         self.range = (0, resolved.space.size) if part is None else part.range(resolved.space.size)
         if part is not None:
@@ -120,6 +111,7 @@ class Evaluation:
         self.variables = labels.variables_of(resolved)
         if in_memory:  # there values stay as they are computed, and only dimensions change places
             resolved = replace(resolved, layout=CURVES)
+        #: The same of the designs of the part, which label the results.
         self.resolved, self.threads, self.block = resolved, threads, block
         #: Coordinates that are computed block by block, beside the results.
         self.columns = labels.computed(plan, space)

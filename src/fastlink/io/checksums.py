@@ -24,35 +24,6 @@ from numpy.typing import NDArray
 from fastlink._text import counted, short_repr
 from fastlink.errors import InputError
 
-__all__ = [
-    "ALGORITHM",
-    "BLOCK_BYTES",
-    "CHECKSUMS",
-    "OF_REST",
-    "OF_VALUES",
-    "Range",
-    "Ranges",
-    "Stored",
-    "Values",
-    "add",
-    "all_but",
-    "block_count",
-    "check_own",
-    "crc32",
-    "missing",
-    "of_file",
-    "of_pieces",
-    "open_to_read",
-    "pieces",
-    "read_all",
-    "read_seal",
-    "seal",
-    "seal_is_broken",
-    "sealed_labels",
-    "seek_lock",
-]
-
-
 # -- Ranges of numbers, such as those of designs that are written: each from its start to before its stop
 
 
@@ -145,9 +116,9 @@ def pieces(
 
 
 try:  # the same numbers, three to five times as fast
-    from isal.isal_zlib import crc32
+    from isal.isal_zlib import crc32 as crc32
 except ImportError:
-    from zlib import crc32
+    from zlib import crc32 as crc32
 
 
 #: The group of the checksums: of the values, block by block, and of all else in the file.
@@ -357,23 +328,15 @@ class Values:
 
 @dataclass(frozen=True)
 class Stored:
-    """The checksums of a file.
+    """The checksums of a file."""
 
-    Attributes
-    ----------
-    block_bytes : int
-        Bytes of a block of values.
-    values : dict of str to Values
-        The values of each variable.
-    sums : list of int
-        The checksum of each block, or None where there are not as many as blocks.
-    rest, rest_at : int
-        That of all else, and where it stands.
-    """
-
+    #: Bytes of a block of values.
     block_bytes: int
+    #: The values of each variable.
     values: dict[str, Values]
+    #: The checksum of each block, or None where there are not as many as blocks.
     sums: list[int | None]
+    #: That of all else, and where it stands.
     rest: int
     rest_at: int
 

@@ -18,9 +18,6 @@ from fastlink.io.partial_file import forget_journal, forget_published
 from fastlink.io.place import existing_file, exists_error
 from fastlink.io.reader import OF_PARTS, PartOfMap, PartsError, open_map
 
-__all__ = ["FINGERPRINT", "WRITTEN", "finished_map", "marks", "stamp"]
-
-
 #: Global attribute of a map: the time at which it was finished, in ns since 1970.
 WRITTEN = "written_time_ns"
 #: Steps of the times of files, in ns: of most file systems, Windows, microseconds, HFS+ and NFS 2, FAT.

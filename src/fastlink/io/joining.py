@@ -45,9 +45,6 @@ from fastlink.machine import work_in_threads
 from fastlink.space.design_space import DESIGN
 from fastlink.space.tables import FORMAT
 
-__all__ = ["CORE_TIME", "JOINED", "RUN_AGAIN", "JoinedMap", "PartFile", "merged", "part_files"]
-
-
 # -- The attributes of a joined map, from those of its parts
 
 
@@ -125,29 +122,19 @@ AT_ONCE = 8
 
 @dataclass(frozen=True)
 class PartFile:
-    """The file of a part.
+    """The file of a part."""
 
-    Attributes
-    ----------
-    path : Path
-        The file.
-    of : PartOfMap
-        Which part of which map it is.
-    attrs : dict
-        Its global attributes.
-    stored : Stored
-        Its checksums.
-    measured : dict of str to dict
-        What verification says of each variable.
-    labels : int or None
-        The checksum of all that is not values, and of their checksums, where it has a seal.
-    """
-
+    #: The file.
     path: Path
+    #: Which part of which map it is.
     of: PartOfMap
+    #: Its global attributes.
     attrs: Mapping[str, Any]
+    #: Its checksums.
     stored: Stored
+    #: What verification says of each variable.
     measured: Mapping[str, Mapping[str, Any]]
+    #: The checksum of all that is not values, and of their checksums, where it has a seal.
     labels: int | None
 
     @contextlib.contextmanager
@@ -323,19 +310,10 @@ PIECE_BYTES, FEW = 256 << 20, 8
 
 
 class JoinedMap:
-    """The map that parts make together, as one sweep of the whole request writes it.
-
-    Attributes
-    ----------
-    coords : xarray.Dataset
-        Coordinates, and the global attributes that are known before its values.
-    variables : list of Variable
-        The results, and the coordinates that are copied piece by piece.
-    designs : int
-        The number of designs.
-    """
+    """The map that parts make together, as one sweep of the whole request writes it."""
 
     def __init__(self, parts: Sequence[PartFile]) -> None:
+        #: The number of designs.
         self.parts, self.designs = parts, parts[0].of.designs
         self._whole = parts[0].whole()
         self._dims = tuple(str(self._whole.attrs["dims"]).split())
@@ -350,7 +328,9 @@ class JoinedMap:
                 with part.dataset() as other:
                     for name, values in self._labels(other, part).items():
                         labels[name].append(values)
+            #: Coordinates, and the global attributes that are known before its values.
             self.coords = self._coordinates(opened, {name: np.concatenate(v) for name, v in labels.items()})
+            #: The results, and the coordinates that are copied piece by piece.
             self.variables = [self._variable(one) for one in opened.data_vars.values()]
             self.variables += [self._column(opened[name]) for name in self._streamed(opened)]
 

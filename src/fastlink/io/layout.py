@@ -18,28 +18,12 @@ from fastlink.io.checksums import Range
 from fastlink.space.design_space import DESIGN, Column, Counted, DesignSpace
 from fastlink.space.tables import FORMAT
 
-__all__ = ["HISTORY", "PLAIN", "SOURCE", "Placement", "check_attrs", "fault_of_value", "history"]
-
-
 # -- Tell where the values of designs lie among those of a variable: design by design, or value by value
 
 
 @dataclass(frozen=True)
 class Placement:
     """Where the rows of a variable lie, one row of values for each design.
-
-    Attributes
-    ----------
-    rows : int
-        Number of designs.
-    values : int
-        Values of each design.
-    itemsize : int
-        Bytes of a value.
-    by_value : bool
-        Whether the first value of all designs comes first, then the second one; else the first design, then the second.
-    shared : int
-        Designs that share a value, written with the first of them: of an input that further axes are crossed with.
 
     Examples
     --------
@@ -54,10 +38,17 @@ class Placement:
     ([(2, 3)], [(2, 3)])
     """
 
+    #: Number of designs.
     rows: int
+    #: Values of each design.
     values: int
+    #: Bytes of a value.
     itemsize: int
+    #: Whether the first value of all designs comes first, then the second one; else the first design, then
+    #: the second.
     by_value: bool
+    #: Designs that share a value, written with the first of them: of an input that further axes are crossed
+    #: with.
     shared: int = 1
 
     def own(self, start: int, stop: int) -> Range:
@@ -196,32 +187,22 @@ Further = Mapping[str, tuple[tuple[str, ...], NDArray[Any], Mapping[str, Any]]]
 
 @dataclass(frozen=True, eq=False)
 class Variable:
-    """One output of a sweep: its name, shape and labels, without its values.
+    """One output of a sweep: its name, shape and labels, without its values."""
 
-    Attributes
-    ----------
-    name : str
-        Name in the Dataset and in the file.
-    dims : tuple of str
-        Dimensions, in the order in which values lie in the file.
-    shape : tuple of int
-        Length of each dimension.
-    dtype : numpy.dtype
-        Of integers or floating-point numbers.
-    attrs : dict
-        Units, long name, symbol, flags, ...
-    leading : int
-        How many of the first dimensions are those that each design has of its own; 0 where the swept ones are first.
-    is_coordinate : bool
-        Whether it is no result but a coordinate that is written block by block.
-    """
-
+    #: Name in the Dataset and in the file.
     name: str
+    #: Dimensions, in the order in which values lie in the file.
     dims: tuple[str, ...]
+    #: Length of each dimension.
     shape: tuple[int, ...]
+    #: Of integers or floating-point numbers.
     dtype: np.dtype[Any]
+    #: Units, long name, symbol, flags, ...
     attrs: dict[str, Any]
+    #: How many of the first dimensions are those that each design has of its own; 0 where the swept ones are
+    #: first.
     leading: int = field(default=0, repr=False)  # of which the dimensions tell
+    #: Whether it is no result but a coordinate that is written block by block.
     is_coordinate: bool = field(default=False, repr=False)
 
     def __post_init__(self) -> None:

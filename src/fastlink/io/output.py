@@ -27,8 +27,6 @@ from fastlink.io.place import (
     refused,
 )
 
-__all__ = ["OutputFile", "OutputFolder", "failure", "write_whole"]
-
 LESS = "compress or select more"
 #: Names of files in a zarr store of version 2: labels, chunks, and either until they are whole.
 OF_ZARR = re.compile(r"\.z[a-z]+|[\d.]+|.+\.[0-9a-f]{32}\.partial")
@@ -88,8 +86,6 @@ class OutputFile(_Output):
 
     Attributes
     ----------
-    fd : int
-        The open file.
     part : Path
         Its name until it is whole.
     """
@@ -104,6 +100,7 @@ class OutputFile(_Output):
     ) -> None:
         super().__init__(path, overwrite, where, less)
         with self._refusing():
+            #: The open file.
             self.fd, _ = partial_file.begun(self.part, lay)
 
     def publish(self) -> None:

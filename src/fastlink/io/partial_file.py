@@ -33,20 +33,6 @@ from fastlink.io.place import (
 )
 from fastlink.space.tables import FORMAT
 
-__all__ = [
-    "Journal",
-    "check_left",
-    "check_made_at_once",
-    "check_target",
-    "forget_journal",
-    "forget_published",
-    "journal_of",
-    "read_journal",
-    "synchronise",
-    "uninterrupted",
-]
-
-
 # -- Record the designs that a partial file holds, to resume a killed run
 
 # A thread synchronises the file's data while the sweep computes, and then records their designs: whatever

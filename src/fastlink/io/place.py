@@ -18,9 +18,6 @@ from typing import Any
 from fastlink._text import size
 from fastlink.errors import InputError, Remedy, Setting, check_output, not_a_file
 
-__all__ = ["exchange", "exclusive_rename", "progress_bar"]
-
-
 # -- The place of a map file: what may be written there, and the words in which a place is refused
 
 

@@ -40,40 +40,6 @@ from fastlink.io.layout import FINGERPRINT, FORMAT_VERSION
 from fastlink.io.place import left_of, reason
 from fastlink.space.tables import FORMAT
 
-__all__ = [
-    "COMPRESSION",
-    "LABELS",
-    "NAMES",
-    "OF_PARTS",
-    "OR_COPY",
-    "WHOLE",
-    "Box",
-    "Part",
-    "PartOfMap",
-    "PartsError",
-    "Shown",
-    "Source",
-    "as_dataset",
-    "as_map",
-    "as_source",
-    "check",
-    "check_open_files",
-    "check_part",
-    "check_parts",
-    "check_seal",
-    "check_size",
-    "files_of",
-    "is_hdf5",
-    "is_zarr",
-    "open_map",
-    "readable",
-    "register_filter",
-    "require_package",
-    "scalar",
-    "shown_parts",
-]
-
-
 # -- Open finished maps, lazily, and refuse other files
 
 
@@ -158,20 +124,13 @@ def check_size(where: KeyPath, part: Part, designs: int) -> None:
 
 @dataclass(frozen=True)
 class PartOfMap:
-    """A part of a certain map.
+    """A part of a certain map."""
 
-    Attributes
-    ----------
-    part : Part
-        Which part.
-    whole : str
-        The hash of the whole request, which its parts and their joined map share.
-    designs : int
-        The number of designs of the whole map.
-    """
-
+    #: Which part.
     part: Part
+    #: The hash of the whole request, which its parts and their joined map share.
     whole: str
+    #: The number of designs of the whole map.
     designs: int
 
     @property
@@ -217,17 +176,11 @@ Source = tuple[str, tuple[int, ...], Box, Box]
 
 @dataclass(frozen=True)
 class Shown:
-    """Values that a joined map shows of the files of its parts, as virtual datasets of HDF5.
+    """Values that a joined map shows of the files of its parts, as virtual datasets of HDF5."""
 
-    Attributes
-    ----------
-    files : dict of str to int
-        The checksum of the labels of each part, by its name from the folder of the map on.
-    sources : dict of str to list of (file, shape, box, own box)
-        The pieces of each variable: the file, the shape there, the box of the map, and the box of the file.
-    """
-
+    #: The checksum of the labels of each part, by its name from the folder of the map on.
     files: dict[str, int]
+    #: The pieces of each variable: the file, the shape there, the box of the map, and the box of the file.
     sources: dict[str, list[Source]]
 
     @property

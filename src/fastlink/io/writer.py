@@ -56,9 +56,6 @@ from fastlink.io.place import SLACK, not_written, part_of, reason, refused
 from fastlink.io.reader import LABELS, NAMES, WHOLE, Shown, Source, as_source
 from fastlink.space.tables import FORMAT
 
-__all__ = ["NotSeenError", "Rows", "Writer", "Written", "cut", "resume"]
-
-
 # -- Put blocks of values in the order of the file, and cut them where its pieces end
 
 
@@ -415,23 +412,15 @@ class SameRows:
 
 @dataclass(frozen=True)
 class Resumed:
-    """A partial file to go on with.
+    """A partial file to go on with."""
 
-    Attributes
-    ----------
-    fd : int
-        The open file, held.
-    offsets : dict
-        Where the values of each variable begin.
-    ranges : list of (start, stop)
-        The designs that are written, and as they were written.
-    sums : dict
-        The checksums of their values, by block.
-    """
-
+    #: The open file, held.
     fd: int
+    #: Where the values of each variable begin.
     offsets: dict[str, int]
+    #: The designs that are written, and as they were written.
     ranges: list[Range]
+    #: The checksums of their values, by block.
     sums: dict[int, int]
 
 
@@ -553,18 +542,13 @@ def _count(ranges: list[Range]) -> int:
 
 
 class ValuesFile:
-    """The values in a laid-out file.
-
-    Attributes
-    ----------
-    places : dict of int to int
-        The bytes of the values of each variable, by where they begin.
-    """
+    """The values in a laid-out file."""
 
     def __init__(self, fd: int, offsets: Mapping[str, int], variables: Sequence[Variable]) -> None:
         self.fd, self._offsets = fd, offsets
         self._variables = {variable.name: variable for variable in variables}
         self._first_block = first_blocks(variables)
+        #: The bytes of the values of each variable, by where they begin.
         self.places = places_of_values(offsets, variables)
 
     def pieces(
@@ -609,23 +593,15 @@ class NotSeenError(Exception):
 
 @dataclass
 class Written:
-    """An account of what was written and is on the disk.
+    """An account of what was written and is on the disk."""
 
-    Attributes
-    ----------
-    ranges : list of (start, stop)
-        The designs whose every result is written.
-    addends : dict
-        What their values add to the checksums, by block.
-    values : dict
-        The number of values of each variable.
-    nbytes : int
-        The bytes of all of them.
-    """
-
+    #: The designs whose every result is written.
     ranges: list[Range] = field(default_factory=list)
+    #: What their values add to the checksums, by block.
     addends: dict[int, int] = field(default_factory=dict)
+    #: The number of values of each variable.
     values: dict[str, int] = field(default_factory=dict)
+    #: The bytes of all of them.
     nbytes: int = 0
 
 
