@@ -176,8 +176,8 @@ AXES, ONE = _roles("axis", "a1 a2 a3 a4 omega1"), _roles("length", "a1 a2 a3 a4"
 DATASETS = (
     "xr.Dataset()   xr.DataArray('zz')   xr.Dataset(attrs={'designs': 'x'})   xr.Dataset({'status': 1})"
 )
-NOTHING = "()   np.array([])   np.zeros((0, 3))   {}   range(0)   pd.Series(dtype=float)"
-OBJECTIVES = {"maximise": NOTHING, "where": "xr.Dataset()"}
+NOTHING = "[]   ()   np.array([])   np.zeros((0, 3))   {}   range(0)   pd.Series(dtype=float)"
+OBJECTIVES = {"maximise": NOTHING, "minimise": "['{x}']   {'a1': Sulky()}"}
 MODES = {"branch": "modes"}
 VECTORS = _roles("vectors", "z w O A B C")
 GAPPED = _roles("gapped", "phi t a b angle")
@@ -268,11 +268,12 @@ DOORS = [
         mechanism="thing",
         a1="real",
     ),
-    _door(f"fl.best(maps=MAPS, {CHOSEN}, mechanism=None)", OBJECTIVES, mechanism="thing"),
+    _door(f"fl.best(maps=MAPS, {CHOSEN}, mechanism=None)", OBJECTIVES, mechanism="thing", maximise="choice"),
     _door(
         f"fl.search(mechanism='planar_4r', space={RANGE}, quantities=['theta4', 'omega4_max'], {CHOSEN}, bounds=None, "
         f"{POSITIONS}, branch=1, {RUNNING}, progress=False, attrs=None)",
         OBJECTIVES | {"quantities": NOTHING},
+        maximise="choice",
     ),
     _door(
         f"fl.draw(mechanism='planar_4r', {FOUR_BAR}, theta1=0.75, branch=1, links=None, input=None, "
@@ -301,10 +302,15 @@ DOORS = [
         f"fl.plot_front(maps=MAPS, minimise='omega4_max', maximise=['a2'], {SHOWN})",
         OBJECTIVES,
     ),
-    _door("fl.explain(study='study.toml', measure=None, trust_code=False)", {"study": "'study.toml/a.h5'"}),
+    _door(
+        "fl.explain(study='study.toml', measure=None, trust_code=False).title",
+        {"study": "'study.toml/a.h5'"},
+        more=False,
+    ),
     _door(
         "fl.run_study(path='study.toml', to='out.h5', threads=1, overwrite=True, progress=False, verify=0, "
-        "restart=False, part=None, layout='maps', client=None, trust_code=False)"
+        "restart=False, part=None, layout='maps', client=None, trust_code=False)",
+        {"layout": "None"},
     ),
     _door(
         "fl.accuracy(study='no.toml', designs=2, outside=False, seed=0, to=None, picture=None, overwrite=True, "
