@@ -122,7 +122,7 @@ class Door:
         """Return the hostile values of an argument."""
         base, good = self.base(name), texts_of(f"{GOOD.get(name, '')}   {self.good.get(name, '')}")
         x = base.strip("[]'") if "'" in base else base
-        x = WRAPPED.get(name, x) if base in ("None", "[]", "()") else x.partition("'")[0]
+        x = WRAPPED.get(name, x) if base in ("None", "[]", "[1.0, 2.0]") else x.partition("'")[0]
         keywords = {f"{one}=" for one in self.slots} if name == "more" else set()
         return [
             value.about(x)
@@ -419,10 +419,10 @@ DOORS = [
     _door("SPACE.at(designs=[0, 1])", designs="numbers of designs"),
     _door("SPACE.some(count=2, rng=np.random.default_rng(1))", {"count": f"0   {ANY_SIZE}"}),
     _door("SPACE.consecutive(start=1, stop=2)", {"start": "0"}),
-    _door("SPACE.with_constants(extra={'omega2': 1.0})", {"extra": "xr.Dataset()"}),
+    _door("SPACE.with_constants(extra={'omega2': 1.0})", {"extra": "xr.Dataset()   {'a1': Sulky()}"}),
     _door(
         "SPACE.with_axis(name='completion', values=[1.0, 2.0])",
-        {"name": "'text'   'nan'   np.str_('a')   Name('a')"},
+        {"name": "'text'   'nan'   np.str_('a')   Name('a')   '{x}'"},
         name="thing",
         values="axis",
     ),
