@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from fastlink.facts.sizes import dimensions
 
 import fastlink as fl
-from fastlink.facts.sizes import dimensions
 from fastlink.mechanisms import catalogue
 
 PLANAR = catalogue("planar_4r")

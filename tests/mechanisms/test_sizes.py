@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from fastlink.facts.sizes import FAR, UNDERFLOW, dimensions, is_ordinary
 from tests.support.precision import in_every_mode, plain
 from tests.support.registry import ENTRIES
 
 import fastlink as fl
 from fastlink.errors import InputError
-from fastlink.facts.sizes import FAR, UNDERFLOW, dimensions, is_ordinary
 
 #: Exponents of mass, length and time. Moments of inertia stay normal numbers in the first four.
 UNITS = [
