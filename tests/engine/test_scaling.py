@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from fastlink.facts.homogeneity import homogeneity_degrees
 from numpy.testing import assert_allclose, assert_array_equal
 
 import fastlink as fl
 from fastlink.engine.resolve import resolve
-from fastlink.engine.scaling import ScalingAxis
+from fastlink.engine.scaling import ScalingAxis, homogeneity_degrees
 from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
 

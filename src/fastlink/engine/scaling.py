@@ -29,6 +29,7 @@ __all__ = [
     "FarDesigns",
     "ScalingAxis",
     "find_scaling_axis",
+    "homogeneity_degrees",
 ]
 
 
@@ -185,7 +186,7 @@ def _powers(plan: Plan, given: tuple[str, ...], name: str) -> list[float] | None
         return None  # an error bound knows nothing of the rounding of one more product
     quantities += [name for o in plan.outputs for name in (*o.slopes, *(term.tolerance for term in o.terms))]
     steps = catalogue.dependencies(quantities, (*given, *tables, "branch"), plan.variants)
-    degrees = _homogeneity_degrees(steps, name)
+    degrees = homogeneity_degrees(steps, name)
     powers = [_power_of(output, degrees, name) for output in plan.outputs]
     return None if None in powers else [power for power in powers if power is not None]
 
@@ -214,7 +215,7 @@ def _power(output: Output, degree: float | None, name: str) -> float | None:
     return degree if request.reduction is None else request.reduction.degree_of(degree)
 
 
-def _homogeneity_degrees(steps: Iterable[Fact | System], name: str) -> dict[str, float | None]:
+def homogeneity_degrees(steps: Iterable[Fact | System], name: str) -> dict[str, float | None]:
     """Return the power of an input by which each value grows, or None."""
     degrees: dict[str, Powers | None] = {name: Powers((1.0,))}
     for step in steps:
