@@ -85,12 +85,9 @@ def test_refined_designs_are_those_of_the_best_of_a_map(maps):
     check_rows(found, fl.best(maps, **ONE, top=2, refine=True))
     narrow = fl.search("planar_4r", sample(), NAMES, **ONE, top=2, bounds={"a2": (0.9, 1.0)}, refine="a2")
     start = fl.search("planar_4r", sample(), NAMES, **ONE, top=2, refine=False)
-    inside = (start.a2 >= 0.9) & (start.a2 <= 1.0)
-    assert (
-        (narrow.a2 >= np.minimum(start.a2.min(), 0.9)) & (narrow.a2 <= np.maximum(start.a2.max(), 1.0))
-    ).all()
+    low, high = min(float(start.a2.min()), 0.9), max(float(start.a2.max()), 1.0)
+    assert ((narrow.a2 >= low) & (narrow.a2 <= high)).all()
     assert set(narrow.a1.values) == set(start.a1.values)
-    assert inside.sizes == start.a2.sizes
 
 
 class Stop(Exception):
@@ -154,16 +151,6 @@ def test_a_finished_search_is_opened_as_it_is(tmp_path, monkeypatch):
         fl.search("planar_4r", sample(), NAMES, **{**options, "maximise": "swing", "top": None})
 
 
-def test_nothing_that_meets_the_conditions_is_told_with_numbers(tmp_path):
-    with refused("4 rows", "widen"):
-        fl.search("planar_4r", sample(4), minimise="omega4_max", where={"swing": (9.0, None)})
-    with refused("4 fail swing", "widen"):
-        fl.search(
-            "planar_4r", sample(4), minimise="omega4_max", where={"swing": (9.0, None)}, to=tmp_path / "a.h5"
-        )
-    assert list(tmp_path.iterdir()) == []
-
-
 @pytest.mark.parametrize(
     ("options", "key", "remedy"),
     [
@@ -178,11 +165,18 @@ def test_nothing_that_meets_the_conditions_is_told_with_numbers(tmp_path):
         ({"minimise": "omega4_max", "refine": "a4"}, "refine", "a1, a2, a3"),
         ({"minimise": "omega4_max", "top": 0}, "top", "at least 1"),
         ({"minimise": "omega4_max", "part": "1/4000"}, "part", "at most 3,000"),
+        ({"minimise": "omega4_max", "where": {"swing": (9.0, None)}}, "3,000 rows", "widen"),
+        (
+            {"minimise": "omega4_max", "where": {"swing": (9.0, None)}, "to": "a.h5"},
+            "3,000 fail swing",
+            "widen",
+        ),
     ],
 )
-def test_what_cannot_be_searched_is_refused(options, key, remedy):
+def test_what_cannot_be_searched_is_refused(options, key, remedy, folder):
     with refused(key, remedy):
         fl.search("planar_4r", sample(), **options)
+    assert not list(folder.iterdir())
 
 
 STUDY = """
@@ -267,7 +261,7 @@ def test_parts_of_a_study_are_joined(tmp_path, monkeypatch):
 GRID = fl.grid(
     a1=np.linspace(0.1, 0.5, 5), omega1=[1.0, 3.0, 7.0], a2=np.linspace(0.8, 1.3, 7), a3=0.8, a4=1.0
 )
-#: The angle that no design of the last three parts has.
+#: The angle that no design of the last part has.
 HARD = {"minimise": "omega4_max", "where": {"a1": (None, 0.2), "swing_deg": (20, None)}, "refine": False}
 SEARCHES = {
     "one objective": (sample(), {**ONE, "top": 2}),
@@ -298,7 +292,7 @@ def check_same(found, whole):
     assert {n: repr(found.attrs.get(n)) for n in names} == {n: repr(whole.attrs.get(n)) for n in names}
 
 
-def parts_of(folder, space, asked, count=7, **options):
+def parts_of(folder, space, asked, count=4, **options):
     paths = [folder / f"found.part-{k}-of-{count}.h5" for k in range(1, count + 1)]
     for k, path in enumerate(paths, 1):
         own = {"progress": False, "part": (k, count), "to": path, **options}
@@ -313,7 +307,7 @@ def test_joined_parts_are_the_result_of_one_search(of, tmp_path):
     path = tmp_path / "found.h5"
     paths = parts_of(tmp_path, space, asked, attrs={"by": "me"}, verify=3)
     options = {**asked, "attrs": {"by": "me"}, "verify": 3, "progress": False}
-    with fl.join(paths[3:] + paths[:3], to=path, progress=False) as joined:
+    with fl.join(paths[2:] + paths[:2], to=path, progress=False) as joined:
         check_same(joined, fl.search("planar_4r", space, ["swing"], **options, to=tmp_path / "whole.h5"))
     assert fl.check(path)
     before = path.read_bytes()
@@ -348,12 +342,10 @@ def test_a_part_is_no_whole_search(tmp_path):
 
 def test_parts_in_which_nothing_is_found(tmp_path):
     space, asked = SEARCHES["an axis that scales"]
-    paths = parts_of(tmp_path, space, asked)
-    with fl.open(paths[-1]) as last:
-        assert "none is kept" in last.attrs["selection"]
-    none = {**asked, "where": {"swing": (9.0, None)}}
-    (tmp_path / "none").mkdir()
-    paths = parts_of(tmp_path / "none", space, none, 2)
+    last = tmp_path / "last.h5"
+    with fl.search("planar_4r", space, **asked, part="4/4", to=last, progress=False) as part:
+        assert "none is kept" in part.attrs["selection"]
+    paths = parts_of(tmp_path, space, {**asked, "where": {"swing": (9.0, None)}}, 2)
     with refused("none of 210 rows", "widen"):
         fl.join(paths, to=tmp_path / "found.h5")
 
@@ -411,7 +403,7 @@ def client():
         yield client
 
 
-@pytest.mark.parametrize("of", ["one objective", "front", "an axis that scales"])
+@pytest.mark.parametrize("of", ["front", "an axis that scales"])
 def test_the_workers_of_a_cluster_find_the_same(of, client, tmp_path, monkeypatch):
     monkeypatch.setattr(cluster, "GROWTH", 1)  # tasks of 64 designs
     space, asked = SEARCHES[of]

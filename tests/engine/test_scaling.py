@@ -8,8 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import fastlink as fl
 from fastlink.engine.resolve import resolve
-from fastlink.engine.scaling import ScalingAxis
-from fastlink.facts.homogeneity import homogeneity_degrees
+from fastlink.engine.scaling import ScalingAxis, homogeneity_degrees
 from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
 

@@ -1,8 +1,9 @@
-"""What holds for every quantity of every mechanism, by every input, in configurations easy and hard.
+"""What holds for every quantity of every mechanism by every input, in configurations easy and hard, and derivatives.
 
 A sum of |x df/dx| over the inputs, times the unit rounding, is what rounding the inputs alone does to f. The facts are
 short chains of operations that do not cancel, so the error of the computed f must be a small multiple of that and of
-one rounding of f: the `multiple` of the entry in `support/registry.py`.
+one rounding of f: the `multiple` of the entry in `support/registry.py`. Derivatives are the limits of 50-digit
+differences, and held to the same rule.
 """
 
 from __future__ import annotations
@@ -11,17 +12,20 @@ import re
 
 import numpy as np
 import pytest
-from tests.support.precision import compiled, in_every_mode, plain, wrong
-from tests.support.registry import ENTRIES
+from tests.support.precision import Truth, compiled, derivatives, in_every_mode, numbers_of, plain, wrong
+from tests.support.registry import ENTRIES, UNLIKE
 
 from fastlink.mechanisms import NAMES, inputs_of
+from fastlink.precision.reference import CONTEXT as MP
 
-FAMILIES = [(entry, kind) for entry in ENTRIES for kind in entry.families]
-
-
-def of(pairs):
-    """Return parameters with readable names."""
-    return [pytest.param(*pair, id="-".join(map(str, pair))) for pair in pairs]
+FAMILIES = [
+    pytest.param(entry, kind, id=f"{entry}-{kind}")
+    for entry in (*ENTRIES, *UNLIKE)
+    for kind in entry.families
+]
+#: Gaussian elimination has no derivatives, and chooses its pivots by the sizes of forces and moments.
+DIFFERENTIATED = [entry for entry in ENTRIES if entry.solver == "eliminated"]
+DIGITS_LEFT = MP.mpf(10) ** -44
 
 
 @pytest.mark.parametrize(
@@ -37,8 +41,7 @@ def test_every_mechanism_and_input_is_tested_and_every_quantity(mechanism, drive
 
 def held(entry, kind, n):
     """Assert the rule for n configurations of a family; return how many numbers were held to it."""
-    drawn = entry.drawn(kind, n, n)
-    inputs = in_every_mode(entry, drawn)
+    inputs = in_every_mode(entry, entry.drawn(kind, n, n))
     found = compiled(entry, entry.names, inputs)
     if entry.solver == "eliminated":  # NumPy's LU is another than that of the kernels
         for name, values in plain(entry, entry.names, inputs).items():
@@ -49,14 +52,13 @@ def held(entry, kind, n):
 
 
 @pytest.mark.sample(47)
-@pytest.mark.parametrize(("entry", "kind"), of(FAMILIES))
+@pytest.mark.parametrize(("entry", "kind"), FAMILIES)
 def test_every_quantity_is_a_few_roundings_off(entry, kind):
-    numbers = held(entry, kind, entry.few)
-    assert numbers >= entry.few * len(entry.names) // 8
+    assert held(entry, kind, entry.few) >= entry.few * len(entry.names) // 8
 
 
 @pytest.mark.stress
-@pytest.mark.parametrize(("entry", "kind"), of(FAMILIES))
+@pytest.mark.parametrize(("entry", "kind"), FAMILIES)
 def test_every_quantity_is_a_few_roundings_off_in_many_configurations(entry, kind):
     assert held(entry, kind, entry.many) >= entry.many * len(entry.names) // 8
 
@@ -71,6 +73,72 @@ def test_an_error_in_the_fifteenth_digit_is_noticed(mechanism):
     assert len(noticed) > 0.7 * len(entry.names)
 
 
+# -- derivatives --------------------------------------------------------------------------------------------------
+
+
+def variables(entry):
+    """Return the inputs with the position, which derivatives are by, and the sets of facts that they choose."""
+    truth = Truth(entry, (), in_every_mode(entry, entry.drawn("random", 1, 2)))
+    return truth.numbers, truth.variants
+
+
+def limits_of_differences(entry, kind, n):
+    """Compare derivatives with central differences of two steps, with 50 digits; return how many are not zero."""
+    inputs, names, tested = in_every_mode(entry, entry.drawn(kind, 11, n)), numbers_of(entry), 0
+    numbers, variants = variables(entry)
+    for by in numbers:
+        made = derivatives(entry, names, by, variants)
+        truth = Truth(entry, (*names, *made.values()), inputs, kind)
+        for _, one, true in truth.rows():
+            step = abs(true[by]) * MP.mpf(10) ** -18
+            ends = {k: truth.facts.moved(true, {by: true[by] + k * step}) for k in (-2, -1, 1, 2)}
+            for name in names:
+                near, far = ((ends[k][name] - ends[-k][name]) / (2 * k * step) for k in (1, 2))
+                slope = true[made[name]] if name in made else MP.zero
+                if MP.isnan(true[name]) or (name not in made and MP.isnan(near)):
+                    continue
+                assert MP.isnan(slope) == MP.isnan(near), (name, by, one)
+                # A third derivative leaves h^2/6 f''', a third of what twice the step leaves more; and of the 50
+                # digits of f the facts lose a few.
+                allowed = abs(far - near) + DIGITS_LEFT * abs(true[name]) / step + abs(slope) * 1e-20
+                assert MP.isnan(slope) or abs(near - slope) <= allowed, (name, by, one)
+                tested += slope != 0
+    return tested
+
+
+@pytest.mark.sample(5)
+@pytest.mark.parametrize("entry", DIFFERENTIATED, ids=str)
+def test_every_derivative_is_the_limit_of_differences(entry):
+    kinds = [kind for kind in list(entry.families)[::12] if kind not in entry.kinks]
+    assert sum(limits_of_differences(entry, kind, 1) for kind in kinds) > len(entry.names)
+
+
+@pytest.mark.stress
+@pytest.mark.parametrize("entry", DIFFERENTIATED, ids=str)
+def test_every_derivative_is_the_limit_of_differences_in_all_families(entry):
+    for kind in entry.families:
+        if kind not in entry.kinks:
+            limits_of_differences(entry, kind, 4)
+
+
+SLOPES = [
+    pytest.param(entry, kind, by, id=f"{entry}-{kind}-{by}")
+    for entry in DIFFERENTIATED
+    for kind in entry.slopes
+    for by in variables(entry)[0]
+]
+
+
+@pytest.mark.sample(40)
+@pytest.mark.parametrize(("entry", "kind", "by"), SLOPES)
+def test_derivatives_are_a_few_roundings_off(entry, kind, by):
+    names = tuple(derivatives(entry, numbers_of(entry), by, variables(entry)[1]).values())
+    inputs = in_every_mode(entry, entry.drawn(kind, 31, 8))
+    if names:
+        beyond, numbers = wrong(entry, names, inputs, plain(entry, names, inputs), kind)
+        assert len(beyond) <= (1.0 - entry.slopes[kind]) * numbers, beyond
+
+
 # -- units of length ----------------------------------------------------------------------------------------------
 
 
@@ -81,12 +149,8 @@ def power_of_length(units):
     return sum(of.get(unit, 0) * int(power or 1) for unit, power in (match.groups() for match in found))
 
 
-#: Gaussian elimination chooses its pivots by the sizes of forces and moments, which grow unlike each other.
-SCALED = [entry for entry in ENTRIES if entry.solver == "eliminated"]
-
-
 @pytest.mark.sample(5)
-@pytest.mark.parametrize("entry", SCALED, ids=str)
+@pytest.mark.parametrize("entry", DIFFERENTIATED, ids=str)
 def test_a_power_of_two_of_all_lengths_changes_no_bit(entry):
     """Every operation is exact in the exponent as long as nothing leaves the range of the doubles."""
     catalogue, tested = entry.catalogue, 0

@@ -1,14 +1,21 @@
-"""Pictures of mechanisms: joints stand where the facts say, names are shown, requests that mean nothing are refused."""
+"""Pictures of mechanisms: joints stand where the facts say, at rest and in films; of designs, studies and maps."""
 
+import base64
+import io
 import itertools
+import json
+import re
+import stat
+import sys
 from functools import cache
 from inspect import signature
+from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from PIL import Image
 from tests.support.refusals import refused
-from tests.support.registry import ENTRIES
 
 import fastlink as fl
 from fastlink.mechanisms import NAMES, catalogue, inputs_of
@@ -26,7 +33,8 @@ DESIGNS = {
     "hart": {"m": 4.0, "n": 8.0, "d": 5.0, "kappa": 0.5, "phi": 0.9},
     "slider_crank": {"r": 0.1, "l": 0.3, "e": 0.02, "theta": 0.9},
 }
-DRAWN = [entry for entry in ENTRIES if not entry.about and entry.moves]
+DRIVEN = [(name, other) for name in NAMES for other in inputs_of(name)[1:]]
+LINKS = fl.round_bar(7750.0, 0.01)
 
 
 @cache
@@ -40,8 +48,18 @@ def bars(figure, sheet=0):
     return {tuple(gid.split()[1:]): ends for gid, ends in lines if gid.startswith("bar")}
 
 
-def names(figure, sheet=0):
-    return [text.get_text().strip("$") for text in figure.axes[sheet].texts if text.get_gid() == "name"]
+def teeth(figure):
+    """Return the teeth of combs."""
+    return [line.get_xydata() for line in figure.axes[0].lines if line.get_alpha() and line.get_lw() == 0.5]
+
+
+def arrows(figure):
+    return [one for one in figure.axes[0].texts if getattr(one, "arrow_patch", None)]
+
+
+def motion_of(mechanism, design, **options):
+    known = catalogue(mechanism)
+    return Motion(mechanism, known, picture_of(mechanism, known), design, (1, 2), None, **options)
 
 
 # -- what is drawn is what the facts say -----------------------------------------------------------------------------
@@ -66,81 +84,39 @@ def test_every_mechanism_declares_what_is_drawn_of_it(mechanism):
     assert set(picture.usual.split()) <= set(picture.words)
 
 
-def test_a_mechanism_without_a_picture_is_refused(monkeypatch):
-    with refused("mechanism", "mechanisms/toggle_press/picture.py"):
-        picture_of("toggle_press", catalogue("hart"))
-
-
-@pytest.mark.sample(3)
-@pytest.mark.parametrize("entry", DRAWN, ids=str)
-def test_bars_are_as_long_as_the_design_says(entry):
-    """The ends of a bar are rounded by some ten units of the largest coordinate, so its length is by twice that."""
-    picture, checked = picture_of(entry.mechanism, entry.catalogue), set()
-    plane = PLANES[picture.metric]
-    given = entry.drawn("random", 3, 40)
-    motions = [{name: values[k] for name, values in given.items()} for k in range(len(given[entry.input]))]
-    for design in motions:
-        design = {name: float(value) for name, value in design.items() if name != "branch"}
-        position = design.pop(entry.input)
-        motion = Motion(entry.mechanism, entry.catalogue, picture, design, (1, 2), None)
-        if checked or not motion.assembles(position).any():
-            continue
-        checked.add(position)
-        figure = fl.draw(entry.mechanism, design, input=entry.input, **{entry.input: position})
-        found = bars(figure)
-        assert found
-        for (a, b, branch), ends in found.items():
-            (length,) = [
-                one for bar in picture.bars for pair, one in bar.lengths.items() if pair.split() == [a, b]
-            ]
-            expected = abs(motion.values([length], [position])[length][int(branch) - 1, 0])
-            # in the Minkowskian plane a sum and a difference of coordinates are multiplied
-            size = np.abs(ends).max() * max(1.0, np.abs(ends).max() / expected)
-            measured = plane.distance(ends[1] - ends[0])
-            assert abs(measured - expected) <= 64 * UNIT_ROUNDING * max(size, expected), (a, b, branch)
-    assert checked
-
-
-@pytest.mark.sample(2)
 @pytest.mark.parametrize("mechanism", NAMES)
-def test_joints_stand_where_the_facts_say_in_both_assembly_modes(mechanism):
-    design = DESIGNS[mechanism]
-    found = bars(drawn(mechanism))
+def test_bars_are_where_and_as_long_as_the_facts_say_in_both_assembly_modes(mechanism):
+    design, found = DESIGNS[mechanism], bars(drawn(mechanism))
     picture = picture_of(mechanism, catalogue(mechanism))
     assert {branch for *_, branch in found} == {"1", "2"}
-    for (a, b, branch), ends in found.items():
-        for name, place in zip((a, b), ends, strict=True):
+    for (*pair, branch), ends in found.items():
+        names = {value for name in pair for value in (picture.point(name).x, picture.point(name).y)}
+        (length,) = [one for bar in picture.bars for key, one in bar.lengths.items() if key.split() == pair]
+        names = [one for one in (*names, length) if isinstance(one, str) and one not in design]
+        facts = {one: one for one in (0.0,)} | design
+        facts |= fl.evaluate(mechanism, names, **design, branch=int(branch)) if names else {}
+        for name, place in zip(pair, ends, strict=True):
             point = picture.point(name)
-            for value, coordinate in zip((point.x, point.y), place, strict=True):
-                if value in design or isinstance(value, float):
-                    assert coordinate == design.get(value, value)
-                else:
-                    fact = fl.evaluate(mechanism, [value], **design, branch=int(branch))[value]
-                    assert coordinate == fact, (name, branch)
+            assert tuple(place) == (facts[point.x], facts[point.y]), (name, branch)
+        # ends are rounded by some ten units of the largest coordinate; in the Minkowskian plane a sum and a
+        # difference of coordinates are multiplied
+        expected = abs(float(facts[length]))
+        size = np.abs(ends).max() * max(1.0, np.abs(ends).max() / expected)
+        measured = PLANES[picture.metric].distance(ends[1] - ends[0])
+        assert abs(measured - expected) <= 64 * UNIT_ROUNDING * max(size, expected), (pair, branch)
 
 
 @pytest.mark.parametrize("mechanism", NAMES)
-def test_names_are_shown_and_none_covers_another(mechanism):
-    figure = drawn(mechanism)
-    shown = [letter for text in names(figure) for letter in text.split("$, $")]
-    picture = picture_of(mechanism, catalogue(mechanism))
-    wanted = {one.name for one in picture.points if one.is_named and not one.group}
-    assert wanted <= set(shown)
-    renderer = figure.canvas.get_renderer()
-    texts = [text for text in figure.axes[0].texts if text.get_gid() == "name"]
-    boxes = [text.get_window_extent(renderer).shrunk(0.8, 0.6) for text in texts]
-    over = [
-        (texts[i].get_text(), texts[j].get_text())
-        for i, j in itertools.combinations(range(len(boxes)), 2)
-        if boxes[i].overlaps(boxes[j])
-    ]
-    assert over == []
-
-
-@pytest.mark.parametrize("mechanism", NAMES)
-def test_the_picture_is_to_scale(mechanism):
+def test_names_are_shown_none_covers_another_and_the_picture_is_to_scale(mechanism):
     figure = drawn(mechanism)
     axis = figure.axes[0]
+    texts = [text for text in axis.texts if text.get_gid() == "name"]
+    shown = {letter for text in texts for letter in text.get_text().strip("$").split("$, $")}
+    picture = picture_of(mechanism, catalogue(mechanism))
+    assert {one.name for one in picture.points if one.is_named and not one.group} <= shown
+    renderer = figure.canvas.get_renderer()
+    boxes = [text.get_window_extent(renderer).shrunk(0.8, 0.6) for text in texts]
+    assert not [one for one in itertools.combinations(boxes, 2) if one[0].overlaps(one[1])]
     inches = axis.get_position().size * figure.get_size_inches()
     units = np.array([np.ptp(axis.get_xlim()), np.ptp(axis.get_ylim())])
     # three roundings of either
@@ -150,74 +126,74 @@ def test_the_picture_is_to_scale(mechanism):
 
 def test_what_both_assembly_modes_share_is_drawn_once():
     found = bars(fl.draw("planar_4r", FOUR_BAR, theta1=1.0))
-    assert sorted(found) == [
-        *(("A", "B", "1"), ("A", "B", "2"), ("D", "B", "1"), ("D", "B", "2"), ("O", "A", "1")),
-    ]
-    assert sorted(bars(fl.draw("planar_4r", FOUR_BAR, theta1=1.0, branch=2))) == [
-        *(("A", "B", "2"), ("D", "B", "2"), ("O", "A", "2")),
-    ]
+    both = [("A", "B", "1"), ("A", "B", "2"), ("D", "B", "1"), ("D", "B", "2"), ("O", "A", "1")]
+    assert sorted(found) == both
+    second = [("A", "B", "2"), ("D", "B", "2"), ("O", "A", "2")]
+    assert sorted(bars(fl.draw("planar_4r", FOUR_BAR, theta1=1.0, branch=2))) == second
 
 
 # -- the range of the motion -----------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
-    ("mechanism", "design", "low", "high"),
+    ("mechanism", "design", "limits"),
     [
-        ("planar_4r", ROCKER, "theta1_low", "theta1_high"),
-        ("focal", {"a": 5.0, "b": 5.0, "c": 2.0, "d": 4.0, "s": 2.0, "completion": 1}, "phi_low", "phi_high"),
-        ("slider_crank", {"r": 0.4, "l": 0.3, "e": 0.02}, "theta_low", "theta_high"),
+        ("planar_4r", ROCKER, ["theta1_low", "theta1_high"]),
+        ("focal", DESIGNS["focal"], ["phi_low", "phi_high"]),
+        ("slider_crank", {"r": 0.4, "l": 0.3, "e": 0.02}, ["theta_low", "theta_high"]),
+        ("planar_4r", FOUR_BAR, []),
     ],
 )
-def test_the_range_ends_at_the_toggles_of_the_facts(mechanism, design, low, high):
-    known = catalogue(mechanism)
-    motion = Motion(mechanism, known, picture_of(mechanism, known), design, (1, 2), None)
-    found = fl.evaluate(mechanism, [low, high], **design)
+def test_the_range_ends_at_the_toggles_of_the_facts(mechanism, design, limits):
+    design = {name: value for name, value in design.items() if name != "phi"}
+    motion = motion_of(mechanism, design)
     ends = np.array(motion.ranges).ravel()
-    for limit in found.values():
+    for limit in fl.evaluate(mechanism, limits, **design).values() if limits else (-np.pi, np.pi):
         # halved to 2^-44 of half a degree; near a toggle the sign of what is under the root is rounded
         assert abs(ends - limit).min() < 1e-12
+    assert motion.turns_fully == (not limits)
 
 
-def test_a_design_that_turns_fully_has_one_range_of_a_turn():
-    known = catalogue("planar_4r")
-    motion = Motion("planar_4r", known, picture_of("planar_4r", known), FOUR_BAR, (1, 2), None)
-    assert motion.turns_fully
-    assert motion.ranges == ((-np.pi, np.pi),)
-
-
-@pytest.mark.parametrize("joint", [1, 2, 3, 4])
-def test_by_a_joint_angle_the_linkage_stands_where_theta1_puts_it(joint):
-    """One of the two assembly modes by the joint; its points lose a few roundings in either way, its angles one."""
-    given = fl.evaluate("planar_4r", [f"joint_angle_{joint}"], **DESIGNS["planar_4r"], branch=1)
-    angle = {name: float(value) for name, value in given.items()}
-    expected = bars(fl.draw("planar_4r", DESIGNS["planar_4r"], branch=1))
-    found = bars(fl.draw("planar_4r", CURVED, input=f"joint_angle_{joint}", **angle))
-    for (a, b, _), ends in expected.items():
+@pytest.mark.parametrize(("mechanism", "other"), DRIVEN)
+def test_by_another_input_the_linkage_stands_where_the_first_one_puts_it(mechanism, other):
+    """One of the two assembly modes by the other; its points lose a few roundings in either way, its angles one."""
+    design = DESIGNS[mechanism]
+    first = catalogue(mechanism).position.name
+    given = {other: float(fl.evaluate(mechanism, [other], **design, branch=1)[other])}
+    given |= {name: value for name, value in design.items() if name != first}
+    found = bars(fl.draw(mechanism, given, input=other))
+    for (a, b, _), ends in bars(fl.draw(mechanism, design, branch=1)).items():
         modes = [one for (*pair, _), one in found.items() if pair == [a, b]]
-        assert any(np.abs(one - ends).max() < 64 * UNIT_ROUNDING for one in modes), (a, b)
+        size = 64 * UNIT_ROUNDING * max(1.0, np.abs(ends).max())
+        assert any(np.abs(one - ends).max() < size for one in modes), (a, b)
+
+
+def test_a_range_that_is_only_looked_at_is_no_limit():
+    linkage = {"a": 1.0, "b": 1.0, "g": 4.0, "h": 1.0, "x": 0.5, "y": 0.3}
+    motion = motion_of("minkowski_4r", linkage, reach=5.0)
+    limits = fl.evaluate("minkowski_4r", ["theta_min", "theta_max"], **linkage)
+    inner, outer = f"{limits['theta_min']:g}", f"{limits['theta_max']:g}"
+    assert motion.range_texts(False) == [f"up to -{outer}", f"-{inner} to {inner}", f"{outer} on"]
+    assert motion.span == (-5.0, 5.0)
+    assert bars(fl.draw("minkowski_4r", linkage, theta=4.5))
 
 
 # -- words, strips and curves ----------------------------------------------------------------------------------------
 
 
-def test_words_add_what_they_say():
-    usual = fl.draw("planar_4r", CURVED, theta1=1.0, branch=1)
-    more = fl.draw("planar_4r", CURVED, theta1=1.0, branch=1, show="path circles comb")
-    assert (
-        len(more.axes[0].lines) == len(usual.axes[0].lines) + 2 + 2
-    )  # circles of A and B; teeth and their ends
-    alone = fl.draw("planar_4r", CURVED, theta1=1.0, branch=1, show="comb")
-    assert len(alone.axes[0].lines) == len(usual.axes[0].lines) + 2 - 1
-    none = fl.draw("planar_4r", CURVED, theta1=1.0, branch=1, show=[])
-    assert len(none.axes[0].lines) == len(usual.axes[0].lines) - 1
+@pytest.mark.parametrize(
+    ("show", "further"),
+    [("path circles comb", 2 + 2), ("comb", 2 - 1), ([], -1)],  # two circles; teeth and their ends; no path
+)
+def test_words_add_what_they_say(show, further):
+    usual, more = (fl.draw("planar_4r", CURVED, theta1=1.0, branch=1, show=one) for one in (None, show))
+    assert len(more.axes[0].lines) == len(usual.axes[0].lines) + further
 
 
 def test_the_teeth_of_a_comb_are_as_long_as_the_curvature():
     figure = fl.draw("planar_4r", CURVED, theta1=1.0, branch=2, show="comb")
-    teeth = [line.get_xydata() for line in figure.axes[0].lines if line.get_alpha() and line.get_lw() == 0.5]
-    feet, tips, _ = teeth[0].reshape(-1, 3, 2).transpose(1, 0, 2)
-    at = np.linspace(-np.pi, np.pi, 2 * len(feet) * 2 // 2)[::2]
+    feet, tips, _ = teeth(figure)[0].reshape(-1, 3, 2).transpose(1, 0, 2)
+    at = np.linspace(-np.pi, np.pi, 2 * len(feet))[::2]
     expected = fl.evaluate("planar_4r", ["curvature", "P_x"], **CURVED, theta1=at, branch=2)
     assert_allclose(feet[:, 0], expected["P_x"], rtol=1e-15)
     ratio = np.hypot(*(tips - feet).T) / np.abs(expected["curvature"])
@@ -227,45 +203,12 @@ def test_the_teeth_of_a_comb_are_as_long_as_the_curvature():
     assert_allclose(ratio[~clipped], ratio.max(), rtol=1e-3)
 
 
-def test_forces_are_arrows_in_their_directions():
-    given = CURVED | {"omega1": 20.0, "theta1": 1.0}
-    links = fl.round_bar(7750.0, 0.01)
-    figure = fl.draw("planar_4r", given, links=links, branch=1, show="forces")
-    arrows = [one for one in figure.axes[0].texts if getattr(one, "arrow_patch", None)]
-    vectors = np.array([np.subtract(one.xy, one.xyann) for one in arrows])
-    names = [f"{name}_{xy}" for name in ("F41", "F21", "F32", "F43") for xy in "xy"]
-    forces = fl.evaluate("planar_4r", names, **given, links=links, branch=1)
-    expected = np.reshape(list(forces.values()), (4, 2))
-    (legend,) = [one.get_text() for one in figure.legends[0].get_texts() if "forces" in one.get_text()]
-    assert float(legend.split()[-2]) == float(f"{np.hypot(*expected.T).max():.3g}")
-    assert "e+" not in legend
-    ratio = np.hypot(*vectors.T) / np.hypot(*expected.T)
-    assert_allclose(ratio, ratio[0], rtol=1e-12)  # 2^-53 of a coordinate of 1 in an arrow of a thousandth
-    assert_allclose(np.arctan2(*vectors.T), np.arctan2(*expected.T), rtol=1e-12)
-
-
-def test_torques_are_curved_arrows_in_their_sense():
-    given = {"r": 0.1, "l": 0.3, "e": 0.02, "omega": 50.0, "m3": 0.5, "theta": 0.9}
-    links = fl.round_bar(7750.0, 0.01)
-    figure = fl.draw("slider_crank", given, links=links, show="torques")
-    torques = fl.evaluate("slider_crank", ["T41"], **given, links=links, branch=[1, 2])["T41"]
-    arcs = [line.get_xydata() for line in figure.axes[0].lines if line.get_zorder() == 6.5]
-    assert len(arcs) == 2
-    for arc, torque in zip(arcs, torques, strict=True):
-        turn = np.unwrap(np.arctan2(*arc.T[::-1]))
-        assert np.sign(turn[-1] - turn[0]) == np.sign(torque)
-    (legend,) = [one.get_text() for one in figure.legends[0].get_texts() if "torques" in one.get_text()]
-    assert legend == f"torques, the greatest {np.abs(torques).max():.3g} N m"
-
-
 @pytest.mark.parametrize(("mechanism", "show", "paths"), [
     ("focal", "path comb", 1), ("hart", "path comb", 0), ("hart", "path ellipse comb", 1), ("minkowski_4r", "comb", 1),
 ])  # fmt: skip
 def test_every_path_that_is_bent_has_a_comb(mechanism, show, paths):
     """Hart's line has none: its curvature is rounding alone."""
-    figure = fl.draw(mechanism, DESIGNS[mechanism], show=show, branch=1)
-    combs = [line for line in figure.axes[0].lines if line.get_alpha() and line.get_lw() == 0.5]
-    assert len(combs) == paths
+    assert len(teeth(fl.draw(mechanism, DESIGNS[mechanism], show=show, branch=1))) == paths
 
 
 def test_a_circle_has_teeth_of_one_length_in_either_plane():
@@ -280,41 +223,200 @@ def test_a_circle_has_teeth_of_one_length_in_either_plane():
         assert_allclose(found, sign * arm / radius**2, atol=1e-14)
 
 
-def test_a_strip_stands_at_equal_steps_over_the_motion():
-    figure = fl.draw("planar_4r", FOUR_BAR, strip=6, degrees=True)
-    assert [axis.get_title().split("= ")[1] for axis in figure.axes] == [
-        "0°", "60°", "120°", "180°", "240°", "300°"
-    ]  # fmt: skip
-    given = fl.draw("planar_4r", FOUR_BAR, theta1_deg=[10, 20, 200])
-    assert [axis.get_title().split("= ")[1] for axis in given.axes] == ["10°", "20°", "200°"]
+def legend(figure, word):
+    (found,) = [one.get_text() for one in figure.legends[0].get_texts() if word in one.get_text()]
+    return found
 
 
-def test_both_completions_of_the_focal_mechanism_stand_side_by_side():
-    design = {name: value for name, value in DESIGNS["focal"].items() if name != "completion"}
-    first, second = fl.draw("focal", design).axes
-    assert (first.get_title()[:12], second.get_title()[:12]) == ("completion 1", "completion 2")
+def test_forces_are_arrows_in_their_directions():
+    given = CURVED | {"omega1": 20.0, "theta1": 1.0}
+    figure = fl.draw("planar_4r", given, links=LINKS, branch=1, show="forces")
+    vectors = np.array([np.subtract(one.xy, one.xyann) for one in arrows(figure)])
+    names = [f"{name}_{xy}" for name in ("F41", "F21", "F32", "F43") for xy in "xy"]
+    forces = fl.evaluate("planar_4r", names, **given, links=LINKS, branch=1)
+    expected = np.reshape(list(forces.values()), (4, 2))
+    greatest = legend(figure, "forces").split()[-2]
+    assert float(greatest) == float(f"{np.hypot(*expected.T).max():.3g}")
+    assert "e+" not in greatest
+    ratio = np.hypot(*vectors.T) / np.hypot(*expected.T)
+    assert_allclose(ratio, ratio[0], rtol=1e-12)  # 2^-53 of a coordinate of 1 in an arrow of a thousandth
+    assert_allclose(np.arctan2(*vectors.T), np.arctan2(*expected.T), rtol=1e-12)
+
+
+def test_torques_are_curved_arrows_in_their_sense():
+    given = {"r": 0.1, "l": 0.3, "e": 0.02, "omega": 50.0, "m3": 0.5, "theta": 0.9}
+    figure = fl.draw("slider_crank", given, links=LINKS, show="torques")
+    torques = fl.evaluate("slider_crank", ["T41"], **given, links=LINKS, branch=[1, 2])["T41"]
+    arcs = [line.get_xydata() for line in figure.axes[0].lines if line.get_zorder() == 6.5]
+    turns = [np.unwrap(np.arctan2(*arc.T[::-1])) for arc in arcs]
+    assert [np.sign(turn[-1] - turn[0]) for turn in turns] == np.sign(torques).tolist()
+    assert legend(figure, "torques") == f"torques, the greatest {np.abs(torques).max():.3g} N m"
+
+
+def test_the_conic_about_F_touches_the_four_sides():
+    """Its second focus mirrored in a tangent is twice the major semi-axis from the first."""
+    figure = fl.draw("focal", DESIGNS["focal"], branch=2, show="foci")
+    (second,) = [line.get_xydata()[0] for line in figure.axes[0].lines if line.get_marker() == "x"]
+    found = bars(figure)
+    (shape,) = [one for one in figure.axes[0].patches if hasattr(one, "get_center")]
+    first = found["P", "F", "2"][1]
+    for start, end in (found["M", "A", "2"], found["N", "B", "2"], found["A", "B", "2"]):
+        across = np.array([start[1] - end[1], end[0] - start[0]]) / np.hypot(*(end - start))
+        mirrored = second - 2.0 * ((second - start) @ across) * across
+        # a root of a quadratic of coordinates of 5, some ten roundings each
+        assert abs(np.hypot(*(mirrored - first)) - max(shape.width, shape.height)) < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "given", "titles"),
+    [
+        ("planar_4r", {"strip": 6, "degrees": True}, ["0°", "60°", "120°", "180°", "240°", "300°"]),
+        ("planar_4r", {"theta1_deg": [10, 20, 200]}, ["10°", "20°", "200°"]),
+        ("focal", {"completion": None}, ["completion 1", "completion 2"]),
+    ],
+)
+def test_what_stands_side_by_side(mechanism, given, titles):
+    design = {key: value for key, value in {**DESIGNS[mechanism], **given}.items() if value is not None}
+    design.pop("theta1", None)
+    shown = [
+        axis.get_title().rpartition("= ")[2].partition(":")[0] for axis in fl.draw(mechanism, **design).axes
+    ]
+    assert shown == titles
 
 
 def test_curves_stand_beside_with_the_input_marked():
     figure = fl.draw("planar_4r", FOUR_BAR, theta1_deg=60, curves=["theta4", "transmission_angle"])
-    _, *beside = figure.axes
-    assert len(beside) == 2
-    for name, axis in zip(("theta4", "transmission_angle"), beside, strict=True):
+    for name, axis in zip(("theta4", "transmission_angle"), figure.axes[1:], strict=True):
         marks = [line.get_xydata()[0] for line in axis.lines if line.get_marker() == "o"]
         expected = fl.evaluate("planar_4r", [name], **FOUR_BAR, theta1=np.pi / 3, branch=[1, 2])[name]
         # a conversion and, of theta1, a shift by a turn
         assert_allclose(marks, [(60.0, value) for value in np.degrees(expected)], rtol=1e-14)
 
 
+# -- designs of studies, maps and rows -------------------------------------------------------------------------------
+
+STUDY = """
+mechanism = "planar_4r"
+quantities = ["transmission_angle_min"]
+[links]
+model = "round_bar"
+density = 7750.0
+radius = 0.01
+[design]
+a1 = 0.4
+a2 = {linspace = [1.0, 1.2, 3]}
+a3 = {values = [0.7, 0.8]}
+a4 = 1.0
+omega1 = 20.0
+"""
+SINGLE = STUDY.replace("{linspace = [1.0, 1.2, 3]}", "1.1").replace("{values = [0.7, 0.8]}", "0.8")
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    place = tmp_path_factory.mktemp("maps") / "maps.h5"
+    space = fl.grid(a1=0.4, a2=[1.0, 1.1, 1.2], a3=[0.7, 0.8], a4=1.0)
+    fl.sweep("planar_4r", space, ["transmission_angle"], theta1=[1.0, 2.0], to=place, verify=0).close()
+    return place
+
+
+@pytest.fixture(scope="module")
+def maps(place):
+    with fl.open(place) as maps:
+        return maps.load()
+
+
+def lengths(figure):
+    """Return a2 and a3, measured in the picture."""
+    found = {key[:2]: float(np.hypot(*np.diff(ends, axis=0)[0])) for key, ends in bars(figure).items()}
+    return found["A", "B"], found["D", "B"]
+
+
+# design 3 of 3 x 2 in C order is the second a2 and the second a3; a length of 1 from coordinates of 1: some roundings
+EXPECTED = pytest.approx((1.1, 0.8), rel=1e-14)
+
+
+def test_a_design_by_its_number_and_by_its_values(maps, place, tmp_path):
+    for name, text in (("study", STUDY), ("single", SINGLE)):
+        (tmp_path / f"{name}.toml").write_text(text)
+    near = {"at": {"a2": 1.12, "a3": 0.79}}
+    for source, given in (
+        (maps, {"design": 3}), (maps, near), (maps, {"design": 2, "a3": 0.8}), (str(place), {"design": 3}),
+        (tmp_path / "study.toml", near), (tmp_path / "single.toml", {}),
+    ):  # fmt: skip
+        assert lengths(fl.draw(source, **given, theta1=1.0)) == EXPECTED
+    assert lengths(fl.draw(place, 3)) == EXPECTED
+    figure = fl.draw(tmp_path / "study.toml", 3, theta1=1.0, show="forces", branch=2)  # with its links
+    assert (lengths(figure), len(arrows(figure))) == (EXPECTED, 4)
+
+
+def test_a_row_has_its_assembly_mode_and_its_position(maps):
+    rows = maps.fastlink.top(2, "transmission_angle")
+    figure = fl.draw(rows, 1)
+    crank = bars(figure)["O", "A", str(int(rows.branch[1]))][1]
+    assert np.arctan2(*crank[::-1]) == pytest.approx(float(rows.theta1[1]), rel=1e-15)
+    assert lengths(figure) == pytest.approx((float(rows.a2[1]), float(rows.a3[1])), rel=1e-14)
+    assert {branch for *_, branch in bars(figure)} == {str(int(rows.branch[1]))}
+    assert {branch for *_, branch in bars(fl.draw(rows, 1, theta1_deg=20, branch=[1, 2]))} == {"1", "2"}
+
+
+# -- moving pictures -------------------------------------------------------------------------------------------------
+
+FRAMES = 3
+
+
+def test_a_gif_has_the_pictures_asked_for_and_ends_where_it_began(tmp_path):
+    place = tmp_path / "turn.gif"
+    fl.draw("planar_4r", FOUR_BAR, branch=1, animate=place, frames=FRAMES)
+    pictures = []
+    with Image.open(place) as film:
+        assert (film.n_frames, film.info["loop"]) == (FRAMES, 0)
+        for k in range(FRAMES):
+            film.seek(k)
+            pictures.append(np.array(film.convert("L")))
+    assert pictures[0][0, 0] == 255
+    changes = [(pictures[k] != pictures[k - 1]).mean() for k in range(FRAMES)]
+    assert all(0.001 < change < 0.2 for change in changes)  # the linkage, and it alone
+
+
+def test_a_page_needs_nothing_else(tmp_path):
+    place = tmp_path / "swing.html"
+    fl.draw("planar_4r", ROCKER, branch=1, theta1_deg=60, animate=place, frames=FRAMES)
+    text = place.read_text()
+    assert not re.search(r"(src|href)\s*=\s*[\"']?(https?:)?//", text)
+    found = (re.search(rf"{key} = (\[.*?\])[,;]", text)[1] for key in ("frames", "labels"))
+    frames, labels = map(json.loads, found)
+    assert len(frames) == len(labels) == FRAMES
+    with Image.open(io.BytesIO(base64.b64decode(frames[0]))) as first:
+        assert first.format == "PNG"
+    angles = [float(label.removesuffix("°")) for label in labels]
+    assert all(24.147 <= angle <= 145.168 for angle in angles)  # the range in which 60 degrees is
+
+
+def test_a_film_is_handed_to_ffmpeg(tmp_path, monkeypatch):
+    """With a program in its place that counts the pixels that it receives, or fails."""
+    monkeypatch.setenv("PATH", str(tmp_path))
+    film, program = tmp_path / "line.mp4", tmp_path / "ffmpeg"
+    with refused("animate", "apt install ffmpeg"):
+        fl.draw("planar_4r", FOUR_BAR, animate=film)
+    script = f"#!{sys.executable}\nimport sys\nread, given = sys.stdin.buffer.read(), sys.argv[1:]\n"
+    program.write_text(
+        f"{script}width, height = map(int, given[given.index('-s') + 1].split('x'))\n"
+        "open(given[-1], 'w').write('{} {}'.format(*divmod(len(read), 3 * width * height)))\n"
+    )
+    program.chmod(program.stat().st_mode | stat.S_IXUSR)
+    fl.draw("hart", m=4.0, n=8.0, d=5.0, kappa=0.5, animate=film, frames=FRAMES)
+    assert film.read_text() == f"{FRAMES} 0"
+    program.write_text(f"{script}sys.exit('no such codec')\n")
+    with refused("animate", "a .gif"):
+        fl.draw("hart", m=4.0, n=8.0, d=5.0, kappa=0.5, animate=film, frames=2)
+
+
 # -- what means nothing ----------------------------------------------------------------------------------------------
 
 
-def test_a_position_beyond_the_limits_says_why_and_where_it_assembles():
-    with refused("theta1_deg", "-145.168° to -24.147° or 24.147° to 145.168°"):
-        fl.draw("planar_4r", ROCKER, theta1_deg=170)
-    with pytest.raises(fl.InputError, match="assembles over part of the turn"):
-        fl.draw("planar_4r", ROCKER, theta1=0.1)
-    figure = fl.draw("planar_4r", ROCKER, theta1_deg=[60, 170])  # of several, one assembles
+def test_of_several_positions_one_may_lie_beyond_the_limits():
+    figure = fl.draw("planar_4r", ROCKER, theta1_deg=[60, 170])
     assert (bool(bars(figure, 0)), bool(bars(figure, 1))) == (True, False)
     assert "does not assemble" in [text.get_text() for text in figure.axes[1].texts]
 
@@ -327,17 +429,15 @@ def test_an_angle_that_looks_like_degrees_is_remarked_on_once(at):
     assert text.startswith(f"draw: theta1: {at} is taken as radians")
 
 
-def test_a_design_that_never_assembles_says_so():
-    with refused("never assembles", "another design"):
-        fl.draw("planar_4r", a1=0.4, a2=5.0, a3=0.8, a4=1.0)
-
-
 @pytest.mark.parametrize(
     ("given", "key", "remedy"),
     [
         ({"a1": -1.0}, "a1", "greater than 0"),
         ({"a1": [0.4, 0.5]}, "a1", "one number"),
         ({"a7": 1.0}, "a7", "did you mean"),
+        ({"a2": 5.0}, "never assembles", "another design"),
+        (ROCKER | {"theta1_deg": 170}, "theta1_deg", "-145.168° to -24.147° or 24.147° to 145.168°"),
+        (ROCKER | {"theta1": 0.1}, "assembles over part of the turn", ""),
         ({"branch": 3}, "branch", "1, 2"),
         ({"strip": 1}, "strip", "2 to 24"),
         ({"strip": 4, "theta1": 1.0}, "theta1", "leave one"),
@@ -353,60 +453,58 @@ def test_a_design_that_never_assembles_says_so():
         ({"show": "forces", "omega1": 20.0}, "draw", "round_bar"),
         ({"to": "linkage.bmp"}, "to", "png, svg, pdf"),
         ({"degrees": 3}, "degrees", "True or False"),
+        ({"trust_code": "no"}, "trust_code", "True or False"),
         ({"theta1_degg": 3.0}, "theta1_degg", ""),
+        ({"animate": "turn.avi"}, "animate", "gif, html, mp4"),
+        ({"animate": "turn.gif", "frames": 1}, "frames", "2 to 720"),
+        ({"animate": "turn.gif", "strip": 3}, "animate", "leave strip"),
+        ({"animate": "turn.gif", "theta1": [1.0, 2.0]}, "animate", "leave strip"),
+        ({"at": {"a1": 1.0}}, "at", "leave it out"),
+        ({"design": {"a1": 0.4}}, "design", "once"),
+        ({"design": 3}, "design", "by name"),
     ],
 )
-def test_requests_that_mean_nothing_are_refused(given, key, remedy):
+def test_requests_that_mean_nothing_are_refused(given, key, remedy, folder):
     with refused(key, remedy):
         fl.draw("planar_4r", **FOUR_BAR | given)
 
 
-def test_options_among_the_inputs_are_refused():
+@pytest.mark.parametrize(
+    ("given", "key", "remedy"),
+    [
+        ({}, "design", "design=0"),
+        ({"design": 6}, "design", "0 to 5"),
+        ({"design": "first"}, "design", "0 to 5"),
+        ({"design": 1, "at": {"a2": 1.0}}, "at", "leave one"),
+        ({"at": {"a2": 1.0}}, "at", "such as 0.7"),
+        ({"at": {"a2": 3.0, "a3": 0.7}}, "at", "from 1 to 1.2"),
+        ({"at": {"a9": 3.0, "a2": 1.0, "a3": 0.7}}, "at", "did you mean"),
+        ({"at": 3}, "at", "{'a4': 1.0}"),
+    ],
+)
+def test_what_names_no_design_of_a_map_is_refused(maps, given, key, remedy):
+    with refused(key, remedy):
+        fl.draw(maps, **given, theta1=1.0)
+
+
+def test_a_curve_whose_function_takes_more_than_the_design_gives_is_left_out_of_all_and_refused_by_its_word():
+    design = {name: DESIGNS["minkowski_4r"][name] for name in "abgh"}
+    every = fl.draw("minkowski_4r", design, show="all")
+    assert not any("sextic" in one.get_text() for one in every.legends[0].get_texts())
+    with pytest.raises(fl.InputError, match="x is missing; sextic depends on it; add it"):
+        fl.draw("minkowski_4r", design, show="sextic")
+
+
+def test_other_sources_and_options_among_the_inputs_are_refused(tmp_path):
     """A design is a mapping, whose names would else be taken for keywords of the evaluation."""
+    with refused("mechanism", "mechanisms/toggle_press/__init__.py"):
+        picture_of("toggle_press", catalogue("hart"))
+    with refused("mechanism", "did you mean 'planar_4r'"):
+        fl.draw("planar4r", FOUR_BAR)
+    for absent in (tmp_path / "absent.h5", Path("absent.toml")):
+        with pytest.raises(fl.InputError, match="absent"):
+            fl.draw(absent, 3)
     for name in signature(fl.evaluate).parameters:
         remedy = f"beside the design, {name}=" if name in ("branch", "input", "links") else "leave it out"
         with refused(name, remedy):
             fl.draw("planar_4r", FOUR_BAR | {name: 1})
-    with refused("trust_code", "True or False"):
-        fl.draw("planar_4r", FOUR_BAR, trust_code="no")
-
-
-@pytest.mark.parametrize("kind", ["svg", "pdf"])  # png: test_page.py
-def test_pictures_of_each_kind_are_written(tmp_path, kind):
-    place = tmp_path / f"linkage.{kind}"
-    fl.draw("slider_crank", DESIGNS["slider_crank"], to=place)
-    begins = {"svg": b"<?xml", "pdf": b"%PDF"}
-    assert place.read_bytes().startswith(begins[kind])
-
-
-def test_a_notebook_shows_the_figure_by_itself():
-    assert drawn("hart")._repr_png_().startswith(b"\x89PNG")
-
-
-def test_a_range_that_is_only_looked_at_is_no_limit():
-    linkage = {"a": 1.0, "b": 1.0, "g": 4.0, "h": 1.0, "x": 0.5, "y": 0.3}
-    known = catalogue("minkowski_4r")
-    motion = Motion(
-        "minkowski_4r", known, picture_of("minkowski_4r", known), linkage, (1, 2), None, reach=5.0
-    )
-    limits = fl.evaluate("minkowski_4r", ["theta_min", "theta_max"], **linkage)
-    inner, outer = f"{limits['theta_min']:g}", f"{limits['theta_max']:g}"
-    assert motion.range_texts(False) == [f"up to -{outer}", f"-{inner} to {inner}", f"{outer} on"]
-    assert motion.span == (-5.0, 5.0)
-    assert bars(fl.draw("minkowski_4r", linkage, theta=4.5))
-
-
-def test_the_conic_about_F_touches_the_four_sides():
-    """Its second focus mirrored in a tangent is twice the major semi-axis from the first."""
-    design = DESIGNS["focal"]
-    figure = fl.draw("focal", design, branch=2, show="foci")
-    (second,) = [line.get_xydata()[0] for line in figure.axes[0].lines if line.get_marker() == "x"]
-    found = bars(figure)
-    (shape,) = [one for one in figure.axes[0].patches if hasattr(one, "get_center")]
-    first = found["P", "F", "2"][1]
-    sides = [found["M", "A", "2"], found["N", "B", "2"], found["A", "B", "2"]]
-    for start, end in sides:
-        across = np.array([start[1] - end[1], end[0] - start[0]]) / np.hypot(*(end - start))
-        mirrored = second - 2.0 * ((second - start) @ across) * across
-        # a root of a quadratic of coordinates of 5, some ten roundings each
-        assert abs(np.hypot(*(mirrored - first)) - max(shape.width, shape.height)) < 1e-12

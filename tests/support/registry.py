@@ -327,6 +327,35 @@ FOCAL = (
 )
 
 
+#: What the figure has of a position but rates by time, which are only a multiple. Left out is what is within its bound
+#: but may lose more: a circle where P and Q are next to M and N, and by sigma what the direction of NB decides.
+FIGURE = (
+    *(f"{joint}_{xy}" for joint in "ABFPQT" for xy in "xy"),
+    *("alpha", "beta", "chi", "omega_angle", "psi", "X_x", "X_y", "Y_x"),
+    *(f"transmission_angle_{joint}" for joint in "PQF"),
+    *("PSQT_y", "PSQT_radius", *(f"SFTY_{of}" for of in ("x", "y", "radius")), "F_along_AB", "F_across_AB"),
+)
+OF_DRIVE = {
+    "phi": ("sigma", "dpsi_dphi", "dsigma_dphi", "PFQX_x", "PFQX_y", "PFQX_radius", *PIVOTS_SEEN_FROM_AB),
+    "sigma": ("phi", "dphi_dsigma", "dpsi_dsigma"),
+}
+
+#: Where numbers are unlike each other by up to 1e10: held to their digits, not to how loose their bounds are.
+UNLIKE = tuple(
+    Entry(
+        *("focal", drive),
+        about="of unlike numbers",
+        families=families(focal_configurations.unlike, focal_configurations.UNLIKE, drive),
+        quantities=(*FIGURE, *OF_DRIVE[drive]),
+        few=12,
+        many=1000,
+        # The longest chain has some 60 operations that do not cancel, of one rounding each.
+        multiple=64.0,
+    )
+    for drive in focal_configurations.DRIVES
+)
+
+
 # -- Hart's linkage ---------------------------------------------------------------------------------------------
 
 HART = (

@@ -15,18 +15,24 @@ import numpy as np
 from fastlink._text import counted, short_repr
 from fastlink.engine.resolve import ResolvedSweep, check, resolve
 from fastlink.engine.run import VECTOR, BoundKernel, FunctionKernel, aligned
-from fastlink.engine.scaling import BlockUnits, dimensional_of, sized_outputs
 from fastlink.errors import InputError, Problem, Problems, door
 from fastlink.facts.catalogue import ELIMINATED
 from fastlink.facts.derivative import NoDependence, is_tolerance
 from fastlink.facts.names import Derivative, GradientStatus, Quantity, Reduced, derivative_name
-from fastlink.facts.sizes import is_ordinary
+from fastlink.facts.powers import beyond_range
 from fastlink.machine import check_memory
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.numerics.compiler import MOVING, NOTHING
 from fastlink.plan.query import check_names, parse_request
-from fastlink.plan.request import allowed, check_inputs, radian_keywords, selected_variants, unknown_input
+from fastlink.plan.request import (
+    allowed,
+    check_inputs,
+    code_beyond_range,
+    radian_keywords,
+    selected_variants,
+    unknown_input,
+)
 from fastlink.space.design_space import (
     DESIGN,
     MOST_DIMS,
@@ -331,11 +337,9 @@ class Function:
         row = sum(8 * math.prod(shape) for shape in self._shapes)
         self._block = max(1, min(BLOCK, BLOCK_BYTES // row // 64 * 64))
         self._of_thread = threading.local()
-        #: The outputs' units, and whether the constants are near 1: else designs have units of their own.
-        self._sized, constants = sized_outputs(plan), resolved.space.constants
-        self._ordinary = all(map(is_ordinary, dimensional_of(resolved.catalogue, constants).values()))
-        rows = dimensional_of(resolved.catalogue, dict.fromkeys(self.inputs))
-        self._dimensional = [self.inputs.index(name) for name in rows]
+        #: The row of the status, and its code for designs with numbers beyond the range.
+        code = code_beyond_range(resolved.catalogue)
+        self._flag = (self.outputs.index("status"), code) if "status" in self.outputs else None
 
     @door(name="function", hint="x is one array, with a row for each input")
     def __call__(self, x: ArrayLike) -> NDArray[np.float64]:
@@ -350,6 +354,11 @@ class Function:
         doubles = given.size + math.prod((given.size // len(self.inputs), len(self.outputs), *self.shape))
         check_memory(8 * doubles, "the result", where=("function", "x"), remedy="pass fewer designs at once")
         flat = given.reshape(len(self.inputs), -1)
+        far = np.zeros(flat.shape[1], dtype=bool)
+        for declared, row in zip(self._declared, flat, strict=True):
+            far |= beyond_range(declared, row)
+        if far.any():
+            flat = np.where(far, np.nan, flat)
         result = np.empty((len(self.outputs), flat.shape[1], *self.shape))
         for start in range(0, flat.shape[1], self._block):
             block = slice(start, start + self._block)
@@ -360,6 +369,8 @@ class Function:
         if bad.any():
             for k in self._numbers:
                 result[k, bad] = np.nan
+        if far.any() and self._flag is not None:
+            result[self._flag[0], far] = self._flag[1]
         return result.reshape(len(self.outputs), *given.shape[1:], *self.shape)
 
     def __reduce__(self) -> tuple[Callable[..., Function], tuple[list[str]]]:
@@ -372,10 +383,10 @@ class Function:
     @cached_property
     def jitted(self) -> Any:
         """The same function of (inputs,) or (inputs, n) for callers in ``@njit`` code, see docs/performance.md."""
-        from fastlink.engine.jitted import JITTED_BLOCK, Apart, jitted_of
+        from fastlink.engine.jitted import JITTED_BLOCK, jitted_of
 
-        apart = Apart(self, self._dimensional, not self._ordinary)
-        jitted = jitted_of(self._bind(JITTED_BLOCK), self._declared, self._shapes, self.shape, apart)
+        kernels = self._bind(JITTED_BLOCK)
+        jitted = jitted_of(kernels, self._declared, self._shapes, self.shape, self._flag)
         jitted.__reduce_ex__ = lambda protocol: (
             getattr,
             (self, "jitted"),
@@ -453,9 +464,9 @@ class Function:
         """Return the outputs of one design, in no more than a dozen steps of Python."""
         outputs = np.empty((len(self.outputs), *self.shape))
         values = given.tolist()
-        if not (self._ordinary and all(is_ordinary(values[k]) for k in self._dimensional)):
-            self._evaluate_apart(given[:, None], outputs[:, None])
-            kernels = []
+        far = any(map(beyond_range, self._declared, values))
+        if far:
+            values = [math.nan] * len(values)
         for kernel in kernels:
             for row, index in kernel.rows:
                 row[:VECTOR] = values[index]
@@ -464,6 +475,8 @@ class Function:
                 outputs[k] = result[0].reshape(self._shapes[k])
         if not all(map(allowed, self._declared, values)):
             outputs[self._numbers] = np.nan
+        if far and self._flag is not None:
+            outputs[self._flag[0]] = self._flag[1]
         return outputs
 
     def _evaluate_block(
@@ -471,9 +484,6 @@ class Function:
     ) -> None:
         """Evaluate designs of one block into the outputs."""
         count = given.shape[1]
-        if not (self._ordinary and all(is_ordinary(given[k]) for k in self._dimensional)):
-            self._evaluate_apart(given, outputs)
-            return
         # lanes beyond the last design repeat it; their results are not read
         padded = -(-count // VECTOR) * VECTOR
         for kernel in kernels:
@@ -483,23 +493,3 @@ class Function:
             kernel.run(count)
             for k, result in kernel.results:
                 outputs[k] = result[:count].reshape(count, *self._shapes[k])
-
-    def _evaluate_apart(self, given: NDArray[np.float64], outputs: NDArray[np.float64]) -> None:
-        """Evaluate designs of one block, some of which are far from 1, in units of their own."""
-        count = given.shape[1]
-        values = {**self._resolved.space.constants, **dict(zip(self.inputs, given, strict=True))}
-        rows = {name: np.broadcast_to(value, count) for name, value in values.items()}
-        units = BlockUnits.of(self._resolved.catalogue, rows, self._sized)
-        inputs = rows if units is None else rows | units.inputs
-        arrays: dict[int, NDArray[Any]] = {}
-        for kernel in self._bind(count):
-            for name, row in zip(kernel.bound.task.inputs, kernel.bound.designs, strict=True):
-                row[:count] = inputs[name]
-                row[count:] = row[count - 1]
-            kernel.run(count)
-            arrays |= dict(kernel.results)
-        found = [arrays[k] for k in range(len(self.outputs))]
-        if units is not None:
-            units.leave(found)
-        for k, result in enumerate(found):
-            outputs[k] = result.reshape(count, *self._shapes[k])

@@ -17,7 +17,7 @@ from fastlink.codegen.cache import environment
 from fastlink.codegen.kernel import Kernel, backend_of, kernel_of
 from fastlink.engine.designs import designs_of, without
 from fastlink.engine.run import Job, KernelTask, Shapes
-from fastlink.engine.scaling import ScalingAxis, UnitsOfDesigns, find_scaling_axis
+from fastlink.engine.scaling import FarDesigns, ScalingAxis, find_scaling_axis
 from fastlink.errors import InputError, KeyPath, Problem, Problems, check_path
 from fastlink.facts.catalogue import ELIMINATED
 from fastlink.facts.derivative import is_tolerance, tolerance_name
@@ -258,7 +258,7 @@ class ResolvedSweep:
             )
             for kernel in self.kernels
         ]
-        return Job(tasks, self.shapes, self.evaluated.size, UnitsOfDesigns.of(self.plan, self.evaluated))
+        return Job(tasks, self.shapes, self.evaluated.size, FarDesigns.of(self.plan, self.evaluated))
 
 
 def _of_kernels(kernels: Iterable[Kernel]) -> hashlib._Hash:
@@ -315,7 +315,7 @@ def resolve(
     except InputError as error:
         raise (_problem_of_each(checked, planning, parameter) or error) from None
     space = _without_unread(space, plan)
-    axis = find_scaling_axis(plan, space) if UnitsOfDesigns.of(plan, space).ordinary else None
+    axis = find_scaling_axis(plan, space)
     solver = checked.solver if plan.depends_on_solver else ""
     one_branch = np.ndim(options.get("branch", checked.branches)) == 0
     mechanism, ways = name_of(mechanism), (checked.backend, one_branch)

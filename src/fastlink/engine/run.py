@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fastlink.codegen.source import Source
-    from fastlink.engine.scaling import BlockUnits, UnitsOfDesigns
+    from fastlink.engine.scaling import FarDesigns
 
 
 # -- Bind kernels to the buffers of one thread: designs, angles, scratch, results
@@ -177,8 +177,8 @@ class Job:
     shapes: Shapes
     #: Number of designs.
     size: int
-    #: Those of designs that are far from 1.
-    units: UnitsOfDesigns | None = None
+    #: The designs with numbers beyond the range, which have no results.
+    far: FarDesigns | None = None
 
 
 def default_threads() -> int:
@@ -227,11 +227,11 @@ def run(
             if start == end:
                 break
             arrays = [a[: end - start] for a in own] if targets is None else [a[start:end] for a in targets]
-            units = None if job.units is None else job.units.at(start, end)
+            far = None if job.far is None else job.far.at(start, end)
             for kernel in kernels:
-                _evaluate(kernel, start, end, arrays, units)
-            if units is not None:
-                units.leave(arrays)
+                _evaluate(kernel, start, end, arrays, far)
+            if job.far is not None and far is not None:
+                job.far.flag(arrays, far)
             if sink is not None:
                 sink(start, end, arrays)
         for kernel in kernels:
@@ -245,13 +245,13 @@ def run(
 
 
 def _evaluate(
-    kernel: BoundKernel, start: int, end: int, arrays: Sequence[NDArray[Any]], units: BlockUnits | None
+    kernel: BoundKernel, start: int, end: int, arrays: Sequence[NDArray[Any]], far: NDArray[Any] | None
 ) -> None:
     """Evaluate designs start to end into the arrays of the job."""
     count = end - start
     kernel.task.fill(start, end, kernel.designs)
-    if units is not None:
-        units.enter(kernel.task.inputs, kernel.designs)
+    if far is not None:
+        kernel.designs[:, :count][:, far] = np.nan
     # Lanes beyond the last design repeat it; their results are not stored.
     kernel.designs[:, count:] = kernel.designs[:, count - 1 : count]
     kernel.bind([arrays[k] for k in kernel.task.results])(count)

@@ -10,7 +10,7 @@ import math
 import os
 import shlex
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -20,7 +20,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from fastlink._text import short_number, short_repr, unwritable
+from fastlink._text import short_repr, unwritable
 from fastlink.errors import (
     InputError,
     KeyPath,
@@ -59,30 +59,22 @@ from fastlink.io.reader import (
     register_filter,
     require_package,
 )
+from fastlink.io.where import Indexer, Selection, selected
 from fastlink.io.writer import Writer, auxiliary, create_checksums, label, lay_labels
 from fastlink.space.design_space import (
     BRANCH,
     DESIGN,
-    RADIANS,
-    angle_of,
-    as_real,
-    check_angle,
-    degrees_name,
-    radians,
-    remark_on_angles,
 )
 from fastlink.space.tables import FORMAT, STATUS
 
 __all__ = [
     "BLOCK_BYTES",
     "Index",
-    "Selection",
     "Source",
     "check_compression",
     "check_conversion",
     "convert",
     "labelled",
-    "selected",
     "write_csv",
 ]
 
@@ -186,266 +178,6 @@ def chunks_of(variable: Variable, nbytes: int) -> tuple[int, ...]:
     return (*divided, *variable.shape[len(divided) :])
 
 
-# -- Select a part of a map by values, or by numbers, along its dimensions
-
-
-#: What is taken along a dimension: one number, which the result has no dimension for, or several.
-Indexer = int | slice | NDArray[np.intp]
-#: A value counts as an end of a range if it differs by four roundings: 1.1 + 0.1 is more than 1.2.
-SLACK = 4 * 2.0**-52
-NUMBER_SIGN, TO = "#", ":"
-FORMS = (
-    "write ",
-    Setting("select", {"a2": "1.1:1.2"}),
-    " for a range, a number for the nearest value, or '#3' or '#0:10' for numbers of values",
-)
-
-
-@dataclass
-class Selection:
-    """The conditions on what is taken of a map, and what meets them.
-
-    Attributes
-    ----------
-    indexers : dict of str to Indexer
-        What is taken along each dimension that is not taken whole.
-    texts : list of str
-        Each condition, such as ``a2=1.1:1.2``.
-    """
-
-    indexers: dict[str, Indexer] = field(default_factory=dict)
-    texts: list[str] = field(default_factory=list)
-
-    def __str__(self) -> str:
-        return "; ".join(self.texts)
-
-    def add(self, dim: str, indexer: Indexer) -> None:
-        """Take less along a dimension; both conditions have to hold."""
-        if dim in self.indexers:
-            indexer = np.intersect1d(_numbers(self.indexers[dim]), _numbers(indexer))
-        self.indexers[dim] = _simple(indexer)
-
-
-@dataclass(frozen=True)
-class _Numbers:
-    """Numbers of values along a dimension: one, or a slice of them."""
-
-    value: int | slice
-
-
-@dataclass(frozen=True)
-class _Ends:
-    """A range of values, both ends included."""
-
-    low: float
-    high: float
-
-
-def selected(maps: xr.Dataset, given: Any) -> Selection:
-    """Return what conditions take of a map, or refuse them.
-
-    Examples
-    --------
-    >>> maps = xr.Dataset(coords={"a2": [1.0, 1.1, 1.2, 1.3]})
-    >>> selected(maps, {"a2": "1.1:1.2"})
-    Selection(indexers={'a2': slice(1, 3, None)}, texts=['a2=1.1:1.2'])
-    """
-    selection, problems = Selection(), Problems()
-    if given is None:
-        return selection
-    if not isinstance(given, Mapping):
-        raise InputError(f"is {short_repr(given)}", where=("select",), remedy=FORMS)
-    for name, condition in given.items():
-        with problems.at("select", str(name)):
-            _add(selection, maps, name, condition)
-    problems.stop()
-    for dim, indexer in selection.indexers.items():
-        if not isinstance(indexer, int) and not _numbers(indexer).size:
-            what = f"no value along {dim} meets {selection}"
-            raise InputError(what, where=("select",), remedy="leave one of the conditions out")
-    return selection
-
-
-def _add(selection: Selection, maps: xr.Dataset, name: Any, condition: Any) -> None:
-    """Add one condition to a selection."""
-    coordinate, in_degrees = _coordinate(maps, name)
-    dim = str(coordinate.dims[0]) if coordinate.dims else ""
-    form = _form(name, condition, coordinate)
-    if isinstance(form, _Numbers):
-        if not dim:
-            raise InputError("is one value for all designs, which has no numbers", remedy="select by values")
-        taken: Indexer = _by_number(form.value, coordinate.size)
-    elif isinstance(form, str):
-        taken = np.flatnonzero(coordinate.values.astype(str).reshape(-1) == form)
-    else:
-        form = _in_radians(form) if in_degrees else form
-        if coordinate.attrs.get("units") == RADIANS and not in_degrees:
-            numbers = [form.low, form.high] if isinstance(form, _Ends) else form
-            remark_on_angles(str(coordinate.name), numbers, "select")
-        taken = _by_value(coordinate, form, is_axis=coordinate.name == dim)
-    if isinstance(taken, np.ndarray) and not taken.size:
-        raise InputError(f"{_text(condition)} takes nothing; {_span(coordinate)}", remedy="widen it")
-    if dim:
-        selection.add(dim, taken)
-    selection.texts.append(f"{name}={_text(condition)}")
-
-
-def _coordinate(maps: xr.Dataset, name: Any) -> tuple[xr.DataArray, bool]:
-    """Return the coordinate of a condition, and whether its values are in degrees."""
-    known = {str(key): coord for key, coord in maps.coords.items() if coord.ndim < 2}
-    known |= {
-        str(dim): xr.DataArray(np.arange(size), dims=str(dim), name=str(dim))
-        for dim, size in maps.sizes.items()
-        if str(dim) not in known
-    }
-    if name in known:
-        return known[name], False
-    angle = angle_of(name) if isinstance(name, str) else ""
-    if angle in known:
-        check_angle(str(name), angle, str(known[angle].attrs.get("units", "1")), ())
-        return known[angle], True
-    if name in maps.data_vars:
-        what, remedy = "is a result, which has no dimension of its own", f"select by {', '.join(known)}"
-        raise InputError(what, remedy=remedy)
-    angles = [degrees_name(key) for key, one in known.items() if one.attrs.get("units") == RADIANS]
-    raise InputError("is no dimension and no coordinate of the map", remedy=suggest(name, [*known, *angles]))
-
-
-def _form(name: Any, condition: Any, coordinate: xr.DataArray) -> _Numbers | _Ends | float | str:
-    """Return a condition as numbers of values, ends of a range, a value, or a text to be met."""
-    is_text = coordinate.dtype.kind not in "iufb"
-    if isinstance(condition, str):
-        text = condition.strip()
-        if text.startswith(NUMBER_SIGN):
-            return _Numbers(_slice(text[1:]))
-        if is_text:
-            return text
-        if TO in text:
-            low, _, high = text.partition(TO)
-            return _ends(_number(low, -math.inf), _number(high, math.inf))
-        return _number(text, None)
-    if is_text:
-        raise InputError(f"is {short_repr(condition)}", remedy="write one of its texts")
-    if isinstance(condition, (tuple, list)) and len(condition) == 2:
-        low, high = condition
-        return _ends(
-            -math.inf if low is None else _real(low, condition),
-            math.inf if high is None else _real(high, condition),
-        )
-    return _real(condition, condition)
-
-
-def _real(value: Any, condition: Any) -> float:
-    if (number := as_real(value)) is not None:
-        return number
-    raise InputError(f"is {short_repr(condition)}", remedy=FORMS)
-
-
-def _number(text: str, default: float | None) -> float:
-    """Return the number that a text says; an end may be left out."""
-    if not text.strip() and default is not None:
-        return default
-    try:
-        number = float(text)
-    except ValueError:
-        number = math.nan
-    if math.isnan(number):
-        raise InputError(f"{short_repr(text)} is not a number", remedy=FORMS)
-    return number
-
-
-def _ends(low: float, high: float) -> _Ends:
-    if low > high:
-        raise InputError(f"runs from {low:g} down to {high:g}", remedy="write the lesser end first")
-    return _Ends(low, high)
-
-
-def _slice(text: str) -> int | slice:
-    """Return the numbers of values that a text after ``#`` says, as Python counts."""
-    try:
-        parts = [int(part) if part.strip() else None for part in text.split(TO)]
-    except ValueError:
-        parts = []
-    if len(parts) == 1 and parts[0] is not None:
-        return parts[0]
-    if len(parts) not in (2, 3) or (len(parts) == 3 and parts[2] is not None and parts[2] < 1):
-        remedy = "write such as #3, #0:10 (without the tenth) or #::4, counted from 0"
-        raise InputError(f"'#{text}' is not a number of a value", remedy=remedy)
-    return slice(*parts)
-
-
-def _in_radians(form: _Ends | float) -> _Ends | float:
-    if isinstance(form, _Ends):
-        return _Ends(float(radians(form.low)), float(radians(form.high)))
-    return float(radians(form))
-
-
-def _by_number(numbers: int | slice, size: int) -> Indexer:
-    if isinstance(numbers, int):
-        if not -size <= numbers < size:
-            what = f"'#{numbers}' is beyond the {size} values"
-            raise InputError(what, remedy=f"write #0 to #{size - 1}")
-        return numbers % size
-    return np.arange(size)[numbers]
-
-
-def _by_value(coordinate: xr.DataArray, form: _Ends | float, *, is_axis: bool) -> Indexer:
-    """Return what a range, or a value, takes: of an axis of floats, a value takes the nearest."""
-    values = np.atleast_1d(coordinate.values)
-    if isinstance(form, _Ends):
-        slack = SLACK * max((abs(end) for end in (form.low, form.high) if math.isfinite(end)), default=0.0)
-        return np.flatnonzero((values >= form.low - slack) & (values <= form.high + slack))
-    if values.dtype.kind == "f" and is_axis and np.isfinite(values).all():
-        nearest = int(np.argmin(abs(values - form)))
-        off, near = abs(values[nearest] - form), float(values[nearest])
-        slack = SLACK * abs(form)
-        if not values.min() - slack <= form <= values.max() + slack:
-            return np.empty(0, dtype=np.intp)
-        if off > slack:
-            remark(
-                f"{short_number(form)} is not among the values: the nearest, {short_number(near)}, is taken",
-                ("select", str(coordinate.name)),
-            )
-        return nearest
-    found = np.flatnonzero(abs(values - form) <= SLACK * abs(form))
-    return int(found[0]) if is_axis and found.size == 1 else found
-
-
-def _span(coordinate: xr.DataArray) -> str:
-    """Return what values a coordinate has, for a message."""
-    values = np.atleast_1d(coordinate.values)
-    name = coordinate.name
-    if values.dtype.kind not in "iuf" or values.size < 4:
-        shown = ", ".join(
-            short_repr(str(v)) if values.dtype.kind not in "iuf" else f"{v:g}" for v in values[:4]
-        )
-        return f"{name} is {shown}{', ...' if values.size > 4 else ''}"
-    units = coordinate.attrs.get("units", "1")
-    return f"{name} runs from {values.min():g} to {values.max():g}{'' if units == '1' else f' {units}'}"
-
-
-def _text(condition: Any) -> str:
-    """Return a condition as on the command line."""
-    if isinstance(condition, (tuple, list)):
-        return TO.join("" if end is None else f"{end!s}" for end in condition)
-    return str(condition).strip()
-
-
-def _numbers(indexer: Indexer) -> NDArray[np.intp]:
-    if isinstance(indexer, np.ndarray):
-        return indexer
-    if isinstance(indexer, slice):
-        return np.arange(indexer.start, indexer.stop)
-    return np.array([indexer])
-
-
-def _simple(indexer: Indexer) -> Indexer:
-    """Return consecutive numbers as a slice, which is read at once."""
-    if isinstance(indexer, np.ndarray) and indexer.size and indexer[-1] - indexer[0] == indexer.size - 1:
-        return slice(int(indexer[0]), int(indexer[-1]) + 1)
-    return indexer
-
-
 # -- The part of a map that a conversion reads, block by block
 
 
@@ -481,7 +213,11 @@ class Source:
         # a dimension that no variable has tells nothing
         coords = coords.drop_vars([n for n, one in coords.coords.items() if not set(one.dims) <= used])
         coords = coords.drop_vars(list(coords.data_vars)).isel(
-            {dim: indexer for dim, indexer in selection.indexers.items() if dim in coords.dims}
+            {
+                dim: slice(one.start, one.stop, one.step) if isinstance(one, range) else one
+                for dim, one in selection.indexers.items()
+                if dim in coords.dims
+            }
         )
         _check_kinds([maps[name] for name in names], list(coords.coords.values()))
         long = [
@@ -511,11 +247,15 @@ class Source:
         return [*self.columns, *self.variables]
 
     def _variable(self, name: str, dtype: np.dtype[Any] | None) -> Variable:
-        array = self._maps[name]
-        kept = [dim for dim in array.dims if not isinstance(self._indexers.get(str(dim)), int)]
-        shape = tuple(_length(self._indexers.get(str(dim)), array.sizes[dim]) for dim in kept)
-        own = array.dtype if dtype is None or array.dtype.kind != "f" else dtype
-        return Variable(name, tuple(map(str, kept)), shape, own, plain_attrs(array.attrs))
+        array, takes = self._maps[name], self._takes(name)
+        kept = {dim: len(take) for dim, take in takes.items() if not isinstance(take, int)}
+        kind = array.dtype if dtype is None or array.dtype.kind != "f" else dtype
+        return Variable(name, tuple(kept), tuple(kept.values()), kind, plain_attrs(array.attrs))
+
+    def _takes(self, name: str) -> dict[str, Indexer]:
+        """Return what is taken of a variable along each of its dimensions."""
+        sizes = self._maps[name].sizes
+        return {str(dim): self._indexers.get(str(dim), range(size)) for dim, size in sizes.items()}
 
     def blocks(
         self, variable: Variable, steps: tuple[int, ...] = ()
@@ -527,15 +267,11 @@ class Source:
 
     def read(self, variable: Variable, index: Index) -> NDArray[Any]:
         """Return part of a variable of the result, in its type."""
-        array = self._maps[variable.name].variable
-        wanted = dict(zip(variable.dims, (*index, *[slice(None)] * len(variable.dims)), strict=False))
-        lengths = dict(zip(variable.dims, variable.shape, strict=True))
-        takes = [
-            _within(self._indexers.get(str(dim)), wanted.get(str(dim), 0), lengths.get(str(dim), 1))
-            for dim in array.dims
-        ]
+        takes: dict[str, Any] = self._takes(variable.name)
+        for dim, part in zip(variable.dims, index, strict=False):
+            takes[dim] = takes[dim][part]
         try:
-            values = np.ascontiguousarray(_taken(array, takes))
+            values = np.ascontiguousarray(_taken(self._maps[variable.name].variable, list(takes.values())))
         except (OSError, RuntimeError, KeyError, ValueError) as error:
             what = f"{variable.name} cannot be read ({reason(error)})"
             raise InputError(what, where=("maps",), remedy="check the file by `fastlink check`") from error
@@ -582,44 +318,23 @@ def _is_bound(variable: Variable) -> bool:
     return str(variable.attrs.get("symbol", "")).startswith("err ")
 
 
-def _length(indexer: Indexer | None, size: int) -> int:
-    if isinstance(indexer, np.ndarray):
-        return indexer.size
-    return size if not isinstance(indexer, slice) else len(range(size)[indexer])
-
-
-def _within(indexer: Indexer | None, wanted: int | slice, length: int) -> Indexer:
-    """Return what is read of a dimension of the map, for a part of the result."""
-    if isinstance(indexer, int):
-        return indexer
-    if isinstance(indexer, np.ndarray):
-        return int(indexer[wanted]) if isinstance(wanted, int) else indexer[wanted]
-    first = indexer.start if isinstance(indexer, slice) else 0
-    if isinstance(wanted, int):
-        return first + wanted
-    start, stop, _ = wanted.indices(length)
-    return slice(first + start, first + stop)
-
-
-def _taken(array: xr.Variable, takes: list[Indexer]) -> NDArray[Any]:
+def _taken(array: xr.Variable, takes: list[Any]) -> NDArray[Any]:
     """Return part of an array: read from the first to the last number along each dimension, then picked."""
-    spans = [
-        slice(int(take[0]), int(take[-1]) + 1) if isinstance(take, np.ndarray) else take for take in takes
+    several = {k: take for k, take in enumerate(takes) if not isinstance(take, (int, np.integer))}
+    spans: list[Any] = [
+        slice(takes[k][0], takes[k][-1] + 1) if k in several else takes[k] for k in range(len(takes))
     ]
-    lengths = [1 if isinstance(span, int) else span.stop - span.start for span in spans]
-    if math.prod(lengths) * array.dtype.itemsize > 2 * BLOCK_BYTES:  # few numbers far from each other
-        for k, take in enumerate(takes):
-            if isinstance(take, np.ndarray) and take.size > 1:
-                halves = (take[: take.size // 2], take[take.size // 2 :])
-                axis = sum(not isinstance(one, int) for one in takes[:k])
+    apart = {k: take for k, take in several.items() if len(take) < spans[k].stop - spans[k].start}
+    read = math.prod(spans[k].stop - spans[k].start for k in several)
+    if read * array.dtype.itemsize > 2 * BLOCK_BYTES:  # few numbers far from each other
+        for k, take in apart.items():
+            if len(take) > 1:
+                halves = (take[: len(take) // 2], take[len(take) // 2 :])
                 parts = [_taken(array, [*takes[:k], half, *takes[k + 1 :]]) for half in halves]
-                return np.concatenate(parts, axis)
+                return np.concatenate(parts, list(several).index(k))
     values = np.asarray(array[tuple(spans)].values)
-    axis = 0
-    for take in takes:
-        if isinstance(take, np.ndarray):
-            values = np.take(values, take - take[0], axis)
-        axis += not isinstance(take, int)
+    for k, take in apart.items():
+        values = np.take(values, np.subtract(take, take[0]), list(several).index(k))
     return values
 
 

@@ -8,16 +8,15 @@ import math
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Iterable, Mapping
+from functools import reduce
 from importlib.resources import files
+from inspect import getclosurevars
 from pathlib import Path
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import h5py
-import matplotlib
 import numpy as np
 import xarray as xr
-from matplotlib.colors import CenteredNorm, LogNorm, to_hex
 from numpy.typing import NDArray
 
 from fastlink._text import filled, in_words
@@ -26,13 +25,12 @@ from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.fact import Fact, System
 from fastlink.facts.names import innermost
 from fastlink.io.reader import is_hdf5
-from fastlink.maps.units import flags_of, half_turn
+from fastlink.maps.units import flags_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.numerics import elementary, logarithm
 from fastlink.numerics.compiler import COMPILED_AS, INLINED, syntax
 from fastlink.pictures.draw import picture_of
 from fastlink.pictures.motion import Motion
-from fastlink.pictures.style import CYCLIC, FLAGS, LINES, are_counts, colours_of, drawable
 from fastlink.plan.query import parse_request
 from fastlink.plan.request import constants_of, selected_variants
 from fastlink.space.design_space import BRANCH, DEGREES, DESIGN, taken_links
@@ -45,7 +43,6 @@ if TYPE_CHECKING:
     from fastlink.mechanisms._shared.picture import Picture
 
 __all__ = [
-    "COLOURS",
     "MOST_CELLS",
     "ONE",
     "POOLS",
@@ -53,7 +50,6 @@ __all__ = [
     "content_of",
     "page_of",
     "pooled",
-    "scale_of",
     "script_of",
 ]
 
@@ -134,49 +130,40 @@ class _Text:
 
     def __init__(self, script: _Script, function: Callable[..., Any]) -> None:
         self.script, self.tree = script, syntax(function)
-        self.scope = dict(function.__globals__)
-        self.scope |= zip(
-            function.__code__.co_freevars, [c.cell_contents for c in function.__closure__ or ()], strict=True
-        )
+        self.scope = {"abs": abs, **function.__globals__, **getclosurevars(function).nonlocals}
         self.parameters = [one.arg for one in self.tree.args.args]
-        self.local = {
-            node.id
-            for node in ast.walk(self.tree)
-            if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
-        }
+        stored = (node for node in ast.walk(self.tree) if isinstance(node, ast.Name))
+        self.local = {*self.parameters, *(node.id for node in stored if isinstance(node.ctx, ast.Store))}
 
     def text(self) -> str:
         """Return the whole function."""
-        lines = [self.statement(one) for one in self.tree.body if not _is_docstring(one)]
+        lines = " ".join(filter(None, map(self.statement, self.tree.body)))
         own = sorted(self.local - set(self.parameters))
         declared = f"let {', '.join(map(_own, own))}; " if own else ""
-        return f"({', '.join(map(_own, self.parameters))}) => {{ {declared}{' '.join(lines)} }}"
+        return f"({', '.join(map(_own, self.parameters))}) => {{ {declared}{lines} }}"
 
     def statement(self, node: ast.stmt) -> str:
-        """Return an assignment or a return."""
-        if isinstance(node, ast.Return) and node.value is not None:
-            return f"return {self.value(node.value)};"
-        if isinstance(node, ast.Assign) and len(node.targets) == 1:
-            return f"{self.target(node.targets[0])} = {self.value(node.value)};"
-        raise Untranslatable(ast.unparse(node))
-
-    def target(self, node: ast.expr) -> str:
-        """Return what is assigned to."""
-        if isinstance(node, ast.Tuple):
-            return f"[{', '.join(map(self.target, node.elts))}]"
-        if isinstance(node, ast.Name):
-            return _own(node.id)
+        """Return an assignment or a return; of a docstring nothing."""
+        match node:
+            case ast.Return(value=ast.expr() as value):
+                return f"return {self.value(value)};"
+            case ast.Assign(targets=[target]):
+                return f"{self.value(target)} = {self.value(node.value)};"
+            case ast.Expr(value=ast.Constant()):
+                return ""
         raise Untranslatable(ast.unparse(node))
 
     def value(self, node: ast.expr) -> str:
-        """Return an expression."""
+        """Return an expression, or what is assigned to."""
         match node:
             case ast.Constant(value=bool() | int() | float() as number):
                 return _number(number)
-            case ast.Name():
-                return self.named(node)
-            case ast.Tuple():
-                return f"[{', '.join(map(self.value, node.elts))}]"
+            case ast.Name(id=name) if name in self.local:
+                return _own(name)
+            case ast.Name() | ast.Attribute():
+                return _number(self.global_of(node))
+            case ast.Tuple(elts=parts):
+                return f"[{', '.join(map(self.value, parts))}]"
             case ast.BinOp() if type(node.op) in SIGNS:
                 return f"({self.value(node.left)} {SIGNS[type(node.op)]} {self.value(node.right)})"
             case ast.UnaryOp(op=ast.USub()):
@@ -185,43 +172,28 @@ class _Text:
                 return f"({self.value(node.left)} {SIGNS[type(sign)]} {self.value(other)})"
             case ast.Subscript(slice=ast.Constant(value=int() as place)):
                 return f"{self.value(node.value)}[{place}]"
-            case ast.Attribute():
-                return _number(self.known(node))
             case ast.Call(keywords=[]):
-                return self.call(node)
+                return self.call(self.global_of(node.func), [self.value(arg) for arg in node.args])
         raise Untranslatable(ast.unparse(node))
 
-    def named(self, node: ast.Name) -> str:
-        """Return a local name, or the number that a name of the module stands for."""
-        if node.id in self.local or node.id in self.parameters:
-            return _own(node.id)
-        return _number(self.known(node))
-
-    def known(self, node: ast.expr) -> Any:
+    def global_of(self, node: ast.expr) -> Any:
         """Return what a name of the module, or of a module in it, stands for."""
-        if isinstance(node, ast.Attribute):
-            of = self.known(node.value)
-            if isinstance(of, ModuleType) and hasattr(of, node.attr):
-                return getattr(of, node.attr)
-        if isinstance(node, ast.Name):
-            if node.id in self.scope:
-                return self.scope[node.id]
-            if node.id == "abs":
-                return abs
-        raise Untranslatable(ast.unparse(node))
+        first, *rest = ast.unparse(node).split(".")
+        try:
+            return reduce(getattr, rest, self.scope[first])
+        except (KeyError, AttributeError):
+            raise Untranslatable(ast.unparse(node)) from None
 
-    def call(self, node: ast.Call) -> str:
+    def call(self, function: Any, args: list[str]) -> str:
         """Return a call: of a choice, of a function of JavaScript, of one of the script."""
-        function, args = self.known(node.func), [self.value(arg) for arg in node.args]
         if function is elementary.select:
             condition, yes, no = args
             return f"({condition} ? {yes} : {no})"
-        if function in OWN:
-            return f"{OWN[function]}({', '.join(args)})"
-        function = COMPILED_AS.get(function, function)
-        if function in INLINED:
-            return f"{self.script.add(function)}({', '.join(args)})"
-        raise Untranslatable(ast.unparse(node))
+        if function not in OWN:
+            function = COMPILED_AS.get(function, function)
+            if function not in INLINED:
+                raise Untranslatable(function)
+        return f"{OWN.get(function) or self.script.add(function)}({', '.join(args)})"
 
 
 def _own(name: str) -> str:
@@ -239,10 +211,6 @@ def _number(value: Any) -> str:
     if math.isfinite(number):
         return repr(number).removesuffix(".0") if number >= 0 else f"({number!r})"
     return "NaN" if math.isnan(number) else "Infinity" if number > 0 else "(-Infinity)"
-
-
-def _is_docstring(node: ast.stmt) -> bool:
-    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
 
 
 def script_of(
@@ -293,46 +261,13 @@ def _entry(script: _Script, step: Fact | System) -> str:
     return f"[{script.add(step.function)}, {json.dumps(step.depends_on)}, {json.dumps(step.names)}]"
 
 
-# -- Choose the colours of a variable for the page, as a picture of it has them
-
-
-#: The colour maps that scales name: even in lightness, and told apart by the colour-blind.
-COLOURS = ("viridis", "RdBu_r", CYCLIC)
-STEPS = 256
-
-
-def colour_tables() -> dict[str, list[str]]:
-    """Return each colour map as a list of colours."""
-    places = np.linspace(0.0, 1.0, STEPS)
-    return {name: [to_hex(one) for one in matplotlib.colormaps[name](places)] for name in COLOURS}
-
-
-def scale_of(variable: xr.DataArray, sample: Any, regular: Any = None) -> dict[str, Any]:
-    """Return how values become colours, from a sample of them."""
-    if flags := flags_of(variable):
-        colours = {str(code): FLAGS[k % len(FLAGS)] for k, code in enumerate(flags.values())}
-        return {"kind": "codes", "colours": colours, "pools": False}
-    values = np.ravel(np.asarray(sample, dtype=float))
-    if are_counts(values):
-        low, high = float(np.nanmin(values)), float(np.nanmax(values))
-        return {"kind": "counts", "low": low - 0.5, "high": high + 0.5, "map": "viridis", "pools": False}
-    values = np.where(np.isfinite(values), drawable(values), np.nan)
-    inside = np.ones(values.shape, bool) if regular is None or not np.any(regular) else np.ravel(regular)
-    norm, colours, extend = colours_of(values, inside, half_turn(variable.attrs.get("units")))
-    low, high = float(norm.vmin), float(norm.vmax)
-    if isinstance(norm, CenteredNorm):
-        low, high = norm.vcenter - norm.halfrange, norm.vcenter + norm.halfrange
-    kind = "log" if isinstance(norm, LogNorm) else "linear"
-    # an angle and that half a turn further on have no mean
-    scale = {"kind": kind, "low": float(low), "high": float(high), "map": colours.name, "extend": extend}
-    return {**scale, "pools": colours.name != CYCLIC}
-
-
 # -- Tell a page what a map holds: its dimensions and variables, and the mechanism that it is of
 
 
 def content_of(values: Values) -> dict[str, Any]:
     """Return what a page has to know of a map before it asks for values."""
+    from fastlink.pictures.style import LINES, colour_tables
+
     maps = values.maps
     names = values.names
     if not names:
@@ -696,6 +631,8 @@ class Values:
     def scale(self, name: str) -> dict[str, Any]:
         """Return how the values of a variable become colours, from a sample of all of them."""
         if name not in self.scales:
+            from fastlink.pictures.style import scale_of
+
             array = self.maps[name]
             sizes = {str(dim): length for dim, length in array.sizes.items()}
             steps = _steps(sizes, SAMPLED)

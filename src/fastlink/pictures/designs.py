@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from fastlink.pictures.cloud import Cloud
+    from fastlink.pictures.charts import Cloud
 
 __all__ = ["KINDS", "MapPlots", "plot_designs", "plot_front"]
 
@@ -94,7 +94,7 @@ def plot_designs(
         remedy = "write names of variables, such as ['omega4_max', 'a1']"
         raise InputError(f"is {short_repr(names)}", where=("names",), remedy=remedy)
     kind = _kind(kind, wanted)
-    from fastlink.pictures.cloud import draw_corner, draw_cumulative, draw_scatter
+    from fastlink.pictures.charts import draw_corner, draw_cumulative, draw_scatter
 
     with as_map(maps) as dataset:
         if branch is not None:
@@ -163,7 +163,7 @@ def plot_front(
     rotates fully
     """
     path = checked_request(to, degrees)
-    from fastlink.pictures.cloud import draw_corner, draw_scatter
+    from fastlink.pictures.charts import draw_corner, draw_scatter
 
     with as_map(maps) as dataset:
         if branch is not None:
@@ -233,7 +233,7 @@ def _check_name(maps: xr.Dataset, name: Any) -> None:
 
 def _cloud(maps: xr.Dataset, names: Sequence[str], where: Any, degrees: bool) -> Cloud:
     """Return the rows of a map by some columns, or refuse to draw none."""
-    from fastlink.pictures.cloud import Cloud, column_of
+    from fastlink.pictures.charts import Cloud, column_of
 
     cloud = Cloud([column_of(maps, name, degrees) for name in names], conditions(maps, where))
     if not cloud.count:

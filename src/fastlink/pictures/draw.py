@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
-from functools import partial
+from dataclasses import dataclass, replace
+from functools import cached_property
 from importlib import import_module
 from inspect import signature
 from pathlib import Path
@@ -63,7 +63,7 @@ if TYPE_CHECKING:
     from fastlink.mechanisms._shared.picture import Picture
     from fastlink.space.design_space import Links
 
-__all__ = ["Options", "Request", "Source", "draw", "picture_of", "request_of"]
+__all__ = ["Request", "draw", "picture_of"]
 
 
 # -- Find the design that is drawn: by numbers, in a study, or in a map
@@ -74,23 +74,7 @@ STUDY, MAPS = ".toml", (".h5", ".hdf5", ".nc", ".he5")
 
 @dataclass(frozen=True)
 class Source:
-    """A design and what else its source says.
-
-    Attributes
-    ----------
-    mechanism : str or Extension
-        The mechanism.
-    inputs : dict
-        Inputs, and the input position, as they were given.
-    branch : int, sequence of int or None
-        The assembly mode of a row, or those of a study.
-    links : Links or None
-        Where mass data come from.
-    input : str or None
-        What drives.
-    own : str
-        The text of a map's own quantities, which is not run.
-    """
+    """A design, as it was given: its inputs and position, assembly modes, masses, what drives; own quantities' text."""
 
     mechanism: str | Extension
     inputs: dict[str, Any]
@@ -104,11 +88,11 @@ def read_source(
     mechanism: Any, design: Any, at: Any, inputs: Mapping[str, Any], trust_code: bool = False
 ) -> Source:
     """Return the design that a caller names, or refuse it."""
-    if has(mechanism, "data_vars") or _is_file(mechanism):
-        if not has(mechanism, "data_vars"):
-            mechanism = check_path(("mechanism",), mechanism)
-        read = partial(_of_study, trust_code) if _ends(mechanism) == STUDY else _of_map
-        found = read(mechanism, design, at)
+    is_map = has(mechanism, "data_vars")
+    if is_map or _is_file(mechanism):
+        source = mechanism if is_map else check_path(("mechanism",), mechanism)
+        is_study = not is_map and _ends(source) == STUDY
+        found = _of_study(source, design, at, trust_code) if is_study else _of_map(source, design, at)
         own = {key: value for key, value in found.inputs.items() if not _is_given(key, inputs)}
         return replace(found, inputs={**own, **inputs})
     find_catalogue(mechanism)
@@ -119,10 +103,11 @@ def read_source(
         what = f"is {short_repr(design)}"
         raise InputError(what, where=("design",), remedy="write the inputs by name, such as a1=0.4")
     names = {} if design is None else dict(design)
-    if others := [name for name in names if not isinstance(name, str)]:
-        raise InputError(f"names {short_repr(others[0])}", where=("design",), remedy="write names of inputs")
-    if twice := [name for name in names if name in inputs]:
-        raise InputError(f"{twice[0]} is given twice", where=("design",), remedy="write it once")
+    for name in names:
+        if not isinstance(name, str):
+            raise InputError(f"names {short_repr(name)}", where=("design",), remedy="write names of inputs")
+        if name in inputs:
+            raise InputError(f"{name} is given twice", where=("design",), remedy="write it once")
     return Source(mechanism, {**names, **inputs})
 
 
@@ -145,7 +130,7 @@ def _is_given(name: str, inputs: Mapping[str, Any]) -> bool:
     return any({one, degrees_name(one)} & {name, degrees_name(name)} for one in inputs)
 
 
-def _of_study(trust_code: bool, path: Any, design: Any, at: Any) -> Source:
+def _of_study(path: Any, design: Any, at: Any, trust_code: bool) -> Source:
     """Return a design of a study."""
     study, problems = read_study(path, trust_code), Problems()
     options = study.options
@@ -237,39 +222,21 @@ BEYOND = 1.25
 
 
 @dataclass(frozen=True)
-class Options:
-    """The options of `draw`, as they were given."""
-
-    branch: Any
-    links: Any
-    input: Any
-    strip: Any
-    curves: Any
-    show: Any
-    degrees: Any
-    moves: bool = False
-
-
-@dataclass(frozen=True)
 class Request:
     """The whole of what a picture shows.
 
     Attributes
     ----------
-    motions : tuple of Motion
-        The designs side by side: one, or one for each value of a choice.
-    titles : tuple of str
-        What tells them apart.
+    motions, titles
+        The designs side by side, one for each value of a choice, and what tells them apart.
     positions : array
         The input positions, side by side too.
     show : frozenset of str
         Words, see `fastlink.draw`.
     curves : tuple of str
         Quantities whose curves stand beside.
-    degrees : bool
-        Whether angles are in degrees.
-    moves : bool
-        Whether the picture is to be animated, so that the view holds the whole motion.
+    degrees, moves : bool
+        Whether angles are in degrees; whether the picture is to be animated, so that the view holds the whole motion.
     """
 
     motions: tuple[Motion, ...]
@@ -279,15 +246,15 @@ class Request:
     curves: tuple[str, ...] = ()
     degrees: bool = False
     moves: bool = False
-    sheets: list[tuple[Motion, float, str]] = field(init=False, repr=False)
 
-    def __post_init__(self) -> None:
-        sheets = [
+    @cached_property
+    def sheets(self) -> list[tuple[Motion, float, str]]:
+        """Each design at each position, with its title."""
+        return [
             (motion, float(position), self._title(title, motion, float(position)))
             for motion, title in zip(self.motions, self.titles, strict=True)
             for position in self.positions
         ]
-        object.__setattr__(self, "sheets", sheets)
 
     def _title(self, title: str, motion: Motion, position: float) -> str:
         if len(self.positions) < 2:
@@ -296,47 +263,39 @@ class Request:
         return f"{title}{title and ', '}{symbol} = {motion.shown(position, self.degrees, brief=True)}"
 
 
-def request_of(source: Source, options: Options) -> Request:
+def request_of(source: Source, strip: Any, curves: Any, show: Any, degrees: Any, moves: bool) -> Request:
     """Return what is drawn, or refuse it with all that is wrong."""
-    input = source.input if options.input is None else options.input
-    links = source.links if options.links is None else options.links
-    catalogue = find_catalogue(source.mechanism, input)
+    links, catalogue = source.links, find_catalogue(source.mechanism, source.input)
     picture, problems = picture_of(name_of(source.mechanism), catalogue), Problems()
     branches: tuple[int, ...] = tuple(catalogue.branches)
     with problems.at():
-        given = source.branch if options.branch is None else options.branch
-        branches = branches if given is None else check_branches(catalogue, given)
+        branches = branches if source.branch is None else check_branches(catalogue, source.branch)
     with problems.at():
         check_model(catalogue, links, "eliminated")
     with problems.at():
-        check_switch(("degrees",), options.degrees)
-    strip = options.strip
-    if strip is not None:
-        with problems.at():
-            strip = check_whole(("strip",), strip, 2, MOST_SHEETS)
+        check_switch(("degrees",), degrees)
+    with problems.at():
+        strip = None if strip is None else check_whole(("strip",), strip, 2, MOST_SHEETS)
     inputs = {name: value for name, value in source.inputs.items() if name not in OPTIONS}
     for name in (name for name in source.inputs if name in OPTIONS):
         remedy = f"write it beside the design, {name}=..." if name in BESIDE_A_DESIGN else "leave it out"
         problems.add("is an option, not an input", ("draw", name), remedy)
     with problems.at():
-        own: dict[str, Any] = {"links": links if isinstance(links, Links) else None, "input": input}
+        own: dict[str, Any] = {"links": links if isinstance(links, Links) else None, "input": source.input}
         as_draw(lambda: evaluate(source.mechanism, ["status"], **own, **inputs))
     numbers, positions, in_degrees = _numbers(catalogue, source, problems)
     if positions is not None and strip is not None:
-        what, remedy = "is given beside strip", "leave one of them out"
-        problems.add(what, ("draw", catalogue.position.name), remedy)
-    if options.moves and (strip is not None or (positions is not None and positions.size > 1)):
-        what = "shows one position that moves"
-        problems.add(what, ("animate",), "leave strip and further positions out")
+        problems.add("is given beside strip", ("draw", catalogue.position.name), "leave one of them out")
+    if moves and (strip is not None or (positions is not None and positions.size > 1)):
+        problems.add("shows one position that moves", ("animate",), "leave strip and further positions out")
     problems.stop()
-    choices = _choices(catalogue, links, numbers)
     reach = 0.0 if positions is None else BEYOND * float(np.abs(positions).max())
     motions = tuple(
-        Motion(source.mechanism, catalogue, picture, numbers | one, tuple(sorted(branches)), links, reach)
-        for one in choices
+        Motion(source.mechanism, catalogue, picture, numbers | choice, tuple(sorted(branches)), links, reach)
+        for choice in _choices(catalogue, links, numbers)
     )
-    show, curves = _words(motions[0], options.show), _curves(motions[0], options.curves, source.own)
-    degrees = options.degrees or in_degrees
+    words, names = _words(motions[0], show), _curves(motions[0], curves, source.own)
+    degrees = degrees or in_degrees
     key = degrees_name(catalogue.position.name) if in_degrees else catalogue.position.name
     drawable = tuple(motion for motion in motions if motion.ranges) or motions[:1]
     for motion in drawable:
@@ -344,17 +303,16 @@ def request_of(source: Source, options: Options) -> Request:
     if positions is None:
         positions = drawable[0].spread(strip, ends=False) if strip else np.array([drawable[0].usual])
     titles = tuple(_title(motion, len(drawable)) for motion in drawable)
-    return Request(drawable, titles, positions, show, curves, degrees, options.moves)
+    return Request(drawable, titles, positions, words, names, degrees, moves)
 
 
 def picture_of(mechanism: str, catalogue: Catalogue) -> Picture:
     """Return what a mechanism declares to be drawn, or refuse one that does not."""
     try:
-        module = import_module(f"fastlink.mechanisms.{mechanism}.picture")
-    except ModuleNotFoundError:
-        remedy = f"declare its joints and bars in mechanisms/{mechanism}/picture.py"
+        picture: Picture = import_module(f"fastlink.mechanisms.{mechanism}").PICTURE
+    except (ModuleNotFoundError, AttributeError):
+        remedy = f"declare its joints and bars in mechanisms/{mechanism}/__init__.py"
         raise InputError(f"{mechanism} has no picture", where=("mechanism",), remedy=remedy) from None
-    picture: Picture = module.PICTURE
     known = {*catalogue.facts, *catalogue.inputs, catalogue.position.name}
     for inputs in catalogue.variant_inputs.values():
         known |= set(inputs)
@@ -403,9 +361,11 @@ def _check_positions(name: str, positions: Any) -> None:
         raise InputError(f"is {bad}", where=("draw", name), remedy="write finite numbers")
 
 
-def _given(motion: Motion, *position: float) -> dict[str, Any]:
+def _check_computed(motion: Motion, names: list[str], curve: int = 0) -> None:
+    """Refuse quantities that the design does not give, as the evaluation does."""
     of = {"branch": motion.branches[0], "links": motion.links, "input": motion.input}
-    return {**of, **motion.design, **dict(zip([motion.input], position, strict=False))}
+    given = {**of, **motion.design, motion.input: 0.0}
+    as_draw(lambda: evaluate(motion.mechanism, names, **given), curve)
 
 
 def _choices(
@@ -433,25 +393,29 @@ def _title(motion: Motion, count: int) -> str:
 
 
 def _words(motion: Motion, show: Any) -> frozenset[str]:
-    """Return the words of what is shown, or refuse unknown ones."""
-    known = motion.picture.words
+    """Return the words of what is shown, or refuse unknown ones and those of which the design lacks inputs."""
+    known, loads = motion.picture.words, motion.picture.loads
     if show is None:
         return frozenset(motion.picture.usual.split()) & set(known)
     words = _listed("show", show.split() if isinstance(show, str) else show)
+    lacking = {locus.group: motion.lacks(locus) for locus in motion.picture.loci}
     if ALL in words:
-        loads = motion.picture.loads.items()
-        lacking = {
-            kind for kind, ones in loads if not all(motion.has(c) for one in ones for c in one.components)
+        without = {word for word, names in lacking.items() if names}
+        without |= {
+            kind
+            for kind, ones in loads.items()
+            if not all(motion.has(c) for one in ones for c in one.components)
         }
-        return frozenset(known) - lacking
+        return frozenset(known) - without
     problems = Problems()
     for word in words:
         with problems.at():
             check_choice(("show",), word, known, f" to {motion.mechanism}")
+        for name in lacking.get(word, ()):
+            problems.add(f"{name} is missing; {word} depends on it", ("draw",), "add it")
     problems.stop()
-    asked = [one for kind, ones in motion.picture.loads.items() if kind in words for one in ones]
-    if names := [one.components[0] for one in asked]:
-        as_draw(lambda: evaluate(motion.mechanism, names, **_given(motion, 0.0)))
+    if names := [one.components[0] for kind, ones in loads.items() if kind in words for one in ones]:
+        _check_computed(motion, names)
     return frozenset(words)
 
 
@@ -484,7 +448,7 @@ def _curves(motion: Motion, curves: Any, own: str) -> tuple[str, ...]:
 
 def _check_curve(motion: Motion, name: str, k: int) -> None:
     """Refuse a quantity without a curve over the input."""
-    as_draw(lambda: evaluate(motion.mechanism, [name], **_given(motion, 0.0)), k)
+    _check_computed(motion, [name], k)
     if not motion.catalogue.varies(name):
         curved = [one for one in motion.catalogue.public if motion.catalogue.varies(one)]
         what = f"{name} is one number for a design"
@@ -583,17 +547,17 @@ def draw(
     path = None if to is None else check_picture(to, "to", example="linkage.png")
     film = None
     if animate is not None:
-        from fastlink.pictures.film import check_film
+        from fastlink.pictures.linkage import check_film
 
         film = check_picture(animate, "animate", kinds=FILMS, example="linkage.gif")
         check_film(film)
     check_switch(("trust_code",), trust_code)
     frames = check_whole(("frames",), frames, 2, MOST_FRAMES)
     source = read_source(mechanism, design, at, inputs, trust_code)
-    request = request_of(
-        source, Options(branch, links, input, strip, curves, show, degrees, film is not None)
-    )
-    from fastlink.pictures.board import Board
+    given = {"branch": branch, "links": links, "input": input}
+    source = replace(source, **{name: value for name, value in given.items() if value is not None})
+    request = request_of(source, strip, curves, show, degrees, film is not None)
+    from fastlink.pictures.linkage import Board, write_film
     from fastlink.pictures.style import style
 
     with style():
@@ -602,7 +566,5 @@ def draw(
         if path is not None:
             save(board.figure, path, "to")
         if film is not None:
-            from fastlink.pictures.film import write_film
-
             write_film(board, film, frames)
     return board.figure

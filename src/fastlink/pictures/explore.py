@@ -1,17 +1,341 @@
-"""Explore a map in a browser: the door."""
+"""Explore a map in a browser: served on this machine, or written as one page."""
 
 from __future__ import annotations
 
+import base64
+import contextlib
+import hmac
+import json
+import math
+import operator
+import secrets
+import threading
+import zlib
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from os import PathLike
 from pathlib import Path
 from typing import Any
+from urllib.parse import parse_qs, urlsplit
 
-from fastlink.errors import check_switch, check_whole, door
+import numpy as np
+from numpy.typing import NDArray
+
+from fastlink._text import size
+from fastlink.errors import InputError, check_path, check_switch, check_whole, door, printable
+from fastlink.io.output import write_whole
+from fastlink.io.place import check_place, reason
 from fastlink.io.reader import as_map
+from fastlink.maps.best import least
+from fastlink.pictures.content import ONE, POOLS, Values, content_of, page_of
 from fastlink.pictures.picture import require_matplotlib
 
-__all__ = ["Page", "explore"]
+__all__ = ["Page", "Server", "explore"]
+
+
+# -- Write a map as one page that needs neither Python nor a network
+
+
+#: Bytes of values, before they are compressed, that a page may carry: a browser keeps all of them in memory.
+MOST_BYTES = 64 << 20
+ENDINGS, EXAMPLE = (".html", ".htm"), "page.html"
+
+
+def check_page(to: Any) -> Path:
+    """Return the path of a page to write, or refuse it."""
+    path = check_path(("to",), to, EXAMPLE)
+    if path.suffix.lower() not in ENDINGS:
+        raise InputError(f"{path}: a page ends in .html", where=("to",), remedy=f"write such as {EXAMPLE}")
+    check_place(path, "to", EXAMPLE)
+    return path
+
+
+def write_page(values: Values, path: Path) -> None:
+    """Write the page of a map with all its values; an existing file is replaced.
+
+    Results have the seven digits of 4 bytes, inputs all digits.
+    """
+    content = content_of(values)
+    names = [*values.names, *(one["name"] for one in content["columns"])]
+    total = sum(values.maps[name].size * _kind(values, name).itemsize for name in names)
+    if total > MOST_BYTES:
+        what = f"the page would hold {size(total)} of values, more than {size(MOST_BYTES)}"
+        remedy = "take a part of the map by fastlink.convert, or leave it out"
+        raise InputError(what, where=("to",), remedy=remedy)
+    content |= {
+        "served": False,
+        "token": "",
+        "arrays": {name: _packed(values, name) for name in names},
+        "scales": {name: values.scale(name) for name in names},
+    }
+    write_whole(path, page_of(content).encode())
+
+
+def _kind(values: Values, name: str) -> np.dtype[Any]:
+    return np.dtype("<f4" if name in values.maps.data_vars else "<f8")
+
+
+def _packed(values: Values, name: str) -> dict[str, Any]:
+    """Return the dimensions of a variable or column, and its values compressed, the first bytes of all first."""
+    array, kind = values.maps[name], _kind(values, name)
+    apart = np.ascontiguousarray(values.part(name, {}), dtype=kind).reshape(-1, 1).view(np.uint8).T
+    data = base64.b64encode(zlib.compress(apart.tobytes())).decode()
+    return {"type": kind.str[1:], "dims": [str(dim) for dim in array.dims], "data": data}
+
+
+# -- Rank the designs of a region of a picture, and choose some of them to be drawn
+
+#: Designs of a region that are drawn, and those that are listed as the best; values that are read at once.
+MOST_ROWS, MOST_BEST, BLOCK = 1500, 12, 1 << 22
+
+Ranges = dict[str, range]
+
+
+def region_of(
+    values: Values,
+    name: str,
+    axes: tuple[str, ...],
+    at: Mapping[str, int],
+    window: Mapping[str, tuple[int, int]],
+    *,
+    largest: bool,
+) -> dict[str, Any]:
+    """Return some designs of a region with all variables, and the best of all of them."""
+    ranges = {dim: range(window[dim][0], window[dim][1] + 1) for dim in axes}
+    some = _some(ranges)
+    grid = np.meshgrid(*some.values(), indexing="ij")
+    found = {
+        one: _along(values, one, at, some).ravel().tolist()
+        for one in values.names
+        if {str(dim) for dim in values.maps[one].dims} <= {*at, *axes}
+    }
+    numbers = _best(values, name, at, ranges, -1.0 if largest else 1.0)
+    places = [
+        {**at, **{dim: ranges[dim][int(k)] for dim, k in zip(axes, one, strict=True)}} for one in numbers
+    ]
+    return {
+        "count": math.prod(map(len, ranges.values())),
+        "values": {key: [v if math.isfinite(v) else None for v in one] for key, one in found.items()},
+        "axes": {dim: along.ravel().tolist() for dim, along in zip(axes, grid, strict=True)},
+        "best": [{"at": place, "row": values.row(place)} for place in places],
+    }
+
+
+def _some(ranges: Ranges) -> Ranges:
+    """Return ranges with steps that leave about so many designs as are drawn; the shortest keep most."""
+    found, left = dict(ranges), MOST_ROWS
+    for number, dim in enumerate(sorted(ranges, key=lambda one: len(ranges[one]))):
+        most = math.floor(left ** (1.0 / (len(ranges) - number)) + 1e-9)
+        found[dim] = ranges[dim][:: -(-len(ranges[dim]) // most)]
+        left //= len(found[dim])
+    return found
+
+
+def _best(
+    values: Values, name: str, at: Mapping[str, int], ranges: Ranges, sign: float
+) -> Iterator[tuple[Any, ...]]:
+    """Yield the numbers along each axis of the designs of least value times sign; of equal ones the first."""
+    shape = tuple(map(len, ranges.values()))
+    first = next(dim for dim in map(str, values.maps[name].dims) if dim in ranges)
+    whole, axis = ranges[first], list(ranges).index(first)
+    step = max(1, BLOCK // max(1, math.prod(shape) // len(whole)))
+    ranked, chosen = np.empty(0), np.empty(0, dtype=np.int64)
+    for start in range(0, len(whole), step):
+        part = {**ranges, first: whole[start : start + step]}
+        flat = sign * _along(values, name, at, part).ravel().astype(float)
+        bound = ranked.max() if len(ranked) == MOST_BEST else np.inf
+        finite = np.flatnonzero((flat <= bound) & np.isfinite(flat))
+        numbers = list(np.unravel_index(finite, tuple(map(len, part.values()))))
+        numbers[axis] = numbers[axis] + start
+        ranked = np.concatenate([ranked, flat[finite]])
+        chosen = np.concatenate([chosen, np.ravel_multi_index(tuple(numbers), shape)])
+        order = np.argsort(chosen)
+        kept = order[least(ranked[order], MOST_BEST)]
+        ranked, chosen = ranked[kept], chosen[kept]
+    return iter([np.unravel_index(one, shape) for one in chosen[np.lexsort((chosen, ranked))]])
+
+
+def _along(values: Values, name: str, at: Mapping[str, int], ranges: Ranges) -> NDArray[Any]:
+    """Return the values of a variable over ranges of places, in their order."""
+    dims = [str(dim) for dim in values.maps[name].dims]
+    slices = {dim: slice(one.start, one.stop, one.step) for dim, one in ranges.items()}
+    found = values.part(name, {dim: slices.get(dim, at.get(dim, 0)) for dim in dims})
+    own = [dim for dim in dims if dim in ranges]
+    found = found.transpose([own.index(dim) for dim in ranges if dim in own])
+    whole = found[tuple(slice(None) if dim in own else None for dim in ranges)]
+    return np.broadcast_to(whole, tuple(map(len, ranges.values())))
+
+
+# -- Serve the page of one map on this machine: to whoever has its token, and nothing else than that map
+
+
+#: The address that no other machine reaches; the most letters of a request.
+HOST, LONGEST = "127.0.0.1", 16_384
+#: What a query raises that the page would not send: with other names, values or places, or nested too deep.
+BAD_REQUEST = (
+    KeyError,
+    ValueError,
+    TypeError,
+    IndexError,
+    AttributeError,
+    OverflowError,
+    RecursionError,
+)
+#: Seconds after which a connection without requests is closed.
+IDLE = 300.0
+POLICY = (
+    "default-src 'none'; script-src 'nonce-{}'; style-src 'unsafe-inline'; connect-src 'self'; img-src data:; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+)
+
+
+class Server:
+    """A map that is served, until it is closed."""
+
+    def __init__(self, values: Values, port: int = 0) -> None:
+        self.values, self.token, self.nonce = values, secrets.token_urlsafe(24), secrets.token_urlsafe(18)
+        content = {**content_of(values), "served": True, "token": self.token}
+        self.page = page_of(content, self.nonce).encode()
+        try:
+            self.http = ThreadingHTTPServer((HOST, port), self._handler())
+        except OSError as error:
+            what = f"{port} cannot be listened to ({error.strerror})"
+            raise InputError(what, where=("port",), remedy="leave it out, and a free one is taken") from error
+        self.http.daemon_threads = True
+        self.thread = threading.Thread(target=self.http.serve_forever, name="fastlink explore", daemon=True)
+        self.thread.start()
+
+    @property
+    def port(self) -> int:
+        """The port."""
+        return int(self.http.server_address[1])
+
+    @property
+    def url(self) -> str:
+        """The address of the page, with the token without which it is refused."""
+        return f"http://{HOST}:{self.port}/?token={self.token}"
+
+    def close(self) -> None:
+        """Stop serving."""
+        self.http.shutdown()
+        self.http.server_close()
+
+    def answers(self) -> dict[str, Callable[[dict[str, Any]], bytes]]:
+        """Return what can be asked for, besides the page."""
+        return {
+            "/picture": self._picture,
+            "/column": self._column,
+            "/row": self._row,
+            "/region": self._region,
+        }
+
+    def _picture(self, query: dict[str, Any]) -> bytes:
+        name = str(query["name"])
+        pool = str(query.get("pool", ONE))
+        if pool not in (ONE, *POOLS):
+            raise ValueError(pool)
+        axes = tuple(query["axes"])
+        values, steps, pool = self.values.picture(name, axes, _places(query), _window(query), pool)
+        return _framed({"steps": steps, "pooled": pool, "scale": self.values.scale(name)}, values)
+
+    def _column(self, query: dict[str, Any]) -> bytes:
+        name = str(query["name"])
+        return _framed({"scale": self.values.scale(name)}, self.values.column(name, _places(query)))
+
+    def _row(self, query: dict[str, Any]) -> bytes:
+        return json.dumps(_numbers(self.values.row(_places(query)))).encode()
+
+    def _region(self, query: dict[str, Any]) -> bytes:
+        name, axes, largest = str(query["name"]), tuple(query["axes"]), bool(query["largest"])
+        found = region_of(self.values, name, axes, _places(query), _window(query), largest=largest)
+        best = [{**one, "row": _numbers(one["row"])} for one in found["best"]]
+        return json.dumps({**found, "best": best}).encode()
+
+    def _handler(self) -> type[BaseHTTPRequestHandler]:
+        server = self
+
+        class Handler(BaseHTTPRequestHandler):
+            protocol_version = "HTTP/1.1"
+            # one answer, one packet: its head does not wait for the browser's word
+            wbufsize, disable_nagle_algorithm = 1 << 16, True
+            timeout = IDLE
+            server_version, sys_version = "fastlink", ""
+
+            def handle(self) -> None:
+                with contextlib.suppress(ConnectionError):  # a browser that leaves before its answer
+                    super().handle()
+
+            def do_GET(self) -> None:
+                status, kind, body = server.answered(self.path, self.headers)
+                self.send_response(status)
+                self.send_header("Content-Type", kind)
+                self.send_header("Content-Length", str(len(body)))
+                self.send_header("Cache-Control", "no-store")
+                self.send_header("Referrer-Policy", "no-referrer")
+                self.send_header("X-Content-Type-Options", "nosniff")
+                self.send_header("Content-Security-Policy", POLICY.format(server.nonce))
+                self.end_headers()
+                self.wfile.write(body)
+
+            def log_message(self, format: str, *args: Any) -> None:
+                """Print nothing: addresses hold the token."""
+
+        return Handler
+
+    def answered(self, path: str, headers: Any) -> tuple[int, str, bytes]:
+        """Return status, type and body of the answer to a request.
+
+        The name by which the browser knows this machine is checked too: another site's name may lead here.
+        """
+        text = "text/plain; charset=utf-8"
+        if headers.get("Host") not in (f"{HOST}:{self.port}", f"localhost:{self.port}"):
+            return 403, text, b"refused: this is not the address of the page"
+        try:
+            address = urlsplit(path)
+            asked = parse_qs(address.query)
+        except ValueError:
+            return 400, text, b"not an address"
+        given = headers.get("X-Token") if address.path != "/" else asked.get("token", [""])[0]
+        if not hmac.compare_digest((given or "").encode(), self.token.encode()):
+            return 403, text, b"refused: open the address that fastlink has printed, with its token"
+        if address.path == "/":
+            return 200, "text/html; charset=utf-8", self.page
+        answer = self.answers().get(address.path)
+        if answer is None:
+            return 404, text, b"there is nothing of that name"
+        try:
+            return 200, "application/octet-stream", answer(json.loads(asked["query"][0][:LONGEST]))
+        except BAD_REQUEST as error:
+            return 400, text, f"not a request of the page ({type(error).__name__})".encode()
+        except Exception as error:  # whatever reading a file brings: the connection lives on
+            return 500, text, printable(f"the map cannot be read ({reason(error)})").encode()
+
+
+def _places(query: dict[str, Any]) -> dict[str, int]:
+    return {str(dim): operator.index(place) for dim, place in query["at"].items()}
+
+
+def _window(query: dict[str, Any]) -> dict[str, tuple[int, int]]:
+    return {
+        str(dim): (operator.index(low), operator.index(high)) for dim, (low, high) in query["window"].items()
+    }
+
+
+def _numbers(found: dict[str, Any]) -> dict[str, Any]:
+    """Return values for JSON, which has no words for NaN and infinities: these are texts that JavaScript reads."""
+    words = {"nan": "NaN", "inf": "Infinity", "-inf": "-Infinity"}
+    return {name: words.get(str(value), value) for name, value in found.items()}
+
+
+def _framed(head: dict[str, Any], values: Any) -> bytes:
+    """Return a head of JSON and doubles of half length, which begin at a multiple of four bytes."""
+    text = json.dumps(head).encode()
+    text += b" " * (-len(text) % 4)
+    return len(text).to_bytes(4, "little") + text + np.ascontiguousarray(values, dtype="<f4").tobytes()
+
+
+# -- Explore a map in a browser: the door
 
 
 LAST_PORT = 65535
@@ -47,9 +371,6 @@ class Page:
 
 
 def _served(maps: Any, port: int) -> Page:
-    from fastlink.pictures.content import Values
-    from fastlink.pictures.server import Server
-
     with ExitStack() as stack:
         server = Server(Values(stack.enter_context(as_map(maps)), _file_of(maps)), port)
         stack.callback(server.close)
@@ -62,9 +383,6 @@ def _file_of(maps: Any) -> Path | None:
 
 
 def _written(maps: Any, to: Any) -> Page:
-    from fastlink.pictures.content import Values
-    from fastlink.pictures.server import check_page, write_page
-
     path = check_page(to)
     with as_map(maps) as dataset:
         write_page(Values(dataset, _file_of(maps)), path)

@@ -423,7 +423,7 @@ def plot_map(
     ['$a_{4}$ = 0.9 m', '$a_{4}$ = 1 m']
     """
     path = checked_request(to, degrees)
-    from fastlink.pictures.map_axes import draw
+    from fastlink.pictures.charts import draw
     from fastlink.pictures.style import style
 
     if at is not None and (not isinstance(at, Mapping) or hasattr(at, "data_vars")):

@@ -7,6 +7,8 @@ import warnings
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from importlib import import_module
+from inspect import signature
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -20,10 +22,10 @@ from fastlink.space.design_space import RADIANS
 if TYPE_CHECKING:
     from fastlink.engine.extend import Extension
     from fastlink.facts.catalogue import Catalogue
-    from fastlink.mechanisms._shared.picture import Picture, Point, Value
+    from fastlink.mechanisms._shared.picture import Locus, Picture, Point, Value
     from fastlink.space.design_space import Links
 
-__all__ = ["PLANES", "Euclidean", "Minkowskian", "Motion", "Names", "as_draw", "samples_of"]
+__all__ = ["PLANES", "Euclidean", "Minkowskian", "Motion", "Names", "as_draw", "function_of", "samples_of"]
 
 
 # -- Positions of the points of one design, by the facts of its mechanism, and the range in which it
@@ -117,6 +119,12 @@ class Motion:
         variants = selected_variants(self.catalogue, self.links, "eliminated", self.design)
         return not missing_inputs(self.catalogue, name, variants, (*given, *self._defaults))
 
+    def lacks(self, locus: Locus) -> list[str]:
+        """Return what the function of a locus takes and the design does not give."""
+        given = {*self.design, self.input, *locus.given, "branch"}
+        taken = signature(function_of(locus)).parameters.values()
+        return [one.name for one in taken if one.default is one.empty and one.name not in given]
+
     @cached_property
     def _defaults(self) -> tuple[str, ...]:
         declared = self.catalogue.known_inputs(self.catalogue.variant_inputs).values()
@@ -135,6 +143,10 @@ class Motion:
         points = self.points if points is None else points
         values = self.values([value for one in points for value in (one.x, one.y)], positions)
         return {one.name: np.stack([values[one.x], values[one.y]], axis=-1) for one in points}
+
+    def places_at(self, position: float, points: Sequence[Point]) -> dict[str, Any]:
+        """Return each point at one position, over assembly modes, and x and y."""
+        return {name: place[:, 0] for name, place in self.places([position], points).items()}
 
     def assembles(self, positions: Any) -> Any:
         """Tell for each assembly mode and position whether all joints and sliders have a place."""
@@ -262,6 +274,13 @@ class Motion:
             return f"{short_number(round(float(np.degrees(position)), 3))}°"
         units = "" if self.catalogue.position.units == "1" else f" {self.catalogue.position.units}"
         return f"{position:.4g}{units}" if brief else f"{short_number(float(position))}{units}"
+
+
+def function_of(locus: Locus) -> Callable[..., Any]:
+    """Return the function of fastlink that gives a curve."""
+    package, name = locus.function.split(".")
+    found: Callable[..., Any] = getattr(import_module(f"fastlink.{package}"), name)
+    return found
 
 
 def as_draw(function: Callable[[], T], curve: int = 0) -> T:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink.errors import check_whole
+from fastlink.facts.powers import any_beyond_range
 from fastlink.precision.errors import Sample, affordable, configurations, refined, sampled, values
 
 if TYPE_CHECKING:
@@ -72,7 +73,10 @@ class Verification:
 
     def __init__(self, plan: Plan, space: DesignSpace, positions: NDArray[Any], count: int) -> None:
         self.rng = np.random.default_rng(SEED)
-        self.designs = designs = space.some(count, self.rng)
+        designs = space.some(count, self.rng)
+        known = plan.catalogue.known_inputs(plan.variants)
+        far = np.broadcast_to(any_beyond_range(known, space.at(designs)), designs.shape)
+        self.designs = designs = designs[~far]  # the others have no numbers
         branch_indices = self.rng.integers(len(plan.branches), size=designs.size)
         # in random order, so that the first of them are a random sample too
         self.order = self.rng.permutation(designs.size)

@@ -5,16 +5,14 @@ from __future__ import annotations
 import contextlib
 import csv
 import hashlib
-import math
 import os
 import threading
 from abc import ABC, abstractmethod
-from array import array
 from bisect import bisect_right
 from collections import OrderedDict
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import islice
+from itertools import islice, repeat
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -68,8 +66,6 @@ __all__ = [
     "check_name",
     "label_of",
     "or_keep",
-    "read_csv",
-    "read_parquet",
     "refused",
     "table",
 ]
@@ -166,6 +162,7 @@ class Columns:
         self.labels: dict[str, NDArray[Any]] = {}
         self.units: dict[str, str] = {}
         self.doubtful: dict[str, Problem] = {}
+        self.doubted = set[str]()
         self.problems = Problems()
         for name in keep:
             if names and name not in names:
@@ -184,7 +181,9 @@ class Columns:
             if values.ndim == 0:
                 self.constants[name] = constant("table", name, values)
             else:
-                self.add_numbers(name, values, lambda row: f"row {row} (counted from 0) of column {name}")
+                self._check_length(name, values)
+                self.check_finite(name, values)
+                self.columns[name] = values
 
     def add_label(self, name: str, given: Any) -> None:
         """Add labels of the designs."""
@@ -196,18 +195,23 @@ class Columns:
             self._check_length(name, values)
         self.labels[name] = values
 
-    def add_numbers(self, name: str, values: Floats, cell: Callable[[int], str]) -> None:
-        """Add a column of numbers; `cell` words the place of one."""
-        self._check_length(name, values)
-        bad = None if self.allow_invalid else first_invalid(values)
+    def take(self, name: str, numbers: Walk) -> None:
+        """Take over the numbers of a column of a file, which were looked at."""
+        with self.problems.at():
+            check_input_name("table", name)
+            self.columns[name] = numbers.column()
+
+    def check_finite(self, name: str, values: Floats, first: int = 0) -> None:
+        """Note the first row of a column, whose values begin at some row, that holds no finite number."""
+        bad = None if self.allow_invalid or name in self.doubted else first_invalid(values)
         if bad is not None:
-            self.doubt(name, cell(bad), values[bad])
-        self.columns[name] = values
+            self.doubt(name, f"row {first + bad} (counted from 0) of column {name}", values[bad])
 
     def doubt(self, name: str, cell: str, value: object) -> None:
         """Note the first cell of a column that holds no finite number."""
         keep = (", or pass ", Setting("allow_invalid", True), " to keep such designs")
         problem = Problem(f"{cell} is {value}", ("table",), ("write a finite number", keep))
+        self.doubted.add(name)
         if self.of_map:
             self.doubtful.setdefault(name, problem)
         else:
@@ -242,11 +246,55 @@ class Columns:
         raise refused(f"the table {what}", "give at least one column of values, or use grid")
 
 
-# -- Columns of tables in files that are too large for memory: read block by block, where they are looked at
+# -- Tables in files: read by blocks of rows, and again where they are looked at if they are too large for memory
 
 
-#: Bytes of blocks that a table keeps at most, beside the last two, between which threads may be.
+#: Bytes of files whose numbers are kept in memory.
+LARGE = 64 << 20
+#: Bytes of blocks that the table of a larger file keeps at most, beside the last two, between which threads may be.
 KEPT_BYTES = 64 << 20
+#: How Parquet and HDF5 files begin, and how pandas calls a column of Parquet that holds an index without a name.
+PARQUET, HDF5, INDEX = b"PAR1", b"\x89HDF", "__index_level_"
+INSTALL = "python -m pip install 'fastlink-linkages[parquet]'"
+#: What may separate columns where the first line holds no comma: other programs export these.
+SEPARATORS = ";\t"
+#: Rows of a block of a CSV file: as many as an evaluation takes at once.
+BLOCK_ROWS = 4096
+
+
+def read_file(path: Path, keep: Collection[str], allow_invalid: bool) -> Columns:
+    """Return the columns of a CSV or Parquet file; the numbers of a large one are looked at once, and not kept."""
+    kind = "Parquet" if path.suffix.lower() == ".parquet" else "CSV"
+    remedy = f"give the path of a {kind} file"
+    if other := not_a_file(path):
+        raise refused(f"{path} {other}", remedy)
+    try:
+        with path.open("rb") as file:
+            begin = file.read(len(PARQUET))
+    except OSError as error:
+        raise refused(f"cannot read {path}: {error.strerror}", remedy) from error
+    if kind == "Parquet" or begin == PARQUET:
+        return _read_parquet(path, keep, allow_invalid)
+    if begin == HDF5:
+        raise refused(f"{path} is an HDF5 file", f"if it is a map, give fastlink.open('{path}')")
+    try:
+        return CsvFile(path).columns(keep, allow_invalid)
+    except OSError as error:
+        raise refused(f"cannot read {path}: {error.strerror}", remedy) from error
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise refused(f"{path} is not CSV text ({error})", "save it as comma-separated UTF-8") from error
+
+
+def _read_parquet(path: Path, keep: Collection[str], allow_invalid: bool) -> Columns:
+    try:
+        from pyarrow import ArrowException
+    except ImportError as error:
+        raise InputError("pyarrow is not installed", where=("table",), remedy=INSTALL) from error
+    try:
+        return ParquetFile(path).columns(keep, allow_invalid)
+    except (OSError, ArrowException) as error:
+        (why, *_) = str(error).splitlines() or [type(error).__name__]
+        raise refused(f"{path} cannot be read as Parquet ({why})", "write it again") from error
 
 
 class TableFile(ABC):
@@ -255,15 +303,13 @@ class TableFile(ABC):
     Attributes
     ----------
     starts : list of int
-        The number of the first row of each block.
-    length : int
-        The number of rows.
+        The number of the first row of each block, and the number of all rows.
     """
 
+    is_large: bool
+
     def __init__(self, path: Path) -> None:
-        self.path, self.stamp = path.absolute(), _stamp(path)
-        self.starts: list[int] = []
-        self.length = 0
+        self.path, self.stamp, self.starts = path.absolute(), _stamp(path), [0]
         self._new()
 
     def _new(self) -> None:
@@ -273,12 +319,16 @@ class TableFile(ABC):
     def load(self, block: int) -> dict[Any, Floats]:
         """Return the numbers of a block of rows, by column."""
 
+    def begin(self, rows: int) -> None:
+        """Note the rows of the next block."""
+        self.starts.append(self.starts[-1] + rows)
+
     def read(self, key: Any, start: int, stop: int, out: NDArray[Any]) -> None:
         """Write numbers of rows ``start`` to ``stop - 1`` of a column into an array of as many."""
         block, first = bisect_right(self.starts, start) - 1, start
         while first < stop:
-            begin = self.starts[block]
-            last = min(stop, self.starts[block + 1] if block + 1 < len(self.starts) else self.length)
+            begin, end = self.starts[block : block + 2]
+            last = min(stop, end)
             out[first - start : last - start] = self._block(block)[key][first - begin : last - begin]
             block, first = block + 1, last
 
@@ -289,9 +339,7 @@ class TableFile(ABC):
                 return self._blocks[block]
             if _stamp(self.path) != self.stamp:
                 remedy = "leave it as it is until the sweep has ended, and read it again"
-                raise InputError(
-                    f"{self.path} has changed since it was read", where=("table",), remedy=remedy
-                )
+                raise refused(f"{self.path} has changed since it was read", remedy)
             values = self._blocks[block] = self.load(block)
             while len(self._blocks) > 2 and sum(map(_nbytes, self._blocks.values())) > KEPT_BYTES:
                 self._blocks.popitem(last=False)
@@ -305,37 +353,12 @@ class TableFile(ABC):
         self._new()
 
 
-class Walk:
-    """The bounds and the hash of numbers that are walked through once.
-
-    Examples
-    --------
-    >>> walk = Walk()
-    >>> walk.add(np.array([3.0, 1.0]))
-    >>> walk.add(np.array([2.0]))
-    >>> walk.length, walk.bounds
-    (3, (1.0, 3.0))
-    """
-
-    def __init__(self) -> None:
-        self.length, self.hash = 0, hashlib.sha256()
-        self.bounds = (np.inf, -np.inf)
-
-    def add(self, values: Floats) -> None:
-        """Add the next numbers."""
-        if values.size:
-            low, high = np.minimum(self.bounds[0], values.min()), np.maximum(self.bounds[1], values.max())
-            self.bounds = float(low), float(high)
-            self.length += values.size
-            self.hash.update(np.ascontiguousarray(values, "<f8").data)
-
-
 class FileColumn(Column):
     """A column of numbers of a table in a file."""
 
-    def __init__(self, file: TableFile, key: Any, walk: Walk) -> None:
-        super().__init__(walk.length, walk.bounds)
-        self.file, self.key, self.digest = file, key, walk.hash.hexdigest()
+    def __init__(self, file: TableFile, key: Any, length: int, bounds: tuple[float, float], digest: str):
+        super().__init__(length, bounds)
+        self.file, self.key, self.digest = file, key, digest
 
     def read(self, start: int, stop: int, out: NDArray[Any]) -> None:
         """Write some values."""
@@ -345,6 +368,29 @@ class FileColumn(Column):
     def definition(self) -> tuple[Any, ...]:
         """A hash of all values."""
         return "file", self.length, self.digest
+
+
+class Walk:
+    """The numbers of a column, block by block: kept, or of a large file their bounds and hash."""
+
+    def __init__(self, file: TableFile, key: Any) -> None:
+        self.file, self.key, self.pieces = file, key, list[Floats]()
+        self.hash, self.bounds = hashlib.sha256(), (np.inf, -np.inf)
+
+    def add(self, values: Floats) -> None:
+        """Add the next numbers."""
+        if not self.file.is_large:
+            self.pieces.append(values)
+        elif values.size:
+            low, high = np.minimum(self.bounds[0], values.min()), np.maximum(self.bounds[1], values.max())
+            self.bounds = float(low), float(high)
+            self.hash.update(np.ascontiguousarray(values, "<f8").data)
+
+    def column(self) -> Floats | FileColumn:
+        """Return all numbers."""
+        if not self.file.is_large:
+            return np.concatenate(self.pieces)
+        return FileColumn(self.file, self.key, self.file.starts[-1], self.bounds, self.hash.hexdigest())
 
 
 def _stamp(path: Path) -> tuple[int, int]:
@@ -360,272 +406,168 @@ def _nbytes(block: dict[Any, Floats]) -> int:
     return sum(values.nbytes for values in block.values())
 
 
-# -- Read tables of designs from CSV files
+# -- CSV files: by the module csv, for pandas fills rows that are too short, reads "1.2"5 as 1.25 and a cell up to a
+#    zero byte, and counts neither blank lines nor those within quotes
 
 
-#: What may separate columns where the first line holds no comma: other programs export these.
-SEPARATORS = ";\t"
-#: Bytes of files whose numbers are kept in memory; those of larger ones are read block by block.
-LARGE = 64 << 20
-#: Rows of such a block: as many as an evaluation takes at once.
-BLOCK_ROWS = 4096
+class CsvFile(TableFile):
+    """A table in a CSV file; blank lines are skipped."""
 
-
-def read_csv(path: Path, keep: Collection[str], allow_invalid: bool) -> Columns:
-    """Return the columns of a CSV file; blank lines are skipped.
-
-    Numbers of a large file are looked at once and read again, block by block, where they are needed; labels are kept.
-    """
-    if other := not_a_file(path):
-        raise refused(f"{path} {other}", "give the path of a CSV file")
-    try:
-        with _opened(path) as file:
-            blocks = _Blocks(path, file) if path.stat().st_size > LARGE else None
-            return _Reader(path.name, iter(file.readline, ""), blocks).columns(keep, allow_invalid)
-    except OSError as error:
-        raise refused(f"cannot read {path}: {error.strerror}", "give the path of a CSV file") from error
-    except (UnicodeDecodeError, csv.Error) as error:
-        if path.is_file() and _is_hdf5(path):
-            remedy = f"if it is a map, give fastlink.open('{path}')"
-            raise refused(f"{path} is an HDF5 file", remedy) from error
-        raise refused(f"{path} is not CSV text ({error})", "save it as comma-separated UTF-8") from error
-
-
-def _opened(path: Path) -> TextIO:
-    return path.open(encoding="utf-8-sig", newline="")
-
-
-def _csv_rows(lines: Iterable[str], separator: str) -> Any:
-    """Return a reader of the rows of some lines."""
-    return csv.reader(lines, skipinitialspace=True, strict=True, delimiter=separator)
-
-
-def _is_hdf5(path: Path) -> bool:
-    with path.open("rb") as file:
-        return file.read(4) == b"\x89HDF"
-
-
-class _Blocks(TableFile):
-    """A CSV file, whose rows were all looked at, and the places of its blocks."""
-
-    def __init__(self, path: Path, file: TextIO) -> None:
+    def __init__(self, path: Path) -> None:
         super().__init__(path)
-        self.tell: Any = file.tell
-        self.places: list[int] = []
-        self.separator, self.numeric = ",", list[int]()
+        self.is_large = path.stat().st_size > LARGE
+        with self._opened() as file:
+            first = next((line for line in file if line.strip()), "")
+        self.separator = "," if "," in first else next((sign for sign in SEPARATORS if sign in first), ",")
+        self.places, self.numeric = list[int](), list[int]()
 
-    def begin(self, row: int) -> None:
-        """Note that a block begins with the row that is read next."""
-        self.starts.append(row)
-        self.places.append(self.tell())
+    def _opened(self) -> TextIO:
+        return self.path.open(encoding="utf-8-sig", newline="")
 
-    def finish(self, separator: str, numeric: list[int], length: int) -> None:
-        """Note which columns hold numbers, when all rows are read."""
-        self.separator, self.numeric, self.length, self.tell = separator, numeric, length, None
+    def _reader(self, file: TextIO) -> Any:
+        lines = iter(file.readline, "")  # a file that is iterated does not tell its place
+        return csv.reader(lines, skipinitialspace=True, strict=True, delimiter=self.separator)
 
     def load(self, block: int) -> dict[Any, Any]:
         """Return the numbers of a block of rows, by column."""
-        try:
-            columns = list(zip(*islice(self._rows_from(block), BLOCK_ROWS), strict=True))
-            count = min(BLOCK_ROWS, self.length - self.starts[block])
-            return {key: np.fromiter(map(float, columns[key]), np.float64, count) for key in self.numeric}
-        except (ValueError, IndexError):  # blank lines or empty cells among them
-            given = (row for row in self._rows_from(block) if any(map(str.strip, row)))
-            columns = list(zip(*islice(given, BLOCK_ROWS), strict=True))
-        # an empty cell is None, which NumPy takes for NaN
-        return {key: np.array([_number(text) for text in columns[key]], np.float64) for key in self.numeric}
-
-    def _rows_from(self, block: int) -> Iterator[list[str]]:
-        """Yield all rows from a block on, blank ones too."""
-        with _opened(self.path) as file:
+        begin, end = self.starts[block : block + 2]
+        with self._opened() as file:
             file.seek(self.places[block])
-            yield from _csv_rows(file, self.separator)
-
-
-class _Column:
-    """The cells of a column as numbers, or from its first cell on as texts.
-
-    Attributes
-    ----------
-    name : str
-        Its name.
-    numbers : array of float
-        Its numbers; NaN where a cell is empty.
-    texts : list of str or None
-        Its texts, if its name or its first cell says that it holds such.
-    bad : tuple of (str, str) or None
-        The first cell that holds no finite number, with its place.
-    walk : Walk
-        What was seen of its numbers before those that are kept.
-    earlier : list of array or list of str
-        Labels of earlier blocks: whole numbers take 8 bytes each, their texts 60.
-    """
-
-    def __init__(self, name: str, is_text: bool) -> None:
-        self.name = name
-        self.numbers = array("d")
-        self.texts: list[str] | None = [] if is_text else None
-        self.by_name = is_text
-        self.bad: tuple[str, str] | None = None
-        self.walk, self.earlier = Walk(), list[Any]()
-
-    @property
-    def labels(self) -> Any:
-        """Its texts, as whole numbers where each is written as one."""
-        if not self.by_name:
-            return self.texts
-        pieces = [*self.earlier, *([_whole(self.texts)] if self.texts else [])]
-        if all(isinstance(piece, np.ndarray) for piece in pieces):
-            return np.concatenate(pieces)
-        return [text for piece in pieces for text in map(str, piece)]
-
-    @property
-    def is_empty(self) -> bool:
-        """Whether no cell was a number yet."""
-        return not self.numbers and not self.walk.length
-
-    def pass_by(self) -> None:
-        """Keep of the numbers so far no more than what they are between, and their hash; labels shortly."""
-        if self.by_name and self.texts:
-            self.earlier.append(_whole(self.texts))
-            self.texts = []
-        self.walk.add(np.array(self.numbers))
-        self.numbers = array("d")
-
-
-class _Reader:
-    """Read one file, line by line."""
-
-    def __init__(self, file: str, lines: Iterable[str], blocks: _Blocks | None) -> None:
-        self.file, self.blocks = file, blocks
-        first, lines = _first_line(lines)
-        self.separator = "," if "," in first else next((s for s in SEPARATORS if s in first), ",")
-        self.reader: Any = _csv_rows(lines, self.separator)
+            columns = list(zip(*islice(filter(_is_row, self._reader(file)), end - begin), strict=True))
+        return {key: _numbers(columns[key]) for key in self.numeric}
 
     def columns(self, keep: Collection[str], allow_invalid: bool) -> Columns:
-        """Return the columns of the file."""
-        rows = (row for row in self.reader if any(cell.strip() for cell in row))
-        names = self._names(next(rows, None))
-        found = Columns(keep, allow_invalid, names)
-        columns = [_Column(name, not name or is_label(name, keep)) for name in names]
-        number = -1
-        self._begin(0, columns)
-        for number, row in enumerate(rows):
-            self._check_length(row, names)
-            for column, text in zip(columns, row, strict=True):
-                self._add(column, text, number, allow_invalid)
-            if (number + 1) % BLOCK_ROWS == 0:
-                self._begin(number + 1, columns)
-        if number < 0:
-            raise refused(f"{self.file} has a header but no rows", "write one line per design")
-        self._begin(number + 1, columns)
-        if self.blocks is not None:
-            numeric = [k for k, column in enumerate(columns) if column.texts is None]
-            self.blocks.finish(self.separator, numeric, number + 1)
-        for position, column in enumerate(columns):
-            self._take(found, column, position)
+        """Return all columns, or refuse the file."""
+        with self._opened() as file:
+            reader = self._reader(file)
+            names = self._names(next(filter(_is_row, reader), None), reader)
+            found = Columns(keep, allow_invalid, names)
+            columns = [CsvColumn(self, key, name, keep) for key, name in enumerate(names)]
+            for rows, lines in self._divided(file, reader, len(names)):
+                wrong = [
+                    one for one in map(CsvColumn.add, columns, zip(*rows, strict=True), repeat(lines)) if one
+                ]
+                if wrong:
+                    raise min(wrong, key=lambda one: one[0])[1]
+                self.begin(len(rows))
+        if not self.starts[-1]:
+            raise refused(f"{self.path.name} has a header but no rows", "write one line per design")
+        self.numeric = [column.key for column in columns if not column.is_text]
+        for column in columns:
+            column.give(found)
         return found
 
-    def _begin(self, row: int, columns: list[_Column]) -> None:
-        """Begin another block of rows of a large file."""
-        if self.blocks is not None:
-            self.blocks.begin(row)
-            for column in columns:
-                column.pass_by()
+    def _divided(self, file: TextIO, reader: Any, count: int) -> Iterator[tuple[list[list[str]], list[int]]]:
+        """Yield the rows of each block, and the lines in which they end."""
+        while True:
+            rows, lines = list[list[str]](), list[int]()
+            if self.is_large:
+                self.places.append(file.tell())
+            try:
+                for row in islice(filter(_is_row, reader), BLOCK_ROWS):
+                    if len(row) != count:
+                        raise self._other_length(len(row), count, reader.line_num)
+                    rows.append(row)
+                    lines.append(reader.line_num)
+            except (InputError, UnicodeDecodeError, csv.Error):
+                yield rows, lines  # what is wrong before comes first
+                raise
+            if not rows:
+                return
+            yield rows, lines
 
-    def _add(self, column: _Column, text: str, number: int, allow_invalid: bool) -> None:
-        """Add a cell to a column, or refuse what is neither a number nor one of its texts."""
-        value = None if column.by_name else _number(text)
-        if value is not None and column.texts is None:
-            column.numbers.append(value)
-            if not math.isfinite(value) and column.bad is None:
-                column.bad = self._cell(number, column.name), text.strip()
-            return
-        text = text.strip()
-        if column.by_name or (value is None and text and (column.texts is not None or column.is_empty)):
-            column.texts = [] if column.texts is None else column.texts
-            column.texts.append(text)
-            if column.bad is None:
-                column.bad = self._cell(number, column.name), text
-        elif column.texts is not None:
-            if text:  # a number among texts: the first text is wrong, unless all are labels
-                raise self._no_number(column, *column.bad or ("", text))
-            column.texts.append(text)
-        elif text:
-            raise self._no_number(column, self._cell(number, column.name), text)
-        else:
-            column.numbers.append(math.nan)
-            column.bad = column.bad or (self._cell(number, column.name), "empty")
+    def _other_length(self, cells: int, count: int, line: int) -> InputError:
+        what = f"{self.path.name} line {line} has {counted(cells, 'cell')} but the header has {count}"
+        points = ", and numbers with a point" if cells == 2 * count else ""
+        return refused(what, f"write one cell per column{points}")
 
-    def _take(self, found: Columns, column: _Column, position: int) -> None:
-        """Hand a column that is read over to the table."""
-        if column.texts is not None:
-            if not column.by_name and all(map(_has_comma, filter(None, column.texts))) and column.bad:
-                raise self._no_number(column, *column.bad)
-            labels = column.labels
-            if column.name or not np.array_equal(labels, np.arange(len(labels))):  # the index of a DataFrame
-                found.add_label(column.name or "index", labels)
-            return
-        check_input_name("table", column.name)
-        if column.bad is not None and not found.allow_invalid:
-            found.doubt(column.name, *column.bad)
-        blocks = self.blocks
-        found.columns[column.name] = (
-            np.array(column.numbers) if blocks is None else FileColumn(blocks, position, column.walk)
-        )
-
-    def _no_number(self, column: _Column, cell: str, text: str) -> Exception:
-        remedy = or_keep("write a number", column.name)
-        if _has_comma(text):
-            remedy = "write numbers with a point, or read the file by pandas.read_csv(..., decimal=',')"
-        return refused(f"{cell} is {short_repr(text)}, not a number", remedy)
-
-    def _cell(self, number: int, name: str) -> str:
-        return f"row {number} (line {self.reader.line_num}) of column {name} in {self.file}"
-
-    def _check_length(self, row: list[str], names: list[str]) -> None:
-        if len(row) != len(names):
-            cells = counted(len(row), "cell")
-            what = f"{self.file} line {self.reader.line_num} has {cells} but the header has {len(names)}"
-            points = ", and numbers with a point" if len(row) == 2 * len(names) else ""
-            raise refused(what, f"write one cell per column{points}")
-
-    def _names(self, header: list[str] | None) -> list[str]:
+    def _names(self, header: list[str] | None, reader: Any) -> list[str]:
         """Return the names of the columns; the first may be empty, above the index of a DataFrame."""
         if header is None:
             remedy = "write the names of the columns in line 1, then one line per design"
-            raise refused(f"{self.file} is empty", remedy)
+            raise refused(f"{self.path.name} is empty", remedy)
         names = [name.strip() for name in header]
-        where = f"{self.file} line {self.reader.line_num}"
+        where = f"{self.path.name} line {reader.line_num}"
         for position, name in enumerate(names):
             if _number(name) is not None:
                 what = f"{where} holds {name} instead of a name"
                 raise refused(what, "write the names of the columns in line 1")
             if name.startswith("#"):
-                what = f"{where} starts with '#'"
-                raise refused(what, "write the names of the columns alone in line 1")
+                raise refused(f"{where} starts with '#'", "write the names of the columns alone in line 1")
             if position or name or len(names) == 1:
                 check_name(name, position, names[:position], f"{where}: ")
         return names
 
 
-def _first_line(lines: Iterable[str]) -> tuple[str, Iterator[str]]:
-    """Return the first line that is not blank, and all lines."""
-    rest, blank = iter(lines), []
-    for line in rest:
-        blank.append(line)
-        if line.strip():
-            break
+class CsvColumn:
+    """A column of a CSV file: of texts if its name or its first cell says so, else of numbers."""
 
-    def every() -> Iterator[str]:
-        yield from blank
-        yield from rest
+    def __init__(self, file: CsvFile, key: int, name: str, keep: Collection[str]) -> None:
+        self.file, self.key, self.name = file, key, name
+        self.by_name = not name or is_label(name, keep)
+        self.is_text: bool | None = self.by_name or None
+        self.labels, self.walk = list[Any](), Walk(file, key)
+        #: The place of the first cell that holds no finite number, and what it holds.
+        self.bad: tuple[str, str] | None = None
 
-    return (blank[-1] if blank else ""), every()
+    def add(self, texts: Sequence[str], lines: Sequence[int]) -> tuple[int, InputError] | None:
+        """Add the cells of a block; return the row of the first that is not of its kind, and the error."""
+        first = self.file.starts[-1]
+
+        def cell(row: int) -> tuple[str, str]:
+            place = f"row {first + row} (line {lines[row]}) of column {self.name} in {self.file.path.name}"
+            return place, texts[row].strip()
+
+        if self.is_text is None:
+            self.is_text = not _is_numeric(texts[0])
+        if self.is_text:
+            self.bad = self.bad or cell(0)
+            stripped = list(map(str.strip, texts))
+            self.labels.append(_whole(stripped) if self.by_name else stripped)
+            numbers = (row for row, text in enumerate(texts) if _number(text) is not None)
+            wrong = None if self.by_name else next(numbers, None)
+            return None if wrong is None else (wrong, self._no_number(*self.bad))
+        numbers = _numbers(texts)
+        if numbers is None:
+            wrong = next(row for row, text in enumerate(texts) if not _is_numeric(text))
+            return wrong, self._no_number(*cell(wrong))
+        invalid = first_invalid(numbers)
+        if invalid is not None and self.bad is None:
+            place, text = cell(invalid)
+            self.bad = place, text or "empty"
+        self.walk.add(numbers)
+        return None
+
+    def give(self, found: Columns) -> None:
+        """Hand the whole column over to the table."""
+        if not self.is_text:
+            if self.bad is not None and not found.allow_invalid:
+                found.doubt(self.name, *self.bad)
+            found.take(self.name, self.walk)
+            return
+        if all(isinstance(labels, np.ndarray) for labels in self.labels):
+            labels = np.concatenate(self.labels)
+        else:
+            labels = [str(label) for block in self.labels for label in block]
+        if not self.by_name and self.bad and all(map(_has_comma, filter(None, labels))):
+            raise self._no_number(*self.bad)
+        if self.name or not np.array_equal(labels, np.arange(len(labels))):  # the index of a DataFrame
+            found.add_label(self.name or "index", labels)
+
+    def _no_number(self, cell: str, text: str) -> InputError:
+        remedy = or_keep("write a number", self.name)
+        if _has_comma(text):
+            remedy = "write numbers with a point, or read the file by pandas.read_csv(..., decimal=',')"
+        return refused(f"{cell} is {short_repr(text)}, not a number", remedy)
+
+
+def _is_row(row: list[str]) -> bool:
+    """Tell whether a cell of a row is not blank."""
+    return any(map(str.strip, row))
 
 
 def _whole(texts: list[str]) -> Any:
-    """Return labels as whole numbers where each is written as one, 7 but not 007; else as they are."""
+    """Return labels as whole numbers, which take less memory, where all are written as such: 7, not 007."""
     try:
         numbers = [int(text) for text in texts]
         return np.array(numbers, dtype=np.int64) if list(map(str, numbers)) == texts else texts
@@ -646,86 +588,89 @@ def _number(text: str) -> float | None:
         return None
 
 
-# -- Read tables of designs from Parquet files, by pyarrow
+def _is_numeric(text: str) -> bool:
+    """Tell whether a cell holds a number or is empty."""
+    return _number(text) is not None or not text.strip()
 
 
-INSTALL = "python -m pip install 'fastlink-linkages[parquet]'"
-MAGIC = b"PAR1"
-#: Bytes of numbers that are kept in memory; those of larger files are read row group by row group.
-#: How pandas calls a column that holds an index without a name.
-INDEX = "__index_level_"
+def _numbers(texts: Sequence[str]) -> Floats | None:
+    """Return cells as numbers, NaN where one is empty; None if one holds anything else."""
+    every = "".join(texts)
+    if every.isascii() and "_" not in every:
+        with contextlib.suppress(ValueError):
+            return np.fromiter(map(float, texts), np.float64, len(texts))
+    if not all(map(_is_numeric, texts)):
+        return None
+    return np.array([_number(text) for text in texts], np.float64)  # None is NaN to NumPy
 
 
-def is_parquet(path: Path) -> bool:
-    """Tell whether a file begins as a Parquet file does, or is called so."""
-    try:
-        with path.open("rb") as file:
-            return path.suffix.lower() == ".parquet" or file.read(len(MAGIC)) == MAGIC
-    except OSError:
-        return path.suffix.lower() == ".parquet"
+# -- Parquet files, by pyarrow
 
 
-def read_parquet(path: Path, keep: Collection[str], allow_invalid: bool) -> Columns:
-    """Return the columns of a Parquet file.
+class ParquetFile(TableFile):
+    """A table in a Parquet file, whose blocks are its row groups."""
 
-    Numbers of a large file are looked at once and read again, by row group, where they are needed; labels are kept.
-    """
-    if other := not_a_file(path):
-        raise refused(f"{path} {other}", "give the path of a Parquet file")
-    try:
-        from pyarrow import ArrowException
-    except ImportError as error:
-        raise InputError("pyarrow is not installed", where=("table",), remedy=INSTALL) from error
-    try:
-        with path.open("rb"):
-            pass
-    except OSError as error:
-        raise refused(f"cannot read {path}: {error.strerror}", "give the path of a Parquet file") from error
-    try:
-        with _opened_parquet(path) as file:
-            return _columns(path, file, keep, allow_invalid)
-    except (OSError, ArrowException) as error:
-        (why, *_) = str(error).splitlines() or [type(error).__name__]
-        raise refused(f"{path} cannot be read as Parquet ({why})", "write it again") from error
+    def __init__(self, path: Path) -> None:
+        super().__init__(path)
+        self.names = list[str]()
 
+    @contextlib.contextmanager
+    def _opened(self) -> Iterator[Any]:
+        """Open the file by the bytes of its name, of which pyarrow would have letters."""
+        from pyarrow import OSFile, parquet
 
-@contextlib.contextmanager
-def _opened_parquet(path: Path) -> Iterator[Any]:
-    """Open a Parquet file by the bytes of its name, of which pyarrow would have letters."""
-    from pyarrow import OSFile, parquet
+        with OSFile(os.fsencode(self.path)) as source, parquet.ParquetFile(source) as file:
+            yield file
 
-    with OSFile(os.fsencode(path)) as source, parquet.ParquetFile(source) as file:
-        yield file
+    def load(self, block: int) -> dict[Any, Floats]:
+        """Return the numbers of a row group, by column."""
+        with self._opened() as file:
+            return self._group(file, block)
 
+    def _group(self, file: Any, block: int) -> dict[Any, Floats]:
+        # as they are read, and as numbers
+        nbytes = 16 * file.metadata.row_group(block).num_rows * len(self.names)
+        remedy = "write smaller ones, such as row_group_size=100_000"
+        check_memory(nbytes, f"a row group of {self.path.name}", where=("table",), remedy=remedy)
+        table = file.read_row_group(block, columns=self.names)
+        return {name: np.asarray(_parquet_cells(table.column(name)), np.float64) for name in self.names}
 
-def _columns(path: Path, file: Any, keep: Collection[str], allow_invalid: bool) -> Columns:
-    from pyarrow import types
+    def columns(self, keep: Collection[str], allow_invalid: bool) -> Columns:
+        """Return all columns, or refuse the file."""
+        from pyarrow import types
 
-    names, rows = list(file.schema_arrow.names), file.metadata.num_rows
-    for position, name in enumerate(names):
-        check_name(name, position, names[:position], f"{path.name}: ")
-    if not rows:
-        raise refused(f"{path.name} has no rows", "write one row per design")
-    indices = [name for name in names if name.startswith(INDEX)]
-    found = Columns((*keep, *(_label(name) for name in indices)), allow_invalid, [*map(_label, names)])
-    kinds = {name: file.schema_arrow.field(name).type for name in names}
-    numeric = [
-        name
-        for name in names
-        if (types.is_integer(kinds[name]) or types.is_floating(kinds[name]))
-        and not is_label(name, found.keep)
-    ]
-    is_large = 8 * rows * len(numeric) > LARGE
-    walked = _walked(path, file, numeric, found) if is_large else {}
-    for name in names:
-        if name not in walked:
-            found.add(_label(name), _parquet_cells(file.read([name]).column(0)))
-            continue
-        with found.problems.at():
-            check_input_name("table", name)
-            found.columns[name] = walked[name]
-    _add_index(found, file.schema_arrow.pandas_metadata, rows)
-    return found
+        with self._opened() as file:
+            schema, rows = file.schema_arrow, file.metadata.num_rows
+            names = list(schema.names)
+            for position, name in enumerate(names):
+                check_name(name, position, names[:position], f"{self.path.name}: ")
+            if not rows:
+                raise refused(f"{self.path.name} has no rows", "write one row per design")
+            indices = [_label(name) for name in names if name.startswith(INDEX)]
+            found = Columns((*keep, *indices), allow_invalid, list(map(_label, names)))
+            for name in names:
+                kind = schema.field(name).type
+                if (types.is_integer(kind) or types.is_floating(kind)) and not is_label(name, found.keep):
+                    self.names.append(name)
+            self.is_large = 8 * rows * len(self.names) > LARGE
+            walks = self._walked(file, found)
+            for name in names:
+                if name in walks:
+                    found.take(name, walks[name])
+                else:
+                    found.add(_label(name), _parquet_cells(file.read([name]).column(0)))
+            _add_index(found, schema.pandas_metadata, rows)
+            return found
+
+    def _walked(self, file: Any, found: Columns) -> dict[str, Walk]:
+        """Look at all numbers of the file, row group by row group."""
+        walks = {name: Walk(self, name) for name in self.names}
+        for group in range(file.num_row_groups):
+            for name, values in self._group(file, group).items():
+                found.check_finite(name, values, self.starts[-1])
+                walks[name].add(values)
+            self.begin(file.metadata.row_group(group).num_rows)
+        return walks
 
 
 def _add_index(found: Columns, about: dict[str, Any] | None, rows: int) -> None:
@@ -750,46 +695,6 @@ def _parquet_cells(column: Any) -> Any:
     if hasattr(column.type, "value_type") and hasattr(column.type, "index_type"):  # categories
         column = column.cast(column.type.value_type)
     return column.to_numpy()
-
-
-def _walked(path: Path, file: Any, names: list[str], found: Columns) -> dict[str, FileColumn]:
-    """Look at all numbers of a file, row group by row group."""
-    groups = _Groups(path, names)
-    walks = {name: Walk() for name in names}
-    doubted = set[str]()
-    for group in range(file.num_row_groups):
-        groups.begin(file.metadata.row_group(group).num_rows)
-        for name, values in groups.load(group).items():
-            bad = None if found.allow_invalid or name in doubted else first_invalid(values)
-            if bad is not None:
-                doubted.add(name)
-                row = groups.starts[group] + bad
-                found.doubt(name, f"row {row} (counted from 0) of column {name}", values[bad])
-            walks[name].add(values)
-    return {name: FileColumn(groups, name, walk) for name, walk in walks.items()}
-
-
-class _Groups(TableFile):
-    """The row groups of a Parquet file."""
-
-    def __init__(self, path: Path, names: list[str]) -> None:
-        super().__init__(path)
-        self.names, self.sizes = names, list[int]()
-
-    def begin(self, rows: int) -> None:
-        """Note the rows of the next group."""
-        self.starts.append(self.length)
-        self.sizes.append(rows)
-        self.length += rows
-
-    def load(self, block: int) -> dict[Any, Floats]:
-        """Return the numbers of a row group, by column."""
-        nbytes = 16 * self.sizes[block] * len(self.names)  # as they are read, and as numbers
-        remedy = "write smaller ones, such as row_group_size=100_000"
-        check_memory(nbytes, f"a row group of {self.path.name}", where=("table",), remedy=remedy)
-        with _opened_parquet(self.path) as file:
-            table = file.read_row_group(block, columns=self.names)
-        return {name: np.asarray(_parquet_cells(table.column(name)), np.float64) for name in self.names}
 
 
 # -- Read the designs of an xarray Dataset: a table, the axes of a grid, or the map of a sweep
@@ -1005,8 +910,7 @@ def _space_of(source: Any, keep: Collection[str], allow_invalid: bool, *, single
     if isinstance(source, (str, os.PathLike)):
         path = check_path(("table",), source, "designs.csv")
         attrs: dict[str, str | int] = {"design_kind": "table", "design_source": writable(path.name)}
-        read = read_parquet if is_parquet(path) else read_csv
-        return read(path, keep, allow_invalid).space(attrs)
+        return read_file(path, keep, allow_invalid).space(attrs)
     return read_or_none(_space_in_memory, source, keep, allow_invalid, single=single)
 
 

@@ -8,20 +8,25 @@ import mpmath as mp
 import numpy as np
 import pytest
 from tests.support.configurations import DIGITS
-from tests.support.hart_configurations import HART, INPUTS, OF_THE_CRANK, QUANTITIES, WUNDERLICH, at, family
+from tests.support.hart_configurations import (
+    HART,
+    INPUTS,
+    MEASURES,
+    OF_THE_CRANK,
+    QUANTITIES,
+    WUNDERLICH,
+    at,
+    family,
+    folded,
+)
 from tests.support.refusals import refused
 
 import fastlink as fl
 from fastlink.app.study import run_study
-from fastlink.facts.evaluate import read_facts
+from fastlink.mechanisms import catalogue
 from fastlink.mechanisms.hart.motion import KITE_FLAGS, STATUS_FLAGS
 from fastlink.numerics.compensated import UNIT_ROUNDING
-from fastlink.precision.reference import CONTEXT, HighPrecision
-
-
-def exact(names, one):
-    """Return facts of one configuration with 50 digits."""
-    return HighPrecision(HART, names, one).at(one)
+from fastlink.precision.reference import HighPrecision
 
 
 def assembled(rng, n):
@@ -30,24 +35,23 @@ def assembled(rng, n):
     return {name: found[name] for name in INPUTS[:-1]}
 
 
-def configurations(n, seed):
-    """Yield configurations that assemble, with the branch."""
-    found = family("random", np.random.default_rng(seed), n)
-    for i in range(n):
-        for branch in (1, 2):
-            yield {name: float(values[i]) for name, values in found.items()} | {"branch": branch}
-
-
 # -- the equations of the paper -------------------------------------------------------------------------------
 
 
-def test_the_loop_of_equations_1_3_and_1_4_closes():
-    """By substitution, with u, v of the bars MP, NQ and w of the angle omega: independent of the four-bar."""
-    tested = 0
-    for one in configurations(60, 3):
-        found = exact(
-            ["psi", "omega_angle", "F_x", "F_y", *"pqabc", "lambda_", "A_x", "A_y", "B_x", "B_y"], one
-        )
+def test_the_equations_of_the_paper_hold():
+    """By substitution with 50 digits: u, v are the bars MP, NQ, w is the angle omega.
+
+    Section 7: with AB held fixed, F moves along a straight line perpendicular to AB.
+    """
+    names = ["psi", "omega_angle", "F_x", "F_y", *"pqabc", "lambda_", "A_x", "A_y", "B_x", "B_y"]
+    facts, line = (
+        HighPrecision(HART, names, [*INPUTS, "branch"]),
+        HighPrecision(HART, ["line_x"], INPUTS[:-1]),
+    )
+    drawn, tested = family("random", np.random.default_rng(3), 40), 0
+    for i in range(40):
+        one = {name: float(values[i]) for name, values in drawn.items()} | {"branch": 1 + i % 2}
+        found = facts.at(one)
         if mp.isnan(found["psi"]):
             continue
         with mp.workdps(DIGITS):
@@ -55,49 +59,23 @@ def test_the_loop_of_equations_1_3_and_1_4_closes():
             p, q, a, b, c, factor = (mp.mpf(found[name]) for name in (*"pqabc", "lambda_"))
             turned = 1 if factor > 0 else -1  # phi and psi are the directions of MA, NB
             u, v = turned * mp.expj(one["phi"]), turned * mp.expj(found["psi"])
-            w, z = mp.expj(found["omega_angle"]), mp.mpc(found["F_x"], found["F_y"])
+            A, B, z = (mp.mpc(found[f"{joint}_x"], found[f"{joint}_y"]) for joint in "ABF")
+            w, K = mp.expj(found["omega_angle"]), abs(kappa)
+            held = line.at({"m": K**2 * m, "n": K**2 * n, "d": K * d, "kappa": 1 / K})["line_x"]
             off = [
                 m * u - p * u * w - z,  # (1.3)
                 d + n * v + q * v * w - z,  # (1.4)
-                a * u - mp.mpc(found["A_x"], found["A_y"]),
-                d + b * v - mp.mpc(found["B_x"], found["B_y"]),
+                a * u - A,
+                d + b * v - B,
                 abs(a * u - b * v - d) - abs(c),  # (2.3)
                 m * p + n * q,  # section 7
                 1 + p * q / (m * n) - factor,  # (2.6)
                 d / 2 + (1 - kappa * kappa) * (m * m - n * n) / (2 * d) - z.real,  # (7.5), corrected
+                ((z - A) * mp.conj(B - A)).real / abs(B - A) - held,
             ]
             assert max(map(abs, off)) <= mp.mpf(10) ** (5 - DIGITS)
         tested += 1
-    assert tested > 60
-
-
-def test_held_at_AB_the_line_is_that_of_1_over_kappa():
-    """Section 7: fixing AB, F moves along a straight line perpendicular to AB."""
-    for one in configurations(40, 4):
-        found = exact(["A_x", "A_y", "B_x", "B_y", "F_x", "F_y", "c"], one)
-        if mp.isnan(found["F_y"]):
-            continue
-        with mp.workdps(DIGITS):
-            A, B, F = (mp.mpc(found[f"{point}_x"], found[f"{point}_y"]) for point in "ABF")
-            along = ((F - A) * mp.conj(B - A)).real / abs(B - A)
-            m, n, d, kappa = (mp.mpf(one[name]) for name in INPUTS[:-1])
-            bars = {"m": kappa**2 * m, "n": kappa**2 * n, "d": abs(kappa) * d, "kappa": 1 / abs(kappa)}
-            facts = HighPrecision(HART, ["line_x", "stroke"], list(bars))
-            assert abs(facts.at(bars)["line_x"] - along) <= mp.mpf(10) ** (5 - DIGITS)
-
-
-@pytest.mark.parametrize("name", ["F_y", "psi"])
-def test_rates_by_phi_are_differences(name):
-    rate = {"F_y": "dF_y_dphi", "psi": "dpsi_dphi"}[name]
-    step = CONTEXT.mpf(10) ** -20
-    for one in configurations(20, 5):
-        facts = HighPrecision(HART, [name, rate], one)
-        here = facts.at(one)
-        if mp.isnan(here[name]):
-            continue
-        there = facts.moved(here, {"phi": here["phi"] + step})
-        # The second difference is below 10^6 of the step in these designs, which stay clear of toggles.
-        assert abs((there[name] - here[name]) / step - here[rate]) <= 1e-14 * (1 + abs(here[rate]))
+    assert tested > 20
 
 
 def test_the_sign_of_kappa_is_that_of_p_q_and_c_alone():
@@ -112,61 +90,60 @@ def test_the_sign_of_kappa_is_that_of_p_q_and_c_alone():
             np.testing.assert_array_equal(minus[name], plus[name] * (-1.0 if name in "pqc" else 1.0))
 
 
-# -- the stroke -----------------------------------------------------------------------------------------------
+# -- the stroke, and F as the driven joint ---------------------------------------------------------------------
 
 
-def graded_angles(design):
-    """Return angles that crowd at the toggles, where F runs fastest by phi."""
-    found = read_facts(HART, ["Z0", "C0"], design)
-    low, high = max(found["Z0"], 0.0), min(1.0 - found["C0"], 1.0)
-    share = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, 4001))
-    half = 2.0 * np.arcsin(np.sqrt(low + (high - low) * share))
-    return np.concatenate([-half[::-1], half])
+@pytest.mark.parametrize(
+    "design",
+    [WUNDERLICH, {"m": 1.0, "n": 8.0, "d": 7.0, "kappa": 0.5}, {"m": 1.0, "n": 1.4, "d": 2.5, "kappa": 0.6}],
+)
+def test_F_traces_its_stroke_and_assembles_along_it_alone(design):
+    """Driven by MA over both branches F covers the segments and nothing else; driven by F it closes there."""
+    told = at(["F_y_outer", "F_y_inner", "stroke", "status"], **design)
+    outer, inner = float(told["F_y_outer"]), float(told["F_y_inner"])
+    two = STATUS_FLAGS[int(told["status"])] == "two_segments"
+    np.testing.assert_allclose(told["stroke"], outer - inner if two else 2.0 * outer, rtol=64 * UNIT_ROUNDING)
+    phi = np.linspace(-np.pi, np.pi, 20001)
+    y = np.sort(at(["F_y"], branch=np.array([[1.0], [2.0]]), phi=phi, **design)["F_y"], axis=None)
+    y = y[np.isfinite(y)]
+    # F is off by a few roundings of m sin(phi) and of the toggles: 2^-40 is far more
+    assert np.abs(y).max() <= outer * (1.0 + 2.0**-40)
+    assert np.abs(y).min() >= inner * (1.0 - 2.0**-40)
+    # near a toggle F moves as the root of a step of phi: a hole would be more
+    holes = np.diff(np.concatenate([[-outer], y, [outer]])) > 0.05 * outer
+    assert holes.sum() == two
+    places = np.linspace(-1.01, 1.01, 2000) * outer
+    maps = fl.sweep("hart", fl.grid(**design), ["phi", "F_x", "P_y"], input="F_y", angles=places)
+    inside = (np.abs(places) <= outer) & (np.abs(places) >= inner)
+    for name in ("phi", "F_x", "P_y"):
+        np.testing.assert_array_equal(np.isfinite(maps[name]), [inside, inside])
+    assert maps.phi.dims == ("branch", "F_y")
 
 
-def test_the_stroke_is_what_F_traces():
-    """By brute force: over phi and both branches, F covers the segments and nothing else."""
-    designs = assembled(np.random.default_rng(6), 40)
-    seen = set()
-    for i in range(40):
-        design = {name: float(values[i]) for name, values in designs.items()}
-        told = at(["F_y_outer", "F_y_inner", "stroke", "status"], **design)
-        outer, inner, stroke = told["F_y_outer"], told["F_y_inner"], told["stroke"]
-        place = {"phi": graded_angles(design)[:, None], "branch": np.array([1.0, 2.0])}
-        with np.errstate(invalid="ignore"):  # by NumPy's sines: evaluate tables 40 digits of each angle
-            curves = read_facts(HART, ["F_y"], design | place)["F_y"]
-        y = np.sort(curves[np.isfinite(curves)])
-        two = STATUS_FLAGS[int(told["status"])] == "two_segments"
-        seen.add(two)
-        np.testing.assert_allclose(stroke, outer - inner if two else 2.0 * outer, rtol=64 * UNIT_ROUNDING)
-        # F is off by a few roundings of m sin(phi) and of the toggles: 2^-40 is far more
-        assert np.abs(y).max() <= outer * (1.0 + 2.0**-40)
-        assert np.abs(y).min() >= inner * (1.0 - 2.0**-40)
-        # 4001 angles, crowded at toggles: the steps of F are about 1/1000 of the segment; a hole would be more.
-        steps = np.diff(np.concatenate([[-outer], y, [outer]]))
-        holes = steps > 0.01 * stroke
-        assert holes.sum() == two
-        if two:
-            # At either end F stands still at most half a step from an angle: an eighth of a second difference, which
-            # hardly changes from one angle to the next.
-            missed = 0.25 * np.nanmax(np.abs(np.diff(curves, 2, axis=0)))
-            assert -(2.0**-40) * outer <= steps[holes].item() - 2.0 * inner <= 2.0 * missed + 2.0**-40 * outer
-    assert seen == {True, False}
-
-
-def test_the_dyads_keep_their_side_along_the_stroke():
-    """The sign of sin(omega) is one way of the motion; it changes at the ends of the segment alone."""
-    phi = np.linspace(-np.pi, np.pi, 2001)
-    found = at(["F_y", "omega_angle", "F_y_outer"], m=1.0, n=1.4, d=2.5, kappa=0.6, phi=phi, branch=1)
-    omega = found["omega_angle"]
-    closes = np.isfinite(omega[1:]) & np.isfinite(omega[:-1])
-    changes = closes & (np.sign(omega[1:]) != np.sign(omega[:-1]))
-    assert changes.any()
-    # A step at most from where F stands still: half a second difference, which hardly changes from step to step.
-    near = np.minimum(np.abs(found["F_y"][1:]), np.abs(found["F_y"][:-1]))
-    short = found["F_y_outer"][0] - near[changes]
-    assert (short >= -16 * UNIT_ROUNDING).all()
-    assert (short <= np.nanmax(np.abs(np.diff(found["F_y"], 2)))).all()
+@pytest.mark.parametrize("kind", ["random", "near 1 1e-3", "gap 1e-4", "great"])
+def test_driven_by_F_it_is_where_MA_puts_it(kind):
+    by_line = catalogue("hart", "F_y")
+    shared = [
+        name
+        for name in by_line.public
+        if by_line.varies(name) and name in HART.public and name not in MEASURES
+    ]
+    facts = HighPrecision(HART, ["sigma", "sine_part", "F_y", "stroke", *shared], [*INPUTS, "branch"])
+    driven = HighPrecision(by_line, ["phi", *shared], [*INPUTS[:-1], "F_y", "branch"])
+    drawn, compared = family(kind, np.random.default_rng(12), 12), 0
+    for i in range(24):
+        found = facts.at(
+            {name: float(values[i // 2]) for name, values in drawn.items()} | {"branch": 1 + i % 2}
+        )
+        if mp.isnan(found["sigma"]) or folded(found["F_y"], found["stroke"]):  # where phi is undetermined
+            continue
+        place = {name: float(drawn[name][i // 2]) for name in INPUTS[:-1]} | {"F_y": found["F_y"]}
+        here = driven.at(place | {"branch": 1 if found["sine_part"] > 0 else 2})
+        size = max(place[name] for name in "mnd") * max(1.0, place["kappa"] ** 2)
+        for name in ("phi", *shared):
+            assert abs(here[name] - found[name]) <= 1e-40 * (1 + size), name
+            compared += 1
+    assert compared > 100
 
 
 def test_the_greatest_height_over_phi_is_the_end_of_the_stroke():
@@ -291,30 +268,24 @@ def test_status_agrees_with_the_four_bar():
 
 
 @pytest.mark.parametrize(
-    ("changes", "key", "remedy"),
+    ("names", "changes", "options", "key", "remedy"),
     [
-        ({"m": -4.0}, "design: m", "greater than 0"),
-        ({"d": 0.0}, "design: d", "greater than 0"),
-        ({"k": 0.5}, "design: k", ""),
-        ({"rho": -1.0}, "design: rho", ""),
+        (["stroke"], {"m": -4.0}, {}, "design: m", "greater than 0"),
+        (["stroke"], {"d": 0.0}, {}, "design: d", "greater than 0"),
+        (["stroke"], {"k": 0.5}, {}, "design: k", ""),
+        (["phi"], {}, {}, "'phi' is the input position", "leave it out"),
+        (["phi_max"], {}, {}, "'phi_max': phi is the input position", "leave it out"),
+        (["phi_error"], {}, {}, "'phi_error': phi is the input position", "leave it out"),
+        (["d_phi_d_m"], {}, {}, "'d_phi_d_m': phi is the input position", "leave it out"),
+        (["strok"], {}, {}, "'strok'", "did you mean 'stroke'?"),
+        (["F_y"], {}, {"branch": 3}, "branch", ""),
+        (["F_y"], {}, {"theta1": [1.0]}, "theta1", "phi"),
+        (["dF_y_dphi"], {}, {"input": "F_y"}, "'dF_y_dphi'", "'dphi_dF_y'"),
+        (["phi"], {}, {"input": "F_y", "F_y": [[0.1]]}, "F_y", "write a flat array of numbers"),
+        (["psi"], {}, {"input": "F_x"}, "input", "did you mean 'F_y'?"),
+        (["psi"], {}, {"input": "F_y", "angles": 12}, "angles", "numpy.linspace"),
     ],
 )
-def test_bad_designs_are_refused(changes, key, remedy):
+def test_what_is_wrong_is_told(names, changes, options, key, remedy):
     with refused(key, remedy):
-        fl.sweep("hart", fl.grid(**(WUNDERLICH | changes)), ["stroke"])
-
-
-def test_what_is_missing_or_misnamed_is_told():
-    with refused("kappa"):
-        fl.sweep("hart", fl.grid(m=4.0, n=8.0, d=6.0), ["stroke"])
-    with refused("'phi' is the input position", "leave it out"):
-        fl.sweep("hart", fl.grid(**WUNDERLICH), ["phi"])
-    for name in ("phi_max", "phi_error", "d_phi_d_m"):
-        with refused(f"'{name}': phi is the input position", "leave it out"):
-            fl.sweep("hart", fl.grid(**WUNDERLICH), [name])
-    with refused("'strok'", "did you mean 'stroke'?"):
-        fl.sweep("hart", fl.grid(**WUNDERLICH), ["strok"])
-    with refused("branch"):
-        fl.sweep("hart", fl.grid(**WUNDERLICH), ["F_y"], branch=3)
-    with refused("theta1", "phi"):
-        fl.sweep("hart", fl.grid(**WUNDERLICH), ["F_y"], theta1=[1.0])
+        fl.sweep("hart", fl.grid(**WUNDERLICH | changes), names, **options)

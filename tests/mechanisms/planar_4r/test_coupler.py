@@ -1,115 +1,22 @@
-"""The coupler curve: derivatives, curvature, sextic and cognates, each against another way to it."""
+"""The coupler curve: sextic, cognates, straightness and inflections, each against another way to it."""
 
 from __future__ import annotations
 
 import mpmath as mp
 import numpy as np
 import pytest
-from tests.support.configurations import LENGTHS, PLANAR
+from tests.support.configurations import LENGTHS
 from tests.support.curve_designs import CURVE, design_of, evaluate, random_designs, traced
 
 import fastlink as fl
-from fastlink.facts.evaluate import read_facts
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.planar import (
     cognates,
-    curve_area,
-    curve_length,
     curve_straightness,
     inflections,
     sextic,
     straightness,
 )
-
-# -- derivatives -------------------------------------------------------------------------------------
-
-
-def place(given, branch, t):
-    """P as a complex number for a (complex) input angle, by the cosine law alone: no fact is used."""
-    a1, a2, a3, a4, u, v = (given[name] for name in CURVE)
-    A_x, A_y = a1 * mp.cos(t), a1 * mp.sin(t)
-    x, y = a4 - A_x, -A_y
-    square = x * x + y * y
-    along = (a2**2 - a3**2 + square) / (2 * square)
-    across = (1 if branch == 2 else -1) * mp.sqrt(a2**2 / square - along**2)
-    b_x, b_y = (along * x - across * y) / a2, (along * y + across * x) / a2
-    return A_x + u * b_x - v * b_y, A_y + u * b_y + v * b_x
-
-
-@pytest.mark.parametrize("branch", [1, 2])
-def test_derivatives_against_complex_step_and_finite_differences(branch):
-    inputs, theta = random_designs(31, 60)
-    inputs["omega1"] = np.linspace(-3.0, 4.0, 60)
-    names = ["P_x", "P_y", "P_vx", "P_vy", "P_ax", "P_ay", "P_speed", "curvature"]
-    tested = 0
-    with mp.workdps(50):
-        for i, angle in enumerate(theta):
-            given = {name: mp.mpf(float(values[i])) for name, values in inputs.items()}
-            t = mp.mpf(float(angle))
-            facts = read_facts(PLANAR, names, given | {"theta1": t, "branch": mp.mpf(branch)})
-            if mp.isnan(facts["P_x"]):
-                continue
-            step = mp.mpf(10) ** -20
-            # f(t + i h) = f + i h f' + O(h^2): its imaginary part over h is f' within h^2 f'''/6.
-            by_step = [value.imag / step for value in place(given, branch, mp.mpc(t, step))]
-            low, mid, high = (place(given, branch, t + k * mp.mpf(10) ** -12) for k in (-1, 0, 1))
-            h = mp.mpf(10) ** -12
-            second = [(low[k] - 2 * mid[k] + high[k]) / h**2 for k in (0, 1)]
-            w = given["omega1"]
-            speed = mp.hypot(*by_step)
-            turn = (by_step[0] * second[1] - by_step[1] * second[0]) / speed**3
-            # Derivatives grow by 1/(distance to the toggle) each: 1e-24 times two of them squared, and 50 digits
-            # of the difference over h^2 leave 26: random angles are farther than 1e-3 from toggles.
-            for name, expected in (
-                ("P_x", mid[0]),
-                ("P_y", mid[1]),
-                ("P_vx", w * by_step[0]),
-                ("P_vy", w * by_step[1]),
-                ("P_speed", abs(w) * speed),
-                ("P_ax", w**2 * second[0]),
-                ("P_ay", w**2 * second[1]),
-                ("curvature", turn),
-            ):
-                assert mp.almosteq(facts[name], expected, rel_eps=mp.mpf(10) ** -15), (name, i)
-            tested += 1
-    assert tested > 25
-
-
-def test_curvature_of_circles():
-    theta = np.linspace(0.1, 6.0, 40)
-    lengths = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
-    for branch in (1, 2):
-        at_A = evaluate(["curvature"], lengths | {"P_u": 0.0, "P_v": 0.0}, theta, branch)["curvature"]
-        # A dozen operations on the exact circle.
-        np.testing.assert_allclose(at_A, 1 / 0.4, rtol=16 * UNIT_ROUNDING)
-        at_B = evaluate(
-            ["curvature", "omega4"], lengths | {"P_u": 1.2, "P_v": 0.0, "omega1": 1.0}, theta, branch
-        )
-        # B runs around D: left while the output link turns left; relative error 1/omega4 times a few roundings.
-        allowed = 64 * UNIT_ROUNDING * (1 + 1 / np.abs(at_B["omega4"])) ** 3
-        assert np.all(np.abs(0.8 * at_B["curvature"] - np.sign(at_B["omega4"])) <= allowed)
-
-
-def test_curvature_needs_no_input_speed_and_keeps_the_scale():
-    one = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "P_u": 0.7, "P_v": 0.5}
-    plain = evaluate(["curvature"], one, 1.1, 1)["curvature"]
-    for exponent in (-600, 600):
-        scaled = {name: value * 2.0**exponent for name, value in one.items()}
-        assert evaluate(["curvature"], scaled, 1.1, 1)["curvature"] == plain * 2.0**-exponent
-        speed = evaluate(["P_speed"], scaled | {"omega1": -2.0}, 1.1, 1)["P_speed"]
-        assert speed == evaluate(["P_speed"], one | {"omega1": 2.0}, 1.1, 1)["P_speed"] * 2.0**exponent
-
-
-@pytest.mark.parametrize("extreme", [[], ["curvature_max"]])
-def test_compiled_facts_have_the_bits_of_the_plain_ones(extreme):
-    names = ["P_x", "P_y", "P_vx", "P_vy", "P_ax", "P_ay", "P_speed", "curvature"]
-    numbers = {"a1": 0.4, "a3": 0.8, "a4": 1.0, "P_u": 0.3, "P_v": -0.2, "omega1": 25.0}
-    space = fl.grid(a2=np.linspace(0.7, 1.6, 13), **numbers)
-    swept = fl.sweep("planar_4r", space, [*names, *extreme], theta1=30, extrema="sampled")
-    plain = evaluate(names, numbers | {"a2": swept.a2}, swept.theta1, swept.branch)
-    for name in names:
-        np.testing.assert_array_equal(swept[name].transpose(*plain[name].dims), plain[name])
-
 
 # -- sextic ------------------------------------------------------------------------------------------
 
@@ -127,26 +34,6 @@ def majorant(inputs, X, Y):
     W = (z * z + k) * (z + a4) + p / a2 * (a4 * z * z + middle * z + k * a4)
     V = a4 * z * (p * p / a2 + u) + v * (z * z + a4 * z)
     return W * W + 4 * V * V
-
-
-@pytest.mark.parametrize("branch", [1, 2])
-def test_the_sextic_vanishes_on_the_curve(branch):
-    inputs, _ = random_designs(32, 3000)
-    inputs = {name: values[:, None] for name, values in inputs.items()}
-    theta = np.linspace(0.01, 6.2, 24)
-    got = evaluate(["P_x", "P_y"], inputs, theta, branch)
-    c = sextic(**inputs)
-    assert c.shape == (3000, 1, 7, 7)
-    X, Y = got["P_x"], got["P_y"]
-    closes = np.isfinite(X)
-    assert closes.sum() > 30000
-    values = sum(c[..., i, j] * X**i * Y**j for i in range(7) for j in range(7 - i))
-    # (X, Y) is a point of a linkage whose lengths are within a rounding or two of these: of degree eight in
-    # lengths and coordinates, 16. Coefficients and powers add roundings of their partial sums: worst seen 0.9.
-    assert np.all(np.abs(values)[closes] <= 16 * UNIT_ROUNDING * majorant(inputs, X, Y)[closes])
-    # It does not vanish elsewhere: the bound tells points from their neighbours.
-    off = sum(c[..., i, j] * (X + 1e-3) ** i * Y**j for i in range(7) for j in range(7 - i))
-    assert np.mean(np.abs(off)[closes] > 1e3 * UNIT_ROUNDING * majorant(inputs, X, Y)[closes]) > 0.99
 
 
 def test_the_sextic_anywhere_is_the_product_over_both_assemblies_with_the_crank():
@@ -241,26 +128,6 @@ def test_cognates_share_the_sextic_and_the_third_pivot():
 # -- length, area, straightness ----------------------------------------------------------------------
 
 
-def test_length_and_area_against_polygons():
-    design = (0.4, 1.2, 0.8, 1.0, 0.7, 0.5)
-    theta = np.arange(20000) * (2 * np.pi / 20000)
-    got = evaluate(["P_x", "P_y"], dict(zip(CURVE, design, strict=True)), theta, 2)
-    X, Y = got["P_x"], got["P_y"]
-    # A chord is short of its arc by h^2/24 of (curvature speed)^2, a segment's area h^2/12: below h^2 of the size.
-    allowed = (2 * np.pi / 20000) ** 2
-    length = np.hypot(X - np.roll(X, 1), Y - np.roll(Y, 1)).sum()
-    assert curve_length(design_of(*design), branch=2) == pytest.approx(length, rel=allowed)
-    area = (np.roll(X, 1) * Y - X * np.roll(Y, 1)).sum() / 2
-    assert curve_area(design_of(*design), branch=2) == pytest.approx(
-        area, rel=allowed * length**2 / abs(area)
-    )
-    several = curve_length(design_of([0.4, 0.9], *design[1:]), branch=2)
-    assert several[0] == curve_length(design_of(*design), branch=2)
-    # A rocker traces an open path: it has a length, and encloses nothing.
-    assert np.isfinite(several[1])
-    assert np.isnan(curve_area(design_of(0.9, *design[1:]), branch=2))
-
-
 def test_straightness():
     s = np.linspace(-1.0, 1.0, 101)
     bow = 0.01 * (1 - s**2)
@@ -318,39 +185,6 @@ def test_what_is_of_no_use_is_said_in_one_line():
 
 
 # -- inflections -------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("branch", [1, 2])
-def test_inflections_against_the_turns_of_polylines(branch):
-    """Where a chord after chord stops turning left and turns right, or the other way."""
-    inputs, _ = random_designs(39, 60)
-    samples = 2000
-    theta1, X, Y, count = inflections(**inputs, branch=branch, samples=samples)
-    step = 2 * np.pi / samples
-    middles = (np.arange(-1, samples + 2) + 0.5) * step
-    got = evaluate(
-        ["P_x", "P_y"], {name: values[:, None] for name, values in inputs.items()}, middles, branch
-    )
-    chord = np.diff(got["P_x"] + 1j * got["P_y"], axis=1)
-    turn = (chord[:, :-1].conj() * chord[:, 1:]).imag
-    changes = np.isfinite(turn[:, :-1] * turn[:, 1:]) & (np.sign(turn[:, :-1]) != np.sign(turn[:, 1:]))
-    # A change within a step of a toggle is not in the polyline; 4 of 100 designs have one at 720 samples.
-    assert np.all(changes.sum(axis=1) <= count)
-    assert np.mean(changes.sum(axis=1) == count) >= 0.9
-    assert count.max() >= 3
-    for i in range(60):
-        mine = theta1[i, : count[i]]
-        assert np.all(np.diff(mine) > 0)
-        places = middles[1:-2][changes[i]]
-        if places.size == count[i]:
-            # The sign of a vertex is that of the curvature within a step of it.
-            apart = np.abs(np.angle(np.exp(1j * (mine[:, None] - places - step / 2))))
-            assert np.all(apart.min(axis=1, initial=np.inf) <= 2 * step)
-        one = {name: values[i] for name, values in inputs.items()}
-        # The curve turns on both sides by different signs, close by.
-        near = evaluate(["curvature", "P_x", "P_y"], one, mine + np.array([[-1e-9], [0.0], [1e-9]]), branch)
-        assert np.all(near["curvature"][0] * near["curvature"][2] < 0)
-        np.testing.assert_array_equal([near["P_x"][1], near["P_y"][1]], [X[i, : count[i]], Y[i, : count[i]]])
 
 
 def test_inflections_next_to_toggles_are_found():

@@ -1,4 +1,4 @@
-"""Joint angles, half-angle tangents and the six input-output equations of the planar 4R."""
+"""Joint angles and half-angle tangents driven by theta1 or any joint: the six equations, and what sweeps say."""
 
 from __future__ import annotations
 
@@ -7,280 +7,216 @@ from fractions import Fraction
 import mpmath as mp
 import numpy as np
 import pytest
-from tests.support.configurations import LENGTHS, near_change_point, near_toggle, random_lengths
+from tests.support.configurations import DIGITS, LENGTHS, near_change_point, random_lengths
 from tests.support.curve_designs import design_of
+from tests.support.refusals import refused
+from tests.support.study_files import written
 
 import fastlink as fl
+from fastlink.app.study import read_study
+from fastlink.facts.evaluate import read_facts
+from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
 
-PAIRS = ("12", "13", "14", "23", "24", "34")
-ANGLES = [f"joint_angle_{i}" for i in (1, 2, 3, 4)]
-TANGENTS = [f"v{i}" for i in (1, 2, 3, 4)]
-RESIDUALS = [f"io_residual_{pair}" for pair in PAIRS]
-RATES = [f"joint_omega_{i}" for i in (2, 3, 4)] + [f"joint_alpha_{i}" for i in (2, 3, 4)]
+JOINTS = (1, 2, 3, 4)
+DRIVES = ("theta1", *(f"joint_angle_{k}" for k in JOINTS))
+#: Coefficients of each equation by the factors of the paper, and that of its mixed term over a1 a3 or a2 a4.
+EQUATIONS = {
+    "12": ("A1B2 A2B1 C1D2 C2D1", (0, -8)),
+    "13": ("A1B1 A2B2 C2D2 C1D1", (0, 0)),
+    "14": ("A1A2 B1B2 C1C2 D1D2", (-8, 0)),
+    "23": ("A1D2 B2C1 B1C2 A2D1", (-8, 0)),
+    "24": ("A1C1 B2D2 A2C2 B1D1", (0, 0)),
+    "34": ("A1C2 B1D2 A2C1 B2D1", (0, 8)),
+}
+#: Facts are algebra: with 50 digits, and configurations whose amplification is below 1e6, they agree to 1e-40.
+EXACT = mp.mpf(10) ** -40
 
 
-def configurations(kind, n=300):
-    rng = np.random.default_rng(31)
-    if kind == "random":
-        lengths, theta = random_lengths(rng, n), rng.uniform(-np.pi, np.pi, n)
-    elif kind == "gap":
-        lengths, theta = near_change_point(rng, n, 1e-9)
-    else:
-        lengths, theta = near_toggle(rng, n, 1e-6)
-    return dict(zip(LENGTHS, lengths, strict=True)) | {"omega1": rng.uniform(-30.0, 30.0, n), "theta1": theta}
+def configurations(drive, n):
+    """Yield lengths and the facts of all joints of n configurations with 50 digits, away from dead points."""
+    rng, known = np.random.default_rng(len(drive)), catalogue("planar_4r", drive)
+    own = "1" if drive == "theta1" else drive[-1]
+    kinds = ("joint_angle", "v", "joint_omega", "joint_alpha")
+    names = [f"{kind}{'' if kind == 'v' else '_'}{k}" for k in JOINTS for kind in kinds]
+    names = [name for name in names if name in known.public and name not in known.inputs]
+    speed = "omega1" if drive == "theta1" else f"joint_omega_{own}"
+    while n:
+        values = {name: float(x) for name, x in zip(LENGTHS, random_lengths(rng, 1)[:, 0], strict=True)}
+        values |= {drive: rng.uniform(-np.pi, np.pi), speed: 3.0, "branch": 1 + n % 2}
+        given = {name: mp.mpf(value) for name, value in values.items()}
+        found = read_facts(known, names, given)
+        found |= {f"joint_omega_{own}": mp.mpf(3), f"joint_alpha_{own}": mp.mpf(0)}
+        found.setdefault(f"joint_angle_{own}", given[drive])
+        if all(abs(mp.sin(found[f"joint_angle_{k}"])) > 0.01 for k in JOINTS):
+            n -= 1
+            yield given, found
 
 
-def evaluate(names, inputs, branch):
-    return fl.evaluate("planar_4r", names, branch=branch, **inputs)
+@pytest.mark.parametrize("drive", DRIVES)
+def test_the_six_equations_and_their_derivatives_hold(drive):
+    """Equations (1) to (6), (7) and (8) of all pairs, with v'' = (theta'' + v theta'^2)(1 + v^2)/2."""
+    with mp.workdps(DIGITS):
+        for given, joints in configurations(drive, 6):
+            a, b, c, d = (given[name] for name in LENGTHS)
+            v, dv, ddv = {}, {}, {}
+            for i in JOINTS:
+                rate, bend = joints[f"joint_omega_{i}"], joints[f"joint_alpha_{i}"]
+                x = v[str(i)] = joints[f"v{i}"]
+                assert abs(x - mp.tan(joints[f"joint_angle_{i}"] / 2)) < EXACT * (1 + x**2)
+                dv[str(i)] = rate * (1 + x**2) / 2
+                ddv[str(i)] = (bend + x * rate**2) * (1 + x**2) / 2
+            factors = {
+                "A": (a - b + c - d, a + b + c - d),
+                "B": (a + b - c - d, a - b - c - d),
+                "C": (a - b - c + d, a + b - c + d),
+                "D": (a + b + c + d, a - b + c + d),
+            }
+            for (i, j), (equation, (of_ac, of_bd)) in EQUATIONS.items():
+                P, Q, R, S = (
+                    factors[t[0]][int(t[1]) - 1] * factors[t[2]][int(t[3]) - 1] for t in equation.split()
+                )
+                cross = of_ac * a * c + of_bd * b * d
+                x, y, dx, dy, ddx, ddy = v[i], v[j], dv[i], dv[j], ddv[i], ddv[j]
+                slope_x, slope_y = 2 * (P * y**2 + Q) * x + cross * y, 2 * (P * x**2 + R) * y + cross * x
+                small = EXACT * (1 + x**2) ** 2 * (1 + y**2) ** 2
+                assert abs(P * x**2 * y**2 + Q * x**2 + R * y**2 + cross * x * y + S) < small
+                assert abs(slope_x * dx + slope_y * dy) < small
+                second = 2 * (P * y**2 + Q) * dx**2 + 2 * (P * x**2 + R) * dy**2
+                second += 2 * (4 * P * x * y + cross) * dx * dy
+                assert abs(slope_x * ddx + slope_y * ddy + second) < small
 
 
-def solve_position(a1, a2, a3, a4, t, branch):
-    """Directions of AB and DB in 50 digits, by the law of cosines in the triangle ABD."""
-    x, y = a4 - a1 * mp.cos(t), -a1 * mp.sin(t)
-    distance = mp.sqrt(x * x + y * y)
-    at_a = mp.acos((a2**2 + distance**2 - a3**2) / (2 * a2 * distance))
-    theta2 = mp.atan2(y, x) + (at_a if branch == 2 else -at_a)
-    b = (a1 * mp.cos(t) + a2 * mp.cos(theta2) - a4, a1 * mp.sin(t) + a2 * mp.sin(theta2))
-    return theta2, mp.atan2(b[1], b[0])
+@pytest.mark.parametrize("drive", DRIVES)
+def test_joints_are_the_turns_of_a_polygon_that_stays_closed(drive):
+    """The polygon of the convention, and its first and second derivative, from nothing but the joints."""
+    with mp.workdps(DIGITS):
+        for given, joints in configurations(drive, 10):
+            direction, spin, bend = mp.pi, mp.mpf(0), mp.mpf(0)
+            position = velocity = acceleration = mp.mpc(0)
+            for i in JOINTS:
+                direction += (
+                    joints[f"joint_angle_{i}"] if drive != "theta1" or i > 1 else given["theta1"] - mp.pi
+                )
+                spin += joints[f"joint_omega_{i}"]
+                bend += joints[f"joint_alpha_{i}"]
+                link = given[f"a{i}"] * mp.expj(direction)
+                position += link
+                velocity += 1j * spin * link
+                acceleration += (1j * bend - spin**2) * link
+            for left in (position, velocity, acceleration, mp.expj(direction) + 1, spin, bend):
+                assert abs(left) < EXACT
 
 
-def wrapped(angle):
-    return angle - 2 * mp.pi * mp.ceil((angle - mp.pi) / (2 * mp.pi))
+@pytest.mark.parametrize("k", JOINTS)
+def test_status_tells_whether_the_driven_joint_turns(k):
+    lengths = random_lengths(np.random.default_rng(50 + k), 400)
+    a, b, c, d = lengths
+    gaps = np.abs([a - b + c - d, a + b - c - d, a - b - c + d, a + b + c - d, a - b - c - d, a + b - c + d])
+    # The forbidden range of the angle is wider than a step where no gap of the lengths is small.
+    lengths = lengths[:, gaps.min(axis=0) > 0.05]
+    inputs = {name: values[:, None] for name, values in zip(LENGTHS, lengths, strict=True)}
+    angles, names = {f"joint_angle_{k}": np.linspace(-np.pi, np.pi, 360)}, ["transmission_angle", "status"]
+    driven = fl.evaluate("planar_4r", [*names, "grashof_class"], input=f"joint_angle_{k}", **inputs, **angles)
+    closes = np.isfinite(driven["transmission_angle"])
+    flags = catalogue("planar_4r", f"joint_angle_{k}").facts["status"].flags
+    told = np.array([flags[int(code)] for code in driven["status"][:, 0]])
+    kinds = ["rotates_fully", "never_assembles", "assembles_over_part_of_the_turn"]
+    expected = np.select([closes.all(axis=1), ~closes.any(axis=1)], kinds[:2], kinds[2])
+    np.testing.assert_array_equal(told, expected)
+    assert set(told) == set(kinds)
+    # What belongs to the linkage does not depend on what drives.
+    at_o = fl.evaluate("planar_4r", ["grashof_class"], theta1=0.0, **inputs)
+    np.testing.assert_array_equal(driven["grashof_class"][:, :1], at_o["grashof_class"])
 
 
-@pytest.mark.parametrize("branch", [1, 2])
-@pytest.mark.parametrize("kind", ["random", "gap", "toggle"])
-def test_joint_angles_are_the_turns_of_the_polygon(kind, branch):
-    """phi_i - phi_(i-1) of the closed polygon O A B D, phi_0 = phi_4 = pi."""
-    inputs = configurations(kind, 80)
-    got = evaluate([*ANGLES, *TANGENTS], inputs, branch)
-    tested = 0
-    with mp.workdps(50):
-        for i in np.flatnonzero(np.isfinite(got["joint_angle_2"])):
-            *lengths, t = (mp.mpf(float(inputs[name][i])) for name in (*LENGTHS, "theta1"))
-            theta2, theta4 = solve_position(*lengths, t, branch)
-            directions = [mp.pi, t, theta2, theta4 + mp.pi, mp.pi]
-            # What a rounding of lengths and angle does to an angle, at most: spread over the transmission sine.
-            spread = sum(lengths) / min(lengths[1:3]) / abs(mp.sin(theta2 - theta4))
-            for k in range(4):
-                joint = wrapped(directions[k + 1] - directions[k])
-                error = abs(wrapped(joint - mp.mpf(float(got[ANGLES[k]][i]))))
-                assert error <= 16 * UNIT_ROUNDING * (spread if k else 1), (k, i)
-                exact = mp.tan(joint / 2)
-                # d tan(x/2) = (1 + tan^2)/2 dx, and a rounding or two of the quotient itself.
-                allowed = 16 * UNIT_ROUNDING * ((spread if k else 0) * (1 + exact**2) / 2 + abs(exact))
-                assert abs(mp.mpf(float(got[TANGENTS[k]][i])) - exact) <= allowed, (k, i)
-            tested += 1
-    assert tested > 25
-
-
-def test_the_two_conventions():
-    inputs = configurations("random")
-    names = [*ANGLES, "theta2", "theta4", "omega2", "omega4", "alpha2", "alpha4", *RATES]
-    for branch in (1, 2):
-        got = evaluate(names, inputs, branch)
-        closes = np.isfinite(got["theta4"])
-        t = inputs["theta1"]
-        for name, difference in (
-            ("joint_angle_1", t - np.pi),
-            ("joint_angle_2", got["theta2"] - t),
-            ("joint_angle_3", got["theta4"] + np.pi - got["theta2"]),
-            ("joint_angle_4", -got["theta4"]),
-        ):
-            # Both are right to the error of theta2 and theta4, here at most a few units at amplification 1e3.
-            turn = np.abs(np.exp(1j * (got[name] - difference)) - 1)[closes]
-            assert turn.max() <= 1e4 * UNIT_ROUNDING, name
-        w = inputs["omega1"]
-        for name, difference, size in (
-            ("joint_omega_2", got["omega2"] - w, np.abs(got["omega2"]) + np.abs(w)),
-            ("joint_omega_3", got["omega4"] - got["omega2"], np.abs(got["omega2"]) + np.abs(got["omega4"])),
-            ("joint_omega_4", -got["omega4"], np.abs(got["omega4"])),
-            ("joint_alpha_2", got["alpha2"], np.abs(got["alpha2"])),
-            ("joint_alpha_3", got["alpha4"] - got["alpha2"], np.abs(got["alpha2"]) + np.abs(got["alpha4"])),
-            ("joint_alpha_4", -got["alpha4"], np.abs(got["alpha4"])),
-        ):
-            # The rates have terms larger than their sum; relative to the largest of them, a few roundings.
-            slack = 1e4 * UNIT_ROUNDING * (size + np.abs(w) * (1 + np.abs(w)))
-            assert np.all(np.abs(got[name] - difference)[closes] <= slack[closes]), name
-
-
-@pytest.mark.parametrize("branch", [1, 2])
-@pytest.mark.parametrize("kind", ["random", "gap", "toggle"])
-def test_all_six_residuals_are_a_few_roundings(kind, branch):
-    inputs = configurations(kind)
-    got = evaluate([*RESIDUALS, "joint_angle_2", "transmission_angle"], inputs, branch)
-    closes = np.isfinite(got["joint_angle_2"])
-    assert closes.sum() > 70
-    # The cosines and sines are those of vectors that are right to a few roundings of their lengths, with lengths
-    # of ratio below 10: no term is above 1, and each is off by at most some ten roundings times the amplification
-    # of theta1 and the lengths, 1/sin(mu); near a toggle the common error of sigma drops out of the closure.
-    for name in RESIDUALS:
-        assert np.max(np.abs(got[name][closes])) <= 64 * UNIT_ROUNDING, name
-        assert np.all(np.isnan(got[name][~closes])), name
-
-
-@pytest.mark.parametrize("pair", PAIRS)
-def test_residuals_notice_a_wrong_joint(pair):
-    """With the coefficients of `io_coefficients` the equation of the paper vanishes, and at no other angle."""
-    inputs = configurations("random")
-    got = evaluate(TANGENTS, inputs, 2)
-    closes = np.isfinite(got["v2"])
-    c = np.moveaxis(
-        fl.planar.io_coefficients({name: inputs[name][closes] for name in LENGTHS}, pair=pair), -1, 0
-    )
-    x, y = (got[f"v{k}"][closes] for k in pair)
-
-    def value(x, y):
-        terms = [c[0] * x**2 * y**2, c[1] * x**2, c[2] * y**2, c[3] * x * y, c[4]]
-        return np.abs(sum(terms)) / np.max(np.abs(terms), axis=0)
-
-    # v's are right to amplification times rounding: 1e3 at worst here, times the ten operations of the sum.
-    assert np.max(value(x, y)) <= 1e5 * UNIT_ROUNDING
-    assert np.median(value(x, 1.01 * y)) > 1e-4
-
-
-@pytest.mark.parametrize("pair", PAIRS)
-@pytest.mark.parametrize("branch", [1, 2])
-def test_velocity_and_acceleration_equations_hold_for_all_pairs(pair, branch):
-    """Equations (7) and (8): the first two derivatives, with v'' = (theta'' + v theta'^2)(1 + v^2)/2."""
-    inputs = configurations("random")
-    got = evaluate([*TANGENTS, *RATES, "transmission_angle"], inputs, branch)
-    good = np.sin(got["transmission_angle"]) > 0.05
-    assert good.sum() > 50
-    rate = {"1": inputs["omega1"]} | {k: got[f"joint_omega_{k}"] for k in "234"}
-    bend = {"1": 0.0 * inputs["omega1"]} | {k: got[f"joint_alpha_{k}"] for k in "234"}
-    v = {k: got[f"v{k}"] for k in "1234"}
-    dv = {k: rate[k] * (1 + v[k] ** 2) / 2 for k in v}
-    ddv = {k: (bend[k] + v[k] * rate[k] ** 2) * (1 + v[k] ** 2) / 2 for k in v}
-    A, B, C, K, D = np.moveaxis(fl.planar.io_coefficients(inputs, pair=pair), -1, 0)
-    i, j = pair
-    x, y, dx, dy, ddx, ddy = v[i], v[j], dv[i], dv[j], ddv[i], ddv[j]
-    velocity = [(2 * A * y**2 * x) * dx, 2 * B * x * dx, K * y * dx]
-    velocity += [(2 * A * x**2 * y) * dy, 2 * C * y * dy, K * x * dy]
-    # Each v, v' and v'' is right to roundings times 1/sin^k(mu) <= 20^3, relative to the largest term.
-    allowed = 256 * UNIT_ROUNDING * 20**3
-    size = np.max(np.abs(velocity), axis=0)
-    assert np.all((np.abs(sum(velocity)) <= allowed * size)[good])
-    acceleration = [
-        (2 * A * y**2 * x + 2 * B * x + K * y) * ddx,
-        (2 * A * x**2 * y + 2 * C * y + K * x) * ddy,
-        2 * (A * y**2 + B) * dx**2,
-        2 * (A * x**2 + C) * dy**2,
-        2 * (4 * A * x * y + K) * dx * dy,
-    ]
-    # The factors of v'' cancel at a dead point of either joint; their own terms are the scale there.
-    scale = (
-        np.max(np.abs(acceleration), axis=0)
-        + (np.abs(2 * A * y**2 * x) + np.abs(2 * B * x) + np.abs(K * y)) * np.abs(ddx)
-        + (np.abs(2 * A * x**2 * y) + np.abs(2 * C * y) + np.abs(K * x)) * np.abs(ddy)
-        + 2 * (np.abs(A * y**2) + np.abs(B)) * dx**2
-        + 2 * (np.abs(A * x**2) + np.abs(C)) * dy**2
-    )
-    assert np.all((np.abs(sum(acceleration)) <= allowed * scale)[good])
-    assert D.shape == A.shape
+@pytest.mark.parametrize("k", JOINTS)
+def test_the_half_tangent_of_the_driven_joint_is_that_of_its_angle(k):
+    """tan(0) = 0 exactly: once it was infinite there, as at half a turn, where the sine is 0, too."""
+    angles = np.array([0.0, -0.0, 1e-8, 1.0, np.pi])
+    given = dict.fromkeys(LENGTHS, 1.0) | {f"joint_angle_{k}": angles}
+    found = fl.evaluate("planar_4r", [f"v{k}"], input=f"joint_angle_{k}", **given)
+    # -C/(sin/2) with C and sin right to a rounding each, and the division
+    np.testing.assert_allclose(found[f"v{k}"], np.tan(0.5 * angles), rtol=8 * UNIT_ROUNDING, atol=0.0)
 
 
 def test_straight_joints_are_pi_and_infinite():
     """Folded and stretched positions whose figures are exact: no -pi, no NaN."""
-    crank = {"a1": 3.0, "a2": 4.0, "a3": 5.0, "a4": 6.0}
-    at_zero = {k: evaluate([*ANGLES, *TANGENTS], crank | {"theta1": 0.0}, k) for k in (1, 2)}
-    for k in (1, 2):
-        assert at_zero[k]["joint_angle_1"] == np.pi
-        assert at_zero[k]["v1"] == np.inf
-    # |AD| = 1 = a3 - a2 at theta1 = 0: B beyond A on the line through D, the coupler folded on the output link.
+    names = [name for k in JOINTS for name in (f"joint_angle_{k}", f"v{k}")]
+    # |AD| = 1 = a3 - a2 at theta1 = 0: B beyond A on the line through D, the coupler folded on the output link
     folded = {"a1": 3.0, "a2": 4.0, "a3": 7.0, "a4": 6.0, "theta1": 0.0}
+    # |AD| = 9 = a2 + a3; theta1 as a double is not pi: 1.2e-16 off
     stretched = {"a1": 3.0, "a2": 5.0, "a3": 4.0, "a4": 6.0, "theta1": np.pi}
     for branch in (1, 2):
-        got = evaluate([*ANGLES, *TANGENTS], folded, branch)
-        assert got["joint_angle_3"] == np.pi
-        assert got["v3"] == np.inf
-        # theta2 = pi: from the crank's direction 0 it is pi, and DB points along -x: -theta4 = -pi, that is pi.
-        assert got["joint_angle_2"] == np.pi
-        assert got["joint_angle_4"] == np.pi
-        assert got["v2"] == np.inf
-        assert got["v4"] == np.inf
-        # Stretched: |AD| = 9 = a2 + a3. theta1 as a double is not pi: 1.2e-16 off.
-        got = evaluate([*ANGLES, *TANGENTS], stretched, branch)
+        got = fl.evaluate("planar_4r", names, branch=branch, **folded)
+        for name in names:
+            assert got[name] == (np.pi if "angle" in name else np.inf)
+        got = fl.evaluate("planar_4r", names, branch=branch, **stretched)
         assert abs(got["v1"]) < 1e-16
         assert abs(got["joint_angle_3"]) < 1e-7
         assert abs(got["v3"]) < 1e-7
-    got = evaluate(RESIDUALS, folded, 1)
-    assert all(abs(value) <= 64 * UNIT_ROUNDING for value in got.values())
 
 
-def exact_coefficients(a, b, c, d, pair):
-    """Coefficients by elimination, with rational numbers: the equation as polynomial identity in cosines.
+# -- coefficients -------------------------------------------------------------------------------------------------
+
+
+def exact_equation(lengths, pair):
+    """Return the equation by elimination as a function of two half-angle tangents, all rational.
 
     Two neighbouring joints: the distance of the two far pivots. Two opposite joints: the diagonal.
     """
-    lengths = [Fraction(float(value)) for value in (a, b, c, d)]
-    i, j = (int(k) - 1 for k in pair)
+    lengths, (i, j) = [Fraction(float(value)) for value in lengths], (int(k) - 1 for k in pair)
 
     def value(x, y):
         # Homogeneous in half-angle tangents: cos = (1 - x^2)/(1 + x^2), times (1 + x^2)(1 + y^2).
-        cx, sx, nx = 1 - x * x, 2 * x, 1 + x * x
-        cy, sy, ny = 1 - y * y, 2 * y, 1 + y * y
+        at_i, at_j = (1 - x * x, 2 * x, 1 + x * x), (1 - y * y, 2 * y, 1 + y * y)
         if j - i == 2:
             # Links on either side of the diagonal that joins the other two joints: i's links are i-1 and i.
-            p, q = lengths[i - 1], lengths[i]
-            r, s = lengths[j - 1], lengths[j]
-            return (
-                (p * p + q * q) * nx * ny
-                + 2 * p * q * cx * ny
-                - (r * r + s * s) * nx * ny
-                - 2 * r * s * cy * nx
-            )
-        # Neighbouring joints i, j (joint 4 and joint 1 share link 4): the link between them is `middle`.
-        if (i, j) == (0, 3):
-            i_, x_, y_ = 3, (cy, sy, ny), (cx, sx, nx)
-        else:
-            i_, x_, y_ = i, (cx, sx, nx), (cy, sy, ny)
-        before, middle, after, closing = (lengths[(i_ - 1 + k) % 4] for k in range(4))
-        (c1, s1, n1), (c2, s2, n2) = x_, y_
+            (p, q), (r, s) = (lengths[i - 1], lengths[i]), (lengths[j - 1], lengths[j])
+            one = (p * p + q * q) * at_i[2] + 2 * p * q * at_i[0]
+            return one * at_j[2] - ((r * r + s * s) * at_j[2] + 2 * r * s * at_j[0]) * at_i[2]
+        # Neighbouring joints (joint 4 and joint 1 share link 4): the link between them is `middle`.
+        first, (c1, s1, n1), (c2, s2, n2) = (3, at_j, at_i) if (i, j) == (0, 3) else (i, at_i, at_j)
+        before, middle, after, closing = (lengths[(first - 1 + k) % 4] for k in range(4))
         along = before * c1 * n2 + middle * n1 * n2 + after * n1 * c2
         across = -before * s1 * n2 + after * n1 * s2
         # The squared closing link, divided by the one factor n1 n2 that both sides share.
-        total = along * along + across * across - closing * closing * (n1 * n2) ** 2
-        return total / (n1 * n2)
+        return (along * along + across * across - closing * closing * (n1 * n2) ** 2) / (n1 * n2)
 
     return value
 
 
-@pytest.mark.parametrize("pair", PAIRS)
+@pytest.mark.parametrize("pair", EQUATIONS)
 def test_io_coefficients_are_those_of_the_loop(pair):
     """The polynomial vanishes where the closing link of the loop has its length, with rational numbers."""
-    rng = np.random.default_rng(32)
-    for lengths in rng.integers(1, 30, (40, 4)):
-        value = exact_coefficients(*lengths, pair)
+    for lengths in np.random.default_rng(32).integers(1, 30, (40, 4)):
+        value = exact_equation(lengths, pair)
         c = [Fraction(float(entry)) for entry in fl.planar.io_coefficients(design_of(*lengths), pair=pair)]
         ratios = set()
         for x, y in ((2, 3), (1, -1), (0, 5), (7, 0), (-3, 4), (0, 0), (1, 2)):
             x, y = Fraction(x), Fraction(y)
             polynomial = c[0] * x * x * y * y + c[1] * x * x + c[2] * y * y + c[3] * x * y + c[4]
-            expected = value(x, y)
-            assert (polynomial == 0) == (expected == 0)
-            if expected != 0:
-                ratios.add(polynomial / expected)
+            assert (polynomial == 0) == (value(x, y) == 0)
+            if polynomial:
+                ratios.add(polynomial / value(x, y))
         # Equal up to one sign or number for all points.
         assert len(ratios) == 1, (lengths, pair)
 
 
 def test_io_coefficients_broadcast_and_keep_their_digits_near_change_points():
-    c = fl.planar.io_coefficients(
-        design_of(np.linspace(0.4, 0.6, 3)[:, None], 1.2, [0.8, 0.9], 1.0), pair="13"
-    )
+    design = design_of(np.linspace(0.4, 0.6, 3)[:, None], 1.2, [0.8, 0.9], 1.0)
+    c = fl.planar.io_coefficients(design, pair="13")
     assert c.shape == (3, 2, 5)
-    one = fl.planar.io_coefficients(design_of(0.5, 1.2, 0.9, 1.0), pair="13")
-    np.testing.assert_array_equal(c[1, 1], one)
+    np.testing.assert_array_equal(
+        c[1, 1], fl.planar.io_coefficients(design_of(0.5, 1.2, 0.9, 1.0), pair="13")
+    )
     lengths, _theta = near_change_point(np.random.default_rng(33), 50, 1e-13)
     got = fl.planar.io_coefficients(design_of(*lengths), pair="14")
-    with mp.workdps(50):
-        for k, (a, b, c_, d) in enumerate(lengths.T.tolist()):
-            a, b, c_, d = (mp.mpf(value) for value in (a, b, c_, d))
-            exact = (a + b - c_ - d) * (a - b - c_ - d)
-            # Two factors right to a rounding each, and a product.
-            assert abs(mp.mpf(float(got[k, 1])) - exact) <= 4 * UNIT_ROUNDING * abs(exact)
+    for k, one in enumerate(lengths.T.tolist()):
+        a, b, c_, d = map(Fraction, one)
+        exact = (a + b - c_ - d) * (a - b - c_ - d)
+        # Two factors right to a rounding each, and a product.
+        assert abs(Fraction(float(got[k, 1])) - exact) <= 4 * UNIT_ROUNDING * abs(exact)
 
 
 @pytest.mark.parametrize(
@@ -294,6 +230,98 @@ def test_io_coefficients_broadcast_and_keep_their_digits_near_change_points():
     ],
 )
 def test_io_coefficients_say_what_is_wrong(arguments, message):
-    given = {"a1": 1.0, "a2": 2.0, "a3": 2.5, "a4": 2.0} | arguments
     with pytest.raises(fl.InputError, match=message):
-        fl.planar.io_coefficients(**given)
+        fl.planar.io_coefficients(**{"a1": 1.0, "a2": 2.0, "a3": 2.5, "a4": 2.0} | arguments)
+
+
+# -- sweeps, studies, listings ------------------------------------------------------------------------------------
+
+SPACE = {"a1": 0.4, "a2": [1.1, 1.2], "a3": 0.8, "a4": 1.0, "joint_omega_2": 2.0}
+
+
+def test_a_sweep_has_the_labels_of_its_input():
+    names = ["joint_omega_4", "joint_omega_4_max", "joint_angle_2_at_joint_omega_4_max"]
+    options = {"input": "joint_angle_2", "angles": 40, "extrema": "sampled"}
+    maps = fl.sweep("planar_4r", fl.grid(**SPACE), names, **options)
+    assert maps.joint_omega_4.dims == ("a2", "branch", "joint_angle_2")
+    np.testing.assert_array_equal(maps.joint_angle_2, np.arange(40) * (2 * np.pi / 40))
+    assert maps.joint_angle_2.attrs["units"] == "rad"
+    assert (maps.attrs["mechanism"], maps.attrs["input"]) == ("planar_4r", "joint_angle_2")
+    assert "driven at A" in maps.attrs["title"]
+    assert "1: joint_angle_4 from 0 to pi: D to the right" in maps.branch.attrs["comment"]
+    at = maps.joint_omega_4.sel(joint_angle_2=maps.joint_angle_2_at_joint_omega_4_max)
+    np.testing.assert_array_equal(at, maps.joint_omega_4_max)
+
+
+@pytest.mark.parametrize(
+    ("quantity", "options", "key", "remedy"),
+    [
+        ("theta2", {}, "quantity 'theta2'", "with input='joint_angle_2' ask for"),
+        ("shaking_force_max", {}, "'shaking_force_max'", ""),
+        ("theta1_at_v1_max", {}, "'theta1_at_v1_max'", ""),
+        ("joint_angle_2", {}, "'joint_angle_2'", "leave it out"),
+        ("joint_omega_2", {}, "'joint_omega_2'", "leave it out"),
+        ("joint_omga_3", {}, "'joint_omga_3'", "did you mean 'joint_omega_3'?"),
+        ("v1", {"theta1": 8}, "theta1", "joint_angle_2"),
+        ("v1", {"angles": 0}, "angles", "a number from 1 to"),
+        ("v1", {"angles": 5, "joint_angle_2": 5}, "joint_angle_2: angles are given too", "one of them"),
+        ("v1", {"links": fl.round_bar(1.0, 1.0)}, "links", ""),
+        ("v1", {"input": "joint_angle_5"}, "input: 'joint_angle_5'", "did you mean"),
+        ("v1", {"input": "theta1"}, "design: joint_omega_2", ""),
+        ("joint_omega_1", {"input": "joint_angle_3"}, "joint_omega_2", ""),
+    ],
+)
+def test_a_sweep_says_what_is_wrong(quantity, options, key, remedy):
+    with refused(key, remedy):
+        fl.sweep("planar_4r", fl.grid(**SPACE), [quantity], **{"input": "joint_angle_2"} | options)
+
+
+STUDY = """
+mechanism = "planar_4r"
+quantities = ["joint_angle_1", "joint_omega_4_rms"]
+[design]
+a1 = 0.4
+a2 = {values = [1.1, 1.2]}
+a3 = 0.8
+a4 = 1.0
+joint_omega_2 = 2.0
+[cycle]
+input = "joint_angle_2"
+angles = 12
+"""
+
+
+def test_a_study_names_its_input(folder):
+    with fl.run_study(written(STUDY)) as maps:
+        names = ["joint_angle_1", "joint_omega_4_rms"]
+        expected = fl.sweep("planar_4r", fl.grid(**SPACE), names, input="joint_angle_2", angles=12)
+        for name in names:
+            np.testing.assert_array_equal(maps[name], expected[name])
+        assert maps.attrs["input"] == "joint_angle_2"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "key", "remedy"),
+    [
+        ("joint_angle_2", "joint_angle_9", "cycle.input", "did you mean"),
+        ("angles", "theta1", "cycle.theta1", "joint_angle_2"),
+        ("12", "{values = [1.0, 1.0]}", "cycle.angles", "once"),
+        ("12", "0", "cycle.angles", "from 1"),
+        ("joint_omega_2", "omega1", "design.omega1", "did you mean"),
+        ('"joint_angle_1"', '"theta4"', "quantities[0]", "joint_angle_2"),
+        ("[cycle]", "[links]\nmodel = 'round_bar'\n[cycle]", "links", "leave"),
+    ],
+)
+def test_a_study_says_what_is_wrong_with_its_input(folder, old, new, key, remedy):
+    with refused(key, remedy):
+        read_study(written(STUDY.replace(old, new, 1)))
+
+
+def test_the_listing_is_of_the_input():
+    listed = fl.quantities("planar_4r", input="joint_angle_3")
+    rows = {row.name: row for row in listed}
+    assert rows["joint_omega_1"].dims == ("design", "branch", "joint_angle_3")
+    assert rows["joint_omega_1"].meaning == "Rate of the first joint angle"
+    assert "joint_angle_3" not in rows
+    assert "joint_omega_3" in {given.name for given in listed.inputs}
+    assert "joint_angle_3_at_NAME_max" in str(listed)

@@ -8,7 +8,6 @@ import json
 import signal
 import subprocess
 import sys
-import urllib.error
 import urllib.request
 from http.client import HTTPConnection
 from unittest.mock import Mock
@@ -20,7 +19,7 @@ import xarray as xr
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.pictures import content, server
+from fastlink.pictures import content, explore
 from fastlink.pictures.content import Values
 
 
@@ -30,97 +29,62 @@ def page(path):
         yield served
 
 
-def ask(page, where, token=None, host=None, query=None):
-    """Return status and body of an answer."""
-    base, _, own = page.url.partition("?token=")
-    address = base + where + (f"?query={quote(json.dumps(query))}" if query is not None else "")
-    request = urllib.request.Request(address, headers={"X-Token": own if token is None else token})
-    if host is not None:
-        request.add_header("Host", host)
-    try:
-        with urllib.request.urlopen(request, timeout=30) as reply:
+def ask(page, where, query=None, **headers):
+    """Return status and body of an answer; a query that is a text is sent as it is."""
+    base, _, token = page.url.partition("?token=")
+    if query is not None:
+        where += "?query=" + quote(query if isinstance(query, str) else json.dumps(query))
+    with contextlib.closing(HTTPConnection(urlsplit(base).netloc, timeout=30)) as connection:
+        connection.request("GET", f"/{where}", headers={"X-Token": token, **headers})
+        with connection.getresponse() as reply:
             return reply.status, reply.read()
-    except urllib.error.HTTPError as error:
-        with error:
-            return error.code, error.read()
 
 
 def picture(page, **query):
     """Return head and values of a picture."""
-    status, body = ask(page, "picture", query=query)
+    status, body = ask(page, "picture", {"name": "omega4_max", "window": {}, **query})
     assert status == 200, body
     length = int.from_bytes(body[:4], "little")
     return json.loads(body[4 : 4 + length]), np.frombuffer(body[4 + length :], dtype="<f4")
 
 
-def test_it_is_served_on_this_machine_alone_with_a_token(page):
+def test_it_is_served_on_this_machine_alone_to_whoever_has_the_token(page):
     assert page.url.startswith("http://127.0.0.1:")
     assert len(page.url.partition("?token=")[2]) >= 32
-
-
-@pytest.mark.parametrize("where", ["", "picture", "row", "column", "no", "../../etc/passwd"])
-@pytest.mark.parametrize("token", ["", "x", "é"])
-def test_without_the_token_all_is_refused(page, where, token):
-    base = page.url.partition("?")[0]
-    request = urllib.request.Request(
-        f"{base}{where}?token={quote(token)}&query=%7B%7D", headers={"X-Token": "no"}
-    )
-    with pytest.raises(urllib.error.HTTPError) as caught:
-        urllib.request.urlopen(request, timeout=30)
-    with caught.value as error:
-        assert error.code == 403
-
-
-def test_another_name_of_this_machine_is_refused(page):
-    assert ask(page, "row", host="evil.example", query={"at": {}})[0] == 403
-
-
-@pytest.mark.parametrize("where", ["etc/passwd", "../lengths.h5", "lengths.h5", "page/main.js"])
-def test_there_is_nothing_but_the_map(page, where):
-    assert ask(page, where, query={})[0] == 404
-
-
-@pytest.mark.parametrize(
-    ("where", "query"),
-    [
-        ("picture", None),
-        ("picture", 5),
-        ("picture", {"name": "no", "axes": ["a2"], "at": {}, "window": {}}),
-        ("picture", {"name": "omega4_max", "axes": ["a2", "a3"], "at": {}, "window": {}}),
-        (
-            "picture",
-            {"name": "omega4_max", "axes": ["a2"], "at": {"a1": 99, "a3": 0, "branch": 0}, "window": {}},
-        ),
-        ("row", {"at": {"a1": "x"}}),
-        ("row", []),
-    ],
-)
-def test_what_is_no_request_is_refused(page, where, query):
-    assert ask(page, where, query=query)[0] == 400
+    for where, token in itertools.product(("", "picture", "row", "no", "../../etc/passwd"), ("", "x", "é")):
+        address = f"{where}?token={quote(token)}&query=%7B%7D"
+        assert ask(page, address, **{"X-Token": "no"})[0] == 403, (where, token)
+    assert ask(page, "row", {"at": {}}, Host="evil.example")[0] == 403  # another name of this machine
+    for where in ("etc/passwd", "../lengths.h5", "lengths.h5", "page/main.js"):
+        assert ask(page, where, {})[0] == 404, where
 
 
 def nested(opening, closing, count=1000):
-    return quote('{"name": ' + opening * count + "1" + closing * count + "}")
+    return '{"name": ' + opening * count + "1" + closing * count + "}"
+
+
+SIZES = {"axes": ["a2"], "at": {}, "window": {}}
+ROW = '{{"at": {{"a1": {}, "a2": 0, "a3": 0, "branch": 0}}}}'
+BAD = [
+    *("/picture", "/picture?query=5", "/row?query=[]", "/row", "http://[row"),
+    *("/row?query=" + quote(one) for one in (nested("[", "]"), ROW.format("1" + 400 * "0"), '"\\ud800"')),
+    *("/row?query=" + quote(one) for one in (ROW.format("1" + 5000 * "0"), '{"at": {"a1": "x"}}')),
+    *(
+        "/picture?query=" + quote(one if isinstance(one, str) else json.dumps(one))
+        for one in (
+            nested('{"a": ', "}"),
+            {**SIZES, "name": "no"},
+            {**SIZES, "name": "omega4_max", "axes": ["a2", "a3"]},
+            {**SIZES, "name": "omega4_max", "axes": [["a2"]]},
+            {**SIZES, "name": "omega4_max", "at": {"a1": 99, "a3": 0, "branch": 0}},
+        )
+    ),
+]
 
 
 def test_whatever_is_asked_is_answered_on_the_same_connection(page, monkeypatch):
     base, _, token = page.url.partition("?token=")
     address = urlsplit(base).netloc
-
-    def at(place):
-        return "/row?query=" + quote('{"at": {"a1": ' + place + ', "a2": 0, "a3": 0, "branch": 0}}')
-
-    row = at("0")
-    bad = [
-        "/row?query=" + nested("[", "]"),
-        "/picture?query=" + nested('{"a": ', "}"),
-        "/picture?query=" + quote('{"name": "omega4_max", "axes": [["a2"]], "at": {}, "window": {}}'),
-        "/row?query=" + at("1" + 400 * "0"),
-        "/row?query=" + at("1" + 5000 * "0"),
-        "/row?query=" + quote('"\\ud800"'),
-        "/row",
-        "http://[row",
-    ]
     connection = HTTPConnection(address, timeout=30)
 
     def status(where):
@@ -132,18 +96,14 @@ def test_whatever_is_asked_is_answered_on_the_same_connection(page, monkeypatch)
             assert b"\n" not in reply.read()
             return reply.status
 
+    row = "/row?query=" + quote(ROW.format(0))
     with contextlib.closing(connection):
         assert status(row) == 200
         opened = connection.sock
-        for where in bad:
+        for where in BAD:
             assert status(where) == 400, where
         with monkeypatch.context() as patch:
-            for error in (
-                OSError("gone"),
-                RuntimeError("Unable to read\nthis"),
-                MemoryError(),
-                AssertionError(),
-            ):
+            for error in (OSError("gone"), RuntimeError("not\nread"), MemoryError(), AssertionError()):
                 patch.setattr(Values, "row", Mock(side_effect=error))
                 assert status(row) == 500
         assert status(row) == 200
@@ -172,61 +132,40 @@ def test_texts_of_a_map_are_told_to_the_page_as_they_are(path, tmp_path, text):
     assert found.replace(written, '"plain"') == page_of("plain")
 
 
-def test_a_picture_holds_the_values_of_the_map(page, path):
-    with fl.open(path) as maps:
-        expected = maps.omega4_max.isel(a1=1, branch=0).transpose("a3", "a2").values
-    at = {"a1": 1, "branch": 0}
-    head, values = picture(page, name="omega4_max", axes=["a3", "a2"], at=at, window={})
-    assert head["steps"] == {"a2": 1, "a3": 1}
-    np.testing.assert_array_equal(values.reshape(expected.shape), expected.astype("f4"))
-    _, values = picture(
-        page, name="omega4_max", axes=["a3", "a2"], at=at, window={"a2": [2, 4], "a3": [5, 5]}
-    )
-    np.testing.assert_array_equal(values, expected[5, 2:5].astype("f4"))
-
-
-def test_a_row_holds_all_values_of_a_design(page, path):
-    with fl.open(path) as maps:
-        expected = maps.isel(a1=1, a2=3, a3=4, branch=1)
-        row = json.loads(ask(page, "row", query={"at": {"a1": 1, "a2": 3, "a3": 4, "branch": 1}})[1])
+def test_a_picture_and_a_row_hold_the_values_of_the_map(page, path, tmp_path):
+    fl.convert(path, tmp_path / "small.h5", compress="gzip:4")
+    at, axes = {"a1": 1, "branch": 0}, ["a3", "a2"]
+    with fl.open(path) as maps, fl.open(tmp_path / "small.h5") as compressed:
+        expected = maps.omega4_max.isel(a1=1, branch=0).transpose("a3", "a2").values.astype("f4")
+        np.testing.assert_array_equal(Values(compressed).picture("omega4_max", (*axes,), at, {})[0], expected)
+        one = maps.isel(a1=1, a2=3, a3=4, branch=1)
+        row = json.loads(ask(page, "row", {"at": {"a1": 1, "a2": 3, "a3": 4, "branch": 1}})[1])
         assert {name: float(value) for name, value in row.items()} == {
-            name: float(expected[name]) for name in maps.data_vars
+            name: float(one[name]) for name in maps.data_vars
         }
+    head, values = picture(page, axes=axes, at=at)
+    assert head["steps"] == {"a2": 1, "a3": 1}
+    np.testing.assert_array_equal(values.reshape(expected.shape), expected)
+    _, values = picture(page, axes=axes, at=at, window={"a2": [2, 4], "a3": [5, 5]})
+    np.testing.assert_array_equal(values, expected[5, 2:5])
 
 
 @pytest.mark.parametrize(
-    ("options", "key", "remedy"),
+    "changed",
     [
-        ({"to": "page.pdf"}, "to", "page.html"),
-        ({"to": "no/page.html"}, "to", "create it"),
-        ({"port": -1}, "port", "from 0 to 65535"),
-        ({"browser": 1}, "browser", "True or False"),
+        lambda maps: maps.isel(a2=slice(None, None, -1)),
+        lambda maps: maps.assign(omega4_max=2.0 * maps.omega4_max),
+        lambda maps: maps.isel(a1=slice(1, None)),
     ],
 )
-def test_wrong_options_are_refused(path, options, key, remedy):
-    with refused(key, remedy):
-        fl.explore(path, **{"browser": False, **options})
-
-
-def test_a_port_that_is_taken_is_refused(page, path):
-    taken = int(page.url.partition("?")[0].rstrip("/").rpartition(":")[2])
-    with refused("port", "leave it out"):
-        fl.explore(path, port=taken, browser=False)
-
-
-def test_a_page_does_not_carry_more_than_a_browser_holds(path, tmp_path, monkeypatch):
-    monkeypatch.setattr(server, "MOST_BYTES", 1000)
-    with refused("to", "fastlink.convert"):
-        fl.explore(path, to=tmp_path / "page.html", browser=False)
-    assert not list(tmp_path.iterdir())
-
-
-def test_a_compressed_map_reads_the_same(path, tmp_path):
-    fl.convert(path, tmp_path / "small.h5", compress="gzip:4")
-    with fl.open(path) as one, fl.open(tmp_path / "small.h5") as other:
-        at, axes = {"a1": 0, "branch": 1}, ("a2", "a3")
-        mine, theirs = (Values(maps).picture("omega4_max", axes, at, {})[0] for maps in (one, other))
-        np.testing.assert_array_equal(mine, theirs)
+def test_a_map_that_was_changed_is_shown_as_it_is_now(path, changed):
+    """Not as the file has it from which it was opened."""
+    with fl.open(path) as maps:
+        other = changed(maps)
+        with fl.explore(other, browser=False) as page:
+            _, values = picture(page, axes=["a2", "a3"], at={"a1": 0, "branch": 0})
+        expected = other.omega4_max.isel(a1=0, branch=0).values
+        np.testing.assert_array_equal(values.reshape(expected.shape), expected.astype("f4"))
 
 
 @pytest.mark.parametrize("pool", ["mean", "least", "greatest"])
@@ -250,26 +189,23 @@ def test_a_cell_of_several_designs_is_made_of_all_of_them(pool, axes, monkeypatc
         np.testing.assert_allclose(found[at], expected, rtol=2.0**-22)
 
 
-def test_codes_and_counts_are_those_of_one_design(monkeypatch):
-    monkeypatch.setattr(content, "MOST_CELLS", 5)
-    maps = xr.Dataset({"n": (("a", "b"), np.arange(40.0).reshape(20, 2) % 3)})
-    found, steps, said = Values(maps).picture("n", ("a", "b"), {}, {}, "mean")
-    assert (steps, said) == ({"a": 4, "b": 1}, "one")
-    np.testing.assert_array_equal(found, maps.n.values[::4])
+def test_a_large_picture_is_read_at_the_resolution_of_a_screen():
+    maps = xr.Dataset({"x": (("a", "b"), np.arange(3000.0 * 4).reshape(3000, 4), {"units": "1"})})
+    maps["count"] = maps.x % 3
+    for name, pool in (("x", "one"), ("count", "mean")):  # of counts there is no mean
+        values, steps, said = Values(maps).picture(name, ("b", "a"), {}, {}, pool)
+        assert (steps, said) == ({"a": 5, "b": 1}, "one")
+        np.testing.assert_array_equal(values, maps[name].values[::5].T)
+    values, steps, _ = Values(maps).picture("x", ("a", "b"), {}, {"a": (10, 20)})
+    assert steps == {"a": 1, "b": 1}
+    np.testing.assert_array_equal(values, maps.x.values[10:21])
 
 
 @pytest.mark.parametrize("block", [1, 100, 1 << 20])
 def test_the_best_of_a_region_over_all_values_of_a_slider(page, path, block, monkeypatch):
-    monkeypatch.setattr(server, "BLOCK", block)
-    window = {"a1": [0, 2], "a2": [3, 11], "a3": [4, 11]}
-    query = {
-        "name": "omega4_max",
-        "axes": ["a3", "a2", "a1"],
-        "at": {"branch": 0},
-        "window": window,
-        "largest": True,
-    }
-    status, body = ask(page, "region", query=query)
+    monkeypatch.setattr(explore, "BLOCK", block)
+    query = {"name": "omega4_max", "axes": ["a3", "a2", "a1"], "at": {"branch": 0}, "largest": True}
+    status, body = ask(page, "region", query | {"window": {"a1": [0, 2], "a2": [3, 11], "a3": [4, 11]}})
     assert status == 200
     found = json.loads(body)
     with fl.open(path) as maps:
@@ -279,38 +215,22 @@ def test_the_best_of_a_region_over_all_values_of_a_slider(page, path, block, mon
     np.testing.assert_array_equal(best, true)
     assert found["count"] == 3 * 9 * 8
     assert {one["at"]["a1"] for one in found["best"]} <= {0, 1, 2}
-    assert len(found["values"]["omega4_max"]) == len(found["axes"]["a1"]) <= server.MOST_ROWS
+    assert len(found["values"]["omega4_max"]) == len(found["axes"]["a1"]) <= explore.MOST_ROWS
 
 
-def test_a_large_picture_is_read_at_the_resolution_of_a_screen():
-    maps = xr.Dataset({"x": (("a", "b"), np.arange(3000.0 * 4).reshape(3000, 4), {"units": "1"})})
-    values, steps, _ = Values(maps).picture("x", ("b", "a"), {}, {})
-    assert steps == {"a": 5, "b": 1}
-    np.testing.assert_array_equal(values, maps.x.values[::5].T)
-    values, steps, _ = Values(maps).picture("x", ("a", "b"), {}, {"a": (10, 20)})
-    assert steps == {"a": 1, "b": 1}
-    np.testing.assert_array_equal(values, maps.x.values[10:21])
-
-
-@pytest.mark.parametrize(
-    "changed",
-    [
-        lambda maps: maps.isel(a2=slice(None, None, -1)),
-        lambda maps: maps.assign(omega4_max=2.0 * maps.omega4_max),
-        lambda maps: maps.sortby("a2", ascending=False),
-        lambda maps: maps.isel(a1=slice(1, None)),
-    ],
-)
-def test_a_map_that_was_changed_is_shown_as_it_is_now(path, changed):
-    """Not as the file has it from which it was opened."""
-    with fl.open(path) as maps:
-        other = changed(maps)
-        with fl.explore(other, browser=False) as page:
-            _, values = picture(
-                page, name="omega4_max", axes=["a2", "a3"], at={"a1": 0, "branch": 0}, window={}
-            )
-        expected = other.omega4_max.isel(a1=0, branch=0).values
-        np.testing.assert_array_equal(values.reshape(expected.shape), expected.astype("f4"))
+def test_wrong_options_are_refused(page, path, folder, monkeypatch):
+    monkeypatch.setattr(explore, "MOST_BYTES", 1000)
+    for options, key, remedy in (
+        ({"to": "page.pdf"}, "to", "page.html"),
+        ({"to": "no/page.html"}, "to", "create it"),
+        ({"to": "page.html"}, "to", "fastlink.convert"),  # more than a browser holds
+        ({"port": -1}, "port", "from 0 to 65535"),
+        ({"port": urlsplit(page.url).port}, "port", "leave it out"),
+        ({"browser": 1}, "browser", "True or False"),
+    ):
+        with refused(key, remedy):
+            fl.explore(path, **{"browser": False, **options})
+    assert not list(folder.iterdir())
 
 
 def test_the_command_serves_until_it_is_interrupted(path):

@@ -25,18 +25,18 @@ DESIGNS = [
     ("focal", {"a": 5.0, "b": 4.5, "c": 2.0, "d": 4.0, "rho": 0.8, "completion": 1}),
     ("hart", {"m": 4.0, "n": 8.0, "d": 6.0, "kappa": 0.5}),
 ]
+assert {name for name, _ in DESIGNS} == set(NAMES)
 
 #: Counts of roundings, which are others in other functions.
 ROUNDINGS = {"F_deviation"}
-
-
-def test_every_mechanism_is_among_them():
-    assert {name for name, _ in DESIGNS} == set(NAMES)
-
-
-def told(mechanism, design):
-    """Return what a page is told about a mechanism, of a map of one design."""
-    return content_of(Values(fl.sweep(mechanism, fl.grid(**design), ["status"], verify=0)))["mechanism"]
+TASK = """([told, given]) => {
+    const content = {mechanism: told};
+    MOTION
+    const motion = new Motion(given.design, Object.keys(mechanism.branches).map(Number));
+    const each = run => given.positions.map(at => motion.branches.map(branch => run(at, branch)));
+    return {ranges: motion.ranges, places: each((at, branch) => motion.places(at, branch)),
+        values: given.names.map(name => each((at, branch) => valueOf(motion.at(at, branch), name)))};
+}"""
 
 
 @pytest.fixture(scope="module")
@@ -47,14 +47,6 @@ def blank(browser):
     tab.close()
 
 
-def run_motion(blank, mechanism, given, task):
-    """Return what an expression gives in which `Motion`, `mechanism` and `given` are those of the page."""
-    text = files("fastlink").joinpath("pictures", "page", "motion.js").read_text(encoding="utf-8")
-    text = text.replace("/*FACTS*/", mechanism["script"])
-    task = f"([told, given]) => {{ const content = {{mechanism: told}}; {text}; return {task}; }}"
-    return blank.evaluate(task, [mechanism | {"script": ""}, given])
-
-
 @pytest.mark.sample(2)
 @pytest.mark.parametrize(("mechanism", "design"), DESIGNS)
 @pytest.mark.browser
@@ -62,21 +54,14 @@ def run_motion(blank, mechanism, given, task):
 def test_a_page_moves_a_mechanism_as_a_picture_does(blank, mechanism, design):
     known = catalogue(mechanism)
     motion = Motion(mechanism, known, picture_of(mechanism, known), design, tuple(known.branches), None)
-    page = told(mechanism, design)
+    page = content_of(Values(fl.sweep(mechanism, fl.grid(**design), ["status"], verify=0)))["mechanism"]
     low, high = motion.ranges[0]
     positions = low + (high - low) * np.array([0.03, 0.2, 0.41, 0.5, 0.77, 0.96])
     names = [one["name"] for one in page["curves"] if one["name"] not in ROUNDINGS]
-    found = run_motion(
-        blank,
-        page,
-        {"design": design, "positions": positions.tolist(), "names": names},
-        """(() => {
-        const motion = new Motion(given.design, Object.keys(mechanism.branches).map(Number));
-        const each = run => given.positions.map(at => motion.branches.map(branch => run(at, branch)));
-        return {ranges: motion.ranges, places: each((at, branch) => motion.places(at, branch)),
-            values: given.names.map(name => each((at, branch) => valueOf(motion.at(at, branch), name)))};
-        })()""",
-    )
+    text = files("fastlink").joinpath("pictures", "page", "motion.js").read_text(encoding="utf-8")
+    task = TASK.replace("MOTION", text.replace("/*FACTS*/", page["script"]))
+    given = {"design": design, "positions": positions.tolist(), "names": names}
+    found = blank.evaluate(task, [page | {"script": ""}, given])
     # bisection ends at neighbouring doubles; where the linkage just assembles, rounding decides within some of them
     np.testing.assert_allclose(found["ranges"], motion.ranges, rtol=1e-7)
     # some hundred roundings, which these positions amplify by 1e3 at most: 1e2 * 2^-53 * 1e3 < 2e-11 of the size
@@ -95,10 +80,9 @@ def test_a_page_moves_a_mechanism_as_a_picture_does(blank, mechanism, design):
 def test_every_quantity_over_the_input_is_translated(mechanism):
     known = catalogue(mechanism)
     given = list(known.inputs)
-    names = [
-        name for name in known.public if known.varies(name) and not missing_inputs(known, name, (), given)
-    ]
-    assert script_of(known, names, given, ())[1] == tuple(names)
+    curves = [name for name in known.public if known.varies(name)]
+    names = tuple(name for name in curves if not missing_inputs(known, name, (), given))
+    assert script_of(known, names, given, ())[1] == names
 
 
 def test_what_has_no_counterpart_is_left_out(monkeypatch):

@@ -876,6 +876,15 @@ number(total, "lambda_AX", "lambda", f"Rapidity of AX; {_LIGHT}", x="AB_rapidity
 number(total, "mu_BX", "mu", f"Rapidity of BX; {_LIGHT}", x="AB_rapidity", y="BX_frame_rapidity")
 
 
+def rate_where_there(x: Any, rate: Any) -> Any:
+    """Derivative of a rapidity that differs from another one by a constant; NaN where it is none."""
+    return select(x == x, rate, NOT_A_NUMBER)
+
+
+derivative(rate_where_there, "lambda_AX", x="lambda_AX", rate="AB_rate")
+derivative(rate_where_there, "mu_BX", x="mu_BX", rate="AB_rate")
+
+
 @minkowski_4r.quantity(units="1", symbol="gamma", source=TRIANGLE)
 def gamma(x: Any, y: Any, h: Any, BX_along: Any, r_AX: Any, s_BX: Any) -> Any:
     """Angle from AX to BX, mu - lambda; NaN where one of them is lightlike."""

@@ -1,0 +1,786 @@
+"""Charts of maps: a variable over one dimension as lines, over two as maps; rows as points, cells, corners, fronts."""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import textwrap
+import warnings
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import matplotlib
+import numpy as np
+from matplotlib.colors import LinearSegmentedColormap, ListedColormap, LogNorm
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import LogLocator, MaxNLocator
+
+from fastlink._text import in_words
+from fastlink.maps.best import Condition, Objective, Reading, Rows
+from fastlink.maps.units import DEGREE, RADIAN, flags_of, half_turn
+from fastlink.pictures.labels import constants_of, label_of, plain, title_of
+from fastlink.pictures.maps import Selection, modes_of, name_places, panels_of, sameness
+from fastlink.pictures.style import (
+    ABSENT,
+    CYCLIC,
+    FLAGS,
+    INFINITE,
+    LINES,
+    VEIL,
+    WITHOUT_BOUND,
+    NotebookFigure,
+    are_counts,
+    colours_of,
+    count_colours,
+    drawable,
+    flag_colours,
+    flag_handles,
+    flag_indices,
+    limits_of,
+    near,
+)
+from fastlink.space.design_space import DESIGN
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from fastlink.pictures.maps import Panel, Selection
+
+__all__ = [
+    "MOST_POINTS",
+    "Cloud",
+    "Column",
+    "column_of",
+    "cut",
+    "draw",
+    "draw_corner",
+    "draw_cumulative",
+    "draw_scatter",
+]
+
+
+# -- Draw a variable over two dimensions, as a map, or as a grid of maps
+
+
+CONTOURS = 8
+BESIDE, BELOW, NARROW = 32, 60, 40  # letters in a line of a legend, and of a label
+COLUMNS = 3  # of a grid
+LARGE, SMALL = (5.2, 5.0), (2.75, 2.5)  # panels, in inches
+
+
+def draw_maps(figure: Any, shown: Selection) -> None:
+    """Draw a panel for each assembly mode and each value of the dimension that is split."""
+    variable, free, status = shown.variable, shown.free, shown.status
+    rows = _wrapped(panels_of(shown))
+    panels = [panel for row in rows for panel in row]
+    axes = _axes(figure, shown, rows, bool(flags_of(variable)))
+    values = np.stack([panel.array.transpose(free[1], free[0]).values for panel in panels]).astype(float)
+    codes, flags = _codes(status, panels), {} if status is None else flags_of(status)
+    same = sameness(variable, values)
+    infinite = np.isinf(values)
+    values = np.where(infinite, np.nan, drawable(values))
+    plain = bool(flags_of(variable)) or are_counts(
+        values
+    )  # neither has contours, neither grows without bound
+    veiled = _veiled(values, codes, flags)
+    norm, colours, extend = _scale(variable, values, ~veiled)
+    veiled &= not plain
+    x, y = (variable[dim].values for dim in free)
+    for axis, panel, cells, beyond, veil in zip(axes, panels, values, infinite, veiled, strict=True):
+        axis.set_facecolor(ABSENT)
+        drawn = flag_indices(variable, cells) if flags_of(variable) else near(cells, norm)
+        image = _fill(axis, x, y, np.ma.masked_invalid(drawn), norm=norm, cmap=colours)
+        if beyond.any():
+            _fill(axis, x, y, np.ma.masked_equal(beyond, False), cmap=ListedColormap([INFINITE]))
+        if not plain:
+            if colours.name != CYCLIC and not same:
+                _add_contours(axis, x, y, np.where(veil, np.nan, cells), norm, small=shown.split is not None)
+            _add_veil(axis, x, y, veil)
+        axis.set_title(panel.title)
+        if same:
+            _write(axis, same)
+    handles = flag_handles(variable, values) if flags_of(variable) else []
+    if not flags_of(variable) and not same:
+        bar = figure.colorbar(image, ax=list(axes), extend=extend, pad=0.02, ticks=_bar_ticks(values))
+        bar.set_label(label_of(variable, name=False))
+    handles += _reasons(codes, flags, veiled, infinite, np.isnan(values) & ~infinite)
+    _add_legend(axes, handles, beside=bool(flags_of(variable)))
+
+
+def _wrapped(rows: list[list[Panel]]) -> list[list[Panel]]:
+    """Return rows of panels of which none is long: one row of many values becomes several."""
+    if len(rows) > 1 and all(len(row) == 1 for row in rows):
+        return [[row[0] for row in rows]]
+    (first, *others) = rows
+    if others or len(first) <= COLUMNS:
+        return rows
+    columns = 2 if len(first) == 4 else COLUMNS
+    return [first[k : k + columns] for k in range(0, len(first), columns)]
+
+
+def _axes(figure: Any, shown: Selection, rows: list[list[Panel]], is_code: bool) -> list[Any]:
+    """Return the axes of all panels, row by row, labelled at the outer ones."""
+    columns = len(rows[0])
+    width, height = LARGE if shown.split is None else SMALL
+    legend = 3.0 if is_code else 1.6
+    figure.set_size_inches(legend + width * columns, height * len(rows) + 0.9 * (len(rows) > 1))
+    grid = figure.subplots(len(rows), columns, sharex=True, sharey=True, squeeze=False)
+    variable, free = shown.variable, shown.free
+    letters = BELOW if shown.split is None else NARROW
+    taken = []
+    for i, row in enumerate(rows):
+        for j, axis in enumerate(grid[i]):
+            if j >= len(row):
+                axis.set_visible(False)
+                grid[i - 1][j].tick_params(labelbottom=True)
+                continue
+            taken.append(axis)
+            if i == len(rows) - 1 or j >= len(rows[i + 1]):
+                axis.set_xlabel(textwrap.fill(label_of(variable[free[0]]), letters))
+                if free[0] in shown.names:
+                    name_places(axis.xaxis, shown.names[free[0]], turned=True)
+            if j == 0:
+                axis.set_ylabel(textwrap.fill(label_of(variable[free[1]]), letters))
+                if free[1] in shown.names:
+                    name_places(axis.yaxis, shown.names[free[1]], turned=False)
+            if shown.split is not None:
+                axis.xaxis.label.set_fontsize(8)
+                axis.yaxis.label.set_fontsize(8)
+                axis.title.set_fontsize(9.5)
+                axis.tick_params(labelsize=8)
+    return taken
+
+
+def _codes(status: xr.DataArray | None, panels: Sequence[Panel]) -> Any:
+    """Return the status of each cell of each panel, or None."""
+    if status is None:
+        return None
+    return np.stack([status.values if status.ndim == 2 else status.values[panel.place] for panel in panels])
+
+
+def _veiled(values: Any, codes: Any, flags: Mapping[str, int]) -> Any:
+    """Return the cells of designs with toggles, where rates grow without bound.
+
+    There are none where all cells are such: a veil over all of them would distinguish nothing.
+    """
+    if codes is None:
+        return np.zeros(values.shape, bool)
+    present = np.isfinite(values)
+    veiled = present & (codes != next(iter(flags.values())))
+    return veiled & (present & ~veiled).any()
+
+
+def _scale(variable: xr.DataArray, values: Any, regular: Any) -> tuple[Any, Any, str]:
+    """Return norm, colour map and open ends for codes, counts or numbers."""
+    if flags_of(variable):
+        return flag_colours(variable)
+    if are_counts(values):
+        return count_colours(values)
+    return colours_of(values, regular, half_turn(variable.attrs.get("units")))
+
+
+def _bar_ticks(values: Any) -> Any:
+    return MaxNLocator(integer=True) if are_counts(values) else None
+
+
+def _fill(axis: Any, x: Any, y: Any, cells: Any, **colours: Any) -> Any:
+    return axis.pcolormesh(x, y, cells, shading="nearest", rasterized=True, **colours)
+
+
+def _write(axis: Any, text: str) -> None:
+    """Write a text in the middle of a panel, in place of a scale of colours that would show nothing."""
+    box = {"facecolor": "white", "edgecolor": "0.7", "boxstyle": "round,pad=0.5"}
+    axis.text(0.5, 0.5, textwrap.fill(text, 30), transform=axis.transAxes, ha="center", va="center", bbox=box)
+
+
+def _reasons(codes: Any, flags: Mapping[str, int], veiled: Any, infinite: Any, absent: Any) -> list[Patch]:
+    """Return the legend of cells under the veil, without bound, or without a value."""
+    handles = []
+    if veiled.any():
+        label = _meanings(codes[veiled], flags)
+        handles.append(Patch(facecolor=VEIL, edgecolor="0.35", linewidth=0, hatch="////", label=label))
+    if infinite.any():
+        handles.append(Patch(facecolor=INFINITE, label=WITHOUT_BOUND))
+    if absent.any():
+        label = _why_absent(None if codes is None else codes[absent], flags)
+        handles.append(Patch(facecolor=ABSENT, label=label))
+    return handles
+
+
+def _add_contours(axis: Any, x: Any, y: Any, cells: Any, norm: Any, small: bool) -> None:
+    if min(cells.shape) < 2 * CONTOURS or not np.isfinite(cells).any():
+        return
+    locator = LogLocator(subs=(1.0, 2.0, 5.0)) if isinstance(norm, LogNorm) else MaxNLocator(CONTOURS)
+    levels = [level for level in locator.tick_values(norm.vmin, norm.vmax) if norm.vmin < level < norm.vmax]
+    line = {"colors": "white", "linestyles": "solid", "linewidths": 0.7, "alpha": 0.8}
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "No contour levels were found")
+        lines = axis.contour(x, y, np.ma.masked_invalid(cells), levels, **line)
+    axis.clabel(lines, fontsize=6.5 if small else 7.5, fmt="%g")
+
+
+def _add_veil(axis: Any, x: Any, y: Any, veiled: Any) -> None:
+    """Cover the cells of designs with toggles with a light veil, and hatch them."""
+    if min(veiled.shape) < 2 or not veiled.any():
+        return
+    _fill(axis, x, y, np.ma.masked_equal(veiled, False), cmap=ListedColormap([VEIL]))
+    outer_x, outer_y = (
+        np.concatenate(([1.5 * v[0] - 0.5 * v[1]], v, [1.5 * v[-1] - 0.5 * v[-2]])) for v in (x, y)
+    )
+    padded = np.pad(veiled.astype(float), 1, mode="edge")
+    axis.contourf(outer_x, outer_y, padded, levels=[0.5, 1.5], colors="none", hatches=["////"])
+
+
+def _add_legend(axes: Sequence[Any], handles: Sequence[Any], beside: bool) -> None:
+    """Add a legend below the first column of panels; for codes beside the last, as they have no colour bar."""
+    if not handles:
+        return
+    rows, columns = axes[0].get_gridspec().get_geometry()
+    small = rows > 1 or columns > 2
+    letters = BESIDE if beside else NARROW if small else BELOW
+    for handle in handles:
+        handle.set_label(textwrap.fill(handle.get_label(), letters))
+    look: dict[str, Any] = {"handles": handles, "frameon": False, "loc": "upper left", "borderaxespad": 0.0}
+    if beside and rows > 1:
+        axes[0].get_figure().legend(**look | {"loc": "outside right upper"}, fontsize=9)
+    elif beside:
+        axes[columns - 1].legend(**look, bbox_to_anchor=(1.02, 1.0))
+    elif small:
+        axes[(rows - 1) * columns].legend(**look, bbox_to_anchor=(0.0, -0.27), fontsize=8.5)
+    else:
+        together = 3 if sum(len(handle.get_label()) for handle in handles) < BELOW else 1
+        axes[0].legend(**look, bbox_to_anchor=(0.0, -0.13), ncols=together)
+
+
+def _why_absent(codes: Any, flags: Mapping[str, int]) -> str:
+    """Return why cells have no value: also designs that assemble may lack one."""
+    if codes is None:
+        return "does not assemble"
+    never = [code for meaning, code in flags.items() if meaning in ("never_assembles", "invalid_input")]
+    fails = np.isin(codes, never)
+    return " or ".join(["does not assemble"] * bool(fails.any()) + ["has no value"] * bool((~fails).any()))
+
+
+def _meanings(codes: Any, flags: Mapping[str, int]) -> str:
+    """Return what the statuses but the first mean, the most frequent one first."""
+    counts = {meaning: int((codes == code).sum()) for meaning, code in list(flags.items())[1:]}
+    present = sorted((meaning for meaning in counts if counts[meaning]), key=lambda meaning: -counts[meaning])
+    return in_words(", ".join(present))
+
+
+# -- Draw a variable over one dimension, as lines
+
+
+QUARTERS = (r"$0$", r"$\pi/2$", r"$\pi$", r"$3\pi/2$", r"$2\pi$")
+STYLES = ("-", "--", ":", "-.")
+SHADES = matplotlib.colormaps["viridis"].resampled(64)
+MOST_INSIDE = 4  # entries of a legend that stands among the lines
+MANY_POINTS = (
+    10_000  # points from which to look for the best place of a legend takes longer than to draw them
+)
+
+
+def draw_lines(figure: Any, shown: Selection) -> None:
+    """Draw a line for each assembly mode and each value of the dimension that is split."""
+    variable, (dim,) = shown.variable, shown.free
+    axis = figure.subplots()
+    x = variable[dim].values
+    every = []
+    for panel, look in _looks(shown):
+        values = panel.array.values.astype(float)
+        every.append(values)
+        axis.plot(*cut(x, drawable(values), variable.attrs.get("units")), label=panel.title, **look)
+    _shade(axis, x, np.isnan(every).all(axis=0), ABSENT, "does not assemble")
+    _shade(axis, x, np.isinf(every).any(axis=0), INFINITE, WITHOUT_BOUND)
+    _scale_along(axis, shown)
+    axis.grid(color="0.9", linewidth=0.8)
+    axis.set_axisbelow(True)
+    axis.set_xlabel(label_of(variable[dim]))
+    axis.set_ylabel(label_of(variable, name=False))
+    _scale_across(axis, variable, np.array(every))
+    handles, labels = axis.get_legend_handles_labels()
+    if any(labels):
+        named = [(handle, label) for handle, label in zip(handles, labels, strict=True) if label]
+        beside: dict[str, Any] = {"loc": "best" if len(x) < MANY_POINTS else "upper right"}
+        if len(named) > MOST_INSIDE:
+            beside = {"loc": "upper left", "bbox_to_anchor": (1.01, 1.0), "frameon": False, "fontsize": 9}
+            figure.set_size_inches(9.2, 4.2)
+        axis.legend(*zip(*named, strict=True), **beside)
+
+
+def _looks(shown: Selection) -> list[tuple[Panel, dict[str, Any]]]:
+    """Return each line and how it is drawn: values by colours of growing lightness, assembly modes by dashes too."""
+    rows = panels_of(shown)
+    (dim,) = shown.free
+    looks: list[tuple[Panel, dict[str, Any]]] = []
+    for i, row in enumerate(rows):
+        for k, panel in enumerate(row):
+            shade = SHADES(0.9 * k / (len(row) - 1)) if len(row) > 1 else LINES[i % len(LINES)]
+            marker = "." if shown.variable.sizes[dim] < 40 else ""
+            look = {"color": shade, "linestyle": STYLES[i % len(STYLES)], "marker": marker, "linewidth": 1.6}
+            if dim == DESIGN or dim in shown.names:
+                look |= {"marker": ".", "linestyle": "none"}
+            looks.append((panel, look))
+    return looks
+
+
+def _scale_across(axis: Any, variable: xr.DataArray, every: Any) -> None:
+    """Set range and ticks of the axis of the values; write where they are all the same."""
+    if flags := flags_of(variable):
+        axis.set_yticks(list(flags.values()), [in_words(meaning) for meaning in flags])
+        axis.set_ylim(min(flags.values()) - 0.5, max(flags.values()) + 0.5)
+        return
+    values = drawable(every)
+    low, high, extend = limits_of(values, values, 50.0)
+    if same := sameness(variable, every):
+        axis.set_ylim(low, high)
+        axis.set_title(same)
+    elif extend != "neither":
+        axis.set_ylim(low - 0.05 * (high - low), high + 0.05 * (high - low))
+
+
+def _scale_along(axis: Any, shown: Selection) -> None:
+    """Set range and ticks of the axis that the lines run along: a turn has its quarters."""
+    (dim,) = shown.free
+    along = shown.variable[dim]
+    x, half = along.values, half_turn(along.attrs.get("units"))
+    if dim in shown.names:
+        name_places(axis.xaxis, shown.names[dim], turned=True)
+    elif half is not None and x[0] >= 0.0 and x[-1] <= 2.0 * half:
+        axis.set_xlim(0.0, 2.0 * half)
+        ticks = QUARTERS if along.attrs["units"] == RADIAN else None
+        axis.set_xticks(np.linspace(0.0, 2.0 * half, 5), ticks)
+    elif dim != DESIGN and x[0] < x[-1]:
+        axis.set_xlim(x[0], x[-1])
+
+
+def cut(x: Any, values: Any, units: Any) -> tuple[Any, Any]:
+    """Return a curve, cut where an angle passes from half a turn to minus half a turn."""
+    half = half_turn(units)
+    if half is None:
+        return x, values
+    with np.errstate(invalid="ignore"):
+        jumps = np.flatnonzero(np.abs(np.diff(values)) > half) + 1
+    return np.insert(x.astype(float), jumps, x[jumps]), np.insert(values, jumps, np.nan)
+
+
+def _shade(axis: Any, x: Any, absent: Any, colour: str, label: str) -> None:
+    """Shade where there is no value to draw, half-way to the neighbours that have one."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], absent, [False])).astype(int)))
+    if not edges.size:
+        return
+    middles = np.concatenate((x[:1], 0.5 * (x[:-1] + x[1:]), x[-1:]))
+    starts, stops = middles[edges[::2]], middles[edges[1::2]]
+    spans = list(
+        zip(starts, stops - starts, strict=True)
+    )  # as one shape: a sample has a span for every third design
+    height = axis.get_xaxis_transform()
+    axis.broken_barh(spans, (0.0, 1.0), transform=height, color=colour, linewidth=0, label=label)
+    axis.update_datalim([(starts[0], 0.0), (stops[-1], 0.0)], updatey=False)
+
+
+# -- Draw a variable over one or two dimensions, without matplotlib's global state
+
+
+def draw(dataset: xr.Dataset, shown: Selection) -> NotebookFigure:
+    """Return the figure of a variable, with a panel or line for each assembly mode."""
+    figure = NotebookFigure()
+    if len(shown.free) == 1:
+        figure.set_size_inches(7.2, 4.2)
+        draw_lines(figure, shown)
+    else:
+        draw_maps(figure, shown)
+    titles = [title_of(dataset, shown.variable, shown.fixed), modes_of(shown)]
+    figure.suptitle("\n".join(filter(None, titles)), fontsize=12)
+    figure.supxlabel(constants_of(dataset), fontsize=7.5, color="0.45")
+    return figure
+
+
+# -- The rows of a map as points in a plane: one by one where they are few, else counted in cells
+
+
+#: More rows than this are counted in cells.
+MOST_POINTS = 100_000
+CELLS = 140
+#: A range that is so many times longer than that of its inner 96 % is cut; so many times greater, it is logarithmic.
+FAR, WIDE = 5.0, 30.0
+
+
+@dataclass
+class Column:
+    """A variable or input as an axis of a picture.
+
+    Attributes
+    ----------
+    array : xarray.DataArray
+        Its values.
+    factor : float
+        Into what is shown: of degrees, where angles are in degrees.
+    low, high : float
+        The range that is shown, of logarithms where `logarithmic`.
+    logarithmic : bool
+        Whether the scale is.
+    """
+
+    array: xr.DataArray
+    factor: float = 1.0
+    low: float = 0.0
+    high: float = 1.0
+    logarithmic: bool = False
+
+    @property
+    def flags(self) -> dict[str, int]:
+        """The codes by their meanings."""
+        return flags_of(self.array)
+
+    def label(self, name: bool = True) -> str:
+        """Return name, symbol and units."""
+        in_degrees = self.array[:0] if self.array.ndim else self.array
+        if self.factor != 1.0:
+            in_degrees = in_degrees.copy(deep=False).assign_attrs(units=DEGREE)
+        return label_of(in_degrees, name)
+
+    def settle(self, values: Any) -> None:
+        """Settle scale and range from some of the values."""
+        if self.flags:
+            self.low, self.high = min(self.flags.values()) - 0.5, max(self.flags.values()) + 0.5
+            return
+        if values.size and values.min() > 0.0:
+            inner = np.percentile(values, (2, 98))
+            self.logarithmic = bool(inner[1] > WIDE * inner[0])
+        scaled = self.scaled(values)
+        low, high, _ = limits_of(scaled, scaled, FAR)
+        margin = 0.02 * (high - low)
+        self.low, self.high = low - margin, high + margin
+
+    def scaled(self, values: Any) -> Any:
+        """Return values as they stand along the axis."""
+        return np.log10(values) if self.logarithmic else values
+
+    def edges(self, count: int = CELLS) -> Any:
+        """Return the ends of cells along the axis, as values."""
+        ends = np.linspace(self.low, self.high, count + 1)
+        return 10.0**ends if self.logarithmic else ends
+
+    def places(self, values: Any, count: int = CELLS) -> tuple[Any, Any]:
+        """Return the cell of each value, and whether it has one."""
+        with np.errstate(all="ignore"):
+            share = (self.scaled(values) - self.low) / (self.high - self.low)
+        inside = (share >= 0.0) & (share <= 1.0)
+        return np.minimum((np.where(inside, share, 0.0) * count).astype(np.int64), count - 1), inside
+
+
+@dataclass
+class Cloud:
+    """The rows of a map that meet some conditions and have a number in every column.
+
+    Attributes
+    ----------
+    columns : list of Column
+        What is read.
+    wanted : list of Condition
+        The conditions.
+    points : array or None
+        Rows and columns, if they are at most `MOST_POINTS`.
+    count, considered : int
+        How many are shown, and how many meet the conditions.
+    left_out : Counter
+        How many are not shown, by why.
+    """
+
+    columns: list[Column]
+    wanted: Sequence[Condition]
+    points: Any = None
+    count: int = 0
+    considered: int = 0
+    left_out: Counter[str] = field(default_factory=Counter)
+    names: Mapping[str, int] = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Read all rows once: their number, scales and ranges."""
+        self.names = {str(column.array.name): k for k, column in enumerate(self.columns)}
+        held, kept, step = list[Any](), 0, 1
+        reading = self._reading()
+        for values in self._blocks(reading):
+            self.count += len(values)
+            held.append(values[::step])
+            kept += len(held[-1])
+            if kept > 2 * MOST_POINTS:
+                held, step = [np.concatenate(held)[::2]], 2 * step
+                kept = len(held[0])
+        some = np.concatenate(held) if held else np.empty((0, len(self.columns)))
+        for column, values in zip(self.columns, some.T, strict=True):
+            column.settle(values)
+        self.points = some if step == 1 and self.count <= MOST_POINTS else None
+        self.considered, self.left_out = reading.considered, reading.left_out
+
+    def _reading(self) -> Reading:
+        arrays = [column.array for column in self.columns]
+        rows = Rows.of([*arrays, *(one.array for one in self.wanted)])
+        return Reading(rows, [Objective(array, 1.0) for array in arrays], list(self.wanted), False)
+
+    def _blocks(self, reading: Reading) -> Iterator[Any]:
+        factors = np.array([column.factor for column in self.columns])
+        for _, values in reading:
+            yield drawable(values) * factors
+
+    def cells(self, wanted: Sequence[Sequence[str]]) -> list[tuple[Any, Any]]:
+        """Return the rows in each cell of one column, or of two (the second first); sums of a third; in one pass."""
+        columns = [[self.names[name] for name in names] for names in wanted]
+        shapes = [(CELLS,) * len(over[:2]) for over in columns]
+        found = [(np.zeros(CELLS ** len(shape)), np.zeros(CELLS ** len(shape))) for shape in shapes]
+        used = sorted({k for over in columns for k in over[:2]})
+        for values in [self.points] if self.points is not None else self._blocks(self._reading()):
+            places = {k: self.columns[k].places(values[:, k]) for k in used}
+            for over, shape, (counts, sums) in zip(columns, shapes, found, strict=True):
+                own = [places[k] for k in over[:2]]
+                inside = np.logical_and.reduce([one for _, one in own])
+                flat = np.ravel_multi_index([cell[inside] for cell, _ in reversed(own)], shape)
+                counts += np.bincount(flat, minlength=counts.size)
+                for k in over[2:]:
+                    sums += np.bincount(flat, values[inside, k], minlength=counts.size)
+        return [
+            (counts.reshape(shape), sums.reshape(shape))
+            for shape, (counts, sums) in zip(shapes, found, strict=True)
+        ]
+
+    def below(self, name: str) -> tuple[Any, Any]:
+        """Return values of a column, growing, and how many rows have at most that."""
+        k = self.names[name]
+        if self.points is not None:
+            return np.sort(self.points[:, k]), np.arange(1, self.count + 1)
+        edges = self.columns[k].edges()
+        counts = np.zeros(len(edges))
+        for values in self._blocks(self._reading()):
+            counts += np.searchsorted(np.sort(values[:, k]), edges, side="right")
+        return edges, counts
+
+    def note(self) -> str:
+        """Return how many rows are shown, and why others are not."""
+        if self.count == self.considered:
+            return f"{self.count:,} rows"
+        others = ", ".join(f"{count:,} {why}" for why, count in self.left_out.items() if count)
+        return f"{self.count:,} of {self.considered:,} rows, without {others}"
+
+
+def column_of(maps: xr.Dataset, name: str, degrees: bool) -> Column:
+    """Return a variable or an input as an axis."""
+    array = maps[name]
+    in_degrees = degrees and array.attrs.get("units") == RADIAN
+    return Column(array, float(np.rad2deg(1.0)) if in_degrees else 1.0)
+
+
+# -- Draw the rows of a map as points or cells: two columns, corners of several, cumulative distributions,
+#    fronts
+
+
+FRONT = LINES[1]
+#: From few rows to many; the lightest can still be told from white.
+CROWD = LinearSegmentedColormap.from_list("crowd", ["#cfd8e6", "#7f9cc0", "#2f5d92", "#0b2545"])
+FAINT = LinearSegmentedColormap.from_list("faint", ["#e4e4e4", "#8c8c8c"])
+LETTERS = 46
+MIDDLE = 50.0
+#: Marks of a front that are so many have no rims.
+MANY_MARKS = 400
+
+
+def draw_scatter(cloud: Cloud, front: Any = None) -> Any:
+    """Draw the rows over two columns; a third colours them; those of a front are marked and joined."""
+    figure = NotebookFigure(figsize=(7.2, 5.2))
+    axis = figure.subplots()
+    names = list(cloud.names)
+    x, y, *third = cloud.columns
+    counted = _counted(cloud, [names] if cloud.points is None else [])
+    image = _fill_with_rows(axis, cloud, names, counted, faint=front is not None)
+    axis.set_xlabel(textwrap.fill(x.label(), LETTERS + 14))
+    axis.set_ylabel(textwrap.fill(y.label(), LETTERS))
+    if front is not None:
+        _mark(axis, front.T, joined=True)
+        handles = [
+            Line2D([], [], **_dots(False), label="all rows"),
+            Line2D([], [], **_dots(True), label="Pareto front"),
+        ]
+        axis.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False)
+    elif third and third[0].flags:
+        _code_legend(axis, third[0], cloud.points[:, 2])
+    elif image is not None:
+        label = (
+            "mean of " * (cloud.points is None) + third[0].label(name=False) if third else "rows in a cell"
+        )
+        figure.colorbar(image, ax=axis, pad=0.02).set_label(label)
+    return figure
+
+
+def draw_corner(cloud: Cloud, front: Any = None) -> Any:
+    """Draw every pair of columns as a scatter, and each column by itself as a histogram."""
+    count = len(cloud.columns)
+    size = 1.2 + min(2.6, 9.6 / count) * count
+    figure = NotebookFigure(figsize=(size, 0.92 * size))
+    grid = figure.subplots(count, count, squeeze=False)
+    names = list(cloud.names)
+    pairs = [(names[j], names[i]) for i in range(count) for j in range(i)] if cloud.points is None else []
+    counted = _counted(cloud, [*((name,) for name in names), *pairs])
+    for i, j in itertools.product(range(count), repeat=2):
+        axis = grid[i][j]
+        if j > i:
+            axis.set_visible(False)
+        elif i == j:
+            _histogram(axis, cloud.columns[i], counted[names[i],][0])
+        else:
+            _fill_with_rows(axis, cloud, (names[j], names[i]), counted, faint=front is not None)
+            if front is not None:
+                _mark(axis, front[:, [j, i]].T, joined=False)
+        _name_sides(axis, cloud.columns, i, j)
+    names_of = [
+        (column.label(name=False), column.array.attrs.get("long_name", column.array.name))
+        for column in cloud.columns
+    ]
+    text = "\n".join(f"{symbol}: {plain(name)}" for symbol, name in names_of)
+    if count > 2:
+        figure.text(0.99, 0.9, text, ha="right", va="top", fontsize=8.5, linespacing=1.5, in_layout=False)
+    return figure
+
+
+Cells = dict[tuple[str, ...], tuple[Any, Any]]
+
+
+def _counted(cloud: Cloud, wanted: Sequence[Sequence[str]]) -> Cells:
+    """Return the rows in cells of some columns, and sums, by the names of these."""
+    return dict(zip(map(tuple, wanted), cloud.cells(wanted), strict=True))
+
+
+def _name_sides(axis: Any, columns: Sequence[Column], i: int, j: int) -> None:
+    """Label a panel of a corner at the outer sides."""
+    axis.tick_params(labelsize=7.5, labelbottom=i == len(columns) - 1, labelleft=j == 0 < i)
+    for label in axis.get_xticklabels():
+        label.set_rotation(30)
+    if i == len(columns) - 1:
+        axis.set_xlabel(columns[j].label(name=False), fontsize=9)
+    if j == 0 < i:
+        axis.set_ylabel(columns[i].label(name=False), fontsize=9)
+
+
+def _fill_with_rows(axis: Any, cloud: Cloud, names: Sequence[str], counted: Cells, faint: bool) -> Any:
+    """Draw points, or cells where rows are many; return what a colour bar belongs to."""
+    x, y, *third = (cloud.columns[cloud.names[name]] for name in names)
+    _scales(axis, x, y)
+    if cloud.points is None:
+        counts, sums = counted[tuple(names)]
+        cells = np.ma.masked_equal(counts, 0.0)
+        look: dict[str, Any] = {
+            "norm": LogNorm(1.0, max(2.0, counts.max())),
+            "cmap": FAINT if faint else CROWD,
+        }
+        if third:
+            cells = np.ma.masked_array(sums / np.maximum(counts, 1.0), counts == 0.0)
+            norm, colours, _ = colours_of(cells.filled(np.nan), np.ones(cells.shape, bool), None)
+            look = {"norm": norm, "cmap": colours}
+        return axis.pcolormesh(
+            x.edges(), y.edges(), cells, rasterized=True, alpha=0.6 if faint else 1.0, **look
+        )
+    values = cloud.points[:, [cloud.names[name] for name in names]].T
+    size = float(np.clip(3e4 / max(1, cloud.count), 1.0, 16.0))
+    look = {"s": size, "linewidths": 0.0, "rasterized": cloud.count > 2000}
+    if third and third[0].flags:
+        codes = list(third[0].flags.values())
+        colours = [FLAGS[codes.index(int(one)) % len(FLAGS)] for one in values[2]]
+        axis.scatter(values[0], values[1], c=colours, **look)
+        return None
+    if third:
+        norm, shades, _ = colours_of(values[2][None], np.ones((1, cloud.count), bool), None)
+        return axis.scatter(values[0], values[1], c=near(values[2], norm), norm=norm, cmap=shades, **look)
+    axis.scatter(values[0], values[1], color="0.72" if faint else LINES[0], alpha=0.7, **look)
+    return None
+
+
+def _scales(axis: Any, x: Column, y: Column) -> None:
+    """Set scales and ranges of both sides; codes have their meanings."""
+    for column, side, limit in ((x, axis.xaxis, axis.set_xlim), (y, axis.yaxis, axis.set_ylim)):
+        if column.logarithmic:
+            (axis.set_xscale if side is axis.xaxis else axis.set_yscale)("log")
+        limit(*column.edges(1))
+        if column.flags:
+            words = [textwrap.shorten(in_words(meaning), 24) for meaning in column.flags]
+            side.set_ticks(list(column.flags.values()), words, fontsize=8)
+    axis.grid(color="0.92", linewidth=0.7)
+    axis.set_axisbelow(True)
+
+
+def _dots(front: bool) -> dict[str, Any]:
+    marks = {"linestyle": "-" if front else "none", "linewidth": 1.0, "marker": "o"}
+    return {**marks, "color": FRONT if front else "0.72", "markersize": 5 if front else 4}
+
+
+def _mark(axis: Any, points: Any, joined: bool) -> None:
+    """Mark the rows of a front."""
+    look = _dots(True) | ({} if joined else {"linestyle": "none"})
+    order = np.argsort(points[0])
+    rim = {"markeredgecolor": "white", "markeredgewidth": 0.4, "markersize": 4.0}
+    if points.shape[1] > MANY_MARKS:  # rims of neighbours would cover all that is between them
+        rim = {"markeredgewidth": 0.0, "markersize": 3.0}
+    axis.plot(*points[:, order], **look | rim)
+
+
+def _code_legend(axis: Any, column: Column, values: Any) -> None:
+    """Name the colours of a code, those that occur."""
+    handles = [
+        Line2D([], [], linestyle="none", marker="o", color=FLAGS[k % len(FLAGS)], label=in_words(meaning))
+        for k, (meaning, code) in enumerate(column.flags.items())
+        if (values == code).any()
+    ]
+    axis.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=9)
+
+
+def _histogram(axis: Any, column: Column, counts: Any) -> None:
+    """Draw how many rows have which value."""
+    few = counts.reshape(-1, 4).sum(axis=1)
+    axis.stairs(few, column.edges()[::4], fill=True, color=LINES[0], alpha=0.75)
+    if column.logarithmic:
+        axis.set_xscale("log")
+    axis.set_xlim(*column.edges(1))
+    axis.set_yticks([])
+    axis.spines["left"].set_visible(False)
+
+
+def draw_cumulative(clouds: Sequence[Cloud]) -> Any:
+    """Draw the share of rows with at most a value, one picture for each unit."""
+    columns = [cloud.columns[0] for cloud in clouds]
+    units = list(dict.fromkeys(_unit(column) for column in columns))
+    figure = NotebookFigure(figsize=(1.6 + 5.0 * len(units), 4.4))
+    axes = figure.subplots(1, len(units), sharey=True, squeeze=False)[0]
+    for axis, unit in zip(axes, units, strict=True):
+        group = [
+            (cloud, column) for cloud, column in zip(clouds, columns, strict=True) if _unit(column) == unit
+        ]
+        for k, (cloud, column) in enumerate(group):
+            infinite = cloud.left_out["infinite"]
+            values, counts = cloud.below(str(column.array.name))
+            remark = f" ({_percent(infinite, cloud.count + infinite)} without bound)" if infinite else ""
+            look = {"color": LINES[k % len(LINES)], "linestyle": STYLES[k % len(STYLES)], "linewidth": 1.7}
+            label = f"{column.label(name=False)}{remark}"
+            drawn = axis.plot if cloud.points is None else functools.partial(axis.step, where="post")
+            drawn(values, 100.0 * counts / max(1, cloud.count + infinite), label=label, **look)
+        if all(column.logarithmic for _, column in group):
+            axis.set_xscale("log")
+        ends = np.array([column.edges(1) for _, column in group])
+        axis.set_xlim(ends[:, 0].min(), ends[:, 1].max())
+        axis.set_ylim(0.0, 100.0)
+        axis.axhline(MIDDLE, color="0.6", linewidth=0.8)
+        axis.grid(color="0.9", linewidth=0.8)
+        axis.set_axisbelow(True)
+        axis.set_xlabel(textwrap.fill(group[0][1].label(), LETTERS + 14) if len(group) == 1 else unit)
+        if len(group) > 1 or any(cloud.left_out["infinite"] for cloud, _ in group):
+            axis.legend(loc="best", fontsize=9)
+    axes[0].set_ylabel("share of the rows that have at most this [%]")
+    return figure
+
+
+def _unit(column: Column) -> str:
+    return column.label(name=False).rpartition(" [")[2].rstrip("]") if "[" in column.label(False) else ""
+
+
+def _percent(part: int, whole: int) -> str:
+    return f"{100.0 * part / max(1, whole):.3g} %"

@@ -1,0 +1,1181 @@
+"""The picture of a linkage: sheets of links, marks, forces and overlays; curves, legend and numbers; films.
+
+A `Sheet` draws one design at a position, a `Board` is the whole figure. What moves is what is added to the axes after
+the background: it is taken away and drawn anew for each picture of a film.
+"""
+
+from __future__ import annotations
+
+import base64
+import html
+import io
+import json
+import shutil
+import subprocess
+import tempfile
+import textwrap
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from inspect import signature
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.lines import Line2D
+from matplotlib.patches import Ellipse
+from matplotlib.patheffects import withTickedStroke
+from matplotlib.transforms import ScaledTranslation
+from PIL import Image
+
+from fastlink._text import filled, short_number
+from fastlink.errors import InputError
+from fastlink.facts.names import derivative_name
+from fastlink.io.output import write_whole
+from fastlink.maps.units import half_turn
+from fastlink.pictures.charts import cut
+from fastlink.pictures.labels import mathematical, units_text
+from fastlink.pictures.motion import PLANES, Names, function_of, samples_of
+from fastlink.pictures.style import LINES, NotebookFigure, drawable, limits_of
+from fastlink.space.design_space import RADIANS
+
+if TYPE_CHECKING:
+    from fastlink.mechanisms._shared.picture import Bar, Circle, Locus, Point, Value
+    from fastlink.pictures.draw import Request
+    from fastlink.pictures.motion import Motion
+
+__all__ = ["Board", "check_film", "write_film"]
+
+
+# -- Marks of one size whatever the scale: ground pivots with their hatching, sliders, lines with hatching
+
+
+INK, FAINT, GHOST = "0.15", "0.62", "0.72"
+POINT = 1.0 / 72.0
+#: Of a slider in points: half its length and half its height.
+SLIDER = (10.0, 6.0)
+HATCH: dict[str, Any] = {"spacing": 4.0, "length": 0.6}
+#: Of a curved arrow: the turn of the greatest and of the least, where it begins, its head in points.
+TURN, LEAST_TURN, TURN_START, HEAD = 1.5 * np.pi, 0.35 * np.pi, 0.25 * np.pi, 7.0
+
+
+def _about(axis: Any, at: Any) -> Any:
+    """Return the transform of inches of the page about a place."""
+    return axis.figure.dpi_scale_trans + ScaledTranslation(float(at[0]), float(at[1]), axis.transData)
+
+
+def _line(axis: Any, x: Any, y: Any, at: Any, **style: Any) -> None:
+    """Draw a line in points of the page about a place."""
+    (drawn,) = axis.plot(np.multiply(x, POINT), np.multiply(y, POINT), transform=_about(axis, at), **style)
+    drawn.set_in_layout(False)
+
+
+def _shape(axis: Any, corners: Any, at: Any, **style: Any) -> None:
+    """Fill a shape in points of the page about a place."""
+    axis.fill(*np.multiply(corners, POINT).T, transform=_about(axis, at), **style)
+
+
+def add_ground(axis: Any, at: Any, size: float) -> None:
+    """Draw the support of a ground pivot: a triangle on hatched ground."""
+    base, half = -11.0 * size, 7.0 * size
+    look: dict[str, Any] = {"linewidth": 1.0, "zorder": 4.5}
+    _shape(axis, [(0.0, 0.0), (-half, base), (half, base)], at, facecolor="white", edgecolor=INK, **look)
+    width = 1.6 * half
+    _line(axis, [-width, width], [base, base], at, color=INK, solid_joinstyle="round", **look)
+    starts, gap = np.linspace(-0.8 * width, width, 6), np.full(6, np.nan)
+    x = np.stack([starts, starts - 4.0 * size, gap], axis=-1).ravel()
+    y = np.tile([base, base - 4.5 * size, np.nan], 6)
+    _line(axis, x, y, at, zorder=4.5, color=INK, linewidth=0.7)
+
+
+def add_joint(axis: Any, at: Any, colour: Any, size: float) -> None:
+    """Draw a revolute joint."""
+    style = {"marker": "o", "markersize": size, "markerfacecolor": "white", "markeredgecolor": colour}
+    axis.plot(*np.reshape(at, (2, 1)), linestyle="none", markeredgewidth=1.3, zorder=6, **style)
+
+
+def add_slider(axis: Any, at: Any, colour: Any, size: float) -> None:
+    """Draw a slider that runs along x."""
+    x, y = np.multiply(SLIDER, size)
+    style = {"facecolor": "white", "edgecolor": colour, "linewidth": 1.4, "zorder": 3.5}
+    _shape(axis, [(-x, -y), (x, -y), (x, y), (-x, y)], at, **style)
+
+
+def add_guide(axis: Any, low: float, high: float, y: float, size: float) -> None:
+    """Draw the hatched line on which a slider runs along x."""
+    below = ScaledTranslation(0.0, -SLIDER[1] * size * POINT, axis.figure.dpi_scale_trans)
+    style = {"color": INK, "linewidth": 0.8, "zorder": 2.5}
+    effects = [withTickedStroke(angle=-135, **HATCH)]
+    axis.plot([low, high], [y, y], transform=axis.transData + below, path_effects=effects, **style)
+
+
+def add_turn(axis: Any, at: Any, share: float, radius: float, colour: Any) -> Any:
+    """Draw a curved arrow about a place, the longer the greater the share; return its line in points."""
+    sweep = np.sign(share) * max(abs(share) * TURN, LEAST_TURN)
+    turn = TURN_START + np.linspace(0.0, sweep, 41)
+    line = radius * np.stack([np.cos(turn), np.sin(turn)], axis=-1)
+    cut = -1 - int(np.ceil(0.9 * HEAD / np.hypot(*(line[1] - line[0]))))
+    _line(axis, line[: cut + 1, 0], line[: cut + 1, 1], at, color=colour, linewidth=1.4, zorder=6.5)
+    end, back = line[-1], line[-1] - line[cut]
+    back = HEAD * back / np.hypot(*back)
+    side = 0.38 * np.array([-back[1], back[0]])
+    style = {"facecolor": colour, "edgecolor": colour, "linewidth": 0.5, "zorder": 6.5}
+    _shape(axis, np.array([end, end - back + side, end - back - side]), at, **style)
+    return line
+
+
+def add_scale(axis: Any, view: Any, width: float) -> None:
+    """Draw the length of a round number of metres in the lower left corner."""
+    step = 10.0 ** np.floor(np.log10(0.3 * width))
+    length = step * max(one for one in (1.0, 2.0, 5.0) if one * step <= 0.3 * width)
+    left, low = view[0], view[2]
+    axis.plot([left, left + length], [low, low], color=INK, linewidth=1.0, clip_on=False)
+    for x in (left, left + length):
+        _line(axis, [0.0, 0.0], [-3.0, 3.0], (x, low), color=INK, linewidth=1.0, clip_on=False)
+    text = {"xytext": (0, 3), "textcoords": "offset points", "ha": "center", "va": "bottom"}
+    clear = {"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.85}
+    axis.annotate(f"{length:g} m", (left + 0.5 * length, low), fontsize=8, color=INK, bbox=clear, **text)
+
+
+# -- Show what moves with a linkage besides its bars: loci of a position, circles about moving points
+
+
+GRID, ELLIPSE, HYPERBOLA = 401, 0, 1
+#: The dashes of an arm of a circle of future-pointing vectors, and of the other one.
+ARMS: dict[bool, Any] = {True: (0, (1.2, 1.6)), False: (0, (5, 3))}
+
+
+def add_arms(sheet: Sheet, position: float, circle: Circle) -> list[Any]:
+    """Draw a circle in each assembly mode, past-pointing arms dashed, and return the lines."""
+    motion, seen, drawn = sheet.motion, set(), list[Any]()
+    if not motion.has(circle.radius):
+        return []
+    centres = motion.places_at(position, [motion.picture.point(circle.centre)])[circle.centre]
+    radii = motion.values([circle.radius], [position])[circle.radius][:, 0]
+    for centre, radius in zip(centres, radii, strict=True):
+        key = (*np.round(centre * sheet.scale, 3), round(float(radius) * sheet.scale, 3))
+        if not np.isfinite(key).all() or key in seen:
+            continue
+        seen.add(key)
+        for arm, is_usual in sheet.plane.circle(centre, radius, sheet.view):
+            style = {"color": FAINT, "linewidth": 0.9, "linestyle": ARMS[is_usual], "zorder": 1.0}
+            drawn += sheet.axis.plot(*arm.T, **style)
+    return drawn
+
+
+def _is_of_mode(locus: Locus) -> bool:
+    """Tell whether the curve differs by assembly mode."""
+    return "branch" in signature(function_of(locus)).parameters
+
+
+def _shown_loci(sheet: Sheet) -> list[Locus]:
+    motion = sheet.motion
+    return [one for one in motion.picture.loci if one.group in sheet.show and one.by in ("", motion.input)]
+
+
+def legend_of_loci(sheet: Sheet) -> list[Any]:
+    """Return the legend of the loci that are shown."""
+    single = sheet.colour(0) if len(sheet.motion.branches) == 1 else FAINT
+    return [
+        Line2D([], [], color=single if _is_of_mode(one) else FAINT, linewidth=0.9, label=one.meaning)
+        for one in _shown_loci(sheet)
+    ]
+
+
+def add_following(sheet: Sheet, position: float) -> None:
+    """Draw loci and circles as they are at a position."""
+    picture = sheet.motion.picture
+    for circle in picture.circles:
+        if circle.group in sheet.show and picture.point(circle.centre).kind != "ground":
+            add_arms(sheet, position, circle)
+    for locus in _shown_loci(sheet):
+        _add_locus(sheet, position, locus)
+
+
+def _add_locus(sheet: Sheet, position: float, locus: Locus) -> None:
+    """Draw the curve that a function of fastlink gives for a position, in each assembly mode if they differ."""
+    motion, function, of_mode = sheet.motion, function_of(locus), _is_of_mode(locus)
+    inputs = {**motion.design, motion.input: position}
+    given = {name: inputs[name] for name in signature(function).parameters if name in inputs}
+    further = motion.values(list(locus.given.values()), [position])
+    for k in np.flatnonzero(motion.assembles(position)[:, 0])[: None if of_mode else 1].tolist():
+        own: dict[str, Any] = {"branch": motion.branches[k]} if of_mode else {}
+        own |= {key: float(further[fact][k, 0]) for key, fact in locus.given.items()}
+        curve = function(**given, **own)
+        style = {
+            "color": sheet.colour(k) if of_mode else FAINT,
+            "linewidth": 0.9,
+            "alpha": 0.75,
+            "zorder": 1.2,
+        }
+        if locus.gives == "points":
+            sheet.axis.plot(*np.asarray(curve).T, **style)
+        elif locus.gives == "conic":
+            _add_conic(sheet.axis, curve, style)
+        else:
+            _add_level(sheet, curve, style)
+
+
+def _add_conic(axis: Any, conic: Any, style: dict[str, Any]) -> None:
+    """Draw an ellipse or a hyperbola with its second focus."""
+    centre = float(conic.centre_x), float(conic.centre_y)
+    major, minor, turn = (float(one) for one in (conic.major, conic.minor, conic.direction))
+    axis.plot([conic.x2], [conic.y2], "x", color=style["color"], markersize=4.5, zorder=5.5)
+    if int(conic.kind) == ELLIPSE:
+        angle = np.degrees(turn)
+        axis.add_patch(Ellipse(centre, 2.0 * major, 2.0 * minor, angle=angle, fill=False, **style))
+    elif int(conic.kind) == HYPERBOLA:
+        t = np.linspace(-4.0, 4.0, GRID)
+        for side in (1.0, -1.0):
+            along, across = side * major * np.cosh(t), minor * np.sinh(t)
+            x = centre[0] + along * np.cos(turn) - across * np.sin(turn)
+            y = centre[1] + along * np.sin(turn) + across * np.cos(turn)
+            axis.plot(x, y, **style)
+
+
+def _add_level(sheet: Sheet, coefficients: Any, style: dict[str, Any]) -> None:
+    """Draw where a polynomial in x and y is zero."""
+    x, y = (np.linspace(low, high, GRID) for low, high in sheet.view.reshape(2, 2))
+    values = np.polynomial.polynomial.polygrid2d(x, y, coefficients)
+    if np.nanmin(values) < 0.0 < np.nanmax(values):
+        lines = {"colors": [style["color"]], "linewidths": style["linewidth"], "zorder": style["zorder"]}
+        sheet.axis.contour(x, y, values.T, [0.0], **lines)
+
+
+# -- Show forces as arrows and torques as curved ones, all of a kind by one scale
+
+
+FORCES, TORQUES = "forces", "torques"
+#: The units of a kind; its mark in the legend, with size and width of line.
+UNITS, MARKS = (
+    {FORCES: "N", TORQUES: "N m"},
+    {FORCES: (">", 5.0, 1.4), TORQUES: (r"$\circlearrowleft$", 10.0, 0.0)},
+)
+#: Of the picture: the length of the greatest force.
+LONGEST = 0.22
+#: Of a torque in points: the radius in the first assembly mode, and by how much each further one's is greater.
+RADIUS, FURTHER_RADIUS = 17.0, 6.0
+#: The distance of a name from the end of an arrow, in points.
+CLOSE = 9.0
+
+
+def _loads(motion: Motion, kind: str, positions: Any) -> dict[str, Any]:
+    """Return each load of a kind over assembly modes, positions, and its components."""
+    components = {one.name: one.components for one in motion.picture.loads[kind]}
+    values = motion.values([name for names in components.values() for name in names], positions)
+    return {one: np.stack([values[name] for name in names], axis=-1) for one, names in components.items()}
+
+
+def _scaled_by(motion: Motion, kind: str, positions: Any, moves: bool) -> tuple[Any, dict[str, Any], float]:
+    """Return the positions of which the loads have one scale, the loads there, and the greatest of them."""
+    positions = motion.spread(61, ends=False) if moves else positions
+    values = _loads(motion, kind, positions)
+    sizes = np.stack([np.linalg.norm(one, axis=-1) for one in values.values()])
+    return positions, values, float(sizes[np.isfinite(sizes)].max(initial=0.0)) or 1.0
+
+
+def ends_of_forces(motion: Motion, positions: Any, longest: float, *, moves: bool) -> Any:
+    """Return where the arrows of all forces end, the longest of them of a given length."""
+    positions, values, greatest = _scaled_by(motion, FORCES, positions, moves)
+    places, unit = motion.places(positions), longest / greatest
+    ends = [places[one.at] + unit * values[one.name] for one in motion.picture.forces]
+    found = np.concatenate([one.reshape(-1, 2) for one in ends])
+    return found[np.isfinite(found).all(axis=1)]
+
+
+class Loads:
+    """The forces and torques of one picture."""
+
+    def __init__(self, sheet: Sheet) -> None:
+        self.sheet = sheet
+        #: The greatest one of each kind that is shown.
+        self.greatest: dict[str, float] = {}
+
+    def scale(self, position: float) -> list[Any]:
+        """Find the greatest of each kind, of the whole motion where one moves, and return the legend."""
+        handles = []
+        for kind in (kind for kind in (FORCES, TORQUES) if kind in self.sheet.show):
+            _, _, greatest = _scaled_by(self.sheet.motion, kind, [position], self.sheet.moves)
+            self.greatest[kind] = greatest
+            marker, size, width = MARKS[kind]
+            style: dict[str, Any] = {"markersize": size, "linewidth": width, "markeredgewidth": 0.6}
+            label = f"{kind}, the greatest {short_number(float(f'{greatest:.3g}'))} {UNITS[kind]}"
+            handles.append(Line2D([], [], color=self._colour(0, INK), marker=marker, label=label, **style))
+        return handles
+
+    def draw(self, position: float, places: Any) -> None:
+        """Draw what is shown at a position."""
+        add = {FORCES: self._force, TORQUES: self._torque}
+        named = []
+        for kind, greatest in self.greatest.items():
+            values = _loads(self.sheet.motion, kind, [position])
+            for one in self.sheet.motion.picture.loads[kind]:
+                for k, value in enumerate(values[one.name][:, 0] / greatest):
+                    at = places[one.at][k]
+                    if np.isfinite([*value, *at]).all():
+                        named.append((one.name, k, add[kind](k, value, at)))
+        for name, k, at in named:
+            symbol = self.sheet.motion.catalogue.public_fact(name).symbol.strip("|")
+            middle = self.sheet.names.place(f"{name} {k}", symbol.replace("_", ""), at, CLOSE)
+            self.sheet.write(mathematical(symbol), middle, self._colour(k))
+
+    def _colour(self, k: int, shared: str = "") -> str:
+        """Return the colour in an assembly mode; in the legend, that of all."""
+        if len(self.sheet.motion.branches) == 1:
+            return LINES[3]
+        return shared or self.sheet.colour(k)
+
+    def _force(self, k: int, vector: Any, start: Any) -> Any:
+        """Draw an arrow; return the place beside which its name stands."""
+        sheet = self.sheet
+        end = start + LONGEST * min(np.ptp(sheet.view[:2]), np.ptp(sheet.view[2:])) * vector
+        arrow = {"arrowstyle": "-|>", "color": self._colour(k), "linewidth": 1.4, "shrinkA": 0, "shrinkB": 0}
+        sheet.names.keep_free(samples_of([start, end], sheet.scale))
+        sheet.axis.annotate("", end, start, arrowprops=arrow, zorder=6.5)
+        return end
+
+    def _torque(self, k: int, value: Any, at: Any) -> Any:
+        """Draw a curved arrow; return the place beside which its name stands."""
+        sheet = self.sheet
+        radius = (RADIUS + FURTHER_RADIUS * k) * sheet.size
+        arc = add_turn(sheet.axis, at, float(value[0]), radius, self._colour(k))
+        sheet.names.keep_free(at + arc / sheet.scale)
+        return at + arc[len(arc) // 2] / sheet.scale
+
+
+# -- Show more than the linkage, each thing by a word: paths, limits, circles, light cones, curvature combs
+
+
+#: The colours of assembly modes.
+MODES = LINES
+TEETH = 90
+#: Of the picture: the length of a usual tooth, and of the longest.
+TOOTH, LONGEST_TOOTH = 0.06, 4.0
+#: Of the whole span: how far the positions are from each other of which the change of the slope is taken.
+ASIDE = 1e-6
+#: The usual curvature times the size of the picture below which a path is a straight line, and rounding its curvature.
+STRAIGHT = 1e-6
+
+
+def mode_line(branch: int, **changes: Any) -> dict[str, Any]:
+    """Return how curves of an assembly mode are drawn: in its colour, those of the second dashed."""
+    dashes = "solid" if branch == 1 else (0, (5, 1.6))
+    return {"color": MODES[(branch - 1) % len(MODES)], "linestyle": dashes, "linewidth": 1.3, **changes}
+
+
+def _traced(sheet: Sheet, unless: str = "") -> list[Point]:
+    """Return the points whose paths are shown; where none are, those of a word."""
+    traced = sheet.motion.picture.traced
+    words = [word for word in traced if word in sheet.show] or [unless]
+    names = [name for word in words for name in traced.get(word, "").split()]
+    return [one for one in sheet.motion.points if one.name in names]
+
+
+def _add_paths(sheet: Sheet, position: float) -> list[Any]:
+    """Draw the paths of traced points."""
+    motion, traced = sheet.motion, _traced(sheet)
+    if not traced:
+        return []
+    every_range = "circuits" in sheet.show or motion.picture.metric != "euclidean"
+    for positions in motion.along(361, None if every_range else position):
+        places = motion.places(positions, traced)
+        for one in traced:
+            for branch, line in zip(motion.branches, places[one.name], strict=True):
+                if np.isfinite(line).all(axis=-1).any():
+                    style = mode_line(branch, zorder=2.0, gid=f"path {one.name} {branch}")
+                    sheet.axis.plot(*line.T, **style)
+                    sheet.keep_free(samples_of(line, sheet.scale)[::2], 0.5)
+    letters = " and ".join(
+        mathematical(one.name) if one.is_named else "the middle of a bar" for one in traced
+    )
+    style = mode_line(motion.branches[0]) if len(motion.branches) == 1 else {"color": FAINT, "linewidth": 1.3}
+    return [Line2D([], [], label=f"path of {letters}", **style)]
+
+
+def _add_circles(sheet: Sheet, position: float, group: str) -> list[Any]:
+    """Draw the circles about ground pivots and the lines of a group, and return their legend."""
+    motion, arms = sheet.motion, list[Any]()
+    for circle in motion.picture.circles:
+        if circle.group == group and motion.picture.point(circle.centre).kind == "ground":
+            arms += add_arms(sheet, position, circle)
+    for one in arms:
+        sheet.keep_free(samples_of(one.get_xydata(), sheet.scale)[::2], 0.4)
+    for guide in motion.picture.guides:
+        if guide.group == group and not guide.slider and guide.x is not None and motion.has(guide.x):
+            x = motion.number(guide.x)
+            if np.isfinite(x):
+                sheet.axis.axvline(x, color=FAINT, linewidth=0.9, linestyle=(0, (8, 3, 1, 3)), zorder=1.0)
+    if not arms or motion.picture.metric == "euclidean":
+        return []
+    labels = {True: "future-pointing arms", False: "past-pointing arms"}
+    style = {"color": FAINT, "linewidth": 0.9}
+    return [Line2D([], [], linestyle=ARMS[one], label=label, **style) for one, label in labels.items()]
+
+
+def _add_limits(sheet: Sheet, position: float) -> list[Any]:
+    """Draw the linkage faintly where its motion ends."""
+    motion = sheet.motion
+    ends = [end for one in motion.around(position) for end in one if end not in motion.span]
+    if motion.turns_fully or not ends:
+        return []
+    places = motion.places(ends)
+    for bar in (bar for bar in motion.picture.bars if not bar.is_ground):
+        names = [name for name in bar.points.split() if name in places]
+        for at in np.stack([places[name] for name in names], axis=-2).reshape(-1, len(names), 2):
+            if np.isfinite(at).all():
+                sheet.axis.plot(*at[[0, 1]].T, color=GHOST, linewidth=1.0, zorder=1.5)
+    return [Line2D([], [], color=GHOST, linewidth=1.0, label="limits of motion")]
+
+
+def _add_cones(sheet: Sheet, position: float) -> list[Any]:
+    """Draw the light lines through the ground pivots."""
+    reach, style = 2.0 * float(np.ptp(sheet.view)), {"color": "0.85", "linewidth": 0.8}
+    for at in sheet.ground.values():
+        for line in sheet.plane.cone(at, reach):
+            sheet.axis.plot(*line.T, zorder=0.5, **style)
+    return [Line2D([], [], label="light lines", **style)]
+
+
+def _add_comb(sheet: Sheet, position: float) -> list[Any]:
+    """Draw the curvature of each path that is shown as teeth across it, on the outer side."""
+    motion = sheet.motion
+    size = min(np.ptp(sheet.view[:2]), np.ptp(sheet.view[2:]))
+    for point in _traced(sheet, unless="path"):
+        pieces = [_curved(sheet, point, one) for one in motion.along(2 * TEETH, position)]
+        every = np.concatenate([np.hypot(*np.moveaxis(bend, -1, 0)).ravel() for _, bend in pieces])
+        every = every[np.isfinite(every)]
+        usual = float(np.median(every)) if every.size else 0.0
+        if usual * size < STRAIGHT:
+            continue
+        for places, bends in pieces:
+            for branch, at, bend in zip(motion.branches, places, bends, strict=True):
+                tooth = -TOOTH * size / usual * bend
+                with np.errstate(all="ignore"):
+                    tooth *= np.minimum(1.0, LONGEST_TOOTH * TOOTH * size / np.hypot(*tooth.T))[:, None]
+                tips = at + tooth
+                teeth = np.stack([at, tips, np.full_like(at, np.nan)], axis=1)[::2].reshape(-1, 2)
+                for line, width in ((teeth, 0.5), (tips, 0.8)):
+                    style = {"linestyle": "solid", "linewidth": width, "alpha": 0.7, "zorder": 1.8}
+                    sheet.axis.plot(*line.T, **mode_line(branch, **style))
+    return []
+
+
+def _slope(motion: Motion, coordinate: Value) -> Value:
+    """Return the derivative of a coordinate by the input: a fact, or 0 where it is the same everywhere."""
+    name = derivative_name(str(coordinate), motion.input)
+    try:
+        motion.values([name], [motion.usual])
+    except InputError:
+        return 0.0
+    return name
+
+
+def _curved(sheet: Sheet, point: Point, positions: Any) -> tuple[Any, Any]:
+    """Return the places of a point and the vectors of curvature of its path, over assembly modes.
+
+    The second derivative is the difference of first ones, which are facts, on both sides.
+    """
+    motion = sheet.motion
+    slopes = [_slope(motion, xy) for xy in (point.x, point.y)]
+    aside = ASIDE * (motion.span[1] - motion.span[0])
+
+    def slope(shift: float) -> Any:
+        values = motion.values(slopes, positions + shift)
+        return np.stack([values[name] for name in slopes], axis=-1)
+
+    with np.errstate(all="ignore"):
+        bend = (slope(aside) - slope(-aside)) / (2.0 * aside)
+        return motion.places(positions, [point])[point.name], sheet.plane.curvature(slope(0.0), bend)
+
+
+#: What is drawn by a word of its own.
+OF_WORDS: dict[str, Callable[[Sheet, float], list[Any]]] = {
+    "cone": _add_cones,
+    "limits": _add_limits,
+    "comb": _add_comb,
+}
+
+
+def add_overlays(sheet: Sheet, position: float) -> list[Any]:
+    """Draw all that is shown besides the linkage, as for a position, and return its legend."""
+    handles = [line for group in sorted(sheet.show) for line in _add_circles(sheet, position, group)]
+    handles += [*legend_of_loci(sheet), *_add_paths(sheet, position)]
+    for word, add in OF_WORDS.items():
+        if word in sheet.show:
+            handles += add(sheet, position)
+    return handles
+
+
+# -- One picture of a linkage: what stands still, and the linkage itself at a position
+
+
+#: Of the size of the picture: points of two assembly modes that are nearer to each other are one.
+SAME = 1e-9
+PLATE = 0.14
+#: The size of a joint for which marks have their sizes.
+USUAL_JOINT = 7.5
+
+
+@dataclass(frozen=True)
+class Style:
+    """The width of a bar, the sizes of joints and letters in points, and whether bars carry their lengths' symbols."""
+
+    bar: float = 3.6
+    joint: float = USUAL_JOINT
+    font: float = 10.0
+    lengths: bool = True
+
+
+class Sheet:
+    """The picture of a design in one pair of axes."""
+
+    def __init__(
+        self, axis: Any, motion: Motion, view: Any, scale: float, show: frozenset[str], *, style: Style
+    ) -> None:
+        self.axis, self.motion, self.view, self.scale = axis, motion, view, scale
+        self.show, self.style, self.size = show, style, style.joint / USUAL_JOINT
+        self.plane = PLANES[motion.picture.metric]
+        self.names = Names(scale, view)
+        #: Whether one scale of forces is for the whole motion.
+        self.moves = False
+        self.loads = Loads(self)
+        self.free: list[tuple[Any, float]] = []
+        #: The places of the ground pivots.
+        self.ground: dict[str, Any] = {}
+
+    # -- what stands still -----------------------------------------------------------------------------------------
+
+    def background(self, position: float) -> list[Any]:
+        """Draw what does not move, as for a position; return the legend of it."""
+        axis, view, motion = self.axis, self.view, self.motion
+        axis.set(xlim=view[:2], ylim=view[2:], aspect="equal", autoscale_on=False)
+        axis.set_axis_off()
+        pivots = [one for one in motion.points if one.kind == "ground"]
+        self.ground = {name: at[0] for name, at in motion.places_at(position, pivots).items()}
+        handles = add_overlays(self, position)
+        handles += self.loads.scale(position)
+        for bar in motion.picture.bars:
+            if bar.is_ground:
+                at = np.array([self.ground[name] for name in bar.points.split()])
+                axis.plot(*at.T, color="0.75", linewidth=1.0, linestyle=(0, (8, 3, 1, 3)), zorder=2.2)
+                self.keep_free(samples_of(at, self.scale), 0.3)
+        corner = np.stack(np.meshgrid([-12.0, -6.0, 0.0, 6.0, 12.0], [-7.0, -11.0, -15.0]), axis=-1)
+        for at in self.ground.values():
+            if np.isfinite(at).all():
+                add_ground(axis, at, self.size)
+                self.keep_free(at + corner * self.style.joint / USUAL_JOINT / self.scale, 2.0)
+        for guide in motion.picture.guides:
+            if guide.slider and guide.y is not None:
+                (low, high), y = self._run(guide.slider), motion.number(guide.y)
+                add_guide(axis, low, high, y, self.size)
+                hatched = np.array([[low, y], [high, y]]) - [0.0, 1.3 * SLIDER[1] * self.size / self.scale]
+                self.keep_free(samples_of(hatched, self.scale), 0.7)
+        return handles
+
+    def _run(self, slider: str) -> tuple[float, float]:
+        """Return how far the ground of a slider reaches."""
+        along = np.concatenate(self.motion.along(61))
+        x = self.motion.places(along, [self.motion.picture.point(slider)])[slider][..., 0]
+        edge = 16.0 / self.scale
+        return float(np.nanmin(x)) - edge, float(np.nanmax(x)) + edge
+
+    def keep_free(self, points: Any, weight: float) -> None:
+        """Note points that names should not cover."""
+        self.free.append((points, weight))
+
+    # -- the linkage -----------------------------------------------------------------------------------------------
+
+    def linkage(self, position: float) -> None:
+        """Draw the linkage at a position in all its assembly modes."""
+        motion, names = self.motion, self.names
+        points = [one for one in motion.points if not one.group or one.group in self.show]
+        assembled = motion.assembles(position)
+        places = {
+            one.name: at if one.kind == "ground" else np.where(assembled, at, np.nan)
+            for one, at in zip(points, motion.places_at(position, points).values(), strict=True)
+        }
+        common = {name: self._is_common(at) for name, at in places.items()}
+        names.clear()
+        for cloud, weight in self.free:
+            names.keep_free(cloud, weight)
+        add_following(self, position)
+        for bar in motion.picture.bars:
+            if not bar.is_ground:
+                self._bar(bar, position, places, common)
+        for one in points:
+            for at, colour in self._modes(places[one.name], common[one.name]):
+                self._point(one.kind, at, colour)
+        if not assembled.any():
+            self.write("does not assemble", 0.5 * (self.view[::2] + self.view[1::2]), "0.4")
+        self.loads.draw(position, places)
+        self._letters(points, places, common)
+        if self.style.lengths:
+            self._symbols(places, common)
+
+    def _is_common(self, at: Any) -> bool:
+        """Tell whether a point is the same in all assembly modes in which it exists."""
+        finite = at[np.isfinite(at).all(axis=-1)]
+        if len(finite) < 2:
+            return len(self.motion.branches) < 2
+        return float(np.ptp(finite, axis=0).max()) <= SAME * float(np.ptp(self.view[:2]))
+
+    def _modes(self, at: Any, common: bool) -> list[tuple[Any, Any]]:
+        """Return the places of a point with their colours: one if they agree."""
+        finite = np.flatnonzero(np.isfinite(at).all(axis=-1)).tolist()
+        return [(at[k], INK) for k in finite[:1]] if common else [(at[k], self.colour(k)) for k in finite]
+
+    def colour(self, k: int) -> str:
+        """Return the colour of the assembly mode with an index."""
+        return MODES[(self.motion.branches[k] - 1) % len(MODES)]
+
+    def _point(self, kind: str, at: Any, colour: Any) -> None:
+        joint = self.style.joint
+        if kind == "slider":
+            add_slider(self.axis, at, colour, self.size)
+            half = np.multiply(SLIDER, self.size) / self.scale
+            corners = at + half * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)])
+            self.names.keep_free(samples_of(corners, self.scale))
+            add_joint(self.axis, at, colour, 0.8 * joint)
+        elif kind in ("traced", "mark"):
+            size = (0.5 if kind == "traced" else 0.4) * joint
+            self.axis.plot(*np.reshape(at, (2, 1)), "o", color=colour, markersize=size, zorder=6)
+        else:
+            add_joint(self.axis, at, colour, joint)
+
+    def _bar(self, bar: Bar, position: float, places: Any, common: Any) -> None:
+        """Draw a bar, or a plate, in each assembly mode that has it."""
+        names = [name for name in bar.points.split() if name in places]
+        corners = np.stack([places[name] for name in names], axis=1)
+        modes = np.flatnonzero(np.isfinite(corners).all(axis=(1, 2)))
+        is_common = all(common[name] for name in names)
+        for k in modes[:1] if is_common else modes:
+            at, branch = corners[k], self.motion.branches[k]
+            colour = INK if is_common else self.colour(k)
+            self._outline(bar, names, at, branch, colour, hollow=not is_common and branch > 1)
+            if len(at) > 2:
+                self.axis.fill(*at.T, facecolor=colour, alpha=PLATE, linewidth=0, zorder=3.0)
+            if bar.orientation:
+                side = self.motion.values([bar.orientation], [position])[bar.orientation][k, 0]
+                self._direction(at[0], at[1], "white" if side < 0.0 else colour, colour)
+            self.names.keep_free(samples_of(np.concatenate([at, at[:1]]), self.scale))
+
+    def _direction(self, start: Any, end: Any, face: Any, colour: Any) -> None:
+        """Draw the head of an arrow on a bar."""
+        arrow = {"arrowstyle": "-|>,head_length=0.55,head_width=0.3", "edgecolor": colour, "facecolor": face}
+        arrow |= {"shrinkA": 0, "shrinkB": 0, "linewidth": 1.2}
+        along = end - start
+        self.axis.annotate("", start + 0.6 * along, start + 0.5 * along, arrowprops=arrow, zorder=5)
+
+    def _outline(
+        self, bar: Bar, names: list[str], at: Any, branch: int, colour: Any, *, hollow: bool
+    ) -> None:
+        """Draw a bar: thick along lengths, hollow in the second assembly mode; thin round the rest of a plate."""
+        thick = [tuple(pair.split()) for pair in bar.lengths]
+        edges = list(zip(names, [*names[1:], names[0]], strict=True)) if len(names) > 2 else []
+        thin = [pair for pair in edges if pair not in thick and pair[::-1] not in thick]
+        width, style = self.style.bar, {"solid_capstyle": "round", "zorder": 4.0}
+        ends = {(a, b): at[[names.index(a), names.index(b)]].T for a, b in (*thick, *thin)}
+        for kind, pairs, wide in (("bar", thick, width), ("edge", thin, 0.3 * width)):
+            for a, b in pairs:
+                look = {"color": colour, "linewidth": wide, "gid": f"{kind} {a} {b} {branch}", **style}
+                self.axis.plot(*ends[a, b], **look)
+        for a, b in thick if hollow else ():
+            self.axis.plot(*ends[a, b], color="white", linewidth=0.45 * width, **style)
+
+    def _letters(self, points: Any, places: Any, common: Any) -> None:
+        """Write the names of points; those that stand in one place share it."""
+        groups: list[tuple[Any, Any, list[str]]] = []
+        near = 0.6 * self.style.joint / self.scale
+        for one in filter(lambda one: one.is_named, points):
+            for at, colour in self._modes(places[one.name], common[one.name]):
+                self.names.keep_free(at + np.array([[0.0, 0.0], [3.0, 0.0], [-3.0, 0.0]]) / self.scale, 1.5)
+                letters = next((names for place, _, names in groups if np.hypot(*(place - at)) < near), None)
+                if letters is None:
+                    groups.append((at, colour, [one.name]))
+                elif one.name not in letters:
+                    letters.append(one.name)
+        for number, (at, colour, letters) in enumerate(groups):
+            if self._is_in_view(at):
+                text = ", ".join(letters)
+                middle = self.names.place(f"{text} {number}", text, at)
+                self.write(", ".join(map(mathematical, letters)), middle, colour)
+
+    def _is_in_view(self, at: Any) -> bool:
+        view = self.view
+        return bool(view[0] <= at[0] <= view[1] and view[2] <= at[1] <= view[3])
+
+    def _symbols(self, places: Any, common: Any) -> None:
+        """Write the symbols of lengths along bars, those of the first assembly mode."""
+        for bar in self.motion.picture.bars:
+            for pair, length in bar.lengths.items():
+                a, b = (places[name] for name in pair.split())
+                modes = np.flatnonzero(np.isfinite(a + b).all(axis=-1))
+                if not modes.size or not self._is_in_view(0.5 * (a[modes[0]] + b[modes[0]])):
+                    continue
+                k = modes[0]
+                is_common = all(common[name] for name in pair.split())
+                colour = "0.5" if bar.is_ground else INK if is_common else self.colour(k)
+                symbol = self.symbol(length)
+                middle = self.names.beside(pair, symbol.replace("_", ""), a[k], b[k])
+                self.write(mathematical(symbol), middle, colour)
+
+    def symbol(self, name: str) -> str:
+        """Return the symbol of a fact or an input."""
+        known = self.motion.catalogue
+        inputs = known.known_inputs(known.variant_inputs)
+        return inputs[name].symbol if name in inputs else known.facts[name].symbol
+
+    def write(self, text: str, at: Any, colour: Any) -> None:
+        """Write the name of something."""
+        style = {"ha": "center", "va": "center", "fontsize": self.style.font, "zorder": 8, "gid": "name"}
+        self.axis.text(*at, text, color=colour, **style)
+
+
+# -- Curves of quantities over the input, beside a linkage, with the input marked
+
+
+CURVE_POINTS = 361
+MOST_RANGE = 50.0
+
+
+class Curves:
+    """The curves of some quantities, one below the other."""
+
+    def __init__(self, axes: Sequence[Any], motion: Motion, names: Sequence[str], degrees: bool) -> None:
+        self.axes, self.motion, self.names, self.degrees = axes, motion, names, degrees
+        known = motion.catalogue
+        self.units = {name: known.public_fact(name).units for name in names}
+        for axis, name in zip(axes, names, strict=True):
+            self._draw(axis, name)
+            fact = known.public_fact(name)
+            units = "" if fact.flags else units_text(self._units(fact.units))
+            axis.set_ylabel(f"{mathematical(fact.symbol)}{units and f' [{units}]'}", fontsize=9)
+            axis.tick_params(labelsize=8, labelbottom=axis is axes[-1])
+            axis.grid(color="0.92", linewidth=0.8)
+            axis.set_axisbelow(True)
+        position = known.position
+        units = units_text(self._units(position.units))
+        axes[-1].set_xlabel(f"{mathematical(position.symbol)}{units and f' [{units}]'}", fontsize=9)
+
+    def _units(self, units: str) -> str:
+        return "°" if self.degrees and units == RADIANS else "" if units == "1" else units
+
+    def _scaled(self, values: Any, units: str) -> Any:
+        return np.degrees(values) if self.degrees and units == RADIANS else values
+
+    def _at(self, positions: Any) -> Any:
+        return self._scaled(np.asarray(positions, dtype=float), self.motion.catalogue.position.units)
+
+    def _draw(self, axis: Any, name: str) -> None:
+        motion, every = self.motion, []
+        units = self.units[name]
+        for positions in motion.along(CURVE_POINTS):
+            values = self._scaled(motion.values([name], positions)[name], units)
+            for k, branch in enumerate(motion.branches):
+                x, y = cut(
+                    self._at(positions), drawable(values[k]), self._units(units).replace("°", "degree")
+                )
+                axis.plot(x, y, **mode_line(branch))
+                every.append(values[k])
+        low, high, extend = limits_of(drawable(np.concatenate(every)), np.concatenate(every), MOST_RANGE)
+        if extend != "neither":
+            axis.set_ylim(low - 0.05 * (high - low), high + 0.05 * (high - low))
+        ends = self._at([motion.ranges[0][0], motion.ranges[-1][1]])
+        axis.set_xlim(*ends)
+        half = half_turn(motion.catalogue.position.units)
+        if half is not None and self.degrees:
+            step = next(step for step in (5, 10, 15, 30, 45, 60, 90) if (ends[1] - ends[0]) / step <= 8.5)
+            axis.set_xticks(np.arange(np.ceil(ends[0] / step), np.floor(ends[1] / step) + 1) * step)
+
+    def mark(self, positions: Sequence[float]) -> None:
+        """Mark the input and the values there."""
+        shown = [self._within(position) for position in positions]
+        for axis, name in zip(self.axes, self.names, strict=True):
+            for position, x in zip(positions, self._at(shown), strict=True):
+                axis.axvline(x, color="0.35", linewidth=0.9, zorder=1.5)
+                values = self._scaled(self.motion.values([name], [position])[name][:, 0], self.units[name])
+                for branch, value in zip(self.motion.branches, values, strict=True):
+                    if np.isfinite(value):
+                        colour = MODES[(branch - 1) % len(MODES)]
+                        style = {"color": colour, "markersize": 5, "markeredgecolor": "white", "zorder": 5}
+                        axis.plot([x], [value], "o", **style)
+
+    def _within(self, position: float) -> float:
+        """Return a position moved by whole turns into what the axis shows."""
+        low = self.motion.ranges[0][0]
+        return low + (position - low) % (2.0 * np.pi) if self.motion.turns else position
+
+
+# -- The whole picture: one or several sheets, curves beside them, the legend and the numbers of the design
+
+
+#: In inches: the width of one sheet by how many stand in a row, the margin, a line of text, the curves beside.
+WIDTHS = {1: 5.6, 2: 4.2, 3: 3.2, 4: 2.7}
+MOST_IN_A_ROW = 4
+MARGIN, LINE, TITLE, BESIDE, CURVE = 0.25, 0.19, 0.3, 3.6, 1.25
+#: The height of a sheet over its width.
+FLATTEST, TALLEST = 0.42, 1.1
+#: Of the size of what is drawn: the margin in a view, and in one of a plane without bounds.
+AROUND, WIDE_AROUND = 0.09, 0.3
+#: The same where the teeth of a comb stand on the path.
+COMB_AROUND = 0.22
+#: How much the margin and the arrows themselves add to a view in which forces are shown.
+GROWN = 1.4
+LETTER = 0.072  # of the legend, in inches
+CAPTION_LETTERS, TITLE_LETTERS = 15, 12  # in an inch
+POINTS = 72.0
+
+
+class Board:
+    """The figure of a request, and its moving parts."""
+
+    def __init__(self, request: Request) -> None:
+        self.request = request
+        self.motion = request.motions[0]
+        self.view = _view(request)
+        rows = -(-len(request.sheets) // MOST_IN_A_ROW)
+        columns = -(-len(request.sheets) // rows)
+        self.width = WIDTHS[columns]
+        self.height = self.width * float(np.ptp(self.view[2:]) / np.ptp(self.view[:2]))
+        self.scale = POINTS * self.width / float(np.ptp(self.view[:2]))
+        self.figure = NotebookFigure(layout=None)
+        #: The axes with their places in inches, from the upper left corner.
+        self.placed: list[tuple[Any, tuple[float, float, float, float]]] = []
+        self.sheets: list[Sheet] = []
+        handles = self._add_sheets(columns)
+        page, low = self._block(columns)
+        self.curves = self._add_curves(page, low)
+        page += BESIDE if request.curves else 0.0
+        self._finish(page, low, [*self._legend_of_modes(), *handles])
+        self.moving: list[Any] = []
+
+    def _title_height(self) -> float:
+        return LINE * 1.2 if any(title for *_, title in self.request.sheets) else 0.0
+
+    def _add_sheets(self, columns: int) -> list[Any]:
+        """Add the axes of each linkage with what stands still, and return its legend."""
+        handles: list[Any] = []
+        style, each = self._style(columns), self.height + self._title_height() + MARGIN
+        for number, (motion, position, title) in enumerate(self.request.sheets):
+            row, column = divmod(number, columns)
+            left = MARGIN + column * (self.width + MARGIN)
+            top = MARGIN + TITLE + row * each + self._title_height()
+            axis = self._axes((left, top, self.width, self.height))
+            sheet = Sheet(axis, motion, self.view, self.scale, self.request.show, style=style)
+            sheet.moves = self.request.moves or len(self.request.positions) > 1
+            found = sheet.background(position)
+            handles = handles or found
+            if title:
+                axis.set_title(title, fontsize=style.font, pad=3.0)
+            self.sheets.append(sheet)
+        add_scale(self.sheets[0].axis, self.view, float(np.ptp(self.view[:2])))
+        return handles
+
+    def _block(self, columns: int) -> tuple[float, float]:
+        """Return how wide the linkages are with their margins, and how far down they or the curves reach."""
+        rows = -(-len(self.sheets) // columns)
+        low = MARGIN + TITLE + rows * (self.height + self._title_height() + MARGIN) - MARGIN
+        least = MARGIN + TITLE + CURVE * len(self.request.curves) + 0.5
+        return MARGIN + columns * (self.width + MARGIN), max(low, least) if self.request.curves else low
+
+    def _add_curves(self, left: float, low: float) -> Curves | None:
+        """Add the axes of curves on the right."""
+        names, top = self.request.curves, MARGIN + TITLE + 0.1
+        if not names:
+            return None
+        gap = 0.12
+        each = (low - 0.4 - top + gap) / len(names)
+        axes = [
+            self._axes((left + 0.6, top + k * each, BESIDE - 0.6 - MARGIN, each - gap))
+            for k in range(len(names))
+        ]
+        return Curves(axes, self.motion, names, self.request.degrees)
+
+    def _style(self, columns: int) -> Style:
+        if columns == 1:
+            return Style(lengths=not self.request.moves)
+        bars = {2: 3.2, 3: 2.8, 4: 2.4}[columns]
+        return Style(bars, 5.6 if columns > 2 else 6.5, 8.5 if columns > 2 else 9.5, lengths=False)
+
+    def _axes(self, box: tuple[float, float, float, float]) -> Any:
+        """Return new axes with their place in inches, from the upper left corner: left, top, width, height."""
+        axis = self.figure.add_axes((0.0, 0.0, 1.0, 1.0), label=str(len(self.placed)))
+        self.placed.append((axis, box))
+        return axis
+
+    def _finish(self, width: float, low: float, handles: list[Any]) -> None:
+        """Write title, legend and numbers, and give the page the size that all of it takes."""
+        caption = self._caption(width)
+        longest = max(len(handle.get_label()) for handle in handles)
+        columns = 2 if len(handles) > 3 and 2 * (longest * LETTER + 0.6) < width else 1
+        room = int((width / columns - 0.9) / LETTER)
+        for handle in handles:
+            handle.set_label(textwrap.fill(handle.get_label(), room))
+        rows = -(-sum(handle.get_label().count("\n") + 1 for handle in handles) // columns)
+        height = low + LINE * (0.93 * rows + len(caption)) + 2.0 * MARGIN
+        figure = self.figure
+        figure.set_size_inches(width, height)
+        for axis, (left, top, wide, high) in self.placed:
+            axis.set_position((left / width, 1.0 - (top + high) / height, wide / width, high / height))
+        centre: dict[str, Any] = {"ha": "center", "va": "center"}
+        title = textwrap.fill(self.motion.catalogue.title, int(width * TITLE_LETTERS))
+        figure.text(0.5, 1.0 - 1.2 * MARGIN / height, title, fontsize=10.5, **centre)
+        style = {"frameon": False, "fontsize": 8.5, "borderaxespad": 0.0, "handlelength": 2.4}
+        place = (0.5, 1.0 - (low + 0.7 * MARGIN) / height)
+        figure.legend(handles=handles, loc="upper center", bbox_to_anchor=place, ncols=columns, **style)
+        for number, line in enumerate(reversed(caption)):
+            at = (0.6 * MARGIN + LINE * (number + 0.5)) / height
+            figure.text(0.5, at, line, fontsize=8, color="0.35", **centre)
+
+    def _legend_of_modes(self) -> list[Any]:
+        """Return a line for each assembly mode."""
+        branches = self.motion.catalogue.branches
+        return [
+            Line2D([], [], **mode_line(b), label=f"assembly mode {b}: {branches[b]}{self._orientations(k)}")
+            for k, b in enumerate(self.motion.branches)
+        ]
+
+    def _orientations(self, k: int) -> str:
+        """Return which bars of an assembly mode point to the future and to the past, of a single picture."""
+        if len(self.request.sheets) > 1 or self.request.moves:
+            return ""
+        motion, text = self.motion, ""
+        for bar in motion.picture.bars:
+            if bar.orientation:
+                code = motion.values([bar.orientation], self.request.positions)[bar.orientation][k, 0]
+                words = motion.catalogue.facts[bar.orientation].flags.get(
+                    int(code) if code == code else 0, ""
+                )
+                text += f"; {next(iter(bar.lengths)).replace(' ', '')} {words.replace('_', '-')}"
+        return text
+
+    def _caption(self, width: float) -> list[str]:
+        """Return the numbers of the design and its words, a few lines."""
+        motion, degrees = self.motion, self.request.degrees
+        inputs = motion.catalogue.known_inputs(motion.catalogue.variant_inputs)
+        told = {name for name in inputs if inputs[name].choices and len(self.request.motions) > 1}
+        own = [
+            _valued(inputs[name], value)
+            for name, value in motion.design.items()
+            if name in inputs and name not in told
+        ]
+        if motion.links is not None:
+            own += [_valued(inputs[name], value) for name, value in motion.links.values.items()]
+        symbol = mathematical(motion.catalogue.position.symbol)
+        if len(self.request.positions) == 1 and not self.request.moves:
+            own.append(f"{symbol} = {motion.shown(self.request.positions[0], degrees)}")
+        words = [
+            motion.meaning(name) for name in ("grashof_class", "status") if name in motion.catalogue.facts
+        ]
+        if not motion.turns_fully:
+            ends = [] if motion.ranges == (motion.span,) else motion.range_texts(degrees)
+            words += [f"{symbol} {', '.join(ends)}"] if ends else []
+        return [*_filled(own, ", ", width), *_filled(words, "; ", width)]
+
+    def show(self, positions: Sequence[float] | None = None) -> None:
+        """Draw the linkages at positions, one for each sheet, in place of those that are there."""
+        self.clear()
+        still = set(self._artists())
+        given = [position for _, position, _ in self.request.sheets] if positions is None else positions
+        for sheet, position in zip(self.sheets, given, strict=True):
+            sheet.linkage(position)
+        if self.curves is not None:
+            self.curves.mark(given)
+        self.moving = [one for one in self._artists() if one not in still]
+
+    def clear(self) -> None:
+        """Take away what moves."""
+        for one in self.moving:
+            one.remove()
+        self.moving = []
+
+    def _artists(self) -> list[Any]:
+        return [one for axis, _ in self.placed for one in axis.get_children()]
+
+
+def _view(request: Request) -> Any:
+    """Return what every sheet shows: all of the motion, or where a plane has no bounds, the positions."""
+    corners: list[Any] = []
+    bounded = all(one.picture.metric == "euclidean" for one in request.motions)
+    for motion in request.motions:
+        positions = [request.positions]
+        if bounded:
+            positions += motion.along(61, None if request.moves else request.positions)
+        elif request.moves:
+            positions += [motion.spread(61)]
+        for one in positions:
+            points = [point for point in motion.points if point.kind != "mark"]
+            corners += [at.reshape(-1, 2) for at in motion.places(one, points).values()]
+    every = np.concatenate(corners)
+    every = every[np.isfinite(every).all(axis=1)]
+    low, high = every.min(axis=0), every.max(axis=0)
+    if not bounded and request.moves:
+        low, high = np.percentile(every, 4, axis=0), np.percentile(every, 96, axis=0)
+    if FORCES in request.show:
+        longest = LONGEST * GROWN * max((high - low).min(), FLATTEST * (high - low).max())
+        moves = request.moves or len(request.positions) > 1
+        ends = [ends_of_forces(one, request.positions, longest, moves=moves) for one in request.motions]
+        every = np.concatenate([*ends, [low, high]])
+        low, high = np.nanmin(every, axis=0), np.nanmax(every, axis=0)
+    middle, size = 0.5 * (low + high), high - low
+    around = WIDE_AROUND if not bounded else COMB_AROUND if "comb" in request.show else AROUND
+    size = size + 2.0 * around * size.max()
+    width = max(size[0], size[1] / TALLEST)
+    height = max(size[1], width * FLATTEST)
+    half = 0.5 * np.array([width, height])
+    return np.stack([middle - half, middle + half], axis=-1).ravel()
+
+
+def _valued(declared: Any, value: float) -> str:
+    units = "" if declared.units == "1" else f" {units_text(declared.units)}"
+    return f"{mathematical(declared.symbol)} = {short_number(float(value))}{units}"
+
+
+def _filled(parts: Sequence[str], between: str, width: float) -> list[str]:
+    """Return parts in lines of a width in inches; letters of formulas count as what they show."""
+    lines: list[list[str]] = [[]]
+    for part in parts:
+        shown = textwrap.shorten(between.join([*lines[-1], part]), 10**6)
+        plain = len(shown.translate(str.maketrans("", "", "${}_\\")))
+        if lines[-1] and plain > width * CAPTION_LETTERS:
+            lines.append([])
+        lines[-1].append(part)
+    return [between.join(line) for line in lines if line]
+
+
+# -- Write a linkage that moves: as GIF, as film, or as a page with a slider
+
+
+DPI, COLOURS = 90, 48
+SECONDS = 6.0  # of a cycle
+#: Away from the ends of the motion, so that no two pictures in a row are the same.
+PHASE = 0.25
+INSTALL = "install it, such as by `apt install ffmpeg`, or write a .gif or an .html"
+
+
+def check_film(path: Path) -> None:
+    """Refuse a film where there is no program that writes it."""
+    if path.suffix.lower() == ".mp4" and shutil.which("ffmpeg") is None:
+        what = "ffmpeg, which writes films, is not installed"
+        raise InputError(what, where=("animate",), remedy=INSTALL)
+
+
+def write_film(board: Board, path: Path, frames: int) -> None:
+    """Write the motion of a picture of one position: a turn, or there and back through the range."""
+    motion = board.motion
+    low, high = motion.around(board.request.positions)[0]
+    share = (np.arange(frames) + PHASE) / frames
+    if motion.turns_fully:
+        positions = low + (high - low) * share
+    else:
+        positions = 0.5 * (low + high) - 0.5 * (high - low) * np.cos(2.0 * np.pi * share)
+    pictures = _pictures(board, positions)
+    written = {".gif": _gif, ".mp4": _film, ".html": _page}[path.suffix.lower()]
+    labels = [motion.shown(one, board.request.degrees) for one in positions]
+    write_whole(path, written(pictures, f"{motion.mechanism}: {motion.input}", labels), "animate")
+
+
+def _pictures(board: Board, positions: Any) -> list[Any]:
+    """Return a picture for each position: what stands still is drawn once."""
+    figure = board.figure
+    figure.set_dpi(DPI)
+    board.clear()
+    canvas: Any = figure.canvas
+    canvas.draw()
+    still = canvas.copy_from_bbox(figure.bbox)
+    found = []
+    for position in positions:
+        board.show([position] * len(board.sheets))
+        canvas.restore_region(still)
+        for one in sorted(board.moving, key=lambda artist: artist.get_zorder()):
+            figure.draw_artist(one)
+        found.append(Image.fromarray(np.array(canvas.buffer_rgba())[..., :3]))
+    return found
+
+
+def _small(pictures: list[Any]) -> list[Any]:
+    """Return pictures of the same few colours, each the nearest: Pillow's own are near ones, and white turns grey."""
+    few = pictures[0].quantize(COLOURS)
+    palette = np.reshape(few.getpalette(), (-1, 3))
+    palette[few.getpixel((0, 0))] = 255
+    found = []
+    for picture in pictures:
+        pixels = np.asarray(picture, dtype=np.int64)
+        packed: Any = pixels @ np.array([1 << 16, 1 << 8, 1])
+        colours, places = np.unique(packed, return_inverse=True)
+        parts = np.stack([colours >> 16, (colours >> 8) & 255, colours & 255], axis=-1)
+        nearest = ((parts[:, None] - palette[None]) ** 2).sum(axis=-1).argmin(axis=1)
+        small = Image.fromarray(nearest[places].reshape(pixels.shape[:2]).astype(np.uint8))
+        small.putpalette(palette.ravel().tolist())
+        found.append(small)
+    return found
+
+
+def _gif(pictures: list[Any], title: str, labels: Sequence[str]) -> bytes:
+    first, *others = _small(pictures)
+    step = max(20, round(1000.0 * SECONDS / len(pictures)))
+    film = io.BytesIO()
+    first.save(film, format="GIF", save_all=True, append_images=others, duration=step, loop=0, disposal=1)
+    return film.getvalue()
+
+
+def _film(pictures: list[Any], title: str, labels: Sequence[str]) -> bytes:
+    width, height = pictures[0].size
+    rate = f"{len(pictures) / SECONDS:.6f}"
+    # coding takes sides of an even number of pixels
+    given = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", rate, "-i", "-"]
+    wanted = ["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white", "-pix_fmt", "yuv420p", "-f", "mp4"]
+    pixels = b"".join(picture.tobytes() for picture in pictures)
+    with (
+        tempfile.TemporaryDirectory() as folder
+    ):  # a file: ffmpeg goes back in it to note where the pictures are
+        film = Path(folder, "film.mp4")
+        command = ["ffmpeg", "-y", "-loglevel", "error", *given, *wanted, str(film)]
+        done = subprocess.run(command, input=pixels, capture_output=True, check=False)
+        if done.returncode:
+            lines = done.stderr.decode(errors="replace").strip().splitlines()
+            what = f"ffmpeg failed ({lines[-1] if lines else f'exit status {done.returncode}'})"
+            raise InputError(what, where=("animate",), remedy="write a .gif or an .html")
+        return film.read_bytes()
+
+
+PAGE = """<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><title>TITLE</title>
+<style>
+body {font: 15px sans-serif; margin: 1em auto; max-width: WIDTHpx; text-align: center}
+img {max-width: 100%} input {width: 60%; vertical-align: middle} output {display: inline-block; min-width: 8em}
+</style></head><body>
+<img id="picture" alt="TITLE"><br>
+<button id="play" aria-label="play or pause">&#10074;&#10074;</button>
+<input id="place" type="range" min="0" max="LAST" value="0" aria-label="TITLE"> <output id="label"></output>
+<script>
+const frames = FRAMES, labels = LABELS, step = STEP;
+const [picture, play, place, label] = ["picture", "play", "place", "label"].map(id => document.getElementById(id));
+let timer = null;
+function show(k) { place.value = k; picture.src = "data:image/png;base64," + frames[k]; label.value = labels[k]; }
+function run(on) {
+  clearInterval(timer);
+  timer = on ? setInterval(() => show((+place.value + 1) % frames.length), step) : null;
+  play.innerHTML = on ? "&#10074;&#10074;" : "&#9654;";
+}
+play.onclick = () => run(timer === null);
+place.oninput = () => { run(false); show(+place.value); };
+show(0); run(!window.matchMedia("(prefers-reduced-motion: reduce)").matches);
+</script></body></html>
+"""
+
+
+def _page(pictures: list[Any], title: str, labels: Sequence[str]) -> bytes:
+    texts = []
+    for picture in _small(pictures):
+        page = io.BytesIO()
+        picture.save(page, format="PNG", optimize=True)
+        texts.append(base64.b64encode(page.getvalue()).decode())
+    values = {
+        "TITLE": html.escape(title),
+        "WIDTH": str(pictures[0].width),
+        "LAST": str(len(pictures) - 1),
+        "LABELS": json.dumps(list(labels)),
+        "STEP": f"{1000.0 * SECONDS / len(pictures):.0f}",
+        "FRAMES": json.dumps(texts),
+    }
+    return filled(PAGE, values).encode()

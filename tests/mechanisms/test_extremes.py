@@ -1,0 +1,690 @@
+"""Greatest, least and listed extremes of every mechanism: within their bounds, none missed, whatever else is requested.
+
+The exact extremes are those of 50 digits (`fastlink.precision.stationary`), found by another search. There is no
+tolerance: |value - exact| <= bound is what a bound is. How loose bounds are is measured, as nothing says how loose
+they may be: of the planar linkage half are within 10 to 130 errors, an error being a rounding of the value at least.
+"""
+
+from __future__ import annotations
+
+import ast
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tests.support.extremes import (
+    QUIET,
+    SEARCHED,
+    assert_none_beyond,
+    bounded_extremes,
+    designs_of,
+    searched,
+)
+from tests.support.neighbourhoods import folded_planar_4r
+from tests.support.refusals import refused
+
+import fastlink as fl
+from fastlink.codegen.kernel import kernel_of
+from fastlink.codegen.runtime.results import of_better
+from fastlink.engine.resolve import _plan
+from fastlink.facts.names import derivative_name
+from fastlink.mechanisms import catalogue
+from fastlink.numerics.compensated import UNIT_ROUNDING
+from fastlink.numerics.compiler import syntax
+from fastlink.plan.programs import find_extremum_search, make_plan
+from fastlink.precision.errors import MeasuredErrors
+from fastlink.precision.reference import CONTEXT
+
+LENGTHS = ("a1", "a2", "a3", "a4")
+PLANAR = SEARCHED[0]
+#: Some of each kind: accelerations, forces, a coordinate, an angle with kinks.
+SOME = {
+    "theta1": ("alpha4", "F41"),
+    "theta": ("slider_acceleration",),
+    "sigma": ("transmission_angle_F",),
+    "phi": ("F_y",),
+}
+LOOSENESS = 250.0
+CRANK = (0.4, 1.2, 0.8, 1.0)
+
+
+def held(entry, designs, names):
+    """Assert that all bounds hold; return bounds over errors."""
+    extremes = list(bounded_extremes(entry, designs, names))
+    assert [one for one in extremes if not one.holds] == []
+    finite = [one for one in extremes if np.isfinite(one.value) and np.isfinite(one.bound)]
+    return [one.bound / max(one.error, UNIT_ROUNDING * abs(one.value)) for one in finite if one.value != 0.0]
+
+
+def by_name(*lengths, **others):
+    """Return designs of the planar 4R as columns."""
+    columns = dict(zip(LENGTHS, np.array(lengths, dtype=float).T, strict=True))
+    return columns | {name: np.full(len(lengths), value) for name, value in others.items()}
+
+
+def swept(names, lengths=CRANK, **options):
+    design = dict(zip(LENGTHS, lengths, strict=True)) | {"omega1": 1.0}
+    return fl.sweep("planar_4r", fl.grid(**design), names, progress=False, allow_invalid=True, **options)
+
+
+# -- within their bounds ----------------------------------------------------------------------------------------------
+
+CASES = [(PLANAR, kind) for kind in PLANAR.families] + [(entry, "random") for entry in SEARCHED[1:]]
+
+
+@pytest.mark.sample(5)
+@pytest.mark.parametrize(("entry", "kind"), CASES, ids=str)
+def test_extremes_are_within_their_bounds(entry, kind):
+    names = [name for name in SOME.get(entry.input, ("joint_omega_2",)) if name in entry.names]
+    ratios = held(entry, designs_of(entry, kind, 1, 2), names or ["joint_omega_3"])
+    assert ratios
+    assert entry is not PLANAR or np.median(ratios) < LOOSENESS
+
+
+@pytest.mark.stress
+@pytest.mark.parametrize("entry", SEARCHED, ids=str)
+def test_extremes_of_all_quantities_are_within_their_bounds(entry):
+    for seed, kind in enumerate([*entry.families, *entry.families]):
+        designs = designs_of(entry, kind, seed, 5)
+        names = np.random.default_rng(seed).permutation(searched(entry, designs))[:6]
+        ratios = held(entry, designs, [str(name) for name in names])
+        assert entry.mechanism != "planar_4r" or not ratios or np.median(ratios) < LOOSENESS
+
+
+#: Toggles on both sides, where rates are infinite; change points with and without a full turn; a parallelogram, whose
+#: rates are constant in one branch.
+SINGULAR = ((1.0, 0.6, 0.7, 1.2), (2.0, 3.0, 2.5, 2.5), (4.0, 9.0, 12.0, 7.0), (1.0, 2.0, 1.0, 2.0))
+
+
+def test_extremes_at_toggles_and_change_points_are_within_their_bounds():
+    held(PLANAR, by_name(*SINGULAR, omega1=3.0), ("omega4", "theta4"))
+
+
+@pytest.mark.parametrize("n", [12, pytest.param(300, marks=pytest.mark.stress)])
+def test_extremes_of_links_that_fold_are_within_their_bounds_or_have_none(n):
+    """A gap of the lengths that counts as zero is in the bound: it holds for the lengths as they are."""
+    designs = {name: values for name, values in folded_planar_4r(np.random.default_rng(3), n).items()}
+    designs = {name: designs[name] for name in LENGTHS} | {"omega1": np.ones(n)}
+    extremes = list(bounded_extremes(PLANAR, designs, ("omega4", "transmission_angle")))
+    assert [one for one in extremes if one.bound != np.inf and not one.holds] == []
+    assert sum(one.bound < np.inf for one in extremes) > n
+
+
+def test_no_extreme_has_no_error_and_what_is_infinite_an_infinite_one():
+    names = ["omega4_max", "omega4_max_error", "omega4_extrema", "omega4_extrema_error"]
+    never = swept(names, (5.0, 1.0, 1.0, 1.0))
+    assert all(np.isnan(never[name]).all() for name in names)
+    toggles = swept(names, SINGULAR[0])
+    assert (np.isinf(toggles["omega4_max"]) == np.isinf(toggles["omega4_max_error"])).all()
+    listed = np.isfinite(toggles["omega4_extrema"])
+    assert (listed == np.isfinite(toggles["omega4_extrema_error"])).all()
+
+
+def test_forces_are_infinite_where_a_change_point_folds_under_a_load():
+    """All bars lie in line there, and no finite force along them holds a weight across; along them some do."""
+    links, lengths = fl.round_bar(density=7750.0, radius=0.01), (2.0, 3.0, 2.5, 2.5)
+    names = ["F21_max", "F21_max_error", "F21_min", "F21_min_error"]
+    space = fl.grid(**dict(zip(LENGTHS, lengths, strict=True)), omega1=1.0, gravity_y=[-9.81])
+    loaded = fl.sweep("planar_4r", space, names, links=links, progress=False)
+    assert np.isinf(loaded["F21_max"]).all()
+    assert np.isinf(loaded["F21_max_error"]).all()
+    assert (loaded["F21_min_error"] < 1e-9 * loaded["F21_min"]).all()
+    assert np.isfinite(swept(["F21_max"], lengths, links=links)["F21_max"]).all()
+
+
+FIRST = {"theta1", "theta", "joint_angle_2"}  # the others share their facts with one of these
+
+
+@pytest.mark.parametrize(
+    "entry",
+    [pytest.param(e, id=str(e), marks=[] if e.input in FIRST else pytest.mark.stress) for e in SEARCHED],
+)
+def test_extremes_of_derivatives_are_those_at_one_input_position(entry):
+    """In the range that is searched a place moves with the lengths, and must not take the derivative along."""
+    designs, known = designs_of(entry, "random", 5, 6), entry.catalogue
+    preferred = ("B_x", "slider_position", "joint_angle_3", "joint_angle_4", "F_y", "N_y")
+    name = next(one for one in preferred if one in entry.names)
+    names = [derivative_name(name, by) for by in designs if by in known.variables]
+    variants = known.variants_selected_by(designs)
+    name = next(one for one in names if find_extremum_search(known, one, tuple(designs), variants))
+    ends = [f"{name}_max", f"{name}_min"]
+    found, sampled = (
+        fl.sweep(entry.mechanism, fl.table(designs), ends, input=entry.input, **QUIET, **at)
+        for at in ({}, {"angles": 500, "extrema": "sampled"})
+    )
+    for end, sign in zip(ends, (1.0, -1.0), strict=True):
+        exact, near = (sign * one[end].values for one in (found, sampled))
+        assert (np.isnan(exact) == np.isnan(near)).all()
+        # the samples are among all positions, and not one of them is beyond the extreme
+        assert (exact >= near - 1e-9 * abs(near))[~np.isnan(near)].all()
+
+
+@pytest.mark.parametrize(
+    ("best", "bound", "value", "other", "of_best"),
+    [
+        (5.0, 1.0, 3.0, 1.0, 1.0),  # far apart: that of the better one
+        (5.0, 1.0, 4.5, 3.0, 2.5),  # the other may reach to 7.5
+        (4.5, 3.0, 5.0, 1.0, 2.5),  # in whatever order they come
+        (-np.inf, 0.0, 2.0, 0.5, 0.5),  # the first one
+        (5.0, 1.0, np.nan, np.inf, 1.0),  # nothing
+        (5.0, 1.0, 2.0, np.inf, np.inf),  # one of which nothing is known
+        (np.inf, np.inf, 2.0, 1.0, np.inf),
+    ],
+)
+def test_the_bound_of_the_best_counts_that_another_one_may_be_it(best, bound, value, other, of_best):
+    assert of_better(best, bound, value, other) == of_best
+
+
+# -- labels, verification, refusals -----------------------------------------------------------------------------------
+
+
+def test_a_kernel_computes_errors_and_keeps_places_on_request_alone():
+    names = ("omega4_max", "alpha4_extrema", "omega4_rms")
+    plan = make_plan(catalogue("planar_4r"), names, given=(*LENGTHS, "omega1"))
+    texts = [kernel_of(program).text for program in plan.programs]
+    assert not any("error" in text or "winners" in text for text in texts)
+
+
+def test_labels_tell_the_error_of_the_greatest_value_from_the_greatest_error():
+    found = swept(["omega4_max_error", "omega4_error_max", "omega4_extrema_error"])
+    assert found["omega4_max_error"].attrs["symbol"] == "err max omega_4"
+    assert found["omega4_error_max"].attrs["symbol"] == "max err omega_4"
+    assert {found[name].attrs["units"] for name in found.data_vars if name != "status"} == {"rad s-1"}
+    assert found["omega4_extrema_error"].dims == ("branch", "extremum")
+
+
+def test_an_axis_that_would_scale_results_leaves_bounds_right():
+    """Left out as a product, its rounding would be missing."""
+    one = swept(["omega4_max_error"])
+    axis = fl.grid(**dict(zip(LENGTHS, CRANK, strict=True)), omega1=[1.0, 3.0])
+    found = fl.sweep("planar_4r", axis, ["omega4_max", "omega4_max_error"], progress=False)
+    assert "scaling_axis" not in found.attrs
+    np.testing.assert_array_equal(found["omega4_max_error"][0], one["omega4_max_error"])
+
+
+def test_verification_holds_errors_of_extremes_against_their_bounds():
+    names = ["omega4_max", "omega4_max_error", "omega4_extrema", "omega4_extrema_error", "theta4_min_error"]
+    found = swept(names, verify=1)
+    for name in ("omega4_max_error", "omega4_extrema_error"):
+        assert 0.0 <= found[name].attrs["error_max_of_bound"] <= 1.0
+    assert found.attrs["verify_mismatches"] == 0
+    assert found.attrs["verify_left_out"] == "theta4_min_error"  # without its value there is no error
+    assert "of the bound, of 1" in fl.summary(found)
+    measured = MeasuredErrors("")
+    measured.add_bound(0.5, 1.0, CONTEXT.mpf(1.25))
+    assert measured.attrs()["error_max_of_bound"] == 0.5
+    for bound, value, exact in ((0.2, 1.0, 1.25), (0.0, 1.0, 1.25), (np.nan, 1.0, 1.25), (1.0, np.inf, 1.0)):
+        measured.add_bound(bound, value, CONTEXT.mpf(exact))
+    assert (measured.values, measured.mismatches) == (5, 4)
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "remedy"),
+    [
+        ("omega4_mean_error", {}, "ask for omega4_error_max"),
+        ("theta1_at_omega4_max_error", {}, "ask for omega4_max_error"),
+        ("theta1_at_omega4_extrema_error", {}, "ask for omega4_extrema_error"),
+        ("omega4_extrema_count_error", {}, "leave it out"),
+        ("omega4_max_error", {"extrema": "sampled"}, "write extrema='refined', or ask for omega4_error_max"),
+        ("omega4_min_error", {"theta1": [0.1, 0.2]}, "give no array of theta1"),
+        ("loop_residual_max_error", {}, "ask for loop_residual_error_max"),
+        ("omega4_error_max_error", {}, "leave it out"),
+        ("d_omega4_max_d_theta1", {}, "such as d_omega4_max_d_"),
+        ("d_omega4_max_d_a2_error", {}, "ask for omega4_max_error"),
+        ("d_d_omega4_max_d_a1_d_a2", {}, "ask for d_omega4_max_d_a1"),
+        ("d_omega4_fluctuation_d_a2", {}, "leave it out"),
+        ("d_theta1_at_omega4_max_d_a2", {"extrema": "sampled"}, "leave it out"),
+        ("d_circuit_max_d_a2", {}, "leave it out"),
+        ("d_omega4_error_max_d_a2", {}, "leave it out"),
+    ],
+)
+def test_what_has_no_bound_or_derivative_is_refused_with_the_reason(name, options, remedy):
+    with refused("quantity ", remedy):
+        swept([name], **options)
+
+
+def test_a_position_has_no_extremes():
+    with refused("quantity 'omega4_max_error'", "write 'omega4_error'"):
+        fl.evaluate(
+            "planar_4r",
+            ["omega4_max_error"],
+            theta1=1.0,
+            omega1=1.0,
+            **dict(zip(LENGTHS, CRANK, strict=True)),
+        )
+
+
+# -- whatever else is requested ---------------------------------------------------------------------------------------
+
+
+def parts_of(name, position, by):
+    """Return what may be requested of a quantity."""
+    lists = ["extrema", "extrema_count", "extrema_kind"]
+    best = [f"{name}_max", f"{position}_at_{name}_max", f"{name}_min", f"{position}_at_{name}_min"]
+    slopes = [f"d_{name}_max_d_{by}", f"d_{name}_min_d_{by}", f"{name}_max_gradient_status"]
+    return [
+        [*(f"{name}_{part}" for part in lists), f"{position}_at_{name}_extrema"],
+        best,
+        [f"{name}_{part}" for part in ("mean", "rms", "fluctuation")],
+        slopes,
+        [f"{name}_max_error", f"{name}_min_error"],
+        [f"{name}_extrema_error"],
+    ]
+
+
+def differing(entry, designs, requests):
+    """Return the results that are not the same together and in requests of their own, by name."""
+
+    def found(names):
+        maps = fl.sweep(entry.mechanism, fl.table(designs), names, input=entry.input, **QUIET)
+        return {name: maps[name].values for name in names}
+
+    together = found([name for names in requests for name in names])
+    return {
+        name: of for names in requests for name, of in found(names).items() if not same(together[name], of)
+    }
+
+
+def same(one, other):
+    """Compare to the bit; lists of one request may be longer than those of another, by what is NaN, or 0 as a kind."""
+    if one.ndim == other.ndim and one.shape != other.shape:
+        length = min(one.shape[-1], other.shape[-1])
+        one, other = (values[..., :length] for values in (one, other))
+    return np.array_equal(one, other, equal_nan=one.dtype.kind == "f")
+
+
+def test_results_are_the_same_whatever_else_is_requested():
+    """An extreme known in closed form, one that is searched; and designs where rounding errors once filled lists."""
+    designs = designs_of(PLANAR, "random", 7, 40)
+    assert differing(PLANAR, designs, parts_of("omega4", "theta1", "a2")) == {}
+    known = [["theta4_max"], ["theta4_max_error", "theta4_extrema", "d_theta4_max_d_a2"], ["T41_min"]]
+    assert differing(PLANAR, designs, known) == {}
+    folded = folded_planar_4r(np.random.default_rng(5), 40)
+    lists = [parts_of(name, "theta1", "a2")[0] for name in ("alpha4", "F41")]
+    assert differing(PLANAR, folded, [*lists, ["F41_max", "shaking_force_extrema"]]) == {}
+
+
+@pytest.mark.stress
+@pytest.mark.parametrize("entry", SEARCHED, ids=str)
+def test_results_of_a_mechanism_are_the_same_whatever_else_is_requested(entry):
+    for seed, kind in enumerate(entry.families):
+        designs = designs_of(entry, kind, seed, 60)
+        names = map(str, np.random.default_rng(seed).permutation(searched(entry, designs))[:3])
+        by = next(name for name in designs if not entry.catalogue.known_inputs(())[name].choices)
+        parts = [parts_of(name, entry.input, by) for name in names]
+        wholes = [[name for part in of for name in part] for of in parts]
+        assert differing(entry, designs, [*wholes, *(part for of in parts for part in of)]) == {}, kind
+
+
+@pytest.mark.stress
+@pytest.mark.parametrize("name", ["alpha4", "F41", "F32", "P_speed", "T41", "curvature", "theta4"])
+def test_results_beside_folds_are_the_same_whatever_else_is_requested(name):
+    designs = folded_planar_4r(np.random.default_rng(len(name)), 3000)
+    assert differing(PLANAR, designs, [*parts_of(name, "theta1", "a2"), ["shaking_force_extrema"]]) == {}
+
+
+def test_designs_in_a_sweep_leave_each_other_alone():
+    """A speed that is constant but for rounding has zeros of its slope without end, which once filled all lists."""
+    constant = (0.0004194733386214631, 0.4003315786432696, 0.00041947333862142275, 0.4003315786432696)
+    narrow = (1.0881782807647401, 2.1763565615294802, 2.5390826551177268, 1.4509043743529879)
+    points = {
+        "P_u": (-0.36602983798650074, 2.8528788783126706),
+        "P_v": (13.846241829606216, -1782570.0943710102),
+    }
+
+    def least(neighbours):
+        rows = [0] * neighbours + [1]
+        columns = by_name(*((constant, narrow)[k] for k in rows))
+        columns |= {name: np.array([of[k] for k in rows]) for name, of in points.items()}
+        columns["omega1"] = np.array([(1.0, -1.0)[k] for k in rows])
+        return fl.sweep("planar_4r", fl.table(columns), ["P_speed_min"]).P_speed_min.values[-1]
+
+    np.testing.assert_array_equal(least(40), least(0))
+
+
+# -- beside folds and sharp turns, where samples do not show them ------------------------------------------------------
+
+BARS = ("m1", "I1", "G1_u", "G1_v", "m2", "I2", "G2_u", "G2_v", "m3", "I3", "G3_u", "G3_v")
+
+
+def four_bar(lengths, bars, **others):
+    """Return a design of the planar 4R by name."""
+    given = {"omega1": 1.0} | dict(zip(BARS, map(float, bars.split()), strict=False)) | others
+    return dict(zip(LENGTHS, lengths, strict=True)) | given
+
+
+#: Mechanism, input, quantity, branch, the fold or place beside which extremes hide, design.
+HIDDEN = {
+    "rate next to a kite": (
+        ("planar_4r", "theta1", "alpha4", 2, 2 * np.pi),
+        four_bar(
+            (2.0000000004051177, 7.0, 7.000000000405118, 2.0), "", omega1=5.768333217578596e-06, alpha1=0.5
+        ),
+    ),
+    "force, folded at pi": (
+        ("planar_4r", "theta1", "shaking_force", 2, np.pi),
+        four_bar(
+            (3.0, 5.0, 6.0, 8.0),
+            "0.49545469965624744 10688955.638816047 -4451.49427479659 0.11943080395632717 0.0 "
+            "2.6266000961826314e-07 -8.0 -8.0 0.8902129862714896 0.0 -135569.4092782865 "
+            "3.3003593914815283",
+            omega1=0.5,
+            FP_x=-27938.828850982834,
+            FP_y=1.1607883583517378,
+            P_u=-4.641592753530091,
+            P_v=-8.0,
+        ),
+    ),
+    "force, folded at 0": (
+        ("planar_4r", "theta1", "shaking_force", 2, 0.0),
+        four_bar(
+            (3.0, 4.0, 6.0, 1.0),
+            "1.0874876575139383 0.0006047507385917382 0.0 6.0 0.9590592842517134 "
+            "0.08545744027758584 -4.229140115425493 16271.914252609764 0.0 4137194.4532086877 "
+            "0.0 4.355208446092007e-05",
+        ),
+    ),
+    "force of a parallelogram, infinite at the fold": (
+        ("planar_4r", "theta1", "F32", 1, 0.0),
+        four_bar(
+            (9.0, 1.0, 9.0, 1.0),
+            "5.945751727884179e-12 0.9900953762001505 -0.0016384888232126612 -315523.2704613257 "
+            "1.0 11853992656.703575 0.0 14.913587820756142 2.061189046100257 0.0 "
+            "0.8712551807810605 0.0001557138883682065",
+            omega1=0.0,
+            alpha1=0.16582383406104487,
+        ),
+    ),
+    # one half of the turn is constant but for rounding, and has the least value
+    "half a turn at rest": (
+        ("planar_4r", "theta1", "F32", 2, 0.0),
+        four_bar(
+            (9.0, 2.0, 9.0, 2.0),
+            "2.4671355648387943e-07 0.0 9.0 -0.0006549136337967812 1.7271844878678653 "
+            "0.9867537083850588 9.0 0.0 501834486656.10767 0.0 15.265182336000926 "
+            "43421.32110501148",
+            omega1=0.5,
+            P_u=0.6000493924319583,
+            P_v=9911.360095279775,
+            T_load=1.0,
+            T_load_linear=1.494155118855378,
+            T_load_quadratic=-1.0,
+        ),
+    ),
+    # the crank alone has mass: nothing grows where coupler and output link are in line, and the least is there
+    "force of links without mass": (
+        ("planar_4r", "theta1", "shaking_force", 1, 0.9272952180016122),
+        four_bar(
+            (5.0, 2.0, 3.0, 4.0),
+            "0.001349 1.0 -5.0 5.0 0.0 3.8e-05 7.0 5.0 0.0 1.680962 0.0 0.0",
+            omega1=-0.441125,
+            gravity_x=-0.032687,
+            gravity_y=0.0,
+        ),
+    ),
+    # P passes so near to the centre about which the coupler turns that no sample beside shows it
+    "curvature at a cusp": (
+        ("planar_4r", "theta1", "curvature", 1, 3.4),
+        four_bar(
+            (1.1944011076648948, 3.321112303368561, 1.7553999076621674, 2.760113502371308),
+            "",
+            P_u=3.321112303368561,
+            P_v=-0.02649742954072939,
+        ),
+    ),
+    # where r = l and e = 0 the slider stays at O for half a turn, and its torque is zero but for rounding
+    "torque that is zero for half a turn": (
+        ("slider_crank", "theta", "T41", 1, np.pi / 2),
+        {
+            "r": 8.0,
+            "l": 8.0,
+            "e": 0.0,
+            "omega": 0.5639,
+            "m1": 0.0,
+            "I1": 0.0,
+            "m2": 0.0,
+            "I2": 0.84,
+            "m3": 0.167,
+        }
+        | {"G1_u": 8.0, "G1_v": 8.0, "G2_u": -4.2, "G2_v": 9.0, "F_load": 179.0},
+    ),
+    # only I2 acts, so that F41 changes its sign with alpha2: its zero at a sample has no slope
+    "force that is exactly 0 at a sample": (
+        ("slider_crank", "theta", "F41", 2, np.pi / 2),
+        {"r": 1.048245833941114, "l": 2.8151436694020036, "e": -1.7668978354608884, "omega": -1.0, "m1": 0.0}
+        | {"I1": 1.4162467717588534e-09, "m2": 0.0, "I2": 6.210836172235572e-05, "m3": 0.0}
+        | {"G1_u": 0.35166168617373966, "G1_v": 4.174227550120641}
+        | {"G2_u": 2.8151436694020036, "G2_v": -0.002658583659505936},
+    ),
+    # T is 3e9 lengths away where rho nears -1, and AB turns within 1e-9 rad of the fold
+    "a point far away that swings round": (
+        ("focal", "sigma", "T_y", 1, 0.0),
+        {"a": 6.0, "b": 6.0, "c": 2.0, "d": 2.0, "rho": -0.9999999993232827, "completion": 1.0},
+    ),
+}
+OCTAVES = 2.0 ** np.linspace(-60.0, 0.0, 601)
+
+
+def extremes_beside(case):
+    """Return greatest and least values with their bounds, beyond which nothing is near the fold."""
+    (mechanism, drive, quantity, branch, fold), design = HIDDEN[case]
+    columns = {name: np.array([value]) for name, value in design.items()}
+    near = np.concatenate([fold - OCTAVES, fold + OCTAVES, fold + np.linspace(-np.pi, np.pi, 401)])[None]
+    found = assert_none_beyond(mechanism, drive, columns, [quantity], near, [branch])
+    return [float(found[name].item()) for name in found]
+
+
+@pytest.mark.parametrize("case", HIDDEN)
+def test_nothing_beside_a_fold_is_beyond_greatest_and_least(case):
+    extremes_beside(case)
+
+
+def test_extremes_beside_folds_are_those_of_closed_forms():
+    """T41 of r = l without offset; the pull of the crank alone; a cusp; what is 0, and what rests."""
+    most = extremes_beside("torque that is zero for half a turn")[0]
+    theta = np.linspace(0.0, np.pi / 2, 100001)
+    load = 179.0 + 2 * 0.167 * 8.0 * 0.5639**2 * np.cos(theta)
+    assert most == pytest.approx(np.max(16.0 * np.sin(theta) * load), rel=1e-9)
+    # F = m1 |g - a|, a = omega1^2 |OG1| towards O, over the reachable range
+    outward = np.arccos((5.0**2 + 4.0**2 - 5.0**2) / 40.0) * np.linspace(-1.0, 1.0, 200001) + 0.75 * np.pi
+    pull = 0.441125**2 * np.sqrt(50.0)
+    force = 0.001349 * np.hypot(pull * np.cos(outward) - 0.032687, pull * np.sin(outward))
+    most, _, least, _ = extremes_beside("force of links without mass")
+    assert (most, least) == (pytest.approx(force.max(), rel=1e-9), pytest.approx(force.min(), rel=1e-12))
+    assert extremes_beside("curvature at a cusp")[0] > 1e9
+    _, _, least, bound = extremes_beside("force that is exactly 0 at a sample")
+    assert least <= bound
+    most, _, least, _ = extremes_beside("half a turn at rest")
+    assert least < 1e6 < 1e18 < most
+    assert extremes_beside("a point far away that swings round")[0] > 1e9
+
+
+def test_a_limit_at_a_fold_that_has_no_value_is_flagged():
+    """T of a focal kite comes to the ground line where it folds, from below; in doubles it has no place there."""
+    kite = {"a": 3.0, "b": 6.0, "c": 3.0, "d": 6.0, "lambda_": -0.9999999999995224, "completion": 2.0}
+    found = fl.sweep(
+        "focal", fl.grid(**kite, omega=1.0), ["T_y_max", "T_y_max_error"], input="sigma", branch=2, verify=0
+    )
+    # within 1e-13 of the places and 2^-30 of the fold: rounding over the distance
+    assert abs(float(found.T_y_max)) < 1e-4
+    assert float(found.T_y_max_error) == np.inf
+
+
+def test_a_toggle_is_no_extreme_of_what_is_finite_there():
+    # N along AB hangs on the direction of NB alone, linearly in its cosine: greatest or least at phi = pi, nowhere else
+    bars = {"a": 0.9520510301671605, "b": 1.986387252757659, "c": 1.808315185841849, "d": 0.9082143395944786}
+    space = fl.grid(**bars, rho=0.3749409009690977, omega=-1.7308643709937686, completion=2)
+    maps = fl.sweep("focal", space, ["N_along_AB_extrema_count", "phi_at_N_along_AB_extrema"], verify=0)
+    assert (maps.N_along_AB_extrema_count == 1).all()
+    assert (abs(maps.phi_at_N_along_AB_extrema[..., 0] - np.pi) < 1e-15).all()
+
+
+# -- no extreme hides between samples ----------------------------------------------------------------------------------
+
+#: Half the number of cells of a search that divides none; a power of two.
+FINE = 512
+#: What may still hide, of all counts: where the gap of a change point is near the rounding of the lengths, one pair of
+#: extremes of a curvature in 172,000 counts was seen to, and one of a shaking moment of huge slider-cranks.
+MOST_HIDDEN = {"gap 1e-13": 1e-5, "scale 1e150": 1e-5}
+#: More extremes than anything has: samples so close show the rounding of a flat function (F_x of the focal crank).
+MOST_REAL = 16
+
+
+def counted(entry, designs, names, monkeypatch=None):
+    """Count the extremes of quantities (quantity, design, branch); with sixteen times as many cells, to monkeypatch."""
+    if monkeypatch is not None:
+        monkeypatch.setattr(entry.catalogue, "graded", replace(entry.catalogue.graded, cells_otherwise=FINE))
+    _plan.cache_clear()
+    asked = [f"{name}_extrema_count" for name in names]
+    maps = fl.sweep(entry.mechanism, fl.table(designs), asked, input=entry.input, **QUIET)
+    _plan.cache_clear()
+    return np.stack([maps[name].transpose("design", ...).values for name in asked])
+
+
+@pytest.mark.stress
+@pytest.mark.parametrize("entry", SEARCHED, ids=str)
+def test_finer_samples_show_no_more_extremes_of_anything(entry, monkeypatch):
+    searches = {
+        name: find_extremum_search(entry.catalogue, name, entry.catalogue.inputs, ()) for name in entry.names
+    }
+    names = [name for name, search in searches.items() if search is not None and search.divided]
+    for kind in entry.families:
+        if kind.startswith(("kite", "line 1e-12")):
+            continue  # much is constant but for rounding there, whose extremes are not counted alike
+        designs, hidden, of = designs_of(entry, kind, 31, 3000), 0, 0
+        for start in range(0, len(names), 6):  # a kernel of all takes long to compile
+            some = names[start : start + 6]
+            counts = counted(entry, designs, some)
+            with monkeypatch.context() as patch:
+                finer = counted(entry, designs, some, patch)
+            hidden += np.count_nonzero((counts != finer) & (finer <= MOST_REAL))
+            of += counts.size
+        assert hidden <= MOST_HIDDEN.get(kind, 0.0) * of, kind
+
+
+def test_extremes_next_to_a_toggle_count_where_the_slope_there_is_no_rounding():
+    """Next to a straight line T_x has an extreme within 2^-24 of the toggle, where its slope is 1e-6 of what it is."""
+    (entry,) = (entry for entry in SEARCHED if str(entry) == "focal sigma")
+    designs = entry.drawn("line 1e-8", 31, 3000)
+    some = {
+        name: designs[name][[1086, 1737, 2057, 2989]] for name in entry.catalogue.inputs if name in designs
+    }
+    assert (counted(entry, some, ["T_x"]) == 2).all()
+
+
+def test_rounding_errors_beside_the_fold_of_a_kite_are_no_extremes():
+    """Forces of a kite stay finite where it folds; their slope is rounding errors over the distance from there."""
+    a, b = (
+        np.array([1.5299061143042894, 0.4009099102008036]),
+        np.array([1.9559321078037128, 1.910416264244732]),
+    )
+    space = fl.table({"a1": a, "a2": b, "a3": b, "a4": a, "omega1": np.full(2, 25.0)})
+    bars = fl.round_bar(density=7750.0, radius=0.01)
+    counts = fl.sweep("planar_4r", space, ["F32_extrema_count"], links=bars, verify=0).F32_extrema_count
+    assert np.all(counts == 0)
+
+
+# -- magnitudes that almost vanish, angles that turn back ------------------------------------------------------------
+
+#: The functions that are not smooth where their argument vanishes; `sqrt` and `select` choose and scale within facts.
+SHARP = {"abs", "magnitude", "largest", "sign", "absolute", "choice", "zero_where"}
+#: What is searched without being told, and why; dense samples say whether that is enough.
+SMOOTH_ELSEWHERE = {
+    "P_speed": "the size is that of an input; the one magnitude turns sharply at cusps, as the tests below make it do",
+    "M_across_AB": "sizes choose between two forms of the same coordinate",
+    "transmission_angle_F": "a size in one of two forms of the same angle; no sample was beyond, which is no proof",
+}
+#: How many quantities are sharp by their text, of the inputs that have such: one less is one that is not looked at.
+KNOWN = {("planar_4r", "theta1"): 6, ("slider_crank", "theta"): 4, ("focal", "phi"): 3, ("focal", "sigma"): 4}
+
+
+def sharp_by_text(entry):
+    """Return the quantities whose own text takes a magnitude, a size or a choice of signs, with their searches."""
+    known, found = entry.catalogue, {}
+    for name in filter(known.varies, known.public):
+        calls = [
+            node.func for node in ast.walk(syntax(known.facts[name].function)) if isinstance(node, ast.Call)
+        ]
+        search = find_extremum_search(known, name, known.inputs, ())
+        if search is not None and any(isinstance(call, ast.Name) and call.id in SHARP for call in calls):
+            found[name] = search
+    return found
+
+
+def undeclared(entry):
+    """Return the quantities with sharp places that their searches do not know of."""
+    searches = sharp_by_text(entry).items()
+    return [name for name, of in searches if not (of.magnitude or of.folds or name in SMOOTH_ELSEWHERE)]
+
+
+def test_searches_know_what_is_sharp(monkeypatch):
+    assert [name for entry in SEARCHED for name in undeclared(entry)] == []
+    counts = {(entry.mechanism, entry.input): len(sharp_by_text(entry)) for entry in SEARCHED}
+    assert {key: count for key, count in counts.items() if count} == KNOWN
+    monkeypatch.setattr("fastlink.plan.programs.is_magnitude", lambda step: False)
+    assert undeclared(PLANAR) == ["F41", "F21", "F32", "F43", "shaking_force"]
+
+
+@pytest.mark.stress
+@pytest.mark.parametrize("entry", [e for e in SEARCHED if (e.mechanism, e.input) in KNOWN], ids=str)
+def test_nothing_sharp_is_beyond_greatest_and_least(entry):
+    for kind in entry.families:
+        if kind != "short 1e-8":  # such a rod moves between two samples
+            positions = np.linspace(0.0, 2 * np.pi, 2001)[None]
+            designs = designs_of(entry, kind, 5, 200)
+            assert_none_beyond(entry.mechanism, entry.input, designs, list(sharp_by_text(entry)), positions)
+
+
+def almost_vanishing(name, n, seed):
+    """Return designs whose coupler point or force is within 1e-9 to 0.1 of its size of zero at theta1 = 1."""
+    rng = np.random.default_rng(seed)
+    lengths = {"a1": rng.uniform(0.1, 0.5, n), "a2": rng.uniform(0.8, 1.3, n), "a3": rng.uniform(0.8, 1.2, n)}
+    designs = {**lengths, "a4": np.ones(n), "omega1": np.full(n, 3.0)}
+    # both are linear in two inputs: where they vanish, from three evaluations
+    places = ("P_u", "P_v") if name == "P_speed" else ("G1_u", "G1_v")
+    parts = {"P_speed": ("P_vx", "P_vy")}.get(name, (f"{name}_x", f"{name}_y"))
+    if name != "P_speed":
+        for k in (1, 2, 3):
+            designs |= {f"m{k}": rng.uniform(0.5, 2.0, n), f"I{k}": rng.uniform(0.1, 1.0, n)}
+            designs |= {f"G{k}_u": rng.uniform(-1.0, 1.0, n), f"G{k}_v": rng.uniform(-1.0, 1.0, n)}
+    values = []
+    for u, v in ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0)):
+        at = {**designs, places[0]: np.full(n, u), places[1]: np.full(n, v)}
+        found = fl.evaluate("planar_4r", list(parts), **at, theta1=1.0, branch=1)
+        values.append(np.array([np.broadcast_to(found[part], n) for part in parts]))
+    slopes = np.moveaxis(np.array([values[1] - values[0], values[2] - values[0]]), (0, 1), (2, 1))
+    solved = np.linalg.solve(slopes, -values[0].T[:, :, None])[:, :, 0]
+    off = 10.0 ** rng.uniform(-9.0, -1.0, n)
+    return designs | {places[0]: solved[:, 0] + off, places[1]: solved[:, 1]}
+
+
+def near_cusps(seed, n):
+    """Return designs, branches and positions where P is near the coupler's instant centre, at all distances."""
+    rng = np.random.default_rng(seed)
+    lengths = np.exp(rng.uniform(-1.5, 1.5, (4, n)))
+    folded = rng.random(n) < 0.3
+    gap = 1.0 + rng.choice([-1.0, 1.0], n) * 10.0 ** rng.uniform(-14, -2, n)
+    lengths[0, folded] = (gap * abs(lengths[1] - lengths[2] + lengths[3]))[folded]
+    design = dict(zip(LENGTHS, lengths, strict=True)) | {"omega1": np.ones(n)}
+    theta1, branch = rng.uniform(0.0, 2.0 * np.pi, n), rng.integers(1, 3, n).astype(float)
+    rates = fl.evaluate("planar_4r", ["omega2", "theta2"], theta1=theta1, branch=branch, **design)
+    turns = abs(rates["omega2"]) > 1e-6
+    # A' + omega2 w' = 0 for the arm w of P
+    arm = -design["a1"] * np.exp(1j * theta1) / np.where(turns, rates["omega2"], 1.0)
+    off = 10.0 ** rng.uniform(-9.0, 0.0, n) * design["a1"]
+    arm = arm * np.exp(-1j * rates["theta2"]) + off * np.exp(1j * rng.uniform(0.0, 2.0 * np.pi, n))
+    design |= {"P_u": arm.real, "P_v": arm.imag}
+    return {name: values[turns] for name, values in design.items()}, branch[turns], theta1[turns]
+
+
+@pytest.mark.parametrize("n", [1, pytest.param(60, marks=pytest.mark.stress)])
+@pytest.mark.parametrize("name", ["P_speed", "shaking_force", "F41", "curvature"])
+def test_none_is_beyond_where_a_magnitude_almost_vanishes(name, n):
+    """Of the three extremes within a cusp one of the outer two may be taken for the other: in one of 10,000."""
+    steps = np.concatenate([[0.0], 10.0 ** np.linspace(-12.0, 0.4, 200)])
+    if name == "curvature":
+        designs, _, places = near_cusps(1, 700 * n)
+    else:
+        designs, places = almost_vanishing(name, 40 * n, 3), np.ones(1)
+    positions = places[:, None] + np.concatenate([-steps, steps])
+    assert_none_beyond("planar_4r", "theta1", designs, [name], positions)
