@@ -14,7 +14,7 @@ import numpy as np
 
 from fastlink._text import counted, short_repr
 from fastlink.engine.resolve import ResolvedSweep, check, resolve
-from fastlink.engine.run import VECTOR, BoundKernel, FunctionKernel, aligned
+from fastlink.engine.run import VECTOR, Runner
 from fastlink.errors import InputError, Problem, Problems, door
 from fastlink.facts.catalogue import ELIMINATED
 from fastlink.facts.derivative import NoDependence, is_tolerance
@@ -178,6 +178,8 @@ def derivative_of(request: Request, by: str, position: str) -> str:
     return str(Derivative(of, by))
 
 
+#: The rows of the kernels' designs that are inputs of a function, and which.
+Rows = list[tuple["NDArray[Any]", int]]
 #: Most designs in one call of a kernel, and bytes of their results: they fit the cache of one core.
 BLOCK, BLOCK_BYTES = 1024, 1 << 20
 
@@ -346,11 +348,11 @@ class Function:
         """Return the outputs (outputs, ...) of designs (inputs, ...)."""
         given = self._rows(x)
         try:
-            kernels = self._of_thread.kernels
+            bound = self._of_thread.bound
         except AttributeError:
-            kernels = self._of_thread.kernels = self._bind(self._block)
+            bound = self._of_thread.bound = self._bind(self._block)
         if given.ndim == 1:
-            return self._evaluate_one(given, kernels)
+            return self._evaluate_one(given, *bound)
         doubles = given.size + math.prod((given.size // len(self.inputs), len(self.outputs), *self.shape))
         check_memory(8 * doubles, "the result", where=("function", "x"), remedy="pass fewer designs at once")
         flat = given.reshape(len(self.inputs), -1)
@@ -362,7 +364,7 @@ class Function:
         result = np.empty((len(self.outputs), flat.shape[1], *self.shape))
         for start in range(0, flat.shape[1], self._block):
             block = slice(start, start + self._block)
-            self._evaluate_block(flat[:, block], result[:, block], kernels)
+            self._evaluate_block(flat[:, block], result[:, block], *bound)
         bad = np.zeros(flat.shape[1], dtype=bool)
         for declared, row in zip(self._declared, flat, strict=True):
             bad |= ~allowed(declared, row)
@@ -385,8 +387,8 @@ class Function:
         """The same function of (inputs,) or (inputs, n) for callers in ``@njit`` code, see docs/performance.md."""
         from fastlink.engine.jitted import JITTED_BLOCK, jitted_of
 
-        kernels = self._bind(JITTED_BLOCK)
-        jitted = jitted_of(kernels, self._declared, self._shapes, self.shape, self._flag)
+        bound = self._bind(JITTED_BLOCK)
+        jitted = jitted_of(*bound, self._declared, self._shapes, self.shape, self._flag)
         jitted.__reduce_ex__ = lambda protocol: (
             getattr,
             (self, "jitted"),
@@ -444,35 +446,29 @@ class Function:
             raise InputError(f"has the shape {given.shape}", where=("function", "x"), remedy=remedy)
         return given
 
-    def _bind(self, block: int) -> list[FunctionKernel]:
-        """Return the kernels with buffers for a block of designs; constants are set."""
-        constants, kernels = self._resolved.space.constants, []
-        for task in self._job.tasks:
-            bound, rows = BoundKernel(task, block), []
-            for name, row in zip(task.inputs, bound.designs, strict=True):
+    def _bind(self, block: int) -> tuple[Runner, Rows]:
+        """Return kernels for blocks of designs, whose constants are set, and the rows that are inputs."""
+        constants, rows = self._resolved.space.constants, []
+        runner = Runner(self._job, block)
+        for kernel in runner.kernels:
+            for name, row in zip(kernel.task.inputs, kernel.designs, strict=True):
                 row[...] = constants.get(name, np.nan)
                 if name in self.inputs:
                     rows.append((row, self.inputs.index(name)))
-            arrays = [
-                aligned((block, *self._job.shapes[k][0]), self._job.shapes[k][1], k) for k in task.results
-            ]
-            results = list(zip(task.results, arrays, strict=True))
-            kernels.append(FunctionKernel(bound, rows, results, bound.bind(arrays)))
-        return kernels
+        return runner, rows
 
-    def _evaluate_one(self, given: NDArray[np.float64], kernels: list[FunctionKernel]) -> NDArray[np.float64]:
+    def _evaluate_one(self, given: NDArray[np.float64], runner: Runner, rows: Rows) -> NDArray[np.float64]:
         """Return the outputs of one design, in no more than a dozen steps of Python."""
         outputs = np.empty((len(self.outputs), *self.shape))
         values = given.tolist()
         far = any(map(beyond_range, self._declared, values))
         if far:
             values = [math.nan] * len(values)
-        for kernel in kernels:
-            for row, index in kernel.rows:
-                row[:VECTOR] = values[index]
-            kernel.run(1)
-            for k, result in kernel.results:
-                outputs[k] = result[0].reshape(self._shapes[k])
+        for row, index in rows:
+            row[:VECTOR] = values[index]
+        runner.run(1)
+        for k, result in enumerate(runner.results):
+            outputs[k] = result[0].reshape(self._shapes[k])
         if not all(map(allowed, self._declared, values)):
             outputs[self._numbers] = np.nan
         if far and self._flag is not None:
@@ -480,16 +476,15 @@ class Function:
         return outputs
 
     def _evaluate_block(
-        self, given: NDArray[np.float64], outputs: NDArray[np.float64], kernels: list[FunctionKernel]
+        self, given: NDArray[np.float64], outputs: NDArray[np.float64], runner: Runner, rows: Rows
     ) -> None:
         """Evaluate designs of one block into the outputs."""
         count = given.shape[1]
         # lanes beyond the last design repeat it; their results are not read
         padded = -(-count // VECTOR) * VECTOR
-        for kernel in kernels:
-            for row, index in kernel.rows:
-                row[:count] = given[index]
-                row[count:padded] = given[index, -1]
-            kernel.run(count)
-            for k, result in kernel.results:
-                outputs[k] = result[:count].reshape(count, *self._shapes[k])
+        for row, index in rows:
+            row[:count] = given[index]
+            row[count:padded] = given[index, -1]
+        runner.run(count)
+        for k, result in enumerate(runner.results):
+            outputs[k] = result[:count].reshape(count, *self._shapes[k])

@@ -20,7 +20,8 @@ from fastlink.facts.powers import limits
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from fastlink.engine.run import FunctionKernel
+    from fastlink.engine.function import Rows
+    from fastlink.engine.run import Runner
     from fastlink.facts.fact import Input
 
 
@@ -134,7 +135,7 @@ class _Layout:
     The tables of addresses come first among the words.
     """
 
-    def __init__(self, kernels: Sequence[FunctionKernel]) -> None:
+    def __init__(self, runner: Runner, rows: Rows) -> None:
         self.addresses: list[int] = []
         self.tables: list[NDArray[np.int64]] = []
         self.starts: list[int] = []
@@ -142,23 +143,24 @@ class _Layout:
         self.varying: list[tuple[int, int]] = []
         self.fixed: list[tuple[int, float]] = []
         self.offsets: dict[int, int] = {}
-        arguments = [one.bound.arguments([array for _, array in one.results]) for one in kernels]
-        for one, arrays in zip(kernels, arguments, strict=True):
-            code = one.bound.task.code
+        results = [[runner.results[k] for k in kernel.task.results] for kernel in runner.kernels]
+        arguments = [kernel.arguments(of) for kernel, of in zip(runner.kernels, results, strict=True)]
+        for kernel, arrays in zip(runner.kernels, arguments, strict=True):
+            code = kernel.task.code
             assert isinstance(code, MachineCode)
             self.addresses.append(code.address)
             self.tables.append(code.table(*arrays))
         self.sizes = [0, sum(table.size for table in self.tables), 0]
         entry = 0
-        for one, arrays in zip(kernels, arguments, strict=True):
+        for kernel, arrays in zip(runner.kernels, arguments, strict=True):
             self.starts.append(entry)
-            for k, (argument, array) in enumerate(zip(one.bound.task.source.arguments, arrays, strict=True)):
+            for k, (argument, array) in enumerate(zip(kernel.task.source.arguments, arrays, strict=True)):
                 lengths = argument[1]
                 if lengths and k != 1:  # the angles stay where they are
                     self._add(entry, array)
                 entry += 1 + lengths.count(None)
-            self._add_rows(one)
-            self.offsets |= {k: self.offsets[id(result)] for k, result in one.results}
+            self._add_rows(kernel.designs, rows)
+        self.offsets |= {k: self.offsets[id(result)] for k, result in enumerate(runner.results)}
 
     def _add(self, entry: int, array: NDArray[Any]) -> None:
         """Note where an array stands, and which entry of the tables holds its address."""
@@ -167,10 +169,9 @@ class _Layout:
         self.moving.append((entry, buffer, offset * size))
         self.sizes[buffer] += -(-array.nbytes // LINE_BYTES) * LINE_BYTES // size
 
-    def _add_rows(self, one: FunctionKernel) -> None:
+    def _add_rows(self, designs: NDArray[Any], rows: Rows) -> None:
         """Note which rows of a kernel's designs are inputs, and what the others hold."""
-        designs = one.bound.designs
-        inputs = {row.ctypes.data: index for row, index in one.rows}
+        inputs = {row.ctypes.data: index for row, index in rows}
         for k, row in enumerate(designs):
             offset = self.offsets[id(designs)] + k * designs.shape[1]
             if row.ctypes.data in inputs:
@@ -180,18 +181,19 @@ class _Layout:
 
 
 def jitted_of(
-    kernels: Sequence[FunctionKernel],
+    runner: Runner,
+    rows: Rows,
     declared: Sequence[Input],
     shapes: Sequence[tuple[int, ...]],
     trailing: tuple[int, ...],
     flag: tuple[int, int] | None,
 ) -> Any:
     """Return a function of arrays (inputs,) or (inputs, n) for callers in numba."""
-    if not all(isinstance(one.bound.task.code, MachineCode) for one in kernels):
+    if not all(isinstance(kernel.task.code, MachineCode) for kernel in runner.kernels):
         what = "jitted calls kernels by address, which those of backend 'numba' do not have"
         raise InputError(what, where=("function",), remedy=("write ", Setting("backend", "llvm")))
-    layout = _Layout(kernels)
-    codes = {k: result.dtype == np.int8 for one in kernels for k, result in one.results}
+    layout = _Layout(runner, rows)
+    codes = [result.dtype == np.int8 for result in runner.results]
     picked = [np.broadcast_to(np.arange(math.prod(s)).reshape(s), trailing).ravel() for s in shapes]
     results = [(layout.offsets[k], math.prod(shape), codes[k]) for k, shape in enumerate(shapes)]
     data = (
@@ -214,7 +216,7 @@ def jitted_of(
     for row, known in zip(allowed, declared, strict=True):
         row[: len(known.choices)] = list(known.choices)
     jitted = _entry(data, rules, allowed, (len(shapes), *trailing))
-    jitted.kept = kernels  # their arrays of angles, whose addresses stand in the tables
+    jitted.kept = runner  # their arrays of angles, whose addresses stand in the tables
     return jitted
 
 

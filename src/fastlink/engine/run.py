@@ -125,20 +125,6 @@ class BoundKernel:
                 del _scratch.arrays[next(iter(_scratch.arrays))]
 
 
-@dataclass(frozen=True, eq=False)
-class FunctionKernel:
-    """A kernel with arrays of its own for its results."""
-
-    #: The kernel and its buffers.
-    bound: BoundKernel
-    #: The rows of its designs that are inputs of the function, and which; the others hold constants.
-    rows: list[tuple[NDArray[Any], int]]
-    #: Which output of the function each of its results is, and where it is written.
-    results: list[tuple[int, NDArray[Any]]]
-    #: ``run(count)`` evaluates the first designs.
-    run: Callable[[int], None]
-
-
 def aligned(shape: tuple[int, ...], dtype: str = "float64", number: int | None = None) -> NDArray[Any]:
     """Return an uninitialised array on a cache line: stores across two take longer.
 
@@ -199,6 +185,53 @@ def block_length(shapes: Shapes, size: int, threads: int, nbytes: int = BLOCK_BY
     return length if length < LANES else length // LANES * LANES
 
 
+class Runner:
+    """The kernels of a job with the buffers of one thread; results go to arrays of its own, or of all designs."""
+
+    def __init__(self, job: Job, block: int, targets: Sequence[NDArray[Any]] | None = None) -> None:
+        self.job, self.targets = job, targets
+        self.kernels = [BoundKernel(task, block) for task in job.tasks]
+        shapes = enumerate(job.shapes if targets is None else ())
+        self.results = [aligned((block, *shape), dtype, k) for k, (shape, dtype) in shapes]
+        self._calls = (
+            [] if targets is not None else [self._bound(kernel, self.results) for kernel in self.kernels]
+        )
+
+    def run(self, count: int) -> None:
+        """Evaluate the first designs that stand in the rows of the kernels."""
+        for call in self._calls:
+            call(count)
+
+    def evaluate(self, start: int, end: int) -> list[NDArray[Any]]:
+        """Evaluate designs start to end of the job, and return their results."""
+        count, far = end - start, None if self.job.far is None else self.job.far.at(start, end)
+        for kernel in self.kernels:
+            kernel.task.fill(start, end, kernel.designs)
+            if far is not None:
+                kernel.designs[:, :count][:, far] = np.nan
+            # Lanes beyond the last design repeat it; their results are not stored.
+            kernel.designs[:, count:] = kernel.designs[:, count - 1 : count]
+        if self.targets is None:
+            arrays = [array[:count] for array in self.results]
+            self.run(count)
+        else:
+            arrays = [array[start:end] for array in self.targets]
+            for kernel in self.kernels:
+                self._bound(kernel, arrays)(count)
+        if self.job.far is not None and far is not None:
+            self.job.far.flag(arrays, far)
+        return arrays
+
+    def release(self) -> None:
+        """Keep the scratch of all kernels for the next runner of this thread."""
+        for kernel in self.kernels:
+            kernel.release()
+
+    @staticmethod
+    def _bound(kernel: BoundKernel, arrays: Sequence[NDArray[Any]]) -> Callable[[int], None]:
+        return kernel.bind([arrays[k] for k in kernel.task.results])
+
+
 def run(
     job: Job,
     *,
@@ -218,40 +251,19 @@ def run(
     lock, stop = threading.Lock(), threading.Event()
 
     def work() -> None:
-        kernels = [BoundKernel(task, length) for task in job.tasks]
-        shapes = enumerate(job.shapes if targets is None else ())
-        own = [aligned((length, *shape), dtype, k) for k, (shape, dtype) in shapes]
+        runner = Runner(job, length, targets)
         while not stop.is_set():
             with lock:
                 start, end = next(blocks, (0, 0))
             if start == end:
                 break
-            arrays = [a[: end - start] for a in own] if targets is None else [a[start:end] for a in targets]
-            far = None if job.far is None else job.far.at(start, end)
-            for kernel in kernels:
-                _evaluate(kernel, start, end, arrays, far)
-            if job.far is not None and far is not None:
-                job.far.flag(arrays, far)
+            arrays = runner.evaluate(start, end)
             if sink is not None:
                 sink(start, end, arrays)
-        for kernel in kernels:
-            kernel.release()
+        runner.release()
 
     if threads == 1 and not apart:
         work()
         return
     # any number of threads gives the same bits
     work_in_threads(work, threads, "fastlink", stop)
-
-
-def _evaluate(
-    kernel: BoundKernel, start: int, end: int, arrays: Sequence[NDArray[Any]], far: NDArray[Any] | None
-) -> None:
-    """Evaluate designs start to end into the arrays of the job."""
-    count = end - start
-    kernel.task.fill(start, end, kernel.designs)
-    if far is not None:
-        kernel.designs[:, :count][:, far] = np.nan
-    # Lanes beyond the last design repeat it; their results are not stored.
-    kernel.designs[:, count:] = kernel.designs[:, count - 1 : count]
-    kernel.bind([arrays[k] for k in kernel.task.results])(count)
