@@ -13,7 +13,7 @@ import xarray as xr
 from tests.support.map_files import DESCRIBED, Sample, digest, left_in, raising
 
 from fastlink.errors import InputError
-from fastlink.io import partial_file, place, writer
+from fastlink.io import output_path, partial_file, writer
 from fastlink.io.layout import Variable, coordinates
 from fastlink.io.partial_file import check_target
 from fastlink.io.reader import open_map
@@ -148,8 +148,8 @@ def test_the_same_file_comes_out_where_the_system_lacks(tmp_path, monkeypatch, l
 
 def test_what_a_killed_run_left_counts_as_free(tmp_path, monkeypatch):
     (tmp_path / "m.h5.part").write_bytes(b"x" * 4_000_000)
-    monkeypatch.setattr(partial_file, "free_bytes", lambda path: place.SLACK)
-    monkeypatch.setattr(place, "free_bytes", lambda path: place.SLACK)
+    monkeypatch.setattr(partial_file, "free_bytes", lambda path: output_path.SLACK)
+    monkeypatch.setattr(output_path, "free_bytes", lambda path: output_path.SLACK)
     assert check_target(tmp_path / "m.h5", 3_900_000, False) == tmp_path / "m.h5"
     with pytest.raises(InputError, match=r"needs 5\.25 MB but 1\.05 MB are free"):
         check_target(tmp_path / "m.h5", 4_200_000, False)
@@ -234,7 +234,7 @@ def test_places_that_cannot_be_written(tmp_path, monkeypatch):
     assert message(tmp_path / "a.h5").endswith("lead back to themselves; choose another name")
     long = tmp_path / ("x" * 254)
     assert message(long).endswith("cannot be written (File name too long); choose another place")
-    monkeypatch.setattr(place.tempfile, "TemporaryFile", raising(errno.EACCES))
+    monkeypatch.setattr(output_path.tempfile, "TemporaryFile", raising(errno.EACCES))
     path = tmp_path / "m.h5"
     assert message(path) == f"to: {path} cannot be written (Permission denied); choose another place"
 

@@ -28,7 +28,7 @@ from fastlink.codegen.runtime.cells import LANES
 from fastlink.engine.run import Job, Sink, block_length, row_bytes, run
 from fastlink.engine.sinks import into
 from fastlink.errors import InputError, KeyPath, Problems, remark
-from fastlink.io.place import reason
+from fastlink.io.output_path import reason
 from fastlink.io.writer import NotSeenError
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from fastlink.codegen.runtime.cells import LANES
 from fastlink.engine.run import BLOCK_BYTES, block_length, row_bytes
 from fastlink.errors import InputError, Remedy, Setting
 from fastlink.io.checksums import joined_ranges
-from fastlink.io.place import progress_bar
+from fastlink.io.output_path import progress_bar
 from fastlink.machine import ALWAYS_FITS, check_memory
 from fastlink.space.design_space import DESIGN, Column
 from fastlink.space.tables import MAPS

@@ -22,7 +22,7 @@ from fastlink.errors import InputError, Problem, Problems, check_path, remark
 from fastlink.io.checksums import Range, Stored, check_own, crc32, open_to_read, read_all
 from fastlink.io.finished import WRITTEN
 from fastlink.io.layout import FINGERPRINT, HISTORY, Variable, history
-from fastlink.io.place import left_of, reason, refused
+from fastlink.io.output_path import left_of, reason, refused
 from fastlink.io.reader import (
     OF_PARTS,
     OR_COPY,
@@ -462,8 +462,8 @@ class JoinedMap:
                     if not room:
                         position, room = next(places)
                     pieces.append((position, rest[:room]))
-                    taken = len(pieces[-1][1])
-                    position, room, rest = position + taken, room - taken, rest[taken:]
+                    length = len(pieces[-1][1])
+                    position, room, rest = position + length, room - length, rest[length:]
                 writer.write_pieces(variable.name, pieces)
 
     def _copy_column(self, column: Variable, part: PartFile, designs: Range, writer: Writer) -> None:
@@ -481,8 +481,8 @@ class JoinedMap:
         """Return the coordinates of tables and samples that stand among the values of a part."""
         if DESIGN not in self._dims:
             return []
-        elsewhere = {*opened.data_vars, *self._whole.coords}
-        return [name for name in self.parts[0].stored.values if name not in elsewhere]
+        others = {*opened.data_vars, *self._whole.coords}
+        return [name for name in self.parts[0].stored.values if name not in others]
 
     def _labels(self, opened: xr.Dataset, part: PartFile) -> dict[str, Any]:
         """Return the other coordinates of a part along the designs of a table, each design once."""

@@ -15,8 +15,7 @@ from typing import Any, Self
 
 from fastlink.errors import InputError
 from fastlink.io import partial_file
-from fastlink.io.partial_file import uninterrupted
-from fastlink.io.place import (
+from fastlink.io.output_path import (
     NO_ROOM,
     exchange,
     exclusive_rename,
@@ -26,6 +25,7 @@ from fastlink.io.place import (
     reason,
     refused,
 )
+from fastlink.io.partial_file import uninterrupted
 
 LESS = "compress or select more"
 #: Names of files in a zarr store of version 2: labels, chunks, and either until they are whole.

@@ -20,9 +20,9 @@ import h5py
 from fastlink.errors import KeyPath, Remedy, Setting, check_output
 from fastlink.io.checksums import Range, add, joined_ranges, of_file, seal, seal_is_broken, seek_lock
 from fastlink.io.layout import FINGERPRINT
-from fastlink.io.place import (
+from fastlink.io.output_path import (
     SLACK,
-    check_place,
+    check_writable,
     exclusive_rename,
     exists_error,
     free_bytes,
@@ -522,7 +522,7 @@ def check_target(
     To be called before anything is computed.
     """
     target = Path(os.path.realpath(named(("to",), path)))
-    check_place(target)
+    check_writable(target)
     if target.is_symlink():  # which realpath could not follow
         raise refused(f"{path}: its symbolic links lead back to themselves", "choose another name")
     part = part_of(target)

@@ -37,7 +37,7 @@ from fastlink.io.checksums import (
     sealed_labels,
 )
 from fastlink.io.layout import FINGERPRINT, FORMAT_VERSION
-from fastlink.io.place import left_of, reason
+from fastlink.io.output_path import left_of, reason
 from fastlink.space.tables import FORMAT
 
 # -- Open finished maps, lazily, and refuse other files
@@ -54,7 +54,7 @@ WHOLE = "whole"
 #: checksums of their labels.
 SHOWN, NAMES, LABELS = "parts", "parts/names", "parts/labels"
 #: HDF5 looks there for the files of a virtual dataset before the folder of the map.
-ELSEWHERE = "HDF5_VDS_PREFIX"
+VDS_PREFIX = "HDF5_VDS_PREFIX"
 #: Files that a process has open besides those of parts.
 OTHER_FILES = 64
 AGAIN = "put it back, or run that part again if need be, and join the parts again with overwrite"
@@ -260,9 +260,9 @@ def as_source(name: str) -> str:
 
 def check_open_files(count: int) -> None:
     """Refuse to have so many parts open at once, where HDF5 would read fill values of those that it cannot open."""
-    if os.environ.get(ELSEWHERE):
-        what = f"{ELSEWHERE} is set, by which HDF5 takes values from files of another folder"
-        raise PartsError(what, remedy=f"unset {ELSEWHERE}")
+    if os.environ.get(VDS_PREFIX):
+        what = f"{VDS_PREFIX} is set, by which HDF5 takes values from files of another folder"
+        raise PartsError(what, remedy=f"unset {VDS_PREFIX}")
     try:
         import resource
     except ImportError:  # not POSIX: no such limit

@@ -40,6 +40,7 @@ from fastlink.io.checksums import (
 )
 from fastlink.io.finished import marks, stamp
 from fastlink.io.layout import FORMAT_VERSION, Placement, Variable, check_dims, plain_attrs
+from fastlink.io.output_path import SLACK, not_written, part_of, reason, refused
 from fastlink.io.partial_file import (
     Journal,
     check_left,
@@ -52,7 +53,6 @@ from fastlink.io.partial_file import (
     uninterrupted,
     write_all,
 )
-from fastlink.io.place import SLACK, not_written, part_of, reason, refused
 from fastlink.io.reader import LABELS, NAMES, WHOLE, Shown, Source, as_source
 from fastlink.space.tables import FORMAT
 
@@ -231,7 +231,7 @@ def laid_in_memory(
     """Create the file that `lay_out` lays out, by way of memory; return the variables' offsets."""
     with scratch() as other:
         offsets = lay_out(other)
-        _copy_to_new(other, path, places_of_values(offsets, variables))
+        _copy_to_new(other, path, value_extents(offsets, variables))
     return offsets
 
 
@@ -240,7 +240,7 @@ def _copy_to_new(source: Path, path: Path, values: Mapping[int, int]) -> None:
         copy_labels(source, file.fileno(), values)
 
 
-def places_of_values(offsets: Mapping[str, int], variables: Sequence[Variable]) -> dict[int, int]:
+def value_extents(offsets: Mapping[str, int], variables: Sequence[Variable]) -> dict[int, int]:
     """Return the bytes of all values, by where they begin."""
     return {offsets[variable.name]: variable.nbytes for variable in variables}
 
@@ -455,7 +455,7 @@ def resume(
                 os.close(fd)
                 return None
             # its own labels may be torn or changed
-            copy_labels(path, fd, places_of_values(offsets, variables))
+            copy_labels(path, fd, value_extents(offsets, variables))
         partial_file.reserve(fd, SLACK)
         values = _Values(fd, offsets, variables, size, rows)
         whole, found = ranges, values.sums(ranges)  # what was cut off reads as zeros
@@ -549,7 +549,7 @@ class ValuesFile:
         self._variables = {variable.name: variable for variable in variables}
         self._first_block = first_blocks(variables)
         #: The bytes of the values of each variable, by where they begin.
-        self.places = places_of_values(offsets, variables)
+        self.extents = value_extents(offsets, variables)
 
     def pieces(
         self, name: str, start: int, block: NDArray[Any], of_thread: OfThread
@@ -836,7 +836,7 @@ class Writer:
             try:
                 if self._journal.error:
                     raise self._journal.error
-                set_attrs(self._fd, self._file.places, last, further)
+                set_attrs(self._fd, self._file.extents, last, further)
                 self._write_checksums()
                 os.fsync(self._fd)
                 stamp(self.part, last)
@@ -853,7 +853,7 @@ class Writer:
         if blocks := sum(block_count(variable.nbytes) for variable in variables):
             sums = np.array([self._sums[block] for block in range(blocks)], "u4")
             partial_file.write_all(self._fd, sums.view(np.uint8).data, places[OF_VALUES])
-        partial_file.write_seal(self._fd, self._file.places, places[OF_REST], self._file.places)
+        partial_file.write_seal(self._fd, self._file.extents, places[OF_REST], self._file.extents)
 
     def _publish(self) -> None:
         try:

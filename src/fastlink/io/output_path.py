@@ -60,7 +60,7 @@ def existing_file(path: str | Path) -> Path | None:
         return None
 
 
-def check_place(path: Path, where: str = "to", example: str = "maps.h5") -> None:
+def check_writable(path: Path, where: str = "to", example: str = "maps.h5") -> None:
     """Refuse a path at which no file can be written, before anything is computed for it."""
     try:
         if other := not_a_file(path):
