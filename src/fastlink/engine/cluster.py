@@ -203,11 +203,9 @@ class Cluster:
         block: int | None = None,
         pending: Sequence[Range] | None = None,
     ) -> None:
-        """Evaluate every design, as `fastlink.engine.run.run`; on any exception, what is under way is cancelled.
-
-        `remote` is a sink for the workers, what it feeds, and what takes the reports of that here; `sink` takes the
-        results that come back.
-        """
+        """Evaluate every design, as `fastlink.engine.run.run`; on any exception, what is under way is cancelled."""
+        # `remote` is a sink for the workers, what it feeds, and what takes the reports of that here; `sink`
+        # takes the results that come back.
         import cloudpickle
 
         data = cloudpickle.dumps(job), None if remote is None else cloudpickle.dumps(remote[:2])
@@ -256,11 +254,10 @@ class _Pending:
 
 
 class _Length:
-    """How many designs make a task, by the last report.
+    """How many designs make a task, by the last report."""
 
-    A task takes one thread `TASK_SECONDS`, and on many threads longer: so long that the client, to whom each costs
-    `TASK_COST`, has time for all of them.
-    """
+    # A task takes one thread `TASK_SECONDS`, and on many threads longer: so long that the client, to whom
+    # each costs `TASK_COST`, has time for all of them.
 
     def __init__(self, job: Job) -> None:
         self.row, self.bytes = max(row_bytes(job.shapes), 1), TASK_BYTES_KEPT

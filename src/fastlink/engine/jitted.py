@@ -70,11 +70,10 @@ def _is_valid(value: float, rule: int, codes: NDArray[Any]) -> bool:
 
 
 def _evaluate(x: Any, y: int, values: int, layout: Any, rules: Any, codes: Any) -> None:
-    """Evaluate designs x (inputs, n) into (outputs, n, values) at the address y; beyond the range x becomes NaN.
-
-    Each call has buffers of its own for all arrays of the kernels, so that threads share nothing. Entries are set
-    one by one: an assignment to a slice compiles a second longer, and each view of an array half a second.
-    """
+    """Evaluate designs x (inputs, n) into (outputs, n, values) at the address y; beyond the range x becomes NaN."""
+    # Each call has buffers of its own for all arrays of the kernels, so that threads share nothing. Entries
+    # are set one by one: an assignment to a slice compiles a second longer, and each view of an array half a
+    # second.
     sizes, addresses, tables, starts, moving, varying, fixed, numbers, results, picked, ranges, flag = layout
     far = np.zeros(x.shape[1], np.bool_)
     for i in range(x.shape[1]):
@@ -130,10 +129,9 @@ evaluate = numba.njit(**OPTIONS)(_evaluate)
 
 
 class _Layout:
-    """Offsets of the arrays of all kernels in three buffers: doubles, words, octets.
+    """Offsets of the arrays of all kernels in three buffers: doubles, words, octets."""
 
-    The tables of addresses come first among the words.
-    """
+    # The tables of addresses come first among the words.
 
     def __init__(self, runner: Runner, rows: Rows) -> None:
         self.addresses: list[int] = []

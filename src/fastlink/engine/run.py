@@ -68,10 +68,9 @@ class KernelTask:
 
 
 class _KeptScratch(threading.local):
-    """Scratch of this thread's last kernels.
+    """Scratch of this thread's last kernels."""
 
-    To get its pages takes as long as to evaluate one design.
-    """
+    # To get its pages takes as long as to evaluate one design.
 
     def __init__(self) -> None:
         self.arrays: dict[tuple[tuple[tuple[int, ...], str], ...], list[NDArray[Any]]] = {}
@@ -98,10 +97,8 @@ class BoundKernel:
         return [self.designs, self.angles, self.block, self.angles.shape[1], *self.scratch, *results]
 
     def bind(self, results: Sequence[NDArray[Any]]) -> Callable[[int], None]:
-        """Return ``run(count)``, which evaluates the first designs into arrays.
-
-        The table of their addresses is filled once.
-        """
+        """Return ``run(count)``, which evaluates the first designs into arrays."""
+        # The table of their addresses is filled once.
         code, arguments = self.task.code, self.arguments(results)
         if not isinstance(code, MachineCode):
             rest = arguments[3 : len(arguments) - len(results)]
@@ -126,11 +123,9 @@ class BoundKernel:
 
 
 def aligned(shape: tuple[int, ...], dtype: str = "float64", number: int | None = None) -> NDArray[Any]:
-    """Return an uninitialised array on a cache line: stores across two take longer.
-
-    Results have a number, and each begins elsewhere in its page: the first cache has 8 or 12 lines for each place in
-    pages, and where nine curves began at one, reactions took 1.1 to 1.2 times as long.
-    """
+    """Return an uninitialised array on a cache line: stores across two take longer."""
+    # Results have a number, and each begins elsewhere in its page: the first cache has 8 or 12 lines for each
+    # place in pages, and where nine curves began at one, reactions took 1.1 to 1.2 times as long.
     size = math.prod(shape) * np.dtype(dtype).itemsize
     room = CACHE_LINE if number is None else PAGE
     raw = np.empty(size + room, dtype=np.uint8)

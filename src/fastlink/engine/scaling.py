@@ -132,10 +132,9 @@ class ScalingAxis:
 
 
 def find_scaling_axis(plan: Plan, space: DesignSpace) -> ScalingAxis | None:
-    """Return the longest axis of a grid that only scales results, if there is one.
-
-    Its values must be positive: a rate's greatest value is minus its least one where the sense of rotation changes.
-    """
+    """Return the longest axis of a grid that only scales results, if there is one."""
+    # Its values must be positive: a rate's greatest value is minus its least one where the sense of rotation
+    # changes.
     known = plan.catalogue.known_inputs(plan.variants)
     axes = [name for name in space.dims if name in space.axes and len(space.axes[name]) > 1]
     for name in sorted(axes, key=lambda name: -len(space.axes[name])):

@@ -62,11 +62,9 @@ def consecutive(space: DesignSpace, start: int, stop: int) -> DesignSpace:
 
 
 def whole_coordinates(resolved: ResolvedSweep, start: int, stop: int) -> xr.Dataset:
-    """Return what a part of a sweep does not tell itself of the coordinates of the whole map.
-
-    These are its axes; the numbers that a table gives its designs, of those with rows in the part, where several rows
-    follow from each; and as attributes the dimensions of the designs and their lengths.
-    """
+    """Return what a part of a sweep does not tell itself of the coordinates of the whole map."""
+    # These are its axes; the numbers that a table gives its designs, of those with rows in the part, where
+    # several rows follow from each; and as attributes the dimensions of the designs and their lengths.
     space = resolved.space
     dims, own = dict(zip(space.dims, space.shape, strict=True)), dict[str, Any]()
     shared = space.size // dims.pop(DESIGN, space.size)

@@ -35,8 +35,6 @@ FEW_RANGES = 64
 def joined_ranges(ranges: list[Range]) -> list[Range]:
     """Return ranges in order, and join those that touch.
 
-    Examples
-    --------
     >>> joined_ranges([(4, 6), (0, 2), (2, 4), (8, 9)])
     [(0, 6), (8, 9)]
     """
@@ -52,8 +50,6 @@ def joined_ranges(ranges: list[Range]) -> list[Range]:
 def missing(written: list[Range], size: int) -> list[Range]:
     """Return the parts of 0 to `size` that ordered ranges leave out.
 
-    Examples
-    --------
     >>> missing([(0, 6), (8, 9)], 12)
     [(6, 8), (9, 12)]
     """
@@ -65,8 +61,6 @@ def missing(written: list[Range], size: int) -> list[Range]:
 class Ranges:
     """Ranges that are added one by one; joined from time to time, not each time, which would take ever longer.
 
-    Examples
-    --------
     >>> ranges = Ranges([(0, 2)])
     >>> ranges.add(4, 6)
     >>> ranges.add(2, 4)
@@ -94,8 +88,6 @@ def pieces(
 ) -> Iterator[tuple[tuple[int | slice, ...], int]]:
     """Yield index and first flat number of consecutive pieces of an array, in C order.
 
-    Examples
-    --------
     >>> list(pieces((2, 3), 2))[:2]
     [((0, slice(0, 2, None)), 0), ((0, slice(2, 3, None)), 2)]
     """
@@ -196,10 +188,8 @@ def all_but(fd: int, left_out: Mapping[int, int]) -> Iterator[tuple[int, bytearr
 
 
 def seal(fd: int, values: Mapping[int, int], rest_at: int) -> tuple[int, bytes]:
-    """Return what tells, without HDF5, whether the labels of a map are as they were written, and where it belongs.
-
-    HDF5 itself loops for ever, or crashes, on some labels of which one bit is wrong.
-    """
+    """Return what tells, without HDF5, whether the labels of a map are as they were written, and where it belongs."""
+    # HDF5 itself loops for ever, or crashes, on some labels of which one bit is wrong.
     gone = joined_ranges([(start, start + nbytes) for start, nbytes in values.items() if nbytes])
     labels = of_file(fd, values, (rest_at, rest_at + 4))
     numbers = [len(gone), rest_at, labels, *(number for ends in gone for number in ends)]
@@ -212,10 +202,8 @@ def seal(fd: int, values: Mapping[int, int], rest_at: int) -> tuple[int, bytes]:
 
 
 def seal_is_broken(path: str | os.PathLike[str]) -> bool:
-    """Tell, without HDF5, whether a map's labels have changed since they were sealed.
-
-    A file without a seal, of an earlier version or changed by HDF5 since, is not broken.
-    """
+    """Tell, without HDF5, whether a map's labels have changed since they were sealed."""
+    # A file without a seal, of an earlier version or changed by HDF5 since, is not broken.
     return read_seal(path)[0]
 
 
@@ -370,10 +358,9 @@ class Stored:
 
 
 def check_own(path: Path, file: Any) -> None:
-    """Refuse an open file that takes values from other files, or tells of many more than it holds.
-
-    Files of strangers can name any file of their reader's, the bytes of which would appear as values and travel on.
-    """
+    """Refuse an open file that takes values from other files, or tells of many more than it holds."""
+    # Files of strangers can name any file of their reader's, the bytes of which would appear as values and
+    # travel on.
 
     def of_link(name: str, link: Any) -> str | None:
         if not isinstance(link, h5py.ExternalLink):

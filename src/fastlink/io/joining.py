@@ -69,11 +69,9 @@ def is_measured(name: str) -> bool:
 
 
 def merged(parts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Return the global attributes that a map has at its end, from those of its parts.
-
-    Numbers of designs and configurations, and times, are sums: ``run_time_s`` is that of the parts one after the other,
-    ``core_time_s`` that times their threads. Rates are those of a part, on the average.
-    """
+    """Return the global attributes that a map has at its end, from those of its parts."""
+    # Numbers of designs and configurations, and times, are sums: ``run_time_s`` is that of the parts one
+    # after the other, ``core_time_s`` that times their threads. Rates are those of a part, on the average.
     counts = {name for attrs in parts for name in attrs if name.startswith("designs_") and name != RATES[0]}
     sums = ["designs", *sorted(counts), *SUMS]
     result = {
@@ -93,10 +91,9 @@ def merged(parts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 
 
 def merged_errors(parts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Return what verification says of a variable, from what it says of it in each part.
-
-    Counts are sums, errors the greatest of all parts; of their medians too, which the median of all does not exceed.
-    """
+    """Return what verification says of a variable, from what it says of it in each part."""
+    # Counts are sums, errors the greatest of all parts; of their medians too, which the median of all does
+    # not exceed.
     result: dict[str, Any] = {}
     for name in dict.fromkeys(name for attrs in parts for name in attrs if is_measured(name)):
         found = [attrs[name] for attrs in parts if name in attrs]

@@ -25,8 +25,6 @@ from fastlink.space.tables import FORMAT
 class Placement:
     """Where the rows of a variable lie, one row of values for each design.
 
-    Examples
-    --------
     >>> Placement(10, 3, 8, by_value=False).pieces(2, 4)
     [(48, 48)]
     >>> Placement(10, 3, 8, by_value=True).pieces(2, 4)
@@ -94,8 +92,6 @@ PLAIN = "write text, a number or a list of numbers"
 def check_attrs(where: KeyPath, attrs: Any, reserved: Callable[[str], bool]) -> dict[str, Any]:
     """Return attributes that a file can hold under names that it does not use itself, or refuse them.
 
-    Examples
-    --------
     >>> check_attrs(("attrs",), {"author": None}, lambda name: False)
     Traceback (most recent call last):
     fastlink.errors.InputError: attrs: author is None; write text, a number or a list of numbers
@@ -164,8 +160,6 @@ SOURCE = "source_"
 def history(command: str, before: str = "") -> str:
     """Return the history of a file after a command: its lines before, then time, version and the command.
 
-    Examples
-    --------
     >>> history("sweep planar_4r").partition("Z ")[2].startswith("fastlink ")
     True
     """
@@ -260,10 +254,8 @@ def coordinates(
 
 
 def of_code(values: Any, labels: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
-    """Return the values of an input that is a code as the flags of results, integers; of others, as they are.
-
-    Values that are no code leave all as they are, with the codes in their type, as CF wants it.
-    """
+    """Return the values of an input that is a code as the flags of results, integers; of others, as they are."""
+    # Values that are no code leave all as they are, with the codes in their type, as CF wants it.
     if "flag_values" not in labels:
         return values, labels
     codes = np.asarray(values)

@@ -68,8 +68,6 @@ MOST_PARTS = 10**6
 class Part:
     """The `number`-th of `count` nearly equal parts, from 1 on.
 
-    Examples
-    --------
     >>> print(Part(3, 16), Part(3, 16).range(1000), Part(3, 16).path(Path("maps.h5")))
     3/16 (125, 187) maps.part-03-of-16.h5
     """
@@ -97,8 +95,6 @@ class Part:
 def check_part(where: KeyPath, value: Any) -> Part:
     """Return the part of a pair (k, n), or of a text ``"k/n"``, or refuse the value.
 
-    Examples
-    --------
     >>> check_part(("part",), (17, 16))
     Traceback (most recent call last):
     fastlink.errors.InputError: part is (17, 16); write k of n parts with k from 1 to n, such as part='3/16'
@@ -222,10 +218,8 @@ def _shown(path: Path) -> tuple[dict[Path, int], set[str], str]:
 
 
 def check_parts(path: Path) -> bool:
-    """Tell whether a map shows values of parts; refuse it unless these are the parts that were joined, and all there.
-
-    HDF5 reads fill values where the file of a virtual dataset is missing, or cannot be opened.
-    """
+    """Tell whether a map shows values of parts; refuse it unless these are those that were joined, and all there."""
+    # HDF5 reads fill values where the file of a virtual dataset is missing, or cannot be opened.
     shown, variables, whole = _shown(path)
     if not shown:
         return False
@@ -405,8 +399,6 @@ def open_map(path: str | os.PathLike[str], *, chunks: Any = None, **options: Any
 def as_map(maps: Any) -> Iterator[xr.Dataset]:
     """Yield the map that a caller gives, as a Dataset or as the path of its file, or refuse it.
 
-    Examples
-    --------
     >>> import fastlink as fl
     >>> with as_map(fl.sweep("planar_4r", fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0), ["grashof_class"])) as maps:
     ...     int(maps.grashof_class)

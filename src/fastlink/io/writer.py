@@ -108,10 +108,9 @@ def lay_out(
     whole: xr.Dataset | None = None,
     shown: Shown | None = None,
 ) -> dict[str, int]:
-    """Write labels to a file that exists, and reserve room for values; return the variables' offsets.
-
-    `whole` are coordinates of the map that the file is a part of, `shown` the variables whose values stay in parts.
-    """
+    """Write labels to a file that exists, and reserve room for values; return the variables' offsets."""
+    # `whole` are coordinates of the map that the file is a part of, `shown` the variables whose values stay
+    # in parts.
     shown = shown or Shown({}, {})
     labels = coords.nbytes + (0 if whole is None else whole.nbytes) + shown.nbytes + SLACK
     with open(path, "r+b") as file:  # where HDF5 had no room it might crash the process, or not say why
@@ -171,10 +170,9 @@ def create_checksums(file: Any, variables: Sequence[Variable]) -> dict[str, int]
 
 
 def _keep_whole(file: Any, whole: xr.Dataset) -> None:
-    """Keep coordinates of a whole map in a group.
-
-    They are plain arrays: the netCDF library would take their dimensions for those of the same name outside.
-    """
+    """Keep coordinates of a whole map in a group."""
+    # They are plain arrays: the netCDF library would take their dimensions for those of the same name
+    # outside.
     group = file.create_group(WHOLE)
     group.attrs.update(plain_attrs(whole.attrs))
     for name, coord in whole.coords.items():
@@ -203,11 +201,10 @@ def _to_netcdf(path: Path, coords: xr.Dataset, mode: Literal["w", "a"]) -> None:
 
 @contextlib.contextmanager
 def scratch() -> Iterator[Path]:
-    """Yield the path of an empty file for HDF5 to write: in memory and without a name, where the system has such files.
-
-    An error of the disk amid HDF5's own writes may end the process by a violation of memory; amid ours, which copy the
-    file to its place, it is an exception. A file without a name is gone with the process, however that ends.
-    """
+    """Yield the path of an empty file for HDF5 to write: in memory and nameless, where the system has such files."""
+    # An error of the disk amid HDF5's own writes may end the process by a violation of memory; amid ours,
+    # which copy the file to its place, it is an exception. A file without a name is gone with the process,
+    # however that ends.
     if hasattr(os, "memfd_create"):
         fd = os.memfd_create("fastlink.h5")
         try:
@@ -270,10 +267,8 @@ def _create(
 
 
 def _of_sources(variable: Variable, sources: Sequence[Source]) -> Any:
-    """Return the properties of a dataset whose values are those of datasets of the same name in other files.
-
-    Other readers see NaN, or the least or greatest integer, where a file is missing.
-    """
+    """Return the properties of a dataset whose values are those of datasets of the same name in other files."""
+    # Other readers see NaN, or the least or greatest integer, where a file is missing.
     plist = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
     whole = None if variable.dtype.kind == "f" else np.iinfo(variable.dtype)
     plist.set_fill_value(np.array(whole.min or whole.max if whole else np.nan, variable.dtype))
@@ -436,10 +431,9 @@ def resume(
     variables: Sequence[Variable],
     lay_out: LayOut,
 ) -> Resumed | None:
-    """Hold the partial file of an earlier run of the same fingerprint, if there is one that can be gone on with.
-
-    Its labels are laid out again, and its values read: designs whose values have changed since are to be written again.
-    """
+    """Hold the partial file of an earlier run of the same fingerprint, if there is one that can be gone on with."""
+    # Its labels are laid out again, and its values read: designs whose values have changed since are to be
+    # written again.
     fingerprint, size, rows = run
     journal = read_journal(part) if fingerprint else None
     if journal is None or journal[0].get("fingerprint") != fingerprint:
@@ -606,11 +600,10 @@ class Written:
 
 
 class RemoteWriter:
-    """A stand-in for a `Writer` in another process, for the designs of one task; a context manager.
+    """A stand-in for a `Writer` in another process, for the designs of one task; a context manager."""
 
-    It opens the file anew for each task: the system reports an error of writing once for each time that a file is open,
-    and the synchronisation of one thread would take that of another.
-    """
+    # It opens the file anew for each task: the system reports an error of writing once for each time that a
+    # file is open, and the synchronisation of one thread would take that of another.
 
     def __init__(
         self,
@@ -649,10 +642,9 @@ class RemoteWriter:
         return self._written
 
     def _opened(self) -> int:
-        """Return a number by which the file of the run, and no other with its name, is written.
-
-        It is not read by that number: where it could be, NFS may write whole pages, with old values of other machines.
-        """
+        """Return a number by which the file of the run, and no other with its name, is written."""
+        # It is not read by that number: where it could be, NFS may write whole pages, with old values of
+        # other machines.
         try:
             known = partial_file.opened(self._part)
         except (OSError, InputError) as error:
@@ -680,12 +672,11 @@ class RemoteWriter:
 
 
 class Writer:
-    """Writer of a labelled file, for any number of threads; a context manager.
+    """Writer of a labelled file, for any number of threads; a context manager."""
 
-    Nothing appears under the final name before `finish`. Without it, or on any exception, leaving the context keeps the
-    partial file with its journal where `record` has noted designs, and says so in a note of the exception; else it
-    removes the file.
-    """
+    # Nothing appears under the final name before `finish`. Without it, or on any exception, leaving the
+    # context keeps the partial file with its journal where `record` has noted designs, and says so in a note
+    # of the exception; else it removes the file.
 
     def __init__(
         self,
@@ -909,10 +900,8 @@ class Writer:
         return not_written(self.path, self._nbytes, error)
 
     def _close_to_writers(self) -> None:
-        """Refuse further writes, wait for those under way, and record what is written.
-
-        The file number may soon be of another file.
-        """
+        """Refuse further writes, wait for those under way, and record what is written."""
+        # The file number may soon be of another file.
         with self._idle:
             if self._closed:
                 raise ValueError(f"{self.path}: the file is closed")
