@@ -18,7 +18,7 @@ from tests.support.refusals import refused
 import fastlink as fl
 from fastlink.errors import InputWarning
 from fastlink.io import joining, partial_file
-from fastlink.io.checksums import Stored, sealed_labels
+from fastlink.io.checksums import Stored, read_seal
 from fastlink.io.writer import Writer
 
 #: What a joined map says of its making, and a sweep otherwise.
@@ -238,7 +238,7 @@ def test_values_of_other_files_than_parts_are_not_shown(source, tmp_path, grid_p
         file.create_virtual_dataset("more", layout)
         if source != "beside.h5":
             name = source.format(folder=tmp_path).encode()
-            file["parts/names"], file["parts/labels"] = [name], [sealed_labels(tmp_path / "secret.h5")]
+            file["parts/names"], file["parts/labels"] = [name], [read_seal(tmp_path / "secret.h5")[1]]
     with pytest.raises(fl.InputError, match="no part of it in its folder"):
         fl.open(folder / "maps.h5")
     assert not fl.check(folder / "maps.h5")

@@ -127,9 +127,9 @@ def counted(self):
     with changed:
         commits += 1
         changed.notify_all()
-def waits(self, start, stop, addends):
+def waits(self, ranges, addends):
     # until a commit that began after it: however slow the disk, the sweep does not end before it is killed
-    add(self, start, stop, addends)
+    add(self, ranges, addends)
     with changed:
         wanted = commits + 2
         assert changed.wait_for(lambda: commits >= wanted, timeout=60)
@@ -201,9 +201,9 @@ def test_a_torn_record_ends_the_journal(tmp_path):
     part.write_bytes(b"data")
     fd = os.open(part, os.O_RDWR)
     notes = Journal(fd, part, {"fingerprint": "f", "offsets": {}}, [(0, 2)], {0: 12})
-    notes.add(2, 4, [(0, 5)])
+    notes.add([(2, 4)], [(0, 5)])
     notes._commit()
-    notes.add(6, 8, [(0, 3), (1, 8), (1, 1)])
+    notes.add([(6, 8)], [(0, 3), (1, 8), (1, 1)])
     notes.close()
     first, both = ([(0, 4)], {0: 12 ^ 5}), ([(0, 4), (6, 8)], {0: 12 ^ 5 ^ 3, 1: 8 ^ 1})
     assert (read_journal(part)[1:], missing(both[0], 9)) == (both, [(4, 6), (8, 9)])

@@ -207,14 +207,9 @@ def seal_is_broken(path: str | os.PathLike[str]) -> bool:
     return read_seal(path)[0]
 
 
-def sealed_labels(path: str | os.PathLike[str]) -> int | None:
-    """Return the checksum of all that is not values in a map, thus of theirs too; None without an intact seal."""
-    return read_seal(path)[1]
-
-
 def read_seal(path: str | os.PathLike[str]) -> tuple[bool, int | None]:
     """Return whether the seal of a file is broken, and the checksum of its labels where there is an intact one."""
-    fd = os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
+    fd = open_to_read(path)
     try:
         size, end = os.fstat(fd).st_size, _end_of_hdf5(fd)
         if size < len(SEAL) or end == size:

@@ -115,14 +115,8 @@ class Journal:
             if self._pending_bytes >= STEP_BYTES:
                 self._changed.notify()
 
-    def add(self, start: int, stop: int, addends: Iterable[tuple[int, int]]) -> None:
+    def add(self, ranges: Iterable[Range], addends: Iterable[tuple[int, int]]) -> None:
         """Add designs whose every result is written, and what they add to the checksums; thread-safe."""
-        with self._changed:
-            self._pending.append((start, stop))
-            add(self._sums, addends)
-
-    def add_all(self, ranges: Iterable[Range], addends: Iterable[tuple[int, int]]) -> None:
-        """Add several ranges of designs at once; thread-safe."""
         with self._changed:
             self._pending += ranges
             add(self._sums, addends)
@@ -277,18 +271,13 @@ def begun(part: Path, lay: Callable[[Path], R]) -> tuple[int, R]:
         journal_of(part).unlink(missing_ok=True)
         try:
             result = lay(fresh)
-            return laid_out(fresh, part), result
+            if fcntl is not None:
+                return adopt(opened(fresh), fresh, part), result
+            os.replace(fresh, part)  # an open file cannot be renamed there
+            return opened(part), result
         except BaseException:
             fresh.unlink(missing_ok=True)
             raise
-
-
-def laid_out(fresh: Path, part: Path) -> int:
-    """Give a laid-out file the claimed name, hold it, and return its file number."""
-    if fcntl is None:
-        os.replace(fresh, part)  # an open file cannot be renamed there
-        return opened(part)
-    return adopt(opened(fresh), fresh, part)
 
 
 def adopt(fd: int, fresh: Path, part: Path) -> int:

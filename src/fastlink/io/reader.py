@@ -34,7 +34,6 @@ from fastlink.io.checksums import (
     read_all,
     read_seal,
     seal_is_broken,
-    sealed_labels,
 )
 from fastlink.io.layout import FINGERPRINT, FORMAT_VERSION
 from fastlink.io.output_path import left_of, reason
@@ -239,7 +238,7 @@ def _fault_of_part(part: Path, labels: int, whole: str, variables: set[str]) -> 
     """Return why a file is not the part of a map that was joined, an empty text if it is."""
     if not part.exists():
         return "is missing"
-    if sealed_labels(part) != labels:
+    if read_seal(part)[1] != labels:
         return "has changed since the parts were joined"
     with h5py.File(part, "r") as file:
         of = PartOfMap.of({name: scalar(file.attrs.get(name)) for name in OF_PARTS})

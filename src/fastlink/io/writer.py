@@ -745,7 +745,7 @@ class Writer:
         with self._idle:
             self._ranges.add(start, stop)
         addends, self._of_thread.addends = self._of_thread.addends, []
-        self._journal.add(start, stop, addends)
+        self._journal.add([(start, stop)], addends)
 
     @property
     def written(self) -> list[Range]:
@@ -810,7 +810,7 @@ class Writer:
             for start, stop in written.ranges:
                 self._ranges.add(start, stop)
         self._journal.add_bytes(written.nbytes)
-        self._journal.add_all(written.ranges, written.addends.items())
+        self._journal.add(written.ranges, written.addends.items())
 
     def finish(
         self, attrs: Mapping[str, Any], of_variables: Mapping[str, Mapping[str, Any]] | None = None
