@@ -210,16 +210,15 @@ class Cluster:
 
         data = cloudpickle.dumps(job), None if remote is None else cloudpickle.dumps(remote[:2])
         tasks = _Tasks(self, data, block)
-        merge = (lambda kept: None) if remote is None else remote[2]
         ranges = _Pending([(0, job.size)] if pending is None else pending)
         length = _Length(job)
 
         def take(start: int, stop: int, report: Report) -> None:
-            if report.arrays is None:
-                merge(report.kept)
-            else:
+            if report.arrays is not None:
                 length.bytes = TASK_BYTES
                 sink(start, stop, report.arrays)
+            elif remote is not None:
+                remote[2](report.kept)
 
         # not in this thread, for the reason that `apart` of `fastlink.engine.run.run` has
         with concurrent.futures.ThreadPoolExecutor(1, "fastlink-take") as taker:
