@@ -12,9 +12,6 @@ from pathlib import Path
 from fastlink._text import size
 from fastlink.errors import InputError, KeyPath, Remedy
 
-__all__ = ["available_memory", "check_memory", "work_in_threads"]
-
-
 # -- Let several threads take work until there is none, or until one of them fails
 
 
@@ -77,11 +74,9 @@ def check_memory(nbytes: int, what: str, *, where: KeyPath = (), remedy: Remedy 
 
 
 def available_memory() -> int | None:
-    """Return how many bytes this process may still take without swapping, None where the system does not say.
-
-    The least of what the machine has left, what the control groups of a container or a job allow, and the limit of
-    the address space (``ulimit -v``).
-    """
+    """Return how many bytes this process may still take without swapping, None where the system does not say."""
+    # The least of what the machine has left, what the control groups of a container or a job allow, and the
+    # limit of the address space (``ulimit -v``).
     known = [*_of_machine(), *_of_groups(Path("/proc/self/cgroup"), Path("/sys/fs/cgroup")), *_of_limit()]
     return max(0, min(known)) if known else None
 

@@ -1358,7 +1358,7 @@ def rate_extrema(space: Any, *, pair: str = "14", **options: Any) -> Any:
         raise InputError(f"{short_repr(pair)} is unknown", where=where, remedy=remedy)
     i, j = pair[0], pair[1]
     names = [str(ListOfExtrema(Quantity(f"{rate}_{j}"))) for rate in ("joint_omega", "joint_alpha")]
-    if i == "1" and getattr(space := _designs(space, options), "names", ()).count("omega1"):
+    if i == "1" and isinstance(space := _designs(space, options), DesignSpace) and "omega1" in space.names:
         space = _renamed(space, {"omega1": "joint_omega_1"})
     return sweep("planar_4r", space, names, input=f"joint_angle_{i}", **options)
 

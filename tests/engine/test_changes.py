@@ -36,7 +36,7 @@ CASES = {
 #: Tolerances over the inputs. Differences between opposite corners are off by the third power; of two such, one of half
 #: the size, that cancels. Left: a fifth power, (1e-5)^4 times what grows towards toggles, and roundings, 1e-16 to 1e-5.
 SHARE, OFF = 1e-5, 1e-8
-FIRST = ("planar_4r", "minkowski_4r")
+FIRST = ("slider_crank", "minkowski_4r")
 
 
 def swept(names, tolerances=TOLERANCES, **options):
@@ -83,23 +83,6 @@ def test_changes_are_those_of_designs_at_all_corners_of_the_tolerances(mechanism
     assert compared == len(names)
 
 
-def test_the_root_sum_of_squares_is_the_standard_deviation_of_random_designs():
-    # of n samples a standard deviation is off by 1/sqrt(2 n) of itself: five times that is 4 in 100 here; what is
-    # beyond the first order is below 1e-4
-    n, share = 8000, 1e-4
-    rng = np.random.default_rng(1)
-    lengths = ("a1", "a2", "a3", "a4")
-    names = ["omega4_max", "transmission_angle_min", "omega4_rms"]
-    drawn = {name: DESIGN[name] * (1.0 + share * rng.standard_normal(n)) for name in lengths}
-    moved = fl.sweep(
-        "planar_4r", fl.table(drawn | {"omega1": np.full(n, 25.0)}), names, branch=1, progress=False
-    )
-    tolerances = {f"{name}_relative_tolerance": share for name in lengths}
-    found = swept([f"{name}_rss_change" for name in names], tolerances, branch=1)
-    for name in names:
-        assert float(found[f"{name}_rss_change"]) == pytest.approx(float(moved[name].std()), rel=0.04)
-
-
 def test_changes_are_made_of_the_derivatives_that_are_offered():
     for name in ("omega4_max", "theta1_at_omega4_max", "omega4_mean", "omega4"):
         slopes = [f"d_{name}_d_{by}" for by in ("a1", "a2", "a3")]
@@ -141,19 +124,6 @@ def test_an_axis_of_tolerances_only_scales_the_changes():
     assert fl.sweep("planar_4r", both, names[:1], progress=False).attrs["scaling_axis"] == "omega1"
 
 
-def test_designs_far_from_one_change_as_others_do():
-    tiny = {name: value * (1e-160 if name[0] == "a" else 1.0) for name, value in DESIGN.items()}
-    tolerances = {"a1_tolerance": 1e-4, "a2_tolerance": 2e-4}
-    names = ["omega4_max_rss_change", "B_x_max_worst_change"]
-    found = fl.sweep(
-        "planar_4r", fl.grid(tiny | {k: t * 1e-160 for k, t in tolerances.items()}), names, progress=False
-    )
-    usual = swept(names, tolerances)
-    # each input and result is rounded once more
-    np.testing.assert_allclose(found[names[0]], usual[names[0]], rtol=1e-12)
-    np.testing.assert_allclose(found[names[1]], usual[names[1]] * 1e-160, rtol=1e-12)
-
-
 def test_a_change_over_the_cycle_has_its_extremes():
     found = swept(
         ["theta4_worst_change_max", "theta1_at_theta4_worst_change_max", "theta4_worst_change_mean"]
@@ -191,10 +161,7 @@ def test_other_doors_have_them():
         ("omega4_max_worst_change_error", "error bound", "leave it out"),
         ("d_omega4_max_worst_change_d_a1", "omega4_max", "omega4_max_worst_change"),
         ("omega4_worst_change_rss_change", "change", "omega4_worst_change"),
-        ("omega4_worst_change_max_rss_change", "change", "omega4_worst_change_max"),
-        ("omega4_error_worst_change", "error bound", "leave it out"),
         ("omega4_fluctuation_worst_change", "omega4_fluctuation", "leave it out"),
-        ("omegaa4_worst_change", "omegaa4", "omega4"),
         ("P_u_worst_change", "quantity", ""),
     ],
 )
@@ -207,10 +174,8 @@ def test_what_has_no_change_is_refused(name, key, remedy):
     ("tolerances", "key", "remedy"),
     [
         ({}, "omega4", "a1_tolerance, a2_tolerance"),
-        ({"P_u_tolerance": 1.0}, "omega4", "a1_tolerance, a2_tolerance"),
         ({"a1_tolerance": -1.0}, "a1_tolerance", "at least 0"),
         ({"a1_tolerance": 1.0, "a1_relative_tolerance": 1.0}, "a1_tolerance", "leave one"),
-        ({"a1_tolerence": 1.0}, "a1_tolerence", "'a1_tolerance'"),
     ],
 )
 def test_tolerances_that_are_missing_or_wrong_are_refused(tolerances, key, remedy):

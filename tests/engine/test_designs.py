@@ -13,7 +13,6 @@ from tests.support.refusals import refused
 
 import fastlink as fl
 from fastlink.app.report import contents
-from fastlink.io.writer import Writer
 
 FIXED = {"a1": 0.4, "a4": 1.0, "omega1": 25.0}
 GRID = fl.grid(a2=[1.1, 1.2, 5.0], a3=[0.7, 0.8], **FIXED)
@@ -33,7 +32,6 @@ def maps():
 FED_BACK = {
     "whole": lambda maps: maps,
     "one assembly mode": lambda maps: maps.sel(branch=1),
-    "one coupler": lambda maps: maps.sel(a2=1.2),
     "some couplers": lambda maps: maps.isel(a2=[2, 0]),
     "one design": lambda maps: maps.isel(a2=1, a3=1),
     "in another order": lambda maps: maps.transpose("branch", "a3", "a2"),
@@ -54,11 +52,8 @@ def test_a_map_stands_for_its_designs_in_their_dimensions(maps, select):
 
 FLAT = {
     "stacked": lambda maps: maps.stack(design=("a2", "a3")),
-    "stacked by another name": lambda maps: maps.stack(case=("a2", "a3")),
     "rows": lambda maps: maps.to_dataframe(),
-    "rows without index": lambda maps: maps.to_dataframe().reset_index(),
     "rows of one assembly mode": lambda maps: maps.sel(branch=2).to_dataframe().reset_index(),
-    "table": lambda maps: fl.table(maps),
     "table of rows": lambda maps: fl.table(maps.to_dataframe().reset_index()),
 }
 
@@ -133,13 +128,6 @@ def test_only_results_are_ignored():
                 sweep(space)
 
 
-def test_all_problems_of_a_request_are_named():
-    frame = pd.DataFrame({"a2": [1.1, np.nan], "a3": 0.8, **FIXED, "part_no": [1, 2], "status": [0, 0]})
-    with pytest.raises(fl.InputError) as caught:
-        sweep(frame, ["omga4"], branch=3)
-    assert [key in str(caught.value) for key in ("a2", "part_no", "omga4", "branch")] == [True] * 4
-
-
 LABELS = pd.DataFrame(
     {"a2": [1.1, 1.2, 5.0], "a3": 0.8, **FIXED, "maker": ["Müller", "", "B & C"]},
     index=pd.Index(["P1", "P2", "P3"], name="part"),
@@ -170,23 +158,6 @@ def test_labels_are_coordinates_in_memory_and_in_files(tmp_path):
         sweep(LABELS.assign(maker="x"), to=tmp_path / "map.h5")
 
 
-def test_labels_survive_an_interruption(tmp_path, monkeypatch):
-    record = Writer.record
-
-    def stop(self, start, end):
-        record(self, start, end)
-        raise KeyboardInterrupt
-
-    options = {"to": tmp_path / "map.h5", "block": 1, "threads": 1, "verify": 0}
-    with monkeypatch.context() as patched:
-        patched.setattr(Writer, "record", stop)
-        with pytest.raises(KeyboardInterrupt):
-            sweep(LABELS, **options)
-    with sweep(LABELS, **options) as resumed:
-        assert resumed.attrs["designs_of_earlier_runs"] == 1
-        xr.testing.assert_equal(resumed, sweep(LABELS))
-
-
 def test_names_of_designs_as_their_dimension():
     dataset = xr.Dataset({"a2": ("design", [1.1, 1.2])}, coords={"design": ["P1", "P2"], "a3": 0.8, **FIXED})
     result = sweep(dataset)
@@ -202,17 +173,6 @@ def test_an_index_may_be_an_input():
         sweep(LABELS.assign(a2="long"))
 
 
-def test_units_that_values_state_are_those_of_the_input():
-    for unit, ok in (("m", True), ("metre", True), ("mm", False), ("rad", False)):
-        axis = xr.DataArray([1.1, 1.2], dims="a2", attrs={"units": unit})
-        for space in (fl.grid(a2=axis, a3=0.8, **FIXED), {"a2": axis, "a3": 0.8, **FIXED}):
-            if ok:
-                assert sweep(space).omega4_max.shape == (2, 2)
-            else:
-                with refused("a2", "convert it to m"):
-                    sweep(space)
-
-
 def test_a_map_is_swept_again_by_its_path(tmp_path):
     path = tmp_path / "maps.h5"
     sweep(GRID, to=path).close()
@@ -224,15 +184,3 @@ def test_a_map_is_swept_again_by_its_path(tmp_path):
     (tmp_path / "other.csv").write_bytes(path.read_bytes()[:100])
     with refused("other.csv", "a map that a sweep has written"):
         sweep(tmp_path / "other.csv")
-
-
-@pytest.mark.parametrize("name", ["maps.csv", "maps.TOML", "maps.h5/"])
-def test_a_name_that_is_no_map_is_refused(tmp_path, name):
-    with refused("to", "maps.h5"):
-        sweep(GRID, to=f"{tmp_path}/{name}")
-    assert not list(tmp_path.iterdir())
-
-
-def test_an_option_in_degrees_is_answered_with_the_name_of_the_input():
-    with refused("degrees", "theta1_deg"):
-        sweep(GRID, degrees=True)

@@ -129,7 +129,7 @@ def test_workers_write_into_the_file_that_they_see(workers, small_tasks, written
     fl.check(tmp_path / "maps.h5")
 
 
-@pytest.mark.parametrize("options", [{}, {"layout": "maps"}], ids=str)
+@pytest.mark.parametrize("options", [{"layout": "maps"}], ids=str)
 def test_results_come_back_from_workers_that_do_not_see_the_file(
     workers, small_tasks, written, tmp_path, options
 ):
@@ -229,7 +229,7 @@ class Simulated:
         self.tasks[worker] += 1
         self.seconds.append(seconds)
         note = functools.partial(heapq.heappush, self.ends)
-        future = type("Future", (), {"status": "finished", "result": lambda self: Report(seconds, [])})()
+        future = type("Future", (), {"status": "finished", "result": lambda self: Report(seconds)})()
         future.add_done_callback = lambda put: note((end, id(future), future))
         return future
 
@@ -246,13 +246,13 @@ class Simulated:
 
 @pytest.mark.parametrize(
     ("threads", "work", "used", "longest"),
-    [(1000, 60.0, 0.95, 4.1), (1000, 10.0, 0.85, 4.1), (16, 10.0, 0.98, 1.05)],
+    [(1000, 10.0, 0.85, 4.1), (16, 10.0, 0.98, 1.05)],
 )
 def test_the_client_keeps_up_with_any_number_of_threads(monkeypatch, threads, work, used, longest):
     client = Simulated(threads)
     monkeypatch.setattr(cluster, "queue", SimpleNamespace(SimpleQueue=lambda: client, Empty=queue.Empty))
     job = Job((), [((28,), "float64")], int(threads * work / 3e-6))
-    cluster.Cluster(client).run(job, print, travels=True)
+    cluster.Cluster(client).run(job, print)
     assert sum(client.seconds) == pytest.approx(threads * work)
     assert sum(client.seconds) / threads / client.now >= used
     assert client.busy / client.now < 0.8
@@ -263,12 +263,14 @@ def test_the_client_keeps_up_with_any_number_of_threads(monkeypatch, threads, wo
 # -- what is refused -------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    "client", [1, "tcp://127.0.0.1:8786", object(), Client], ids=["number", "address", "object", "class"]
-)
-def test_what_is_no_client_is_refused(client):
-    with refused("client", "distributed.Client"):
-        swept(client=client)
+def test_what_is_no_client_is_refused(workers):
+    with Client(workers.scheduler.address) as closed:
+        pass
+    with refused("client", "make it anew"):
+        swept(client=closed)
+    for wrong in (1, "tcp://127.0.0.1:8786", Client):
+        with refused("client", "distributed.Client"):
+            swept(client=wrong)
 
 
 def test_threads_are_those_of_the_workers(workers):
@@ -277,16 +279,7 @@ def test_threads_are_those_of_the_workers(workers):
     assert swept(client=workers).attrs["threads"] == 2
 
 
-def test_a_client_that_is_closed_is_refused(workers):
-    with Client(workers.scheduler.address) as closed:
-        pass
-    with refused("client", "make it anew"):
-        swept(client=closed)
-
-
-@pytest.mark.parametrize(
-    ("name", "value"), [("__version__", "0.0.1"), ("environment", lambda: b"other")], ids=["version", "code"]
-)
+@pytest.mark.parametrize(("name", "value"), [("environment", lambda: b"other")], ids=["code"])
 def test_a_worker_with_another_version_is_refused_beforehand(workers, tmp_path, name, value):
     first, _ = workers.nthreads()
     workers.run(_change, "fastlink.engine.cluster", name, value, workers=[first])
@@ -314,16 +307,6 @@ def test_a_study_runs_on_a_cluster(workers, tmp_path):
     assert "--dask: no scheduler answers" in refusal.output
 
 
-def test_a_worker_without_fastlink_is_refused_beforehand(workers):
-    def absent():
-        raise ModuleNotFoundError("No module named 'fastlink'")
-
-    first, _ = workers.nthreads()
-    workers.run(_change, "fastlink.engine.cluster", "about", absent, workers=[first])
-    with refused(f"{first}", "install the version"):
-        swept(client=workers)
-
-
 # -- workers that are lost, last: they take seconds to start again -----------------------------------
 
 
@@ -331,7 +314,7 @@ def test_a_worker_without_fastlink_is_refused_beforehand(workers):
     ("to_file", "count"),
     [
         pytest.param(True, 1, id="file"),
-        pytest.param(False, 1, id="memory"),
+        pytest.param(False, 1, id="memory", marks=pytest.mark.stress),
         # with both, all that was handed out is lost; the cluster takes seconds to start two processes
         pytest.param(True, 2, id="both", marks=pytest.mark.stress),
     ],

@@ -27,23 +27,10 @@ def test_a_misspelt_input_is_refused():
     refused("foo is unknown", "known: ", foo=3.0, theta1=1.0, links=BAR, **DESIGN)
 
 
-def test_a_misspelt_load_of_a_sweep_has_the_right_one_beside():
-    with pytest.raises(fl.InputError, match="did you mean 'gravity_y'"):
-        fl.sweep("planar_4r", fl.grid(gravty_y=-9.8, **DESIGN), ["T41_max"], links=BAR)
-
-
 @pytest.mark.parametrize("branch", [3, 0, -1, 1.5, np.nan, [1, 2, 3]])
 def test_a_branch_that_is_not_there_is_refused(branch):
     """It gave numbers of no assembly mode."""
     refused("branch", "write some of 1, 2", names=["theta4"], theta1=1.0, branch=branch, **DESIGN)
-
-
-def test_branches_may_be_arrays():
-    values = fl.evaluate("planar_4r", ["theta4"], theta1=1.0, branch=[1, 2, 1], **DESIGN)["theta4"]
-    one, other = (
-        fl.evaluate("planar_4r", ["theta4"], theta1=1.0, branch=k, **DESIGN)["theta4"] for k in (1, 2)
-    )
-    assert values.tolist() == [one, other, one]
 
 
 @pytest.mark.parametrize("entry", [entry for entry in ENTRIES if entry.moves], ids=str)
@@ -62,11 +49,6 @@ def test_a_gap_among_branches_is_a_gap_in_what_depends_on_them(entry):
                 assert np.isnan(second), name
     with pytest.raises(fl.InputError):
         fl.evaluate(entry.mechanism, entry.names, branch=gap, **given)
-
-
-def test_text_is_not_a_number():
-    refused("theta1 is '1 rad'", "write a number", names=["theta4"], theta1="1 rad", **DESIGN)
-    refused("branch: 'left'", "write some of 1, 2", names=["theta4"], theta1=1.0, branch="left", **DESIGN)
 
 
 def test_the_position_of_another_input_names_the_right_one():

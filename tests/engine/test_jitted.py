@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from concurrent.futures import ThreadPoolExecutor
 
 import numba
@@ -74,15 +72,3 @@ def test_another_number_of_rows_is_refused():
     function = fl.function("planar_4r", ["a2", "a3"], ["omega4_max"], **FIXED)
     with pytest.raises(ValueError, match="as many rows"):
         function.jitted(np.ones(3))
-
-
-def test_numba_is_imported_where_it_is_used_only():
-    script = (
-        "import sys, fastlink as fl\n"
-        "fixed = dict(a1=0.4, a3=0.8, a4=1.0, omega1=25.0)\n"
-        "fl.sweep('planar_4r', fl.grid(a2=[1.1, 1.2], **fixed), ['omega4_max'])\n"
-        "made = fl.function('planar_4r', ['a2'], ['omega4_max'], **fixed)\n"
-        "made([1.2]); assert 'numba' not in sys.modules\n"
-        "made.jitted; assert 'numba' in sys.modules\n"
-    )
-    subprocess.run([sys.executable, "-c", script], check=True)

@@ -11,7 +11,6 @@ from tests.support.refusals import refused
 import fastlink as fl
 from fastlink import machine
 from fastlink.codegen.kernel import Kernel
-from fastlink.codegen.runtime.cells import LANES
 from fastlink.engine.resolve import resolve
 from fastlink.engine.run import BLOCK_BYTES, aligned
 from fastlink.engine.sinks import needs_of
@@ -66,12 +65,6 @@ def test_a_function_of_too_many_designs_is_refused(small_machine):
     function = fl.function("planar_4r", ["a2"], ["swing"], a1=0.4, a3=0.8, a4=1.0)
     with refused("the result", "pass fewer designs at once"):
         function(np.broadcast_to(1.1, (1, 10**5, 10**4)))
-
-
-def test_an_allocation_that_the_system_refuses_is_one_line_too(monkeypatch):
-    monkeypatch.setattr(machine, "available_memory", lambda: None)
-    with refused("the result", "to='maps.h5'"):
-        fl.sweep("planar_4r", wide(a1=2**15, a2=2**15, a3=2**15, a4=2**10), ["theta4"])
 
 
 @pytest.mark.parametrize(
@@ -133,11 +126,6 @@ def test_memory_of_a_container_is_that_of_its_narrowest_group(tmp_path):
     (old / "memory.usage_in_bytes").write_text("600")
     assert list(machine._of_groups(own, tmp_path)) == [100]
     assert list(machine._of_groups(tmp_path / "absent", tmp_path)) == []
-
-
-def test_this_machine_says_what_is_left():
-    available = machine.available_memory()
-    assert available is None or LANES < available < 2**50
 
 
 def test_results_lie_apart_in_the_first_cache():

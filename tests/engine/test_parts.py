@@ -9,14 +9,10 @@ import pytest
 import xarray as xr
 from numpy.testing import assert_array_equal
 from tests.support.part_requests import AXES, REQUESTS, sweep
-from tests.support.refusals import assert_refusal, refused
-from tests.support.study_files import GOOD, written
-from typer.testing import CliRunner
+from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.app.cli import app
 from fastlink.io import partial_file
-from fastlink.io.reader import Part
 from fastlink.io.writer import Writer
 
 
@@ -139,7 +135,6 @@ def kinds(tmp_path_factory):
         sweep(
             "grid", part=part, to=folder / f"{'whole' if part is None else part.replace('/', ' of ')}.h5"
         ).close()
-    sweep("table", to=folder / "table.h5").close()
     sweep("numbered table", part="1/3", to=folder / "other 1 of 3.h5").close()
     space = fl.sobol(7, seed=1, a1=(0.3, 0.5), a2=(1.0, 1.4), a3=0.8, a4=1.0)
     fl.sweep("planar_4r", space, ["theta4"], theta1=6, verify=0, to=folder / "sobol.h5").close()
@@ -152,13 +147,9 @@ def kinds(tmp_path_factory):
     [
         ("whole", "1/3", "a whole map, not part 1/3"),
         ("1 of 3", None, "part 1/3, not a whole map"),
-        ("2 of 3", "1/3", "part 2/3, not part 1/3"),
         ("2 of 4", "2/3", "part 2/4, not part 2/3"),
         ("other 1 of 3", "1/3", "a map with other"),
-        ("table", "1/3", "a whole map, not part 1/3"),
-        ("sobol", "1/3", "a whole map, not part 1/3"),
         ("sobol", None, "a map with other"),
-        ("1 of 3", "join", "part 1/3, not a whole map"),
         ("other 1 of 3", "join", "part 1/3, not a whole map"),
     ],
 )
@@ -173,37 +164,15 @@ def test_a_file_of_another_part_or_of_the_whole_is_refused_with_what_it_is(kinds
     assert path.read_bytes() == before
 
 
-def test_samples_do_not_replace_a_grid_of_the_same_quantities(kinds):
-    space = fl.sobol(7, seed=1, a1=(0.3, 0.5), a2=(1.0, 1.4), a3=0.8, a4=1.0)
-    for part in (None, "1/3"):
-        with refused("the file exists", "overwrite=True"):
-            fl.sweep("planar_4r", space, ["theta4"], theta1=6, part=part, to=kinds / "whole.h5")
-
-
-def test_a_part_gives_the_designs_of_another_sweep():
-    part = sweep("grid", part=(2, 3))
-    again = fl.sweep("planar_4r", part.fastlink.designs, ["theta4"], theta1=6)
-    assert_array_equal(again.theta4.values, part.theta4.values)
-    assert_array_equal(again.design.values, part.design.values)
-
-
 @pytest.mark.parametrize(
     "part",
     [
         (0, 3),
-        (4, 3),
         "4/3",
-        "0/3",
-        "3",
-        "a/b",
         "1/2/3",
-        "1.0/2",
-        "-1/3",
-        (1.0, 2),
         (True, 2),
         3,
         (1, 2, 3),
-        "",
     ],
 )
 def test_what_is_no_part_is_refused(part):
@@ -217,34 +186,6 @@ def test_a_part_without_designs_is_refused():
     with refused("part", "at most 1 part"):
         sweep("one design", part=(1, 2))
     assert sweep("grid", part=(35, 35)).sizes["design"] == 1
-
-
-def test_the_file_of_a_part():
-    from pathlib import Path
-
-    names = [Part(k, 120).path(Path("a/maps.v2.h5")).name for k in (3, 120)]
-    assert names == ["maps.v2.part-003-of-120.h5", "maps.v2.part-120-of-120.h5"]
-
-
-def test_a_study_is_run_in_parts(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    study = str(written(GOOD))
-    run = CliRunner().invoke(app, ["run", study, "--part", "2/4", "--verify", "0"])
-    assert run.exit_code == 0, run.output
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["study.part-2-of-4.h5", "study.toml"]
-    with fl.run_study(study, to="own.h5", part=(2, 4), verify=0) as part:
-        assert part.encoding["source"].endswith("own.h5")
-        assert (part.attrs["part_number"], part.attrs["part_count"]) == (2, 4)
-
-
-@pytest.mark.parametrize(
-    ("part", "remedy"), [("9/4", "--part 3/16"), ("4", "--part 3/16"), ("1/9", "at most 6 parts")]
-)
-def test_a_wrong_part_is_refused_in_the_words_of_the_command_line(tmp_path, monkeypatch, part, remedy):
-    monkeypatch.chdir(tmp_path)
-    run = CliRunner().invoke(app, ["run", str(written(GOOD)), "--part", part])
-    assert run.exit_code == 2
-    assert_refusal(ValueError(run.output.strip()), "--part", remedy)
 
 
 @pytest.mark.parametrize("of", ["grid", "sobol", "completions of a numbered table"])

@@ -92,16 +92,6 @@ def test_the_name_of_another_input_is_refused_with_the_right_one(folder, mechani
             fl.run_study(written(text))
 
 
-def test_a_misspelt_option_is_refused_with_the_right_one():
-    space = fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0)
-    with pytest.raises(fl.InputError, match="did you mean 'threads'"):
-        fl.sweep("planar_4r", space, ["theta4"], thread=4)
-    with pytest.raises(fl.InputError, match=r"^brch is not an option; did you mean 'branch'\?$"):
-        fl.sweep("planar_4r", space, ["theta4"], brch=1)
-    with pytest.raises(fl.InputError, match="did you mean 'solver'"):
-        fl.function("planar_4r", ["a1"], ["theta4"], solvr="dense", a2=1.2, a3=0.8, a4=1.0)
-
-
 @pytest.mark.parametrize("name", ["theta1", "theta1_deg", "angles"])
 def test_a_range_of_more_positions_than_can_be_read_is_refused_at_once(name):
     design = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import xarray as xr
-from tests.support.refusals import refused
 
 import fastlink as fl
 from fastlink.app.report import contents
@@ -41,29 +40,9 @@ def test_the_file_has_the_same_labels(tmp_path, both):
         assert "assembly mode" in contents(one)
 
 
-def test_one_design_is_a_number():
-    one = fl.sweep("planar_4r", fl.grid(a2=1.1, **LENGTHS), ["omega4_max"], branch=1)
-    other = fl.sweep("planar_4r", fl.grid(a2=1.1, **LENGTHS), ["omega4_max"], branch=2)
-    several = fl.sweep("planar_4r", fl.grid(a2=1.1, **LENGTHS), ["omega4_max"])
-    assert one.omega4_max.shape == ()
-    assert int(one.branch) == 1
-    assert int(other.branch) == 2
-    assert [float(one.omega4_max), float(other.omega4_max)] == several.omega4_max.values.tolist()
-
-
 def test_what_does_not_depend_on_the_assembly_mode_has_none():
     found = fl.sweep("planar_4r", SPACE, ["grashof_class"], branch=2)
     assert "branch" not in found.coords
-
-
-def test_a_picture_names_the_assembly_mode(both):
-    one = fl.sweep("planar_4r", SPACE, ["omega4_max"], branch=2)
-    for picture in (fl.plot_map(one, "omega4_max"), fl.plot_map(one, "omega4_max", branch=2)):
-        (line,) = picture.axes[0].get_lines()
-        np.testing.assert_array_equal(line.get_ydata(), both.omega4_max.sel(branch=2))
-        assert next(text.get_text() for text in picture.axes[0].get_legend().get_texts()) == "assembly mode 2"
-    with refused("branch", "write one of 2"):
-        fl.plot_map(one, "omega4_max", branch=1)
 
 
 def test_functions_of_maps_take_one_assembly_mode():

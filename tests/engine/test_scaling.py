@@ -8,8 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import fastlink as fl
 from fastlink.engine.resolve import resolve
-from fastlink.engine.scaling import ScalingAxis
-from fastlink.facts.homogeneity import homogeneity_degrees
+from fastlink.engine.scaling import ScalingAxis, homogeneity_degrees
 from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
 
@@ -85,13 +84,6 @@ def test_any_speed_is_within_rounding():
 def test_no_axis_is_used_that_does_more_than_scale(given, names):
     space = fl.grid(**{"a1": 0.4, "a2": 1.1, "a3": 0.8, "a4": 1.0, **given})
     assert resolve("planar_4r", space, names, links=BAR).scaling_axis is None
-
-
-def test_density_scales_forces_and_leaves_rates():
-    result = sweep(["omega4_max", "F32_max"], a1=0.4, a2=1.1, a3=0.8, a4=1.0, omega1=9.0, density=[1.0, 4.0])
-    assert result.attrs["scaling_axis"] == "density"
-    assert_array_equal(result.omega4_max[0], result.omega4_max[1])
-    assert_array_equal(result.F32_max[1], 4.0 * result.F32_max[0])
 
 
 @pytest.mark.parametrize(

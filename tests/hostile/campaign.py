@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import array
 import os
-import traceback
+import random
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator
 from decimal import Decimal
 from fractions import Fraction
-from functools import cache, partial
+from functools import cache
+from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -20,87 +20,97 @@ import xarray as xr
 
 import fastlink as fl
 from tests.hostile import doings, objects
-from tests.hostile.checks import CHECKS
-from tests.hostile.doors import DOORS, Door, Slot
-from tests.hostile.judge import Outcome, attempt, judged
+from tests.hostile.doors import DOORS, Door
+from tests.hostile.judge import attempt, judged
 from tests.hostile.lines import command_lines
-from tests.hostile.studies import ROOT, studies
+from tests.hostile.studies import ROOT, SMALL, studies
 from tests.hostile.tables import tables
-from tests.hostile.values import EITHER, REFUSED, ROLES, TAKEN, Value
-
-#: What the tables of linkages of the Minkowskian plane are made of.
-SUMS = ("T1", "T2", "T3", "T4", "T5")
-DOOR_OF = {"read": "study", "explained": "explain", "ran": "run_study", "commanded": "fastlink run"}
-STUDY = """
-mechanism = "planar_4r"
-quantities = ["omega4_max", "theta4"]
-[design]
-a1 = 0.4
-a2 = {linspace = [1.0, 1.4, 3]}
-a3 = 0.8
-a4 = 1.0
-omega1 = 25.0
-[cycle]
-theta1 = 8
-[output]
-verify = 0
-"""
+from tests.hostile.values import EITHER, REFUSED, TAKEN, Value
 
 
-def constructible(case: Case, names: dict[str, Any]) -> bool:
-    """Tell whether the argument of a call can be made at all, by pandas and xarray."""
-    return not case.source or attempt(compile(case.source, "<source>", "eval"), names)[1] is None
+class Case(NamedTuple):
+    """One call: its door, what may come of it, its text, that of the same call with plain values, and an argument."""
+
+    door: str
+    verdict: str
+    text: str
+    plain: str
+    source: str = ""
+
+
+def case_of(door: Door, chosen: dict[str, Value]) -> Case:
+    """Return the case with some values at a door."""
+    verdicts = {value.verdict for value in chosen.values()}
+    verdict = TAKEN if verdicts == {TAKEN} and len(chosen) == 1 else EITHER
+    if REFUSED in verdicts or not door.opens:
+        verdict = REFUSED
+    text = door.called({name: value.text for name, value in chosen.items()})
+    made = [f"({value.text})" for name, value in chosen.items() if name != "more"]
+    plain = door.called({name: value.plain for name, value in chosen.items()})
+    return Case(door.name, verdict, text, plain, f"[{', '.join(made)}]")
+
+
+@cache
+def singles() -> tuple[Case, ...]:
+    """Return a case for each value of each argument of each door."""
+    return tuple(
+        case_of(door, {name: value}) for door in DOORS for name in door.slots for value in door.values(name)
+    )
+
+
+def argument_cases(seed: int, count: int) -> Iterator[Case]:
+    """Yield calls with a hostile value; a fifth of them with two."""
+    rng = random.Random(seed)
+    yield from rng.sample(singles(), count - count // 5)
+    wide = [door for door in DOORS if len(door.slots) > 1]
+    for _ in range(count // 5):
+        door = rng.choice(wide)
+        chosen = {name: rng.choice(door.values(name) or [None]) for name in rng.sample(list(door.slots), 2)}
+        (low, high), (start, stop) = (door.slots[name] for name in chosen)
+        if None not in chosen.values() and (high <= start or stop <= low):
+            yield case_of(door, chosen)  # type: ignore[arg-type]
 
 
 def table_cases(seed: int, count: int) -> Iterator[Case]:
-    """Yield the calls with tables of a seed."""
-    for number, (door, kind, verdict, source, plain) in enumerate(tables(seed, count)):
-        text = door.replace("SOURCE", source)
-        yield Case(number, "table", kind, verdict, text, door.replace("SOURCE", plain), source=source)
+    """Yield calls with tables."""
+    for door, _, verdict, source, plain in tables(seed, count):
+        yield Case("table", verdict, door.replace("SOURCE", source), door.replace("SOURCE", plain), source)
 
 
 def study_cases(seed: int, count: int) -> Iterator[Case]:
-    """Yield the calls with studies of a seed."""
-    for number, (door, kind, source) in enumerate(studies(seed, count)):
-        text = door.replace("SOURCE", source)
-        yield Case(number, DOOR_OF[door.partition("(")[0]], kind, EITHER, text, text)
+    """Yield calls with studies."""
+    for text in studies(seed, count):
+        yield Case(text.partition("(")[0], EITHER, text, text)
 
 
 def line_cases(seed: int, count: int) -> Iterator[Case]:
-    """Yield the command lines of a seed."""
-    for number, (kind, words) in enumerate(command_lines(seed, count)):
-        text = f"to_end(*{words!r})"
-        yield Case(number, "command line", kind, EITHER, text, text)
+    """Yield command lines."""
+    for words in command_lines(seed, count):
+        yield Case("command line", EITHER, f"to_end(*{words!r})", f"to_end(*{words!r})")
 
 
 def namespace() -> dict[str, Any]:
     """Return what the texts of cases are made of; its files are written into the current folder."""
     Path("folder").mkdir(exist_ok=True)
-    Path("study.toml").write_text(STUDY)
+    Path("study.toml").write_text(SMALL.replace("a3 = {values = [0.8, 0.7]}", "a3 = 0.8"))
     for table in ROOT.glob("data/studies/*.csv"):
         Path(table.name).write_bytes(table.read_bytes())
     if not os.path.lexists("loop"):
         os.symlink("loop", "loop")
-    named = {
-        name: value for module in (objects, doings) for name, value in vars(module).items() if name[0] != "_"
-    }
+    modules = (objects, doings)
+    named = {name: one for module in modules for name, one in vars(module).items() if name[0] != "_"}
     space = fl.grid(a1=0.4, a2=[1.1, 1.2, 1.3], a3=0.8, a4=1.0, omega1=25.0)
     bars = fl.round_bar(density=7750.0, radius=0.01)
     options: dict[str, Any] = {"angles": 8, "threads": 1}
-    fl.sweep("planar_4r", space, ["omega4_max"], to="maps.h5", overwrite=True, verify=0, **options).close()
-    of_part = options | {"part": (1, 1), "to": "part.h5", "overwrite": True, "verify": 0}
-    fl.sweep("planar_4r", space, ["omega4_max"], **of_part).close()
+    to_file = options | {"overwrite": True, "verify": 0}
+    fl.sweep("planar_4r", space, ["omega4_max"], to="maps.h5", **to_file).close()
+    fl.sweep("planar_4r", space, ["omega4_max"], to="part.h5", part=(1, 1), **to_file).close()
     focal = fl.grid(a=5.0, b=5.0, c=2.0, d=4.0, rho=1.0, completion=1)
-    design = dict(a1=0.5, a2=1.0, a3=0.75, a4=2.0, P_u=0.0, P_v=2.0)
-    figures = dict.fromkeys(
-        ("error_max", "error_99", "error_median", "ns_per_design", "missed", "values", "pareto"), 1.0
-    )
-    measured = xr.Dataset(
-        {name: (("way", "quantity"), [[value]]) for name, value in figures.items()},
-        {"way": ["w"], "quantity": ["q"]},
-    )
+    figures = ("error_max", "error_99", "error_median", "ns_per_design", "missed", "values", "pareto")
     rates = [f"{name}_{end}" for name in ("shaking_force", "omega4") for end in ("max", "min")]
     rates += [f"theta1_at_{name}" for name in rates]
+    linkages = fl.grid(a=1.0, b=[1.0, 7.0], g=[4.0, 3.0], h=1.0)
+    of_linkages = ["linkage_type", "T1", "T2", "T3", "T4", "T5"]
     return {
         **named,
         **dict(np=np, pd=pd, xr=xr, fl=fl, array=array.array, Decimal=Decimal, Fraction=Fraction, Path=Path),
@@ -109,140 +119,52 @@ def namespace() -> dict[str, Any]:
         "MAPS": fl.sweep("planar_4r", space, ["omega4_max"], **options),
         "TORQUE": fl.sweep("planar_4r", space, ["T41_fluctuation"], links=bars, branch=1, **options),
         "RATES": fl.sweep("planar_4r", space, rates, links=bars, branch=1, threads=1),
-        "LINKAGES": fl.sweep(
-            "minkowski_4r",
-            fl.grid(a=1.0, b=[1.0, 7.0], g=[4.0, 3.0], h=1.0),
-            ["linkage_type", *SUMS],
-            threads=1,
-        ),
+        "LINKAGES": fl.sweep("minkowski_4r", linkages, of_linkages, threads=1),
         "RAYS": fl.focal.involution(5.0, 5.0, 2.0, 4.0, 1.369, branch=2, x=2.0, y=0.4495),
         "PATH": fl.sweep("focal", focal, ["T_x", "T_y"], phi=8),
         "SPEED": fl.function(
             "planar_4r", ["a2", "a3"], ["omega4_max"], a1=0.4, a4=1.0, omega1=25.0, angles=8
         ),
-        "COGNATE": fl.planar.cognates(design)[1],
-        "MEASURED": measured,
+        "COGNATE": fl.planar.cognates(a1=0.5, a2=1.0, a3=0.75, a4=2.0, P_u=0.0, P_v=2.0)[1],
+        "MEASURED": xr.Dataset(
+            {name: (("way", "quantity"), [[1.0]]) for name in figures}, {"way": ["w"], "quantity": ["q"]}
+        ),
     }
 
 
-@dataclass(frozen=True)
-class Case:
-    """One call.
-
-    Attributes
-    ----------
-    number : int
-        Its number in the draws of its seed.
-    door, kind : str
-        The public name, and the kinds of hostility.
-    verdict : str
-        What may come of it.
-    text, plain : str
-        The source of the call, and that of the same call with plain values.
-    """
-
-    number: int
-    door: str
-    kind: str
-    verdict: str
-    text: str
-    plain: str
-    check: str = ""
-    slots: tuple[str, ...] = ()
-    source: str = ""
+#: Each part of the default run, and its number of cases.
+PARTS = {
+    "arguments": (argument_cases, 400),
+    "tables": (table_cases, 120),
+    "studies": (study_cases, 60),
+    "command lines": (line_cases, 30),
+}
 
 
-@cache
-def values_of(slot: Slot) -> tuple[Value, ...]:
-    """Return the hostile values of an argument."""
-    optional = {"None"} if slot.base == "None" else set()
-    good = {*slot.good, slot.base, *optional}
-    return tuple(value for value in ROLES[slot.role] if value.text not in good)
-
-
-def case_of(number: int, door: Door, chosen: dict[str, Value]) -> Case:
-    """Return the case with some values at a door."""
-    chosen = {
-        name: value.about(door.slots[name].x or door.slots[name].base) for name, value in chosen.items()
-    }
-    verdicts = {value.verdict for value in chosen.values()}
-    alone = TAKEN if len(chosen) == 1 else EITHER
-    verdict = REFUSED if REFUSED in verdicts else EITHER if EITHER in verdicts else alone
-    text = door.text({name: value.text for name, value in chosen.items()})
-    plain = door.text({name: value.plain for name, value in chosen.items()})
-    kind = (
-        " and ".join(sorted({value.kind for value in chosen.values()})) if len(chosen) == 1 else "two at once"
-    )
-    made = [f"({value.text})" for name, value in chosen.items() if door.slots[name].role != "more"]
-    if door.check == "refused":
-        verdict = REFUSED
-    return Case(
-        number, door.name, kind, verdict, text, plain, door.check, tuple(chosen), f"[{', '.join(made)}]"
-    )
-
-
-def argument_cases(seed: int, count: int, doors: Iterable[Door] = DOORS) -> Iterator[Case]:
-    """Yield the cases of a seed."""
-    doors, rng = list(doors), np.random.default_rng(seed)
-    for number in range(count):
-        door = doors[rng.integers(len(doors))]
-        names = [name for name in door.slots if values_of(door.slots[name])]
-        two = len(names) > 1 and rng.random() < 0.2
-        some = rng.choice(len(names), 2 if two else 1, replace=False)
-        chosen = {}
-        for k in some:
-            values = values_of(door.slots[names[k]])
-            chosen[names[k]] = values[rng.integers(len(values))]
-        yield case_of(number, door, chosen)
-
-
-def singles(doors: Iterable[Door] = DOORS) -> Iterator[Case]:
-    """Yield a case for each value of each argument."""
-    number = 0
-    for door in doors:
-        for name in door.slots:
-            for value in values_of(door.slots[name]):
-                yield case_of(number, door, {name: value})
-                number += 1
-
-
-@dataclass
-class Tally:
-    """What became of cases, by door and kind."""
-
-    counts: Counter[tuple[str, str, str]] = field(default_factory=Counter)
-    failures: list[tuple[Case, Outcome]] = field(default_factory=list)
-
-    def take(self, case: Case, outcome: Outcome) -> None:
-        """Count one case."""
-        self.counts[case.door, case.kind, outcome.verdict] += 1
-        if outcome.verdict == "failed":
-            self.failures.append((case, outcome))
-
-    def table(self) -> str:
-        """Return the counts as a table."""
-        lines = [f"{'door':32}{'hostility':28}{'tried':>8}{'refused':>9}{'taken':>8}{'failed':>8}"]
-        for door, kind in dict.fromkeys((door, kind) for door, kind, _ in sorted(self.counts)):
-            of = [self.counts[door, kind, verdict] for verdict in ("refused", "taken", "failed")]
-            lines.append(f"{door:32}{kind:28}{sum(of):8}{of[0]:9}{of[1]:8}{of[2]:8}")
-        return "\n".join(lines)
-
-
-def judge_all(
-    cases: Iterable[Case], names: dict[str, Any], show: Callable[[Case, Outcome], None] | None = None
-) -> Tally:
-    """Judge cases one after another."""
-    tally = Tally()
+def judge_all(cases: Iterable[Case], names: dict[str, Any]) -> tuple[Counter[tuple[str, str]], list[str]]:
+    """Return how often each door refused, took and failed, and a line for each failure."""
+    counts: Counter[tuple[str, str]] = Counter()
+    failures = []
     for case in cases:
-        if not constructible(case, names):
-            continue
-        try:
-            check = CHECKS.get(case.check)
-            own = partial(check, text=case.plain, names=names) if check else None
-            outcome = judged(case.verdict, case.text, case.plain, names, own)
-        except Exception:
-            outcome = Outcome("failed", "the harness: " + traceback.format_exc()[-300:])
-        tally.take(case, outcome)
-        if show:
-            show(case, outcome)
-    return tally
+        if case.source and attempt(case.source, names)[1] is not None:
+            continue  # pandas or xarray cannot make the argument at all
+        verdict, why = judged(case.verdict, case.text, case.plain, names)
+        counts[case.door, verdict] += 1
+        if verdict == "failed":
+            failures.append(f"{case.text[:3000]}\n    {why}")
+    return counts, failures
+
+
+def table_of(counts: Counter[tuple[str, str]]) -> str:
+    """Return counts as a table."""
+    verdicts = ("refused", "taken", "failed")
+    lines = [f"{'door':32}" + "".join(f"{verdict:>9}" for verdict in verdicts)]
+    for door in dict.fromkeys(door for door, _ in sorted(counts)):
+        lines.append(f"{door:32}" + "".join(f"{counts[door, verdict]:9}" for verdict in verdicts))
+    return "\n".join(lines)
+
+
+def draw(part: str, seed: int, times: int = 1) -> Iterator[Case]:
+    """Yield the cases of a part, some times as many as in the default run."""
+    cases, count = PARTS[part]
+    return islice(cases(seed, times * count), times * count)

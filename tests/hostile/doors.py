@@ -1,33 +1,74 @@
-"""The doors: how each public function is called, and what each of its arguments is."""
+"""The doors: a good call of each public function; its keywords are arguments, whose roles follow from their names."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import ast
 from dataclasses import dataclass
+from functools import cached_property
 from importlib.util import find_spec
-from string import Template
 
+from tests.hostile.values import ROLES, Value, texts_of
 
-@dataclass(frozen=True)
-class Slot:
-    """One argument of a door.
-
-    Attributes
-    ----------
-    role : str
-        What it is, see `values.ROLES`.
-    base : str
-        The source text of a good value.
-    x : str
-        What hostile values wrap, where it is not `base`.
-    good : tuple of str
-        Texts of the role that are good values here.
-    """
-
-    role: str
-    base: str
-    x: str = ""
-    good: tuple[str, ...] = ()
+#: The role of an argument by its name, unless a door has another; see `values.ROLES`.
+NAMED = {
+    "name": "mechanism solver layout minimise meaning of by name units rule",
+    "names": "quantities maximise inputs outputs curves show names",
+    "choice": "input backend extrema part dtype compress kind panels lines pair find",
+    "flag": "overwrite restart progress allow_invalid infinite refine contributions degrees copy internal largest "
+    "movable outside browser trust_code error measure",
+    "count": "threads block verify top n seed designs strip frames port samples max_size start stop count",
+    "mapping": "attrs select where at bounds design extra",
+    "path": "to path paths picture animate study",
+    "thing": "links client announce mass1 mass3 function out rng",
+    "space": "space",
+    "dataset": "maps measured",
+    "branch": "branch",
+    "positions": "angles",
+    "lengths": "a1 a2 a3 a4 a b c d g h m p q r l radius1 radius3",
+    "reals": "omega1 theta1 P_u P_v phi rho kappa x y X Y e theta omega t",
+    "tolerance": "tolerance",
+    "positive": "density radius C_s",
+}
+ROLE_OF = {name: role for role, names in NAMED.items() for name in names.split()}
+#: What hostile values wrap where the argument of a good call is none, or is a name with another role.
+WRAPPED = {
+    **dict(links="1.0", client="1.0", mass1="1.0", mass3="1.0", announce="1", input="theta1", backend="llvm"),
+    **dict(
+        extrema="refined",
+        part="1/1",
+        dtype="float32",
+        compress="gzip",
+        kind="corner",
+        panels="a2",
+        lines="a2",
+    ),
+    **dict(
+        block="2",
+        strip="4",
+        to="a.h5",
+        picture="a.png",
+        animate="a.gif",
+        find="torque",
+        measure="True",
+        maximise="a1",
+    ),
+}
+ANY_SIZE = "2**64   10**30   10**400"
+#: Texts of a role that are good values of an argument.
+GOOD = {
+    **dict(
+        block=ANY_SIZE,
+        n=ANY_SIZE,
+        top=ANY_SIZE,
+        frames=ANY_SIZE,
+        seed=f"0   {ANY_SIZE}",
+        verify="0",
+        port="0",
+    ),
+    **dict(attrs="xr.Dataset()", select="xr.Dataset()", at="xr.Dataset()", bounds="xr.Dataset()"),
+    **dict(where="xr.Dataset()", mechanism="'{x} '", meaning="'{x} '"),
+    "find": r"'refine'   '{x} '   'é' * 100_000   '\ud800'   '\x00'   ''",
+}
 
 
 @dataclass(frozen=True)
@@ -36,751 +77,358 @@ class Door:
 
     Attributes
     ----------
-    name : str
-        The public name.
-    template : str
-        The source text of a call, with ``$slot`` for each argument.
-    slots : mapping of str to Slot
-        Its arguments.
-    check : str
-        The independent check of its result, see `checks.CHECKS`; ``"refused"`` where every call is refused.
+    text : str
+        The source text of a good call.
+    roles : dict
+        Roles of arguments that are other than those of their names; an empty one for what is left as it is.
+    good : dict
+        Texts of roles, as in `values`, that are good values here.
+    opens : bool
+        Whether the call as it stands is accepted.
+    more : bool
+        Whether unknown keywords are refused.
     """
 
-    name: str
-    template: str
-    slots: Mapping[str, Slot]
-    check: str = ""
+    text: str
+    roles: dict[str, str]
+    good: dict[str, str]
+    opens: bool = True
+    more: bool = True
 
-    def text(self, given: Mapping[str, str]) -> str:
-        """Return the source text of the call, with other arguments where they are given."""
-        texts = {name: slot.base for name, slot in self.slots.items()}
-        return Template(self.template).substitute(texts | dict(given))
+    @property
+    def name(self) -> str:
+        """The public name."""
+        return self.text.partition("(")[0].removeprefix("fl.")
 
-
-def _slots(**slots: str | tuple[str, ...]) -> dict[str, Slot]:
-    """Return slots from ``role base`` or (role, base, x, *good)."""
-    made = {}
-    for name, spec in slots.items():
-        role, base, *rest = spec.split(" ", 1) if isinstance(spec, str) else spec
-        made[name] = Slot(role, base, *rest[:1], good=tuple(rest[1:]))  # type: ignore[arg-type]
-    return made
-
-
-def _of(prefix: str, names: str) -> str:
-    """Return keyword arguments, each with the slot of its name."""
-    return ", ".join(f"{name}=${prefix}{name}" for name in names.split())
-
-
-MORE = {"more": Slot("more", "", "")}
-LENGTHS = _slots(a1="lengths 0.4", a2="lengths 1.2", a3="lengths 0.8", a4="lengths 1.0")
-CURVE = LENGTHS | _slots(P_u="reals 0.6", P_v="reals 0.25")
-MECHANISM = _slots(mechanism=("name", "'planar_4r'", "planar_4r", "'{x} '"))
-OPTIONS = _slots(
-    links=("thing", "None", "1.0", "None"),
-    input=("choice", "None", "theta1"),
-    solver=("name", "'eliminated'", "eliminated"),
-    backend=("choice", "None", "llvm"),
-)
-EVALUATED = {name: OPTIONS[name] for name in ("links", "input", "solver")}
-EXTREMA = _slots(extrema=("choice", "None", "refined"))
-ANGLES = _slots(angles=("positions", "8", "0.5"))
-SWEEP = "links=$links, input=$input, solver=$solver, backend=$backend, extrema=$extrema, angles=$angles, branch=$branch"
-RUN = "threads=$threads, client=$client, block=$block, verify=$verify, to=$to, overwrite=$overwrite, "
-RUN += "restart=$restart, part=$part, layout=$layout, progress=$progress, allow_invalid=$allow_invalid, attrs=$attrs"
-RUNNING = _slots(
-    threads=("count", "1", "2"),
-    client=("thing", "None", "1.0", "None"),
-    block=("count", "None", "2", "2**64", "10**30", "10**400"),
-    verify=("count", "0", "1", "0"),
-    to=("path", "None", "a.h5"),
-    overwrite=("flag", "True"),
-    restart=("flag", "False"),
-    part=("choice", "None", "1/1", "None"),
-    layout=("name", "'maps'", "maps"),
-    progress=("flag", "False"),
-    allow_invalid=("flag", "False"),
-    attrs=("mapping", "None", "1", "xr.Dataset()"),
-)
-QUANTITIES = _slots(quantities=("names", "['theta4', 'omega4_max']", "theta4"))
-BRANCH = _slots(branch=("branch", "(1, 2)"))
-SPACE = _slots(space=("space", "SPACE", "SPACE"))
-INPUTS = LENGTHS | _slots(omega1="reals 25.0")
-
-AXES = {name: Slot("axis of lengths", slot.base) for name, slot in LENGTHS.items()} | _slots(
-    omega1="axis 25.0"
-)
-
-
-def _sweep(space: str, slots: dict[str, Slot], check: str = "swept") -> Door:
-    template = f"fl.sweep($mechanism, {space}, $quantities, {SWEEP}, {RUN}, $more)"
-    everything = MECHANISM | slots | QUANTITIES | OPTIONS | EXTREMA | ANGLES | BRANCH | RUNNING | MORE
-    return Door("sweep", template, everything, check)
-
-
-def _evaluate(mechanism: str, quantities: str, input: str, lengths: str, reals: str, codes: str = "") -> Door:
-    """Return the door of an evaluation of a mechanism; its inputs as ``name=value``."""
-    pairs = [("lengths", one.split("=")) for one in lengths.split()]
-    pairs += [("reals", one.split("=")) for one in reals.split()]
-    pairs += [("code", one.split("=")) for one in codes.split()]
-    slots = {name: Slot(role, base) for role, (name, base) in pairs}
-    first = quantities.split("'")[1]
-    slots |= _slots(branch=("modes", "1"), quantities=("names", quantities, first)) | MORE
-    inputs = _of("", " ".join(name for _, (name, _) in pairs))
-    template = f"fl.evaluate({mechanism!r}, $quantities, branch=$branch, input={input}, {inputs}, $more)"
-    return Door("evaluate", template, slots, "evaluated")
-
-
-def _curve(name: str, options: str = "", **slots: tuple[str, ...]) -> Door:
-    template = f"fl.planar.{name}({_of('', 'a1 a2 a3 a4 P_u P_v')}{options}$more)"
-    return Door(f"planar.{name}", template, CURVE | _slots(**slots) | MORE, name)
-
-
-def _by_name(name: str, check: str = "", **slots: str | tuple[str, ...]) -> Door:
-    """Return the door of a function all of whose arguments are given by name."""
-    template = f"fl.{name}({_of('', ' '.join(slots))}, $more)"
-    return Door(name, template, _slots(**slots) | MORE, check)
-
-
-SAMPLES = {"branch": ("modes", "1"), "samples": ("count", "16", "16")}
-SAMPLED = ", branch=$branch, samples=$samples, "
-WITH_ERROR = {"branch": ("modes", "1"), "error": ("flag", "False")}
-
-#: What is a dataset or a labelled array, though no map.
-DATASETS = (
-    "xr.Dataset()",
-    "xr.DataArray('zz')",
-    "xr.Dataset(attrs={'designs': 'x'})",
-    "xr.Dataset({'status': 1})",
-    "{x}.assign_attrs(designs='many').drop_vars('status', errors='ignore')",
-)
-
-#: A position of the four-bar MABN, and F of the focal mechanism in it: Figure 4 of Wunderlich.
-FOUR_BAR = {"a": "lengths 5.0", "b": "lengths 5.0", "c": "lengths 2.0", "d": "lengths 4.0"}
-POSITION: dict[str, str | tuple[str, ...]] = {**FOUR_BAR, "phi": "reals 1.369", "branch": ("modes", "2")}
-F = {"x": "reals 2.0", "y": "reals 0.4495"}
-BY = {"by": ("choice", "'rho'", "rho")}
-HART = {"m": "lengths 4.0", "n": "lengths 8.0", "d": "lengths 6.0", "kappa": "reals 0.5"}
-#: Vectors of the Minkowskian plane, and numbers beside them; among both NaN may stand.
-SPACELIKE = {"z": "vectors [5.0, 3.0]", "w": "vectors [2.0, 1.0]"}
-TRANSLATION = {"a": "gapped 1.0", "b": "gapped -3.0"}
-SIDES = {"a": ("gapped lengths", "4.0"), "b": ("gapped lengths", "10.0")}
-LINKAGE = {"a": "lengths 3.0", "b": "lengths 5.0", "g": "lengths 6.0", "h": "lengths 4.0"}
-LINKAGE |= {"x": "reals 1.0", "y": "reals 0.5"}
-
-NONE_AT_ALL = ("[]", "()", "np.array([])", "np.zeros((0, 3))")
-ONE_DESIGN = "dict(a1=0.5, a2=1.0, a3=0.75, a4=2.0, P_u=0.0, P_v=2.0)"
-
-NOTHING = ("[]", "()")
-
-DOORS: list[Door] = [
-    _sweep(f"fl.grid({_of('', 'a1 a2 a3 a4 omega1')})", AXES),
-    _sweep("$space", SPACE),
-    _sweep(
-        "fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=25.0, **$others)", _slots(others=("names_of", "{}"))
-    ),
-    Door(
-        "grid",
-        f"fl.grid({_of('', 'a1 a2 a3 a4 omega1')})",
-        {name: Slot("axis", slot.base) for name, slot in INPUTS.items()},
-        "space",
-    ),
-    Door(
-        "sobol",
-        "fl.sobol($n, seed=$seed, a1=$a1, a2=$a2)",
-        _slots(
-            n="count 8",
-            seed=("count", "1", "1", "0", "2**64", "10**30", "10**400"),
-            a1=("lo_hi", "(0.5, 1.5)"),
-            a2=("lo_hi", "0.5"),
-        ),
-        "space",
-    ),
-    Door(
-        "latin_hypercube",
-        "fl.latin_hypercube($n, seed=$seed, a1=$a1, a2=$a2)",
-        _slots(
-            n="count 8",
-            seed=("count", "1", "1", "0", "2**64", "10**30", "10**400"),
-            a1=("lo_hi", "(0.5, 1.5)"),
-            a2=("lo_hi", "0.5"),
-        ),
-        "space",
-    ),
-    Door(
-        "round_bar",
-        "fl.round_bar($density, $radius)",
-        _slots(
-            density=("positive", "7750.0", "7750.0", "None", "0.0", "-0.0", "0"),
-            radius=("positive", "0.01", "0.01", "None", "0.0", "-0.0", "0"),
-        ),
-        "",
-    ),
-    Door(
-        "evaluate",
-        "fl.evaluate($mechanism, $quantities, branch=$branch, links=$links, input=$input, solver=$solver, "
-        f"{_of('', 'a1 a2 a3 a4 omega1 theta1')}, $more)",
-        MECHANISM
-        | INPUTS
-        | EVALUATED
-        | _slots(
-            branch=("modes", "1"), theta1="reals 0.75", quantities=("names", "['theta4', 'omega4']", "theta4")
-        )
-        | MORE,
-        "evaluated",
-    ),
-    _evaluate(
-        "planar_4r",
-        "['transmission_angle', 'joint_omega_3']",
-        "'joint_angle_2'",
-        "a1=0.4 a2=1.2 a3=0.8 a4=1.0",
-        "joint_omega_2=25.0 joint_angle_2=0.75",
-    ),
-    _evaluate("minkowski_4r", "['X_x', 'X_y']", "None", "a=3.0 b=5.0 g=6.0 h=4.0", "theta=1.25 x=1.0 y=0.5"),
-    _evaluate(
-        "focal", "['T_x', 'F_y']", "None", "a=5.0 b=5.0 c=2.0 d=4.0", "rho=1.0 phi=0.75", "completion=1"
-    ),
-    _evaluate("hart", "['F_y', 'A_x']", "None", "m=4.0 n=8.0 d=6.0", "phi=0.75 kappa=0.5"),
-    _evaluate(
-        "slider_crank",
-        "['slider_position', 'omega2']",
-        "None",
-        "r=0.1 l=0.35",
-        "theta=0.75 omega=25.0 e=0.02",
-    ),
-    Door(
-        "function",
-        f"fl.function($mechanism, $inputs, $outputs, {SWEEP}, a1=$a1, a3=0.8, a4=$a4, omega1=$omega1, $more)",
-        MECHANISM
-        | OPTIONS
-        | EXTREMA
-        | ANGLES
-        | MORE
-        | _slots(
-            inputs=("names", "['a2']", "a2"),
-            outputs=("names", "['omega4_max', 'transmission_angle_min']", "omega4_max"),
-            branch=("branch", "1"),
-            a1="length 0.4",
-            a4="length 1.0",
-            omega1="real 25.0",
-        ),
-        "function",
-    ),
-    Door("Function.__call__", "SPEED($x)", _slots(x=("matrix", "[1.2, 0.8]")), ""),
-    Door("Function.gradient", "SPEED.gradient($x)", _slots(x=("matrix", "[1.2, 0.8]")), ""),
-    Door(
-        "quantities",
-        "fl.quantities($mechanism, internal=$internal, input=$input)",
-        MECHANISM | _slots(internal=("flag", "False"), input=("choice", "None", "theta1")),
-        "",
-    ),
-    Door(
-        "join",
-        "fl.join($paths, to=$to, copy=$copy, overwrite=$overwrite, restart=$restart, progress=$progress)",
-        _slots(
-            paths=("path", "'part.h5'", "part.h5"), to=("path", "'joined.h5'", "a.h5"), copy=("flag", "False")
-        )
-        | {name: RUNNING[name] for name in ("overwrite", "restart", "progress")},
-        "",
-    ),
-    Door("check", "fl.check($path)", _slots(path=("path", "'maps.h5'", "maps.h5")), ""),
-    Door(
-        "convert",
-        "fl.convert($maps, $to, select=$select, quantities=$quantities, dtype=$dtype, compress=$compress, "
-        "overwrite=$overwrite, progress=$progress)",
-        _slots(
-            maps=("dataset", "MAPS", "MAPS", DATASETS[-1]),
-            to=("path", "'out.nc'", "a.nc"),
-            select=("mapping", "None", "1", "xr.Dataset()"),
-            quantities=("names", "['omega4_max']", "omega4_max", "None"),
-            dtype=("choice", "None", "float32"),
-            compress=("choice", "None", "gzip"),
-            overwrite=("flag", "True"),
-            progress=("flag", "False"),
-        ),
-        "",
-    ),
-    Door("summary", "fl.summary($maps)", _slots(maps=("dataset", "MAPS", "MAPS", DATASETS[-1])), ""),
-    Door("finite", "fl.finite($maps)", _slots(maps=("dataset", "MAPS", "MAPS", *DATASETS)), ""),
-    Door(
-        "maps.fastlink.status_is",
-        "MAPS.fastlink.status_is($meaning, of=$of)",
-        _slots(
-            meaning=("name", "'rotates_fully'", "rotates_fully", "'{x} '"), of=("name", "'status'", "status")
-        ),
-        "",
-    ),
-    Door("maps.fastlink.counts", "MAPS.fastlink.counts($of)", _slots(of=("name", "'status'", "status")), ""),
-    Door(
-        "maps.fastlink.convert",
-        "MAPS.fastlink.convert(omega4_max=$units)",
-        _slots(units=("name", "'rad s-1'", "rad s-1", "'{x} '")),
-        "" if find_spec("pint") else "refused",
-    ),
-    Door(
-        "maps.fastlink.top",
-        "MAPS.fastlink.top($n, $by, largest=$largest, infinite=$infinite)",
-        _slots(
-            n=("count", "2", "2", "2**64", "10**30", "10**400"),
-            by=("name", "'omega4_max'", "omega4_max"),
-            largest=("flag", "True"),
-            infinite=("flag", "False"),
-        ),
-        "",
-    ),
-    Door(
-        "tolerance",
-        "fl.tolerance($maps, $quantities, contributions=$contributions, to=$to, overwrite=$overwrite, "
-        "mechanism=$mechanism, a1=$a1)",
-        _slots(
-            maps=("dataset", "MAPS", "MAPS", DATASETS[-1]),
-            quantities=("names", "['omega4_max']", "omega4_max", "None"),
-            contributions=("flag", "False"),
-            to=("path", "None", "a.h5"),
-            overwrite=("flag", "False"),
-            mechanism=("thing", "None", "1.0", "None"),
-            a1=("real", "1e-4", "1e-4", "0.0"),
-        ),
-        "",
-    ),
-    Door(
-        "best",
-        "fl.best($maps, minimise=$minimise, maximise=$maximise, where=$where, top=$top, infinite=$infinite, "
-        "refine=$refine, mechanism=$mechanism)",
-        _slots(
-            maps=("dataset", "MAPS", "MAPS", DATASETS[-1]),
-            minimise=("name", "'omega4_max'", "omega4_max"),
-            maximise=("names", "[]", "a1"),
-            where=("mapping", "None", "1", "xr.Dataset()", "{'omega4_max': (0, 1, 2)}", "{'omega4_max': 1}"),
-            top=("count", "2", "2", "2**64", "10**30", "10**400"),
-            infinite=("flag", "False"),
-            refine=("flag", "False"),
-            mechanism=("thing", "None", "1.0", "None"),
-        ),
-        "",
-    ),
-    Door(
-        "search",
-        "fl.search($mechanism, fl.sobol(64, a1=(0.2, 0.5), a2=1.2, a3=0.8, a4=1.0, omega1=25.0), $quantities, "
-        f"minimise=$minimise, maximise=$maximise, where=$where, top=$top, infinite=$infinite, refine=$refine, "
-        f"bounds=$bounds, {SWEEP}, threads=$threads, block=$block, verify=$verify, to=$to, overwrite=$overwrite, "
-        "restart=$restart, progress=$progress, attrs=$attrs, $more)",
-        MECHANISM
-        | QUANTITIES
-        | OPTIONS
-        | EXTREMA
-        | ANGLES
-        | MORE
-        | {name: RUNNING[name] for name in ("threads", "block", "verify", "to", "overwrite", "restart")}
-        | {name: RUNNING[name] for name in ("progress", "attrs")}
-        | _slots(
-            branch=("branch", "1"),
-            minimise=("name", "'omega4_max'", "omega4_max"),
-            maximise=("names", "[]", "a1", *NOTHING),
-            where=("mapping", "None", "1", "xr.Dataset()", "{'omega4_max': (0, 1, 2)}", "{'omega4_max': 1}"),
-            top=("count", "2", "2", "2**64", "10**30", "10**400"),
-            infinite=("flag", "False"),
-            refine=("flag", "False"),
-            bounds=("mapping", "None", "1", "xr.Dataset()"),
-        ),
-        "",
-    ),
-    Door(
-        "draw",
-        "fl.draw($mechanism, a1=$a1, a2=$a2, a3=$a3, a4=$a4, theta1=$theta1, branch=$branch, links=$links, "
-        "input=$input, curves=$curves, show=$show, degrees=$degrees, to=$to, $more)",
-        MECHANISM
-        | {name: Slot("length", slot.base) for name, slot in LENGTHS.items()}
-        | _slots(
-            theta1="reals 0.75",
-            branch=("branch", "1"),
-            links=("thing", "None", "1.0", "None"),
-            input=("choice", "None", "theta1"),
-            curves=("names", "['theta4']", "theta4", *NOTHING),
-            show=("names", "['circles']", "circles", *NOTHING, "None", "''", "'circles'"),
-            degrees=("flag", "False"),
-            to=("path", "None", "a.png"),
-        )
-        | MORE,
-        "",
-    ),
-    Door(
-        "draw",
-        "fl.draw($maps, $design, at=$at, branch=$branch, strip=$strip, animate=$animate, frames=$frames, $more)",
-        _slots(
-            maps=("dataset", "MAPS", "MAPS", DATASETS[-1]),
-            design=("count", "0", "1", "0"),
-            at=("mapping", "None", "1", "xr.Dataset()"),
-            branch=("branch", "1"),
-            strip=("count", "None", "4", "None"),
-            animate=("path", "None", "a.gif"),
-            frames=("count", "2", "3", "2**64", "10**30", "10**400"),
-        )
-        | MORE,
-        "",
-    ),
-    Door(
-        "explore",
-        "fl.explore($maps, to=$to, port=$port, browser=$browser).close()",
-        _slots(
-            maps=("dataset", "MAPS", "MAPS", DATASETS[-1]),
-            to=("path", "None", "a.html"),
-            port=("count", "0", "1"),
-            browser=("flag", "False"),
-        ),
-        "",
-    ),
-    Door("extend", "fl.extend($mechanism, $more).text", MECHANISM | MORE, ""),
-    Door(
-        "Extension.input",
-        "fl.extend('planar_4r').input($name, units=$units, default=$default, rule=$rule, $more)",
-        _slots(
-            name=("name", "'weight'", "weight", "'{x}'[:-1]", "'{x}_max_max'"),
-            units=("name", "'N m'", "N m", "'{x}'[:-1]", "'{x} '"),
-            default=("real", "0.5", "0.5", "None"),
-            rule=("name", "'any'", "any"),
-        )
-        | MORE,
-        "",
-    ),
-    Door(
-        "Extension.quantity",
-        "fl.extend('planar_4r').quantity(units='N')($function)",
-        _slots(function=("thing", "len", "len")),
-        "refused",
-    ),
-    Door("mechanisms", "fl.mechanisms($more)", dict(MORE), ""),
-    Door("open", "fl.open($path)", _slots(path=("path", "'maps.h5'", "maps.h5")), ""),
-    Door(
-        "plot_map",
-        "fl.plot_map($maps, $name, branch=$branch, at=$at, panels=$panels, lines=$lines, degrees=$degrees, to=$to)",
-        _slots(
-            maps=("dataset", "MAPS", "MAPS", DATASETS[-1]),
-            name=("name", "'omega4_max'", "omega4_max"),
-            branch=("branch", "1"),
-            at=("mapping", "None", "1", "xr.Dataset()"),
-            panels=("choice", "None", "a2"),
-            lines=("choice", "None", "a2"),
-            degrees=("flag", "False"),
-            to=("path", "None", "a.png"),
-        ),
-        "",
-    ),
-    Door(
-        "plot_designs",
-        "fl.plot_designs($maps, $names, kind=$kind, where=$where, branch=$branch, degrees=$degrees, to=$to)",
-        _slots(
-            maps=("dataset", "MAPS", "MAPS", DATASETS[-1]),
-            names=("names", "['omega4_max', 'a2']", "omega4_max"),
-            kind=("choice", "None", "corner"),
-            where=("mapping", "None", "1", "xr.Dataset()", "{'omega4_max': (0, 1, 2)}", "{'omega4_max': 1}"),
-            branch=("branch", "1"),
-            degrees=("flag", "False"),
-            to=("path", "None", "a.png"),
-        ),
-        "",
-    ),
-    Door(
-        "plot_front",
-        "fl.plot_front($maps, minimise=$minimise, maximise=$maximise, branch=$branch, degrees=$degrees, to=$to)",
-        _slots(
-            maps=("dataset", "MAPS", "MAPS", DATASETS[-1]),
-            minimise=("name", "'omega4_max'", "omega4_max"),
-            maximise=("names", "['a2']", "a2"),
-            branch=("branch", "1"),
-            degrees=("flag", "False"),
-            to=("path", "None", "a.png"),
-        ),
-        "",
-    ),
-    Door(
-        "explain",
-        "fl.explain($path)",
-        _slots(path=("path", "'study.toml'", "study.toml", "'study.toml/a.h5'")),
-        "",
-    ),
-    Door(
-        "run_study",
-        "fl.run_study($path, to=$to, threads=$threads, overwrite=$overwrite, restart=$restart, layout=$layout, "
-        "client=$client, part=$part, progress=$progress, verify=$verify)",
-        _slots(path=("path", "'study.toml'", "study.toml"))
-        | {
-            name: RUNNING[name]
-            for name in ("threads", "client", "overwrite", "restart", "part", "layout", "progress", "verify")
+    @cached_property
+    def slots(self) -> dict[str, tuple[int, int]]:
+        """Where each argument stands in the text."""
+        found = {
+            node.arg: (node.value.col_offset, node.value.end_col_offset or 0)
+            for node in ast.walk(ast.parse(self.text))
+            if isinstance(node, ast.keyword) and node.arg and self.role(node.arg)
         }
-        | _slots(to=("path", "'out.h5'", "a.h5")),
-        "",
+        return found | ({"more": (len(self.text) - 1, len(self.text) - 1)} if self.more else {})
+
+    def role(self, name: str) -> str:
+        """Return the role of an argument."""
+        return "more" if name == "more" else self.roles.get(name, ROLE_OF.get(name, ""))
+
+    def base(self, name: str) -> str:
+        """Return the text of an argument in the good call."""
+        return slice_of(self.text, self.slots[name])
+
+    def values(self, name: str) -> list[Value]:
+        """Return the hostile values of an argument."""
+        base, good = self.base(name), texts_of(f"{GOOD.get(name, '')}   {self.good.get(name, '')}")
+        x = base.strip("[]'") if "'" in base else base
+        x = WRAPPED.get(name, x) if base in ("None", "[]", "[1.0, 2.0]") else x.partition("'")[0]
+        keywords = {f"{one}=" for one in self.slots} if name == "more" else set()
+        return [
+            value.about(x)
+            for value in ROLES[self.role(name)]
+            if value.text not in (*good, base) and not value.text.startswith(tuple(keywords))
+        ]
+
+    def called(self, given: dict[str, str]) -> str:
+        """Return the text of the call with other arguments."""
+        text = self.text
+        for name in sorted(given, key=lambda name: self.slots[name], reverse=True):
+            start, stop = self.slots[name]
+            comma = ", " if name == "more" and not text[:start].endswith("(") else ""
+            text = text[:start] + comma + given[name] + text[stop:]
+        return text
+
+
+def slice_of(text: str, ends: tuple[int, int]) -> str:
+    """Return a part of a text of which the ends are counted in bytes: all are ASCII."""
+    return text[slice(*ends)]
+
+
+def _door(
+    text: str, good: dict[str, str] | None = None, opens: bool = True, more: bool = True, **roles: str
+) -> Door:
+    return Door(text, roles, good or {}, opens, more)
+
+
+def _roles(role: str, names: str) -> dict[str, str]:
+    return dict.fromkeys(names.split(), role)
+
+
+FOUR_BAR = "a1=0.4, a2=1.2, a3=0.8, a4=1.0"
+CURVE = f"{FOUR_BAR}, P_u=0.6, P_v=0.25"
+WANTED = "input=None, solver='eliminated', links=None"
+POSITIONS = f"{WANTED}, backend=None, extrema=None, angles=8"
+RUNNING = "threads=1, client=None, block=None, verify=0, to=None, overwrite=True, restart=False, part=None"
+SWEEP = (
+    f"{POSITIONS}, branch=(1, 2), {RUNNING}, progress=False, layout='maps', allow_invalid=False, attrs=None"
+)
+CHOSEN = "minimise='omega4_max', maximise=[], where=None, top=2, infinite=False, refine=False"
+RANGE = "fl.sobol(64, {'a1': (0.2, 0.5), 'a2': 1.2, 'a3': 0.8, 'a4': 1.0, 'omega1': 25.0})"
+SHOWN = "where=None, branch=1, degrees=False, to=None"
+#: A position of the four-bar MABN, and F of the focal mechanism in it: Figure 4 of Wunderlich.
+FOCAL = "a=5.0, b=5.0, c=2.0, d=4.0"
+AT = f"{FOCAL}, phi=1.369, branch=2"
+F = "x=2.0, y=0.4495"
+LINKAGE = "a=3.0, b=5.0, g=6.0, h=4.0, x=1.0, y=0.5"
+ONE_DESIGN = "{'a1': 0.5, 'a2': 1.0, 'a3': 0.75, 'a4': 2.0, 'P_u': 0.0, 'P_v': 2.0}"
+AXES, ONE = _roles("axis", "a1 a2 a3 a4 omega1"), _roles("length", "a1 a2 a3 a4") | {"omega1": "real"}
+DATASETS = (
+    "xr.Dataset()   xr.DataArray('zz')   xr.Dataset(attrs={'designs': 'x'})   xr.Dataset({'status': 1})"
+)
+NOTHING = "[]   ()   np.array([])   np.zeros((0, 3))   {}   range(0)   pd.Series(dtype=float)"
+OBJECTIVES = {"maximise": NOTHING, "minimise": "['{x}']   {'a1': Sulky()}"}
+MODES = {"branch": "modes"}
+VECTORS = _roles("vectors", "z w O A B C")
+GAPPED = _roles("gapped", "phi t a b angle")
+SIDES = _roles("gapped lengths", "a b c") | {"angle": "gapped"}
+ODD_NAMES = {"name": "'{x}'[:-1]   '{x}_max_max'", "units": "'{x}'[:-1]"}
+
+DOORS = [
+    _door(
+        f"fl.sweep(mechanism='planar_4r', space=fl.grid({FOUR_BAR}, omega1=25.0), "
+        f"quantities=['theta4', 'omega4_max'], {SWEEP})",
+        **_roles("axis of lengths", "a1 a2 a3 a4"),
+        omega1="axis",
     ),
-    Door(
-        "accuracy",
-        "fl.accuracy($study, designs=$designs, outside=$outside, seed=$seed, to=$to, "
-        "picture=$picture, overwrite=$overwrite, announce=$announce)",
-        _slots(
-            study=("path", "'no.toml'", "study.toml"),
-            designs=("count", "2", "2"),
-            outside=("flag", "False"),
-            seed=("count", "0", "1", "0", "2**64", "10**30", "10**400"),
-            to=("path", "None", "a.h5"),
-            picture=("path", "None", "a.png"),
-            overwrite=("flag", "True"),
-            announce=("thing", "None", "1", "lambda: 1", "float"),
-        ),
-        "refused",
+    _door(
+        f"fl.sweep('planar_4r', fl.grid({FOUR_BAR}, omega1=25.0, **dict(others={{}})['others']), ['omega4_max'])",
+        **dict.fromkeys(("a1", "a2", "a3", "a4", "omega1"), ""),
+        others="names of inputs",
+        more=False,
     ),
-    Door(
-        "accuracy_table",
-        "fl.accuracy_table($measured)",
-        _slots(measured=("dataset", "MEASURED", "MEASURED", DATASETS[-1])),
-        "",
-    ),
-    _curve("sextic", ", "),
-    _curve("curve_length", ", branch=$branch, error=$error, ", **WITH_ERROR),
-    _curve("curve_area", ", branch=$branch, error=$error, ", **WITH_ERROR),
-    _curve(
-        "curve_straightness",
-        ", theta1=$theta1, branch=$branch, samples=$samples, ",
-        theta1=("range", "None", "1.0", "None"),
-        **SAMPLES,
-    ),
-    _curve("inflections", SAMPLED, **SAMPLES),
-    _curve("crunodes", ", tolerance=$tolerance, ", tolerance=("tolerance", "1e-9")),
-    _curve("cusps", ", tolerance=$tolerance, ", tolerance=("tolerance", "1e-9")),
-    _curve("crunode_count", ", "),
-    _curve("cusp_count", ", "),
-    Door(
-        "planar.sextic",
-        "fl.planar.sextic($design)",
-        _slots(design=("mapping", ONE_DESIGN, "1")),
-        "",
-    ),
-    Door(
-        "planar.straightness",
-        "fl.planar.straightness($x, $y)",
-        _slots(x=("curve", "[0.0, 2.0, 4.0, 6.0]"), y=("curve", "[1.0, -1.0, -1.0, 1.0]")),
-        "",
-    ),
-    Door(
-        "planar.io_coefficients",
-        f"fl.planar.io_coefficients({_of('', 'a1 a2 a3 a4')}, pair=$pair)",
-        LENGTHS | _slots(pair=("choice", "'14'", "14")),
-        "",
-    ),
-    Door(
-        "planar.cognates",
-        f"fl.planar.cognates({{**dict({_of('', 'a1 a2 a3 a4 P_u P_v')}), **$more}})",
-        CURVE | _slots(more=("design", "{}")),
-        "",
-    ),
-    Door(
-        "planar.cognates",
-        "fl.planar.cognates($design)",
-        _slots(design=("mapping", ONE_DESIGN, "1")),
-        "",
-    ),
-    Door(
-        "planar.Cognate.configuration",
-        "COGNATE.configuration($theta1, $theta2, $theta4)",
-        _slots(theta1="gapped 1.0", theta2="gapped 2.0", theta4="gapped 2.5"),
-        "",
-    ),
-    Door("planar.Cognate.to_ground", "COGNATE.to_ground($x, $y)", _slots(x="gapped 1.0", y="gapped 2.0"), ""),
-    Door(
-        "planar.force_balance",
-        f"fl.planar.force_balance({{**dict({_of('', 'a1 a2 a3')}, a4=1.0), **$more}}, "
-        "links=$links, radius1=$radius1, mass1=$mass1, radius3=$radius3, mass3=$mass3)",
-        {name: slot for name, slot in LENGTHS.items() if name != "a4"}
-        | _slots(
-            more=("design", "{}", "{}", "{'a4': -1.0}"),  # a4 is not read
-            links=("thing", "BARS", "1.0"),
-            radius1=("lengths", "0.1", "0.1", "None"),
-            mass1=("thing", "None", "1.0", "None"),
-            radius3=("lengths", "0.2", "0.2", "None"),
-            mass3=("thing", "None", "1.0", "None"),
-        ),
-        "",
-    ),
-    Door(
-        "planar.flywheel_inertia",
-        "fl.planar.flywheel_inertia($maps, $C_s)",
-        _slots(maps=("dataset", "TORQUE", "TORQUE", DATASETS[-1]), C_s=("positive", "0.02")),
-        "",
-    ),
-    Door(
-        "planar.force_equations",
-        f"fl.planar.force_equations({_of('', 'a1 a2 a3 a4 omega1 theta1')}, branch=$branch, links=BARS, $more)",
-        INPUTS | _slots(theta1="reals 1.0", branch=("modes", "1")) | MORE,
-        "",
-    ),
-    Door(
-        "planar.bar_properties",
-        f"fl.planar.bar_properties({_of('', 'a1 a2 a3')}, links=$links, $more)",
-        {name: LENGTHS[name] for name in ("a1", "a2", "a3")}
-        | _slots(links=("thing", "BARS", "1.0", "BARS"))
-        | MORE,
-        "",
-    ),
-    Door(
-        "planar.rate_extrema",
-        "fl.planar.rate_extrema($space, pair=$pair, threads=1)",
-        _slots(
-            space=("space", "fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0, joint_omega_1=25.0)", "SPACE"),
-            pair=("name", "'14'", "14"),
-        ),
-        "",
-    ),
-    Door(
-        "planar.force_hypothesis",
-        "fl.planar.force_hypothesis($maps, $more)",
-        _slots(maps=("dataset", "RATES", "RATES", DATASETS[-1])) | MORE,
-        "",
-    ),
-    _by_name("focal.cubic", **POSITION),
-    _by_name("focal.cubic_points", **POSITION, samples=("count", "4", "4")),
-    _by_name("focal.from_point", "constructed", **POSITION, **F, **BY),
-    _by_name("focal.best_point", "constructed", **POSITION, between=("range", "(0.1, 0.9)"), **BY),
-    _by_name("focal.inscribed_conics", "touching", **POSITION, t="reals 0.75"),
-    _by_name("focal.inscribed_conics", "touching", **POSITION, **F),
-    _by_name("focal.involution", "paired", **POSITION, **F),
-    Door("focal.Involution.partner", "RAYS.partner($direction)", _slots(direction="gapped 0.5"), ""),
-    Door("focal.Involution.tangents", "RAYS.tangents($t)", _slots(t="gapped 0.75"), ""),
-    _by_name(
-        "focal.five_bar",
-        "five bars",
-        m="lengths 1.0",
-        p="lengths 2.0",
-        q="lengths 3.0",
-        n="lengths 2.5",
-        d="lengths 4.0",
-        phi="reals 0.75",
-        omega_angle="reals 1.5",
-        branch=("modes", "1"),
-    ),
-    _by_name(
-        "focal.from_five_bar",
-        "of five bars",
-        m="reals 0.84",
-        n="reals 0.9",
-        p="reals 1.9",
-        q="reals 1.8",
-        d="lengths 4.0",
-    ),
-    _by_name("focal.held_at_AB", "held", **FOUR_BAR, rho="reals 1.0", completion=("code", "1")),
-    Door(
-        "focal.held_at_AB",
-        "fl.focal.held_at_AB($design)",
-        _slots(design=("mapping", "dict(a=5.0, b=5.0, c=2.0, d=4.0, rho=1.0)", "1")),
-        "",
-    ),
-    Door(
-        "focal.straight_line",
-        "fl.focal.straight_line($x, $y)",
-        _slots(x=("curve", "[0.0, 2.0, 4.0, 6.0]"), y=("curve", "[1.0, -1.0, -1.0, 1.0]")),
-        "",
-    ),
-    Door(
-        "focal.T_deviation",
-        "fl.focal.T_deviation($maps)",
-        _slots(maps=("dataset", "PATH", "PATH", DATASETS[-1])),
-        "",
-    ),
-    _by_name("minkowski.sextic", **LINKAGE),
-    _by_name("minkowski.coupler_circles", "circles", **LINKAGE, X="reals 9.0", Y="reals 8.5"),
+    _door(f"fl.grid({FOUR_BAR}, omega1=25.0)", more=False, **AXES),
     *(
-        _by_name(f"minkowski.{name}", "double numbers", **SPACELIKE)
-        for name in ("multiply", "scalar_product")
+        _door(
+            f"fl.{sample}(n=8, seed=1, a1=(0.5, 1.5), a2=0.5)",
+            more=False,
+            **_roles("range or number", "a1 a2"),
+        )
+        for sample in ("sobol", "latin_hypercube")
+    ),
+    _door(
+        "fl.round_bar(density=7750.0, radius=0.01)",
+        {name: "None   0.0   -0.0   0" for name in ("density", "radius")},
+    ),
+    _door(
+        f"fl.evaluate(mechanism='planar_4r', quantities=['theta4', 'omega4'], branch=1, {WANTED}, "
+        f"{FOUR_BAR}, omega1=25.0, theta1=0.75)",
+        **MODES,
+    ),
+    _door(
+        "fl.evaluate('planar_4r', quantities=['transmission_angle', 'joint_omega_3'], branch=1, "
+        f"input='joint_angle_2', {FOUR_BAR}, joint_omega_2=25.0, joint_angle_2=0.75, allow_invalid=False)",
+        **MODES,
+        **_roles("reals", "joint_omega_2 joint_angle_2"),
     ),
     *(
-        _by_name(f"minkowski.{name}", "double numbers", **SPACELIKE)
-        for name in ("hyperbolic_angle", "triangle_excess")
+        _door(f"fl.evaluate('{mechanism}', quantities=[{names}], branch=1, {inputs})", **MODES, **codes)
+        for mechanism, names, inputs, codes in (
+            ("minkowski_4r", "'X_x', 'X_y'", "a=3.0, b=5.0, g=6.0, h=4.0, theta=1.25, x=1.0, y=0.5", {}),
+            ("focal", "'T_x', 'F_y'", f"{FOCAL}, rho=1.0, phi=0.75, completion=1", {"completion": "code"}),
+            ("hart", "'F_y', 'A_x'", "m=4.0, n=8.0, d=6.0, phi=0.75, kappa=0.5", {"n": "lengths"}),
+            ("slider_crank", "'slider_position'", "r=0.1, l=0.35, theta=0.75, omega=25.0, e=0.02", {}),
+        )
+    ),
+    _door(
+        "fl.function(mechanism='planar_4r', inputs=['a2'], outputs=['omega4_max', 'transmission_angle_min'], "
+        f"{POSITIONS}, branch=1, a1=0.4, a3=0.8, a4=1.0, omega1=25.0)",
+        **ONE,
+    ),
+    _door("SPEED(x=[1.2, 0.8])", x="matrix", more=False),
+    _door("SPEED.gradient(x=[1.2, 0.8])", x="matrix", more=False),
+    _door("fl.quantities(mechanism='planar_4r', internal=False, input=None, find=None)"),
+    _door("fl.mechanisms()"),
+    _door(
+        "fl.join(paths='part.h5', to='joined.h5', copy=False, overwrite=True, restart=False, progress=False)"
+    ),
+    _door("fl.check(path='maps.h5')"),
+    _door("fl.open(path='maps.h5')", more=False),
+    _door(
+        "fl.convert(maps=MAPS, to='out.nc', select=None, quantities=['omega4_max'], dtype=None, compress=None, "
+        "overwrite=True, progress=False)",
+        {"quantities": "None"},
+    ),
+    _door("fl.summary(maps=MAPS)"),
+    _door("fl.finite(maps=MAPS)", {"maps": DATASETS}),
+    _door("MAPS.fastlink.status_is(dict(meaning='rotates_fully')['meaning'], of='status')"),
+    _door("MAPS.fastlink.counts(of='status')"),
+    _door(
+        "MAPS.fastlink.convert(omega4_max='rad s-1')",
+        {"omega4_max": "'{x} '"},
+        opens=bool(find_spec("pint")),
+        more=False,
+        omega4_max="name",
+    ),
+    _door("MAPS.fastlink.top(n=2, by='omega4_max', largest=True, infinite=False)"),
+    _door(
+        "fl.tolerance(maps=MAPS, quantities=['omega4_max'], contributions=False, to=None, overwrite=False, "
+        "progress=False, mechanism=None, a1=1e-4)",
+        {"quantities": "None", "a1": "0.0"},
+        mechanism="thing",
+        a1="real",
+    ),
+    _door(f"fl.best(maps=MAPS, {CHOSEN}, mechanism=None)", OBJECTIVES, mechanism="thing", maximise="choice"),
+    _door(
+        f"fl.search(mechanism='planar_4r', space={RANGE}, quantities=['theta4', 'omega4_max'], {CHOSEN}, bounds=None, "
+        f"{POSITIONS}, branch=1, {RUNNING}, progress=False, attrs=None)",
+        OBJECTIVES | {"quantities": NOTHING},
+        maximise="choice",
+    ),
+    _door(
+        f"fl.draw(mechanism='planar_4r', {FOUR_BAR}, theta1=0.75, branch=1, links=None, input=None, "
+        "curves=['theta4'], show=['circles'], degrees=False, to=None)",
+        {"curves": NOTHING, "show": f"None   ''   'circles'   {NOTHING}"},
+        **_roles("length", "a1 a2 a3 a4"),
+    ),
+    _door(
+        "fl.draw(mechanism=MAPS, design=0, at=None, branch=1, strip=None, animate=None, frames=2)",
+        mechanism="dataset",
+        design="count",
+    ),
+    _door("fl.explore(maps=MAPS, to=None, port=0, browser=False)"),
+    _door("fl.extend(mechanism='planar_4r').text", more=False),
+    _door(
+        "fl.extend('planar_4r').input(name='weight', units='N m', default=0.5, rule='any')",
+        ODD_NAMES | {"default": "None"},
+        default="real",
+    ),
+    _door("fl.extend('planar_4r').quantity(units='N')(function=len)", opens=False, units="", more=False),
+    _door(
+        "fl.plot_map(maps=MAPS, name='omega4_max', branch=1, at=None, panels=None, lines=None, degrees=False, to=None)"
+    ),
+    _door(f"fl.plot_designs(maps=MAPS, names=['omega4_max', 'a2'], kind=None, {SHOWN})"),
+    _door(
+        f"fl.plot_front(maps=MAPS, minimise='omega4_max', maximise=['a2'], {SHOWN})",
+        OBJECTIVES,
+    ),
+    _door(
+        "fl.explain(study='study.toml', measure=None, trust_code=False).title",
+        {"study": "'study.toml/a.h5'"},
+        more=False,
+    ),
+    _door(
+        "fl.run_study(path='study.toml', to='out.h5', threads=1, overwrite=True, progress=False, verify=0, "
+        "restart=False, part=None, layout='maps', client=None, trust_code=False)",
+        {"layout": "None"},
+    ),
+    _door(
+        "fl.accuracy(study='no.toml', designs=2, outside=False, seed=0, to=None, picture=None, overwrite=True, "
+        "announce=None)",
+        {"announce": "lambda: 1   float"},
+        opens=False,
+    ),
+    _door("fl.accuracy_table(measured=MEASURED)"),
+    # planes
+    *(
+        _door(f"fl.planar.{name}({CURVE}{options})", **MODES)
+        for name, options in (
+            ("sextic", ""),
+            ("curve_length", ", branch=1, error=False"),
+            ("curve_area", ", branch=1, error=False"),
+            ("inflections", ", branch=1, samples=16"),
+            ("crunodes", ", tolerance=1e-9"),
+            ("cusps", ", tolerance=1e-9"),
+            ("crunode_count", ""),
+            ("cusp_count", ""),
+        )
+    ),
+    _door(
+        f"fl.planar.curve_straightness({CURVE}, theta1=None, branch=1, samples=16)",
+        **MODES,
+        theta1="range",
     ),
     *(
-        _by_name(f"minkowski.{name}", "double numbers", z=SPACELIKE["z"])
+        _door(f"fl.{package}({x})", **_roles("curve", "x y"))
+        for package in ("planar.straightness", "focal.straight_line")
+        for x in ("x=[0.0, 2.0, 4.0, 6.0], y=[1.0, -1.0, -1.0, 1.0]",)
+    ),
+    _door(f"fl.planar.io_coefficients({FOUR_BAR}, pair='14')"),
+    *(_door(f"fl.planar.{name}(design={ONE_DESIGN})") for name in ("sextic", "cognates")),
+    _door(
+        f"fl.planar.cognates({{**dict({CURVE}), **dict(others={{}})['others']}})", others="design", more=False
+    ),
+    _door(
+        "COGNATE.configuration(theta1=1.0, theta2=2.0, theta4=2.5)",
+        more=False,
+        **_roles("gapped", "theta1 theta2 theta4"),
+    ),
+    _door("COGNATE.to_ground(x=1.0, y=2.0)", more=False, **_roles("gapped", "x y")),
+    _door(
+        "fl.planar.force_balance({**dict(a1=0.4, a2=1.2, a3=0.8, a4=1.0), **dict(others={})['others']}, links=BARS, "
+        "radius1=0.1, mass1=None, radius3=0.2, mass3=None)",
+        {"others": "{'a4': -1.0}", "radius1": "None", "radius3": "None"},
+        others="design",
+        a4="",
+    ),
+    _door("fl.planar.flywheel_inertia(maps=TORQUE, C_s=0.02)"),
+    _door(f"fl.planar.force_equations({FOUR_BAR}, omega1=25.0, theta1=1.0, branch=1, links=BARS)", **MODES),
+    _door("fl.planar.bar_properties(a1=0.4, a2=1.2, a3=0.8, links=BARS)"),
+    _door(
+        "fl.planar.rate_extrema(space={'a1': 0.4, 'a2': [1.1, 1.2], 'a3': 0.8, 'a4': 1.0, 'joint_omega_1': 25.0}, "
+        "pair='14', threads=1)",
+        pair="name",
+    ),
+    _door("fl.planar.force_hypothesis(maps=RATES)"),
+    _door(f"fl.focal.cubic({AT})", **MODES),
+    _door(f"fl.focal.cubic_points({AT}, samples=4)", **MODES),
+    _door(f"fl.focal.from_point({AT}, {F}, by='rho')", **MODES, by="choice"),
+    _door(f"fl.focal.best_point({AT}, between=(0.1, 0.9), by='rho')", **MODES, by="choice", between="range"),
+    _door(f"fl.focal.inscribed_conics({AT}, t=0.75)", **MODES),
+    _door(f"fl.focal.inscribed_conics({AT}, {F})", **MODES),
+    _door(f"fl.focal.involution({AT}, {F})", **MODES),
+    _door("RAYS.partner(direction=0.5)", more=False, direction="gapped"),
+    _door("RAYS.tangents(t=0.75)", more=False, t="gapped"),
+    _door(
+        "fl.focal.five_bar(m=1.0, p=2.0, q=3.0, n=2.5, d=4.0, phi=0.75, omega_angle=1.5, branch=1)",
+        **MODES,
+        omega_angle="reals",
+        n="lengths",
+    ),
+    _door("fl.focal.from_five_bar(m=0.84, n=0.9, p=1.9, q=1.8, d=4.0)", **_roles("reals", "m n p q")),
+    _door(f"fl.focal.held_at_AB({FOCAL}, rho=1.0, completion=1)", completion="code"),
+    _door("fl.focal.held_at_AB(design={'a': 5.0, 'b': 5.0, 'c': 2.0, 'd': 4.0, 'rho': 1.0})"),
+    _door("fl.focal.T_deviation(maps=PATH)"),
+    _door(f"fl.minkowski.sextic({LINKAGE})"),
+    _door(f"fl.minkowski.coupler_circles({LINKAGE}, X=9.0, Y=8.5)"),
+    *(
+        _door(f"fl.minkowski.{name}(z=[5.0, 3.0], w=[2.0, 1.0])", **VECTORS)
+        for name in ("multiply", "scalar_product", "hyperbolic_angle", "triangle_excess")
+    ),
+    *(
+        _door(f"fl.minkowski.{name}(z=[5.0, 3.0])", **VECTORS)
         for name in ("conjugate", "norm", "causal_type", "orientation", "rapidity")
     ),
-    _by_name(
-        "minkowski.polar",
-        "double numbers",
-        r=("gapped lengths", "4.0", "4.0", "0.0", "-0.0", "0"),
-        phi="gapped 0.75",
+    _door("fl.minkowski.polar(r=4.0, phi=0.75)", {"r": "0.0   -0.0   0"}, **GAPPED, r="gapped lengths"),
+    _door("fl.minkowski.boost(phi=0.75)", **GAPPED),
+    _door("fl.minkowski.motion(t=0.75, a=1.0, b=-3.0)", **GAPPED),
+    _door("fl.minkowski.moved(z=[5.0, 3.0], t=0.75, a=1.0, b=-3.0)", **GAPPED, **VECTORS),
+    _door("fl.minkowski.cosine_rule(a=4.0, b=10.0, angle=0.75)", **SIDES),
+    _door("fl.minkowski.cosine_rule_angle(a=4.0, b=10.0, c=4.0)", **SIDES),
+    _door("fl.minkowski.pure_triangle(A=[0.0, 0.0], B=[3.0, 5.0], C=[0.0, 10.0])", **VECTORS),
+    _door(
+        "fl.minkowski.quadrilateral_excess(O=[0.0, 0.0], A=[5.0, 3.0], B=[10.0, 0.0], C=[12.0, 0.0])",
+        **VECTORS,
     ),
-    _by_name("minkowski.boost", "double numbers", phi="gapped 0.75"),
-    _by_name("minkowski.motion", "double numbers", t="gapped 0.75", **TRANSLATION),
-    _by_name("minkowski.moved", "double numbers", z=SPACELIKE["z"], t="gapped 0.75", **TRANSLATION),
-    _by_name("minkowski.cosine_rule", "double numbers", **SIDES, angle="gapped 0.75"),
-    _by_name("minkowski.cosine_rule_angle", "double numbers", **SIDES, c=("gapped lengths", "4.0")),
-    _by_name(
-        "minkowski.pure_triangle",
-        "double numbers",
-        A="vectors [0.0, 0.0]",
-        B="vectors [3.0, 5.0]",
-        C="vectors [0.0, 10.0]",
+    _door("fl.minkowski.linkage_table(maps=LINKAGES)"),
+    _door("fl.hart.held_at_AB(m=4.0, n=8.0, d=6.0, kappa=0.5)", n="lengths"),
+    _door("fl.hart.held_at_AB(design={'m': 4.0, 'n': 8.0, 'd': 6.0, 'kappa': 0.5})"),
+    _door("fl.hart.integer_designs(max_size=8, movable=False)"),
+    # methods of design spaces
+    _door("SPACE.values(name='a2')"),
+    _door("SPACE.at(designs=[0, 1])", designs="numbers of designs"),
+    _door("SPACE.some(count=2, rng=np.random.default_rng(1))", {"count": f"0   {ANY_SIZE}"}),
+    _door("SPACE.consecutive(start=1, stop=2)", {"start": "0"}),
+    _door("SPACE.with_constants(extra={'omega2': 1.0})", {"extra": "xr.Dataset()   {'a1': Sulky()}"}),
+    _door(
+        "SPACE.with_axis(name='completion', values=[1.0, 2.0])",
+        {"name": "'text'   'nan'   np.str_('a')   Name('a')   '{x}'"},
+        name="thing",
+        values="axis",
     ),
-    _by_name(
-        "minkowski.quadrilateral_excess",
-        "double numbers",
-        O="vectors [0.0, 0.0]",
-        A="vectors [5.0, 3.0]",
-        B="vectors [10.0, 0.0]",
-        C="vectors [12.0, 0.0]",
-    ),
-    Door(
-        "minkowski.linkage_table",
-        "fl.minkowski.linkage_table($maps)",
-        _slots(maps=("dataset", "LINKAGES", "LINKAGES", DATASETS[-1])),
-        "",
-    ),
-    _by_name("hart.held_at_AB", "held", **HART),
-    Door(
-        "hart.held_at_AB",
-        "fl.hart.held_at_AB($design)",
-        _slots(design=("mapping", "dict(m=4.0, n=8.0, d=6.0, kappa=0.5)", "1")),
-        "",
-    ),
-    Door(
-        "hart.integer_designs",
-        "fl.hart.integer_designs($max_size, movable=$movable)",
-        _slots(max_size=("count", "8", "8"), movable=("flag", "False")),
-        "",
-    ),
-    Door("DesignSpace.values", "SPACE.values($name)", _slots(name=("name", "'a2'", "a2")), ""),
-    Door("DesignSpace.at", "SPACE.at($designs)", _slots(designs=("numbers of designs", "[0, 1]", "1")), ""),
-    Door(
-        "DesignSpace.some",
-        "SPACE.some($count, $rng)",
-        _slots(
-            count=("count", "2", "2", "0", "2**64", "10**30", "10**400"), rng="thing np.random.default_rng(1)"
-        ),
-        "",
-    ),
-    Door(
-        "DesignSpace.consecutive",
-        "SPACE.consecutive($start, $stop)",
-        _slots(start=("count", "1", "1", "0"), stop=("count", "2", "2")),
-        "",
-    ),
-    Door(
-        "DesignSpace.with_constants",
-        "SPACE.with_constants($extra)",
-        _slots(extra=("mapping", "{'omega2': 1.0}", "1", "xr.Dataset()", "{'a1': Sulky()}")),
-        "space",
-    ),
-    Door(
-        "DesignSpace.with_axis",
-        "SPACE.with_axis($name, $values)",
-        _slots(
-            name=("thing", "'completion'", "1", "'text'", "'nan'", "np.str_('a')", "Name('a')"),
-            values=("axis", "[1.0, 2.0]", "1.0"),
-        ),
-        "space",
-    ),
-    Door(
-        "DesignSpace.fill",
-        "filled(SPACE, $names, $start, $stop, $out)",
-        _slots(
-            names=("names", "['a2']", "a2", "['{x}', '{x}']", *NONE_AT_ALL),
-            start=("count", "1", "1", "0"),
-            stop="count 2",
-            out="thing np.zeros((5, 4))",
-        ),
-        "",
+    _door(
+        "filled(SPACE, names=['a2'], start=1, stop=2, out=np.zeros((5, 4)))",
+        {"names": f"['{{x}}', '{{x}}']   {NOTHING}", "start": "0"},
+        more=False,
     ),
 ]

@@ -6,19 +6,17 @@ import contextlib
 import resource
 import signal
 import warnings
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, fields, is_dataclass
-from types import CodeType
+from collections.abc import Iterator
+from dataclasses import fields, is_dataclass
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
+import fastlink as fl
 from fastlink.engine.function import Function
 from fastlink.errors import InputError, InputWarning, Wording
-from fastlink.focal import Involution
-from fastlink.space.design_space import DesignSpace
 from tests.hostile.values import REFUSED, TAKEN
 
 #: Of processor time, for one case; the longest good one takes some tenths.
@@ -30,22 +28,6 @@ LONGEST_LINE = 400
 
 class Hang(BaseException):
     """A case ran too long."""
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What came of a case.
-
-    Attributes
-    ----------
-    verdict : str
-        ``"refused"``, ``"taken"`` or ``"failed"``.
-    why : str
-        What is wrong, if it failed.
-    """
-
-    verdict: str
-    why: str = ""
 
 
 @contextlib.contextmanager
@@ -69,18 +51,14 @@ def limits() -> Iterator[None]:
         signal.signal(signal.SIGPROF, before)
 
 
-def attempt(
-    code: CodeType | Callable[[], Any], namespace: dict[str, Any]
-) -> tuple[Any, BaseException | None]:
-    """Return what a call gives, or what it raises; warnings are errors."""
+def attempt(text: str, names: dict[str, Any]) -> tuple[Any, BaseException | None]:
+    """Return what a call gives, or what it raises; warnings are errors, but remarks of fastlink."""
     try:
         with warnings.catch_warnings(), limits():
             warnings.simplefilter("error")
-            warnings.simplefilter("ignore", InputWarning)  # a remark that fastlink makes
-            return (eval(code, dict(namespace)) if isinstance(code, CodeType) else code()), None
-    except Hang as error:
-        return None, error
-    except Exception as error:
+            warnings.simplefilter("ignore", InputWarning)
+            return eval(compile(text, "<case>", "eval"), dict(names)), None
+    except (Hang, Exception) as error:
         return None, error
 
 
@@ -102,11 +80,7 @@ def complaint_about(text: str) -> str:
 
 def complaint(error: InputError) -> str:
     """Return what is wrong with a refusal, or an empty text."""
-    try:
-        text = str(error)
-    except Exception as why:
-        return f"has a text that fails: {type(why).__name__}"
-    if wrong := complaint_about(text):
+    if wrong := complaint_about(str(error)):
         return wrong
     wording = error.wording or Wording()
     for problem in error.problems:
@@ -117,42 +91,30 @@ def complaint(error: InputError) -> str:
     return ""
 
 
-def described(error: BaseException) -> str:
-    """Return an exception as one short line."""
-    try:
-        text = " ".join(str(error).split())
-    except Exception:
-        text = "(its text fails)"
-    return f"{type(error).__name__}: {text[:200]}"
-
-
-def judged(verdict: str, text: str, plain: str, namespace: dict[str, Any], check: Any = None) -> Outcome:
-    """Return what came of a call, compared with the same call with plain values."""
-    code = compile(text, "<case>", "eval")
-    result, error = attempt(code, namespace)
+def judged(verdict: str, text: str, plain: str, names: dict[str, Any]) -> tuple[str, str]:
+    """Return ``"refused"``, ``"taken"`` or ``"failed"``, and why it failed; the plain call says what is meant."""
+    result, error = attempt(text, names)
     if isinstance(error, InputError):
         if verdict == TAKEN:
-            return Outcome("failed", f"refuses a good value: {str(error)[:200]}")
+            return "failed", f"refuses a good value: {str(error)[:200]}"
         if wrong := complaint(error):
-            return Outcome("failed", f"its refusal {wrong}")
-        _, again = attempt(code, namespace)
+            return "failed", f"its refusal {wrong}"
+        _, again = attempt(text, names)
         if not isinstance(again, InputError) or str(again) != str(error):
-            return Outcome("failed", f"another verdict the second time: {again}"[:200])
-        return Outcome("refused")
+            return "failed", f"another verdict the second time: {again!r}"[:200]
+        return "refused", ""
     if error is not None:
-        return Outcome("failed", "hangs" if isinstance(error, Hang) else described(error))
+        return "failed", "hangs" if isinstance(error, Hang) else f"{type(error).__name__}: {str(error)[:200]}"
     if verdict == REFUSED:
-        return Outcome("failed", f"accepted, gives {shown(result)}")
-    if plain == text and check is None:  # the call has checked its result itself
-        return Outcome("taken")
-    wanted, error = attempt(compile(plain, "<plain>", "eval"), namespace)
+        return "failed", f"accepted, gives {shown(result)}"
+    if plain == text:  # the call has checked its result itself, or means what it says
+        return "taken", ""
+    wanted, error = attempt(plain, names)
     if error is not None:
-        return Outcome("failed", f"accepted, but the plain call raises {described(error)}")
+        return "failed", f"accepted, but the plain call raises {error!r}"
     if not same(result, wanted):
-        return Outcome("failed", f"gives {shown(result)}, the plain value {shown(wanted)}")
-    if check is not None and (wrong := check(result)):
-        return Outcome("failed", wrong)
-    return Outcome("taken")
+        return "failed", f"gives {shown(result)}, the plain value {shown(wanted)}"
+    return "taken", ""
 
 
 def shown(result: Any) -> str:
@@ -169,7 +131,7 @@ def plain_of(result: Any) -> Any:
         return {str(name): (one.dims, one.values) for name, one in result.variables.items()}
     if isinstance(result, xr.DataArray):
         return result.dims, result.values
-    if isinstance(result, DesignSpace):
+    if isinstance(result, fl.DesignSpace):
         plain = {name: getattr(result, name) for name in ("dims", "shape", "constants", "axes")}
         return plain | {"columns": {name: np.asarray(values) for name, values in result.columns.items()}}
     if isinstance(result, Function):
@@ -177,7 +139,7 @@ def plain_of(result: Any) -> Any:
         return result.inputs, result.outputs, result(sample)
     if is_dataclass(result) and not isinstance(result, type):
         return {one.name: getattr(result, one.name) for one in fields(result)}
-    if isinstance(result, Involution):
+    if isinstance(result, fl.focal.Involution):
         return vars(result)
     if isinstance(result, pd.DataFrame):
         return result.to_dict("list")
@@ -194,9 +156,8 @@ def same(one: Any, other: Any) -> bool:
         one = one.values
     one, other = plain_of(one), plain_of(other)
     if isinstance(one, dict):
-        return (
-            isinstance(other, dict) and list(one) == list(other) and all(same(one[k], other[k]) for k in one)
-        )
+        alike = isinstance(other, dict) and list(one) == list(other)
+        return alike and all(same(one[name], other[name]) for name in one)
     if isinstance(one, (list, tuple)):
         alike = isinstance(other, (list, tuple)) and len(one) == len(other)
         return alike and all(map(same, one, other))
@@ -206,6 +167,3 @@ def same(one: Any, other: Any) -> bool:
             return False
         return bool(np.array_equal(first, second, equal_nan=first.dtype.kind in "fc"))
     return bool(one == other)
-
-
-__all__ = ["Outcome", "attempt", "complaint", "complaint_about", "judged", "limits", "same"]

@@ -6,73 +6,23 @@ import enum
 from typing import Any
 
 
-class Sulky:
-    """Refuses to be shown."""
+def _failing(name: str, *methods: str) -> type:
+    """Return a class of which some methods raise."""
 
-    def __repr__(self) -> str:
-        raise RuntimeError("no repr")
+    def fail(*_: Any, **__: Any) -> Any:
+        raise RuntimeError(f"no {methods[0]}")
 
-    __str__ = __repr__
-
-
-class BadArray:
-    """Refuses to become an array."""
-
-    def __array__(self, dtype: Any = None, copy: Any = None) -> Any:
-        raise RuntimeError("no array")
+    return type(name, (), dict.fromkeys(methods, fail))
 
 
-class BadFloat:
-    """Refuses to become a number."""
-
-    def __float__(self) -> float:
-        raise RuntimeError("no float")
-
-    def __index__(self) -> int:
-        raise RuntimeError("no index")
-
-
-class BadLength:
-    """A sequence that refuses to tell its length."""
-
-    def __len__(self) -> int:
-        raise RuntimeError("no length")
-
-    def __getitem__(self, index: Any) -> Any:
-        raise RuntimeError("no item")
-
-
-class BadIteration:
-    """Refuses to be iterated."""
-
-    def __iter__(self) -> Any:
-        raise RuntimeError("no iteration")
-
-
-class BadTruth:
-    """Refuses to be compared and to be true or false."""
-
-    __hash__ = None  # type: ignore[assignment]
-
-    def __eq__(self, other: object) -> bool:
-        raise RuntimeError("no equality")
-
-    def __bool__(self) -> bool:
-        raise RuntimeError("no truth")
-
-
-class BadAttributes:
-    """Refuses every attribute that it is asked for."""
-
-    def __getattr__(self, name: str) -> Any:
-        raise RuntimeError("no attribute")
-
-
-class BadPath:
-    """Refuses to become a path."""
-
-    def __fspath__(self) -> str:
-        raise RuntimeError("no path")
+Sulky = _failing("Sulky", "__repr__", "__str__")
+BadArray = _failing("BadArray", "__array__")
+BadFloat = _failing("BadFloat", "__float__", "__index__")
+BadLength = _failing("BadLength", "__len__", "__getitem__")
+BadIteration = _failing("BadIteration", "__iter__")
+BadTruth = _failing("BadTruth", "__eq__", "__bool__")
+BadAttributes = _failing("BadAttributes", "__getattr__")
+BadPath = _failing("BadPath", "__fspath__")
 
 
 class Everything:

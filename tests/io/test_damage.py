@@ -156,18 +156,8 @@ def outcomes(tmp_path, patch, form, seed):
     return table, wrong
 
 
-def report(table, wrong):
-    """Return the table of outcomes as text."""
-    ends = (NOTICED, RIGHT, AGAIN, WRONG)
-    lines = [f"{'damage':<26}{'tried':>6}{''.join(f'{end:>16}' for end in ends)}"]
-    for name in KINDS:
-        counts = [table[name, end] for end in ends]
-        lines.append(f"{name:<26}{sum(counts):>6}{''.join(f'{count:>16}' for count in counts)}")
-    return "\n".join([*lines, *map(repr, wrong)])
-
-
 def assert_none_is_wrong(table, wrong):
-    assert not sum(count for (_, end), count in table.items() if end == WRONG), report(table, wrong)
+    assert not sum(count for (_, end), count in table.items() if end == WRONG), (table, wrong)
     assert all(
         table[name, NOTICED] == sum(n for (which, _), n in table.items() if which == name)
         for name, kind in KINDS.items()
@@ -182,7 +172,7 @@ def test_damage_is_noticed_or_mended(tmp_path, monkeypatch, small_blocks):
 @pytest.mark.stress
 def test_damage_is_noticed_or_mended_a_thousand_times(tmp_path, monkeypatch, small_blocks, tell):
     table, wrong = outcomes(tmp_path, monkeypatch, "long", seed=2)
-    tell(report(table, wrong))
+    tell(str(table))
     assert_none_is_wrong(table, wrong)
     for name in ("values of a partial file", "a journal's head"):
         assert table[name, AGAIN], "nothing was damaged that counts"

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from fastlink.io.layout import FORMAT_VERSION, Variable, assemble, coordinates, plain_attrs
+from fastlink.io.layout import Variable, assemble, coordinates, plain_attrs
 from fastlink.space.samplers import grid
-from fastlink.space.tables import FORMAT, table
+from fastlink.space.tables import table
 
 METRE = {"units": "m", "long_name": "length", "symbol": "a"}
 DESCRIBED = dict.fromkeys(["a1", "a2", "a3", "a4"], METRE)
@@ -38,30 +38,9 @@ def test_a_table_has_its_columns_along_design():
     assert coords.attrs == {"design_kind": "table"}
 
 
-def test_one_design_has_scalars_only():
-    coords = coordinates(grid(a1=0.4, a2=1.2), DESCRIBED, BRANCH)
-    assert dict(coords.sizes) == {"branch": 2}
-    assert float(coords["a2"]) == 1.2
-
-
 def test_a_further_coordinate_does_not_hide_an_input():
     with pytest.raises(ValueError, match="'a1' is an input of the design space already"):
         coordinates(grid(a1=0.4), DESCRIBED, {"a1": ((), np.array(1.0), {})})
-
-
-def test_assemble_labels_flat_results():
-    coords = coordinates(grid(a2=[1.0, 2.0], a3=[3.0, 4.0, 5.0]), DESCRIBED, BRANCH)
-    speed = Variable("omega4_max", ("a2", "a3", "branch"), (2, 3, 2), np.dtype("f8"), {"units": "rad s-1"})
-    status = Variable("status", ("a2", "a3"), (2, 3), np.dtype("i1"), {"flag_values": np.array([0, 1], "i1")})
-    values = np.arange(12.0).reshape(6, 2)
-    arrays = {"omega4_max": values, "status": np.zeros(6, "i1")}
-    maps = assemble(coords, [speed, status], arrays, {"title": "t"})
-    assert float(maps.omega4_max.sel(a2=2.0, a3=4.0, branch=1)) == 8.0
-    assert np.shares_memory(maps.omega4_max.values, values)
-    assert maps.status.dtype == np.int8
-    assert maps.omega4_max.attrs == {"units": "rad s-1"}
-    assert maps.attrs == {"design_kind": "grid", "title": "t", FORMAT: FORMAT_VERSION}
-    assert set(maps.coords) == {"a2", "a3", "branch"}
 
 
 def test_assemble_refuses_what_does_not_fit():

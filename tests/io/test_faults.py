@@ -58,14 +58,12 @@ def assert_resumes(path, expected, designs):
 # --- nothing finished is touched -------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("with_journal", [False, True])
-def test_a_second_name_that_a_kill_has_left_of_a_map_is_not_emptied(tmp_path, with_journal):
+def test_a_second_name_that_a_kill_has_left_of_a_map_is_not_emptied(tmp_path):
     """Of systems that cannot rename without replacing: a kill between link and unlink leaves both names."""
     path, part, kept = tmp_path / "m.h5", tmp_path / "m.h5.part", tmp_path / "kept.h5"
     sweep(path).close()
     os.link(path, part)
-    if with_journal:
-        journal_of(part).write_text("of the run that was killed")
+    journal_of(part).write_text("of the run that was killed")
     before = digest(path)
     path.rename(kept)
     sweep(path).close()
@@ -96,13 +94,6 @@ def test_what_a_link_leads_to_is_not_written(tmp_path, monkeypatch, ending):
     else:
         sweep(path).close()
     assert precious.read_text() == "mine"
-
-
-def test_links_that_lead_to_themselves_are_refused_before_anything_is_computed(tmp_path):
-    (tmp_path / "a.h5").symlink_to(tmp_path / "b.h5")
-    (tmp_path / "b.h5").symlink_to(tmp_path / "a.h5")
-    with refused("to", "choose another name"):
-        sweep(tmp_path / "a.h5")
 
 
 def test_a_whole_map_without_its_name_is_refused_to_another_request(tmp_path):
@@ -137,9 +128,7 @@ def failing_after(patch, count, error):
     patch.setattr(writer.Writer, "record", counted)
 
 
-@pytest.mark.parametrize(
-    "error", [KeyboardInterrupt(), ZeroDivisionError(), MemoryError(), OSError(errno.EIO, "I/O")]
-)
+@pytest.mark.parametrize("error", [KeyboardInterrupt(), OSError(errno.EIO, "I/O")])
 def test_after_any_exception_a_run_goes_on(tmp_path, monkeypatch, error, expected):
     path = tmp_path / "m.h5"
     with monkeypatch.context() as patch:
@@ -151,15 +140,14 @@ def test_after_any_exception_a_run_goes_on(tmp_path, monkeypatch, error, expecte
     assert_resumes(path, expected, 24)
 
 
-@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EIO, errno.EFBIG])
-def test_after_a_write_that_failed_late_a_run_goes_on(tmp_path, monkeypatch, number, expected):
+def test_after_a_write_that_failed_late_a_run_goes_on(tmp_path, monkeypatch, expected):
     path = tmp_path / "m.h5"
     write_all = partial_file.write_all
 
     def failing(fd, data, position, seen=[0]):  # noqa: B006
         seen[0] += 1
         if seen[0] > 9:  # three blocks of three variables
-            raise OSError(number, os.strerror(number))
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         write_all(fd, data, position)
 
     with monkeypatch.context() as patch:
@@ -290,8 +278,8 @@ def trial_sweep(to, **options):
     return sweep(to, verify=0, **options)
 
 
-def survived(folder: Path, expected, fault: str, outcome: Outcome, before: int = 0) -> tuple[str, int]:
-    """Assert what must hold after a fault; return how the run ended, and how many designs it has noted."""
+def survived(folder: Path, expected, fault: str, outcome: Outcome, before: int) -> int:
+    """Assert what must hold after a fault; return how many designs are noted."""
     path = folder / "m.h5"
     # HDF5 reports a failed close of what was opened to be read in words of its own; of an interrupt within one of its
     # calls h5py can make an error (seen once in 1,000 faults)
@@ -301,12 +289,12 @@ def survived(folder: Path, expected, fault: str, outcome: Outcome, before: int =
     assert (folder / "other.h5").read_text() == "mine"
     if path.exists():
         assert_is(path, expected)
-        return "finished", 0
+        return 0
     assert outcome.code != 0
     read = partial_file.read_journal(folder / "m.h5.part")
     noted = 0 if read is None else sum(stop - start for start, stop in read[1])
     assert noted >= before
-    return "loud" if outcome.code > 0 or outcome.code == -signal.SIGTERM else "killed", noted
+    return noted
 
 
 def assert_is(path, expected):
@@ -327,9 +315,19 @@ def goes_on(folder: Path, expected, noted: int, **options):
     assert left_in(folder) == ["m.h5", "other.h5"]
 
 
-def run_trials(tmp_path, expected, count, seed, *, below=False):
-    """Let runs have faults, one or two after each other; return a table of outcomes, and what was wrong."""
-    rng, table, wrong = np.random.default_rng(seed), Counter(), []
+def is_struck_below():
+    """Tell whether calls below Python can have faults; say loudly if not."""
+    try:
+        library()
+    except RuntimeError as error:
+        warnings.warn(f"NOT TESTED: {error}", stacklevel=1)
+        return False
+    return True
+
+
+def run_trials(tmp_path, expected, count, seed, *, below):
+    """Let runs have faults, one or two after each other; return how many of each kind, and what was wrong."""
+    rng, tried, wrong = np.random.default_rng(seed), Counter(), []
     faults = list(BELOW if below else FAULTS)
     with Trials("tests.io.test_faults:trial_sweep", below) as trials:
         (tmp_path / "whole").mkdir()
@@ -337,64 +335,48 @@ def run_trials(tmp_path, expected, count, seed, *, below=False):
             layout: trials.run(tmp_path / "whole" / f"{layout}.h5", -1, "kill", layout=layout).calls or 130
             for layout in ("curves", "maps")
         }
-        tried = 0
-        while tried < count:
-            folder = tmp_path / str(tried)
+        while tried.total() < count:
+            folder = tmp_path / str(tried.total())
             folder.mkdir()
             (folder / "other.h5").write_text("mine")
             options = {"layout": ("curves", "maps")[int(rng.integers(2))], "threads": int(rng.integers(1, 3))}
-            noted, told = 0, []
+            noted, shown = 0, []
             try:
                 for _ in range(int(rng.integers(1, 3))):
-                    fault, at = faults[tried % len(faults)], int(rng.integers(calls[options["layout"]]))
-                    tried += 1
+                    fault = faults[tried.total() % len(faults)]
+                    at = int(rng.integers(calls[options["layout"]]))
+                    tried[fault] += 1
                     outcome = trials.run(folder / "m.h5", at, fault, **options)
-                    told.append((fault, at, outcome))
-                    ended, noted = survived(folder, expected, fault, outcome, noted)
-                    table[fault, ended] += 1
-                    table["in HDF5"] += "hdf5" in outcome.caller
+                    shown.append((fault, at, outcome))
+                    noted = survived(folder, expected, fault, outcome, noted)
                 goes_on(folder, expected, noted, **options)
             except Exception as error:
-                wrong.append((options, told, f"{type(error).__name__}: {error}"[:500]))
+                wrong.append((options, shown, f"{type(error).__name__}: {error}"[:500]))
             shutil.rmtree(folder)
-    return table, wrong
+    return tried, wrong
 
 
-def report(table, wrong):
-    """Return the table of outcomes as text."""
-    ends = ("finished", "loud", "killed")
-    kinds = dict.fromkeys(key[0] for key in table if isinstance(key, tuple))
-    lines = [f"{'fault':<14}{'tried':>7}{''.join(f'{end:>10}' for end in ends)}"]
-    for kind in kinds:
-        counts = [table[kind, end] for end in ends]
-        lines.append(f"{kind:<14}{sum(counts):>7}{''.join(f'{count:>10}' for count in counts)}")
-    total = sum(count for key, count in table.items() if isinstance(key, tuple))
-    lines.append(f"{total} faults, {table['in HDF5']} of them in calls of HDF5; wrong or lost: {len(wrong)}")
-    return "\n".join([*lines, *map(repr, wrong)])
-
-
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
-def test_faults_of_system_calls(tmp_path, expected):
-    table, wrong = run_trials(tmp_path, expected, 8, seed=1)
-    assert not wrong, report(table, wrong)
-    assert len({key[0] for key in table if isinstance(key, tuple)}) == len(FAULTS)
-
-
-@pytest.fixture
-def below():
-    """Faults below Python, or a loud skip."""
-    try:
-        library()
-    except RuntimeError as error:
-        warnings.warn(f"NOT TESTED: {error}", stacklevel=1)
-        pytest.skip(str(error))
+MANY = pytest.mark.stress
 
 
 @pytest.mark.filterwarnings("default:NOT TESTED")
-def test_faults_of_all_system_calls(tmp_path, expected, below):
-    table, wrong = run_trials(tmp_path, expected, 9, seed=3, below=True)
-    assert not wrong, report(table, wrong)
-    assert len({key[0] for key in table if isinstance(key, tuple)}) == len(BELOW)
+@pytest.mark.parametrize(
+    ("below", "count"),
+    [
+        pytest.param(False, len(FAULTS), marks=MANY),
+        (True, len(BELOW)),
+        pytest.param(False, 400, marks=MANY),
+        pytest.param(True, 1000, marks=MANY),
+    ],
+)
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
+def test_faults_of_system_calls(tmp_path, expected, below, count, tell):
+    """By default the calls of HDF5 too; where these cannot be struck, those that Python makes."""
+    below = below and is_struck_below()
+    tried, wrong = run_trials(tmp_path, expected, count, seed=count, below=below)
+    tell(f"{tried.total()} faults: {dict(tried)}; wrong or lost: {len(wrong)}")
+    assert not wrong, "\n".join(map(repr, wrong))
+    assert len(tried) == len(BELOW if below else FAULTS)
 
 
 DOORS = {
@@ -423,7 +405,10 @@ def trial_of_a_door(to, door=""):
     return contextlib.ExitStack()
 
 
-def test_a_disk_that_fails_while_a_map_is_read_or_closed_is_an_error_of_the_door(tmp_path, below):
+@pytest.mark.filterwarnings("default:NOT TESTED")
+def test_a_disk_that_fails_while_a_map_is_read_or_closed_is_an_error_of_the_door(tmp_path):
+    if not is_struck_below():
+        pytest.skip("calls below Python cannot have faults here")
     maps_to_read(tmp_path)
     with Trials("tests.io.test_faults:trial_of_a_door", below=True) as trials:
         for door in DOORS:
@@ -457,18 +442,3 @@ def test_labels_that_cannot_be_closed_are_an_error_of_the_door(tmp_path, monkeyp
     with refused("to", "choose another place"):
         fl.accuracy(study, designs=2, to=tmp_path / "measured.h5")
     assert left_in(tmp_path) == ["study.toml"]
-
-
-@pytest.mark.stress
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
-def test_a_thousand_faults_of_system_calls(tmp_path, expected, tell):
-    table, wrong = run_trials(tmp_path, expected, 400, seed=2)
-    tell(report(table, wrong))
-    assert not wrong
-
-
-@pytest.mark.stress
-def test_a_thousand_faults_of_all_system_calls(tmp_path, expected, tell, below):
-    table, wrong = run_trials(tmp_path, expected, 1000, seed=4, below=True)
-    tell(report(table, wrong))
-    assert not wrong

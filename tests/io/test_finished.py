@@ -10,7 +10,6 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from numpy.testing import assert_array_equal
 from tests.support.refusals import refused
 
 import fastlink as fl
@@ -48,7 +47,7 @@ def nothing_is_compiled(monkeypatch):
     monkeypatch.setattr(Kernel, "compiled", lambda *_: pytest.fail("compiled"))
 
 
-@pytest.mark.parametrize("same", [{}, {"verify": 1}, {"verify": 0}, {"threads": 1}, {"block": 1}])
+@pytest.mark.parametrize("same", [{}, {"verify": 1, "threads": 1, "block": 1}])
 def test_the_same_request_opens_the_map(path, same, nothing_is_compiled):
     before = path.stat()
     with swept(path, **same) as maps:
@@ -62,12 +61,10 @@ def test_the_same_request_opens_the_map(path, same, nothing_is_compiled):
     ("change", "differs"),
     [
         ({"quantities": ["omega4", "theta4"]}, "quantities"),
-        ({"space": {**DESIGNS, "a2": np.array([1.1, 1.3])}}, "a2"),
         ({"space": {**DESIGNS, "a3": np.nextafter(0.8, 1.0)}}, "a3"),
         ({"theta1": 13}, "theta1"),
         ({"branch": [2, 1]}, "branch"),
         ({"attrs": {"project": "press"}}, "project"),
-        ({"attrs": {"title": "of a press"}}, "title"),
         (
             {
                 "mechanism": "focal",
@@ -138,15 +135,3 @@ def test_a_map_by_another_version_is_not_up_to_date(path, monkeypatch):
     monkeypatch.setattr(resolve, "environment", lambda: b"other code")
     with refused("a map by another version"):
         swept(path)
-
-
-def test_a_map_in_memory_has_no_marks():
-    maps = fl.sweep("planar_4r", fl.grid(**DESIGNS), ["omega4"], theta1=3)
-    assert not {FINGERPRINT, WRITTEN} & set(maps.attrs)
-
-
-def test_an_unfinished_map_is_gone_on_with(tmp_path):
-    """A partial file is none of the finished ones."""
-    (tmp_path / "maps.h5.part").write_bytes(b"half of it")
-    with swept(tmp_path / "maps.h5") as maps:
-        assert_array_equal(np.isfinite(maps.omega4), True)

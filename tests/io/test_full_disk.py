@@ -75,11 +75,9 @@ def expected():
 
 @pytest.fixture(scope="module")
 def source(tmp_path_factory):
-    """A folder on a good disk with the map and both its parts."""
+    """A folder on a good disk with the map."""
     folder = tmp_path_factory.mktemp("source")
     sweep(folder / "m.h5").close()
-    for k in (1, 2):
-        sweep(folder / f"p{k}.h5", part=(k, 2)).close()
     return folder
 
 
@@ -118,12 +116,11 @@ def fill_after(patch, disk, blocks):
     patch.setattr(Writer, "record", filled)
 
 
-@pytest.mark.parametrize("blocks", [1, 9])
-def test_a_disk_that_fills_up_during_a_sweep_loses_nothing(disk, monkeypatch, expected, blocks):
+def test_a_disk_that_fills_up_during_a_sweep_loses_nothing(disk, monkeypatch, expected):
     """On a system that cannot reserve room."""
     path = disk.folder / "m.h5"
     with monkeypatch.context() as patch:
-        fill_after(patch, disk, blocks)
+        fill_after(patch, disk, 9)
         patch.delattr(os, "posix_fallocate")
         with pytest.raises(fl.InputError) as caught:
             sweep(path)
@@ -135,7 +132,7 @@ def test_a_disk_that_fills_up_during_a_sweep_loses_nothing(disk, monkeypatch, ex
         sweep(path)
     disk.make_room()
     with sweep(path) as found:
-        assert found.attrs["designs_of_earlier_runs"] >= 16 * blocks
+        assert found.attrs["designs_of_earlier_runs"] >= 16 * 9
     assert_whole(path, expected)
     assert left_in(disk.folder) == ["m.h5"]
 
@@ -159,26 +156,6 @@ def test_a_sweep_that_cannot_begin_its_journal_leaves_nothing(disk, monkeypatch,
     disk.make_room()
     sweep(path).close()
     assert_whole(path, expected)
-
-
-def test_a_disk_that_fills_up_during_a_join(disk, monkeypatch, source, expected):
-    path, parts = disk.folder / "m.h5", [source / "p1.h5", source / "p2.h5"]
-    write = Writer.write_pieces
-
-    def filled(self, name, pieces):
-        disk.fill()
-        write(self, name, pieces)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(Writer, "write_pieces", filled)
-        patch.delattr(os, "posix_fallocate")
-        with refused("to", "make room"):
-            fl.join(parts, to=path, copy=True)
-    assert not path.exists()
-    disk.make_room()
-    fl.join(parts, to=path, copy=True).close()
-    assert_whole(path, expected)
-    assert left_in(disk.folder) == ["m.h5"]
 
 
 CONVERSIONS = {
@@ -243,26 +220,3 @@ def test_a_process_whose_compressed_file_had_no_room_ends_well(disk, source):
         text=True,
     )
     assert (done.returncode, done.stdout, done.stderr) == (0, "refused\n", "")
-
-
-def test_the_best_designs_on_a_full_disk(disk, source):
-    from typer.testing import CliRunner
-
-    from fastlink.app.cli import app
-
-    disk.fill()
-    command = [
-        "best",
-        str(source / "m.h5"),
-        "--minimise",
-        "omega4_max",
-        "--to",
-        str(disk.folder / "best.csv"),
-    ]
-    done = CliRunner().invoke(app, command)
-    assert done.exit_code == 2
-    assert "are free" in done.output
-    assert "make room" in done.output
-    assert left_in(disk.folder) == ["other"]
-    disk.make_room()
-    assert CliRunner().invoke(app, command).exit_code == 0

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from fastlink.io.place import progress_bar
+from fastlink.io.output_path import progress_bar
 
 
 class ZMQInteractiveShell:

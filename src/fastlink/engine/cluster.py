@@ -1,12 +1,10 @@
-"""Run kernels on the workers of a dask.distributed cluster: tasks, what works there, what comes back."""
+"""Run kernels on the workers of a dask.distributed cluster: tasks, and what comes back of them."""
 
 from __future__ import annotations
 
 import asyncio
-import collections
 import concurrent.futures
 import contextlib
-import io
 import itertools
 import json
 import math
@@ -17,11 +15,10 @@ import socket
 import threading
 import time
 import uuid
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from types import MethodType
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -31,8 +28,8 @@ from fastlink.codegen.runtime.cells import LANES
 from fastlink.engine.run import Job, Sink, block_length, row_bytes, run
 from fastlink.engine.sinks import into
 from fastlink.errors import InputError, KeyPath, Problems, remark
-from fastlink.io.place import reason
-from fastlink.io.writer import NotHereError
+from fastlink.io.output_path import reason
+from fastlink.io.writer import NotSeenError
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -40,74 +37,12 @@ if TYPE_CHECKING:
 
     from fastlink.io.checksums import Range
 
-__all__ = ["Cluster", "Report", "about", "connected", "difference", "packed"]
 
-
-# -- Sinks that travel: they work in other processes, and what they have gathered there is merged here
-
-# A sink is made of functions and of objects that keep something: a file, counts, chosen designs. Functions
-# travel by value; of each object a twin is made in the other process, which keeps the same for some designs
-# and reports it.
-
-
-class Twin(Protocol):
-    """A stand-in for an object in another process, for the designs of one task; picklable before it has any."""
+class Keeper(Protocol):
+    """What a worker keeps of the results of one task, picklable before it has any; it may be a context manager."""
 
     def report(self) -> Any:
-        """Return what was gathered, which travels back."""
-
-
-class Traveller(Protocol):
-    """An object that has twins in other processes."""
-
-    def twin(self) -> Twin:
-        """Return a twin, which has gathered nothing."""
-
-    def merge(self, report: Any) -> None:
-        """Add what a twin has gathered."""
-
-
-def packed(value: Any) -> tuple[bytes, list[Traveller]]:
-    """Return a value as bytes, and the travellers in it, which `unpacked` gives twins."""
-    import cloudpickle
-
-    travellers: list[Traveller] = []
-    twins: list[Twin] = []
-
-    class Packer(cloudpickle.Pickler):  # type: ignore[misc]
-        # methods by their name: of a twin they are those of its own class
-        dispatch_table: ClassVar[Any] = collections.ChainMap(
-            {MethodType: _by_name}, cloudpickle.Pickler.dispatch_table
-        )
-
-        def persistent_id(self, known: Any) -> Any:
-            if not (hasattr(type(known), "twin") and hasattr(type(known), "merge")):
-                return None
-            if known not in travellers:
-                travellers.append(known)
-                twins.append(known.twin())  # one, wherever it is referred to
-            return travellers.index(known), twins[travellers.index(known)]
-
-    file = io.BytesIO()
-    Packer(file, protocol=pickle.HIGHEST_PROTOCOL).dump(value)
-    return file.getvalue(), travellers
-
-
-def _by_name(method: MethodType) -> tuple[Any, ...]:
-    return getattr, (method.__self__, method.__name__)
-
-
-def unpacked(data: bytes) -> tuple[Any, Sequence[Twin]]:
-    """Return a packed value, and its new twins in the order of the travellers."""
-    twins: dict[int, Twin] = {}
-
-    class Unpacker(pickle.Unpickler):
-        def persistent_load(self, known: Any) -> Any:
-            index, twin = known
-            return twins.setdefault(index, twin)
-
-    value = Unpacker(io.BytesIO(data)).load()
-    return value, [twins[k] for k in sorted(twins)]
+        """Return what was kept, which travels back."""
 
 
 # -- Evaluate ranges of designs on a worker of a cluster, and report
@@ -120,21 +55,11 @@ SAME_VERSION = "install the version of this process on all workers"
 
 @dataclass(frozen=True)
 class Report:
-    """The report of a task.
-
-    Attributes
-    ----------
-    seconds : float
-        How long the evaluation took.
-    reports : list
-        What the twins of the sink's travellers have gathered; None where the results come back instead.
-    arrays : list of array
-        The results, where they come back.
-    """
+    """The seconds of a task, and what its keeper reports; the results where it has none, or cannot see the file."""
 
     seconds: float
-    reports: list[Any] | None
-    arrays: list[NDArray[Any]] = field(default_factory=list)
+    kept: Any = None
+    arrays: list[NDArray[Any]] | None = None
 
 
 def about() -> tuple[str, str, str]:
@@ -150,7 +75,7 @@ def _job(data: bytes, name: str) -> Job:
     """Return the job of a sweep; its kernels are compiled, or loaded from the cache, once in this process."""
     with _loading:
         if name not in _jobs:
-            _jobs[name] = unpacked(data)[0]
+            _jobs[name] = pickle.loads(data)
             while len(_jobs) > KEPT:
                 del _jobs[next(iter(_jobs))]
         return _jobs[name]
@@ -166,20 +91,18 @@ def evaluate_range(
     length = min(block or block_length(job.shapes, job.size, 1), stop - start)
     options: dict[str, Any] = {"block": length, "pending": [(start, stop)]}
     if data[1] is not None:
-        sink, twins = unpacked(data[1])
-        with contextlib.suppress(NotHereError), contextlib.ExitStack() as stack:
-            for twin in twins:
-                if isinstance(twin, contextlib.AbstractContextManager):
-                    stack.enter_context(twin)
+        sink, keeper = pickle.loads(data[1])
+        is_context = isinstance(keeper, contextlib.AbstractContextManager)
+        with contextlib.suppress(NotSeenError), keeper if is_context else contextlib.nullcontext():
             started = time.perf_counter()
             run(job, sink=sink, **options)
             seconds = time.perf_counter() - started
-            return Report(seconds, [twin.report() for twin in twins])
+            return Report(seconds, keeper.report())
     arrays = [np.empty((stop - start, *shape), dtype) for shape, dtype in job.shapes]
     keep = into(arrays)
     started = time.perf_counter()
     run(job, sink=lambda first, last, results: keep(first - start, last - start, results), **options)
-    return Report(time.perf_counter() - started, None, arrays)
+    return Report(time.perf_counter() - started, arrays=arrays)
 
 
 def difference(found: Any, same: tuple[str, str, str]) -> str:
@@ -198,8 +121,9 @@ def difference(found: Any, same: tuple[str, str, str]) -> str:
 # -- Run kernels over all designs on the workers of a dask.distributed cluster, range by range
 
 # A worker that sees the file that is written writes its results into it and reports what that adds to the
-# checksums; from another the results come back. Which of both is found out in each task, by the worker
-# itself. The bits are those of one thread: a range is evaluated by `fastlink.engine.run.run`, as here.
+# checksums, and the client reads there what else it needs of them; from another the results come back.
+# Which of both is found out in each task, by the worker itself. The bits are those of one thread: a range is
+# evaluated by `fastlink.engine.run.run`, as here.
 
 
 INSTALL = "python -m pip install 'fastlink-linkages[distributed]'"
@@ -275,23 +199,26 @@ class Cluster:
         job: Job,
         sink: Sink,
         *,
-        travels: bool = False,
+        remote: tuple[Sink, Keeper, Callable[[Any], None]] | None = None,
         block: int | None = None,
         pending: Sequence[Range] | None = None,
     ) -> None:
         """Evaluate every design, as `fastlink.engine.run.run`; on any exception, what is under way is cancelled."""
-        of_sink, travellers = packed(sink) if travels else (None, [])
-        tasks = _Tasks(self, (packed(job)[0], of_sink), block)
+        # `remote` is a sink for the workers, what it feeds, and what takes the reports of that here; `sink`
+        # takes the results that come back.
+        import cloudpickle
+
+        data = cloudpickle.dumps(job), None if remote is None else cloudpickle.dumps(remote[:2])
+        tasks = _Tasks(self, data, block)
         ranges = _Pending([(0, job.size)] if pending is None else pending)
         length = _Length(job)
 
         def take(start: int, stop: int, report: Report) -> None:
-            if report.reports is None:
+            if report.arrays is not None:
                 length.bytes = TASK_BYTES
                 sink(start, stop, report.arrays)
-            else:
-                for traveller, gathered in zip(travellers, report.reports, strict=True):
-                    traveller.merge(gathered)
+            elif remote is not None:
+                remote[2](report.kept)
 
         # not in this thread, for the reason that `apart` of `fastlink.engine.run.run` has
         with concurrent.futures.ThreadPoolExecutor(1, "fastlink-take") as taker:
@@ -326,11 +253,10 @@ class _Pending:
 
 
 class _Length:
-    """How many designs make a task, by the last report.
+    """How many designs make a task, by the last report."""
 
-    A task takes one thread `TASK_SECONDS`, and on many threads longer: so long that the client, to whom each costs
-    `TASK_COST`, has time for all of them.
-    """
+    # A task takes one thread `TASK_SECONDS`, and on many threads longer: so long that the client, to whom
+    # each costs `TASK_COST`, has time for all of them.
 
     def __init__(self, job: Job) -> None:
         self.row, self.bytes = max(row_bytes(job.shapes), 1), TASK_BYTES_KEPT

@@ -39,8 +39,6 @@ if TYPE_CHECKING:
     from fastlink.facts.fact import Input
     from fastlink.space.design_space import DesignSpace, Links
 
-__all__ = ["designs_of"]
-
 
 #: The attribute of a result that names what stood beside its designs and is ignored.
 IGNORED = "design_ignored"
@@ -49,12 +47,10 @@ IGNORED = "design_ignored"
 def designs_of(
     catalogue: Catalogue, space: DesignSpace, links: Links | None, problems: Problems
 ) -> DesignSpace:
-    """Return the designs of a request: inputs alone, in the units of the mechanism, besides labels.
-
-    Angles in degrees are converted. Results that stand in a table or come with a map are left out, with a warning
-    that names them; they are in the attribute ``design_ignored`` of the result. Rows of a map that differ only in
-    assembly mode or input position are one design.
-    """
+    """Return the designs of a request: inputs alone, in the units of the mechanism, besides labels."""
+    # Angles in degrees are converted. Results that stand in a table or come with a map are left out, with a
+    # warning that names them; they are in the attribute ``design_ignored`` of the result. Rows of a map that
+    # differ only in assembly mode or input position are one design.
     known, angles = _known_inputs(catalogue, catalogue.version)
     if space.labels:
         space = _inputs_of_labels(space, known, problems)

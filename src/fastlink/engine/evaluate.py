@@ -17,18 +17,19 @@ from fastlink.errors import InputError, KeyPath, Problem, Problems, Setting, che
 from fastlink.facts.catalogue import ELIMINATED, Catalogue
 from fastlink.facts.evaluate import evaluate_on_doubles
 from fastlink.facts.fact import Fact, Input, System
-from fastlink.facts.sizes import sized, sizes_of
+from fastlink.facts.powers import any_beyond_range
 from fastlink.facts.tables import angle_tables
 from fastlink.mechanisms import NAMES, inputs_of, name_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.query import check_names, parse_request, require_quantity
 from fastlink.plan.request import (
     all_choices,
-    allowed,
     branch_codes,
     check_keywords,
     check_model,
+    code_beyond_range,
     constants_of,
+    in_range,
     joined_missing,
     missing_inputs,
     name_problems,
@@ -49,8 +50,6 @@ from fastlink.space.design_space import (
 
 if TYPE_CHECKING:
     from fastlink.engine.extend import Extension
-
-__all__ = ["broadcast_inputs", "evaluate", "like", "too_many"]
 
 
 # -- Broadcast the numbers of a call: arrays by their shapes, DataArrays by the names of their dimensions
@@ -161,8 +160,8 @@ def evaluate(
     solver : {"eliminated", "dense"}
         As in `fastlink.sweep`.
     allow_invalid : bool, default False
-        Evaluate impossible values too (NaN, a length that is not positive, NaN in an array of assembly modes) instead
-        of refusing them; what depends on them is NaN or flagged.
+        Evaluate impossible values too (NaN, a length that is not positive, a number beyond 2^-80 to 2^80, NaN in an
+        array of assembly modes) instead of refusing them; what depends on them is NaN or flagged.
     **inputs : float, array_like or xarray.DataArray
         The inputs and the input position (angles in degrees by names such as ``theta1_deg``), broadcast against each
         other: arrays by their shapes, DataArrays by the names of their dimensions, whose coordinates must agree. A
@@ -223,7 +222,16 @@ def evaluate(
         remark_on_angles(catalogue.position.name, theta, "evaluate")
     tabled = angle_tables(catalogue, recipe.tables, np.ravel(theta))
     arrays |= zip(recipe.tables, tabled.reshape(len(recipe.tables), *np.shape(theta)), strict=True)
-    arrays = _evaluated(catalogue, recipe, names, arrays, allow_invalid)
+    far = any_beyond_range(given.declared, arrays) if allow_invalid else np.False_
+    if far.any():
+        arrays |= {
+            name: np.where(far, np.nan, value) for name, value in arrays.items() if name in given.declared
+        }
+    evaluate_on_doubles(recipe.steps, arrays)
+    if allow_invalid:
+        _leave_gaps(recipe.steps, arrays)
+    if far.any() and "status" in names:
+        arrays["status"] = np.where(far, code_beyond_range(catalogue), arrays["status"])
     if template is None and not shape:
         return {name: float(arrays[name]) for name in names}
     results = {name: np.broadcast_to(arrays[name], shape) for name in names}
@@ -233,62 +241,32 @@ def evaluate(
     return {name: value[()] for name, value in results.items()}
 
 
-def _evaluated(
-    catalogue: Catalogue, recipe: _Recipe, names: tuple[str, ...], arrays: dict[str, Any], gaps: bool
-) -> dict[str, Any]:
-    """Return the quantities: of a design that is far from 1 in units of its own, see `fastlink.facts.sizes`."""
-    sizes = sizes_of(catalogue, arrays)
-    if sizes is not None:
-        arrays |= sizes.inputs(catalogue, arrays)
-    evaluate_on_doubles(recipe.steps, arrays)
-    if gaps:
-        _leave_gaps(recipe.steps, arrays)
-    if sizes is None:
-        return arrays
-    kinds = {name: sized(catalogue, name, catalogue.public_fact(name).units) for name in names}
-    return {name: sizes.result(kind, arrays[name]) for name, kind in kinds.items()}
-
-
 #: The keywords of `evaluate` besides mechanism, quantities and inputs.
 _OPTIONS = tuple(signature(evaluate).parameters)[2:-1]
 
 
 @dataclass(frozen=True, eq=False)
 class _Given:
-    """A request without its numbers: all that follows from the names of the given inputs.
+    """A request without its numbers: all that follows from the names of the given inputs."""
 
-    Attributes
-    ----------
-    names, variants : tuple of str
-        Everything that has a value; the selected variants.
-    declared : dict
-        The inputs that may be given, with the input position.
-    defaults : dict
-        The inputs that are not given, but for those of the links.
-    problems : list of Problem
-        Unknown names, and a missing input position.
-    """
-
+    #: Everything that has a value; the selected variants.
     names: tuple[str, ...]
     variants: tuple[str, ...]
+    #: The inputs that may be given, with the input position.
     declared: dict[str, Input]
+    #: The inputs that are not given, but for those of the links.
     defaults: dict[str, np.float64]
+    #: Unknown names, and a missing input position.
     problems: list[Problem]
 
 
 @dataclass(frozen=True)
 class _Recipe:
-    """The steps from given inputs to quantities; to resolve takes longer than to run.
+    """The steps from given inputs to quantities; to resolve takes longer than to run."""
 
-    Attributes
-    ----------
-    tables : tuple of str
-        The functions of the input position that are read.
-    steps : tuple of Fact or System
-        Everything that is computed, in order.
-    """
-
+    #: The functions of the input position that are read.
     tables: tuple[str, ...]
+    #: Everything that is computed, in order.
     steps: tuple[Fact | System, ...]
 
 
@@ -388,14 +366,14 @@ def _leave_gaps(steps: Iterable[Fact | System], arrays: dict[str, Any]) -> None:
 
 def _checked(declared: Input, value: Any, allow_invalid: bool) -> Any:
     """Return the values of an input as doubles of any shape, labelled if they are, or refuse them."""
-    if type(value) is float and (allow_invalid or allowed(declared, value)):
+    if type(value) is float and (allow_invalid or in_range(declared, value)):
         return np.float64(value)  # 5 us less than by an array
     size = value.size if has(value, "dtype") else 0
     if isinstance(size, int) and size > MOST_CONFIGURATIONS:
         raise too_many(size, "evaluate", declared.name)
     path = ("evaluate", declared.name)
     numbers = in_unit(path, value, numbers_of(*path, value, MOST_DIMS), declared.units)[()]
-    if not allow_invalid and not np.all(allowed(declared, numbers)):
+    if not allow_invalid and not np.all(in_range(declared, numbers)):
         keep = ((", or pass ", Setting("allow_invalid", True), " to get NaN there"),)
-        raise InputError.of(value_problems(declared, np.asarray(numbers), "evaluate", keep))
+        raise InputError.of(value_problems(declared, np.asarray(numbers), "evaluate", keep, in_range))
     return like(value, numbers)

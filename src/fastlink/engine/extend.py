@@ -28,9 +28,6 @@ from fastlink.facts.own import (
 from fastlink.mechanisms import base_catalogue
 from fastlink.space.design_space import in_unit, numbers_of
 
-__all__ = ["Extension", "check_declared", "extend", "is_own", "own_refused"]
-
-
 F = TypeVar("F", bound=Callable[..., Any])
 RULES: tuple[Rule, ...] = ("any", "non-negative", "positive")
 

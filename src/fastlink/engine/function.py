@@ -14,19 +14,25 @@ import numpy as np
 
 from fastlink._text import counted, short_repr
 from fastlink.engine.resolve import ResolvedSweep, check, resolve
-from fastlink.engine.run import VECTOR, BoundKernel, FunctionKernel, aligned
-from fastlink.engine.scaling import BlockUnits, dimensional_of, sized_outputs
+from fastlink.engine.run import VECTOR, Runner
 from fastlink.errors import InputError, Problem, Problems, door
 from fastlink.facts.catalogue import ELIMINATED
 from fastlink.facts.derivative import NoDependence, is_tolerance
 from fastlink.facts.names import Derivative, GradientStatus, Quantity, Reduced, derivative_name
-from fastlink.facts.sizes import is_ordinary
+from fastlink.facts.powers import beyond_range
 from fastlink.machine import check_memory
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.numerics.compiler import MOVING, NOTHING
 from fastlink.plan.query import check_names, parse_request
-from fastlink.plan.request import allowed, check_inputs, radian_keywords, selected_variants, unknown_input
+from fastlink.plan.request import (
+    allowed,
+    check_inputs,
+    code_beyond_range,
+    radian_keywords,
+    selected_variants,
+    unknown_input,
+)
 from fastlink.space.design_space import (
     DESIGN,
     MOST_DIMS,
@@ -48,8 +54,6 @@ if TYPE_CHECKING:
     from fastlink.plan.programs import Output
     from fastlink.plan.query import Request
     from fastlink.space.design_space import DesignSpace, Links
-
-__all__ = ["Function", "constants", "derivative_of", "function"]
 
 
 # -- Check the request of `fastlink.function`: inputs that vary, numbers that stay, outputs that go together
@@ -113,20 +117,14 @@ NONE = (MOVING, NOTHING)
 
 @dataclass
 class _Wanted:
-    """Quantities of which derivatives are made, each with the numbers of the output and of the input.
+    """Quantities of which derivatives are made, each with the numbers of the output and of the input."""
 
-    Attributes
-    ----------
-    by_name : dict
-        The derivatives.
-    zero_unless : dict
-        Outputs that do not depend on inputs, NaN where that has no derivative: the outputs themselves, or `statuses`.
-    statuses : set of str
-        Those that are the status of derivatives.
-    """
-
+    #: The derivatives.
     by_name: dict[str, tuple[int, int]] = field(default_factory=dict)
+    #: Outputs that do not depend on inputs, NaN where that has no derivative: the outputs themselves, or
+    #: `statuses`.
     zero_unless: dict[str, list[tuple[int, int]]] = field(default_factory=dict)
+    #: Those that are the status of derivatives.
     statuses: set[str] = field(default_factory=set)
 
 
@@ -180,6 +178,8 @@ def derivative_of(request: Request, by: str, position: str) -> str:
     return str(Derivative(of, by))
 
 
+#: The rows of the kernels' designs that are inputs of a function, and which.
+Rows = list[tuple["NDArray[Any]", int]]
 #: Most designs in one call of a kernel, and bytes of their results: they fit the cache of one core.
 BLOCK, BLOCK_BYTES = 1024, 1 << 20
 
@@ -339,35 +339,40 @@ class Function:
         row = sum(8 * math.prod(shape) for shape in self._shapes)
         self._block = max(1, min(BLOCK, BLOCK_BYTES // row // 64 * 64))
         self._of_thread = threading.local()
-        #: The outputs' units, and whether the constants are near 1: else designs have units of their own.
-        self._sized, constants = sized_outputs(plan), resolved.space.constants
-        self._ordinary = all(map(is_ordinary, dimensional_of(resolved.catalogue, constants).values()))
-        rows = dimensional_of(resolved.catalogue, dict.fromkeys(self.inputs))
-        self._dimensional = [self.inputs.index(name) for name in rows]
+        #: The row of the status, and its code for designs with numbers beyond the range.
+        code = code_beyond_range(resolved.catalogue)
+        self._flag = (self.outputs.index("status"), code) if "status" in self.outputs else None
 
     @door(name="function", hint="x is one array, with a row for each input")
     def __call__(self, x: ArrayLike) -> NDArray[np.float64]:
         """Return the outputs (outputs, ...) of designs (inputs, ...)."""
         given = self._rows(x)
         try:
-            kernels = self._of_thread.kernels
+            bound = self._of_thread.bound
         except AttributeError:
-            kernels = self._of_thread.kernels = self._bind(self._block)
+            bound = self._of_thread.bound = self._bind(self._block)
         if given.ndim == 1:
-            return self._evaluate_one(given, kernels)
+            return self._evaluate_one(given, *bound)
         doubles = given.size + math.prod((given.size // len(self.inputs), len(self.outputs), *self.shape))
         check_memory(8 * doubles, "the result", where=("function", "x"), remedy="pass fewer designs at once")
         flat = given.reshape(len(self.inputs), -1)
+        far = np.zeros(flat.shape[1], dtype=bool)
+        for declared, row in zip(self._declared, flat, strict=True):
+            far |= beyond_range(declared, row)
+        if far.any():
+            flat = np.where(far, np.nan, flat)
         result = np.empty((len(self.outputs), flat.shape[1], *self.shape))
         for start in range(0, flat.shape[1], self._block):
             block = slice(start, start + self._block)
-            self._evaluate_block(flat[:, block], result[:, block], kernels)
+            self._evaluate_block(flat[:, block], result[:, block], *bound)
         bad = np.zeros(flat.shape[1], dtype=bool)
         for declared, row in zip(self._declared, flat, strict=True):
             bad |= ~allowed(declared, row)
         if bad.any():
             for k in self._numbers:
                 result[k, bad] = np.nan
+        if far.any() and self._flag is not None:
+            result[self._flag[0], far] = self._flag[1]
         return result.reshape(len(self.outputs), *given.shape[1:], *self.shape)
 
     def __reduce__(self) -> tuple[Callable[..., Function], tuple[list[str]]]:
@@ -380,10 +385,10 @@ class Function:
     @cached_property
     def jitted(self) -> Any:
         """The same function of (inputs,) or (inputs, n) for callers in ``@njit`` code, see docs/performance.md."""
-        from fastlink.engine.jitted import JITTED_BLOCK, Apart, jitted_of
+        from fastlink.engine.jitted import JITTED_BLOCK, jitted_of
 
-        apart = Apart(self, self._dimensional, not self._ordinary)
-        jitted = jitted_of(self._bind(JITTED_BLOCK), self._declared, self._shapes, self.shape, apart)
+        bound = self._bind(JITTED_BLOCK)
+        jitted = jitted_of(*bound, self._declared, self._shapes, self.shape, self._flag)
         jitted.__reduce_ex__ = lambda protocol: (
             getattr,
             (self, "jitted"),
@@ -441,73 +446,45 @@ class Function:
             raise InputError(f"has the shape {given.shape}", where=("function", "x"), remedy=remedy)
         return given
 
-    def _bind(self, block: int) -> list[FunctionKernel]:
-        """Return the kernels with buffers for a block of designs; constants are set."""
-        constants, kernels = self._resolved.space.constants, []
-        for task in self._job.tasks:
-            bound, rows = BoundKernel(task, block), []
-            for name, row in zip(task.inputs, bound.designs, strict=True):
+    def _bind(self, block: int) -> tuple[Runner, Rows]:
+        """Return kernels for blocks of designs, whose constants are set, and the rows that are inputs."""
+        constants, rows = self._resolved.space.constants, []
+        runner = Runner(self._job, block)
+        for kernel in runner.kernels:
+            for name, row in zip(kernel.task.inputs, kernel.designs, strict=True):
                 row[...] = constants.get(name, np.nan)
                 if name in self.inputs:
                     rows.append((row, self.inputs.index(name)))
-            arrays = [
-                aligned((block, *self._job.shapes[k][0]), self._job.shapes[k][1], k) for k in task.results
-            ]
-            results = list(zip(task.results, arrays, strict=True))
-            kernels.append(FunctionKernel(bound, rows, results, bound.bind(arrays)))
-        return kernels
+        return runner, rows
 
-    def _evaluate_one(self, given: NDArray[np.float64], kernels: list[FunctionKernel]) -> NDArray[np.float64]:
+    def _evaluate_one(self, given: NDArray[np.float64], runner: Runner, rows: Rows) -> NDArray[np.float64]:
         """Return the outputs of one design, in no more than a dozen steps of Python."""
         outputs = np.empty((len(self.outputs), *self.shape))
         values = given.tolist()
-        if not (self._ordinary and all(is_ordinary(values[k]) for k in self._dimensional)):
-            self._evaluate_apart(given[:, None], outputs[:, None])
-            kernels = []
-        for kernel in kernels:
-            for row, index in kernel.rows:
-                row[:VECTOR] = values[index]
-            kernel.run(1)
-            for k, result in kernel.results:
-                outputs[k] = result[0].reshape(self._shapes[k])
+        far = any(map(beyond_range, self._declared, values))
+        if far:
+            values = [math.nan] * len(values)
+        for row, index in rows:
+            row[:VECTOR] = values[index]
+        runner.run(1)
+        for k, result in enumerate(runner.results):
+            outputs[k] = result[0].reshape(self._shapes[k])
         if not all(map(allowed, self._declared, values)):
             outputs[self._numbers] = np.nan
+        if far and self._flag is not None:
+            outputs[self._flag[0]] = self._flag[1]
         return outputs
 
     def _evaluate_block(
-        self, given: NDArray[np.float64], outputs: NDArray[np.float64], kernels: list[FunctionKernel]
+        self, given: NDArray[np.float64], outputs: NDArray[np.float64], runner: Runner, rows: Rows
     ) -> None:
         """Evaluate designs of one block into the outputs."""
         count = given.shape[1]
-        if not (self._ordinary and all(is_ordinary(given[k]) for k in self._dimensional)):
-            self._evaluate_apart(given, outputs)
-            return
         # lanes beyond the last design repeat it; their results are not read
         padded = -(-count // VECTOR) * VECTOR
-        for kernel in kernels:
-            for row, index in kernel.rows:
-                row[:count] = given[index]
-                row[count:padded] = given[index, -1]
-            kernel.run(count)
-            for k, result in kernel.results:
-                outputs[k] = result[:count].reshape(count, *self._shapes[k])
-
-    def _evaluate_apart(self, given: NDArray[np.float64], outputs: NDArray[np.float64]) -> None:
-        """Evaluate designs of one block, some of which are far from 1, in units of their own."""
-        count = given.shape[1]
-        values = {**self._resolved.space.constants, **dict(zip(self.inputs, given, strict=True))}
-        rows = {name: np.broadcast_to(value, count) for name, value in values.items()}
-        units = BlockUnits.of(self._resolved.catalogue, rows, self._sized)
-        inputs = rows if units is None else rows | units.inputs
-        arrays: dict[int, NDArray[Any]] = {}
-        for kernel in self._bind(count):
-            for name, row in zip(kernel.bound.task.inputs, kernel.bound.designs, strict=True):
-                row[:count] = inputs[name]
-                row[count:] = row[count - 1]
-            kernel.run(count)
-            arrays |= dict(kernel.results)
-        found = [arrays[k] for k in range(len(self.outputs))]
-        if units is not None:
-            units.leave(found)
-        for k, result in enumerate(found):
-            outputs[k] = result.reshape(count, *self._shapes[k])
+        for row, index in rows:
+            row[:count] = given[index]
+            row[count:padded] = given[index, -1]
+        runner.run(count)
+        for k, result in enumerate(runner.results):
+            outputs[k] = result[:count].reshape(count, *self._shapes[k])

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import ctypes
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numba
@@ -17,15 +15,14 @@ from fastlink.codegen.kernel import MachineCode
 from fastlink.codegen.numba_backend import OPTIONS
 from fastlink.engine.run import COUNT, VECTOR
 from fastlink.errors import InputError, Setting
-from fastlink.facts.sizes import LEAST, MOST
+from fastlink.facts.powers import limits
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from fastlink.engine.run import FunctionKernel
+    from fastlink.engine.function import Rows
+    from fastlink.engine.run import Runner
     from fastlink.facts.fact import Input
-
-__all__ = ["JITTED_BLOCK", "Apart", "jitted_of"]
 
 
 #: Designs in one call of a kernel.
@@ -73,21 +70,18 @@ def _is_valid(value: float, rule: int, codes: NDArray[Any]) -> bool:
 
 
 def _evaluate(x: Any, y: int, values: int, layout: Any, rules: Any, codes: Any) -> None:
-    """Evaluate designs x (inputs, n) into (outputs, n, values) at the address y.
-
-    Each call has buffers of its own for all arrays of the kernels, so that threads share nothing. Entries are set
-    one by one: an assignment to a slice compiles a second longer, and each view of an array half a second.
-    """
-    sizes, addresses, tables, starts, moving, varying, fixed, numbers, results, picked, apart = layout
-    far = apart[0] == 1
-    for k in apart[2:]:
-        for i in range(x.shape[1]):
-            far |= not (LEAST < abs(x[k, i]) < MOST or x[k, i] == 0.0 or not abs(x[k, i]) < np.inf)
-    if far:
-        request = np.empty(3, np.int64)
-        request[0], request[1], request[2] = np.int64(x.ctypes.data), x.shape[1], y
-        call_kernel(apart[1], np.int64(request.ctypes.data))
-        return
+    """Evaluate designs x (inputs, n) into (outputs, n, values) at the address y; beyond the range x becomes NaN."""
+    # Each call has buffers of its own for all arrays of the kernels, so that threads share nothing. Entries
+    # are set one by one: an assignment to a slice compiles a second longer, and each view of an array half a
+    # second.
+    sizes, addresses, tables, starts, moving, varying, fixed, numbers, results, picked, ranges, flag = layout
+    far = np.zeros(x.shape[1], np.bool_)
+    for i in range(x.shape[1]):
+        for k in range(x.shape[0]):
+            size = abs(x[k, i])
+            far[i] |= 0.0 < size < np.inf and not ranges[k, 0] < size < ranges[k, 1]
+        for k in range(x.shape[0] if far[i] else 0):
+            x[k, i] = np.nan
     doubles, words, octets = (
         np.empty(sizes[0] + LINE),
         np.empty(sizes[1], np.int64),
@@ -125,6 +119,9 @@ def _evaluate(x: Any, y: int, values: int, layout: Any, rules: Any, codes: Any) 
                 for k in range(results.shape[0]):
                     for j in range(0 if results[k, 2] else values):
                         put(y + 8 * (values * (k * x.shape[1] + i) + j), np.nan)
+        for k in range(0, flag.size if far[i] else 0, 2):
+            for j in range(values):
+                put(y + 8 * (values * (flag[k] * x.shape[1] + i) + j), flag[k + 1])
 
 
 is_valid = numba.njit(**OPTIONS)(_is_valid)
@@ -132,12 +129,11 @@ evaluate = numba.njit(**OPTIONS)(_evaluate)
 
 
 class _Layout:
-    """Offsets of the arrays of all kernels in three buffers: doubles, words, octets.
+    """Offsets of the arrays of all kernels in three buffers: doubles, words, octets."""
 
-    The tables of addresses come first among the words.
-    """
+    # The tables of addresses come first among the words.
 
-    def __init__(self, kernels: Sequence[FunctionKernel]) -> None:
+    def __init__(self, runner: Runner, rows: Rows) -> None:
         self.addresses: list[int] = []
         self.tables: list[NDArray[np.int64]] = []
         self.starts: list[int] = []
@@ -145,23 +141,24 @@ class _Layout:
         self.varying: list[tuple[int, int]] = []
         self.fixed: list[tuple[int, float]] = []
         self.offsets: dict[int, int] = {}
-        arguments = [one.bound.arguments([array for _, array in one.results]) for one in kernels]
-        for one, arrays in zip(kernels, arguments, strict=True):
-            code = one.bound.task.code
+        results = [[runner.results[k] for k in kernel.task.results] for kernel in runner.kernels]
+        arguments = [kernel.arguments(of) for kernel, of in zip(runner.kernels, results, strict=True)]
+        for kernel, arrays in zip(runner.kernels, arguments, strict=True):
+            code = kernel.task.code
             assert isinstance(code, MachineCode)
             self.addresses.append(code.address)
             self.tables.append(code.table(*arrays))
         self.sizes = [0, sum(table.size for table in self.tables), 0]
         entry = 0
-        for one, arrays in zip(kernels, arguments, strict=True):
+        for kernel, arrays in zip(runner.kernels, arguments, strict=True):
             self.starts.append(entry)
-            for k, (argument, array) in enumerate(zip(one.bound.task.source.arguments, arrays, strict=True)):
+            for k, (argument, array) in enumerate(zip(kernel.task.source.arguments, arrays, strict=True)):
                 lengths = argument[1]
                 if lengths and k != 1:  # the angles stay where they are
                     self._add(entry, array)
                 entry += 1 + lengths.count(None)
-            self._add_rows(one)
-            self.offsets |= {k: self.offsets[id(result)] for k, result in one.results}
+            self._add_rows(kernel.designs, rows)
+        self.offsets |= {k: self.offsets[id(result)] for k, result in enumerate(runner.results)}
 
     def _add(self, entry: int, array: NDArray[Any]) -> None:
         """Note where an array stands, and which entry of the tables holds its address."""
@@ -170,10 +167,9 @@ class _Layout:
         self.moving.append((entry, buffer, offset * size))
         self.sizes[buffer] += -(-array.nbytes // LINE_BYTES) * LINE_BYTES // size
 
-    def _add_rows(self, one: FunctionKernel) -> None:
+    def _add_rows(self, designs: NDArray[Any], rows: Rows) -> None:
         """Note which rows of a kernel's designs are inputs, and what the others hold."""
-        designs = one.bound.designs
-        inputs = {row.ctypes.data: index for row, index in one.rows}
+        inputs = {row.ctypes.data: index for row, index in rows}
         for k, row in enumerate(designs):
             offset = self.offsets[id(designs)] + k * designs.shape[1]
             if row.ctypes.data in inputs:
@@ -182,52 +178,20 @@ class _Layout:
                 self.fixed.append((offset, float(row[0])))
 
 
-@dataclass(frozen=True)
-class Apart:
-    """Designs that are far from 1, see `fastlink.facts.sizes`: Python evaluates them in units of their own.
-
-    Attributes
-    ----------
-    function : callable
-        Returns the outputs of designs, as `fastlink.engine.function.Function` does.
-    rows : list of int
-        The inputs that have a dimension.
-    always : bool
-        Whether what stays is far from 1.
-    """
-
-    function: Callable[[NDArray[Any]], NDArray[Any]]
-    rows: list[int]
-    always: bool
-
-
-def _callback(function: Callable[[NDArray[Any]], NDArray[Any]], inputs: int, shape: tuple[int, ...]) -> Any:
-    """Return a C function that evaluates designs by a table: where they are, how many, where the outputs go."""
-
-    def evaluate_apart(table: Any) -> None:
-        count = table[1]
-        doubles = [ctypes.cast(table[k], ctypes.POINTER(ctypes.c_double)) for k in (0, 2)]
-        x = np.ctypeslib.as_array(doubles[0], (inputs, count))
-        y = np.ctypeslib.as_array(doubles[1], (shape[0], count, *shape[1:]))
-        y[...] = np.nan
-        y[...] = function(x)
-
-    return ctypes.CFUNCTYPE(None, ctypes.POINTER(ctypes.c_int64))(evaluate_apart)
-
-
 def jitted_of(
-    kernels: Sequence[FunctionKernel],
+    runner: Runner,
+    rows: Rows,
     declared: Sequence[Input],
     shapes: Sequence[tuple[int, ...]],
     trailing: tuple[int, ...],
-    apart: Apart,
+    flag: tuple[int, int] | None,
 ) -> Any:
     """Return a function of arrays (inputs,) or (inputs, n) for callers in numba."""
-    if not all(isinstance(one.bound.task.code, MachineCode) for one in kernels):
+    if not all(isinstance(kernel.task.code, MachineCode) for kernel in runner.kernels):
         what = "jitted calls kernels by address, which those of backend 'numba' do not have"
         raise InputError(what, where=("function",), remedy=("write ", Setting("backend", "llvm")))
-    layout, called = _Layout(kernels), _callback(apart.function, len(declared), (len(shapes), *trailing))
-    codes = {k: result.dtype == np.int8 for one in kernels for k, result in one.results}
+    layout = _Layout(runner, rows)
+    codes = [result.dtype == np.int8 for result in runner.results]
     picked = [np.broadcast_to(np.arange(math.prod(s)).reshape(s), trailing).ravel() for s in shapes]
     results = [(layout.offsets[k], math.prod(shape), codes[k]) for k, shape in enumerate(shapes)]
     data = (
@@ -241,7 +205,8 @@ def jitted_of(
         np.array([number for _, number in layout.fixed], dtype=np.float64),
         np.array(results, dtype=np.int64),
         np.array(picked),
-        np.array([apart.always, ctypes.cast(called, ctypes.c_void_p).value, *apart.rows], dtype=np.int64),
+        np.array([limits(known.units, known.rule) for known in declared]),
+        np.array(flag or (), dtype=np.int64),
     )
     rules = np.array([CHOICE if known.choices else RULES[known.rule] for known in declared])
     longest = max((len(known.choices) for known in declared), default=0)
@@ -249,7 +214,7 @@ def jitted_of(
     for row, known in zip(allowed, declared, strict=True):
         row[: len(known.choices)] = list(known.choices)
     jitted = _entry(data, rules, allowed, (len(shapes), *trailing))
-    jitted.kept = kernels, called  # their arrays of angles, whose addresses stand in the tables
+    jitted.kept = runner  # their arrays of angles, whose addresses stand in the tables
     return jitted
 
 

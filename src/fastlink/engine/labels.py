@@ -34,25 +34,12 @@ if TYPE_CHECKING:
 
     from fastlink.space.design_space import Column
 
-__all__ = [
-    "computed",
-    "coordinates_of",
-    "global_attrs",
-    "labelled",
-    "request_labels",
-    "sweep_coordinates",
-    "variables",
-    "variables_of",
-]
-
 
 def variables(
     plan: Plan, space: DesignSpace, positions: int, *, one_branch: bool = False, layout: str = CURVES
 ) -> list[Variable]:
-    """Return the results with dimensions and attributes, for a number of positions.
-
-    Where the assembly mode was given as a scalar (`one_branch`), it is a coordinate and not a dimension.
-    """
+    """Return the results with dimensions and attributes, for a number of positions."""
+    # Where the assembly mode was given as a scalar (`one_branch`), it is a coordinate and not a dimension.
     lengths = axis_lengths(plan, positions)
     dropped = (BRANCH,) if one_branch else ()
     axes = [tuple(axis for axis in output.axes if axis not in dropped) for output in plan.outputs]
@@ -167,10 +154,8 @@ def sweep_coordinates(
     one_branch: bool = False,
     left_out: Collection[str] = (),
 ) -> xr.Dataset:
-    """Return a Dataset with the coordinates of a sweep; `one_branch` as for `variables`.
-
-    Those that are left out are written block by block, see `computed`.
-    """
+    """Return a Dataset with the coordinates of a sweep; `one_branch` as for `variables`."""
+    # Those that are left out are written block by block, see `computed`.
     catalogue: Catalogue = plan.catalogue
     used = {axis for output in plan.outputs for axis in output.axes}
     further: dict[str, Any] = {}
@@ -211,11 +196,9 @@ def labelled(
     arrays: Sequence[NDArray[Any]],
     attrs: Mapping[str, Any],
 ) -> xr.Dataset:
-    """Return the labelled Dataset of a sweep that stays in memory.
-
-    That of one design is a copy of the last one of its kind: 0.1 ms, where xarray takes 0.8 ms to make it anew, more
-    than all the rest of such a sweep.
-    """
+    """Return the labelled Dataset of a sweep that stays in memory."""
+    # That of one design is a copy of the last one of its kind: 0.1 ms, where xarray takes 0.8 ms to make it
+    # anew, more than all the rest of such a sweep.
     plan, space, positions = resolved.plan, resolved.space, resolved.positions
     one_branch = resolved.one_branch
     data = {

@@ -17,7 +17,7 @@ from fastlink.codegen.cache import environment
 from fastlink.codegen.kernel import Kernel, backend_of, kernel_of
 from fastlink.engine.designs import designs_of, without
 from fastlink.engine.run import Job, KernelTask, Shapes
-from fastlink.engine.scaling import ScalingAxis, UnitsOfDesigns, find_scaling_axis
+from fastlink.engine.scaling import FarDesigns, ScalingAxis, find_scaling_axis
 from fastlink.errors import InputError, KeyPath, Problem, Problems, check_path
 from fastlink.facts.catalogue import ELIMINATED
 from fastlink.facts.derivative import is_tolerance, tolerance_name
@@ -57,49 +57,33 @@ if TYPE_CHECKING:
     from fastlink.facts.own import Definition
     from fastlink.space.design_space import DesignSpace, Links
 
-__all__ = ["ResolvedSweep", "axis_lengths", "cached_plan", "check", "given_tolerances", "resolve"]
-
 
 # -- Check a request part by part, so that all its problems are reported together
 
 
 @dataclass(frozen=True, eq=False)
 class CheckedRequest:
-    """A request whose parts are each without problems.
+    """A request whose parts are each without problems."""
 
-    Attributes
-    ----------
-    catalogue : Catalogue
-        The mechanism, as driven by the input.
-    names : tuple of str
-        The quantities.
-    links : Links or None
-        The model of the links.
-    solver : str
-        How reactions are computed.
-    variants : tuple of str
-        The selected sets of facts.
-    branches : tuple of int
-        Assembly modes.
-    positions : array
-        Input positions.
-    extrema : {"refined", "sampled"}
-        How extremes are computed.
-    backend : str
-        What compiles the kernels.
-    declared : tuple
-        See `all_declared`.
-    """
-
+    #: The mechanism, as driven by the input.
     catalogue: Catalogue
+    #: The quantities.
     names: tuple[str, ...]
+    #: The model of the links.
     links: Links | None
+    #: How reactions are computed.
     solver: str
+    #: The selected sets of facts.
     variants: tuple[str, ...]
+    #: Assembly modes.
     branches: tuple[int, ...]
+    #: Input positions.
     positions: NDArray[Any]
+    #: How extremes are computed.
     extrema: Extrema
+    #: What compiles the kernels.
     backend: str
+    #: See `all_declared`.
     declared: tuple[Any, ...]
 
 
@@ -167,38 +151,25 @@ def _check_quantities(
 
 @dataclass(frozen=True, eq=False)
 class ResolvedSweep:
-    """A request to sweep whose every part was checked.
+    """A request to sweep whose every part was checked."""
 
-    Attributes
-    ----------
-    mechanism : str
-        The name of the mechanism, whatever input drives it.
-    space : DesignSpace
-        The designs, with every constant and choice.
-    plan : Plan
-        What is computed.
-    positions : array
-        Input positions.
-    solver : str
-        How reactions are computed; empty where nothing that is computed depends on it.
-    scaling_axis : ScalingAxis or None
-        The axis that only scales the results, if there is one.
-    backend : str
-        What compiles the kernels.
-    one_branch : bool
-        Whether the assembly mode was given as a scalar, which makes it a coordinate instead of a dimension.
-    layout : str
-        How the results lie in a file, one of `fastlink.io.layout.LAYOUTS`.
-    """
-
+    #: The name of the mechanism, whatever input drives it.
     mechanism: str
+    #: The designs, with every constant and choice.
     space: DesignSpace
+    #: What is computed.
     plan: Plan
+    #: Input positions.
     positions: NDArray[Any]
+    #: How reactions are computed; empty where nothing that is computed depends on it.
     solver: str
+    #: The axis that only scales the results, if there is one.
     scaling_axis: ScalingAxis | None
+    #: What compiles the kernels.
     backend: str
+    #: Whether the assembly mode was given as a scalar, which makes it a coordinate instead of a dimension.
     one_branch: bool
+    #: How the results lie in a file, one of `fastlink.io.layout.LAYOUTS`.
     layout: str = CURVES
 
     @property
@@ -287,7 +258,7 @@ class ResolvedSweep:
             )
             for kernel in self.kernels
         ]
-        return Job(tasks, self.shapes, self.evaluated.size, UnitsOfDesigns.of(self.plan, self.evaluated))
+        return Job(tasks, self.shapes, self.evaluated.size, FarDesigns.of(self.plan, self.evaluated))
 
 
 def _of_kernels(kernels: Iterable[Kernel]) -> hashlib._Hash:
@@ -344,7 +315,7 @@ def resolve(
     except InputError as error:
         raise (_problem_of_each(checked, planning, parameter) or error) from None
     space = _without_unread(space, plan)
-    axis = find_scaling_axis(plan, space) if UnitsOfDesigns.of(plan, space).ordinary else None
+    axis = find_scaling_axis(plan, space)
     solver = checked.solver if plan.depends_on_solver else ""
     one_branch = np.ndim(options.get("branch", checked.branches)) == 0
     mechanism, ways = name_of(mechanism), (checked.backend, one_branch)

@@ -19,24 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fastlink.codegen.source import Source
-    from fastlink.engine.scaling import BlockUnits, UnitsOfDesigns
-
-__all__ = [
-    "BLOCK_BYTES",
-    "COUNT",
-    "VECTOR",
-    "BoundKernel",
-    "FunctionKernel",
-    "Job",
-    "KernelTask",
-    "Shapes",
-    "Sink",
-    "aligned",
-    "block_length",
-    "default_threads",
-    "row_bytes",
-    "run",
-]
+    from fastlink.engine.scaling import FarDesigns
 
 
 # -- Bind kernels to the buffers of one thread: designs, angles, scratch, results
@@ -57,32 +40,21 @@ Fill = Callable[[int, int, "NDArray[Any]"], None]
 
 @dataclass(frozen=True)
 class KernelTask:
-    """One kernel of a request, compiled, with the data that it runs on.
+    """One kernel of a request, compiled, with the data that it runs on."""
 
-    Attributes
-    ----------
-    source : Source
-        Its text.
-    inputs : tuple of str
-        The rows of its designs.
-    backend : str
-        What compiles it.
-    code : callable
-        Its machine code, which does not travel: another process compiles the text, or has it in its cache.
-    angles : array (tables, positions)
-        Its angle array.
-    results : tuple of int
-        Which results of the job it gives, in the order of its arguments.
-    fill : callable
-        ``fill(start, stop, x)`` writes the inputs of designs start to stop into ``x[:, :stop - start]``.
-    """
-
+    #: Its text.
     source: Source
+    #: The rows of its designs.
     inputs: tuple[str, ...]
+    #: What compiles it.
     backend: str
+    #: Its machine code, which does not travel: another process compiles the text, or has it in its cache.
     code: Callable[..., None]
+    #: Its angle array.
     angles: NDArray[Any]
+    #: Which results of the job it gives, in the order of its arguments.
     results: tuple[int, ...]
+    #: ``fill(start, stop, x)`` writes the inputs of designs start to stop into ``x[:, :stop - start]``.
     fill: Fill
 
     @classmethod
@@ -96,10 +68,9 @@ class KernelTask:
 
 
 class _KeptScratch(threading.local):
-    """Scratch of this thread's last kernels.
+    """Scratch of this thread's last kernels."""
 
-    To get its pages takes as long as to evaluate one design.
-    """
+    # To get its pages takes as long as to evaluate one design.
 
     def __init__(self) -> None:
         self.arrays: dict[tuple[tuple[tuple[int, ...], str], ...], list[NDArray[Any]]] = {}
@@ -109,16 +80,11 @@ _scratch = _KeptScratch()
 
 
 class BoundKernel:
-    """A kernel with the buffers of one thread.
-
-    Attributes
-    ----------
-    designs : array (inputs, designs padded to whole vectors)
-        The inputs, to be filled before a run; lanes beyond the last design repeat it.
-    """
+    """A kernel with the buffers of one thread."""
 
     def __init__(self, task: KernelTask, block: int) -> None:
         self.task, self.block = task, block
+        #: The inputs, to be filled before a run; lanes beyond the last design repeat it.
         self.designs = aligned((len(task.inputs), -(-block // LANES) * LANES))
         self.angles = aligned(task.angles.shape)
         self.angles[...] = task.angles
@@ -131,10 +97,8 @@ class BoundKernel:
         return [self.designs, self.angles, self.block, self.angles.shape[1], *self.scratch, *results]
 
     def bind(self, results: Sequence[NDArray[Any]]) -> Callable[[int], None]:
-        """Return ``run(count)``, which evaluates the first designs into arrays.
-
-        The table of their addresses is filled once.
-        """
+        """Return ``run(count)``, which evaluates the first designs into arrays."""
+        # The table of their addresses is filled once.
         code, arguments = self.task.code, self.arguments(results)
         if not isinstance(code, MachineCode):
             rest = arguments[3 : len(arguments) - len(results)]
@@ -158,34 +122,10 @@ class BoundKernel:
                 del _scratch.arrays[next(iter(_scratch.arrays))]
 
 
-@dataclass(frozen=True, eq=False)
-class FunctionKernel:
-    """A kernel with arrays of its own for its results.
-
-    Attributes
-    ----------
-    bound : BoundKernel
-        The kernel and its buffers.
-    rows : list of (array, int)
-        The rows of its designs that are inputs of the function, and which; the others hold constants.
-    results : list of (int, array)
-        Which output of the function each of its results is, and where it is written.
-    run : callable
-        ``run(count)`` evaluates the first designs.
-    """
-
-    bound: BoundKernel
-    rows: list[tuple[NDArray[Any], int]]
-    results: list[tuple[int, NDArray[Any]]]
-    run: Callable[[int], None]
-
-
 def aligned(shape: tuple[int, ...], dtype: str = "float64", number: int | None = None) -> NDArray[Any]:
-    """Return an uninitialised array on a cache line: stores across two take longer.
-
-    Results have a number, and each begins elsewhere in its page: the first cache has 8 or 12 lines for each place in
-    pages, and where nine curves began at one, reactions took 1.1 to 1.2 times as long.
-    """
+    """Return an uninitialised array on a cache line: stores across two take longer."""
+    # Results have a number, and each begins elsewhere in its page: the first cache has 8 or 12 lines for each
+    # place in pages, and where nine curves began at one, reactions took 1.1 to 1.2 times as long.
     size = math.prod(shape) * np.dtype(dtype).itemsize
     room = CACHE_LINE if number is None else PAGE
     raw = np.empty(size + room, dtype=np.uint8)
@@ -210,24 +150,16 @@ Shapes = Sequence[tuple[tuple[int, ...], str]]
 
 @dataclass(frozen=True)
 class Job:
-    """Kernels that together give all results of all designs.
+    """Kernels that together give all results of all designs."""
 
-    Attributes
-    ----------
-    tasks : sequence of KernelTask
-        They run one after the other on each block.
-    shapes : sequence of (shape, dtype)
-        Of each result.
-    size : int
-        Number of designs.
-    units : UnitsOfDesigns, optional
-        Those of designs that are far from 1.
-    """
-
+    #: They run one after the other on each block.
     tasks: Sequence[KernelTask]
+    #: Of each result.
     shapes: Shapes
+    #: Number of designs.
     size: int
-    units: UnitsOfDesigns | None = None
+    #: The designs with numbers beyond the range, which have no results.
+    far: FarDesigns | None = None
 
 
 def default_threads() -> int:
@@ -246,6 +178,53 @@ def block_length(shapes: Shapes, size: int, threads: int, nbytes: int = BLOCK_BY
     share = -(-size // (4 * threads))
     length = max(1, min(BLOCK_DESIGNS, nbytes // max(row_bytes(shapes), 1), share))
     return length if length < LANES else length // LANES * LANES
+
+
+class Runner:
+    """The kernels of a job with the buffers of one thread; results go to arrays of its own, or of all designs."""
+
+    def __init__(self, job: Job, block: int, targets: Sequence[NDArray[Any]] | None = None) -> None:
+        self.job, self.targets = job, targets
+        self.kernels = [BoundKernel(task, block) for task in job.tasks]
+        shapes = enumerate(job.shapes if targets is None else ())
+        self.results = [aligned((block, *shape), dtype, k) for k, (shape, dtype) in shapes]
+        self._calls = (
+            [] if targets is not None else [self._bound(kernel, self.results) for kernel in self.kernels]
+        )
+
+    def run(self, count: int) -> None:
+        """Evaluate the first designs that stand in the rows of the kernels."""
+        for call in self._calls:
+            call(count)
+
+    def evaluate(self, start: int, end: int) -> list[NDArray[Any]]:
+        """Evaluate designs start to end of the job, and return their results."""
+        count, far = end - start, None if self.job.far is None else self.job.far.at(start, end)
+        for kernel in self.kernels:
+            kernel.task.fill(start, end, kernel.designs)
+            if far is not None:
+                kernel.designs[:, :count][:, far] = np.nan
+            # Lanes beyond the last design repeat it; their results are not stored.
+            kernel.designs[:, count:] = kernel.designs[:, count - 1 : count]
+        if self.targets is None:
+            arrays = [array[:count] for array in self.results]
+            self.run(count)
+        else:
+            arrays = [array[start:end] for array in self.targets]
+            for kernel in self.kernels:
+                self._bound(kernel, arrays)(count)
+        if self.job.far is not None and far is not None:
+            self.job.far.flag(arrays, far)
+        return arrays
+
+    def release(self) -> None:
+        """Keep the scratch of all kernels for the next runner of this thread."""
+        for kernel in self.kernels:
+            kernel.release()
+
+    @staticmethod
+    def _bound(kernel: BoundKernel, arrays: Sequence[NDArray[Any]]) -> Callable[[int], None]:
+        return kernel.bind([arrays[k] for k in kernel.task.results])
 
 
 def run(
@@ -267,40 +246,19 @@ def run(
     lock, stop = threading.Lock(), threading.Event()
 
     def work() -> None:
-        kernels = [BoundKernel(task, length) for task in job.tasks]
-        shapes = enumerate(job.shapes if targets is None else ())
-        own = [aligned((length, *shape), dtype, k) for k, (shape, dtype) in shapes]
+        runner = Runner(job, length, targets)
         while not stop.is_set():
             with lock:
                 start, end = next(blocks, (0, 0))
             if start == end:
                 break
-            arrays = [a[: end - start] for a in own] if targets is None else [a[start:end] for a in targets]
-            units = None if job.units is None else job.units.at(start, end)
-            for kernel in kernels:
-                _evaluate(kernel, start, end, arrays, units)
-            if units is not None:
-                units.leave(arrays)
+            arrays = runner.evaluate(start, end)
             if sink is not None:
                 sink(start, end, arrays)
-        for kernel in kernels:
-            kernel.release()
+        runner.release()
 
     if threads == 1 and not apart:
         work()
         return
     # any number of threads gives the same bits
     work_in_threads(work, threads, "fastlink", stop)
-
-
-def _evaluate(
-    kernel: BoundKernel, start: int, end: int, arrays: Sequence[NDArray[Any]], units: BlockUnits | None
-) -> None:
-    """Evaluate designs start to end into the arrays of the job."""
-    count = end - start
-    kernel.task.fill(start, end, kernel.designs)
-    if units is not None:
-        units.enter(kernel.task.inputs, kernel.designs)
-    # Lanes beyond the last design repeat it; their results are not stored.
-    kernel.designs[:, count:] = kernel.designs[:, count - 1 : count]
-    kernel.bind([arrays[k] for k in kernel.task.results])(count)

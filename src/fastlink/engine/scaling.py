@@ -1,10 +1,10 @@
-"""Axes that only scale results, and designs that are far from 1 and swept in units of their own."""
+"""Axes that only scale results, and designs with numbers beyond the range of doubles."""
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
@@ -12,58 +12,40 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink.engine.run import BLOCK_BYTES, Sink
-from fastlink.facts.homogeneity import homogeneity_degrees
+from fastlink.facts.fact import System
 from fastlink.facts.names import ErrorBound, Trust
-from fastlink.facts.sizes import PURE, DesignSizes, Sized, dimensional, is_ordinary, sized, sizes_of
-from fastlink.plan.query import units_of
+from fastlink.facts.powers import Powers, UnlikePowers, any_beyond_range, beyond_range, limits
+from fastlink.plan.request import code_beyond_range
 from fastlink.space.design_space import Column
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from fastlink.facts.catalogue import Catalogue
+    from fastlink.facts.fact import Fact, Input
     from fastlink.plan.programs import Output, Plan
     from fastlink.space.design_space import DesignSpace
-
-__all__ = [
-    "BlockUnits",
-    "ScalingAxis",
-    "UnitsOfDesigns",
-    "dimensional_of",
-    "find_scaling_axis",
-    "sized_outputs",
-]
 
 
 # -- Evaluate one value of an axis that only scales results, and multiply
 
 # Rates grow in proportion to omega1, forces to its square or to the density of the links, places not at all
-# (see `fastlink.facts.homogeneity`). A swept axis of such an input costs the output of its results and no
-# more.
+# (the facts say so by themselves, on numbers of `fastlink.facts.powers`). A swept axis of such an input costs
+# the output of its results and no more.
 
 
 @dataclass(frozen=True)
 class ScalingAxis:
-    """An input that only scales results, and the designs without its axis.
+    """An input that only scales results, and the designs without its axis."""
 
-    Attributes
-    ----------
-    name : str
-        The input.
-    space : DesignSpace
-        The designs that are evaluated, at 1 for that input.
-    inner : int
-        How many of them follow each other before the axis moves on.
-    factors : tuple of (array or None)
-        For each result its factor at each value of the axis; None where it stays the same.
-    length : int
-        Number of values of the axis.
-    """
-
+    #: The input.
     name: str
+    #: The designs that are evaluated, at 1 for that input.
     space: DesignSpace
+    #: How many of them follow each other before the axis moves on.
     inner: int
+    #: For each result its factor at each value of the axis; None where it stays the same.
     factors: tuple[NDArray[Any] | None, ...]
+    #: Number of values of the axis.
     length: int
 
     def over(self, sink: Sink, most: int = BLOCK_BYTES) -> Sink:
@@ -150,14 +132,15 @@ class ScalingAxis:
 
 
 def find_scaling_axis(plan: Plan, space: DesignSpace) -> ScalingAxis | None:
-    """Return the longest axis of a grid that only scales results, if there is one.
-
-    Its values must be positive: a rate's greatest value is minus its least one where the sense of rotation changes.
-    """
+    """Return the longest axis of a grid that only scales results, if there is one."""
+    # Its values must be positive: a rate's greatest value is minus its least one where the sense of rotation
+    # changes.
+    known = plan.catalogue.known_inputs(plan.variants)
     axes = [name for name in space.dims if name in space.axes and len(space.axes[name]) > 1]
     for name in sorted(axes, key=lambda name: -len(space.axes[name])):
         values = space.axes[name]
-        powers = _powers(plan, space.names, name) if (values > 0.0).all() else None
+        scales = (values > 0.0).all() and not np.any(beyond_range(known[name], values))
+        powers = _powers(plan, space.names, name) if scales else None
         if powers is None:
             continue
         k = space.dims.index(name)
@@ -215,116 +198,83 @@ def _power(output: Output, degree: float | None, name: str) -> float | None:
     return degree if request.reduction is None else request.reduction.degree_of(degree)
 
 
-# -- Sweep designs that are far from 1 in units of their own, see `fastlink.facts.sizes`
+def homogeneity_degrees(steps: Iterable[Fact | System], name: str) -> dict[str, float | None]:
+    """Return the power of an input by which each value grows, or None."""
+    degrees: dict[str, Powers | None] = {name: Powers((1.0,))}
+    for step in steps:
+        known = [degrees.get(part, Powers((0.0,))) for part in step.depends_on]
+        degrees |= zip(step.names, _degrees(step, known), strict=True)
+    return {of: None if value is None else value.powers[0] for of, value in degrees.items()}
+
+
+def _degrees(step: Fact | System, known: Sequence[Powers | None]) -> Sequence[Powers | None]:
+    """Return the powers of the values of a step, None where they follow from none."""
+    unknown, pure = [None] * len(step.names), Powers((0.0,))
+    given = [value for value in known if value is not None]
+    if len(given) < len(known):
+        return unknown
+    if not any(value.powers[0] for value in given):
+        return [pure] * len(step.names)
+    if isinstance(step, System):
+        return unknown
+    try:
+        value = step.function(*given)
+    except (UnlikePowers, TypeError, AttributeError):
+        return unknown
+    values = [value] if step.low is None else value
+    return [one if isinstance(one, Powers) else pure for one in values]
+
+
+# -- Flag designs with a number beyond the range in which all steps stay normal numbers
 
 
 @dataclass(frozen=True, eq=False)
-class UnitsOfDesigns:
-    """The designs of a sweep, as seen in units of their own.
+class FarDesigns:
+    """The designs of a sweep with an input beyond its limits, see `fastlink.facts.powers.limits`."""
 
-    Attributes
-    ----------
-    catalogue : Catalogue
-        The mechanism.
-    space : DesignSpace
-        The designs.
-    results : sequence of Sized
-        What each result has of units.
-    ordinary : bool
-        Whether constants and axes are near 1; columns are looked at block by block.
-    names : tuple of str
-        The inputs with a dimension.
-    columns : tuple of str
-        Those of them along the designs that may be far from 1.
-    """
-
-    catalogue: Catalogue
+    #: All designs.
     space: DesignSpace
-    results: Sequence[Sized]
-    ordinary: bool
-    names: tuple[str, ...]
-    columns: tuple[str, ...]
+    #: The inputs that may be beyond their limits.
+    inputs: Mapping[str, Input]
+    #: Which result is the status, and its code for such designs.
+    status: tuple[int, int] | None
 
     @classmethod
-    def of(cls, plan: Plan, space: DesignSpace) -> UnitsOfDesigns:
+    def of(cls, plan: Plan, space: DesignSpace) -> FarDesigns:
         """Return those of a plan."""
-        names = _dimensional(plan, space.names)
-        fixed = space.constants | space.axes
-        ordinary = all(is_ordinary(fixed[name]) for name in names if name in fixed)
-        columns = tuple(name for name in names if name in space.columns and _may_be_far(space.columns[name]))
-        return cls(plan.catalogue, space, sized_outputs(plan), ordinary, names, columns)
+        known, fixed = plan.catalogue.known_inputs(plan.variants), space.constants | space.axes
+        inputs = {
+            name: known[name]
+            for name in space.names
+            if (
+                np.any(beyond_range(known[name], fixed[name]))
+                if name in fixed
+                else _may_be_beyond(known[name], space.columns[name])
+            )
+        }
+        names = [output.name for output in plan.outputs]
+        code = (names.index("status"), code_beyond_range(plan.catalogue)) if "status" in names else None
+        return cls(space, inputs, code)
 
-    def at(self, start: int, stop: int) -> BlockUnits | None:
-        """Return the units of some designs, or None where they are kilogram, metre and second."""
-        if self.ordinary:
-            rows = np.empty((len(self.columns), stop - start))
-            self.space.fill(self.columns, start, stop, rows)
-            if all(map(is_ordinary, rows)):
-                return None
-        rows = np.empty((len(self.names), stop - start))
-        self.space.fill(self.names, start, stop, rows)
-        return BlockUnits.of(self.catalogue, dict(zip(self.names, rows, strict=True)), self.results)
+    def at(self, start: int, stop: int) -> NDArray[np.bool_] | None:
+        """Tell which of some designs they are; None if none of them is."""
+        if not self.inputs:
+            return None
+        rows = np.empty((len(self.inputs), stop - start))
+        self.space.fill(tuple(self.inputs), start, stop, rows)
+        far = any_beyond_range(self.inputs, dict(zip(self.inputs, rows, strict=True)))
+        return far if far.any() else None
 
-
-@dataclass(frozen=True, eq=False)
-class BlockUnits:
-    """Units of designs, their inputs in these, and what their results have of units."""
-
-    sizes: DesignSizes
-    inputs: dict[str, NDArray[Any]]
-    results: Sequence[Sized]
-
-    @classmethod
-    def of(
-        cls, catalogue: Catalogue, values: Mapping[str, Any], results: Sequence[Sized]
-    ) -> BlockUnits | None:
-        """Return those of designs with these inputs, or None where they are kilogram, metre and second."""
-        sizes = sizes_of(catalogue, values)
-        return None if sizes is None else cls(sizes, sizes.inputs(catalogue, values), results)
-
-    def enter(self, names: Sequence[str], designs: NDArray[Any]) -> None:
-        """Write the inputs into the rows of a kernel's designs."""
-        for name, row in zip(names, designs, strict=True):
-            if name in self.inputs:
-                row[: self.sizes.apart.size] = self.inputs[name]
-
-    def leave(self, arrays: Sequence[NDArray[Any]]) -> None:
-        """Write results, designs first, in kilogram, metre and second."""
-        for of, array in zip(self.results, arrays, strict=True):
-            if of != PURE:
-                array[...] = self.sizes.result(of, array, array.ndim - 1)
+    def flag(self, arrays: Sequence[NDArray[Any]], far: NDArray[np.bool_]) -> None:
+        """Write the status of such designs into the results."""
+        if self.status is not None:
+            arrays[self.status[0]][far] = self.status[1]
 
 
-def dimensional_of(catalogue: Catalogue, values: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the values of inputs with a dimension."""
-    names = dimensional(catalogue, catalogue.version, tuple(values))
-    return {name: values[name] for name in names}
-
-
-def _may_be_far(values: NDArray[Any] | Column) -> bool:
-    """Tell whether a value along the designs may be far from 1, by the bounds of one that is computed."""
+def _may_be_beyond(declared: Input, values: NDArray[Any] | Column) -> bool:
+    """Tell whether a value along the designs may be beyond its limits, by the bounds of one that is computed."""
+    least, most = limits(declared.units, declared.rule)
     if not isinstance(values, Column):
-        return True
+        return most < math.inf
     low, high = values.bounds
-    return not (is_ordinary([low, high]) and 0.0 < low <= high)
-
-
-@lru_cache(maxsize=256)
-def sized_outputs(plan: Plan) -> tuple[Sized, ...]:
-    """Return what each result of a plan has of units, found once: to parse names takes longer than one design."""
-    return tuple(_sized(plan.catalogue, output) for output in plan.outputs)
-
-
-@lru_cache(maxsize=256)
-def _dimensional(plan: Plan, names: tuple[str, ...]) -> tuple[str, ...]:
-    """Return those of these names that are inputs with a dimension, once for a plan."""
-    return tuple(dimensional(plan.catalogue, plan.catalogue.version, names))
-
-
-def _sized(catalogue: Catalogue, output: Output) -> Sized:
-    request = output.request
-    if not request.has_its_units and not (request.by or request.change):
-        return PURE
-    return replace(
-        sized(catalogue, request.bounded, units_of(request, catalogue)), is_extreme=request.is_error
-    )
+    return not ((low > least or least == 0.0) and -most < low and high < most)

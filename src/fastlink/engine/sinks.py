@@ -16,7 +16,7 @@ from fastlink.codegen.runtime.cells import LANES
 from fastlink.engine.run import BLOCK_BYTES, block_length, row_bytes
 from fastlink.errors import InputError, Remedy, Setting
 from fastlink.io.checksums import joined_ranges
-from fastlink.io.place import progress_bar
+from fastlink.io.output_path import progress_bar
 from fastlink.machine import ALWAYS_FITS, check_memory
 from fastlink.space.design_space import DESIGN, Column
 from fastlink.space.tables import MAPS
@@ -29,20 +29,6 @@ if TYPE_CHECKING:
     from fastlink.engine.run import Shapes, Sink
     from fastlink.io.checksums import Range
     from fastlink.plan.programs import Plan
-
-__all__ = [
-    "Needs",
-    "ProgressBar",
-    "StatusCounts",
-    "allocated",
-    "bytes_at_once",
-    "check_needs",
-    "designs_per_block",
-    "into",
-    "needs_of",
-    "tee",
-    "within",
-]
 
 
 # -- Sinks, which receive the results of a sweep block by block, from any thread
@@ -82,59 +68,24 @@ def within(ranges: Sequence[Range], sink: Sink, first: int = 0) -> Sink:
     return clip
 
 
-_counting = threading.Lock()
-
-
-class _Counts:
-    """Numbers of designs by the value of a result."""
-
-    def __init__(self, index: int, size: int) -> None:
-        self.index, self.size = index, size
-        self.counts = np.zeros(size, dtype=np.int64)
-
-    def take(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
-        """Count the designs of a block; thread-safe."""
-        self.merge(np.bincount(arrays[self.index], minlength=self.size))
-
-    def merge(self, counts: NDArray[Any]) -> None:
-        """Add numbers; thread-safe."""
-        with _counting:
-            self.counts += counts
-
-    def report(self) -> NDArray[Any]:
-        """Return the numbers."""
-        return self.counts
-
-
-class StatusCounts(_Counts):
+class StatusCounts:
     """Count the designs of each status."""
 
     def __init__(self, plan: Plan) -> None:
         self.flags = plan.catalogue.facts["status"].flags
-        super().__init__([output.name for output in plan.outputs].index("status"), max(self.flags) + 1)
+        self.index = [output.name for output in plan.outputs].index("status")
+        self.counts = np.zeros(max(self.flags) + 1, dtype=np.int64)
+        self.lock = threading.Lock()
 
-    def twin(self) -> _Counts:
-        """Return an object that counts in another process, see `fastlink.engine.cluster`."""
-        return _Counts(self.index, self.size)
+    def take(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
+        """Count the designs of a block; thread-safe."""
+        found = np.bincount(arrays[self.index], minlength=len(self.counts))
+        with self.lock:
+            self.counts += found
 
     def attrs(self) -> dict[str, int]:
         """Return the counts as file attributes."""
         return {f"designs_{meaning}": int(self.counts[value]) for value, meaning in self.flags.items()}
-
-
-class _Done:
-    """Count designs."""
-
-    def __init__(self) -> None:
-        self.count = 0
-
-    def take(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
-        """Count the designs of a block."""
-        self.count += stop - start
-
-    def report(self) -> int:
-        """Return their number."""
-        return self.count
 
 
 class ProgressBar:
@@ -153,10 +104,6 @@ class ProgressBar:
         if self.bar is not None:
             with self.lock:
                 self.bar.update(count)
-
-    def twin(self) -> _Done:
-        """Return an object that counts designs in another process."""
-        return _Done()
 
     def __enter__(self) -> ProgressBar:
         return self
@@ -183,26 +130,18 @@ TO_FILE: Remedy = (
 
 @dataclass(frozen=True)
 class Needs:
-    """The bytes that a sweep takes at most, besides those of its design space.
+    """The bytes that a sweep takes at most, besides those of its design space."""
 
-    Attributes
-    ----------
-    values : int
-        All results.
-    buffers : int
-        Results of the blocks under way, scratch of the kernels and tables of the input position, for all threads.
-    labels : int
-        Coordinates that the design space does not hold already.
-    columns : int
-        Coordinates that are computed where they are looked at: a file gets them block by block.
-    verification : int
-        The designs that are computed again, and their results.
-    """
-
+    #: All results.
     values: int
+    #: Results of the blocks under way, scratch of the kernels and tables of the input position, for all
+    #: threads.
     buffers: int
+    #: Coordinates that the design space does not hold already.
     labels: int
+    #: Coordinates that are computed where they are looked at: a file gets them block by block.
     columns: int
+    #: The designs that are computed again, and their results.
     verification: int
 
     @property

@@ -34,7 +34,7 @@ from fastlink.io.finished import finished_map
 from fastlink.io.layout import HISTORY, history, plain_attrs
 from fastlink.io.partial_file import check_target
 from fastlink.io.reader import Part, PartOfMap, check_size
-from fastlink.io.writer import Writer
+from fastlink.io.writer import RemoteWriter, Writer, Written
 from fastlink.maps import open as open_map
 from fastlink.precision import DESIGNS, Verification
 from fastlink.space.design_space import DESIGN, Counted, held, part_of
@@ -52,8 +52,6 @@ if TYPE_CHECKING:
     from fastlink.io.layout import Variable
     from fastlink.space.design_space import DesignSpace, Links
 
-__all__ = ["Evaluation", "consecutive", "sweep"]
-
 
 # -- The designs of a part of a sweep, and what it keeps of the whole
 
@@ -64,11 +62,9 @@ def consecutive(space: DesignSpace, start: int, stop: int) -> DesignSpace:
 
 
 def whole_coordinates(resolved: ResolvedSweep, start: int, stop: int) -> xr.Dataset:
-    """Return what a part of a sweep does not tell itself of the coordinates of the whole map.
-
-    These are its axes; the numbers that a table gives its designs, of those with rows in the part, where several rows
-    follow from each; and as attributes the dimensions of the designs and their lengths.
-    """
+    """Return what a part of a sweep does not tell itself of the coordinates of the whole map."""
+    # These are its axes; the numbers that a table gives its designs, of those with rows in the part, where
+    # several rows follow from each; and as attributes the dimensions of the designs and their lengths.
     space = resolved.space
     dims, own = dict(zip(space.dims, space.shape, strict=True)), dict[str, Any]()
     shared = space.size // dims.pop(DESIGN, space.size)
@@ -90,15 +86,7 @@ REPLAYED = 4096
 
 
 class Evaluation:
-    """A sweep from its resolved request to its labelled results.
-
-    Attributes
-    ----------
-    whole : ResolvedSweep
-        The request, whose kernels run.
-    resolved : ResolvedSweep
-        The same of the designs of the part, which label the results.
-    """
+    """A sweep from its resolved request to its labelled results."""
 
     def __init__(
         self,
@@ -112,6 +100,7 @@ class Evaluation:
         cluster: Cluster | None = None,
     ) -> None:
         verify = (0 if in_memory else DESIGNS) if verify is None else verify
+        #: The request, whose kernels run.
         self.whole, self.part, self.cluster = resolved, part, cluster
         self.range = (0, resolved.space.size) if part is None else part.range(resolved.space.size)
         if part is not None:
@@ -120,6 +109,7 @@ class Evaluation:
         self.variables = labels.variables_of(resolved)
         if in_memory:  # there values stay as they are computed, and only dimensions change places
             resolved = replace(resolved, layout=CURVES)
+        #: The same of the designs of the part, which label the results.
         self.resolved, self.threads, self.block = resolved, threads, block
         #: Coordinates that are computed block by block, beside the results.
         self.columns = labels.computed(plan, space)
@@ -190,24 +180,30 @@ class Evaluation:
         else:
             options |= {"run": (self._fingerprint(attrs), self.resolved.space.size)}
             options |= {"whole": whole_coordinates(self.whole, *self.range)}
-        swept = len(self.resolved.space.shape)
-        rows = [(v.name, v.shape[: v.leading] or v.shape[swept:]) for v in self.variables]
         with Writer(path, self._coordinates(), self._written, self._labelled(attrs), **options) as writer:
-            # both travel to the workers of a cluster, and the evaluation does not
-            def write(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
-                for (name, row), array in zip(rows, arrays, strict=True):
-                    writer.write(name, start, array.reshape(len(array), *row))
+            show = self._sink(show)
+            resumed = self._replay(writer, writer.written, show)
 
-            def record(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
-                writer.record(start, stop)
+            def merge(written: Written) -> None:
+                writer.merge(written)
+                self._replay(writer, written.ranges, show)
 
-            sink = self._sink(show)
-            resumed = self._replay(writer, sink)
-            self._run(tee(write, self._of_columns(writer.write), sink), record, writer.pending)
+            self._run(show, writer, merge)
             statistics = self._statistics(resumed)
             measured, errors = self._errors()  # an interrupt leaves a partial file that goes on from here
             made = {HISTORY: history(f"sweep {self.resolved.mechanism} to {path.name}")}
             writer.finish(statistics | measured | made, errors)
+
+    def _into(self, file: Writer | RemoteWriter) -> Sink:
+        """Return a sink that writes all variables; it travels with a remote writer, without the evaluation."""
+        swept = len(self.resolved.space.shape)
+        rows = [(v.name, v.shape[: v.leading] or v.shape[swept:]) for v in self.variables]
+
+        def write(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
+            for (name, row), array in zip(rows, arrays, strict=True):
+                file.write(name, start, array.reshape(len(array), *row))
+
+        return tee(write, self._of_columns(file.write))
 
     def _of_columns(self, write: Callable[[str, int, NDArray[Any]], None]) -> Sink:
         """Return a sink that writes the coordinates which are computed with some designs."""
@@ -220,28 +216,43 @@ class Evaluation:
 
         return pass_on
 
-    def _run(self, sink: Sink, record: Sink | None = None, pending: list[Range] | None = None) -> None:
-        """Evaluate designs."""
-        axis, at_once = self.resolved.scaling_axis, bytes_at_once(self.resolved)
-        if self.part is None:
-            sink = axis.over(sink, at_once) if axis else sink
-            sink = tee(sink, record) if record else sink
-        else:
-            first, (start, stop) = self.range[0], self.range
-            every = [(0, stop - start)] if pending is None else pending
-            rows = [(first + a, first + b) for a, b in every]
-            sink = within(rows, tee(sink, record) if record else sink, first)
+    def _run(
+        self, sink: Sink, writer: Writer | None = None, merge: Callable[[Written], None] | None = None
+    ) -> None:
+        """Evaluate designs: into a file, where a writer is given, and into a sink besides."""
+        pending = [(0, self.resolved.space.size)] if writer is None else writer.pending
+        first, axis = self.range[0], self.resolved.scaling_axis
+        evaluated: list[Range] | None = None if writer is None else pending
+        if self.part is not None:
+            pending = [(first + start, first + stop) for start, stop in pending]
             # designs that only scale with those of another part are evaluated for both
-            pending = (
-                joined_ranges([piece for row in rows for piece in axis.evaluated(*row)]) if axis else rows
+            evaluated = (
+                joined_ranges([piece for of in pending for piece in axis.evaluated(*of)]) if axis else pending
             )
-            sink = axis.over(sink, at_once) if axis else sink
+        into = sink if writer is None else tee(self._into(writer), sink)
+        placed = self._placed(into, writer, pending)
         if self.cluster is None:
-            how: dict[str, Any] = {"threads": self.threads, "block": self.block, "apart": record is not None}
-            run(self.job, sink=sink, pending=pending, **how)
-        else:
-            travels = record is not None
-            self.cluster.run(self.job, sink, travels=travels, block=self.block, pending=pending)
+            how: dict[str, Any] = {"threads": self.threads, "block": self.block, "apart": writer is not None}
+            run(self.job, sink=placed, pending=evaluated, **how)
+            return
+        remote: Any = None
+        if writer is not None:
+            file = writer.remote()
+            remote = self._placed(self._into(file), file, pending), file, merge
+        self.cluster.run(self.job, placed, remote=remote, block=self.block, pending=evaluated)
+
+    def _placed(self, sink: Sink, file: Writer | RemoteWriter | None, pending: list[Range]) -> Sink:
+        """Return a sink of evaluated designs, from one of those of the part or the map, which a file records."""
+
+        def record(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
+            if file is not None:
+                file.record(start, stop)
+
+        axis, at_once = self.resolved.scaling_axis, bytes_at_once(self.resolved)
+        if self.part is not None:
+            sink = within(pending, tee(sink, record), self.range[0])
+            return axis.over(sink, at_once) if axis else sink
+        return tee(axis.over(sink, at_once) if axis else sink, record)
 
     def _sink(self, show: Sink) -> Sink:
         """Return the sink of the results besides the file or the arrays."""
@@ -289,14 +300,14 @@ class Evaluation:
         }
         return hashlib.sha256(repr((whole.fingerprint, rest, variables)).encode()).hexdigest()
 
-    def _replay(self, writer: Writer, sink: Sink) -> int:
-        """Pass on the results of a killed run, and return the number of its designs."""
+    def _replay(self, writer: Writer, written: list[Range], sink: Sink) -> int:
+        """Pass on the results of designs that the file holds, and return the number of all that follow from them."""
         axis, count = None if self.part else self.resolved.scaling_axis, 0
         step = max(1, min(REPLAYED, BLOCK_BYTES // row_bytes(self.job.shapes)))
         rows = zip(self.variables, self.job.shapes, strict=True)
         # only what the sinks look at is read
         values = [writer.values(variable.name, shape) for variable, (shape, _) in rows]
-        for start, stop in writer.written:
+        for start, stop in written:
             for first, last in axis.ranges(start, stop) if axis else [(start, stop)]:
                 count += last - first
                 for k in range(first, last, step):

@@ -14,7 +14,6 @@ import numpy as np
 
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.fact import Fact, System
-from fastlink.facts.sizes import sized, sizes_of
 from fastlink.numerics.elementary import context_of
 
 __all__ = ["evaluate_on_doubles", "evaluate_step", "read_facts", "stack_rows", "steps_of", "tables_at"]
@@ -23,12 +22,8 @@ __all__ = ["evaluate_on_doubles", "evaluate_step", "read_facts", "stack_rows", "
 def read_facts(
     catalogue: Catalogue, names: Iterable[str], values: Mapping[str, Any], variants: Iterable[str] = ()
 ) -> dict[str, Any]:
-    """Evaluate facts on numbers of any type; doubles far from 1 in units of their own."""
+    """Evaluate facts on numbers of any type."""
     known = dict(values)
-    exact = any(hasattr(value, "context") for value in known.values())
-    sizes = None if exact else sizes_of(catalogue, known)
-    if sizes is not None:
-        known |= sizes.inputs(catalogue, known)
     position = catalogue.position.name
     if position in known:
         tables = (*catalogue.tables, *catalogue.table_low_parts)
@@ -36,13 +31,7 @@ def read_facts(
     with np.errstate(all="ignore"):  # of a case that is not selected, or a value that says so itself
         for step in steps_of(catalogue, names, known, variants):
             evaluate_step(step, known)
-    if sizes is None:
-        return known
-    labels = {name: catalogue.resolve(name, variants) for name in names if name not in values}
-    kinds = {
-        name: sized(catalogue, name, fact.units) for name, fact in labels.items() if isinstance(fact, Fact)
-    }
-    return {**values, **{name: sizes.result(kind, known[name]) for name, kind in kinds.items()}}
+    return known
 
 
 def steps_of(

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 import re
 import unicodedata
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from difflib import SequenceMatcher
+from difflib import SequenceMatcher, get_close_matches
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -123,21 +122,15 @@ def squeezed(text: str) -> str:
     return "".join(parts(text))
 
 
-# -- Rank declared names by what a phrase means: by name, symbol, keywords and title, and by letters
+# -- Rank declared names by what a phrase means: by the words of name, symbol, keywords and title, and by letters
 
 
-#: What a phrase of each kind counts, and how much less where the query says only a part of it.
-NAME, SYMBOL, KEYWORD, TITLE = (0.99, 0.5), (0.98, 0.5), (0.97, 0.3), (0.85, 0.2)
-#: A word that begins another one, and words scattered over name, symbol and title.
-BEGINS, SCATTERED = 0.8, 0.75
+#: The part of a phrase's score that counts only as far as the query says all of it; what a title counts.
+PARTLY, TITLE = 0.5, 0.85
+#: A word that is misspelt or cut short, and words scattered over name, symbol and title.
+MISSPELT, SCATTERED = 0.5, 0.7
 #: Letters in common from which two words, or two names, may be one misspelt.
 LETTERS = 0.7
-#: The numbers in a name, and what it counts if they are others than those asked for.
-NUMBER, OTHER_NUMBER = re.compile("[0-9]+"), 0.6
-#: The weight of a word that is not known, in that of the rarest word.
-UNKNOWN = 0.5
-#: Words that say nothing where no name, symbol or title has them.
-GENERAL = frozenset(["position", "value", "quantity", "variable", "total", "cycle", "point", "link", "joint"])
 #: The least score of a suggestion; and its least share of the best one.
 LEAST, NEAR, MOST = 0.42, 0.85, 3
 
@@ -154,7 +147,7 @@ class Entry:
 
 @dataclass(frozen=True, order=True)
 class Ranked:
-    """A name and how well it answers a phrase, from 0 to 1; the best sorts first."""
+    """A name and how well it answers a phrase, from 0 to 1; the best sorts first, of equal ones the shorter."""
 
     order: tuple[float, int, str]
     score: float
@@ -162,7 +155,7 @@ class Ranked:
 
     @classmethod
     def of(cls, score: float, name: str) -> Ranked:
-        """Return a name with its score; of equal ones the shorter name comes first."""
+        """Return a name with its score."""
         return cls((-round(score, 6), len(name), name), score, name)
 
 
@@ -171,33 +164,18 @@ class Index:
 
     def __init__(self, entries: Iterable[Entry]) -> None:
         entries = tuple(entries)
-        self._squeezed = {
+        self._spellings = {
             x.name: [squeezed(text) for text in (x.name, x.symbol, *x.keywords)] for x in entries
         }
-        self._phrases: dict[str, list[tuple[float, float, dict[str, float]]]] = {}
-        self._holders: dict[str, list[str]] = {}
         phrases = {
             x.name: [
-                (NAME, words(x.name)),
-                (SYMBOL, words(x.symbol)),
-                *((KEYWORD, words(keyword)) for keyword in x.keywords),
+                *((1.0, words(text)) for text in (x.name, x.symbol, *x.keywords)),
                 (TITLE, words(x.title)),
             ]
             for x in entries
         }
-        for name, of in phrases.items():
-            for word in {word for _, phrase in of for word in phrase}:
-                self._holders.setdefault(word, []).append(name)
-        self._weights = {
-            word: math.log(1.0 + len(entries) / len(names)) for word, names in self._holders.items()
-        }
-        # a word that is unknown here, such as "the maximal value", says less than a rare word that is known
-        self._otherwise = UNKNOWN * math.log(1.0 + len(entries))
-        for name, of in phrases.items():
-            self._phrases[name] = [
-                (*kind, {word: self._weights[word] for word in phrase}) for kind, phrase in of if phrase
-            ]
-        self._near = lru_cache(maxsize=1024)(self._near_words)
+        self._phrases = {name: [(kind, said) for kind, said in of if said] for name, of in phrases.items()}
+        self._known = sorted({word for of in phrases.values() for _, said in of for word in said})
 
     def ranked(self, text: str) -> list[Ranked]:
         """Return the names that a phrase may mean, the best first."""
@@ -205,84 +183,36 @@ class Index:
 
     def ranked_parts(self, spelt: Sequence[str]) -> list[Ranked]:
         """Return the names that words, as they are spelt, may mean."""
-        joined = "".join(spelt)
-        if not joined:
+        if not (joined := "".join(spelt)):
             return []
-        query = [part for word in canonical(spelt) for part in self._split(word)]
-        query = [word for word in query if word in self._weights or word not in GENERAL] or query
-        near = [(self._weights.get(word, self._otherwise), self._near(word)) for word in query]
-        holders = {name for _, words in near for word in words for name in self._holders.get(word, ())}
-        scores = {name: self._meaning(near, name) for name in holders}
-        for name, score in self._by_letters(joined):
-            scores[name] = max(score, scores.get(name, 0.0))
+        query = [self._near(word) for word in canonical(spelt)]
+        scores = {name: self._by_words(query, phrases) for name, phrases in self._phrases.items()}
+        spellings = {of[0]: name for name, of in self._spellings.items()}
+        for near in get_close_matches(joined, spellings, 9, LETTERS):
+            share = SequenceMatcher(None, near, joined).ratio()
+            scores[spellings[near]] = max(scores[spellings[near]], share * share)
+        for name, (own, *others) in self._spellings.items():
+            scores[name] = 1.0 if joined == own else 0.99 if joined in others else scores[name]
         return sorted(Ranked.of(score, name) for name, score in scores.items() if score > 0.0)
 
-    def _split(self, word: str) -> list[str]:
-        """Return two known words that are written as one, or the word."""
-        if word in self._weights:
-            return [word]
-        for k in range(3, len(word) - 2):
-            both = canonical((word[:k], word[k:]))
-            if all(part in self._weights for part in both):
-                return list(both)
-        return [word]
-
-    def _near_words(self, word: str) -> dict[str, float]:
+    def _near(self, word: str) -> dict[str, float]:
         """Return the known words that a word may be, and how near each is."""
-        near = {word: 1.0}
-        if len(word) < 3 or word.isdigit():
-            return near
-        matcher = SequenceMatcher(None, "", word)
-        for known in self._weights:
-            if known.startswith(word) or (len(known) > 3 and word.startswith(known)):
-                near.setdefault(known, BEGINS)
-            elif word not in self._weights and len(known) > 3 and (ratio := _ratio(matcher, known)):
-                near.setdefault(known, ratio * ratio)
-        return near
+        if word in self._known or len(word) < 3:
+            return {word: 1.0}
+        begun = [known for known in self._known if known.startswith(word)]
+        return dict.fromkeys(begun or get_close_matches(word, self._known, MOST, LETTERS), MISSPELT)
 
-    def _meaning(self, query: Sequence[tuple[float, Mapping[str, float]]], name: str) -> float:
-        """Return the score of a name by words, the rarer of which count more."""
-        total = sum(weight for weight, _ in query)
-        scattered, best = [0.0] * len(query), 0.0
-        for kind, partly, phrase in self._phrases[name]:
-            recalled, said = 0.0, set()
-            for k, (weight, near) in enumerate(query):
-                like, word = max((near.get(word, 0.0), word) for word in phrase)
-                if like:
-                    recalled += weight * like
-                    scattered[k] = max(scattered[k], like)
-                    said.add(word)
-            if said:
-                share = sum(phrase[word] for word in said) / sum(phrase.values())
-                best = max(best, kind * recalled / total * (1.0 - partly + partly * share))
-        everywhere = sum(weight * like for (weight, _), like in zip(query, scattered, strict=True)) / total
-        return max(best, SCATTERED * everywhere)
-
-    def _by_letters(self, joined: str) -> Iterator[tuple[str, float]]:
-        """Yield the names that may be misspelt, and the score of each: 1 where only case and signs differ."""
-        matcher, numbers, stem = (
-            SequenceMatcher(None, "", joined),
-            NUMBER.findall(joined),
-            NUMBER.sub("0", joined),
-        )
-        for name, spellings in self._squeezed.items():
-            own = NUMBER.findall(spellings[0])
-            if joined in spellings:
-                yield name, 1.0 if joined == spellings[0] else 0.99
-            elif own != numbers and stem == NUMBER.sub("0", spellings[0]):
-                apart = sum(abs(int(x) - int(y)) for x, y in zip(own, numbers, strict=True))
-                yield name, OTHER_NUMBER - 0.01 * min(apart, 10)
-            elif ratio := _ratio(matcher, spellings[0]):
-                yield name, ratio * ratio * (1.0 if own == numbers else OTHER_NUMBER)
-
-
-def _ratio(matcher: SequenceMatcher[str], word: str) -> float:
-    """Return the share of letters that a word has in common with that of the matcher; 0 where it is small."""
-    matcher.set_seq1(word)
-    if matcher.real_quick_ratio() < LETTERS or matcher.quick_ratio() < LETTERS:
-        return 0.0
-    ratio = matcher.ratio()
-    return ratio if ratio >= LETTERS else 0.0
+    def _by_words(
+        self, query: list[dict[str, float]], phrases: Iterable[tuple[float, Sequence[str]]]
+    ) -> float:
+        """Return the score of the phrases of a name by the words that they share with a query."""
+        best, scattered = 0.0, [0.0] * len(query)
+        for kind, said in phrases:
+            like = [max(near.get(word, 0.0) for word in said) for near in query]
+            share = sum(any(word in near for near in query) for word in said) / len(said)
+            best = max(best, kind * sum(like) / len(query) * (1.0 - PARTLY + PARTLY * share))
+            scattered = [max(pair) for pair in zip(scattered, like, strict=True)]
+        return max(best, SCATTERED * sum(scattered) / len(query))
 
 
 def best_names(ranked: Sequence[Ranked], most: int = MOST) -> list[str]:

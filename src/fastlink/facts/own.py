@@ -26,7 +26,7 @@ from fastlink._text import short_repr
 from fastlink.errors import InputError, KeyPath, Problems, suggest
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.derivative import NoDerivative
-from fastlink.facts.expression import DEEPEST, NAMESPACE, Condition
+from fastlink.facts.expression import DEEPEST, NAMESPACE
 from fastlink.facts.fact import CatalogueError, Fact, Rule, System
 from fastlink.facts.names import (
     Derivative,
@@ -39,7 +39,7 @@ from fastlink.facts.names import (
     error_name,
     root_of,
 )
-from fastlink.facts.sizes import UNITS, dimensions
+from fastlink.facts.powers import UNITS, Powers, UnlikePowers, dimensions, units_text
 from fastlink.numerics import elementary, logarithm, vectors
 from fastlink.numerics.compiler import parsed
 
@@ -1028,8 +1028,7 @@ class _Choose(ast.NodeTransformer):
 
 # -- Check the units of a user's quantity: its text runs on numbers that have no value, only a dimension
 
-# Designs far from 1 are evaluated in units of their own (`fastlink.facts.sizes`), which is right only
-# for a text that means the same in any units: constants are pure numbers, what has a unit is an input.
+# A text means the same in any units: constants are pure numbers, what has a unit is an input.
 
 
 #: What other programs call units, and their texts here.
@@ -1054,122 +1053,6 @@ OTHERS |= {
 OTHERS |= {"m/s2": "m s-2", "m/s^2": "m s-2", "kg*m2": "kg m2", "kN": "N", "ms": "s", "g": "kg", "%": "1"}
 
 
-class WrongDimension(Exception):
-    """Unlike dimensions are added, compared or chosen between, or a function takes numbers without units only."""
-
-
-@dataclass(frozen=True, eq=False)
-class Dimension:
-    """A number of which only the powers of kilogram, metre and second are known."""
-
-    powers: tuple[float, ...]
-
-    @property
-    def context(self) -> _Functions:
-        """The functions of `fastlink.numerics.elementary` for such numbers."""
-        return _Functions()
-
-    def _like(self, other: Any, doing: str) -> Dimension:
-        if isinstance(other, int | float) and (other == 0 or other != other):
-            return self
-        if (powers := _powers(other)) != self.powers:
-            raise WrongDimension(f"{doing} {units_text(self.powers)} and {units_text(powers)}")
-        return self
-
-    def _sum(self, other: Any) -> Dimension:
-        return self._like(other, "adds")
-
-    __add__ = __radd__ = __sub__ = __rsub__ = _sum
-
-    def _times(self, other: Any, sign: int) -> Dimension:
-        return Dimension(tuple(x + sign * y for x, y in zip(self.powers, _powers(other), strict=True)))
-
-    def __mul__(self, other: Any) -> Dimension:
-        return self._times(other, 1)
-
-    __rmul__ = __mul__
-
-    def __truediv__(self, other: Any) -> Dimension:
-        return self._times(other, -1)
-
-    def __rtruediv__(self, other: Any) -> Dimension:
-        return Dimension(_powers(other))._times(self, -1)
-
-    def __neg__(self) -> Dimension:
-        return self
-
-    __abs__ = __neg__
-
-    def _compared(self, other: Any) -> _Condition:
-        self._like(other, "compares")
-        return _Condition()
-
-    __lt__ = __le__ = __gt__ = __ge__ = __eq__ = __ne__ = _compared  # type: ignore[assignment]
-    __hash__ = None  # type: ignore[assignment]
-
-
-class _Condition(Condition):
-    """The result of a comparison."""
-
-    def choose(self, if_true: Any, if_false: Any) -> Any:
-        """Return the dimension of both values of `fastlink.numerics.elementary.select`."""
-        if isinstance(if_true, float) and if_true == 0.0:
-            return if_false
-        return _pure(if_true)._like(if_false, "chooses between")
-
-
-class _Functions:
-    """Elementary functions of such numbers."""
-
-    nan = float("nan")
-
-    def sqrt(self, x: Any) -> Dimension:
-        return Dimension(tuple(0.5 * power for power in _powers(x)))
-
-    def atan2(self, y: Any, x: Any) -> Dimension:
-        _pure(y)._like(x, "takes the angle of")
-        return Dimension(PURE)
-
-    def _of_number(self, x: Any) -> Dimension:
-        if any(_powers(x)):
-            raise WrongDimension(
-                f"takes a function of {units_text(_powers(x))}, not of a number without units"
-            )
-        return Dimension(PURE)
-
-    log = cos = sin = _of_number
-
-
-PURE = (0.0, 0.0, 0.0)
-
-
-def _powers(value: Any) -> tuple[float, ...]:
-    return value.powers if isinstance(value, Dimension) else PURE
-
-
-def _pure(value: Any) -> Dimension:
-    return value if isinstance(value, Dimension) else Dimension(PURE)
-
-
-def units_text(powers: tuple[float, ...]) -> str:
-    """Return powers of kilogram, metre and second as units.
-
-    Examples
-    --------
-    >>> units_text((1.0, 1.0, -2.0)), units_text((0.0, 0.5, 0.0)), units_text((0.0, 0.0, 0.0))
-    ('N', 'm0.5', 'a number')
-    """
-    if powers == PURE:
-        return "a number"
-    named = [name for name, known in UNITS.items() if known == powers]
-    parts = [
-        f"{unit}{power:g}" if power != 1 else unit
-        for unit, power in zip(("kg", "m", "s"), powers, strict=True)
-        if power
-    ]
-    return named[0] if named else " ".join(parts)
-
-
 def check_units(where: KeyPath, units: Any) -> str:
     """Return the units of a quantity or an input, or refuse what files cannot state.
 
@@ -1189,12 +1072,6 @@ def check_units(where: KeyPath, units: Any) -> str:
     known = f"of {', '.join(UNITS)} with whole powers, such as 'kg m2 s-2' or 'rad s-1'"
     remedy = f"write {meant!r}" if meant else f"write a product {known}"
     raise InputError(f"is {short_repr(units)}", where=where, remedy=remedy)
-
-
-def dimension_of_text(function: Callable[..., Any], units: Mapping[str, str]) -> tuple[float, ...]:
-    """Return the dimension of what a function of facts returns, for parameters of these units."""
-    given = [Dimension(tuple(map(float, dimensions(unit)))) for unit in units.values()]
-    return _powers(function(*given))
 
 
 # -- Declarations of users as data: inputs, and quantities by their texts, from which catalogues are made
@@ -1291,8 +1168,9 @@ def check_dimension(quantity: OwnQuantity, units: Iterable[str]) -> None:
     """Refuse a text that does not give the units of its quantity, for parameters of some units."""
     declare = "constants have no units: declare mine.input(NAME, units=..., default=...), and write NAME"
     try:
-        found = dimension_of_text(quantity.function, dict(zip(quantity.parameters, units, strict=True)))
-    except WrongDimension as error:
+        value = quantity.function(*(Powers(tuple(map(float, dimensions(unit)))) for unit in units))
+        found = value.powers if isinstance(value, Powers) else (0.0, 0.0, 0.0)
+    except UnlikePowers as error:
         own = quantity.function.__code__.co_filename
         numbers = [
             frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == own

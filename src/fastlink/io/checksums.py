@@ -24,35 +24,6 @@ from numpy.typing import NDArray
 from fastlink._text import counted, short_repr
 from fastlink.errors import InputError
 
-__all__ = [
-    "ALGORITHM",
-    "BLOCK_BYTES",
-    "CHECKSUMS",
-    "OF_REST",
-    "OF_VALUES",
-    "Range",
-    "Ranges",
-    "Stored",
-    "Values",
-    "add",
-    "all_but",
-    "block_count",
-    "check_own",
-    "crc32",
-    "missing",
-    "of_file",
-    "of_pieces",
-    "open_to_read",
-    "pieces",
-    "read_all",
-    "read_seal",
-    "seal",
-    "seal_is_broken",
-    "sealed_labels",
-    "seek_lock",
-]
-
-
 # -- Ranges of numbers, such as those of designs that are written: each from its start to before its stop
 
 
@@ -64,8 +35,6 @@ FEW_RANGES = 64
 def joined_ranges(ranges: list[Range]) -> list[Range]:
     """Return ranges in order, and join those that touch.
 
-    Examples
-    --------
     >>> joined_ranges([(4, 6), (0, 2), (2, 4), (8, 9)])
     [(0, 6), (8, 9)]
     """
@@ -81,8 +50,6 @@ def joined_ranges(ranges: list[Range]) -> list[Range]:
 def missing(written: list[Range], size: int) -> list[Range]:
     """Return the parts of 0 to `size` that ordered ranges leave out.
 
-    Examples
-    --------
     >>> missing([(0, 6), (8, 9)], 12)
     [(6, 8), (9, 12)]
     """
@@ -94,8 +61,6 @@ def missing(written: list[Range], size: int) -> list[Range]:
 class Ranges:
     """Ranges that are added one by one; joined from time to time, not each time, which would take ever longer.
 
-    Examples
-    --------
     >>> ranges = Ranges([(0, 2)])
     >>> ranges.add(4, 6)
     >>> ranges.add(2, 4)
@@ -123,8 +88,6 @@ def pieces(
 ) -> Iterator[tuple[tuple[int | slice, ...], int]]:
     """Yield index and first flat number of consecutive pieces of an array, in C order.
 
-    Examples
-    --------
     >>> list(pieces((2, 3), 2))[:2]
     [((0, slice(0, 2, None)), 0), ((0, slice(2, 3, None)), 2)]
     """
@@ -145,9 +108,9 @@ def pieces(
 
 
 try:  # the same numbers, three to five times as fast
-    from isal.isal_zlib import crc32
+    from isal.isal_zlib import crc32 as crc32
 except ImportError:
-    from zlib import crc32
+    from zlib import crc32 as crc32
 
 
 #: The group of the checksums: of the values, block by block, and of all else in the file.
@@ -225,10 +188,8 @@ def all_but(fd: int, left_out: Mapping[int, int]) -> Iterator[tuple[int, bytearr
 
 
 def seal(fd: int, values: Mapping[int, int], rest_at: int) -> tuple[int, bytes]:
-    """Return what tells, without HDF5, whether the labels of a map are as they were written, and where it belongs.
-
-    HDF5 itself loops for ever, or crashes, on some labels of which one bit is wrong.
-    """
+    """Return what tells, without HDF5, whether the labels of a map are as they were written, and where it belongs."""
+    # HDF5 itself loops for ever, or crashes, on some labels of which one bit is wrong.
     gone = joined_ranges([(start, start + nbytes) for start, nbytes in values.items() if nbytes])
     labels = of_file(fd, values, (rest_at, rest_at + 4))
     numbers = [len(gone), rest_at, labels, *(number for ends in gone for number in ends)]
@@ -241,21 +202,14 @@ def seal(fd: int, values: Mapping[int, int], rest_at: int) -> tuple[int, bytes]:
 
 
 def seal_is_broken(path: str | os.PathLike[str]) -> bool:
-    """Tell, without HDF5, whether a map's labels have changed since they were sealed.
-
-    A file without a seal, of an earlier version or changed by HDF5 since, is not broken.
-    """
+    """Tell, without HDF5, whether a map's labels have changed since they were sealed."""
+    # A file without a seal, of an earlier version or changed by HDF5 since, is not broken.
     return read_seal(path)[0]
-
-
-def sealed_labels(path: str | os.PathLike[str]) -> int | None:
-    """Return the checksum of all that is not values in a map, thus of theirs too; None without an intact seal."""
-    return read_seal(path)[1]
 
 
 def read_seal(path: str | os.PathLike[str]) -> tuple[bool, int | None]:
     """Return whether the seal of a file is broken, and the checksum of its labels where there is an intact one."""
-    fd = os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
+    fd = open_to_read(path)
     try:
         size, end = os.fstat(fd).st_size, _end_of_hdf5(fd)
         if size < len(SEAL) or end == size:
@@ -357,23 +311,15 @@ class Values:
 
 @dataclass(frozen=True)
 class Stored:
-    """The checksums of a file.
+    """The checksums of a file."""
 
-    Attributes
-    ----------
-    block_bytes : int
-        Bytes of a block of values.
-    values : dict of str to Values
-        The values of each variable.
-    sums : list of int
-        The checksum of each block, or None where there are not as many as blocks.
-    rest, rest_at : int
-        That of all else, and where it stands.
-    """
-
+    #: Bytes of a block of values.
     block_bytes: int
+    #: The values of each variable.
     values: dict[str, Values]
+    #: The checksum of each block, or None where there are not as many as blocks.
     sums: list[int | None]
+    #: That of all else, and where it stands.
     rest: int
     rest_at: int
 
@@ -407,10 +353,9 @@ class Stored:
 
 
 def check_own(path: Path, file: Any) -> None:
-    """Refuse an open file that takes values from other files, or tells of many more than it holds.
-
-    Files of strangers can name any file of their reader's, the bytes of which would appear as values and travel on.
-    """
+    """Refuse an open file that takes values from other files, or tells of many more than it holds."""
+    # Files of strangers can name any file of their reader's, the bytes of which would appear as values and
+    # travel on.
 
     def of_link(name: str, link: Any) -> str | None:
         if not isinstance(link, h5py.ExternalLink):

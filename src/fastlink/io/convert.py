@@ -49,8 +49,8 @@ from fastlink.io.layout import (
     plain_attrs,
 )
 from fastlink.io.output import OutputFile, OutputFolder
+from fastlink.io.output_path import exists_error, part_of, progress_bar, reason, refused
 from fastlink.io.partial_file import check_made_at_once
-from fastlink.io.place import exists_error, part_of, progress_bar, reason, refused
 from fastlink.io.reader import (
     COMPRESSION,
     OF_PARTS,

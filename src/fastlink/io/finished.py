@@ -14,12 +14,9 @@ import xarray as xr
 
 from fastlink.errors import InputError
 from fastlink.io.layout import FINGERPRINT, Variable, plain_attrs
+from fastlink.io.output_path import existing_file, exists_error
 from fastlink.io.partial_file import forget_journal, forget_published
-from fastlink.io.place import existing_file, exists_error
 from fastlink.io.reader import OF_PARTS, PartOfMap, PartsError, open_map
-
-__all__ = ["FINGERPRINT", "WRITTEN", "finished_map", "marks", "stamp"]
-
 
 #: Global attribute of a map: the time at which it was finished, in ns since 1970.
 WRITTEN = "written_time_ns"
@@ -91,11 +88,11 @@ def _difference(
     labels = {**({} if coords is None else coords.attrs), **attrs}
     if found.attrs.get("mechanism") != labels.get("mechanism"):
         return f"a map of {found.attrs.get('mechanism')}"
-    part, asked = (
+    part, wanted = (
         "a whole map" if of is None else f"part {of.part}" for of in map(PartOfMap.of, (found.attrs, labels))
     )
-    if part != asked:
-        return f"{part}, not {asked}"
+    if part != wanted:
+        return f"{part}, not {wanted}"
     others = [
         name
         for name in labels

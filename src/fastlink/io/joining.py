@@ -22,7 +22,7 @@ from fastlink.errors import InputError, Problem, Problems, check_path, remark
 from fastlink.io.checksums import Range, Stored, check_own, crc32, open_to_read, read_all
 from fastlink.io.finished import WRITTEN
 from fastlink.io.layout import FINGERPRINT, HISTORY, Variable, history
-from fastlink.io.place import left_of, reason, refused
+from fastlink.io.output_path import left_of, reason, refused
 from fastlink.io.reader import (
     OF_PARTS,
     OR_COPY,
@@ -44,9 +44,6 @@ from fastlink.io.writer import Writer
 from fastlink.machine import work_in_threads
 from fastlink.space.design_space import DESIGN
 from fastlink.space.tables import FORMAT
-
-__all__ = ["CORE_TIME", "JOINED", "RUN_AGAIN", "JoinedMap", "PartFile", "merged", "part_files"]
-
 
 # -- The attributes of a joined map, from those of its parts
 
@@ -72,11 +69,9 @@ def is_measured(name: str) -> bool:
 
 
 def merged(parts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Return the global attributes that a map has at its end, from those of its parts.
-
-    Numbers of designs and configurations, and times, are sums: ``run_time_s`` is that of the parts one after the other,
-    ``core_time_s`` that times their threads. Rates are those of a part, on the average.
-    """
+    """Return the global attributes that a map has at its end, from those of its parts."""
+    # Numbers of designs and configurations, and times, are sums: ``run_time_s`` is that of the parts one
+    # after the other, ``core_time_s`` that times their threads. Rates are those of a part, on the average.
     counts = {name for attrs in parts for name in attrs if name.startswith("designs_") and name != RATES[0]}
     sums = ["designs", *sorted(counts), *SUMS]
     result = {
@@ -96,10 +91,9 @@ def merged(parts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 
 
 def merged_errors(parts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Return what verification says of a variable, from what it says of it in each part.
-
-    Counts are sums, errors the greatest of all parts; of their medians too, which the median of all does not exceed.
-    """
+    """Return what verification says of a variable, from what it says of it in each part."""
+    # Counts are sums, errors the greatest of all parts; of their medians too, which the median of all does
+    # not exceed.
     result: dict[str, Any] = {}
     for name in dict.fromkeys(name for attrs in parts for name in attrs if is_measured(name)):
         found = [attrs[name] for attrs in parts if name in attrs]
@@ -125,29 +119,19 @@ AT_ONCE = 8
 
 @dataclass(frozen=True)
 class PartFile:
-    """The file of a part.
+    """The file of a part."""
 
-    Attributes
-    ----------
-    path : Path
-        The file.
-    of : PartOfMap
-        Which part of which map it is.
-    attrs : dict
-        Its global attributes.
-    stored : Stored
-        Its checksums.
-    measured : dict of str to dict
-        What verification says of each variable.
-    labels : int or None
-        The checksum of all that is not values, and of their checksums, where it has a seal.
-    """
-
+    #: The file.
     path: Path
+    #: Which part of which map it is.
     of: PartOfMap
+    #: Its global attributes.
     attrs: Mapping[str, Any]
+    #: Its checksums.
     stored: Stored
+    #: What verification says of each variable.
     measured: Mapping[str, Mapping[str, Any]]
+    #: The checksum of all that is not values, and of their checksums, where it has a seal.
     labels: int | None
 
     @contextlib.contextmanager
@@ -323,19 +307,10 @@ PIECE_BYTES, FEW = 256 << 20, 8
 
 
 class JoinedMap:
-    """The map that parts make together, as one sweep of the whole request writes it.
-
-    Attributes
-    ----------
-    coords : xarray.Dataset
-        Coordinates, and the global attributes that are known before its values.
-    variables : list of Variable
-        The results, and the coordinates that are copied piece by piece.
-    designs : int
-        The number of designs.
-    """
+    """The map that parts make together, as one sweep of the whole request writes it."""
 
     def __init__(self, parts: Sequence[PartFile]) -> None:
+        #: The number of designs.
         self.parts, self.designs = parts, parts[0].of.designs
         self._whole = parts[0].whole()
         self._dims = tuple(str(self._whole.attrs["dims"]).split())
@@ -350,7 +325,9 @@ class JoinedMap:
                 with part.dataset() as other:
                     for name, values in self._labels(other, part).items():
                         labels[name].append(values)
+            #: Coordinates, and the global attributes that are known before its values.
             self.coords = self._coordinates(opened, {name: np.concatenate(v) for name, v in labels.items()})
+            #: The results, and the coordinates that are copied piece by piece.
             self.variables = [self._variable(one) for one in opened.data_vars.values()]
             self.variables += [self._column(opened[name]) for name in self._streamed(opened)]
 
@@ -482,8 +459,8 @@ class JoinedMap:
                     if not room:
                         position, room = next(places)
                     pieces.append((position, rest[:room]))
-                    taken = len(pieces[-1][1])
-                    position, room, rest = position + taken, room - taken, rest[taken:]
+                    length = len(pieces[-1][1])
+                    position, room, rest = position + length, room - length, rest[length:]
                 writer.write_pieces(variable.name, pieces)
 
     def _copy_column(self, column: Variable, part: PartFile, designs: Range, writer: Writer) -> None:
@@ -501,8 +478,8 @@ class JoinedMap:
         """Return the coordinates of tables and samples that stand among the values of a part."""
         if DESIGN not in self._dims:
             return []
-        elsewhere = {*opened.data_vars, *self._whole.coords}
-        return [name for name in self.parts[0].stored.values if name not in elsewhere]
+        others = {*opened.data_vars, *self._whole.coords}
+        return [name for name in self.parts[0].stored.values if name not in others]
 
     def _labels(self, opened: xr.Dataset, part: PartFile) -> dict[str, Any]:
         """Return the other coordinates of a part along the designs of a table, each design once."""

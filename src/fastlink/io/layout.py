@@ -18,9 +18,6 @@ from fastlink.io.checksums import Range
 from fastlink.space.design_space import DESIGN, Column, Counted, DesignSpace
 from fastlink.space.tables import FORMAT
 
-__all__ = ["HISTORY", "PLAIN", "SOURCE", "Placement", "check_attrs", "fault_of_value", "history"]
-
-
 # -- Tell where the values of designs lie among those of a variable: design by design, or value by value
 
 
@@ -28,21 +25,6 @@ __all__ = ["HISTORY", "PLAIN", "SOURCE", "Placement", "check_attrs", "fault_of_v
 class Placement:
     """Where the rows of a variable lie, one row of values for each design.
 
-    Attributes
-    ----------
-    rows : int
-        Number of designs.
-    values : int
-        Values of each design.
-    itemsize : int
-        Bytes of a value.
-    by_value : bool
-        Whether the first value of all designs comes first, then the second one; else the first design, then the second.
-    shared : int
-        Designs that share a value, written with the first of them: of an input that further axes are crossed with.
-
-    Examples
-    --------
     >>> Placement(10, 3, 8, by_value=False).pieces(2, 4)
     [(48, 48)]
     >>> Placement(10, 3, 8, by_value=True).pieces(2, 4)
@@ -54,10 +36,17 @@ class Placement:
     ([(2, 3)], [(2, 3)])
     """
 
+    #: Number of designs.
     rows: int
+    #: Values of each design.
     values: int
+    #: Bytes of a value.
     itemsize: int
+    #: Whether the first value of all designs comes first, then the second one; else the first design, then
+    #: the second.
     by_value: bool
+    #: Designs that share a value, written with the first of them: of an input that further axes are crossed
+    #: with.
     shared: int = 1
 
     def own(self, start: int, stop: int) -> Range:
@@ -103,8 +92,6 @@ PLAIN = "write text, a number or a list of numbers"
 def check_attrs(where: KeyPath, attrs: Any, reserved: Callable[[str], bool]) -> dict[str, Any]:
     """Return attributes that a file can hold under names that it does not use itself, or refuse them.
 
-    Examples
-    --------
     >>> check_attrs(("attrs",), {"author": None}, lambda name: False)
     Traceback (most recent call last):
     fastlink.errors.InputError: attrs: author is None; write text, a number or a list of numbers
@@ -173,8 +160,6 @@ SOURCE = "source_"
 def history(command: str, before: str = "") -> str:
     """Return the history of a file after a command: its lines before, then time, version and the command.
 
-    Examples
-    --------
     >>> history("sweep planar_4r").partition("Z ")[2].startswith("fastlink ")
     True
     """
@@ -196,32 +181,22 @@ Further = Mapping[str, tuple[tuple[str, ...], NDArray[Any], Mapping[str, Any]]]
 
 @dataclass(frozen=True, eq=False)
 class Variable:
-    """One output of a sweep: its name, shape and labels, without its values.
+    """One output of a sweep: its name, shape and labels, without its values."""
 
-    Attributes
-    ----------
-    name : str
-        Name in the Dataset and in the file.
-    dims : tuple of str
-        Dimensions, in the order in which values lie in the file.
-    shape : tuple of int
-        Length of each dimension.
-    dtype : numpy.dtype
-        Of integers or floating-point numbers.
-    attrs : dict
-        Units, long name, symbol, flags, ...
-    leading : int
-        How many of the first dimensions are those that each design has of its own; 0 where the swept ones are first.
-    is_coordinate : bool
-        Whether it is no result but a coordinate that is written block by block.
-    """
-
+    #: Name in the Dataset and in the file.
     name: str
+    #: Dimensions, in the order in which values lie in the file.
     dims: tuple[str, ...]
+    #: Length of each dimension.
     shape: tuple[int, ...]
+    #: Of integers or floating-point numbers.
     dtype: np.dtype[Any]
+    #: Units, long name, symbol, flags, ...
     attrs: dict[str, Any]
+    #: How many of the first dimensions are those that each design has of its own; 0 where the swept ones are
+    #: first.
     leading: int = field(default=0, repr=False)  # of which the dimensions tell
+    #: Whether it is no result but a coordinate that is written block by block.
     is_coordinate: bool = field(default=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -279,10 +254,8 @@ def coordinates(
 
 
 def of_code(values: Any, labels: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
-    """Return the values of an input that is a code as the flags of results, integers; of others, as they are.
-
-    Values that are no code leave all as they are, with the codes in their type, as CF wants it.
-    """
+    """Return the values of an input that is a code as the flags of results, integers; of others, as they are."""
+    # Values that are no code leave all as they are, with the codes in their type, as CF wants it.
     if "flag_values" not in labels:
         return values, labels
     codes = np.asarray(values)

@@ -15,8 +15,7 @@ from typing import Any, Self
 
 from fastlink.errors import InputError
 from fastlink.io import partial_file
-from fastlink.io.partial_file import uninterrupted
-from fastlink.io.place import (
+from fastlink.io.output_path import (
     NO_ROOM,
     exchange,
     exclusive_rename,
@@ -26,8 +25,7 @@ from fastlink.io.place import (
     reason,
     refused,
 )
-
-__all__ = ["OutputFile", "OutputFolder", "failure", "write_whole"]
+from fastlink.io.partial_file import uninterrupted
 
 LESS = "compress or select more"
 #: Names of files in a zarr store of version 2: labels, chunks, and either until they are whole.
@@ -88,8 +86,6 @@ class OutputFile(_Output):
 
     Attributes
     ----------
-    fd : int
-        The open file.
     part : Path
         Its name until it is whole.
     """
@@ -104,6 +100,7 @@ class OutputFile(_Output):
     ) -> None:
         super().__init__(path, overwrite, where, less)
         with self._refusing():
+            #: The open file.
             self.fd, _ = partial_file.begun(self.part, lay)
 
     def publish(self) -> None:

@@ -20,9 +20,9 @@ import h5py
 from fastlink.errors import KeyPath, Remedy, Setting, check_output
 from fastlink.io.checksums import Range, add, joined_ranges, of_file, seal, seal_is_broken, seek_lock
 from fastlink.io.layout import FINGERPRINT
-from fastlink.io.place import (
+from fastlink.io.output_path import (
     SLACK,
-    check_place,
+    check_writable,
     exclusive_rename,
     exists_error,
     free_bytes,
@@ -32,20 +32,6 @@ from fastlink.io.place import (
     refused,
 )
 from fastlink.space.tables import FORMAT
-
-__all__ = [
-    "Journal",
-    "check_left",
-    "check_made_at_once",
-    "check_target",
-    "forget_journal",
-    "forget_published",
-    "journal_of",
-    "read_journal",
-    "synchronise",
-    "uninterrupted",
-]
-
 
 # -- Record the designs that a partial file holds, to resume a killed run
 
@@ -64,10 +50,8 @@ def journal_of(part: Path) -> Path:
 
 
 def read_journal(part: Path) -> tuple[dict[str, Any], list[Range], dict[int, int]] | None:
-    """Return the head, the written designs and the checksums of their values; None where no journal can be read.
-
-    It ends before a record that a kill or a power cut has torn.
-    """
+    """Return the head, the written designs and the checksums of their values; None where no journal can be read."""
+    # It ends before a record that a kill or a power cut has torn.
     try:
         head, *lines = journal_of(part).read_bytes().split(b"\n")
     except OSError:
@@ -99,11 +83,10 @@ def _read(line: bytes) -> Any:
 
 
 class Journal:
-    """A thread that synchronises pending data of a file, then records their designs.
+    """A thread that synchronises pending data of a file, then records their designs."""
 
-    After a failure to synchronise nothing is recorded any more: the system reports it once, and may then take pages for
-    written that are not. `error` keeps it.
-    """
+    # After a failure to synchronise nothing is recorded any more: the system reports it once, and may then
+    # take pages for written that are not. `error` keeps it.
 
     def __init__(
         self, fd: int, part: Path, about: dict[str, Any], written: list[Range], sums: Mapping[int, int]
@@ -132,14 +115,8 @@ class Journal:
             if self._pending_bytes >= STEP_BYTES:
                 self._changed.notify()
 
-    def add(self, start: int, stop: int, addends: Iterable[tuple[int, int]]) -> None:
+    def add(self, ranges: Iterable[Range], addends: Iterable[tuple[int, int]]) -> None:
         """Add designs whose every result is written, and what they add to the checksums; thread-safe."""
-        with self._changed:
-            self._pending.append((start, stop))
-            add(self._sums, addends)
-
-    def add_all(self, ranges: Iterable[Range], addends: Iterable[tuple[int, int]]) -> None:
-        """Add several ranges of designs at once; thread-safe."""
         with self._changed:
             self._pending += ranges
             add(self._sums, addends)
@@ -197,10 +174,9 @@ class Journal:
             self.error = error
 
     def _start(self, first: bytes) -> int:
-        """Create the journal with its head and first record, and return its open file number.
-
-        It replaces that of an earlier run, whose designs the first record names: at no moment are they without one.
-        """
+        """Create the journal with its head and first record, and return its open file number."""
+        # It replaces that of an earlier run, whose designs the first record names: at no moment are they
+        # without one.
         fresh = self._path.with_name(self._path.name + ".new")
         fresh.unlink(missing_ok=True)  # never through a link
         try:
@@ -254,10 +230,8 @@ def fresh_name(part: Path) -> Path:
 
 @contextlib.contextmanager
 def claimed(part: Path) -> Iterator[None]:
-    """Hold the name of a partial file while a new one is laid out; an old file loses the name.
-
-    Refused when a live process writes it. The name is gone when the body fails.
-    """
+    """Hold the name of a partial file while a new one is laid out; an old file loses the name."""
+    # Refused when a live process writes it. The name is gone when the body fails.
     if fcntl is None:
         part.unlink(missing_ok=True)  # refused by the system while another process has it open
         yield
@@ -297,18 +271,13 @@ def begun(part: Path, lay: Callable[[Path], R]) -> tuple[int, R]:
         journal_of(part).unlink(missing_ok=True)
         try:
             result = lay(fresh)
-            return laid_out(fresh, part), result
+            if fcntl is not None:
+                return adopt(opened(fresh), fresh, part), result
+            os.replace(fresh, part)  # an open file cannot be renamed there
+            return opened(part), result
         except BaseException:
             fresh.unlink(missing_ok=True)
             raise
-
-
-def laid_out(fresh: Path, part: Path) -> int:
-    """Give a laid-out file the claimed name, hold it, and return its file number."""
-    if fcntl is None:
-        os.replace(fresh, part)  # an open file cannot be renamed there
-        return opened(part)
-    return adopt(opened(fresh), fresh, part)
 
 
 def adopt(fd: int, fresh: Path, part: Path) -> int:
@@ -323,10 +292,9 @@ def adopt(fd: int, fresh: Path, part: Path) -> int:
 
 
 def reopened(part: Path) -> int | None:
-    """Hold the partial file of a killed run; return its file number, None if absent.
-
-    A file with a second name is none: it was published, or somebody keeps it. Refused when a live process writes it.
-    """
+    """Hold the partial file of a killed run; return its file number, None if absent."""
+    # A file with a second name is none: it was published, or somebody keeps it. Refused when a live process
+    # writes it.
     try:
         fd = _hold(part)
     except FileNotFoundError:
@@ -362,10 +330,8 @@ def reserve(fd: int, extra: int) -> None:
 
 
 def publish(fd: int, part: Path, final: Path, overwrite: bool) -> None:
-    """Give a synchronised partial file its final name; `overwrite` replaces a file.
-
-    The file stays open where it keeps its name, and is closed where it has the final one.
-    """
+    """Give a synchronised partial file its final name; `overwrite` replaces a file."""
+    # The file stays open where it keeps its name, and is closed where it has the final one.
     if fcntl is None:
         os.close(fd)  # an open file cannot be renamed there
         _rename(part, final, overwrite)
@@ -531,12 +497,10 @@ def check_target(
     sources: Sequence[Path] = (),
     named: Callable[[KeyPath, Any], Path] = check_output,
 ) -> Path:
-    """Return the absolute path of an output file, or refuse it.
-
-    To be called before anything is computed.
-    """
+    """Return the absolute path of an output file, or refuse it."""
+    # To be called before anything is computed.
     target = Path(os.path.realpath(named(("to",), path)))
-    check_place(target)
+    check_writable(target)
     if target.is_symlink():  # which realpath could not follow
         raise refused(f"{path}: its symbolic links lead back to themselves", "choose another name")
     part = part_of(target)
@@ -562,10 +526,8 @@ def check_made_at_once(
     sources: Sequence[Path] = (),
     named: Callable[[KeyPath, Any], Path] = check_output,
 ) -> Path:
-    """Return the absolute path of a file that no later run goes on with, or refuse it as `check_target` does.
-
-    Refused too where a run to that name has left its part of a map, which would be lost.
-    """
+    """Return the absolute path of a file that no later run goes on with, or refuse it as `check_target` does."""
+    # Refused too where a run to that name has left its part of a map, which would be lost.
     target = check_target(path, nbytes_needed, overwrite, sources, named)
     check_left(target, "", "finish it by the same run, rename or remove it, or choose another name")
     return target
@@ -590,10 +552,8 @@ def forget_journal(target: Path) -> None:
 
 
 def check_left(path: Path, fingerprint: str, remedy: Remedy = RESTART) -> None:
-    """Refuse to replace what an earlier run of another request left: its designs, or a whole map.
-
-    What is made at once, such as a conversion, is made again, and has no request.
-    """
+    """Refuse to replace what an earlier run of another request left: its designs, or a whole map."""
+    # What is made at once, such as a conversion, is made again, and has no request.
     part = part_of(path)
     journal = read_journal(part)
     if journal is not None and part.exists():
@@ -623,10 +583,8 @@ def _request_of(path: Path) -> str:
 
 @contextlib.contextmanager
 def uninterrupted() -> Iterator[None]:
-    """Put off an interrupt or a request to end until the body has passed.
-
-    Python runs its handlers in the main thread alone: elsewhere nothing can interrupt.
-    """
+    """Put off an interrupt or a request to end until the body has passed."""
+    # Python runs its handlers in the main thread alone: elsewhere nothing can interrupt.
     if threading.current_thread() is not threading.main_thread():
         yield
         return

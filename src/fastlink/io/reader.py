@@ -34,45 +34,10 @@ from fastlink.io.checksums import (
     read_all,
     read_seal,
     seal_is_broken,
-    sealed_labels,
 )
 from fastlink.io.layout import FINGERPRINT, FORMAT_VERSION
-from fastlink.io.place import left_of, reason
+from fastlink.io.output_path import left_of, reason
 from fastlink.space.tables import FORMAT
-
-__all__ = [
-    "COMPRESSION",
-    "LABELS",
-    "NAMES",
-    "OF_PARTS",
-    "OR_COPY",
-    "WHOLE",
-    "Box",
-    "Part",
-    "PartOfMap",
-    "PartsError",
-    "Shown",
-    "Source",
-    "as_dataset",
-    "as_map",
-    "as_source",
-    "check",
-    "check_open_files",
-    "check_part",
-    "check_parts",
-    "check_seal",
-    "check_size",
-    "files_of",
-    "is_hdf5",
-    "is_zarr",
-    "open_map",
-    "readable",
-    "register_filter",
-    "require_package",
-    "scalar",
-    "shown_parts",
-]
-
 
 # -- Open finished maps, lazily, and refuse other files
 
@@ -88,7 +53,7 @@ WHOLE = "whole"
 #: checksums of their labels.
 SHOWN, NAMES, LABELS = "parts", "parts/names", "parts/labels"
 #: HDF5 looks there for the files of a virtual dataset before the folder of the map.
-ELSEWHERE = "HDF5_VDS_PREFIX"
+VDS_PREFIX = "HDF5_VDS_PREFIX"
 #: Files that a process has open besides those of parts.
 OTHER_FILES = 64
 AGAIN = "put it back, or run that part again if need be, and join the parts again with overwrite"
@@ -102,8 +67,6 @@ MOST_PARTS = 10**6
 class Part:
     """The `number`-th of `count` nearly equal parts, from 1 on.
 
-    Examples
-    --------
     >>> print(Part(3, 16), Part(3, 16).range(1000), Part(3, 16).path(Path("maps.h5")))
     3/16 (125, 187) maps.part-03-of-16.h5
     """
@@ -131,8 +94,6 @@ class Part:
 def check_part(where: KeyPath, value: Any) -> Part:
     """Return the part of a pair (k, n), or of a text ``"k/n"``, or refuse the value.
 
-    Examples
-    --------
     >>> check_part(("part",), (17, 16))
     Traceback (most recent call last):
     fastlink.errors.InputError: part is (17, 16); write k of n parts with k from 1 to n, such as part='3/16'
@@ -158,20 +119,13 @@ def check_size(where: KeyPath, part: Part, designs: int) -> None:
 
 @dataclass(frozen=True)
 class PartOfMap:
-    """A part of a certain map.
+    """A part of a certain map."""
 
-    Attributes
-    ----------
-    part : Part
-        Which part.
-    whole : str
-        The hash of the whole request, which its parts and their joined map share.
-    designs : int
-        The number of designs of the whole map.
-    """
-
+    #: Which part.
     part: Part
+    #: The hash of the whole request, which its parts and their joined map share.
     whole: str
+    #: The number of designs of the whole map.
     designs: int
 
     @property
@@ -217,17 +171,11 @@ Source = tuple[str, tuple[int, ...], Box, Box]
 
 @dataclass(frozen=True)
 class Shown:
-    """Values that a joined map shows of the files of its parts, as virtual datasets of HDF5.
+    """Values that a joined map shows of the files of its parts, as virtual datasets of HDF5."""
 
-    Attributes
-    ----------
-    files : dict of str to int
-        The checksum of the labels of each part, by its name from the folder of the map on.
-    sources : dict of str to list of (file, shape, box, own box)
-        The pieces of each variable: the file, the shape there, the box of the map, and the box of the file.
-    """
-
+    #: The checksum of the labels of each part, by its name from the folder of the map on.
     files: dict[str, int]
+    #: The pieces of each variable: the file, the shape there, the box of the map, and the box of the file.
     sources: dict[str, list[Source]]
 
     @property
@@ -269,10 +217,8 @@ def _shown(path: Path) -> tuple[dict[Path, int], set[str], str]:
 
 
 def check_parts(path: Path) -> bool:
-    """Tell whether a map shows values of parts; refuse it unless these are the parts that were joined, and all there.
-
-    HDF5 reads fill values where the file of a virtual dataset is missing, or cannot be opened.
-    """
+    """Tell whether a map shows values of parts; refuse it unless these are those that were joined, and all there."""
+    # HDF5 reads fill values where the file of a virtual dataset is missing, or cannot be opened.
     shown, variables, whole = _shown(path)
     if not shown:
         return False
@@ -292,7 +238,7 @@ def _fault_of_part(part: Path, labels: int, whole: str, variables: set[str]) -> 
     """Return why a file is not the part of a map that was joined, an empty text if it is."""
     if not part.exists():
         return "is missing"
-    if sealed_labels(part) != labels:
+    if read_seal(part)[1] != labels:
         return "has changed since the parts were joined"
     with h5py.File(part, "r") as file:
         of = PartOfMap.of({name: scalar(file.attrs.get(name)) for name in OF_PARTS})
@@ -307,9 +253,9 @@ def as_source(name: str) -> str:
 
 def check_open_files(count: int) -> None:
     """Refuse to have so many parts open at once, where HDF5 would read fill values of those that it cannot open."""
-    if os.environ.get(ELSEWHERE):
-        what = f"{ELSEWHERE} is set, by which HDF5 takes values from files of another folder"
-        raise PartsError(what, remedy=f"unset {ELSEWHERE}")
+    if os.environ.get(VDS_PREFIX):
+        what = f"{VDS_PREFIX} is set, by which HDF5 takes values from files of another folder"
+        raise PartsError(what, remedy=f"unset {VDS_PREFIX}")
     try:
         import resource
     except ImportError:  # not POSIX: no such limit
@@ -452,8 +398,6 @@ def open_map(path: str | os.PathLike[str], *, chunks: Any = None, **options: Any
 def as_map(maps: Any) -> Iterator[xr.Dataset]:
     """Yield the map that a caller gives, as a Dataset or as the path of its file, or refuse it.
 
-    Examples
-    --------
     >>> import fastlink as fl
     >>> with as_map(fl.sweep("planar_4r", fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0), ["grashof_class"])) as maps:
     ...     int(maps.grashof_class)

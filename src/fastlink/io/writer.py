@@ -40,6 +40,7 @@ from fastlink.io.checksums import (
 )
 from fastlink.io.finished import marks, stamp
 from fastlink.io.layout import FORMAT_VERSION, Placement, Variable, check_dims, plain_attrs
+from fastlink.io.output_path import SLACK, not_written, part_of, reason, refused
 from fastlink.io.partial_file import (
     Journal,
     check_left,
@@ -52,12 +53,8 @@ from fastlink.io.partial_file import (
     uninterrupted,
     write_all,
 )
-from fastlink.io.place import SLACK, not_written, part_of, reason, refused
 from fastlink.io.reader import LABELS, NAMES, WHOLE, Shown, Source, as_source
 from fastlink.space.tables import FORMAT
-
-__all__ = ["NotHereError", "Rows", "Writer", "Written", "cut", "resume"]
-
 
 # -- Put blocks of values in the order of the file, and cut them where its pieces end
 
@@ -111,10 +108,9 @@ def lay_out(
     whole: xr.Dataset | None = None,
     shown: Shown | None = None,
 ) -> dict[str, int]:
-    """Write labels to a file that exists, and reserve room for values; return the variables' offsets.
-
-    `whole` are coordinates of the map that the file is a part of, `shown` the variables whose values stay in parts.
-    """
+    """Write labels to a file that exists, and reserve room for values; return the variables' offsets."""
+    # `whole` are coordinates of the map that the file is a part of, `shown` the variables whose values stay
+    # in parts.
     shown = shown or Shown({}, {})
     labels = coords.nbytes + (0 if whole is None else whole.nbytes) + shown.nbytes + SLACK
     with open(path, "r+b") as file:  # where HDF5 had no room it might crash the process, or not say why
@@ -174,10 +170,9 @@ def create_checksums(file: Any, variables: Sequence[Variable]) -> dict[str, int]
 
 
 def _keep_whole(file: Any, whole: xr.Dataset) -> None:
-    """Keep coordinates of a whole map in a group.
-
-    They are plain arrays: the netCDF library would take their dimensions for those of the same name outside.
-    """
+    """Keep coordinates of a whole map in a group."""
+    # They are plain arrays: the netCDF library would take their dimensions for those of the same name
+    # outside.
     group = file.create_group(WHOLE)
     group.attrs.update(plain_attrs(whole.attrs))
     for name, coord in whole.coords.items():
@@ -206,11 +201,10 @@ def _to_netcdf(path: Path, coords: xr.Dataset, mode: Literal["w", "a"]) -> None:
 
 @contextlib.contextmanager
 def scratch() -> Iterator[Path]:
-    """Yield the path of an empty file for HDF5 to write: in memory and without a name, where the system has such files.
-
-    An error of the disk amid HDF5's own writes may end the process by a violation of memory; amid ours, which copy the
-    file to its place, it is an exception. A file without a name is gone with the process, however that ends.
-    """
+    """Yield the path of an empty file for HDF5 to write: in memory and nameless, where the system has such files."""
+    # An error of the disk amid HDF5's own writes may end the process by a violation of memory; amid ours,
+    # which copy the file to its place, it is an exception. A file without a name is gone with the process,
+    # however that ends.
     if hasattr(os, "memfd_create"):
         fd = os.memfd_create("fastlink.h5")
         try:
@@ -234,7 +228,7 @@ def laid_in_memory(
     """Create the file that `lay_out` lays out, by way of memory; return the variables' offsets."""
     with scratch() as other:
         offsets = lay_out(other)
-        _copy_to_new(other, path, places_of_values(offsets, variables))
+        _copy_to_new(other, path, value_extents(offsets, variables))
     return offsets
 
 
@@ -243,7 +237,7 @@ def _copy_to_new(source: Path, path: Path, values: Mapping[int, int]) -> None:
         copy_labels(source, file.fileno(), values)
 
 
-def places_of_values(offsets: Mapping[str, int], variables: Sequence[Variable]) -> dict[int, int]:
+def value_extents(offsets: Mapping[str, int], variables: Sequence[Variable]) -> dict[int, int]:
     """Return the bytes of all values, by where they begin."""
     return {offsets[variable.name]: variable.nbytes for variable in variables}
 
@@ -273,10 +267,8 @@ def _create(
 
 
 def _of_sources(variable: Variable, sources: Sequence[Source]) -> Any:
-    """Return the properties of a dataset whose values are those of datasets of the same name in other files.
-
-    Other readers see NaN, or the least or greatest integer, where a file is missing.
-    """
+    """Return the properties of a dataset whose values are those of datasets of the same name in other files."""
+    # Other readers see NaN, or the least or greatest integer, where a file is missing.
     plist = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
     whole = None if variable.dtype.kind == "f" else np.iinfo(variable.dtype)
     plist.set_fill_value(np.array(whole.min or whole.max if whole else np.nan, variable.dtype))
@@ -415,23 +407,15 @@ class SameRows:
 
 @dataclass(frozen=True)
 class Resumed:
-    """A partial file to go on with.
+    """A partial file to go on with."""
 
-    Attributes
-    ----------
-    fd : int
-        The open file, held.
-    offsets : dict
-        Where the values of each variable begin.
-    ranges : list of (start, stop)
-        The designs that are written, and as they were written.
-    sums : dict
-        The checksums of their values, by block.
-    """
-
+    #: The open file, held.
     fd: int
+    #: Where the values of each variable begin.
     offsets: dict[str, int]
+    #: The designs that are written, and as they were written.
     ranges: list[Range]
+    #: The checksums of their values, by block.
     sums: dict[int, int]
 
 
@@ -447,10 +431,9 @@ def resume(
     variables: Sequence[Variable],
     lay_out: LayOut,
 ) -> Resumed | None:
-    """Hold the partial file of an earlier run of the same fingerprint, if there is one that can be gone on with.
-
-    Its labels are laid out again, and its values read: designs whose values have changed since are to be written again.
-    """
+    """Hold the partial file of an earlier run of the same fingerprint, if there is one that can be gone on with."""
+    # Its labels are laid out again, and its values read: designs whose values have changed since are to be
+    # written again.
     fingerprint, size, rows = run
     journal = read_journal(part) if fingerprint else None
     if journal is None or journal[0].get("fingerprint") != fingerprint:
@@ -466,7 +449,7 @@ def resume(
                 os.close(fd)
                 return None
             # its own labels may be torn or changed
-            copy_labels(path, fd, places_of_values(offsets, variables))
+            copy_labels(path, fd, value_extents(offsets, variables))
         partial_file.reserve(fd, SLACK)
         values = _Values(fd, offsets, variables, size, rows)
         whole, found = ranges, values.sums(ranges)  # what was cut off reads as zeros
@@ -553,19 +536,14 @@ def _count(ranges: list[Range]) -> int:
 
 
 class ValuesFile:
-    """The values in a laid-out file.
-
-    Attributes
-    ----------
-    places : dict of int to int
-        The bytes of the values of each variable, by where they begin.
-    """
+    """The values in a laid-out file."""
 
     def __init__(self, fd: int, offsets: Mapping[str, int], variables: Sequence[Variable]) -> None:
         self.fd, self._offsets = fd, offsets
         self._variables = {variable.name: variable for variable in variables}
         self._first_block = first_blocks(variables)
-        self.places = places_of_values(offsets, variables)
+        #: The bytes of the values of each variable, by where they begin.
+        self.extents = value_extents(offsets, variables)
 
     def pieces(
         self, name: str, start: int, block: NDArray[Any], of_thread: OfThread
@@ -603,38 +581,29 @@ class ValuesFile:
 # -- Write into the file of a run from another process or machine that sees it, and report what was written
 
 
-class NotHereError(Exception):
-    """The file of a run is not seen from here."""
+class NotSeenError(Exception):
+    """The file of a run is not seen from this machine."""
 
 
 @dataclass
 class Written:
-    """An account of what was written and is on the disk.
+    """An account of what was written and is on the disk."""
 
-    Attributes
-    ----------
-    ranges : list of (start, stop)
-        The designs whose every result is written.
-    addends : dict
-        What their values add to the checksums, by block.
-    values : dict
-        The number of values of each variable.
-    nbytes : int
-        The bytes of all of them.
-    """
-
+    #: The designs whose every result is written.
     ranges: list[Range] = field(default_factory=list)
+    #: What their values add to the checksums, by block.
     addends: dict[int, int] = field(default_factory=dict)
+    #: The number of values of each variable.
     values: dict[str, int] = field(default_factory=dict)
+    #: The bytes of all of them.
     nbytes: int = 0
 
 
-class WriterElsewhere:
-    """A stand-in for a `Writer` in another process, for the designs of one task; a context manager.
+class RemoteWriter:
+    """A stand-in for a `Writer` in another process, for the designs of one task; a context manager."""
 
-    It opens the file anew for each task: the system reports an error of writing once for each time that a file is open,
-    and the synchronisation of one thread would take that of another.
-    """
+    # It opens the file anew for each task: the system reports an error of writing once for each time that a
+    # file is open, and the synchronisation of one thread would take that of another.
 
     def __init__(
         self,
@@ -647,7 +616,7 @@ class WriterElsewhere:
         self._variables = [replace(variable, attrs={}) for variable in variables]
         self._written = Written()
 
-    def __enter__(self) -> WriterElsewhere:
+    def __enter__(self) -> RemoteWriter:
         self._fd = self._opened()
         self._file = ValuesFile(self._fd, self._offsets, self._variables)
         self._of_thread = OfThread()
@@ -673,24 +642,23 @@ class WriterElsewhere:
         return self._written
 
     def _opened(self) -> int:
-        """Return a number by which the file of the run, and no other with its name, is written.
-
-        It is not read by that number: where it could be, NFS may write whole pages, with old values of other machines.
-        """
+        """Return a number by which the file of the run, and no other with its name, is written."""
+        # It is not read by that number: where it could be, NFS may write whole pages, with old values of
+        # other machines.
         try:
             known = partial_file.opened(self._part)
         except (OSError, InputError) as error:
-            raise NotHereError from error
+            raise NotSeenError from error
         try:
             for position, expected in self._token.items():
                 if read_all(known, len(expected), position) != expected:
-                    raise NotHereError(self._part)
+                    raise NotSeenError(self._part)
             fd = os.open(self._part, os.O_WRONLY | getattr(os, "O_BINARY", 0) | getattr(os, "O_NOFOLLOW", 0))
             if not os.path.samestat(os.fstat(fd), os.fstat(known)):
                 os.close(fd)
-                raise NotHereError(self._part)
+                raise NotSeenError(self._part)
         except (OSError, EOFError) as error:
-            raise NotHereError from error
+            raise NotSeenError from error
         finally:
             os.close(known)
         return fd
@@ -704,12 +672,11 @@ class WriterElsewhere:
 
 
 class Writer:
-    """Writer of a labelled file, for any number of threads; a context manager.
+    """Writer of a labelled file, for any number of threads; a context manager."""
 
-    Nothing appears under the final name before `finish`. Without it, or on any exception, leaving the context keeps the
-    partial file with its journal where `record` has noted designs, and says so in a note of the exception; else it
-    removes the file.
-    """
+    # Nothing appears under the final name before `finish`. Without it, or on any exception, leaving the
+    # context keeps the partial file with its journal where `record` has noted designs, and says so in a note
+    # of the exception; else it removes the file.
 
     def __init__(
         self,
@@ -778,7 +745,7 @@ class Writer:
         with self._idle:
             self._ranges.add(start, stop)
         addends, self._of_thread.addends = self._of_thread.addends, []
-        self._journal.add(start, stop, addends)
+        self._journal.add([(start, stop)], addends)
 
     @property
     def written(self) -> list[Range]:
@@ -824,16 +791,16 @@ class Writer:
                 self._writing -= 1
                 self._idle.notify_all()
 
-    def twin(self) -> WriterElsewhere:
-        """Return what writes in another process that knows the file by a token, in the place of its checksums."""
+    def remote(self) -> RemoteWriter:
+        """Return a writer for another process, which knows the file by a token, in the place of its checksums."""
         token = {self._offsets[name]: os.urandom(4) for name in (OF_VALUES, OF_REST)}
         for position, data in token.items():
             partial_file.write_all(self._fd, memoryview(data), position)
         synchronise(self._fd)
-        return WriterElsewhere(self.part, token, self._offsets, list(self._variables.values()))
+        return RemoteWriter(self.part, token, self._offsets, list(self._variables.values()))
 
     def merge(self, written: Written) -> None:
-        """Record what a twin has written; thread-safe."""
+        """Record what a remote writer has written; thread-safe."""
         with self._idle:
             if self._journal.error:
                 raise self._failure(self._journal.error)
@@ -843,7 +810,7 @@ class Writer:
             for start, stop in written.ranges:
                 self._ranges.add(start, stop)
         self._journal.add_bytes(written.nbytes)
-        self._journal.add_all(written.ranges, written.addends.items())
+        self._journal.add(written.ranges, written.addends.items())
 
     def finish(
         self, attrs: Mapping[str, Any], of_variables: Mapping[str, Mapping[str, Any]] | None = None
@@ -860,7 +827,7 @@ class Writer:
             try:
                 if self._journal.error:
                     raise self._journal.error
-                set_attrs(self._fd, self._file.places, last, further)
+                set_attrs(self._fd, self._file.extents, last, further)
                 self._write_checksums()
                 os.fsync(self._fd)
                 stamp(self.part, last)
@@ -877,7 +844,7 @@ class Writer:
         if blocks := sum(block_count(variable.nbytes) for variable in variables):
             sums = np.array([self._sums[block] for block in range(blocks)], "u4")
             partial_file.write_all(self._fd, sums.view(np.uint8).data, places[OF_VALUES])
-        partial_file.write_seal(self._fd, self._file.places, places[OF_REST], self._file.places)
+        partial_file.write_seal(self._fd, self._file.extents, places[OF_REST], self._file.extents)
 
     def _publish(self) -> None:
         try:
@@ -933,10 +900,8 @@ class Writer:
         return not_written(self.path, self._nbytes, error)
 
     def _close_to_writers(self) -> None:
-        """Refuse further writes, wait for those under way, and record what is written.
-
-        The file number may soon be of another file.
-        """
+        """Refuse further writes, wait for those under way, and record what is written."""
+        # The file number may soon be of another file.
         with self._idle:
             if self._closed:
                 raise ValueError(f"{self.path}: the file is closed")

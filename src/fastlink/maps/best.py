@@ -104,7 +104,7 @@ def conditions(maps: xr.Dataset, where: Any) -> list[Condition]:
                 made.append(_of_name(maps, name, given))
         problems.stop()
         return made
-    if getattr(getattr(where, "dtype", None), "kind", "") != "b" or not hasattr(where, "dims"):
+    if not isinstance(where, xr.DataArray) or where.dtype.kind != "b":
         remedy = (
             "write ranges such as {'a1': (None, 0.5)}, a meaning of status, or a mask such as maps.a1 < 0.5"
         )
@@ -435,8 +435,12 @@ def _objectives(maps: xr.Dataset, minimise: Any, maximise: Any) -> list[Objectiv
 
 def listed(given: Any) -> list[Any]:
     """Return the objectives that are given, one or several."""
-    one = isinstance(given, str) or not isinstance(given, Iterable) or getattr(given, "ndim", 1) == 0
-    return [given] if one else list(given)
+    if isinstance(given, str):
+        return [given]
+    try:
+        return list(given)
+    except Exception:  # one value, or whatever a class of somebody's does
+        return [given]
 
 
 def objective(maps: xr.Dataset, where: str, name: Any, sign: float) -> Objective:

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from fastlink._text import size
 from fastlink.errors import InputError, check_path, check_switch, check_whole, door, printable
 from fastlink.io.output import write_whole
-from fastlink.io.place import check_place, reason
+from fastlink.io.output_path import check_writable, reason
 from fastlink.io.reader import as_map
 from fastlink.maps.best import least
 from fastlink.pictures.content import ONE, POOLS, Values, content_of, page_of
@@ -47,7 +47,7 @@ def check_page(to: Any) -> Path:
     path = check_path(("to",), to, EXAMPLE)
     if path.suffix.lower() not in ENDINGS:
         raise InputError(f"{path}: a page ends in .html", where=("to",), remedy=f"write such as {EXAMPLE}")
-    check_place(path, "to", EXAMPLE)
+    check_writable(path, "to", EXAMPLE)
     return path
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from fastlink.errors import InputError, check_path, check_switch
 from fastlink.io.output import write_whole
-from fastlink.io.place import check_place
+from fastlink.io.output_path import check_writable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -40,7 +40,7 @@ def check_picture(
         ending = f"ends in {kind!r}" if kind else "has no ending"
         remedy = f"write one of {', '.join(kinds)}"
         raise InputError(f"{path}: the name of the picture {ending}", where=(where,), remedy=remedy)
-    check_place(path, where, example)
+    check_writable(path, where, example)
     require_matplotlib(where)
     return path
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache, reduce
 from numbers import Real
@@ -30,6 +30,7 @@ from fastlink.facts.catalogue import ELIMINATED, Catalogue
 from fastlink.facts.derivative import is_tolerance
 from fastlink.facts.fact import Input
 from fastlink.facts.find import did_you_mean
+from fastlink.facts.powers import beyond_range, limits
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.plan.query import Extrema, input_remedy, parse_request, suggest_input
 from fastlink.space.design_space import (
@@ -79,9 +80,11 @@ __all__ = [
     "check_model",
     "check_positions",
     "check_turn",
+    "code_beyond_range",
     "constants_of",
     "given_angles",
     "in_degrees",
+    "in_range",
     "joined_missing",
     "missing_inputs",
     "name_problems",
@@ -123,6 +126,10 @@ def check_model(catalogue: Catalogue, links: Links | None, solver: str) -> None:
         problems.add(f"is {short_repr(links)}, not a model of the links", ("links",), remedy)
     elif links is not None and links.model not in catalogue.variant_inputs:
         problems.add(f"nothing of {catalogue.name} depends on mass", ("links",), "leave them out")
+    elif links is not None:
+        inputs = catalogue.variant_inputs[links.model]
+        for name, value in links.values.items():
+            problems.noted += value_problems(inputs[name], np.asarray(value), "links", check=in_range)
     problems.stop()
 
 
@@ -160,12 +167,13 @@ def check_inputs(
     problems.noted += name_problems(catalogue, space.names, known, options=of_sample)
     for name in filter(known.__contains__, space.names):
         value = space.constants.get(name)
-        if not allow_invalid and (value is None or not allowed(known[name], value)):
+        if not allow_invalid and (value is None or not in_range(known[name], value)):
             column = space.columns.get(name)
             if isinstance(column, Column):
                 problems.noted += _column_problems(known[name], column)
-            else:
-                problems.noted += value_problems(known[name], space.values(name), "design")
+            else:  # designs of a space beyond the range are flagged, as those that never assemble are
+                values, check = space.values(name), allowed if value is None else in_range
+                problems.noted += value_problems(known[name], values, "design", check=check)
     problems.stop()
 
 
@@ -211,6 +219,18 @@ def allowed(declared: Input, value: Any) -> Any:
     return finite & (value >= 0) if declared.rule == "non-negative" else finite
 
 
+def in_range(declared: Input, value: Any) -> Any:
+    """Tell whether an input may have a value, and all steps with it stay within the range of doubles."""
+    return allowed(declared, value) & ~np.bool_(beyond_range(declared, value))
+
+
+def code_beyond_range(catalogue: Catalogue) -> int:
+    """Return the status of designs with a number beyond the range."""
+    return next(
+        code for code, meaning in catalogue.facts["status"].flags.items() if meaning == "beyond_range"
+    )
+
+
 def unknown_input(
     catalogue: Catalogue,
     name: str,
@@ -234,10 +254,14 @@ def unknown_input(
 
 
 def value_problems(
-    declared: Input, values: NDArray[np.float64], parent: str, remedy: Remedy = ""
+    declared: Input,
+    values: NDArray[np.float64],
+    parent: str,
+    remedy: Remedy = "",
+    check: Callable[[Input, Any], Any] = allowed,
 ) -> list[Problem]:
     """Return the first value that an input cannot have, if there is one; a further remedy may be given."""
-    bad = np.flatnonzero(~allowed(declared, values))[:1]
+    bad = np.flatnonzero(~check(declared, values))[:1]
     if not bad.size:
         return []
     index: Sequence[Any] = np.unravel_index(bad[0], values.shape) if values.size > 1 else ()
@@ -248,6 +272,10 @@ def value_problems(
         mend = "write one of " + ", ".join(
             f"{code} ({meaning})" for code, meaning in declared.choices.items()
         )
+    if allowed(declared, value):
+        least, most = limits(declared.units, declared.rule)
+        zero = "" if declared.rule == "positive" else "0 or "
+        mend = f"write {zero}a magnitude of {least:.1e} to {most:.1e} {declared.units}"
     where: KeyPath = (parent, declared.name, *(int(k) for k in index))
     return [Problem(f"is {value} ({declared.meaning})", where, (mend, *remedy) if remedy else mend)]
 

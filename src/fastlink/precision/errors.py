@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, partial
@@ -11,9 +12,9 @@ import numpy as np
 
 from fastlink.errors import InputError
 from fastlink.facts.evaluate import read_facts
-from fastlink.facts.fact import Fact, System
+from fastlink.facts.fact import Fact, Input, System
 from fastlink.facts.names import ErrorBound, error_name
-from fastlink.facts.sizes import natural_size
+from fastlink.facts.powers import UNITS, dimensions
 from fastlink.facts.tables import angle_tables
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.precision.independent.check import TOLERANCE, IndependentValues
@@ -126,7 +127,8 @@ class Sample:
     def terms(self, quantity: str, design: int) -> float:
         """Return the size of a quantity of a design by its lengths, masses and rates."""
         values = {name: float(column[design]) for name, column in self.inputs.items()}
-        return natural_size(self.catalogue, values, self.catalogue.public_fact(quantity).units)
+        known = self.catalogue.known_inputs(self.plan.variants)
+        return _natural_size(known, values, self.catalogue.public_fact(quantity).units)
 
     def bound(self, quantity: str, at: Mapping[str, float]) -> float:
         """Return the error bound of a quantity at a configuration; infinite where it has none."""
@@ -291,6 +293,22 @@ class MeasuredErrors:
             attrs["independent_values"] = len(self.independent)
             attrs["independent_max_difference"] = max(self.independent)
         return attrs
+
+
+def _natural_size(known: Mapping[str, Input], values: Mapping[str, float], units: str) -> float:
+    """Return the power of two near which a quantity is for a design: of its longest bar, greatest mass and rate."""
+    of = {
+        name: dimensions(known[name].units) for name, value in values.items() if 0.0 < abs(value) < math.inf
+    }
+    exponent = {name: math.frexp(values[name])[1] for name in of}
+    bars = [exponent[name] for name in of if of[name] == UNITS["m"] and known[name].rule == "positive"]
+    length = max(bars, default=0)
+    rates = [exponent[n] // -of[n][2] for n in of if of[n][:2] == (0, 0) and of[n][2] < 0]
+    rate = max(rates, default=0)
+    masses = [exponent[n] for n in of if of[n] == UNITS["kg"]]
+    masses = masses or [exponent[n] - of[n][1] * length + of[n][2] * rate for n in of if of[n][0] == 1]
+    mass = max(masses, default=0)
+    return math.ldexp(1.0, sum(x * y for x, y in zip(dimensions(units), (mass, length, -rate), strict=True)))
 
 
 def unit_of(exact: Any, condition: Any, terms: float) -> Any:

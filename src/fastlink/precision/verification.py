@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink.errors import check_whole
+from fastlink.facts.powers import any_beyond_range
 from fastlink.precision.errors import Sample, affordable, configurations, refined, sampled, values
 
 if TYPE_CHECKING:
@@ -58,10 +59,6 @@ class _Chosen:
             chosen = self.designs[first:last] - start
             self.rows.append((first, last, [array[chosen] for array in arrays]))
 
-    def report(self) -> list[_Rows]:
-        """Return what was collected."""
-        return self.rows
-
     def joined(self) -> list[NDArray[Any]]:
         """Return the results of all of them, by output."""
         joined = [np.empty((self.designs.size, *a.shape[1:]), a.dtype) for a in self.rows[0][2]]
@@ -76,7 +73,10 @@ class Verification:
 
     def __init__(self, plan: Plan, space: DesignSpace, positions: NDArray[Any], count: int) -> None:
         self.rng = np.random.default_rng(SEED)
-        self.designs = designs = space.some(count, self.rng)
+        designs = space.some(count, self.rng)
+        known = plan.catalogue.known_inputs(plan.variants)
+        far = np.broadcast_to(any_beyond_range(known, space.at(designs)), designs.shape)
+        self.designs = designs = designs[~far]  # the others have no numbers
         branch_indices = self.rng.integers(len(plan.branches), size=designs.size)
         # in random order, so that the first of them are a random sample too
         self.order = self.rng.permutation(designs.size)
@@ -86,14 +86,6 @@ class Verification:
     def collect(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
         """Copy the results of the sampled designs among start to stop; thread-safe."""
         self._chosen.collect(start, stop, arrays)
-
-    def merge(self, rows: list[_Rows]) -> None:
-        """Add what a twin has collected."""
-        self._chosen.rows += rows
-
-    def twin(self) -> _Chosen:
-        """Return an object that collects in another process, see `fastlink.engine.cluster`."""
-        return _Chosen(self.designs)
 
     def measure(self) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
         """Return attributes of the result, which state a failure too, and of its variables."""

@@ -429,6 +429,7 @@ STATUS_FLAGS = {
     5: "S_in_M_or_N",
     6: "four_bar_never_assembles",
     7: "invalid_input",
+    8: "beyond_range",
 }
 
 

@@ -475,6 +475,7 @@ STATUS_FLAGS = {
     5: "kappa_is_0",
     6: "kappa_is_1_or_minus_1",
     7: "invalid_input",
+    8: "beyond_range",
 }
 KITE_FLAGS = {0: "no", 1: "kite_with_m_equal_p", 2: "kite_with_n_equal_q"}
 

@@ -125,6 +125,7 @@ STATUS_FLAGS = {
     2: "branches_meet_at_theta_0",
     3: "undetermined_at_theta_0",
     4: "invalid_input",
+    5: "beyond_range",
 }
 BRANCHING_FLAGS = {
     0: "none",

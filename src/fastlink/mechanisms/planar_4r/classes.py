@@ -187,6 +187,7 @@ STATUS_FLAGS = {
     3: "change_point",
     4: "invalid_input",
     5: "assembles_in_one_position",
+    6: "beyond_range",
 }
 CLASS_FLAGS = {
     0: "crank_rocker",

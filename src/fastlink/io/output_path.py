@@ -18,9 +18,6 @@ from typing import Any
 from fastlink._text import size
 from fastlink.errors import InputError, Remedy, Setting, check_output, not_a_file
 
-__all__ = ["exchange", "exclusive_rename", "progress_bar"]
-
-
 # -- The place of a map file: what may be written there, and the words in which a place is refused
 
 
@@ -63,7 +60,7 @@ def existing_file(path: str | Path) -> Path | None:
         return None
 
 
-def check_place(path: Path, where: str = "to", example: str = "maps.h5") -> None:
+def check_writable(path: Path, where: str = "to", example: str = "maps.h5") -> None:
     """Refuse a path at which no file can be written, before anything is computed for it."""
     try:
         if other := not_a_file(path):

@@ -1,0 +1,214 @@
+"""Numbers that have no value, only powers: of kilogram, metre and second, or of an input that scales results.
+
+Facts, and texts of users, run on them as on doubles. Unlike powers are neither added nor compared: a text that does so
+means something else in other units, and its value does not grow as a power of the input.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fastlink.facts.expression import Condition
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    from fastlink.facts.fact import Input
+
+__all__ = [
+    "UNITS",
+    "Powers",
+    "UnlikePowers",
+    "any_beyond_range",
+    "beyond_range",
+    "dimensions",
+    "limits",
+    "units_text",
+]
+
+
+#: Powers of kilogram, metre and second.
+UNITS: dict[str, tuple[int, int, int]] = {
+    "kg": (1, 0, 0), "m": (0, 1, 0), "s": (0, 0, 1), "rad": (0, 0, 0), "1": (0, 0, 0),
+    "N": (1, 1, -2), "J": (1, 2, -2), "W": (1, 2, -3),
+}  # fmt: skip
+#: A unit of an input is multiplied by numbers within 2^-RANGE and 2^RANGE. The steps of all facts are products of at
+#: most eight of them, and stay far within 2^-1022 and 2^1023.
+RANGE = 80
+
+
+class UnlikePowers(Exception):
+    """Unlike powers meet; the arguments are a sentence with gaps and the powers that fill them."""
+
+    def __str__(self) -> str:
+        return str(self.args[0]).format(*map(units_text, self.args[1:]))
+
+
+@dataclass(frozen=True, eq=False)
+class Powers:
+    """A number of which only the powers are known."""
+
+    powers: tuple[float, ...]
+
+    @property
+    def context(self) -> _Functions:
+        """The functions of `fastlink.numerics.elementary` for such numbers."""
+        return _Functions()
+
+    def of(self, other: Any) -> tuple[float, ...]:
+        """Return the powers of another number."""
+        return other.powers if isinstance(other, Powers) else (0.0,) * len(self.powers)
+
+    def like(self, other: Any, doing: str) -> Powers:
+        """Return a sum or choice of both; zero and NaN have any powers."""
+        if not isinstance(other, Powers) and (other == 0.0 or other != other):
+            return self
+        if (powers := self.of(other)) != self.powers:
+            raise UnlikePowers(f"{doing} {{}} and {{}}", self.powers, powers)
+        return self
+
+    def _sum(self, other: Any) -> Powers:
+        return self.like(other, "adds")
+
+    __add__ = __radd__ = __sub__ = __rsub__ = _sum
+
+    def _times(self, other: Any, sign: int) -> Powers:
+        return Powers(tuple(x + sign * y for x, y in zip(self.powers, self.of(other), strict=True)))
+
+    def __mul__(self, other: Any) -> Any:
+        return 0.0 if isinstance(other, float) and other == 0.0 else self._times(other, 1)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Powers:
+        return self._times(other, -1)
+
+    def __rtruediv__(self, other: Any) -> Any:
+        return 0.0 if isinstance(other, float) and other == 0.0 else Powers(self.of(other))._times(self, -1)
+
+    def __neg__(self) -> Powers:
+        return self
+
+    __abs__ = __neg__
+
+    def _compared(self, other: Any) -> _Condition:
+        if isinstance(other, Powers) or abs(other) != math.inf:  # infinities are beyond any power
+            self.like(other, "compares")
+        return _Condition()
+
+    __lt__ = __le__ = __gt__ = __ge__ = __eq__ = __ne__ = _compared  # type: ignore[assignment]
+    __hash__ = None  # type: ignore[assignment]
+
+
+class _Condition(Condition):
+    """The result of a comparison: the same in any units."""
+
+    def choose(self, if_true: Any, if_false: Any) -> Any:
+        """Return the powers of both values of `fastlink.numerics.elementary.select`."""
+        if isinstance(if_true, Powers):
+            return if_true.like(if_false, "chooses between")
+        if not isinstance(if_false, Powers):
+            return if_true if if_true != 0.0 else if_false
+        if if_true == 0.0 or if_true != if_true:
+            return if_false
+        return Powers(if_false.of(if_true)).like(if_false, "chooses between")
+
+
+class _Functions:
+    """Elementary functions of such numbers."""
+
+    nan = math.nan
+
+    def sqrt(self, x: Powers) -> Powers:
+        return Powers(tuple(0.5 * power for power in x.powers))
+
+    def atan2(self, y: Any, x: Any) -> Powers:
+        pure = y._times(y, -1) if isinstance(y, Powers) else x._times(x, -1)
+        (y if isinstance(y, Powers) else pure).like(x, "takes the angle of")
+        return pure
+
+    def _of_number(self, x: Powers) -> Powers:
+        if any(x.powers):
+            raise UnlikePowers("takes a function of {}, not of a number without units", x.powers)
+        return x
+
+    log = cos = sin = exp = _of_number
+
+
+def units_text(powers: tuple[float, ...]) -> str:
+    """Return powers of kilogram, metre and second as units.
+
+    Examples
+    --------
+    >>> units_text((1.0, 1.0, -2.0)), units_text((0.0, 0.5, 0.0)), units_text((0.0, 0.0, 0.0))
+    ('N', 'm0.5', 'a number')
+    """
+    if not any(powers):
+        return "a number"
+    named = [name for name, known in UNITS.items() if known == powers]
+    parts = [
+        f"{unit}{power:g}" if power != 1 else unit
+        for unit, power in zip(("kg", "m", "s"), powers, strict=True)
+        if power
+    ]
+    return named[0] if named else " ".join(parts)
+
+
+@lru_cache(maxsize=256)
+def dimensions(units: str) -> tuple[int, int, int]:
+    """Return the powers of kilogram, metre and second in a unit.
+
+    Examples
+    --------
+    >>> dimensions("N m"), dimensions("rad s-2"), dimensions("kg m-3")
+    ((1, 2, -2), (0, 0, -2), (1, -3, 0))
+    """
+    found = [re.fullmatch(r"([A-Za-z]+|1)(-?\d*)", unit) for unit in units.split()]
+    powers = [(UNITS[match[1]], int(match[2] or 1)) for match in found if match is not None]
+    mass, length, time = (sum(unit[k] * power for unit, power in powers) for k in range(3))
+    return mass, length, time
+
+
+@lru_cache(maxsize=256)
+def limits(units: str, rule: str) -> tuple[float, float]:
+    """Return the numbers between which the magnitude of an input stays unless it is 0.
+
+    A length that may be 0 may be as small as it likes: it stands beside the bars. Moments of inertia and their like
+    have a lower limit for each power of a unit that is in them.
+
+    Examples
+    --------
+    >>> limits("m", "positive") == (2.0**-80, 2.0**80), limits("m", "any") == (0.0, 2.0**80), limits("rad", "any")
+    (True, True, (0.0, inf))
+    """
+    powers = dimensions(units)
+    if not any(powers):
+        return 0.0, math.inf
+    may_vanish = powers == UNITS["m"] and rule != "positive"
+    return 0.0 if may_vanish else 2.0 ** (-RANGE * sum(map(abs, powers))), 2.0**RANGE
+
+
+def beyond_range(declared: Input, values: Any) -> Any:
+    """Tell for one or several values of an input whether they are beyond its limits; NaN and infinities are not."""
+    least, most = limits(declared.units, declared.rule)
+    if most == math.inf:
+        return False
+    sizes = abs(values)
+    return ((sizes <= least) | (sizes >= most)) & (sizes > 0.0) & (sizes < math.inf)
+
+
+def any_beyond_range(declared: Mapping[str, Input], inputs: Mapping[str, Any]) -> NDArray[np.bool_]:
+    """Tell for designs whether one of their inputs is beyond its limits."""
+    found = np.zeros((), dtype=bool)
+    for name, values in inputs.items():
+        if name in declared:
+            found = found | beyond_range(declared[name], values)
+    return found
