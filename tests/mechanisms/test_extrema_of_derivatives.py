@@ -13,7 +13,7 @@ from tests.support.registry import ENTRIES
 
 import fastlink as fl
 from fastlink.facts.names import derivative_name
-from fastlink.plan.programs import find_extremum_search
+from fastlink.plan.programs import Planner
 
 DRIVEN = [e for e in ENTRIES if e.moves and e.catalogue.graded and e.solver == "eliminated" and not e.about]
 #: A quantity of each input that changes with most inputs, and is finite.
@@ -36,7 +36,7 @@ def derivatives(entry, designs):
     name = next(n for n in (OF.get(entry.input, ""), "P_y", "F_y", "N_y") if n in entry.names)
     names = [derivative_name(name, by) for by in designs if by in catalogue.variables]
     variants = catalogue.variants_selected_by(designs)
-    found = [n for n in names if find_extremum_search(catalogue, n, tuple(designs), variants)]
+    found = [n for n in names if Planner(catalogue, tuple(designs), tuple(variants)).search(n)]
     assert found
     return found
 

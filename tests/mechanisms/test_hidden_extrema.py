@@ -14,7 +14,7 @@ from tests.support.registry import ENTRIES
 
 import fastlink as fl
 from fastlink.engine.resolve import _plan
-from fastlink.plan.programs import find_extremum_search
+from fastlink.plan.programs import Planner
 
 #: Half the number of cells of a search that divides none; a power of two.
 FINE = 512
@@ -49,7 +49,7 @@ GRADED = [entry for entry in ENTRIES if entry.catalogue.graded is not None and n
 def searched(entry, designs):
     """Return the quantities whose searches divide cells."""
     searches = {
-        name: find_extremum_search(entry.catalogue, name, designs, ()) for name in entry.catalogue.public
+        name: Planner(entry.catalogue, tuple(designs)).search(name) for name in entry.catalogue.public
     }
     return [name for name, search in searches.items() if search is not None and search.divided]
 

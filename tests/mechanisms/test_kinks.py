@@ -12,7 +12,7 @@ from tests.support.registry import ENTRIES
 
 import fastlink as fl
 from fastlink.numerics.compiler import syntax
-from fastlink.plan.programs import find_extremum_search
+from fastlink.plan.programs import Planner
 
 #: Driven inputs whose extremes are searched, with families that are hard.
 DRIVES = [entry for entry in ENTRIES if entry.catalogue.graded is not None and not entry.about]
@@ -32,7 +32,7 @@ SHARP_DRIVES = [entry for entry in DRIVES if (entry.mechanism, entry.input) in K
 def searches_of(entry):
     """Return the searches by quantity, of those whose extremes are searched."""
     catalogue = entry.catalogue
-    found = {name: find_extremum_search(catalogue, name, catalogue.inputs, ()) for name in catalogue.public}
+    found = {name: Planner(catalogue, tuple(catalogue.inputs)).search(name) for name in catalogue.public}
     return {name: search for name, search in found.items() if search is not None}
 
 

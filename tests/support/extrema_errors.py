@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 import fastlink as fl
-from fastlink.plan.programs import find_extremum_search
+from fastlink.plan.programs import Planner
 from fastlink.precision.reference import CONTEXT as MP
 from fastlink.precision.stationary import END, JUMP, Extreme, Stationary
 from tests.support.precision import in_every_mode
@@ -58,7 +58,7 @@ def searched(entry: Entry, designs: dict[str, np.ndarray]) -> list[str]:
     catalogue = entry.catalogue
     variants = catalogue.variants_selected_by(designs)
     names = [name for name in catalogue.public if catalogue.has_reductions(name)]
-    found = ((name, find_extremum_search(catalogue, name, tuple(designs), variants)) for name in names)
+    found = ((name, Planner(catalogue, tuple(designs), tuple(variants)).search(name)) for name in names)
     return [name for name, search in found if search is not None and not catalogue.public[name].flags]
 
 
