@@ -26,7 +26,8 @@ from fastlink._text import (
     size,
 )
 from fastlink.engine.labels import request_labels
-from fastlink.errors import InputError, Setting, check_switch, door
+from fastlink.engine.options import check_options
+from fastlink.errors import InputError, Setting, door
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.fact import Fact, Input
 from fastlink.facts.find import index_of_inputs
@@ -501,7 +502,7 @@ def quantities(
     >>> [row.name for row in fl.quantities("planar_4r", find="mu min")]
     ['transmission_angle_min', 'transmission_angle_least']
     """
-    internal = check_switch(("internal",), internal)
+    internal = check_options({"internal": internal})["internal"]
     if mechanism is None and find is None:
         known = ", ".join(map(repr, NAMES))
         remedy = (f"write one of {known}", (", or ", Setting("find", "torque"), " to search them all"))

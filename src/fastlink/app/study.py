@@ -36,7 +36,6 @@ from fastlink.errors import (
     Setting,
     Wording,
     check_path,
-    check_switch,
     door,
     nearest,
     not_a_file,
@@ -839,32 +838,21 @@ def _refused(path: Path, what: str, remedy: str) -> InputError:
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """A study without problems, as `fastlink.sweep` takes it.
+    """A study without problems, as `fastlink.sweep` takes it."""
 
-    Attributes
-    ----------
-    path : Path
-        The file.
-    text : str
-        Its text.
-    tables : dict
-        Its tables and keys.
-    space : DesignSpace
-        The designs.
-    options : dict
-        The options of the sweep besides mechanism, designs and quantities.
-    sources : tuple of Path
-        The files that it was read from: itself, a table of designs, and Python code that declares quantities.
-    mechanism : str or Extension
-        The mechanism: its name, or one with the quantities that a file beside the study declares.
-    """
-
+    #: The file.
     path: Path
+    #: Its text.
     text: str
+    #: Its tables and keys.
     tables: dict[str, Any]
+    #: The designs.
     space: DesignSpace
+    #: The options of the sweep besides mechanism, designs and quantities.
     options: dict[str, Any]
+    #: The files that it was read from: itself, a table of designs, and Python code that declares quantities.
     sources: tuple[Path, ...]
+    #: The mechanism: its name, or one with the quantities that a file beside the study declares.
     mechanism: str | Extension
 
     @property
@@ -983,42 +971,22 @@ def run_study(
             overwrite = True
         attrs = {**title, "study_file": writable(study.path.name), "study": study.text}
         verify = study.output.get("verify") if verify is None else verify
-        if study.search is not None:
-            if layout is not None:
-                remedy = "leave it out: a search keeps the best of all designs alone"
-                raise InputError("is for maps, not for a search", where=("layout",), remedy=remedy)
-            return search(
-                study.mechanism,
-                study.space,
-                study.quantities,
-                **study.search,
-                **{"branch": 1, **study.options},
-                verify=verify,
-                to=target,
-                overwrite=overwrite,
-                restart=restart,
-                part=part,
-                threads=threads,
-                client=client,
-                progress=progress,
-                attrs=attrs,
-            )
-        return sweep(
-            study.mechanism,
-            study.space,
-            study.quantities,
-            **study.options,
-            verify=verify,
-            to=target,
-            overwrite=overwrite,
-            restart=restart,
-            part=part,
-            layout=layout or study.output.get("layout") or CURVES,
-            threads=threads,
-            client=client,
-            progress=progress,
-            attrs=attrs,
-        )
+        run: dict[str, Any] = {
+            "verify": verify,
+            "to": target,
+            "overwrite": overwrite,
+            "restart": restart,
+            "part": part,
+        }
+        run |= {"threads": threads, "client": client, "progress": progress, "attrs": attrs}
+        of = study.mechanism, study.space, study.quantities
+        if study.search is None:
+            run["layout"] = layout or study.output.get("layout") or CURVES
+            return sweep(*of, **study.options, **run)
+        if layout is not None:
+            remedy = "leave it out: a search keeps the best of all designs alone"
+            raise InputError("is for maps, not for a search", where=("layout",), remedy=remedy)
+        return search(*of, **study.search, **{"branch": 1, **study.options}, **run)
     except InputError as error:
         if given.get(str(error.where[0]) if error.where else "") is not None:
             raise  # the caller's own, not the study's
@@ -1040,7 +1008,7 @@ def read_study(path: str | Path, trust_code: bool = False) -> Study:
     The Python file that it may name is run only if that code is trusted.
     """
     path = check_path(("study",), path, "study.toml")
-    trusted = check_switch((TRUST,), trust_code)
+    trusted = check_options({TRUST: trust_code})[TRUST]
     text = text_of(path)
     contents, problems = contents_of(path, text), Problems(StudyWording(path))
     mechanism = _mechanism(path, contents, problems, trusted)

@@ -95,35 +95,23 @@ class Output:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Program:
-    """Facts to compute at input positions, and the results that are made of them.
+    """Facts to compute at input positions, and the results that are made of them."""
 
-    Attributes
-    ----------
-    catalogue : Catalogue
-        The mechanism.
-    outputs : tuple of Output
-        The results, in the order of the request.
-    steps : tuple of Fact or System
-        Everything computed, in order.
-    inputs : tuple of str
-        The inputs that the steps read, the rows of the kernel's design array.
-    branches : tuple of int
-        The assembly modes.
-    variants : tuple of str
-        The selected variants.
-    tables : tuple of str
-        The functions of the input position that the steps read, the rows of the kernel's angle array.
-    lanes : {"designs", "angles"}
-        What stands side by side in the vector lanes.
-    """
-
+    #: The mechanism.
     catalogue: Catalogue
+    #: The results, in the order of the request.
     outputs: tuple[Output, ...]
+    #: Everything computed, in order.
     steps: tuple[Fact | System, ...]
+    #: The inputs that the steps read, the rows of the kernel's design array.
     inputs: tuple[str, ...]
+    #: The assembly modes.
     branches: tuple[int, ...]
+    #: The selected variants.
     variants: tuple[str, ...]
+    #: The functions of the input position that the steps read, the rows of the kernel's angle array.
     tables: tuple[str, ...] = ()
+    #: What stands side by side in the vector lanes.
     lanes: Lanes = "designs"
 
     @property
@@ -153,72 +141,49 @@ class Program:
 
 @dataclass(frozen=True)
 class ExtremumSearch:
-    """A quantity whose extrema are searched.
+    """A quantity whose extrema are searched."""
 
-    Attributes
-    ----------
-    quantity : str
-        Its name.
-    slope : str
-        The fact that vanishes where it is extreme.
-    cells, most : int
-        Half the number of cells of the graded range, a power of two, and how many extrema are kept.
-    order, slope_order : int
-        The powers of 1/sigma by which quantity and slope grow at a toggle.
-    parity, slope_parity : int
-        What the mirror does to them: 1, -1, or 0 for no symmetry.
-    at_limit : bool
-        Whether the quantity has a value exactly at a toggle.
-    divided : bool
-        Whether cells are divided whose samples cannot exclude further extrema; the others have none that hide.
-    magnitude : bool
-        Whether it is the magnitude of a vector: its square is smooth where it comes close to zero.
-    folds : bool
-        Whether it is an angle from 0 to pi, which turns back at both.
-    kinked : bool
-        Whether its slope may jump over zero: it chooses the larger of two values, or takes the size of one.
-    divisors : tuple of str
-        The values other than 1/sigma by whose product the slope is divided.
-    onto : str
-        Where `slope` is another one, at whose zeros the quantity may be greatest or least too: the quantity.
-    piece : bool
-        Whether `slope` is the derivative of a smooth quantity that the quantity is in some places.
-    jumps : bool
-        Whether these are jumps of an angle by 2 pi, which reaches pi and -pi there.
-    turns : tuple of str
-        What vanishes where the slope jumps or has a kink: cells are split at these places.
-    splits : bool
-        Whether the zeros of `slope` are such places of other searches, and nothing else.
-    bounded_by : tuple of str
-        Where error bounds of the extremes are requested: those of quantity and slope, the slope's derivative, and the
-        slope.
-    gradients : tuple of Gradient
-        The derivatives of the extremes by inputs that are requested, of the values before those of the places.
-    known : KnownExtremes, optional
-        Where its extremes are, if that is known in closed form.
-    """
-
+    #: Its name.
     quantity: str
+    #: The fact that vanishes where it is extreme.
     slope: str
+    #: Half the number of cells of the graded range, a power of two, and how many extrema are kept.
     cells: int
     most: int
+    #: The powers of 1/sigma by which quantity and slope grow at a toggle.
     order: int
     slope_order: int
+    #: What the mirror does to them: 1, -1, or 0 for no symmetry.
     parity: int
     slope_parity: int
+    #: Whether the quantity has a value exactly at a toggle.
     at_limit: bool
+    #: Whether cells are divided whose samples cannot exclude further extrema; the others have none that hide.
     divided: bool
+    #: Whether it is the magnitude of a vector: its square is smooth where it comes close to zero.
     magnitude: bool
+    #: Whether it is an angle from 0 to pi, which turns back at both.
     folds: bool = False
+    #: Whether its slope may jump over zero: it chooses the larger of two values, or takes the size of one.
     kinked: bool = False
+    #: The values other than 1/sigma by whose product the slope is divided.
     divisors: tuple[str, ...] = ()
+    #: Where `slope` is another one, at whose zeros the quantity may be greatest or least too: the quantity.
     onto: str = ""
+    #: Whether `slope` is the derivative of a smooth quantity that the quantity is in some places.
     piece: bool = False
+    #: Whether these are jumps of an angle by 2 pi, which reaches pi and -pi there.
     jumps: bool = False
+    #: What vanishes where the slope jumps or has a kink: cells are split at these places.
     turns: tuple[str, ...] = ()
+    #: Whether the zeros of `slope` are such places of other searches, and nothing else.
     splits: bool = False
+    #: Where error bounds of the extremes are requested: those of quantity and slope, the slope's derivative, and
+    #: the slope.
     bounded_by: tuple[str, ...] = ()
+    #: The derivatives of the extremes by inputs that are requested, of the values before those of the places.
     gradients: tuple[Gradient, ...] = ()
+    #: Where its extremes are, if that is known in closed form.
     known: KnownExtremes | None = None
 
     @property
@@ -229,24 +194,16 @@ class ExtremumSearch:
 
 @dataclass(frozen=True)
 class Gradient:
-    """The derivative of an extreme, or of its place, by an input.
+    """The derivative of an extreme, or of its place, by an input."""
 
-    Attributes
-    ----------
-    by : str
-        The input.
-    is_position : bool
-        Whether it is that of the place.
-    held : tuple of str
-        The derivative of the quantity at one input position; for the place those of the slope by the input and by the
-        position, whose quotient times -1 it is. Empty where the input moves nothing but the limits of motion.
-    moving : str
-        The derivative at a place that moves with the limits of motion, empty where nothing moves.
-    """
-
+    #: The input.
     by: str
+    #: Whether it is that of the place.
     is_position: bool
+    #: The derivative of the quantity at one input position; for the place those of the slope by the input and by
+    #: the position, whose quotient times -1 it is. Empty where the input moves nothing but the limits of motion.
     held: tuple[str, ...]
+    #: The derivative at a place that moves with the limits of motion, empty where nothing moves.
     moving: str
 
     @property
@@ -797,32 +754,21 @@ def make_program(
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """The programs that together give all results; two plans are equal only if they are one object, so it can be a key.
+    """The programs that together give all results; a plan equals itself alone, so that it can be a key."""
 
-    Attributes
-    ----------
-    catalogue : Catalogue
-        The mechanism.
-    outputs : tuple of Output
-        The results, in the order of the request.
-    programs : tuple of Program
-        One for each kernel.
-    branches : tuple of int
-        The assembly modes.
-    variants : tuple of str
-        The selected variants.
-    extrema_kept : int
-        Length of the dimension of extrema.
-    recipe : tuple
-        The arguments of `planned_again`, which makes the plan in another process: facts are functions, and stay.
-    """
-
+    #: The mechanism.
     catalogue: Catalogue
+    #: The results, in the order of the request.
     outputs: tuple[Output, ...]
+    #: One for each kernel.
     programs: tuple[Program, ...]
+    #: The assembly modes.
     branches: tuple[int, ...]
+    #: The selected variants.
     variants: tuple[str, ...]
+    #: Length of the dimension of extrema.
     extrema_kept: int
+    #: The arguments of `planned_again`, which makes the plan in another process: facts are functions, and stay.
     recipe: tuple[Any, ...] = field(default=(), repr=False)
 
     def __reduce__(self) -> tuple[Any, ...]:
