@@ -313,6 +313,9 @@ def test_columns_of_a_table_are_kept(folder):
         assert maps.part_no.values.tolist() == [7, 8]
     assert_problem(BARE + "[design]\nkeep = ['part_no']\na2 = 1.2\n" + rest, "design.keep", "table = ...")
     assert refused(text.format("keep = 7\n"))[0].startswith("design.keep is 7; write names of columns")
+    assert (
+        refused(text.format("keep = [7]\n"))[0] == "design.keep[0] is 7; write the name of a column as text"
+    )
 
 
 def test_an_input_called_as_a_parameter_of_a_sample(folder):

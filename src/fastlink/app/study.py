@@ -178,6 +178,7 @@ Positive = Annotated[Finite, Field(gt=0)]
 Negative = Annotated[Finite, Field(lt=0)]
 Text = Annotated[String, Field(min_length=1), Write("a text that is not empty")]
 Name = Annotated[String, Write("the name of a quantity as text")]
+Column = Annotated[String, Write("the name of a column as text")]
 Entry = Annotated[Finite, Write("a finite number")]
 LinkInput = Annotated[Finite, Write("one finite number; to sweep it, make it an axis in [design]")]
 Range = Annotated[tuple[Finite, Finite] | Finite, Write("[lo, hi] with finite lo < hi, or one finite number")]
@@ -250,7 +251,7 @@ class Design(BaseModel, extra="allow"):
     sobol: Sample | None = None
     latin_hypercube: Sample | None = None
     table: Annotated[Text, Write('the path of a CSV or Parquet file, such as "designs.csv"')] | None = None
-    keep: Annotated[list[String], Write('names of columns, such as ["part_no"]')] | None = None
+    keep: Annotated[list[Column], Write('names of columns, such as ["part_no"]')] | None = None
 
 
 class LinksTable(BaseModel, extra="allow"):
