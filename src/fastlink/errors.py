@@ -59,8 +59,8 @@ LONGEST_LINE, LAST_SIGNS = 390, 160
 #: Letters of the longest name that is compared with known ones, which takes a second for 100,000; of the longest word
 #: that is shown whole, and of the beginning and the end of a longer one.
 LONGEST_NAME, FIRST_LETTERS, LAST_LETTERS = 200, 100, 60
-#: What other programs call an option.
-ELSEWHERE = {
+#: Names of options in other programs.
+OTHER_NAMES = {
     "attrs": ("attributes", "metadata"),
     "block": ("batch", "batch_size", "chunk", "chunks", "chunksize"),
     "n": ("count", "designs", "n_samples", "num", "number", "points", "samples", "size"),
@@ -72,7 +72,7 @@ ELSEWHERE = {
     "threads": ("cores", "cpus", "n_jobs", "n_workers", "processes", "workers"),
     "to": ("file", "filename", "fname", "out", "outfile", "output", "path", "save", "savefig"),
 }
-#: Begin texts that read on after the path of a problem; a sentence of its own follows a colon.
+#: Verbs that continue the path of a problem; other texts follow a colon.
 PREDICATES = ("is ", "has ", "holds ", "runs ", "belongs ", "gives ", "takes ")
 
 #: The path to a problem, from the parameter of a function: ``("design", "a2", 3)``, ``("branch",)``.
@@ -227,9 +227,9 @@ class Problems:
         """Add a problem."""
         self.noted.append(Problem(what, where, remedy))
 
-    def at(self, *where: str | int) -> _Noting:
+    def at(self, *where: str | int) -> _Collecting:
         """Add the problems of an InputError, at a path unless they have one, and go on."""
-        return _Noting(self, where)
+        return _Collecting(self, where)
 
     def stop(self) -> None:
         """Raise InputError if there are problems."""
@@ -276,7 +276,7 @@ def remark(what: str, where: KeyPath = (), remedy: Remedy = "") -> None:
     warnings.warn(text, InputWarning, stacklevel=level)
 
 
-class _Noting:
+class _Collecting:
     """Context of `Problems.at`: a class, since a generator takes three times as long to enter and to leave."""
 
     __slots__ = ("problems", "where")
@@ -319,7 +319,7 @@ def nearest(name: object, known: Iterable[str]) -> str | None:
     except Exception:  # whatever a class of somebody's does
         return None
     for option in known:
-        if name in ELSEWHERE.get(option, ()):
+        if name in OTHER_NAMES.get(option, ()):
             return option
     folded = {one.casefold(): one for one in reversed(known)}
     near = difflib.get_close_matches(name, list(folded), n=1, cutoff=0.5)

@@ -54,6 +54,7 @@ BARS = "[links]\nmodel = 'round_bar'\n"
         ('"planar_4r"', '"planar_4"', "mechanism", "did you mean 'planar_4r'?"),
         ("omega4_max", "omga4_max", "quantities[0]", "did you mean 'omega4_max'"),
         ("[cycle]", "[links]\nmodel = 'round_ba'\n[cycle]", "links.model", "did you mean 'round_bar'?"),
+        ("[cycle]", "[links]\nmodel = 3\n[cycle]", "links.model", "write a text that is not empty"),
         ("[cycle]", "[cycle]\nsolver = 'dens'", "cycle.solver", "did you mean 'dense'?"),
         ("[cycle]", "[cycle]\nbranch = 3", "cycle.branch", "write some of 1, 2"),
         ('"planar_4r"', "4", "mechanism", "write a text that is not empty"),

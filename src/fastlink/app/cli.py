@@ -55,9 +55,9 @@ __all__ = [
     "new",
     "numbers_of",
     "plot",
+    "print_summary",
     "quantities",
     "run",
-    "tell",
     "text_of",
     "tolerance",
 ]
@@ -86,8 +86,8 @@ MEANINGS = {
     "may be repeated.",
 }
 
-#: What other programs, or Python, call a command.
-ELSEWHERE = {
+#: Names of commands in other programs, or in Python.
+OTHER_NAMES = {
     "accuracy": ("benchmark", "error", "errors"),
     "best": ("front", "optimise", "optimize", "pareto", "rank", "sort", "top"),
     "check": ("fsck", "verify", "checksum"),
@@ -134,7 +134,7 @@ class _Commands(typer.core.TyperGroup):
         name = args[0] if args else ""
         if self.get_command(ctx, name) is None and not name.startswith("-"):
             known = self.list_commands(ctx)
-            meant = [command for command in known if name in ELSEWHERE.get(command, ())]
+            meant = [command for command in known if name in OTHER_NAMES.get(command, ())]
             if name == "help":
                 remedy = "`fastlink --help` lists the commands"
             else:
@@ -356,7 +356,7 @@ def options(
     """Planar linkages by the million: a design space in, one labelled HDF5 map out."""
 
 
-def tell(maps: Any) -> None:
+def print_summary(maps: Any) -> None:
     """Print the summary of a map that was made, and the designs that a whole search has found."""
     from fastlink.app.report import listed, summary
     from fastlink.io.reader import PartOfMap
@@ -490,7 +490,7 @@ def join(
         options["mechanism"] = extension_of(part_files(paths)[0].path, mechanism, trust_code)
     with join(paths, to=to, restart=restart, **options) as maps:
         if not quiet:
-            tell(maps)
+            print_summary(maps)
 
 
 @command
@@ -835,7 +835,7 @@ def run(
         if maps.attrs[WRITTEN] < started:
             typer.echo(f"{maps.encoding['source']} is up to date")
         if not quiet:
-            tell(maps)
+            print_summary(maps)
 
 
 @command

@@ -383,6 +383,8 @@ def _without(raw: Mapping[str, Any], paths: list[Any], absent: set[str]) -> dict
         if head in REQUIRED and not inner:
             rest[head] = REQUIRED[head]
             absent.add(head)
+        elif head == "links" and inner[:1] == ["model"]:  # without which its inputs say nothing
+            rest.pop(head, None)
         elif head == "quantities":
             rest[head] = [name for name in rest[head] if isinstance(name, str)] or REQUIRED[head]
         elif inner and isinstance(rest.get(head), dict) and inner[0] in rest[head]:
@@ -449,7 +451,9 @@ TOP = [name for name in StudyFile.model_fields if name not in PLACES]
 WRITE_ABOVE = "write it above the first [table]: what follows a head such as [design] belongs to that table"
 
 
-def at_home(raw: Mapping[str, Any], catalogue: Catalogue | None) -> tuple[dict[str, Any], list[Problem]]:
+def in_own_tables(
+    raw: Mapping[str, Any], catalogue: Catalogue | None
+) -> tuple[dict[str, Any], list[Problem]]:
     """Return a study with each key in its table, and a problem for each one that was in another."""
     homes: dict[str, tuple[str, ...]] = {
         "model": ("links",),
@@ -527,10 +531,10 @@ def _of_search(problem: Problem) -> Problem:
     return replace(problem, where=("samples",), remedy=remedy)
 
 
-def asked_for(table: Mapping[str, Any]) -> dict[str, Any]:
+def search_options(table: Mapping[str, Any]) -> dict[str, Any]:
     """Return objectives, conditions and the refinement of a table [search], as a search takes them."""
-    asked = DEFAULTS | {name: value for name, value in table.items() if name in DEFAULTS}
-    return asked | ({"bounds": None} if "samples" in table else {})  # they are those of the sample
+    options = DEFAULTS | {name: value for name, value in table.items() if name in DEFAULTS}
+    return options | ({"bounds": None} if "samples" in table else {})  # they are those of the sample
 
 
 def request_of_search(
@@ -544,7 +548,7 @@ def request_of_search(
     of_sweep = {"branch": 1, "input": None, **options}
     if "options" not in of_sweep:
         of_sweep["options"] = KEYS["cycle"]
-    return request_of(mechanism, space, names, asked_for(table), **of_sweep)
+    return request_of(mechanism, space, names, search_options(table), **of_sweep)
 
 
 # -- The wording of problems for the author of a study
@@ -864,7 +868,7 @@ class Study:
     @property
     def search(self) -> dict[str, Any] | None:
         """Objectives and conditions, as `fastlink.search` takes them; None of a study whose map is written."""
-        return asked_for(self.tables["search"]) if "search" in self.tables else None
+        return search_options(self.tables["search"]) if "search" in self.tables else None
 
     @property
     def output(self) -> dict[str, Any]:
@@ -1014,7 +1018,7 @@ def read_study(path: str | Path, trust_code: bool = False) -> Study:
     contents, problems = contents_of(path, text), Problems(StudyWording(path))
     mechanism = _mechanism(path, contents, problems, trusted)
     driven = _driven(mechanism, contents, problems)
-    raw, misplaced = at_home(contents, driven)
+    raw, misplaced = in_own_tables(contents, driven)
     name = "" if driven is None else driven.position.name
     tables, found = read_tables(raw, (name, degrees_name(name)))
     problems.noted += [*misplaced, *found]
