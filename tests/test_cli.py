@@ -17,7 +17,7 @@ from typer.testing import CliRunner
 
 import fastlink as fl
 from fastlink.app import study
-from fastlink.app.cli import ELSEWHERE, app
+from fastlink.app.cli import OTHER_NAMES, app
 from fastlink.mechanisms import NAMES
 from tests.support.refusals import assert_refusal
 
@@ -231,8 +231,8 @@ def test_an_unknown_command_is_answered_with_the_one_that_is_meant(name, remedy)
 
 def test_the_words_of_others_are_for_commands_that_are_there():
     names = {command.name or command.callback.__name__ for command in app.registered_commands}
-    assert not ELSEWHERE.keys() - names
-    assert not names & {word for words in ELSEWHERE.values() for word in words}
+    assert not OTHER_NAMES.keys() - names
+    assert not names & {word for words in OTHER_NAMES.values() for word in words}
 
 
 # -- the other commands ----------------------------------------------------------------------------

@@ -58,13 +58,7 @@ def aligned(
 
 
 def html_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return a table as a notebook shows it.
-
-    Examples
-    --------
-    >>> html_table(("name",), [("a < b",)])
-    '<table><tr><th>name</th></tr><tr><td>a &lt; b</td></tr></table>'
-    """
+    """Return a table as a notebook shows it."""
     head = "".join(f"<th>{html.escape(name)}</th>" for name in header)
     lines = ["".join(f"<td>{html.escape(cell)}</td>" for cell in row) for row in rows]
     return f"<table><tr>{head}</tr>{''.join(f'<tr>{line}</tr>' for line in lines)}</table>"
@@ -92,24 +86,12 @@ def folded(header: Sequence[str], rows: Iterable[Sequence[str]], widths: Sequenc
 
 
 def counted(number: int, noun: str) -> str:
-    """Return a number with its noun, in the plural where there is not one.
-
-    Examples
-    --------
-    >>> counted(1, "kernel"), counted(2048, "kernel")
-    ('1 kernel', '2,048 kernels')
-    """
+    """Return a number with its noun, in the plural where there is not one."""
     return f"{number:,} {noun}{'' if number == 1 else 's'}"
 
 
 def joined(parts: Sequence[str]) -> str:
-    """Return texts as an enumeration.
-
-    Examples
-    --------
-    >>> joined(["a1", "a2", "a3"]), joined(["a1"])
-    ('a1, a2 and a3', 'a1')
-    """
+    """Return texts as an enumeration."""
     return " and ".join((", ".join(parts[:-1]), parts[-1])) if len(parts) > 1 else "".join(parts)
 
 
@@ -145,35 +127,17 @@ def scaled(value: float, units: Sequence[str]) -> str:
 
 
 def in_words(name: str) -> str:
-    """Return a meaning of a code, or another name, as words.
-
-    Examples
-    --------
-    >>> in_words("never_assembles")
-    'never assembles'
-    """
+    """Return a meaning of a code, or another name, as words."""
     return name.replace("_", " ")
 
 
 def short_number(value: object) -> str:
-    """Return a number with at most six digits, and anything else, such as the name of a design, as it is.
-
-    Examples
-    --------
-    >>> short_number(0.30000000000000004), short_number("crank 7")
-    ('0.3', 'crank 7')
-    """
+    """Return a number with at most six digits, and anything else, such as the name of a design, as it is."""
     return f"{value:g}" if isinstance(value, numbers.Real) else str(value)
 
 
 def size(nbytes: int) -> str:
-    """Return a number of bytes in words.
-
-    Examples
-    --------
-    >>> size(512), size(268_435_456)
-    ('512 B', '268 MB')
-    """
+    """Return a number of bytes in words."""
     return scaled(nbytes, BYTES)
 
 

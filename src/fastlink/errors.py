@@ -59,8 +59,8 @@ LONGEST_LINE, LAST_SIGNS = 390, 160
 #: Letters of the longest name that is compared with known ones, which takes a second for 100,000; of the longest word
 #: that is shown whole, and of the beginning and the end of a longer one.
 LONGEST_NAME, FIRST_LETTERS, LAST_LETTERS = 200, 100, 60
-#: What other programs call an option.
-ELSEWHERE = {
+#: Names of options in other programs.
+OTHER_NAMES = {
     "attrs": ("attributes", "metadata"),
     "block": ("batch", "batch_size", "chunk", "chunks", "chunksize"),
     "n": ("count", "designs", "n_samples", "num", "number", "points", "samples", "size"),
@@ -72,7 +72,7 @@ ELSEWHERE = {
     "threads": ("cores", "cpus", "n_jobs", "n_workers", "processes", "workers"),
     "to": ("file", "filename", "fname", "out", "outfile", "output", "path", "save", "savefig"),
 }
-#: Begin texts that read on after the path of a problem; a sentence of its own follows a colon.
+#: Verbs that continue the path of a problem; other texts follow a colon.
 PREDICATES = ("is ", "has ", "holds ", "runs ", "belongs ", "gives ", "takes ")
 
 #: The path to a problem, from the parameter of a function: ``("design", "a2", 3)``, ``("branch",)``.
@@ -144,13 +144,7 @@ class Wording:
         return text
 
     def path(self, where: KeyPath) -> str:
-        """Return a path as text, such as ``design: a2[3]``.
-
-        Examples
-        --------
-        >>> Wording().path(("design", "a2", 3)), Wording().path(("quantities", 0))
-        ('design: a2[3]', 'quantities[0]')
-        """
+        """Return a path as text, such as ``design: a2[3]``."""
         return path_text(where).replace(".", ": ", 1)
 
     def within(self, door: Wording) -> Wording:
@@ -233,9 +227,9 @@ class Problems:
         """Add a problem."""
         self.noted.append(Problem(what, where, remedy))
 
-    def at(self, *where: str | int) -> _Noting:
+    def at(self, *where: str | int) -> _Collecting:
         """Add the problems of an InputError, at a path unless they have one, and go on."""
-        return _Noting(self, where)
+        return _Collecting(self, where)
 
     def stop(self) -> None:
         """Raise InputError if there are problems."""
@@ -282,7 +276,7 @@ def remark(what: str, where: KeyPath = (), remedy: Remedy = "") -> None:
     warnings.warn(text, InputWarning, stacklevel=level)
 
 
-class _Noting:
+class _Collecting:
     """Context of `Problems.at`: a class, since a generator takes three times as long to enter and to leave."""
 
     __slots__ = ("problems", "where")
@@ -305,13 +299,7 @@ class _Noting:
 
 
 def path_text(where: KeyPath) -> str:
-    """Return a path as text, such as ``design.a2.values[3]``.
-
-    Examples
-    --------
-    >>> path_text(("design", "a2", "values", 3))
-    'design.a2.values[3]'
-    """
+    """Return a path as text, such as ``design.a2.values[3]``."""
     return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in where).removeprefix(".")
 
 
@@ -331,7 +319,7 @@ def nearest(name: object, known: Iterable[str]) -> str | None:
     except Exception:  # whatever a class of somebody's does
         return None
     for option in known:
-        if name in ELSEWHERE.get(option, ()):
+        if name in OTHER_NAMES.get(option, ()):
             return option
     folded = {one.casefold(): one for one in reversed(known)}
     near = difflib.get_close_matches(name, list(folded), n=1, cutoff=0.5)
@@ -342,11 +330,6 @@ def suggest(name: object, known: Iterable[str]) -> str:
     """Return the remedy for an unknown name: the nearest known name, or all of them.
 
     A value that is no text, or longer than any name, has none that is near.
-
-    Examples
-    --------
-    >>> suggest("omega_4", ["omega2", "omega4", "theta4"])
-    "did you mean 'omega4'?"
     """
     options = sorted(known)
     comparable = isinstance(name, str) and len(name) <= LONGEST_NAME
@@ -496,14 +479,7 @@ OTHER_FILES = frozenset(
 def check_whole(
     where: KeyPath, value: Any, least: int, most: float = math.inf, remedy: str | None = None
 ) -> int:
-    """Return a whole number from `least` to `most`, or refuse the value.
-
-    Examples
-    --------
-    >>> check_whole(("threads",), 0, 1, 4096)
-    Traceback (most recent call last):
-    fastlink.errors.InputError: threads is 0; write a whole number from 1 to 4096
-    """
+    """Return a whole number from `least` to `most`, or refuse the value."""
     whole = isinstance(value, Integral) and not isinstance(value, bool)
     if whole and type(value).__name__ != "timedelta64" and least <= int(value) <= most:
         return int(value)
@@ -514,14 +490,7 @@ def check_whole(
 
 
 def check_switch(where: KeyPath, value: Any) -> bool:
-    """Return True or False, or refuse what is neither: a text such as ``"no"`` would count as true.
-
-    Examples
-    --------
-    >>> check_switch(("overwrite",), "no")
-    Traceback (most recent call last):
-    fastlink.errors.InputError: overwrite is 'no'; write True or False
-    """
+    """Return True or False, or refuse what is neither: a text such as ``"no"`` would count as true."""
     if value is True or value is False:
         return value
     if type(value).__name__ in ("bool", "bool_") and type(value).__module__ == "numpy":
@@ -534,24 +503,7 @@ def check_choice(
 ) -> str:
     """Return a name among the known ones, or refuse it with the nearest.
 
-    Parameters
-    ----------
-    where : tuple
-        The option.
-    value : str
-        The name.
-    known : sequence of str
-        The names that it may be.
-    to : str
-        Of what they are names, such as ``" to planar_4r"``.
-    meant : callable, optional
-        Gives the remedy for a text that means one of them, an empty text for others.
-
-    Examples
-    --------
-    >>> check_choice(("solver",), "dens", ("eliminated", "dense"))
-    Traceback (most recent call last):
-    fastlink.errors.InputError: solver: 'dens' is unknown; did you mean 'dense'?
+    `to` says of what they are names, such as ``" to planar_4r"``; `meant` gives the remedy for a text that means one.
     """
     if isinstance(value, str):
         for name in known:
@@ -563,14 +515,7 @@ def check_choice(
 
 
 def check_path(where: KeyPath, value: Any, example: str = "maps.h5") -> Path:
-    """Return a path with ``~`` expanded, or refuse what no file can be called.
-
-    Examples
-    --------
-    >>> check_path(("to",), b"maps.h5")
-    Traceback (most recent call last):
-    fastlink.errors.InputError: to is b'maps.h5', not a path; write text, such as 'maps.h5'
-    """
+    """Return a path with ``~`` expanded, or refuse what no file can be called."""
     try:
         text = os.fspath(value)
     except Exception:  # no path, or whatever a class of somebody's does
@@ -585,27 +530,14 @@ def check_path(where: KeyPath, value: Any, example: str = "maps.h5") -> Path:
 
 
 def not_a_file(path: Path) -> str:
-    """Return what stands at a path in place of a file, an empty text if nothing does; a pipe would be waited for.
-
-    Examples
-    --------
-    >>> not_a_file(Path("/")), not_a_file(Path("no such file"))
-    ('is a folder', '')
-    """
+    """Return what stands at a path in place of a file, an empty text if nothing does; a pipe would be waited for."""
     if os.path.isfile(path) or not os.path.exists(path):
         return ""
     return "is a folder" if os.path.isdir(path) else "is a device or a pipe"
 
 
 def check_output(where: KeyPath, value: Any) -> Path:
-    """Return the path of a map that is to be written, or refuse a name that belongs to something else.
-
-    Examples
-    --------
-    >>> check_output(("to",), "maps.csv")
-    Traceback (most recent call last):
-    fastlink.errors.InputError: to: 'maps.csv' is not the name of an HDF5 file; write 'maps.h5'
-    """
+    """Return the path of a map that is to be written, or refuse a name that belongs to something else."""
     path = check_path(where, value)
     name = os.fspath(value)
     if name.endswith(os.sep) and not path.is_dir():

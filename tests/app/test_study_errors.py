@@ -54,6 +54,7 @@ BARS = "[links]\nmodel = 'round_bar'\n"
         ('"planar_4r"', '"planar_4"', "mechanism", "did you mean 'planar_4r'?"),
         ("omega4_max", "omga4_max", "quantities[0]", "did you mean 'omega4_max'"),
         ("[cycle]", "[links]\nmodel = 'round_ba'\n[cycle]", "links.model", "did you mean 'round_bar'?"),
+        ("[cycle]", "[links]\nmodel = 3\n[cycle]", "links.model", "write a text that is not empty"),
         ("[cycle]", "[cycle]\nsolver = 'dens'", "cycle.solver", "did you mean 'dense'?"),
         ("[cycle]", "[cycle]\nbranch = 3", "cycle.branch", "write some of 1, 2"),
         ('"planar_4r"', "4", "mechanism", "write a text that is not empty"),
@@ -313,6 +314,9 @@ def test_columns_of_a_table_are_kept(folder):
         assert maps.part_no.values.tolist() == [7, 8]
     assert_problem(BARE + "[design]\nkeep = ['part_no']\na2 = 1.2\n" + rest, "design.keep", "table = ...")
     assert refused(text.format("keep = 7\n"))[0].startswith("design.keep is 7; write names of columns")
+    assert (
+        refused(text.format("keep = [7]\n"))[0] == "design.keep[0] is 7; write the name of a column as text"
+    )
 
 
 def test_an_input_called_as_a_parameter_of_a_sample(folder):

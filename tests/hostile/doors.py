@@ -73,25 +73,15 @@ GOOD = {
 
 @dataclass(frozen=True)
 class Door:
-    """One way to call fastlink.
+    """One way to call fastlink."""
 
-    Attributes
-    ----------
-    text : str
-        The source text of a good call.
-    roles : dict
-        Roles of arguments that are other than those of their names; an empty one for what is left as it is.
-    good : dict
-        Texts of roles, as in `values`, that are good values here.
-    opens : bool
-        Whether the call as it stands is accepted.
-    more : bool
-        Whether unknown keywords are refused.
-    """
-
+    #: The source text of a good call.
     text: str
+    #: Roles of arguments that are other than those of their names; an empty one for what is left as it is.
     roles: dict[str, str]
+    #: Texts of roles, as in `values`, that are good values here.
     good: dict[str, str]
+    #: Whether the call as it stands is accepted, and whether unknown keywords are refused.
     opens: bool = True
     more: bool = True
 
@@ -115,8 +105,8 @@ class Door:
         return "more" if name == "more" else self.roles.get(name, ROLE_OF.get(name, ""))
 
     def base(self, name: str) -> str:
-        """Return the text of an argument in the good call."""
-        return slice_of(self.text, self.slots[name])
+        """Return the text of an argument in the good call, which is ASCII."""
+        return self.text[slice(*self.slots[name])]
 
     def values(self, name: str) -> list[Value]:
         """Return the hostile values of an argument."""
@@ -138,11 +128,6 @@ class Door:
             comma = ", " if name == "more" and not text[:start].endswith("(") else ""
             text = text[:start] + comma + given[name] + text[stop:]
         return text
-
-
-def slice_of(text: str, ends: tuple[int, int]) -> str:
-    """Return a part of a text of which the ends are counted in bytes: all are ASCII."""
-    return text[slice(*ends)]
 
 
 def _door(

@@ -1,6 +1,5 @@
 """Suggestions: what users write for quantities and inputs, and what they are told."""
 
-import doctest
 import re
 import time
 
@@ -9,11 +8,9 @@ from tests.support.phrases import INPUTS, MECHANISMS, QUANTITIES, pairs
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.facts import find
 from fastlink.facts.names import innermost
 from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
-from fastlink.plan import query
 from fastlink.plan.query import parse_request, suggest_input, suggest_quantity
 
 OF_QUANTITIES = [pair for mechanism in NAMES for pair in pairs(QUANTITIES[mechanism])]
@@ -169,13 +166,6 @@ def test_an_input_of_links_names_the_links():
     ):
         with refused("density", "links=fl.round_bar(density=..., radius=...)"):
             line()
-
-
-@pytest.mark.parametrize("module", [find, query])
-def test_the_examples_run(module):
-    result = doctest.testmod(module)
-    assert result.attempted > 0
-    assert result.failed == 0
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from fastlink.facts.evaluate import evaluate_on_doubles, read_facts
 from fastlink.facts.fact import CatalogueError
 from fastlink.facts.tables import angle_tables
 from fastlink.mechanisms import NAMES, catalogue, inputs_of
-from fastlink.plan.programs import order_at_toggles
+from fastlink.plan.programs import Planner
 
 DRIVEN = [
     (mechanism, input)
@@ -82,7 +82,7 @@ def assert_orders_decide_alike(mechanism, input, derivatives):
             continue
         for name in [quantity, *([f"d_{quantity}_d_{first}"] if derivatives else [])]:
             try:
-                order = order_at_toggles(mechanism, name, mechanism.inputs, ())
+                order = Planner(mechanism, tuple(mechanism.inputs)).order_at_toggles(name)
                 measured = measured_order(mechanism, name, design, places, n) if order is not None else None
             except (InputError, CatalogueError):
                 continue  # it needs a load, or has no derivative

@@ -12,7 +12,7 @@ import numpy as np
 import fastlink as fl
 from fastlink.facts.names import Derivative, GradientStatus, Quantity, Reduced
 from fastlink.numerics.compiler import AT_LIMIT, SMOOTH
-from fastlink.plan.programs import find_extremum_search
+from fastlink.plan.programs import Planner
 from fastlink.precision.errors import outermost
 from fastlink.precision.reference import CONTEXT as MP
 from fastlink.precision.stationary import END, JUMP, Extreme, Stationary
@@ -43,7 +43,7 @@ def designs_of(entry: Entry, kind: str, seed: int, n: int) -> dict[str, np.ndarr
 def search_of(entry: Entry, name: str, designs: Iterable[str] = ()) -> Any:
     """Return the search for the extremes of a quantity, with inputs by which variants are selected; None if none."""
     given = tuple(designs) or tuple(entry.catalogue.inputs)
-    return find_extremum_search(entry.catalogue, name, given, entry.catalogue.variants_selected_by(given))
+    return Planner(entry.catalogue, tuple(given), tuple(entry.catalogue.variants_selected_by(given))).search(name)
 
 
 def searched(entry: Entry, designs: dict[str, np.ndarray]) -> list[str]:

@@ -16,10 +16,10 @@ import xarray as xr
 
 from fastlink._text import aligned, counted, duration, short_repr, writable
 from fastlink.app.study import A_STUDY, read_study
-from fastlink.engine.options import Check, check_options, optional
+from fastlink.engine.options import check_options
 from fastlink.engine.resolve import ResolvedSweep, resolve
 from fastlink.engine.run import Job, run
-from fastlink.errors import MOST_SEED, InputError, KeyPath, check_path, check_switch, check_whole, door
+from fastlink.errors import InputError, door
 from fastlink.facts.catalogue import ELIMINATED
 from fastlink.io.layout import plain_attrs
 from fastlink.io.output import write_whole
@@ -94,23 +94,15 @@ class Subject:
 
 @dataclass(frozen=True)
 class Method:
-    """One method to compute a quantity.
+    """One method to compute a quantity."""
 
-    Attributes
-    ----------
-    name : str
-        As in the table.
-    options : mapping
-        Of `fastlink.sweep`.
-    job : callable
-        ``job(resolved)`` returns the compiled kernels with their designs and input positions.
-    baseline : callable, optional
-        ``baseline(resolved, designs)`` returns the values of the first designs without any kernel.
-    """
-
+    #: As in the table.
     name: str
+    #: Of `fastlink.sweep`.
     options: Mapping[str, Any] = field(default_factory=dict)
+    #: ``job(resolved)`` returns the compiled kernels with their designs and input positions.
     job: Callable[[ResolvedSweep], Job] = ResolvedSweep.job
+    #: ``baseline(resolved, designs)`` returns the values of the first designs without any kernel.
     baseline: Callable[[ResolvedSweep, int], NDArray[Any]] | None = None
 
     def prepare(self, subject: Subject) -> Trial:
@@ -232,18 +224,6 @@ def by_numpy(resolved: ResolvedSweep, designs: int) -> NDArray[Any]:
 EQUAL = 2.0**-48
 #: An error that is not smaller than this share of another is not smaller.
 ALIKE = 0.99
-#: The coordinates and variables of a result.
-NEEDED = (
-    "way",
-    "quantity",
-    "ns_per_design",
-    "error_max",
-    "error_99",
-    "error_median",
-    "missed",
-    "values",
-    "pareto",
-)
 
 
 def front(measured: xr.Dataset) -> NDArray[np.int8]:
@@ -280,7 +260,9 @@ def accuracy_table(measured: xr.Dataset) -> str:
     """
     import xarray as xr
 
-    if not isinstance(measured, xr.Dataset) or not set(NEEDED) <= set(measured.variables):
+    if not isinstance(measured, xr.Dataset) or not {"way", "quantity", "pareto", *LABELS} <= set(
+        measured.variables
+    ):
         what = f"is {short_repr(measured)}, not a result of fastlink.accuracy"
         raise InputError(what, where=("measured",), remedy="give what fastlink.accuracy(STUDY) returns")
     head = ("", "way", "ns/design", "largest", "99 %", "median", "missed")
@@ -405,17 +387,11 @@ def _overlap(one: tuple[float, ...], other: tuple[float, ...]) -> float:
 
 @dataclass(frozen=True)
 class Truth:
-    """Exact values, and their indices among the values of a method.
+    """Exact values, and their indices among the values of a method."""
 
-    Attributes
-    ----------
-    indices : list of tuple
-        (design, branch[, position]), or (design,) for a fact of the design.
-    exact : list
-        Numbers of 50 digits, infinities among them.
-    """
-
+    #: (design, branch[, position]), or (design,) for a fact of the design.
     indices: list[tuple[int, ...]]
+    #: Numbers of 50 digits, infinities among them.
     exact: list[Any]
 
     def errors(self, values: NDArray[Any]) -> tuple[NDArray[Any], int, int]:
@@ -469,26 +445,6 @@ LABELS = {
     "values": ("1", "values compared"),
 }
 MISSED = 0.01
-#: More designs take the 50-digit reference more than an hour for one quantity.
-MOST_DESIGNS = 100_000
-
-
-def _check_announce(where: KeyPath, announce: Any) -> Any:
-    """Return a function, or refuse what cannot be called."""
-    if not callable(announce):
-        remedy = "write a function that takes a line of text, such as print"
-        raise InputError(f"is {short_repr(announce)}", where=where, remedy=remedy)
-    return announce
-
-
-#: The checks of the options that only the measurement has.
-CHECKS: dict[str, Check] = {
-    "announce": optional(_check_announce),
-    "designs": partial(check_whole, least=1, most=MOST_DESIGNS),
-    "outside": check_switch,
-    "picture": optional(partial(check_path, example="map.png")),
-    "seed": partial(check_whole, least=0, most=MOST_SEED),
-}
 
 
 @door(hint=A_STUDY)
@@ -558,7 +514,7 @@ def accuracy(
     ({'way': 1, 'quantity': 1}, True)
     """
     given = {"designs": designs, "outside": outside, "seed": seed, "to": to, "picture": picture}
-    check_options(given | {"overwrite": overwrite, "announce": announce}, CHECKS)
+    check_options(given | {"overwrite": overwrite, "announce": announce})
     read = read_study(study, trust_code)
     target = None if to is None else check_made_at_once(to, 0, overwrite, read.sources)
     path = None if picture is None else check_picture(picture, "picture")

@@ -55,9 +55,9 @@ __all__ = [
     "new",
     "numbers_of",
     "plot",
+    "print_summary",
     "quantities",
     "run",
-    "tell",
     "text_of",
     "tolerance",
 ]
@@ -86,8 +86,8 @@ MEANINGS = {
     "may be repeated.",
 }
 
-#: What other programs, or Python, call a command.
-ELSEWHERE = {
+#: Names of commands in other programs, or in Python.
+OTHER_NAMES = {
     "accuracy": ("benchmark", "error", "errors"),
     "best": ("front", "optimise", "optimize", "pareto", "rank", "sort", "top"),
     "check": ("fsck", "verify", "checksum"),
@@ -134,7 +134,7 @@ class _Commands(typer.core.TyperGroup):
         name = args[0] if args else ""
         if self.get_command(ctx, name) is None and not name.startswith("-"):
             known = self.list_commands(ctx)
-            meant = [command for command in known if name in ELSEWHERE.get(command, ())]
+            meant = [command for command in known if name in OTHER_NAMES.get(command, ())]
             if name == "help":
                 remedy = "`fastlink --help` lists the commands"
             else:
@@ -258,28 +258,9 @@ def by_name(
     read: Callable[[str], Any],
     doors: tuple[Callable[..., Any], ...] = (),
 ) -> dict[str, Any]:
-    """Return what an option gives as ``NAME=VALUE``, by name.
+    """Return what an option gives as ``NAME=VALUE``, by name; None of `read` is what is no value.
 
-    Parameters
-    ----------
-    texts : iterable of str
-        The texts.
-    where : str
-        The parameter of the option.
-    form : str
-        The form of a text, for messages.
-    example : mapping
-        What to write instead.
-    read : callable
-        Reads a value; returns None for what is none.
-    doors : tuple of callable
-        Where such words stand among the arguments: the command, and the function to which they are keywords. None of
-        their options can be a name.
-
-    Examples
-    --------
-    >>> by_name(["a2 = 1.1:1.2"], "select", "NAME=VALUES", {}, str)
-    {'a2': '1.1:1.2'}
+    `doors` are the command and the function to which such words are keywords: none of their options can be a name.
     """
     given: dict[str, Any] = {}
     for text in texts:
@@ -304,19 +285,17 @@ def by_name(
     return given
 
 
+def _parts(text: str) -> list[str]:
+    return [name.strip() for name in text.split(",")]
+
+
 def text_of(value: str) -> str | None:
     """Return a value that is any text but an empty one."""
     return value or None
 
 
 def numbers_of(value: str) -> float | list[float] | None:
-    """Return a value that is a number, or a list of several separated by commas.
-
-    Examples
-    --------
-    >>> numbers_of("0.4"), numbers_of("0,60"), numbers_of("x")
-    (0.4, [0.0, 60.0], None)
-    """
+    """Return a value that is a number, or a list of several separated by commas."""
     numbers = [_number(one) for one in value.split(",")]
     known = [one for one in numbers if one is not None]
     if len(known) < len(numbers):
@@ -377,7 +356,7 @@ def options(
     """Planar linkages by the million: a design space in, one labelled HDF5 map out."""
 
 
-def tell(maps: Any) -> None:
+def print_summary(maps: Any) -> None:
     """Print the summary of a map that was made, and the designs that a whole search has found."""
     from fastlink.app.report import listed, summary
     from fastlink.io.reader import PartOfMap
@@ -511,7 +490,7 @@ def join(
         options["mechanism"] = extension_of(part_files(paths)[0].path, mechanism, trust_code)
     with join(paths, to=to, restart=restart, **options) as maps:
         if not quiet:
-            tell(maps)
+            print_summary(maps)
 
 
 @command
@@ -574,13 +553,10 @@ def best(
         "maximise": maximise or (),
         "where": wanted or None,
     }
-    if changing is not None and not refine:
-        raise InputError("is given without --refine", where=("changing",), remedy="add --refine")
-    if mechanism is not None and not refine:
-        raise InputError(
-            "is given without --refine", where=("mechanism",), remedy="add --refine, or leave it out"
-        )
-    options["refine"] = refine if changing is None else [name.strip() for name in changing.split(",")]
+    for name, given, mend in (("changing", changing, ""), ("mechanism", mechanism, ", or leave it out")):
+        if given is not None and not refine:
+            raise InputError("is given without --refine", where=(name,), remedy=f"add --refine{mend}")
+    options["refine"] = refine if changing is None else _parts(changing)
     options |= {"top": top, "mechanism": extension_of(file, mechanism, trust_code)}
     with open_map(file) as maps:
         if to is not None:
@@ -638,7 +614,7 @@ def convert(
     from fastlink.io.convert import convert
 
     conditions = by_name(select or [], "select", "NAME=VALUES", {"a2": "1.1:1.2"}, text_of)
-    names = None if quantities is None else [name.strip() for name in quantities.split(",")]
+    names = None if quantities is None else _parts(quantities)
     options: dict[str, Any] = {"dtype": dtype, "compress": compress, "overwrite": overwrite}
     options["progress"] = False if quiet else None
     typer.echo(str(convert(file, to, select=conditions or None, quantities=names, **options)))
@@ -728,9 +704,6 @@ def explore(
     --port N  Where the page is served; 0 for a free port.
     --browser/--no-browser  Open the page in the browser.
     """
-    import contextlib
-    import threading
-
     from fastlink.pictures.explore import explore as serve
 
     with serve(file, to=to, port=port, browser=browser) as page:
@@ -851,15 +824,8 @@ def run(
     from fastlink.io.finished import WRITTEN
 
     progress, started = False if quiet else None, time.time_ns()
-    options: dict[str, Any] = {
-        "threads": threads,
-        "overwrite": overwrite,
-        "restart": restart,
-        "verify": verify,
-        "part": part,
-        "layout": layout,
-        "trust_code": trust_code,
-    }
+    options: dict[str, Any] = {"threads": threads, "overwrite": overwrite, "restart": restart, "part": part}
+    options |= {"verify": verify, "layout": layout, "trust_code": trust_code}
     with contextlib.ExitStack() as stack:
         if client is not None:
             from fastlink.engine.cluster import connected
@@ -869,7 +835,7 @@ def run(
         if maps.attrs[WRITTEN] < started:
             typer.echo(f"{maps.encoding['source']} is up to date")
         if not quiet:
-            tell(maps)
+            print_summary(maps)
 
 
 @command
@@ -959,7 +925,7 @@ def tolerance(
     given = by_name(
         tolerances or [], "tolerances", "INPUT=T", {"a1": 1e-4}, _number_or_text, (tolerance, found_by)
     )
-    names = None if quantities is None else [name.strip() for name in quantities.split(",")]
+    names = None if quantities is None else _parts(quantities)
     options: dict[str, Any] = {"contributions": contributions, "to": to, "overwrite": overwrite}
     options["trust_code"] = trust_code
     if mechanism is not None and source.suffix.lower() == ".toml":

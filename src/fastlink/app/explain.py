@@ -33,7 +33,7 @@ from fastlink.engine.resolve import ResolvedSweep, resolve
 from fastlink.engine.run import Job, Sink, default_threads, row_bytes, run
 from fastlink.engine.sinks import designs_per_block, needs_of
 from fastlink.engine.sweep import sweep
-from fastlink.errors import InputError, Problems, check_switch, door
+from fastlink.errors import InputError, Problems, door
 from fastlink.facts.own import OwnInput, OwnQuantity
 from fastlink.io.partial_file import check_target, write_all
 from fastlink.machine import available_memory
@@ -74,23 +74,15 @@ FILE_SECONDS = 0.02
 
 @dataclass(frozen=True)
 class Timing:
-    """The expected time of a request in seconds, measured on a sample of its designs.
+    """The expected time of a request in seconds, measured on a sample of its designs."""
 
-    Attributes
-    ----------
-    evaluation : float
-        Evaluating all designs, and writing them where there is a file.
-    verification : float
-        Computing some of them again with 50 digits.
-    file : float
-        Making the file.
-    designs, positions : int
-        How many designs were timed, and at how many input positions.
-    """
-
+    #: Evaluating all designs, and writing them where there is a file.
     evaluation: float
+    #: Computing some of them again with 50 digits.
     verification: float
+    #: Making the file.
     file: float
+    #: How many designs were timed, and at how many input positions.
     designs: int
     positions: int
 
@@ -225,45 +217,30 @@ LABEL_BYTES = 3000
 
 @dataclass(frozen=True)
 class Forecast:
-    """The expected needs of a request.
+    """The expected needs of a request."""
 
-    Attributes
-    ----------
-    memory : int
-        Bytes of a sweep whose result stays in memory: its arrays and buffers.
-    memory_to_file : int
-        Bytes of memory of a sweep to a file.
-    available : int or None
-        Bytes of memory that this process may take, if the system says so.
-    file : int
-        Bytes of the file.
-    folder : Path
-        The folder of the file.
-    free : int or None
-        Free bytes of its disk.
-    kernels, compiled : int
-        The number of kernels, and of those that are compiled already.
-    compile_time : float
-        Seconds to compile the others, estimated from the length of their texts.
-    threads : int
-        The number of threads.
-    size : int
-        The number of designs.
-    timing : Timing or None
-        The expected run time, measured on a sample of the designs; None where it was not measured.
-    """
-
+    #: Bytes of a sweep whose result stays in memory: its arrays and buffers.
     memory: int
+    #: Bytes of memory of a sweep to a file.
     memory_to_file: int
+    #: Bytes of memory that this process may take, if the system says so.
     available: int | None
+    #: Bytes of the file.
     file: int
+    #: The folder of the file.
     folder: Path
+    #: Free bytes of its disk.
     free: int | None
+    #: The number of kernels, and of those that are compiled already.
     kernels: int
     compiled: int
+    #: Seconds to compile the others, estimated from the length of their texts.
     compile_time: float
+    #: The number of threads.
     threads: int
+    #: The number of designs.
     size: int
+    #: The expected run time, measured on a sample of the designs; None where it was not measured.
     timing: Timing | None
 
     def __str__(self) -> str:
@@ -398,21 +375,14 @@ KINDS = ("+ -", "*", "/", "sqrt", "choices", "atan2, log, cos", "loads", "stores
 
 
 class LoopWork(NamedTuple):
-    """The work of one loop of a kernel in each of its passes.
+    """The work of one loop of a kernel in each of its passes."""
 
-    Attributes
-    ----------
-    per : str
-        For what a pass is: a design, an input position, both, a sample, a step of a refinement.
-    times : str
-        How often.
-    work : dict of str to int
-        Number of operations of each kind, of numbers read from arrays and written to arrays; functions of the house
-        are counted by what they do, elementary functions as one; functions with loops are not counted.
-    """
-
+    #: For what a pass is: a design, an input position, both, a sample, a step of a refinement.
     per: str
+    #: How often.
     times: str
+    #: Number of operations of each kind, of numbers read from arrays and written to arrays; functions of the house
+    #: are counted by what they do, elementary functions as one; functions with loops are not counted.
     work: dict[str, int]
 
 
@@ -479,64 +449,42 @@ def _helper(name: str) -> Counter[str]:
 
 
 class KernelWork(NamedTuple):
-    """The work of one kernel.
+    """The work of one kernel."""
 
-    Attributes
-    ----------
-    results : str
-        What it gives.
-    facts : tuple of str
-        The facts that it computes.
-    loops : list of LoopWork
-        The work of its loops.
-    source : Source
-        Its text, and what it is called with.
-    """
-
+    #: What it gives.
     results: str
+    #: The facts that it computes.
     facts: tuple[str, ...]
+    #: The work of its loops.
     loops: list[LoopWork]
+    #: Its text, and what it is called with.
     source: Source
 
 
 @dataclass(frozen=True, eq=False)
 class Explanation:
-    """The work of a request; prints as text.
+    """The work of a request; prints as text."""
 
-    Attributes
-    ----------
-    title : str
-        The mechanism, and how many designs, branches and positions.
-    results : tuple of str
-        The requested results.
-    scaling_axis : str
-        The axis that is multiplied instead of evaluated, or an empty text.
-    kernels : tuple of KernelWork
-        The work of each kernel.
-    left_out : tuple of str
-        Public quantities of the mechanism that no requested result needs.
-    facts_left_out, facts_known : int
-        How many facts of the mechanism are not computed, and how many there are.
-    tables : tuple of str
-        Tabled functions of the input position; none for a map of designs.
-    declared : tuple of str
-        The names of quantities and inputs of a user that are read, and where the quantities are declared.
-    forecast : Forecast or None
-        The memory, file and time that it needs, where these were looked at.
-    search : str
-        What a search looks for, an empty text for a map.
-    """
-
+    #: The mechanism, and how many designs, branches and positions.
     title: str
+    #: The requested results.
     results: tuple[str, ...]
+    #: The axis that is multiplied instead of evaluated, or an empty text.
     scaling_axis: str
+    #: The work of each kernel.
     kernels: tuple[KernelWork, ...]
+    #: Public quantities of the mechanism that no requested result needs.
     left_out: tuple[str, ...]
+    #: How many facts of the mechanism are not computed, and how many there are.
     facts_left_out: int
     facts_known: int
+    #: Tabled functions of the input position; none for a map of designs.
     tables: tuple[str, ...]
+    #: The names of quantities and inputs of a user that are read, and where the quantities are declared.
     declared: tuple[str, ...] = ()
+    #: The memory, file and time that it needs, where these were looked at.
     forecast: Forecast | None = None
+    #: What a search looks for, an empty text for a map.
     search: str = ""
 
     @door
@@ -643,7 +591,7 @@ def explain(
     >>> needs.memory > 8 * 2 * 360 * 40_000**2  # 9 TB: write it to a file, if there is a disk for it
     True
     """
-    measure = None if measure is None else check_switch(("measure",), measure)
+    measure = check_options({"measure": measure})["measure"]
     if space is None and quantities is None:
         for name in options:
             what = "is an option of a sweep, not of a study"

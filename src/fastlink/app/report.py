@@ -26,7 +26,8 @@ from fastlink._text import (
     size,
 )
 from fastlink.engine.labels import request_labels
-from fastlink.errors import InputError, Setting, check_switch, door
+from fastlink.engine.options import check_options
+from fastlink.errors import InputError, Setting, door
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.fact import Fact, Input
 from fastlink.facts.find import index_of_inputs
@@ -501,7 +502,7 @@ def quantities(
     >>> [row.name for row in fl.quantities("planar_4r", find="mu min")]
     ['transmission_angle_min', 'transmission_angle_least']
     """
-    internal = check_switch(("internal",), internal)
+    internal = check_options({"internal": internal})["internal"]
     if mechanism is None and find is None:
         known = ", ".join(map(repr, NAMES))
         remedy = (f"write one of {known}", (", or ", Setting("find", "torque"), " to search them all"))
@@ -646,32 +647,32 @@ def summary(maps: Any) -> str:
 
 
 def _summary(dataset: xr.Dataset) -> str:
-    told = _Numbers(dataset.attrs)
-    rows = _designs(dataset, told)
+    figures = _Numbers(dataset.attrs)
+    rows = _designs(dataset, figures)
     if (part := PartOfMap.of(dataset.attrs)) is not None:
         start, stop = part.range
         rows.append(("part", f"{part.part}: designs {start:,} to {stop - 1:,} of {part.designs:,}"))
-    rows += _searched(dataset, told)
+    rows += _searched(dataset, figures)
     if "selection" in dataset.attrs:
         rows.append(("selection", str(dataset.attrs["selection"])))
-    if told.has("configurations"):
-        rows.append(("configurations", f"{told['configurations']:,.0f}"))
-    if told.has("designs_of_earlier_runs"):
-        earlier = counted(int(told["designs_of_earlier_runs"]), "design")
+    if figures.has("configurations"):
+        rows.append(("configurations", f"{figures['configurations']:,.0f}"))
+    if figures.has("designs_of_earlier_runs"):
+        earlier = counted(int(figures["designs_of_earlier_runs"]), "design")
         rows.append(("resumed", f"{earlier} from an earlier run"))
-    if told.has("run_time_s"):
-        text = duration(told["run_time_s"])
-        if told.has("set_up_time_s"):
-            text += f", after {duration(told['set_up_time_s'])} of setting up and compiling"
-        if told.has("threads"):
-            text += f", {counted(int(told['threads']), 'thread')}"
-        if told.has(JOINED):
-            text += f"; of {counted(int(told[JOINED]), 'part')} together"
+    if figures.has("run_time_s"):
+        text = duration(figures["run_time_s"])
+        if figures.has("set_up_time_s"):
+            text += f", after {duration(figures['set_up_time_s'])} of setting up and compiling"
+        if figures.has("threads"):
+            text += f", {counted(int(figures['threads']), 'thread')}"
+        if figures.has(JOINED):
+            text += f"; of {counted(int(figures[JOINED]), 'part')} together"
         rows.append(("run time", text))
     for unit in ("configurations", "designs"):
-        if told.has(f"{unit}_per_second"):
+        if figures.has(f"{unit}_per_second"):
             units = [f"{multiple} {unit}/s" for multiple in MULTIPLES]
-            rows.append(("speed", scaled(told[f"{unit}_per_second"], units)))
+            rows.append(("speed", scaled(figures[f"{unit}_per_second"], units)))
             break
     rows += _errors(dataset)
     notes = {
@@ -688,24 +689,24 @@ def _summary(dataset: xr.Dataset) -> str:
     return aligned(rows)
 
 
-def _searched(dataset: xr.Dataset, told: _Numbers) -> list[tuple[str, str]]:
+def _searched(dataset: xr.Dataset, figures: _Numbers) -> list[tuple[str, str]]:
     """Return what was searched to find these designs, and how many rows were left out, why."""
-    if "search" not in dataset.attrs or not told.has("searched_designs"):
+    if "search" not in dataset.attrs or not figures.has("searched_designs"):
         return []
-    rows = [("searched", f"{told['searched_designs']:,.0f} designs for {dataset.attrs['search']}")]
+    rows = [("searched", f"{figures['searched_designs']:,.0f} designs for {dataset.attrs['search']}")]
     left_out = [
         (
             in_words(name.removeprefix("excluded_")) if name.startswith("excluded_as") else name[9:],
             count,
         )
-        for name, count in told.items()
+        for name, count in figures.items()
         if name.startswith("excluded_") and count
     ]
     texts = [f"{count:,.0f} {name.replace('by_', 'by ', 1)}" for name, count in left_out]
     return [
         *rows,
         *(
-            [("excluded", f"{', '.join(texts)}, of {told.get('searched_rows', 0.0):,.0f} rows")]
+            [("excluded", f"{', '.join(texts)}, of {figures.get('searched_rows', 0.0):,.0f} rows")]
             if texts
             else []
         ),
@@ -725,15 +726,15 @@ class _Numbers(dict[str, float]):
         return self.get(name, -1.0) >= 0.0
 
 
-def _designs(dataset: xr.Dataset, told: _Numbers) -> list[tuple[str, str]]:
+def _designs(dataset: xr.Dataset, figures: _Numbers) -> list[tuple[str, str]]:
     """Return how many designs there are, and how many of them have each status.
 
     Those of a whole sweep stand in its attributes. A part of it is counted; after a mean over designs the statuses are
     no codes, and not counted.
     """
-    if not told.has("designs"):
+    if not figures.has("designs"):
         return []
-    swept = int(told["designs"])
+    swept = int(figures["designs"])
     status = dataset["status"] if "status" in dataset.variables else None
     designs = swept if status is None else status.size
     text, counts = f"{designs:,}", None
@@ -742,7 +743,7 @@ def _designs(dataset: xr.Dataset, told: _Numbers) -> list[tuple[str, str]]:
         counts = None if status is None else flag_counts(status)
     elif status is not None and status.dtype.kind in "iu":
         names = flags_of(status)
-        counts = {name: int(told[f"designs_{name}"]) for name in names if told.has(f"designs_{name}")}
+        counts = {name: int(figures[f"designs_{name}"]) for name in names if figures.has(f"designs_{name}")}
     rows = [("designs", text)]
     label_width, count_width = max(map(len, counts or ()), default=0), len(f"{designs:,}")
     for name, count in (counts or {}).items():
@@ -757,23 +758,23 @@ def _errors(dataset: xr.Dataset) -> list[tuple[str, str]]:
         return [("errors", f"not measured: {dataset.attrs['verify_failed']}")]
     errors, title = [], "largest error"
     for name, array in dataset.data_vars.items():
-        told = _Numbers(array.attrs)
-        if not told.has("verified_values") and told.has(f"{SOURCE}verified_values"):
+        figures = _Numbers(array.attrs)
+        if not figures.has("verified_values") and figures.has(f"{SOURCE}verified_values"):
             title = "of the whole map"  # of which this is a part
-            told = _Numbers({str(key).removeprefix(SOURCE): value for key, value in array.attrs.items()})
-        if not told.has("verified_values"):
+            figures = _Numbers({str(key).removeprefix(SOURCE): value for key, value in array.attrs.items()})
+        if not figures.has("verified_values"):
             continue
         texts = []
-        if told.has("error_max_relative"):
-            texts.append(f"{told['error_max_relative']:.1e} relative")
-        if told.has("error_max_roundings"):
-            texts.append(f"{told['error_max_roundings']:.2g} roundings")
-        if told.has("error_max_of_bound"):
-            texts.append(f"{told['error_max_of_bound']:.2g} of the bound")
-        if told.get("verify_mismatches"):
-            texts.append(f"{counted(int(told['verify_mismatches']), 'value')} NOT AS WITH 50 DIGITS")
+        if figures.has("error_max_relative"):
+            texts.append(f"{figures['error_max_relative']:.1e} relative")
+        if figures.has("error_max_roundings"):
+            texts.append(f"{figures['error_max_roundings']:.2g} roundings")
+        if figures.has("error_max_of_bound"):
+            texts.append(f"{figures['error_max_of_bound']:.2g} of the bound")
+        if figures.get("verify_mismatches"):
+            texts.append(f"{counted(int(figures['verify_mismatches']), 'value')} NOT AS WITH 50 DIGITS")
         if texts:
-            errors.append((str(name), f"{', '.join(texts)}, of {told['verified_values']:,.0f}"))
+            errors.append((str(name), f"{', '.join(texts)}, of {figures['verified_values']:,.0f}"))
     return [("" if k else title, line) for k, line in enumerate(aligned(errors).splitlines())]
 
 

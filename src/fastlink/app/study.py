@@ -36,7 +36,6 @@ from fastlink.errors import (
     Setting,
     Wording,
     check_path,
-    check_switch,
     door,
     nearest,
     not_a_file,
@@ -179,6 +178,7 @@ Positive = Annotated[Finite, Field(gt=0)]
 Negative = Annotated[Finite, Field(lt=0)]
 Text = Annotated[String, Field(min_length=1), Write("a text that is not empty")]
 Name = Annotated[String, Write("the name of a quantity as text")]
+Column = Annotated[String, Write("the name of a column as text")]
 Entry = Annotated[Finite, Write("a finite number")]
 LinkInput = Annotated[Finite, Write("one finite number; to sweep it, make it an axis in [design]")]
 Range = Annotated[tuple[Finite, Finite] | Finite, Write("[lo, hi] with finite lo < hi, or one finite number")]
@@ -251,7 +251,7 @@ class Design(BaseModel, extra="allow"):
     sobol: Sample | None = None
     latin_hypercube: Sample | None = None
     table: Annotated[Text, Write('the path of a CSV or Parquet file, such as "designs.csv"')] | None = None
-    keep: Annotated[list[String], Write('names of columns, such as ["part_no"]')] | None = None
+    keep: Annotated[list[Column], Write('names of columns, such as ["part_no"]')] | None = None
 
 
 class LinksTable(BaseModel, extra="allow"):
@@ -383,6 +383,8 @@ def _without(raw: Mapping[str, Any], paths: list[Any], absent: set[str]) -> dict
         if head in REQUIRED and not inner:
             rest[head] = REQUIRED[head]
             absent.add(head)
+        elif head == "links" and inner[:1] == ["model"]:  # without which its inputs say nothing
+            rest.pop(head, None)
         elif head == "quantities":
             rest[head] = [name for name in rest[head] if isinstance(name, str)] or REQUIRED[head]
         elif inner and isinstance(rest.get(head), dict) and inner[0] in rest[head]:
@@ -449,7 +451,9 @@ TOP = [name for name in StudyFile.model_fields if name not in PLACES]
 WRITE_ABOVE = "write it above the first [table]: what follows a head such as [design] belongs to that table"
 
 
-def at_home(raw: Mapping[str, Any], catalogue: Catalogue | None) -> tuple[dict[str, Any], list[Problem]]:
+def in_own_tables(
+    raw: Mapping[str, Any], catalogue: Catalogue | None
+) -> tuple[dict[str, Any], list[Problem]]:
     """Return a study with each key in its table, and a problem for each one that was in another."""
     homes: dict[str, tuple[str, ...]] = {
         "model": ("links",),
@@ -527,10 +531,10 @@ def _of_search(problem: Problem) -> Problem:
     return replace(problem, where=("samples",), remedy=remedy)
 
 
-def asked_for(table: Mapping[str, Any]) -> dict[str, Any]:
+def search_options(table: Mapping[str, Any]) -> dict[str, Any]:
     """Return objectives, conditions and the refinement of a table [search], as a search takes them."""
-    asked = DEFAULTS | {name: value for name, value in table.items() if name in DEFAULTS}
-    return asked | ({"bounds": None} if "samples" in table else {})  # they are those of the sample
+    options = DEFAULTS | {name: value for name, value in table.items() if name in DEFAULTS}
+    return options | ({"bounds": None} if "samples" in table else {})  # they are those of the sample
 
 
 def request_of_search(
@@ -544,7 +548,7 @@ def request_of_search(
     of_sweep = {"branch": 1, "input": None, **options}
     if "options" not in of_sweep:
         of_sweep["options"] = KEYS["cycle"]
-    return request_of(mechanism, space, names, asked_for(table), **of_sweep)
+    return request_of(mechanism, space, names, search_options(table), **of_sweep)
 
 
 # -- The wording of problems for the author of a study
@@ -839,32 +843,21 @@ def _refused(path: Path, what: str, remedy: str) -> InputError:
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """A study without problems, as `fastlink.sweep` takes it.
+    """A study without problems, as `fastlink.sweep` takes it."""
 
-    Attributes
-    ----------
-    path : Path
-        The file.
-    text : str
-        Its text.
-    tables : dict
-        Its tables and keys.
-    space : DesignSpace
-        The designs.
-    options : dict
-        The options of the sweep besides mechanism, designs and quantities.
-    sources : tuple of Path
-        The files that it was read from: itself, a table of designs, and Python code that declares quantities.
-    mechanism : str or Extension
-        The mechanism: its name, or one with the quantities that a file beside the study declares.
-    """
-
+    #: The file.
     path: Path
+    #: Its text.
     text: str
+    #: Its tables and keys.
     tables: dict[str, Any]
+    #: The designs.
     space: DesignSpace
+    #: The options of the sweep besides mechanism, designs and quantities.
     options: dict[str, Any]
+    #: The files that it was read from: itself, a table of designs, and Python code that declares quantities.
     sources: tuple[Path, ...]
+    #: The mechanism: its name, or one with the quantities that a file beside the study declares.
     mechanism: str | Extension
 
     @property
@@ -875,7 +868,7 @@ class Study:
     @property
     def search(self) -> dict[str, Any] | None:
         """Objectives and conditions, as `fastlink.search` takes them; None of a study whose map is written."""
-        return asked_for(self.tables["search"]) if "search" in self.tables else None
+        return search_options(self.tables["search"]) if "search" in self.tables else None
 
     @property
     def output(self) -> dict[str, Any]:
@@ -983,42 +976,22 @@ def run_study(
             overwrite = True
         attrs = {**title, "study_file": writable(study.path.name), "study": study.text}
         verify = study.output.get("verify") if verify is None else verify
-        if study.search is not None:
-            if layout is not None:
-                remedy = "leave it out: a search keeps the best of all designs alone"
-                raise InputError("is for maps, not for a search", where=("layout",), remedy=remedy)
-            return search(
-                study.mechanism,
-                study.space,
-                study.quantities,
-                **study.search,
-                **{"branch": 1, **study.options},
-                verify=verify,
-                to=target,
-                overwrite=overwrite,
-                restart=restart,
-                part=part,
-                threads=threads,
-                client=client,
-                progress=progress,
-                attrs=attrs,
-            )
-        return sweep(
-            study.mechanism,
-            study.space,
-            study.quantities,
-            **study.options,
-            verify=verify,
-            to=target,
-            overwrite=overwrite,
-            restart=restart,
-            part=part,
-            layout=layout or study.output.get("layout") or CURVES,
-            threads=threads,
-            client=client,
-            progress=progress,
-            attrs=attrs,
-        )
+        run: dict[str, Any] = {
+            "verify": verify,
+            "to": target,
+            "overwrite": overwrite,
+            "restart": restart,
+            "part": part,
+        }
+        run |= {"threads": threads, "client": client, "progress": progress, "attrs": attrs}
+        of = study.mechanism, study.space, study.quantities
+        if study.search is None:
+            run["layout"] = layout or study.output.get("layout") or CURVES
+            return sweep(*of, **study.options, **run)
+        if layout is not None:
+            remedy = "leave it out: a search keeps the best of all designs alone"
+            raise InputError("is for maps, not for a search", where=("layout",), remedy=remedy)
+        return search(*of, **study.search, **{"branch": 1, **study.options}, **run)
     except InputError as error:
         if given.get(str(error.where[0]) if error.where else "") is not None:
             raise  # the caller's own, not the study's
@@ -1040,12 +1013,12 @@ def read_study(path: str | Path, trust_code: bool = False) -> Study:
     The Python file that it may name is run only if that code is trusted.
     """
     path = check_path(("study",), path, "study.toml")
-    trusted = check_switch((TRUST,), trust_code)
+    trusted = check_options({TRUST: trust_code})[TRUST]
     text = text_of(path)
     contents, problems = contents_of(path, text), Problems(StudyWording(path))
     mechanism = _mechanism(path, contents, problems, trusted)
     driven = _driven(mechanism, contents, problems)
-    raw, misplaced = at_home(contents, driven)
+    raw, misplaced = in_own_tables(contents, driven)
     name = "" if driven is None else driven.position.name
     tables, found = read_tables(raw, (name, degrees_name(name)))
     problems.noted += [*misplaced, *found]

@@ -19,9 +19,10 @@ from fastlink.design.search import labels_of
 from fastlink.engine.designs import without
 from fastlink.engine.extend import is_own, own_refused
 from fastlink.engine.function import derivative_of
+from fastlink.engine.options import check_options
 from fastlink.engine.resolve import given_tolerances, resolve
 from fastlink.engine.sweep import sweep
-from fastlink.errors import InputError, Problems, check_path, check_switch, door
+from fastlink.errors import InputError, Problems, check_path, door
 from fastlink.facts.derivative import is_tolerance, tolerance_name, toleranced
 from fastlink.facts.names import Change, Quantity
 from fastlink.io.reader import as_map
@@ -111,26 +112,17 @@ def _size(found: xr.Dataset, by: str) -> Any:
 
 @dataclass(frozen=True)
 class Subject:
-    """A map or a study: what is swept again with tolerances.
+    """A map or a study: what is swept again with tolerances."""
 
-    Attributes
-    ----------
-    mechanism : str or Extension
-        Its mechanism.
-    space : DesignSpace
-        Its designs.
-    options : dict
-        The options of its sweep.
-    names : list of str
-        Its results.
-    rows : array, optional
-        The assembly mode of each design, where each has one of its own.
-    """
-
+    #: Its mechanism.
     mechanism: str | Extension
+    #: Its designs.
     space: DesignSpace
+    #: The options of its sweep.
     options: dict[str, Any]
+    #: Its results.
     names: list[str]
+    #: The assembly mode of each design, where each has one of its own.
     rows: Any = None
 
     @property
@@ -235,7 +227,7 @@ def tolerance(
     """
     problems, is_study = Problems(), False
     with problems.at():
-        check_switch(("contributions",), contributions)
+        check_options({"contributions": contributions})
         if contributions and to is not None:
             remedy = "leave one of them out; derivatives such as d_omega4_max_d_a1 can be swept into a file"
             raise InputError("is given with to", where=("contributions",), remedy=remedy)

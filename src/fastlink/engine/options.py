@@ -9,11 +9,13 @@ from typing import Any
 
 from fastlink._text import short_repr
 from fastlink.errors import (
+    MOST_SEED,
     InputError,
     KeyPath,
     Problems,
     check_choice,
     check_output,
+    check_path,
     check_switch,
     check_whole,
 )
@@ -24,13 +26,15 @@ from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.precision import check_verify
 from fastlink.space.tables import FORMAT, LAYOUTS
 
-__all__ = ["CHECKS", "Check", "check_options", "check_workers", "is_reserved", "optional"]
+__all__ = ["check_options", "check_workers", "is_reserved"]
 
 
 Check = Callable[[KeyPath, Any], Any]
 
 #: More threads than any machine has processors; as many as this take no longer to start than a short sweep to run.
 MOST_THREADS = 4096
+#: More designs take the 50-digit reference more than an hour for one quantity.
+MOST_DESIGNS = 100_000
 #: Global attributes that a sweep writes itself; `title`, `study` and `study_file` are those of a study.
 RESERVED = frozenset(
     (
@@ -94,38 +98,46 @@ def check_workers(client: Any, threads: Any, problems: Problems) -> None:
         problems.add("is given with client", ("threads",), remedy)
 
 
-#: The check of each option of a sweep, which other doors share.
+def check_announce(where: KeyPath, announce: Any) -> Any:
+    """Return a function, or refuse what cannot be called."""
+    if not callable(announce):
+        remedy = "write a function that takes a line of text, such as print"
+        raise InputError(f"is {short_repr(announce)}", where=where, remedy=remedy)
+    return announce
+
+
+#: The check of each option, by the name that it has at every door.
 CHECKS: dict[str, Check] = {
     "allow_invalid": check_switch,
+    "announce": optional(check_announce),
     "attrs": optional(partial(check_attrs, reserved=is_reserved)),
     "block": optional(partial(check_whole, least=1)),
     "client": optional(check_client),
+    "contributions": check_switch,
+    "designs": partial(check_whole, least=1, most=MOST_DESIGNS),
+    "internal": check_switch,
     "layout": partial(check_choice, known=LAYOUTS),
+    "measure": optional(check_switch),
+    "outside": check_switch,
     "overwrite": check_switch,
     "part": optional(check_part),
+    "picture": optional(partial(check_path, example="map.png")),
     "progress": optional(check_switch),
     "restart": check_switch,
+    "seed": partial(check_whole, least=0, most=MOST_SEED),
     "threads": optional(partial(check_whole, least=1, most=MOST_THREADS)),
     "to": optional(check_output),
+    "trust_code": check_switch,
     "verify": optional(check_verify),
 }
 
 
-def check_options(given: Mapping[str, Any], further: Mapping[str, Check] | None = None) -> dict[str, Any]:
-    """Return the options of a call after their checks; all problems are raised together.
-
-    Examples
-    --------
-    >>> check_options({"threads": 2, "overwrite": "no", "verify": -1})
-    Traceback (most recent call last):
-    fastlink.errors.InputError: overwrite is 'no'; write True or False
-    verify is -1; write how many designs to compute again, from 0 for none to 200000
-    """
-    checks = CHECKS if further is None else CHECKS | dict(further)
+def check_options(given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the options of a call after their checks; all problems are raised together."""
     problems, checked = Problems(), {}
     for name, value in given.items():
         try:
-            checked[name] = checks[name]((name,), value)
+            checked[name] = CHECKS[name]((name,), value)
         except InputError as error:
             problems.noted += error.problems
     problems.stop()

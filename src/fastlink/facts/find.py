@@ -107,13 +107,7 @@ def canonical(spelt: Iterable[str]) -> tuple[str, ...]:
 
 
 def words(text: str) -> tuple[str, ...]:
-    """Return the words of a text, see `canonical`.
-
-    Examples
-    --------
-    >>> words("Angular velocity of the output link"), words("rocker_speed"), words("ω4")
-    (('angular', 'velocity', 'output', 'link'), ('output', 'velocity'), ('omega', '4'))
-    """
+    """Return the words of a text, see `canonical`."""
     return canonical(parts(text))
 
 
@@ -131,6 +125,8 @@ PARTLY, TITLE = 0.5, 0.85
 MISSPELT, SCATTERED = 0.5, 0.7
 #: Letters in common from which two words, or two names, may be one misspelt.
 LETTERS = 0.7
+#: The numbers in a name, and what one counts of which nothing but these is another.
+NUMBER, OTHER_NUMBER = re.compile("[0-9]+"), 0.6
 #: The least score of a suggestion; and its least share of the best one.
 LEAST, NEAR, MOST = 0.42, 0.85, 3
 
@@ -187,12 +183,17 @@ class Index:
             return []
         query = [self._near(word) for word in canonical(spelt)]
         scores = {name: self._by_words(query, phrases) for name, phrases in self._phrases.items()}
-        spellings = {of[0]: name for name, of in self._spellings.items()}
-        for near in get_close_matches(joined, spellings, 9, LETTERS):
-            share = SequenceMatcher(None, near, joined).ratio()
-            scores[spellings[near]] = max(scores[spellings[near]], share * share)
+        close = get_close_matches(joined, [own for own, *_ in self._spellings.values()], 9, LETTERS)
         for name, (own, *others) in self._spellings.items():
-            scores[name] = 1.0 if joined == own else 0.99 if joined in others else scores[name]
+            letters = 0.0
+            if joined in (own, *others):
+                letters = 1.0 if joined == own else 0.99
+            elif NUMBER.sub("0", joined) == NUMBER.sub("0", own):
+                pairs = zip(NUMBER.findall(joined), NUMBER.findall(own), strict=True)
+                letters = OTHER_NUMBER - 0.01 * min(10, sum(abs(int(x) - int(y)) for x, y in pairs))
+            elif own in close:
+                letters = SequenceMatcher(None, own, joined).ratio() ** 2
+            scores[name] = max(letters, scores[name])
         return sorted(Ranked.of(score, name) for name, score in scores.items() if score > 0.0)
 
     def _near(self, word: str) -> dict[str, float]:
@@ -226,13 +227,7 @@ def best_names(ranked: Sequence[Ranked], most: int = MOST) -> list[str]:
 
 
 def did_you_mean(names: Sequence[str]) -> str:
-    """Return a remedy that suggests names.
-
-    Examples
-    --------
-    >>> did_you_mean(["omega4", "omega2"])
-    "did you mean 'omega4' or 'omega2'?"
-    """
+    """Return a remedy that suggests names."""
     quoted = [repr(name) for name in names]
     return f"did you mean {' or '.join(part for part in (', '.join(quoted[:-1]), quoted[-1]) if part)}?"
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Container, Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache, partial
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, Literal
 
 from fastlink.errors import InputError, Setting
@@ -44,15 +44,13 @@ __all__ = [
     "Lanes",
     "Output",
     "Plan",
+    "Planner",
     "Program",
     "all_declared",
-    "find_extremum_search",
     "folds",
     "is_magnitude",
     "make_plan",
     "make_program",
-    "order_at_toggles",
-    "output_of",
 ]
 
 
@@ -97,35 +95,23 @@ class Output:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Program:
-    """Facts to compute at input positions, and the results that are made of them.
+    """Facts to compute at input positions, and the results that are made of them."""
 
-    Attributes
-    ----------
-    catalogue : Catalogue
-        The mechanism.
-    outputs : tuple of Output
-        The results, in the order of the request.
-    steps : tuple of Fact or System
-        Everything computed, in order.
-    inputs : tuple of str
-        The inputs that the steps read, the rows of the kernel's design array.
-    branches : tuple of int
-        The assembly modes.
-    variants : tuple of str
-        The selected variants.
-    tables : tuple of str
-        The functions of the input position that the steps read, the rows of the kernel's angle array.
-    lanes : {"designs", "angles"}
-        What stands side by side in the vector lanes.
-    """
-
+    #: The mechanism.
     catalogue: Catalogue
+    #: The results, in the order of the request.
     outputs: tuple[Output, ...]
+    #: Everything computed, in order.
     steps: tuple[Fact | System, ...]
+    #: The inputs that the steps read, the rows of the kernel's design array.
     inputs: tuple[str, ...]
+    #: The assembly modes.
     branches: tuple[int, ...]
+    #: The selected variants.
     variants: tuple[str, ...]
+    #: The functions of the input position that the steps read, the rows of the kernel's angle array.
     tables: tuple[str, ...] = ()
+    #: What stands side by side in the vector lanes.
     lanes: Lanes = "designs"
 
     @property
@@ -155,72 +141,49 @@ class Program:
 
 @dataclass(frozen=True)
 class ExtremumSearch:
-    """A quantity whose extrema are searched.
+    """A quantity whose extrema are searched."""
 
-    Attributes
-    ----------
-    quantity : str
-        Its name.
-    slope : str
-        The fact that vanishes where it is extreme.
-    cells, most : int
-        Half the number of cells of the graded range, a power of two, and how many extrema are kept.
-    order, slope_order : int
-        The powers of 1/sigma by which quantity and slope grow at a toggle.
-    parity, slope_parity : int
-        What the mirror does to them: 1, -1, or 0 for no symmetry.
-    at_limit : bool
-        Whether the quantity has a value exactly at a toggle.
-    divided : bool
-        Whether cells are divided whose samples cannot exclude further extrema; the others have none that hide.
-    magnitude : bool
-        Whether it is the magnitude of a vector: its square is smooth where it comes close to zero.
-    folds : bool
-        Whether it is an angle from 0 to pi, which turns back at both.
-    kinked : bool
-        Whether its slope may jump over zero: it chooses the larger of two values, or takes the size of one.
-    divisors : tuple of str
-        The values other than 1/sigma by whose product the slope is divided.
-    onto : str
-        Where `slope` is another one, at whose zeros the quantity may be greatest or least too: the quantity.
-    piece : bool
-        Whether `slope` is the derivative of a smooth quantity that the quantity is in some places.
-    jumps : bool
-        Whether these are jumps of an angle by 2 pi, which reaches pi and -pi there.
-    turns : tuple of str
-        What vanishes where the slope jumps or has a kink: cells are split at these places.
-    splits : bool
-        Whether the zeros of `slope` are such places of other searches, and nothing else.
-    bounded_by : tuple of str
-        Where error bounds of the extremes are requested: those of quantity and slope, the slope's derivative, and the
-        slope.
-    gradients : tuple of Gradient
-        The derivatives of the extremes by inputs that are requested, of the values before those of the places.
-    known : KnownExtremes, optional
-        Where its extremes are, if that is known in closed form.
-    """
-
+    #: Its name.
     quantity: str
+    #: The fact that vanishes where it is extreme.
     slope: str
+    #: Half the number of cells of the graded range, a power of two, and how many extrema are kept.
     cells: int
     most: int
+    #: The powers of 1/sigma by which quantity and slope grow at a toggle.
     order: int
     slope_order: int
+    #: What the mirror does to them: 1, -1, or 0 for no symmetry.
     parity: int
     slope_parity: int
+    #: Whether the quantity has a value exactly at a toggle.
     at_limit: bool
+    #: Whether cells are divided whose samples cannot exclude further extrema; the others have none that hide.
     divided: bool
+    #: Whether it is the magnitude of a vector: its square is smooth where it comes close to zero.
     magnitude: bool
+    #: Whether it is an angle from 0 to pi, which turns back at both.
     folds: bool = False
+    #: Whether its slope may jump over zero: it chooses the larger of two values, or takes the size of one.
     kinked: bool = False
+    #: The values other than 1/sigma by whose product the slope is divided.
     divisors: tuple[str, ...] = ()
+    #: Where `slope` is another one, at whose zeros the quantity may be greatest or least too: the quantity.
     onto: str = ""
+    #: Whether `slope` is the derivative of a smooth quantity that the quantity is in some places.
     piece: bool = False
+    #: Whether these are jumps of an angle by 2 pi, which reaches pi and -pi there.
     jumps: bool = False
+    #: What vanishes where the slope jumps or has a kink: cells are split at these places.
     turns: tuple[str, ...] = ()
+    #: Whether the zeros of `slope` are such places of other searches, and nothing else.
     splits: bool = False
+    #: Where error bounds of the extremes are requested: those of quantity and slope, the slope's derivative, and
+    #: the slope.
     bounded_by: tuple[str, ...] = ()
+    #: The derivatives of the extremes by inputs that are requested, of the values before those of the places.
     gradients: tuple[Gradient, ...] = ()
+    #: Where its extremes are, if that is known in closed form.
     known: KnownExtremes | None = None
 
     @property
@@ -231,24 +194,16 @@ class ExtremumSearch:
 
 @dataclass(frozen=True)
 class Gradient:
-    """The derivative of an extreme, or of its place, by an input.
+    """The derivative of an extreme, or of its place, by an input."""
 
-    Attributes
-    ----------
-    by : str
-        The input.
-    is_position : bool
-        Whether it is that of the place.
-    held : tuple of str
-        The derivative of the quantity at one input position; for the place those of the slope by the input and by the
-        position, whose quotient times -1 it is. Empty where the input moves nothing but the limits of motion.
-    moving : str
-        The derivative at a place that moves with the limits of motion, empty where nothing moves.
-    """
-
+    #: The input.
     by: str
+    #: Whether it is that of the place.
     is_position: bool
+    #: The derivative of the quantity at one input position; for the place those of the slope by the input and by
+    #: the position, whose quotient times -1 it is. Empty where the input moves nothing but the limits of motion.
     held: tuple[str, ...]
+    #: The derivative at a place that moves with the limits of motion, empty where nothing moves.
     moving: str
 
     @property
@@ -317,197 +272,6 @@ class KnownProgram(ExtremaProgram):
         return self._axes_by({near: "place", far: "place", side: "side"})
 
 
-# -- Decide over what a reduction runs: positions where the loop closes, no toggle that an integral cannot
-#    pass
-
-
-def counted_by(catalogue: Catalogue, request: Request, given: Iterable[str], variants: Sequence[str]) -> str:
-    """Return the fact that is a number where a position counts, empty if the quantity has no value at others.
-
-    A crank pin has a place where the linkage cannot be assembled, too: that is no part of the motion. Codes have one
-    for such positions.
-    """
-    if not catalogue.closes or request.reduction is None or catalogue.public_fact(request.quantity).flags:
-        return ""
-    tables = (catalogue.position.name, *catalogue.tables, *catalogue.table_low_parts)
-    steps = catalogue.dependencies([request.quantity], (*given, *tables, "branch"), variants)
-    made_of = {name for step in steps for name in step.names}
-    return "" if made_of.intersection(catalogue.closes) else catalogue.closes[0]
-
-
-def toggles_of(
-    catalogue: Catalogue, request: Request, given: Iterable[str], variants: Sequence[str]
-) -> tuple[str, ...]:
-    """Return the facts of a design that are positive where a reduction over the turn meets a toggle it cannot pass.
-
-    A quantity grows as sigma^-n, sigma as the root of the distance from the toggle. Its mean exists for n < 2, that of
-    its square for n < 1: see `fastlink.plan.query.Reduction.toggle_order`. Without a graded range there are none.
-    What an integral changes as its limits move is not that of samples: its derivatives by inputs meet them all.
-    """
-    reduction = request.reduction
-    if catalogue.graded is None or reduction is None or reduction.toggle_order is None:
-        return ()
-    if request.quantity in catalogue.graded.not_differentiable:  # of samples, as its extremes
-        return ()
-    if reduction.toggle_order > 0 and not request.is_of_gradient:
-        order = order_at_toggles(catalogue, request.quantity, given, variants)
-        if order is None or order < reduction.toggle_order:
-            return ()
-    return tuple(toggle for _, _, toggle in catalogue.graded.ends)
-
-
-def order_at_toggles(
-    catalogue: Catalogue, quantity: str, given: Iterable[str], variants: Sequence[str]
-) -> int | None:
-    """Return the power of 1/sigma by which a quantity grows at toggles, or None where it is not known.
-
-    What moves a toggle acts as what moves the input position towards it: a derivative by an input grows as that by the
-    position does, or faster.
-    """
-    graded, tree = catalogue.graded, catalogue.parse(quantity)
-    assert graded is not None
-    names = [quantity]
-    if isinstance(tree, Change) or (isinstance(tree, Derivative) and tree.by != catalogue.position.name):
-        names.append(derivative_name(str(tree.of), catalogue.position.name))
-    # of a linear system nothing is known; closed forms have the same values
-    chosen = (graded.name, *(variant for variant in variants if variant not in catalogue.solvers))
-    orders = []
-    for name in names:
-        try:
-            steps = tuple(catalogue.dependencies([name], (*given, *graded.coordinates, "branch"), chosen))
-        except (CatalogueError, NoDerivative):
-            continue
-        if not any(isinstance(step, System) for step in steps):
-            orders.append(round(asymptotics(graded, steps, (*graded.coordinates, "branch"))[name].order))
-    return max(orders, default=None)
-
-
-# -- Programs of values at given input positions and of their reductions
-
-# A fact that depends on the design alone is computed once per design; a fact of the input position alone,
-# once per position; a fact that does not depend on the branch, once for both branches.
-
-
-# Fewer angles than this leave vector lanes idle when lanes are angles.
-ANGLES_FOR_LANES = 32
-
-
-def make_program(
-    catalogue: Catalogue,
-    names: Iterable[str],
-    *,
-    given: Iterable[str],
-    branches: Sequence[int] = (1, 2),
-    variants: Sequence[str] = (),
-    angles: int = 360,
-    lanes: Lanes | None = None,
-    whole_turn: bool = False,
-) -> Program:
-    """Resolve requested names into one program."""
-    requests = [parse_request(name, catalogue) for name in names]
-    position = catalogue.position.name
-    tables = (position, *catalogue.tables, *catalogue.table_low_parts)
-    leaves = (*given, *tables, "branch")
-    check_sampled(requests, catalogue)
-    met = {r.name: toggles_of(catalogue, r, given, variants) if whole_turn else () for r in requests}
-    needed = [request.quantity for request in requests] + [
-        name for toggles in met.values() for name in toggles
-    ]
-    outputs = tuple(
-        output_of(
-            r,
-            catalogue,
-            toggles=met[r.name],
-            counted=counted_by(catalogue, r, given, variants),
-            terms=terms_of(r, catalogue, given, variants),
-        )
-        for r in requests
-    )
-    needed += [name for o in outputs for name in (*o.slopes, *(term.tolerance for term in o.terms))]
-    needed += [output.counted for output in outputs if output.counted]
-    steps = tuple(catalogue.dependencies(dict.fromkeys(needed), leaves, variants))
-    read = {need for step in steps for need in step.depends_on}
-    read_tables = tuple(name for name in tables if name in read)
-    if any(request.is_position for request in requests) and position not in read_tables:
-        read_tables = (position, *read_tables)
-    has_cycle = any(request.reduction for request in requests)
-    has_system = any(isinstance(step, System) for step in steps)
-    if lanes is None:
-        lanes = (
-            "designs" if has_cycle or has_system or angles < ANGLES_FOR_LANES or not read_tables else "angles"
-        )
-    # In the catalogue's order, so that one set of names has one kernel however the design is written.
-    inputs = tuple(name for name in catalogue.known_inputs(variants) if name in read and name in leaves)
-    return Program(
-        catalogue=catalogue,
-        outputs=outputs,
-        steps=steps,
-        inputs=inputs,
-        branches=tuple(branches),
-        variants=tuple(variants),
-        tables=read_tables,
-        lanes=lanes,
-    )
-
-
-def pointwise_programs(
-    catalogue: Catalogue, names: Sequence[str], angles: int, *, given: Iterable[str], **options: Any
-) -> list[Program]:
-    """Return the programs that together give some results fastest: curves apart from the rest.
-
-    With lanes that are designs a curve is stored across the lines of its array, 1 ns a value; with lanes that are
-    angles it costs less to compute the shared facts again.
-    """
-    program = make_program(catalogue, names, given=given, angles=angles, **options)
-    position = catalogue.position.name
-    curves = [output.name for output in program.outputs if position in output.axes]
-    others = [output.name for output in program.outputs if position not in output.axes]
-    has_system = any(isinstance(step, System) for step in program.steps)
-    if has_system or program.lanes == "angles" or angles < ANGLES_FOR_LANES or not curves or not others:
-        return [program]
-    return [
-        make_program(catalogue, part, given=program.inputs, angles=angles, **options)
-        for part in (curves, others)
-    ]
-
-
-def output_of(
-    request: Request,
-    catalogue: Catalogue,
-    *,
-    refined: bool = False,
-    toggles: tuple[str, ...] = (),
-    counted: str = "",
-    terms: tuple[Term, ...] = (),
-) -> Output:
-    """Return the result of a request."""
-    fact = catalogue.public_fact(request.quantity)
-    axes: tuple[str, ...] = (BRANCH,)
-    if not catalogue.varies(fact.name):
-        axes = ()
-    elif request.listed and request.listed != "count":
-        axes = (BRANCH, EXTREMUM)
-    elif not request.listed and request.reduction is None:
-        axes = (BRANCH, catalogue.position.name)
-    is_code = (bool(fact.flags) and request.is_of_quantity) or request.listed in ("count", "kind")
-    is_code = is_code or request.is_status
-    return Output(request, axes, "int8" if is_code else "float64", refined, toggles, counted, terms)
-
-
-def terms_of(
-    request: Request,
-    catalogue: Catalogue,
-    given: Iterable[str],
-    variants: Sequence[str],
-    *,
-    refined: bool = False,
-) -> tuple[Term, ...]:
-    """Return the terms of a change of a reduction by tolerances, none of another request."""
-    if not request.change:
-        return ()
-    return catalogue.change_terms(request.quantity, variants, given, over_cycle=True, at_limits=refined)
-
-
 # -- Where facts turn sharply or have kinks: magnitudes, angles by the size of a sine, choices of users,
 #    loads
 
@@ -518,9 +282,6 @@ KINKS = {absolute.__name__, choice.__name__}
 #: their sum turns twice within a fraction of a cell, which the samples of its slope do not show (5 of 1,001 differences
 #: of forces on the crank missed their greatest value by up to 2 % with one cell, none with this many).
 FINER = 8
-
-#: What computes facts at positions of the graded range.
-_StepsOf = Callable[[Sequence[str]], Sequence[Fact | System]]
 
 
 def is_magnitude(step: Fact | System) -> bool:
@@ -574,102 +335,11 @@ def may_have_kinks(step: Fact | System) -> bool:
     return isinstance(step, Fact) and step.own and not KINKS.isdisjoint(step.function.__code__.co_names)
 
 
-def searches_at_kinks(
-    catalogue: Catalogue, search: ExtremumSearch, steps_of: _StepsOf
-) -> list[ExtremumSearch]:
-    """Return the searches for the kinks of a quantity, and for the extremes of what it is between them."""
-    graded = catalogue.graded
-    assert graded is not None
-    switches, pieces = graded.kinks.get(search.quantity, ((), ()))
-    slopes = [(name, name) for name in switches]
-    fact = catalogue.facts.get(search.quantity)
-    magnitudes = [name for name in fact.depends_on if is_sharp(catalogue, name)] if fact and fact.own else []
-    smooth = dict.fromkeys((*pieces, *magnitudes))
-    slopes += [(name, derivative_name(name, catalogue.position.name)) for name in smooth]
-    found = (_search_of(catalogue, search, name, slope, steps_of) for name, slope in slopes)
-    return [one for one in found if one is not None]
-
-
-def _search_of(
-    catalogue: Catalogue, search: ExtremumSearch, name: str, slope: str, steps_of: _StepsOf
-) -> ExtremumSearch | None:
-    """Return the search for the zeros of the slope of a quantity, or of a value itself, on behalf of another search."""
-    graded = catalogue.graded
-    assert graded is not None
-    try:
-        steps = steps_of((name, slope))
-    except (CatalogueError, NoDerivative, NoDependence):
-        return None  # the same at all positions, or of those of the whole alone
-    divisor, power = graded.divisors.get(name, (name, 0)) if slope != name else (name, 0)
-    if slope != name and is_magnitude(next(step for step in steps if name in step.names)):
-        divisor, power = name, 1  # half the derivative of the square, which has no kink
-    grades = asymptotics(graded, steps, (*graded.coordinates, "branch"))
-    parity = grades[slope].parity if slope == name else -grades[name].parity  # the position is odd
-    if search.mirrored and not parity:
-        return None  # its mirror image is that of another part, which is searched where this one is not
-    return replace(
-        search,
-        slope=slope,
-        slope_order=max(round(grades[slope].order + power * grades[divisor].order), 0),
-        slope_parity=parity,
-        divisors=(divisor,) * power,
-        onto=search.quantity,
-        piece=slope != name,
-        magnitude=False,
-        kinked=False,
-        turns=() if slope == name else turns_of(graded, name, steps),
-        gradients=(),
-    )
-
-
-def searches_for_splits(
-    catalogue: Catalogue, searches: Iterable[ExtremumSearch], steps_of: _StepsOf
-) -> list[ExtremumSearch]:
-    """Return the searches for the places at which cells of searches, which share samples, are split."""
-    graded = catalogue.graded
-    assert graded is not None
-    first: dict[str, ExtremumSearch] = {}
-    for search in searches:
-        for name in search.turns:
-            first.setdefault(name, search)  # it is the same for all
-    found = (_search_of(catalogue, search, name, name, steps_of) for name, search in first.items())
-    return [
-        replace(
-            one,
-            quantity=one.slope,
-            order=0,
-            divided=one.slope not in graded.cells,
-            splits=True,
-            bounded_by=(),
-        )
-        for one in found
-        if one is not None
-    ]
-
-
 def turns_of(graded: GradedRange, quantity: str, steps: Iterable[Fact | System]) -> tuple[str, ...]:
     """Return what vanishes where the slope of a quantity, which steps compute, jumps or has a kink."""
     names = {name for step in steps for name in step.names}
     switches, _ = graded.kinks.get(quantity, ((), ()))
     return (*(zero for name, zero in graded.turns.items() if name in names), *switches)
-
-
-# -- Programs of extremes that are known in closed form: the quantity at a few places, and nothing that is
-#    searched
-
-
-def find_known_extremes(
-    catalogue: Catalogue, quantity: str, steps: Iterable[Fact | System], variants: Sequence[str]
-) -> KnownExtremes | None:
-    """Return where the extremes of a quantity are, None where that is not known for the facts that are selected.
-
-    `steps` are those that compute it: what was declared holds for the mechanism's own, not for those of a variant.
-    """
-    assert catalogue.graded is not None
-    replaced = {name for variant in variants for name in catalogue.variants.get(variant, ())}
-    if any(name in replaced for step in steps for name in step.names):
-        return None
-    return catalogue.graded.known.get(quantity)
 
 
 def is_of_known(output: Output, searches: Iterable[ExtremumSearch]) -> bool:
@@ -679,270 +349,404 @@ def is_of_known(output: Output, searches: Iterable[ExtremumSearch]) -> bool:
     return own and request.can_be_refined and not request.change
 
 
-def known_program(
-    catalogue: Catalogue,
-    outputs: Sequence[Output],
-    searches: Sequence[ExtremumSearch],
-    steps_of: Callable[[Iterable[str]], tuple[Fact | System, ...]],
-    *,
-    given: Sequence[str],
-    branches: Sequence[int],
-    variants: Sequence[str],
-) -> KnownProgram:
-    """Return the program of extremes that are known."""
-    graded = catalogue.graded
-    assert graded is not None
-    names = [name for end in graded.ends for name in end[1:]]
-    if any(output.request.is_position or output.request.is_of_gradient for output in outputs):
-        names.append(catalogue.position.name)
-    for search in searches:
-        assert search.known is not None
-        names += [search.quantity, *search.known.facts, *search.bounded_by]
-        names += [name for gradient in search.gradients for name in gradient.names]
-        if any(output.request.is_of_gradient for output in outputs) and not search.known.places:
-            names.append(search.slope)
-        if search.bounded_by:
-            names += [error_name(end[2]) for end in graded.ends]
-    steps = steps_of(dict.fromkeys(names))
-    read = {name for step in steps for name in step.depends_on}
-    return KnownProgram(
-        catalogue=catalogue,
-        outputs=tuple(outputs),
-        steps=steps,
-        inputs=tuple(name for name in catalogue.known_inputs(variants) if name in read and name in given),
-        branches=tuple(branches),
-        variants=tuple(variants),
-        searches=tuple(searches),
-    )
+# -- Plan the programs of a mechanism, for designs that give some of its inputs
+
+# A fact that depends on the design alone is computed once per design; a fact of the input position alone,
+# once per position; a fact that does not depend on the branch, once for both branches.
 
 
-# -- Programs of searches for extrema: each of a quantity by its derivative with respect to the input
-#    position
+# Fewer angles than this leave vector lanes idle when lanes are angles.
+ANGLES_FOR_LANES = 32
 
 
-def find_extremum_search(
-    catalogue: Catalogue, quantity: str, given: Iterable[str], variants: Sequence[str]
-) -> ExtremumSearch | None:
-    """Return how a quantity is searched, or None where it has no derivative or no graded range."""
-    graded = catalogue.graded
-    if graded is None or quantity in graded.not_differentiable:
-        return None
-    slope = derivative_name(quantity, catalogue.position.name)
-    try:
-        steps = _steps(catalogue, (quantity, slope), given, variants)
-    except (CatalogueError, NoDerivative):
-        return None
-    if any(isinstance(step, System) for step in steps):
-        return None
-    grades = asymptotics(graded, steps, (*graded.coordinates, "branch"))
-    grade = grades[quantity]
-    divisor, power = graded.divisors.get(quantity, (quantity, 0))
-    own = _steps(catalogue, (quantity,), given, variants)
-    needed = {name for step in own for name in step.names}
-    by_name = {name: step for step in steps for name in step.names}
-    return ExtremumSearch(
-        quantity,
-        slope,
-        graded.cells.get(quantity, graded.cells_otherwise) * (FINER if has_sharp_terms(own) else 1),
-        graded.max_extrema.get(quantity, graded.max_extrema_otherwise),
-        round(grade.order),
-        max(round(grades[slope].order + power * grades[divisor].order), 0),
-        grade.parity,
-        -grade.parity,  # the input position is odd
-        at_limit=graded.reciprocal not in needed and not grade.choice,
-        divided=quantity not in graded.cells,
-        turns=() if quantity in graded.cells else turns_of(graded, quantity, steps),
-        magnitude=is_magnitude(by_name[quantity]),
-        folds=folds(by_name[quantity]),
-        kinked=any(map(may_have_kinks, own)),
-        divisors=(divisor,) * power,
-        known=find_known_extremes(catalogue, quantity, own, variants),
-    )
+@dataclass(frozen=True, eq=False)
+class Planner:
+    """Plans programs of a mechanism, for the inputs that designs give, some variants and assembly modes."""
 
+    catalogue: Catalogue
+    given: tuple[str, ...]
+    variants: tuple[str, ...] = ()
+    branches: tuple[int, ...] = (1, 2)
 
-def _steps(
-    catalogue: Catalogue, names: Iterable[str], given: Iterable[str], variants: Sequence[str]
-) -> tuple[Fact | System, ...]:
-    """Return the steps that compute facts at positions of the graded range."""
-    graded = catalogue.graded
-    assert graded is not None
-    return tuple(
-        catalogue.dependencies(names, (*given, *graded.coordinates, "branch"), (graded.name, *variants))
-    )
+    @property
+    def graded(self) -> GradedRange:
+        """The range in which extremes are searched."""
+        assert self.catalogue.graded is not None
+        return self.catalogue.graded
 
+    @property
+    def tables(self) -> tuple[str, ...]:
+        """The functions of the input position."""
+        return self.catalogue.position.name, *self.catalogue.tables, *self.catalogue.table_low_parts
 
-def _further_searches(
-    catalogue: Catalogue, searches: Iterable[ExtremumSearch], bounded: Container[str], steps_of: Any
-) -> list[ExtremumSearch]:
-    """Return the searches for places where a quantity may be greatest or least, though its slope is not 0.
+    def curve_steps(self, names: Iterable[str]) -> tuple[Fact | System, ...]:
+        """Return the steps that compute facts at input positions."""
+        leaves = (*self.given, *self.tables, "branch")
+        return tuple(self.catalogue.dependencies(names, leaves, self.variants))
 
-    Where the greatest or least value of an angle is requested, its jumps by 2 pi are searched too; where that of a
-    quotient is, the places where what it is divided by is least: next to zero three extremes may be too close to tell.
-    So may be those on both sides of a kink: of what has kinks these are searched, and the extremes of its smooth parts.
-    """
-    graded, position = catalogue.graded, catalogue.position.name
-    assert graded is not None
-    # The fact that vanishes there is the sine of the angle times a length: odd where the angle is.
-    jumps = [
-        replace(
-            s,
-            slope=graded.wraps_at[s.quantity],
-            slope_order=0,
-            slope_parity=s.parity,
-            magnitude=False,
-            divisors=(),
-            onto=s.quantity,
-            jumps=True,
-            turns=(),
-            bounded_by=(),
-            gradients=(),
-        )
-        for s in searches
-        if s.quantity in bounded and s.quantity in graded.wraps_at
-    ]
-    kinks = [
-        one for s in searches if s.quantity in bounded for one in searches_at_kinks(catalogue, s, steps_of)
-    ]
-    nearly_poles = [
-        replace(
-            s,
-            slope=derivative_name(s.divisors[0], position),
-            divisors=s.divisors[:1],  # the square's derivative, which has no kink
-            divided=False,
-            turns=(),
-            onto=s.quantity,
-            gradients=(),
-        )
-        for s in (*searches, *kinks)
-        if s.quantity in bounded and s.divisors
-    ]
-    return jumps + kinks + nearly_poles
+    def steps(self, names: Iterable[str]) -> tuple[Fact | System, ...]:
+        """Return the steps that compute facts at positions of the graded range."""
+        leaves = (*self.given, *self.graded.coordinates, "branch")
+        return tuple(self.catalogue.dependencies(names, leaves, (self.graded.name, *self.variants)))
 
-
-def extrema_programs(
-    catalogue: Catalogue,
-    outputs: Sequence[Output],
-    searches: Sequence[ExtremumSearch],
-    *,
-    given: Sequence[str],
-    branches: Sequence[int],
-    variants: Sequence[str],
-) -> list[ExtremaProgram]:
-    """Return a program of extremes that are known, and group searches by what may share samples.
-
-    These are fineness and symmetry: no bit changes.
-    """
-    graded = catalogue.graded
-    assert graded is not None
-    known = _known_programs(catalogue, outputs, searches, given=given, branches=branches, variants=variants)
-    outputs = [output for output in outputs if not is_of_known(output, searches)]
-    quantities = {output.request.quantity for output in outputs}
-    searches = [search for search in searches if search.quantity in quantities]
-    searches = [_asked(catalogue, search, outputs, given=given, variants=variants) for search in searches]
-    bounded = {output.request.quantity for output in outputs if output.request.can_be_refined}
-    groups: dict[tuple[int, bool], list[ExtremumSearch]] = {}
-    steps_of = partial(_steps, catalogue, given=given, variants=variants)
-    for search in (*searches, *_further_searches(catalogue, searches, bounded, steps_of)):
-        groups.setdefault((search.cells, search.mirrored), []).append(search)
-    programs: list[ExtremaProgram] = [*known]
-    for group in groups.values():
-        group += searches_for_splits(catalogue, group, steps_of)
-        names = [
-            catalogue.position.name,
-            graded.bounded_factor,
-            *(name for end in graded.ends for name in end),
-        ]
-        names += [name for s in group for name in (s.slope, s.quantity, *s.divisors, *s.bounded_by)]
-        names += [name for s in group for gradient in s.gradients for name in gradient.names]
-        of_group = [o for s in group for o in outputs if o.request.quantity == s.quantity and not s.onto]
-        names += [term.tolerance for o in of_group for term in o.terms]
-        names += [error_name(end[2]) for end in graded.ends if any(s.bounded_by for s in group)]
-        steps = _steps(catalogue, names, given, variants)
+    def made_of(self, steps: tuple[Fact | System, ...]) -> dict[str, Any]:
+        """Return what every program of some steps has; inputs by the catalogue, however the design is written."""
         read = {name for step in steps for name in step.depends_on}
-        inputs = catalogue.known_inputs(variants)
-        programs.append(
-            ExtremaProgram(
-                catalogue=catalogue,
-                outputs=tuple(of_group),
-                steps=steps,
-                inputs=tuple(name for name in inputs if name in read and name in given),
-                branches=tuple(branches),
-                variants=tuple(variants),
-                searches=tuple(group),
-            )
+        known = self.catalogue.known_inputs(self.variants)
+        return {
+            "catalogue": self.catalogue,
+            "steps": steps,
+            "inputs": tuple(name for name in known if name in read and name in self.given),
+            "branches": self.branches,
+            "variants": self.variants,
+        }
+
+    # -- Over what a reduction runs: positions where the loop closes, no toggle that an integral cannot pass
+
+    def counted_by(self, request: Request) -> str:
+        """Return the fact that is a number where a position counts, empty if the quantity has no value at others.
+
+        A crank pin has a place where the linkage cannot be assembled, too: that is no part of the motion. Codes have
+        one for such positions.
+        """
+        closes = self.catalogue.closes
+        if not closes or request.reduction is None or self.catalogue.public_fact(request.quantity).flags:
+            return ""
+        made_of = {name for step in self.curve_steps([request.quantity]) for name in step.names}
+        return "" if made_of.intersection(closes) else closes[0]
+
+    def toggles_of(self, request: Request) -> tuple[str, ...]:
+        """Return the facts of a design that are positive where a reduction over the turn meets a toggle it cannot pass.
+
+        A quantity grows as sigma^-n, sigma as the root of the distance from the toggle. Its mean exists for n < 2, that
+        of its square for n < 1. Derivatives by inputs meet every toggle: limits that move are not seen by samples.
+        """
+        reduction, graded = request.reduction, self.catalogue.graded
+        if graded is None or reduction is None or reduction.toggle_order is None:
+            return ()
+        if request.quantity in graded.not_differentiable:  # of samples, as its extremes
+            return ()
+        if reduction.toggle_order > 0 and not request.is_of_gradient:
+            order = self.order_at_toggles(request.quantity)
+            if order is None or order < reduction.toggle_order:
+                return ()
+        return tuple(toggle for _, _, toggle in graded.ends)
+
+    def order_at_toggles(self, quantity: str) -> int | None:
+        """Return the power of 1/sigma by which a quantity grows at toggles, or None where it is not known.
+
+        What moves a toggle acts as what moves the input position towards it: a derivative by an input grows as that by
+        the position does, or faster.
+        """
+        graded, tree, position = self.graded, self.catalogue.parse(quantity), self.catalogue.position.name
+        names = [quantity]
+        if isinstance(tree, Change) or (isinstance(tree, Derivative) and tree.by != position):
+            names.append(derivative_name(str(tree.of), position))
+        # of a linear system nothing is known; closed forms have the same values
+        closed = tuple(variant for variant in self.variants if variant not in self.catalogue.solvers)
+        orders = []
+        for name in names:
+            try:
+                steps = replace(self, variants=closed).steps([name])
+            except (CatalogueError, NoDerivative):
+                continue
+            if not any(isinstance(step, System) for step in steps):
+                orders.append(round(asymptotics(graded, steps, (*graded.coordinates, "branch"))[name].order))
+        return max(orders, default=None)
+
+    # -- Values at given input positions, and their reductions
+
+    def output(self, request: Request, *, whole_turn: bool = False, refined: bool = False) -> Output:
+        """Return the result of a request."""
+        catalogue, fact = self.catalogue, self.catalogue.public_fact(request.quantity)
+        axes: tuple[str, ...] = (BRANCH,)
+        if not catalogue.varies(fact.name):
+            axes = ()
+        elif request.listed and request.listed != "count":
+            axes = (BRANCH, EXTREMUM)
+        elif not request.listed and request.reduction is None:
+            axes = (BRANCH, catalogue.position.name)
+        is_code = (bool(fact.flags) and request.is_of_quantity) or request.listed in ("count", "kind")
+        terms: tuple[Term, ...] = ()
+        if request.change:
+            at_limits = {"over_cycle": True, "at_limits": refined}
+            terms = catalogue.change_terms(request.quantity, self.variants, self.given, **at_limits)
+        return Output(
+            request,
+            axes,
+            "int8" if is_code or request.is_status else "float64",
+            refined,
+            self.toggles_of(request) if whole_turn else (),
+            "" if refined else self.counted_by(request),
+            terms,
         )
-    return programs
 
+    def program(
+        self, names: Iterable[str], angles: int = 360, lanes: Lanes | None = None, whole_turn: bool = False
+    ) -> Program:
+        """Return the program of some results at input positions."""
+        requests = [parse_request(name, self.catalogue) for name in names]
+        check_sampled(requests, self.catalogue)
+        outputs = tuple(self.output(request, whole_turn=whole_turn) for request in requests)
+        needed = [request.quantity for request in requests]
+        needed += [name for output in outputs for name in output.toggles]
+        needed += [name for o in outputs for name in (*o.slopes, *(term.tolerance for term in o.terms))]
+        needed += [output.counted for output in outputs if output.counted]
+        steps = self.curve_steps(dict.fromkeys(needed))
+        read = {need for step in steps for need in step.depends_on}
+        position, *_ = self.tables
+        tables = tuple(name for name in self.tables if name in read)
+        if any(request.is_position for request in requests) and position not in tables:
+            tables = (position, *tables)
+        if lanes is None:
+            together = any(request.reduction for request in requests)
+            together = together or any(isinstance(step, System) for step in steps)
+            lanes = "designs" if together or angles < ANGLES_FOR_LANES or not tables else "angles"
+        return Program(**self.made_of(steps), outputs=outputs, tables=tables, lanes=lanes)
 
-def _known_programs(
-    catalogue: Catalogue,
-    outputs: Iterable[Output],
-    searches: Sequence[ExtremumSearch],
-    *,
-    given: Sequence[str],
-    branches: Sequence[int],
-    variants: Sequence[str],
-) -> list[KnownProgram]:
-    """Return the program of extremes that are known, if such are requested."""
-    own = [output for output in outputs if is_of_known(output, searches)]
-    quantities = {output.request.quantity for output in own}
-    known = [
-        _asked(catalogue, search, own, given=given, variants=variants)
-        for search in searches
-        if search.quantity in quantities
-    ]
-    steps_of = partial(_steps, catalogue, given=given, variants=variants)
-    setting: dict[str, Any] = {"given": given, "branches": branches, "variants": variants}
-    return [known_program(catalogue, own, known, steps_of, **setting)] if own else []
+    def pointwise_programs(self, names: Sequence[str], angles: int, whole_turn: bool) -> list[Program]:
+        """Return the programs that together give some results fastest: curves apart from the rest.
 
+        With lanes that are designs a curve is stored across the lines of its array, 1 ns a value; with lanes that are
+        angles it costs less to compute the shared facts again.
+        """
+        program, position = self.program(names, angles, None, whole_turn), self.catalogue.position.name
+        curves = [output.name for output in program.outputs if position in output.axes]
+        others = [output.name for output in program.outputs if position not in output.axes]
+        has_system = any(isinstance(step, System) for step in program.steps)
+        if has_system or program.lanes == "angles" or angles < ANGLES_FOR_LANES or not curves or not others:
+            return [program]
+        read = replace(self, given=program.inputs)
+        return [read.program(part, angles, None, whole_turn) for part in (curves, others)]
 
-def _asked(
-    catalogue: Catalogue,
-    search: ExtremumSearch,
-    outputs: Sequence[Output],
-    *,
-    given: Sequence[str],
-    variants: Sequence[str],
-) -> ExtremumSearch:
-    """Return a search with the error bounds and derivatives that are requested of its extremes."""
-    own = [output for output in outputs if output.request.quantity == search.quantity]
-    gradients = _gradients(catalogue, search, own, given=given, variants=variants)
-    if not any(output.request.is_error for output in own):
-        return replace(search, gradients=gradients)
-    bend = derivative_name(search.slope, catalogue.position.name)
-    bounds = error_name(search.quantity), error_name(search.slope), bend, search.slope
-    return replace(search, bounded_by=bounds, gradients=gradients)
+    # -- Searches for extrema: each of a quantity by its derivative with respect to the input position
 
-
-def _gradients(
-    catalogue: Catalogue,
-    search: ExtremumSearch,
-    outputs: Sequence[Output],
-    *,
-    given: Sequence[str],
-    variants: Sequence[str],
-) -> tuple[Gradient, ...]:
-    """Return the requested derivatives of the extremes of a quantity, of the values before those of the places."""
-    own = [(output.request.is_position, by) for output in outputs for by in output.inputs]
-    position, found = catalogue.position.name, []
-    for place, by in dict.fromkeys(sorted(own, key=lambda pair: pair[0])):
-        of = position if place else search.quantity
-        own_slope = derivative_name(search.slope if place else search.quantity, by)
-        held: tuple[str, ...] = (own_slope,)
-        held += (derivative_name(search.slope, position),) if place else ()
-        moving, absent = derivative_name(of, by, moving=True), None
+    def search(self, quantity: str) -> ExtremumSearch | None:
+        """Return how a quantity is searched, or None where it has no derivative or no graded range."""
+        graded = self.catalogue.graded
+        if graded is None or quantity in graded.not_differentiable:
+            return None
+        slope = derivative_name(quantity, self.catalogue.position.name)
         try:
-            _steps(catalogue, (own_slope,), given, variants)
-        except NoDependence as error:
-            held, absent = (), error
+            steps = self.steps((quantity, slope))
+        except (CatalogueError, NoDerivative):
+            return None
+        if any(isinstance(step, System) for step in steps):
+            return None
+        grades = asymptotics(graded, steps, (*graded.coordinates, "branch"))
+        grade = grades[quantity]
+        divisor, power = graded.divisors.get(quantity, (quantity, 0))
+        own = self.steps((quantity,))
+        needed = {name for step in own for name in step.names}
+        by_name = {name: step for step in steps for name in step.names}
+        return ExtremumSearch(
+            quantity,
+            slope,
+            graded.cells.get(quantity, graded.cells_otherwise) * (FINER if has_sharp_terms(own) else 1),
+            graded.max_extrema.get(quantity, graded.max_extrema_otherwise),
+            round(grade.order),
+            max(round(grades[slope].order + power * grades[divisor].order), 0),
+            grade.parity,
+            -grade.parity,  # the input position is odd
+            at_limit=graded.reciprocal not in needed and not grade.choice,
+            divided=quantity not in graded.cells,
+            turns=() if quantity in graded.cells else turns_of(graded, quantity, steps),
+            magnitude=is_magnitude(by_name[quantity]),
+            folds=folds(by_name[quantity]),
+            kinked=any(map(may_have_kinks, own)),
+            divisors=(divisor,) * power,
+            known=self.known_extremes(quantity, own),
+        )
+
+    def known_extremes(self, quantity: str, steps: Iterable[Fact | System]) -> KnownExtremes | None:
+        """Return where the extremes of a quantity are; what is declared holds for steps that no variant replaces."""
+        replaced = {name for variant in self.variants for name in self.catalogue.variants.get(variant, ())}
+        if any(name in replaced for step in steps for name in step.names):
+            return None
+        return self.graded.known.get(quantity)
+
+    def part_search(self, search: ExtremumSearch, name: str, slope: str) -> ExtremumSearch | None:
+        """Return the search for the zeros of a quantity's slope, or of a value itself, on behalf of another search."""
+        graded = self.graded
         try:
-            _steps(catalogue, (moving,), given, variants)
-        except NoDerivative:
-            moving = ""  # limits of motion do not depend on it
-        if absent is not None and not moving:
-            raise absent
-        found.append(Gradient(by, place, held, moving))
-    return tuple(found)
+            steps = self.steps((name, slope))
+        except (CatalogueError, NoDerivative, NoDependence):
+            return None  # the same at all positions, or of those of the whole alone
+        divisor, power = graded.divisors.get(name, (name, 0)) if slope != name else (name, 0)
+        if slope != name and is_magnitude(next(step for step in steps if name in step.names)):
+            divisor, power = name, 1  # half the derivative of the square, which has no kink
+        grades = asymptotics(graded, steps, (*graded.coordinates, "branch"))
+        parity = grades[slope].parity if slope == name else -grades[name].parity  # the position is odd
+        if search.mirrored and not parity:
+            return None  # its mirror image is that of another part, which is searched where this one is not
+        return replace(
+            search,
+            slope=slope,
+            slope_order=max(round(grades[slope].order + power * grades[divisor].order), 0),
+            slope_parity=parity,
+            divisors=(divisor,) * power,
+            onto=search.quantity,
+            piece=slope != name,
+            magnitude=False,
+            kinked=False,
+            turns=() if slope == name else turns_of(graded, name, steps),
+            gradients=(),
+        )
+
+    def searches_at_kinks(self, search: ExtremumSearch) -> list[ExtremumSearch]:
+        """Return the searches for the kinks of a quantity, and for the extremes of what it is between them."""
+        switches, pieces = self.graded.kinks.get(search.quantity, ((), ()))
+        slopes = [(name, name) for name in switches]
+        fact = self.catalogue.facts.get(search.quantity)
+        read = fact.depends_on if fact and fact.own else ()
+        smooth = dict.fromkeys((*pieces, *(name for name in read if is_sharp(self.catalogue, name))))
+        slopes += [(name, derivative_name(name, self.catalogue.position.name)) for name in smooth]
+        found = (self.part_search(search, name, slope) for name, slope in slopes)
+        return [one for one in found if one is not None]
+
+    def searches_for_splits(self, searches: Iterable[ExtremumSearch]) -> list[ExtremumSearch]:
+        """Return the searches for the places at which cells of searches, which share samples, are split."""
+        first: dict[str, ExtremumSearch] = {}
+        for search in searches:
+            for name in search.turns:
+                first.setdefault(name, search)  # it is the same for all
+        split: dict[str, Any] = {"order": 0, "splits": True, "bounded_by": ()}
+        return [
+            replace(one, quantity=one.slope, divided=one.slope not in self.graded.cells, **split)
+            for name, search in first.items()
+            if (one := self.part_search(search, name, name)) is not None
+        ]
+
+    def further_searches(
+        self, searches: Sequence[ExtremumSearch], bounded: Container[str]
+    ) -> list[ExtremumSearch]:
+        """Return the searches for places where a quantity may be greatest or least, though its slope is not 0.
+
+        Where the greatest or least value of an angle is requested, its jumps by 2 pi are searched too; where that of a
+        quotient is, the places where what it is divided by is least: next to zero three extremes may be too close to
+        tell. So may be those on both sides of a kink: of what has kinks these are searched, and the extremes of its
+        smooth parts.
+        """
+        wraps_at, position = self.graded.wraps_at, self.catalogue.position.name
+        searches = [search for search in searches if search.quantity in bounded]
+        # The fact that vanishes there is the sine of the angle times a length: odd where the angle is.
+        jump: dict[str, Any] = {"slope_order": 0, "magnitude": False, "divisors": (), "jumps": True}
+        jump |= {"turns": (), "bounded_by": (), "gradients": ()}
+        jumps = [
+            replace(s, slope=wraps_at[s.quantity], slope_parity=s.parity, onto=s.quantity, **jump)
+            for s in searches
+            if s.quantity in wraps_at
+        ]
+        kinks = [one for search in searches for one in self.searches_at_kinks(search)]
+        nearly_poles = [
+            replace(
+                s,
+                slope=derivative_name(s.divisors[0], position),
+                divisors=s.divisors[:1],  # the square's derivative, which has no kink
+                divided=False,
+                turns=(),
+                onto=s.quantity,
+                gradients=(),
+            )
+            for s in (*searches, *kinks)
+            if s.divisors
+        ]
+        return jumps + kinks + nearly_poles
+
+    def requested(self, search: ExtremumSearch, outputs: Sequence[Output]) -> ExtremumSearch:
+        """Return a search with the error bounds and derivatives that are requested of its extremes."""
+        own = [output for output in outputs if output.request.quantity == search.quantity]
+        search = replace(search, gradients=self.gradients(search, own))
+        if not any(output.request.is_error for output in own):
+            return search
+        bend = derivative_name(search.slope, self.catalogue.position.name)
+        bounds = error_name(search.quantity), error_name(search.slope), bend, search.slope
+        return replace(search, bounded_by=bounds)
+
+    def gradients(self, search: ExtremumSearch, outputs: Sequence[Output]) -> tuple[Gradient, ...]:
+        """Return the requested derivatives of the extremes of a quantity, of the values before those of the places."""
+        own = [(output.request.is_position, by) for output in outputs for by in output.inputs]
+        position, found = self.catalogue.position.name, []
+        for place, by in dict.fromkeys(sorted(own, key=lambda pair: pair[0])):
+            of = position if place else search.quantity
+            own_slope = derivative_name(search.slope if place else search.quantity, by)
+            held: tuple[str, ...] = (own_slope,)
+            held += (derivative_name(search.slope, position),) if place else ()
+            moving, absent = derivative_name(of, by, moving=True), None
+            try:
+                self.steps((own_slope,))
+            except NoDependence as error:
+                held, absent = (), error
+            try:
+                self.steps((moving,))
+            except NoDerivative:
+                moving = ""  # limits of motion do not depend on it
+            if absent is not None and not moving:
+                raise absent
+            found.append(Gradient(by, place, held, moving))
+        return tuple(found)
+
+    def extrema_programs(
+        self, outputs: Sequence[Output], searches: Sequence[ExtremumSearch]
+    ) -> list[ExtremaProgram]:
+        """Return a program of extremes that are known, and group searches by what may share samples.
+
+        These are fineness and symmetry: no bit changes.
+        """
+        ends, position = self.graded.ends, self.catalogue.position.name
+        known = [output for output in outputs if is_of_known(output, searches)]
+        programs: list[ExtremaProgram] = [self.known_program(known, searches)] if known else []
+        outputs = [output for output in outputs if output not in known]
+        quantities = {output.request.quantity for output in outputs}
+        searches = [self.requested(search, outputs) for search in searches if search.quantity in quantities]
+        bounded = {output.request.quantity for output in outputs if output.request.can_be_refined}
+        groups: dict[tuple[int, bool], list[ExtremumSearch]] = {}
+        for search in (*searches, *self.further_searches(searches, bounded)):
+            groups.setdefault((search.cells, search.mirrored), []).append(search)
+        for group in groups.values():
+            group += self.searches_for_splits(group)
+            names = [position, self.graded.bounded_factor, *(name for end in ends for name in end)]
+            names += [name for s in group for name in (s.slope, s.quantity, *s.divisors, *s.bounded_by)]
+            names += [name for s in group for gradient in s.gradients for name in gradient.names]
+            of_group = [o for s in group for o in outputs if o.request.quantity == s.quantity and not s.onto]
+            names += [term.tolerance for o in of_group for term in o.terms]
+            names += [error_name(end[2]) for end in ends if any(s.bounded_by for s in group)]
+            of_steps = self.made_of(self.steps(names))
+            programs.append(ExtremaProgram(**of_steps, outputs=tuple(of_group), searches=tuple(group)))
+        return programs
+
+    def known_program(self, outputs: Sequence[Output], searches: Iterable[ExtremumSearch]) -> KnownProgram:
+        """Return the program of extremes that are known: the quantity at a few places, and nothing that is searched."""
+        ends = self.graded.ends
+        quantities = {output.request.quantity for output in outputs}
+        searches = [self.requested(search, outputs) for search in searches if search.quantity in quantities]
+        has_gradients = any(output.request.is_of_gradient for output in outputs)
+        names = [name for end in ends for name in end[1:]]
+        if has_gradients or any(output.request.is_position for output in outputs):
+            names.append(self.catalogue.position.name)
+        for search in searches:
+            assert search.known is not None
+            names += [search.quantity, *search.known.facts, *search.bounded_by]
+            names += [name for gradient in search.gradients for name in gradient.names]
+            if has_gradients and not search.known.places:
+                names.append(search.slope)
+            if search.bounded_by:
+                names += [error_name(end[2]) for end in ends]
+        of_steps = self.made_of(self.steps(dict.fromkeys(names)))
+        return KnownProgram(**of_steps, outputs=tuple(outputs), searches=tuple(searches))
+
+
+def make_program(
+    catalogue: Catalogue,
+    names: Iterable[str],
+    *,
+    given: Iterable[str],
+    branches: Sequence[int] = (1, 2),
+    variants: Sequence[str] = (),
+    **options: Any,
+) -> Program:
+    """Return the program of some results at input positions, see `Planner.program`."""
+    return Planner(catalogue, tuple(given), tuple(variants), tuple(branches)).program(names, **options)
 
 
 # -- Split a request into programs: values at each position, samples over the cycle, refined extremes
@@ -950,32 +754,21 @@ def _gradients(
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """The programs that together give all results; two plans are equal only if they are one object, so it can be a key.
+    """The programs that together give all results; a plan equals itself alone, so that it can be a key."""
 
-    Attributes
-    ----------
-    catalogue : Catalogue
-        The mechanism.
-    outputs : tuple of Output
-        The results, in the order of the request.
-    programs : tuple of Program
-        One for each kernel.
-    branches : tuple of int
-        The assembly modes.
-    variants : tuple of str
-        The selected variants.
-    extrema_kept : int
-        Length of the dimension of extrema.
-    recipe : tuple
-        The arguments of `planned_again`, which makes the plan in another process: facts are functions, and stay.
-    """
-
+    #: The mechanism.
     catalogue: Catalogue
+    #: The results, in the order of the request.
     outputs: tuple[Output, ...]
+    #: One for each kernel.
     programs: tuple[Program, ...]
+    #: The assembly modes.
     branches: tuple[int, ...]
+    #: The selected variants.
     variants: tuple[str, ...]
+    #: Length of the dimension of extrema.
     extrema_kept: int
+    #: The arguments of `planned_again`, which makes the plan in another process: facts are functions, and stay.
     recipe: tuple[Any, ...] = field(default=(), repr=False)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -1015,41 +808,29 @@ def make_plan(
         if request.name in given:
             what = f"quantity {request.name!r} is given, and a coordinate of the result"
             raise InputError(what, remedy="leave it out")
+    planner = Planner(catalogue, tuple(given), tuple(variants), tuple(branches))
     searches: dict[str, ExtremumSearch | None] = {}
     refined: set[str] = set()
     for request in requests:
         if request.listed or request.is_error or (extrema == "refined" and request.can_be_refined):
             quantity = request.quantity
             if quantity not in searches:
-                searches[quantity] = find_extremum_search(catalogue, quantity, given, variants)
-            if request.is_error and (
-                searches[quantity] is None or not (request.listed or extrema == "refined")
-            ):
-                raise _no_error(request, catalogue, variants, given, searched=searches[quantity] is not None)
-            if searches[quantity] is not None:
+                searches[quantity] = planner.search(quantity)
+            is_searched = searches[quantity] is not None
+            if request.is_error and not (is_searched and (request.listed or extrema == "refined")):
+                raise _no_error(request, planner, is_searched)
+            if is_searched:
                 refined.add(request.name)
             elif request.listed:
                 raise _not_refined(request, catalogue)
     whole_turn = extrema == "refined"
-    met = [toggles_of(catalogue, r, given, variants) if whole_turn else () for r in requests]
-    outputs = tuple(
-        output_of(
-            r,
-            catalogue,
-            refined=r.name in refined,
-            toggles=toggles,
-            counted="" if r.name in refined else counted_by(catalogue, r, given, variants),
-            terms=terms_of(r, catalogue, given, variants, refined=r.name in refined),
-        )
-        for r, toggles in zip(requests, met, strict=True)
-    )
-    setting: dict[str, Any] = {"given": given, "branches": branches, "variants": variants}
+    outputs = tuple(planner.output(r, whole_turn=whole_turn, refined=r.name in refined) for r in requests)
     programs: list[Program] = []
     if sampled := [output.name for output in outputs if not output.refined]:
-        programs += pointwise_programs(catalogue, sampled, angles, whole_turn=whole_turn, **setting)
+        programs += planner.pointwise_programs(sampled, angles, whole_turn)
     searched = [search for search in searches.values() if search is not None]
     if searched:
-        programs += extrema_programs(catalogue, [o for o in outputs if o.refined], searched, **setting)
+        programs += planner.extrema_programs([output for output in outputs if output.refined], searched)
     kept = max((search.most for search in searched), default=0)
     recipe = catalogue, names, tuple(given), tuple(branches), tuple(variants), angles, extrema
     return Plan(catalogue, outputs, tuple(programs), tuple(branches), tuple(variants), kept, recipe)
@@ -1091,12 +872,11 @@ def _not_refined(request: Request, catalogue: Catalogue) -> InputError:
     )
 
 
-def _no_error(
-    request: Request, catalogue: Catalogue, variants: Sequence[str], given: Sequence[str], *, searched: bool
-) -> InputError:
+def _no_error(request: Request, planner: Planner, searched: bool) -> InputError:
     """Return the error for the error bound of an extreme of samples; `searched` tells that they were chosen."""
-    quantity, position = request.quantity, catalogue.position.name
-    catalogue.resolve(error_name(quantity), variants, given)  # values of a linear system have none
+    quantity, position = request.quantity, planner.catalogue.position.name
+    # values of a linear system have none
+    planner.catalogue.resolve(error_name(quantity), planner.variants, planner.given)
     what = f"quantity {request.name!r}: the extremes of {quantity} are those of samples here, and how far they are from"
     what += f" those over all {position} is not known"
     of_samples = (

@@ -219,13 +219,7 @@ class Reduction:
         return {0: "", 1: "{value} > {best}", -1: "{value} < {best}"}[self.sign]
 
     def units_of(self, units: str) -> str:
-        """Return the units of the result for a quantity of some units.
-
-        Examples
-        --------
-        >>> REDUCTIONS["rms"].units_of("rad s-1")
-        'rad s-1'
-        """
+        """Return the units of the result for a quantity of some units."""
         if self.power is None:
             return self.units
         if self.power == 1:
@@ -473,29 +467,19 @@ IN_WORDS = re.compile(
 
 
 class Form(NamedTuple):
-    """The request that words make of a quantity: besides its name, a reduction or an error bound.
+    """The request that words make of a quantity: besides its name, a reduction or an error bound."""
 
-    Attributes
-    ----------
-    rest : tuple of str
-        The words of the quantity itself.
-    how : str
-        The reduction.
-    position : bool
-        Whether the input position of the extreme is asked for.
-    listed : str
-        The part of a list of extremes.
-    error : bool
-        Whether the bound of the rounding error is asked for.
-    of_extreme : bool
-        Whether that bound is of the extreme, and not the extreme of the bounds.
-    """
-
+    #: The words of the quantity itself.
     rest: tuple[str, ...]
+    #: The reduction.
     how: str = ""
+    #: Whether the input position of the extreme is asked for.
     position: bool = False
+    #: The part of a list of extremes.
     listed: str = ""
+    #: Whether the bound of the rounding error is asked for.
     error: bool = False
+    #: Whether that bound is of the extreme, and not the extreme of the bounds.
     of_extreme: bool = False
 
     def of(self, name: Name, position: str) -> Name:
@@ -616,26 +600,12 @@ def _derivatives(text: str, catalogue: Catalogue) -> Iterable[tuple[tuple[str, .
 
 
 def suggest_quantity(text: str, catalogue: Catalogue, over_cycle: bool = True) -> list[str]:
-    """Return the names to suggest for an unknown quantity: three at most.
-
-    Examples
-    --------
-    >>> from fastlink.mechanisms import catalogue
-    >>> suggest_quantity("mu_min", catalogue("planar_4r"))
-    ['transmission_angle_min']
-    """
+    """Return the names to suggest for an unknown quantity: three at most."""
     return best_names(rank_quantities(text, catalogue, over_cycle))
 
 
 def suggest_input(text: str, catalogue: Catalogue) -> list[str]:
-    """Return the names to suggest for an unknown input: three at most.
-
-    Examples
-    --------
-    >>> from fastlink.mechanisms import catalogue
-    >>> suggest_input("crank_length", catalogue("planar_4r"))
-    ['a1']
-    """
+    """Return the names to suggest for an unknown input: three at most."""
     return best_names(index_of_inputs(catalogue).ranked(text))
 
 
@@ -690,33 +660,22 @@ Extrema = Literal["refined", "sampled"]
 
 @dataclass(frozen=True)
 class Request:
-    """A requested name.
+    """A requested name."""
 
-    Attributes
-    ----------
-    name, quantity : str
-        The name, and that of the quantity in it.
-    reduction : Reduction, optional
-        The reduction over the cycle that it is.
-    is_position : bool
-        Whether it is the input position of an extremum instead of its value.
-    listed : {"", "value", "position", "count", "kind", "error"}
-        The part of a list of extrema that it is, if it is one.
-    is_error : bool
-        Whether it is the error bound of an extremum or of each of a list instead of the value.
-    by : str
-        The input by which it is the derivative of the reduction or its position; empty if it is none.
-    is_status : bool
-        Whether it is the status of the derivatives of the reduction by the inputs instead of the value.
-    """
-
+    #: The name, and that of the quantity in it.
     name: str
     quantity: str
+    #: The reduction over the cycle that it is.
     reduction: Reduction | None = None
+    #: Whether it is the input position of an extremum instead of its value.
     is_position: bool = False
+    #: The part of a list of extrema that it is, if it is one.
     listed: str = ""
+    #: Whether it is the error bound of an extremum or of each of a list instead of the value.
     is_error: bool = False
+    #: The input by which it is the derivative of the reduction or its position; empty if it is none.
     by: str = ""
+    #: Whether it is the status of the derivatives of the reduction by the inputs instead of the value.
     is_status: bool = False
     change: str = ""
 
