@@ -42,13 +42,13 @@ def signed(low: int, high: int) -> st.SearchStrategy[float]:
 
 
 @st.composite
-def lengths(draw: st.DrawFn, widest: int = 250) -> tuple[list[float], float]:
-    """Four lengths, subnormal ones too: alike, or very unlike; and their size."""
+def lengths(draw: st.DrawFn, widest: int = 30) -> tuple[list[float], float]:
+    """Four lengths: alike, or very unlike; and their size."""
     alike = st.floats(0.5, 2.0)
-    spread = draw(st.sampled_from([alike, alike, *(sized(-k, k) for k in (3, 30, 250) if k <= widest)]))
+    spread = draw(st.sampled_from([alike, alike, *(sized(-k, k) for k in (3, 30) if k <= widest)]))
     found = np.array([draw(spread) for _ in range(4)])
-    size = 2.0 ** draw(st.integers(-1070, 1000))
-    return [float(max(length, 5e-324)) for length in found / np.max(found) * size], size
+    size = 2.0 ** draw(st.integers(-18, 79))
+    return [float(length) for length in found / np.max(found) * size], size
 
 
 DIRECTION = st.one_of(st.floats(-4.0, 4.0), st.floats(allow_nan=False, allow_infinity=False))
@@ -59,10 +59,9 @@ RAPIDITY = st.one_of(st.floats(-5.0, 5.0), st.floats(-1e4, 1e4))
 def planar(draw: st.DrawFn) -> Case:
     found, size = draw(lengths())
     inputs = dict(zip(("a1", "a2", "a3", "a4"), found, strict=True))
-    room = min(100, 1000 - int(np.log2(size)))
-    inputs |= {name: draw(signed(-100, room)) * size for name in POINTS}
-    inputs |= {name: draw(st.one_of(sized(-100, 100), st.just(0.0))) for name in MASSES}
-    return Case("any", inputs | {"omega1": draw(signed(-500, 500)), "theta1": draw(DIRECTION)}, "")
+    inputs |= {name: draw(signed(-100, 78 - int(np.log2(size)))) * size for name in POINTS}
+    inputs |= {name: draw(st.one_of(sized(-79, 78), st.just(0.0))) for name in MASSES}
+    return Case("any", inputs | {"omega1": draw(signed(-79, 78)), "theta1": draw(DIRECTION)}, "")
 
 
 @st.composite
@@ -70,7 +69,7 @@ def minkowski(draw: st.DrawFn) -> Case:
     found, size = draw(lengths())
     inputs = dict(zip("abgh", found, strict=True))
     return Case(
-        "any", inputs | {name: draw(signed(-100, 3)) * size for name in "xy"} | {"theta": draw(RAPIDITY)}, ""
+        "any", inputs | {name: draw(signed(-100, 0)) * size for name in "xy"} | {"theta": draw(RAPIDITY)}, ""
     )
 
 
@@ -80,7 +79,7 @@ def focal(draw: st.DrawFn) -> Case:
     found, _ = draw(lengths(widest=3))
     sign = draw(st.sampled_from([1.0, -1.0]))
     inputs = dict(zip("abcd", found, strict=True)) | {"rho": sign * draw(sized(-4, 4))}
-    inputs |= {"omega": draw(signed(-500, 500))}
+    inputs |= {"omega": draw(signed(-79, 78))}
     return Case("any", inputs | {"completion": draw(st.sampled_from([1.0, 2.0])), "phi": draw(DIRECTION)})
 
 
@@ -162,7 +161,7 @@ def both_branches(inputs):
 
 
 @examples(2 * FEW)
-@given(moderate(), st.integers(-60, 60))
+@given(moderate(), st.integers(-50, 50))
 def test_a_power_of_two_in_the_lengths_changes_no_bit(inputs, power):
     by = {name: power for name in ("a1", "a2", "a3", "a4", *POINTS)} | dict.fromkeys(INERTIAS, 2 * power)
     plain = both_branches(inputs)
