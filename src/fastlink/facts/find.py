@@ -90,13 +90,7 @@ def _latin(text: str) -> str:
 
 
 def parts(text: str) -> list[str]:
-    """Return the words and numbers of a text as they are spelt, in lower case.
-
-    Examples
-    --------
-    >>> parts("dω₄/da2"), parts("maxTorque")
-    (['d', 'omega', '4', 'da', '2'], ['max', 'torque'])
-    """
+    """Return the words and numbers of a text as they are spelt, in lower case."""
     return _PART.findall(_INERTIA.sub("inertia", _CAMEL.sub(" ", _latin(text[:LONGEST])).casefold()))
 
 
@@ -108,13 +102,7 @@ def canonical(spelt: Iterable[str]) -> tuple[str, ...]:
 
 
 def words(text: str) -> tuple[str, ...]:
-    """Return the words of a text, see `canonical`.
-
-    Examples
-    --------
-    >>> words("Angular velocity of the output link"), words("rocker_speed"), words("ω4")
-    (('angular', 'velocity', 'output', 'link'), ('output', 'velocity'), ('omega', '4'))
-    """
+    """Return the words of a text, see `canonical`."""
     return canonical(parts(text))
 
 
@@ -296,13 +284,7 @@ def best_names(ranked: Sequence[Ranked], most: int = MOST) -> list[str]:
 
 
 def did_you_mean(names: Sequence[str]) -> str:
-    """Return a remedy that suggests names.
-
-    Examples
-    --------
-    >>> did_you_mean(["omega4", "omega2"])
-    "did you mean 'omega4' or 'omega2'?"
-    """
+    """Return a remedy that suggests names."""
     quoted = [repr(name) for name in names]
     return f"did you mean {' or '.join(part for part in (', '.join(quoted[:-1]), quoted[-1]) if part)}?"
 
