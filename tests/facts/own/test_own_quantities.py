@@ -19,7 +19,7 @@ from fastlink.mechanisms import catalogue
 
 DESIGNS = fl.sobol(64, a1=(0.2, 0.5), a2=(0.9, 1.4), a3=(0.6, 1.1), a4=(0.9, 1.2), omega1=25.0, seed=3)
 #: Numbers of angles of a grid that is compared with extremes.
-ANGLES = 4000
+ANGLES = 1000
 
 
 def test_values_are_those_of_the_formula():
@@ -54,6 +54,7 @@ def test_evaluate_and_function_and_sweep_agree():
     assert pickle.loads(pickle.dumps(greatest))([0.4, 0.5]) == greatest([0.4, 0.5])
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", ["cost", "bearing_load", "smaller_load", "off_right_angle"])
 def test_extremes_are_those_of_a_dense_grid(name):
     wanted = [f"{name}{ending}" for ending in ("_max", "_min", "_max_error", "_min_error")]
