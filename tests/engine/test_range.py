@@ -73,7 +73,7 @@ def test_axes_columns_by_number_and_fixed_values():
     np.testing.assert_array_equal(found.status == 6, found.a2 >= MOST)
     with pytest.raises(InputError, match=r"a1 is 1e-200 .*write a magnitude of 8.3e-25 to 1.2e\+24 m"):
         fl.function("planar_4r", ["a2"], ["omega4_max"], a1=1e-200, a3=0.8, a4=1.0, omega1=25.0)
-    with pytest.raises(InputError, match="links: density is 1e\\+100"):
+    with pytest.raises(InputError, match=r"links: density is 1e\+100"):
         fl.sweep("planar_4r", DESIGN, ["F32_max"], links=fl.round_bar(density=1e100, radius=0.01))
 
 

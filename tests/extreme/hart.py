@@ -36,7 +36,7 @@ def ratios(full: bool) -> list[Case]:
 
 
 def scales(full: bool) -> list[Case]:
-    found = of_kinds(("scale 1e-150", "scale 1e150"), full, 4)
+    found = of_kinds(("scale 1e-20", "scale 1e20"), full, 4)
     for name in "mnd":
         for by in (1e-8, 1e8):
             found.append(

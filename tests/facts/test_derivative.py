@@ -254,20 +254,6 @@ def test_derivatives_are_short_and_keep_to_the_grammar():
     assert sum(1 for _ in PLANAR.dependencies(["d_T41_d_theta1"], leaves)) < 2 * plain + 15
 
 
-def test_a_sum_of_any_length_is_written():
-    """In lines of a hundred operations at most, in order: Python reads deep expressions by recursion."""
-    graph = ExpressionGraph([])
-    total = graph.name("x")
-    for k in range(1, 5000):
-        total = graph.add(graph.mul(graph.number(float(k)), graph.name("y")), total)
-    function, depends_on = generate_function("total", graph, total, {})
-    assert set(depends_on) == {"x", "y"}
-    expected = 0.1
-    for k in range(1, 5000):
-        expected = k * 0.3 + expected
-    assert function(x=0.1, y=0.3) == expected
-
-
 def test_every_function_of_geometry_has_a_rule_or_can_be_read():
     """A function that splits numbers would be read as if it were smooth."""
     exact = {"gap_product_quotient", "pair_product", "pair_quotient", "sum_of_four", "two_product", "two_sum"}

@@ -12,7 +12,7 @@ from tests.support.curve_designs import design_of
 
 from fastlink.facts.evaluate import read_facts
 from fastlink.facts.expression import ExpressionGraph
-from fastlink.facts.fact import Fact, parameters
+from fastlink.facts.fact import Fact
 from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.numerics import compensated, elementary, logarithm, vectors
@@ -118,10 +118,3 @@ def test_the_coefficients_of_the_equations_are_made_of_the_factors():
     }
     for pair, coefficients in expected.items():
         np.testing.assert_array_equal(io_coefficients(design_of(*lengths), pair=pair), coefficients)
-
-
-@pytest.mark.parametrize("name", [f"factor_{name}" for name in FACTORS])
-def test_factors_are_told_over_scaled_lengths(name):
-    fact = PLANAR.facts[name]
-    assert fact.names == (name, f"{name}_low")
-    assert parameters(fact.function) == fact.depends_on == ("s1", "s2", "s3", "s4")

@@ -15,6 +15,7 @@ import numpy as np
 from flint import acb, arb
 
 import fastlink as fl
+from fastlink.facts.powers import any_beyond_range
 from fastlink.mechanisms import catalogue
 from fastlink.precision.independent.check import model_of
 from tests.support.neighbourhoods import DRAWN
@@ -273,5 +274,7 @@ def campaign(mechanism, drive, designs, seed=0, extremes=True):
     for start in range(0, designs, BLOCK):
         n = min(BLOCK, designs - start)
         design = DRAWN[mechanism, drive](rng, n) | {"branch": rng.integers(1, 3, n).astype(float)}
-        compare(tally, design, rng, extremes)
+        known = catalogue(mechanism, drive)
+        far = any_beyond_range(known.known_inputs(known.variants_selected_by(design)), design)
+        compare(tally, {name: values[~far] for name, values in design.items()}, rng, extremes)
     return tally

@@ -27,7 +27,7 @@ FAMILIES = (
         "kite 1e-3",
         "kite 1e-8",
     ),
-    *("scale 1e-150", "scale 1e150"),
+    *("scale 1e-20", "scale 1e20"),
 )
 
 

@@ -80,7 +80,7 @@ def family(kind, rng, n):
             return designs | {"b": a, "rho": np.ones(n)}
         case "completions meet":
             return meeting(rng, designs, n)
-        case "1e-150" | "1e150":
+        case "1e-20" | "1e20":
             return {name: v * (float(kind) if name in LENGTHS else 1.0) for name, v in designs.items()}
     assert kind == "random"
     return designs
@@ -89,7 +89,7 @@ def family(kind, rng, n):
 FAMILIES = (
     *("random", "rho from 1e-3 to 1e3", "rho near -1", "rho next to -1", "lambda near 1", "lambda near 0"),
     *("a = b, c = d", "near a = b, c = d", "a = c, b = d", "a = d, b = c", "near a = d, b = c"),
-    *("symmetric", "completions meet", "1e-150", "1e150"),
+    *("symmetric", "completions meet", "1e-20", "1e20"),
 )
 
 

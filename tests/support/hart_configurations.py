@@ -21,7 +21,7 @@ OF_THE_CRANK = {"A_x", "A_y", "P_x", "P_y"}
 FAMILIES = [
     *("random", "kappa 1e-3", "kappa 1e-9", "near 1 1e-3", "near 1 1e-9", "near 1 1e-15"),
     *("kite 0", "kite 1e-9", "kite 1e-13", "gap 1e-4", "gap 1e-9", "toggle 1e-3", "toggle 1e-9"),
-    *("scale 1e-150", "scale 1e150", "folded 1e-9", "great"),
+    *("scale 1e-20", "scale 1e20", "folded 1e-9", "great"),
 ]
 
 

@@ -119,8 +119,8 @@ def near_zero(rng, n):
 
 
 def across(rng, n):
-    """Lengths of 1e-150 to 1e150 in one design."""
-    return 10.0 ** rng.uniform(-150, 150, (4, n))
+    """Lengths of 1e-20 to 1e20 in one design."""
+    return 10.0 ** rng.uniform(-20, 20, (4, n))
 
 
 #: Where signs and digits may get lost.
@@ -128,6 +128,6 @@ FAMILIES = {
     "random": lambda rng, n: np.exp(rng.uniform(-0.9, 0.9, (4, n))),
     "near 0": near_zero,
     "across": across,
-    "small": lambda rng, n: 1e-150 * rng.uniform(0.5, 2.0, (4, n)),
-    "large": lambda rng, n: 1e150 * rng.uniform(0.5, 2.0, (4, n)),
+    "small": lambda rng, n: 1e-20 * rng.uniform(0.5, 2.0, (4, n)),
+    "large": lambda rng, n: 1e20 * rng.uniform(0.5, 2.0, (4, n)),
 }

@@ -32,8 +32,8 @@ FAMILIES = (
         "stiff 1e9",
         "short 1e-1",
         "short 1e-8",
-        "scale 1e-150",
-        "scale 1e150",
+        "scale 1e-20",
+        "scale 1e20",
     ),
 )
 

@@ -300,17 +300,7 @@ def _make(folder: Path) -> None:
 
 @dataclass(frozen=True)
 class Contents:
-    """The contents of the cache.
-
-    Attributes
-    ----------
-    folder : Path
-        Where.
-    kernels, size : int
-        How many kernels, and how many bytes all files have.
-    limit : int
-        How many bytes they may have.
-    """
+    """The contents of the cache."""
 
     folder: Path
     kernels: int

@@ -147,13 +147,7 @@ def _load(source: Source, key: str, compiler: str) -> Callable[..., None]:
 
 
 class Kernel:
-    """The kernel of a program: its text, and its machine code, each made when it is first used.
-
-    Attributes
-    ----------
-    program : Program
-        The computation.
-    """
+    """The kernel of a program: its text, and its machine code, each made when it is first used."""
 
     def __init__(self, program: Program) -> None:
         self.program = program

@@ -98,15 +98,7 @@ def assembly(text: str, *, cpu: str | None = None, triple: str | None = None) ->
 
 
 class Loaded:
-    """Object code in memory.
-
-    Attributes
-    ----------
-    address : int
-        Of its function ``kernel(table)`` of the addresses of the arguments, which needs no lock of Python.
-    call : callable
-        ``call(address of the table)``.
-    """
+    """Object code in memory."""
 
     def __init__(self, code: bytes) -> None:
         with _lock:

@@ -46,27 +46,15 @@ FEW_STEPS = 24
 
 @dataclass(frozen=True)
 class CycleValue:
-    """A result over the cycle for one copy of its quantity, and the kernel's names of its lane values.
-
-    Attributes
-    ----------
-    output : Output
-        The result.
-    reduction : Reduction
-        The reduction that it is.
-    suffix : str
-        The ending of the copy's name.
-    slopes : tuple of str
-        The copies of the derivatives by inputs, of a result that is that of the reduction or made of several.
-    value, counted : str
-        The copies of the quantity, and of the fact that is a number where a position counts, if not all do.
-    """
+    """A result over the cycle for one copy of its quantity, and the kernel's names of its lane values."""
 
     output: Output
     reduction: Reduction
     suffix: str
+    #: The copies of the derivatives by inputs, of a result that is that of the reduction or made of several.
     slopes: tuple[str, ...] = ()
     value: str = ""
+    #: The copy of the fact that is a number where a position counts, if not all do.
     counted: str = ""
 
     @property

@@ -46,18 +46,9 @@ RUNTIME = "fastlink.codegen.runtime"
 
 @dataclass(frozen=True)
 class Loop:
-    """The work of a loop of a kernel in each of its passes.
+    """The work of a loop of a kernel in each of its passes."""
 
-    Attributes
-    ----------
-    per : str
-        For what a pass is: a design, an input position, both, a sample, a step of a refinement.
-    times : str
-        How often.
-    statements : list of str
-        What is written in it.
-    """
-
+    #: For what a pass is: a design, an input position, both, a sample, a step of a refinement.
     per: str
     times: str
     statements: list[str]
@@ -65,18 +56,11 @@ class Loop:
 
 @dataclass(frozen=True)
 class Array:
-    """An array that a kernel is called with.
-
-    Attributes
-    ----------
-    name, dtype : str
-        Its name in the text, and what it is of: float64, int64 or int8.
-    shape : tuple of int, str or None
-        Lengths of its axes; `N_ANGLES` for that of the input positions, None where the text does not know.
-    """
+    """An array that a kernel is called with."""
 
     name: str
     dtype: str
+    #: Lengths of its axes; `N_ANGLES` for that of the input positions, None where the text does not know.
     shape: tuple[int | str | None, ...]
 
     def lengths(self, n_angles: int) -> tuple[int, ...]:
@@ -90,19 +74,6 @@ class Source:
 
     A kernel takes the array of designs (inputs, designs padded to whole vectors), the array of angles (tables, input
     positions), the numbers of both, scratch, and an array for each result.
-
-    Attributes
-    ----------
-    text : str
-        A module with a function ``kernel``.
-    inputs, tables : int
-        Rows of the arrays of designs and of angles.
-    scratch, results : tuple of Array
-        In the order of the arguments.
-    loops : tuple of Loop
-        The loops that compute values.
-    calls : tuple of str
-        The functions of `fastlink.codegen.runtime` that it calls.
     """
 
     text: str

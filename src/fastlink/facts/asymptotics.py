@@ -23,20 +23,13 @@ _COMPARES: ContextVar[bool] = ContextVar("compares", default=False)
 
 @dataclass(frozen=True, eq=False)
 class Asymptotics:
-    """A number without a value, of which growth and symmetry are known.
+    """A number without a value, of which growth and symmetry are known."""
 
-    Attributes
-    ----------
-    order : float
-        The power of 1/sigma that bounds its growth at a toggle.
-    parity : int
-        1 if the mirror preserves it, -1 if it changes its sign, else 0.
-    choice : bool
-        Whether a comparison of values selects it, so that it may jump.
-    """
-
+    #: The power of 1/sigma that bounds its growth at a toggle.
     order: float = 0.0
+    #: 1 if the mirror preserves it, -1 if it changes its sign, else 0.
     parity: int = 1
+    #: Whether a comparison of values selects it, so that it may jump.
     choice: bool = False
 
     @property

@@ -80,16 +80,9 @@ _versions = count()
 
 @dataclass(frozen=True)
 class Rows:
-    """Facts with common labels, each declared by a call.
+    """Facts with common labels, each declared by a call."""
 
-    Attributes
-    ----------
-    catalogues : sequence of Catalogue
-        The mechanisms that the facts belong to: the same one by several inputs, for example.
-    labels : mapping
-        Arguments of `Catalogue.quantity` that the facts have in common.
-    """
-
+    #: The mechanisms of the facts: the same one by several inputs, for example.
     catalogues: Sequence[Catalogue]
     labels: Mapping[str, Any]
 

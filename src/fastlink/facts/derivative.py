@@ -144,24 +144,12 @@ def with_derivative_labels(fact: Fact, by: Input) -> Fact:
 
 
 def in_a_sentence(meaning: str) -> str:
-    """Return the meaning of a quantity for use within a sentence.
-
-    Examples
-    --------
-    >>> in_a_sentence("Moving pivot B, x"), in_a_sentence("AB over its length")
-    ('moving pivot B, x', 'AB over its length')
-    """
+    """Return the meaning of a quantity for use within a sentence."""
     return meaning if meaning[1:2].isupper() else meaning[:1].lower() + meaning[1:]
 
 
 def units_per(units: str, by: str) -> str:
-    """Return UDUNITS text of a quotient.
-
-    Examples
-    --------
-    >>> units_per("rad s-1", "m"), units_per("N m", "m"), units_per("1", "kg m2"), units_per("rad", "rad")
-    ('rad s-1 m-1', 'N', 'kg-1 m-2', '1')
-    """
+    """Return UDUNITS text of a quotient."""
     powers: dict[str, int] = {}
     for text, sign in ((units, 1), (by, -1)):
         for unit, power in re.findall(r"([A-Za-z]+)(-?\d*)", text):
@@ -428,13 +416,7 @@ class Term:
 
 
 def tolerance_name(name: str, relative: bool = False) -> str:
-    """Return the name of the tolerance of an input.
-
-    Examples
-    --------
-    >>> tolerance_name("a1"), tolerance_name("a1", relative=True)
-    ('a1_tolerance', 'a1_relative_tolerance')
-    """
+    """Return the name of the tolerance of an input."""
     return f"{name}{RELATIVE if relative else ABSOLUTE}"
 
 

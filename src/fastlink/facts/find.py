@@ -89,13 +89,7 @@ def _latin(text: str) -> str:
 
 
 def parts(text: str) -> list[str]:
-    """Return the words and numbers of a text as they are spelt, in lower case.
-
-    Examples
-    --------
-    >>> parts("dω₄/da2"), parts("maxTorque")
-    (['d', 'omega', '4', 'da', '2'], ['max', 'torque'])
-    """
+    """Return the words and numbers of a text as they are spelt, in lower case."""
     return _PART.findall(_INERTIA.sub("inertia", _CAMEL.sub(" ", _latin(text[:LONGEST])).casefold()))
 
 

@@ -211,13 +211,7 @@ _RESERVED = frozenset({"error", "trust", "low", "extrema", "count", "kind", "sta
 
 
 def derivative_name(name: str, by: str, moving: bool = False) -> str:
-    """Return the name of the derivative of `name` with respect to `by`.
-
-    Examples
-    --------
-    >>> derivative_name("omega4", "a1")
-    'd_omega4_d_a1'
-    """
+    """Return the name of the derivative of `name` with respect to `by`."""
     return str(Derivative(Quantity(name), by, moving))
 
 

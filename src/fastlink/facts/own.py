@@ -180,25 +180,12 @@ A_FUNCTION = "write it as `def NAME(...)` in a file or a notebook cell, below th
 
 @dataclass(frozen=True)
 class FunctionText:
-    """The text of a function.
-
-    Attributes
-    ----------
-    tree : ast.FunctionDef
-        Its syntax.
-    text : str
-        Its text without decorators, as it was written.
-    file : str
-        The name of the file, without folders.
-    line : int
-        The line of the file before its first one.
-    names : mapping
-        The global names that it sees.
-    """
+    """The text of a function."""
 
     tree: ast.FunctionDef
     text: str
     file: str
+    #: The line of the file before its first one.
     line: int
     names: dict[str, Any]
 
@@ -329,26 +316,14 @@ STATEMENTS: dict[type[ast.AST], tuple[str, str]] = {
 
 @dataclass(frozen=True)
 class FactText:
-    """A function in the grammar of facts.
-
-    Attributes
-    ----------
-    text : str
-        Its text, a function of `parameters`.
-    parameters : tuple of str
-        The names that it depends on.
-    lines : tuple of int
-        The line of the user's text that each of its lines is of, from its second one.
-    imports : tuple of str
-        The imports by which the user's text can be run.
-    jumps : bool
-        Whether a condition chooses a value, which may jump there.
-    """
+    """A function in the grammar of facts."""
 
     text: str
     parameters: tuple[str, ...]
+    #: The line of the user's text that each line is of, from the second one.
     lines: tuple[int, ...]
     imports: tuple[str, ...]
+    #: Whether a condition chooses a value, which may jump there.
     jumps: bool
 
 
@@ -357,15 +332,7 @@ class Refused(Exception):
 
 
 class _Rewriter:
-    """The statements, numbers and conditions of a function while they are rewritten.
-
-    Attributes
-    ----------
-    kinds : dict
-        What each parameter and local name is: a number, or a condition.
-    written : list of (str, int)
-        The lines so far, and the lines of the function that they are of.
-    """
+    """The statements, numbers and conditions of a function while they are rewritten."""
 
     def __init__(self, of: FunctionText) -> None:
         self.of, self.problems, self.name = of, Problems(), of.tree.name
@@ -881,34 +848,17 @@ MOST_KINKS = 64
 
 @dataclass(frozen=True)
 class Split:
-    """The texts of functions of one name, each with its parameters.
+    """The texts of functions of one name, each with its parameters."""
 
-    Attributes
-    ----------
-    switches : tuple of str
-        What vanishes at the kinks.
-    pieces : tuple of str
-        The smooth texts, none where they are too many; and magnitudes within, which are sharp where they almost vanish.
-    too_many : bool
-        Whether it has more kinks than are searched, so that none is.
-    """
-
+    #: What vanishes at the kinks.
     switches: tuple[str, ...]
+    #: The smooth texts, none where they are too many; and magnitudes within, sharp where they almost vanish.
     pieces: tuple[str, ...]
     too_many: bool = False
 
 
 def split(text: str, parameters: tuple[str, ...], kinked: Mapping[str, tuple[str, ...]]) -> Split | None:
-    r"""Return what a text chooses between, None of a text without kinks.
-
-    Examples
-    --------
-    >>> found = split("def lower(x, y):\n    return choice(x != x, x, choice(x < y, x, y))", ("x", "y"), {})
-    >>> found.switches
-    ('def lower(x, y):\n    return x - y',)
-    >>> found.pieces
-    ('def lower(x, y):\n    return x', 'def lower(x, y):\n    return y')
-    """
+    """Return what a text chooses between, None of a text without kinks."""
     tree = parsed(text).body[0]
     assert isinstance(tree, ast.FunctionDef)
     kinks: dict[str, tuple[int, ast.expr]] = {}
@@ -940,13 +890,7 @@ def split(text: str, parameters: tuple[str, ...], kinked: Mapping[str, tuple[str
 
 
 def only_name(text: str) -> str:
-    r"""Return the parameter that a function returns as it is, empty where it returns something else.
-
-    Examples
-    --------
-    >>> only_name("def piece(x, y):\n    a = y\n    return a"), only_name("def piece(x):\n    return x + 1.0")
-    ('y', '')
-    """
+    """Return the parameter that a function returns as it is, empty where it returns something else."""
     names: dict[str, str] = {}
     tree = parsed(text).body[0]
     assert isinstance(tree, ast.FunctionDef)
@@ -1101,39 +1045,21 @@ class OwnInput:
 
 @dataclass(frozen=True)
 class OwnQuantity:
-    """A quantity that a user declares.
-
-    Attributes
-    ----------
-    name, units, symbol, meaning : str
-        Its labels.
-    parameters : tuple of str
-        The names that it depends on.
-    fact : str
-        Its text as that of a fact.
-    written : str
-        Its text as the user wrote it.
-    imports : tuple of str
-        The imports by which that can be run.
-    jumps : bool
-        Whether it may jump.
-    file, line
-        Where it stands.
-    lines : tuple of int
-        The lines there of each line of `fact`, from its second one.
-    """
+    """A quantity that a user declares."""
 
     name: str
     units: str
     symbol: str
     meaning: str
     parameters: tuple[str, ...]
+    #: Its text as that of a fact; `written` as the user wrote it.
     fact: str
     written: str
     imports: tuple[str, ...]
     jumps: bool
     file: str = field(compare=False, repr=False)
     line: int = field(compare=False, repr=False)
+    #: The lines of the file of each line of `fact`, from its second one.
     lines: tuple[int, ...] = field(compare=False, repr=False)
 
     @property
@@ -1192,13 +1118,7 @@ def check_dimension(quantity: OwnQuantity, units: Iterable[str]) -> None:
 
 
 def declared_names(text: str) -> list[str]:
-    r"""Return the names that a text of `definition_text` declares.
-
-    Examples
-    --------
-    >>> declared_names("mine.input('weight', units='1')\n\n@mine.quantity(units='N')\ndef load(F21):")
-    ['weight', 'load']
-    """
+    """Return the names that a text of `definition_text` declares."""
     return ["".join(found) for found in re.findall(r"^def (\w+)|^mine\.input\('(\w+)'", text, re.M)]
 
 

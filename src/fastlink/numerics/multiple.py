@@ -67,22 +67,12 @@ def _inverse(n: int) -> tuple[tuple[float, float, float], float]:
 
 @dataclass(frozen=True)
 class Grid:
-    """A table of (cosine, sine) at multiples of a step, and what divides an argument by the step.
-
-    Attributes
-    ----------
-    step : float
-        The double nearest to the step.
-    pieces : tuple of float
-        The step, but for less than 2^-191.
-    columns : array (6, entries)
-        Three doubles of each cosine, and of each sine.
-    sign : float
-        That of w: -1 for angles, 1 for rapidities.
-    """
+    """A table of (cosine, sine) at multiples of a step, and what divides an argument by the step."""
 
     step: float
+    #: The step, but for less than 2^-191.
     pieces: tuple[float, ...]
+    #: Three doubles of each cosine, and of each sine.
     columns: Any
     sign: float
 

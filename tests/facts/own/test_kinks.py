@@ -86,6 +86,7 @@ def wide(omega2, omega4):
     return max(omega2, omega4) - min(omega4, omega2)  # two kinks in one place
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["drag", "lower", "wide"])
 def test_lists_hold_the_extremes_beside_kinks(name):
     """Next to a dead point of the output link a thousandth of a cell may hold two or three of them."""

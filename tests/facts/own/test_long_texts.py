@@ -54,7 +54,7 @@ def declared(tmp_path):
     return declare
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("kind", TEXTS)
 def test_a_long_chain_has_the_value_that_python_gives_it(declared, kind):
     mine, function = declared(f"    return {TEXTS[kind]}")

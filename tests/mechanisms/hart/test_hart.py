@@ -189,7 +189,7 @@ def test_the_study_of_the_example(tmp_path):
 
 
 @pytest.mark.parametrize("kappa", [0.1, 0.5, -0.3, 0.9, 1.5, -4.0])
-@pytest.mark.parametrize("n", [0.3, 8.0, 1e150])
+@pytest.mark.parametrize("n", [0.3, 8.0, 1e20])
 def test_kites_in_decimals(kappa, n):
     """(7.6) as a user computes it, a few roundings off: a kite, through M; mirrored, through N."""
     small, ground = abs(kappa) * n, abs(1.0 - kappa * kappa) * n
