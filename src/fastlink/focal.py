@@ -109,11 +109,6 @@ def cubic(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1) -> Any:
         k with ``sum(k[..., i, j] x**i y**j) = 0`` for the points (x, y) [m] of the cubic, origin in M, x along MN.
         k[i, j] has the unit m^(4 - i - j). NaN where the four-bar does not assemble.
 
-    Raises
-    ------
-    InputError
-        A length is not in 1e-70 ... 1e70, or the numbers do not broadcast.
-
     Notes
     -----
     Eq. (4.6) says that z (z - z_B) times the conjugate of (z - d)(z - z_A) is real. Multiplied out, with
@@ -432,11 +427,6 @@ def from_point(
         ``values["status"]`` tells why, where F is M, N, A or B (bars of length 0) and where the four-bar does not
         assemble in this position (``invalid_input``: no ratio).
 
-    Raises
-    ------
-    InputError
-        A length is not in 1e-70 ... 1e70, a number is not valid, or the numbers do not broadcast.
-
     Notes
     -----
     Both ratios are products of distances of F from the corners, rho = -+FA FM/(FB FN) and lambda - 1 = -+FB FA/(FN FM),
@@ -590,12 +580,6 @@ def inscribed_conics(
     InscribedConic
         NaN where the four-bar does not assemble.
 
-    Raises
-    ------
-    InputError
-        Neither t nor a focus is given, or both; a length is not in 1e-70 ... 1e70, a number is not valid, or the
-        numbers do not broadcast.
-
     Examples
     --------
     One of the kite with M = (0, 0), A = (0, 1), B = (3, 3), N = (1, 0):
@@ -735,11 +719,6 @@ def involution(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1, *, x: 
     Involution
         NaN where the four-bar does not assemble.
 
-    Raises
-    ------
-    InputError
-        A length is not in 1e-70 ... 1e70, a number is not valid, or the numbers do not broadcast.
-
     Examples
     --------
     At F of Figure 4, a point of the focal cubic, pairs have common bisectors, here at 45 degrees:
@@ -826,11 +805,6 @@ def best_point(
     Construction
         NaN, and ``values["status"]`` is ``invalid_input``, where no crank between the limits turns fully: only
         four-bars of Grashof's kind have one, every double rocker and double crank among them.
-
-    Raises
-    ------
-    InputError
-        A length is not in 1e-70 ... 1e70, a number is not valid, or the numbers do not broadcast.
 
     Notes
     -----
@@ -927,11 +901,6 @@ def five_bar(
         ``P_x``, ``P_y``, ``F_x``, ``F_y``, ``Q_x``, ``Q_y`` [m], ``psi`` (the direction of NQ) and ``angle_FQN`` in 0
         to pi [rad]. Q is NaN where FQ and QN do not reach from F to N.
 
-    Raises
-    ------
-    InputError
-        A length is not in 1e-70 ... 1e70, a number is not valid, or the numbers do not broadcast.
-
     Notes
     -----
     F comes from M by two bars, Q is where circles about F and N meet (eqs. (1.2) to (1.4) with another angle at Q).
@@ -999,11 +968,6 @@ def from_five_bar(m: Any, n: Any, p: Any, q: Any, d: Any) -> dict[str, Any]:
         The inputs ``a``, ``b``, ``c``, ``d``, ``rho``, ``completion`` of ``focal``, as `fastlink.sweep` takes them; c
         is NaN where the five-bar never assembles.
 
-    Raises
-    ------
-    InputError
-        A length is not in 1e-70 ... 1e70 in magnitude, a number is not valid, or the numbers do not broadcast.
-
     Notes
     -----
     Eq. (2.6), lambda = (m n + p q)/(m n), a = lambda m, b = lambda n, and with its sums made products
@@ -1057,11 +1021,6 @@ def held_at_AB(design: Any = None, **inputs: Any) -> dict[str, Any]:
     -------
     dict of str to ndarray
         The same inputs of the mechanism that stands on AB, as `fastlink.sweep` takes them.
-
-    Raises
-    ------
-    InputError
-        The design lacks a number, or one is not valid.
 
     Notes
     -----
@@ -1190,11 +1149,6 @@ def T_deviation(maps: Any) -> Any:
     xarray.DataArray
         In the units of ``T_x``; positive to the left of the line, whose direction is in (-pi/2, pi/2]. NaN where the
         mechanism does not assemble. Each design and assembly mode has a line of its own, through all its positions.
-
-    Raises
-    ------
-    InputError
-        Not a map or a path; a name is missing, or the positions of T are not a curve.
 
     Examples
     --------

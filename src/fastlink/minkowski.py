@@ -163,11 +163,6 @@ def multiply(z: Any, w: Any) -> Any:
     ndarray, shape (..., 2)
         The product, each coordinate right to 2 roundings.
 
-    Raises
-    ------
-    InputError
-        A vector has not two coordinates along its last axis, is not finite, or the shapes do not broadcast.
-
     Examples
     --------
     >>> import fastlink as fl
@@ -254,11 +249,6 @@ def scalar_product(z: Any, w: Any) -> Any:
     ndarray, shape (...)
         The product [m^2], right to 2 roundings: its sign is exact, also of vectors that are nearly orthogonal.
 
-    Raises
-    ------
-    InputError
-        A vector has not two coordinates along its last axis, is not finite, or the shapes do not broadcast.
-
     Examples
     --------
     >>> import fastlink as fl
@@ -285,11 +275,6 @@ def norm(z: Any) -> Any:
     -------
     ndarray, shape (...)
         The modulus [m], right to 3 roundings, however near to the light cone.
-
-    Raises
-    ------
-    InputError
-        The vector has not two coordinates along its last axis, or is not finite.
 
     Examples
     --------
@@ -405,11 +390,6 @@ def hyperbolic_angle(z: Any, w: Any) -> Any:
         The angle, right to 12 roundings, of nearly parallel vectors too; NaN where one vector is lightlike, or both are
         of unlike causal types or orientations: no boost leads from one to the other.
 
-    Raises
-    ------
-    InputError
-        A vector has not two coordinates along its last axis, is not finite, or the shapes do not broadcast.
-
     Examples
     --------
     >>> import fastlink as fl, numpy as np
@@ -449,11 +429,6 @@ def boost(phi: Any) -> Any:
     ndarray, shape (..., 2, 2)
         The matrices.
 
-    Raises
-    ------
-    InputError
-        The angle is not a finite number.
-
     Examples
     --------
     >>> import fastlink as fl, numpy as np
@@ -482,11 +457,6 @@ def motion(t: Any, a: Any = 0.0, b: Any = 0.0) -> Any:
     -------
     ndarray, shape (..., 3, 3)
         The matrices; what is beyond the range of doubles is infinite.
-
-    Raises
-    ------
-    InputError
-        A value is not a finite number, or the shapes do not broadcast.
 
     Examples
     --------
@@ -521,11 +491,6 @@ def moved(z: Any, t: Any, a: Any = 0.0, b: Any = 0.0) -> Any:
     -------
     ndarray, shape (..., 2)
         The points; what is beyond the range of doubles is infinite.
-
-    Raises
-    ------
-    InputError
-        A point has not two coordinates along its last axis, a value is not finite, or the shapes do not broadcast.
 
     Examples
     --------
@@ -596,11 +561,6 @@ def pure_triangle(A: Any, B: Any, C: Any) -> PureTriangle:
         Whether each triangle is pure, by exact signs, its sides, angles and b - a - c, right to some 20 roundings
         of each, however flat the triangle and however near its sides to the light cone.
 
-    Raises
-    ------
-    InputError
-        A vertex has not two coordinates along its last axis, is not finite, or the shapes do not broadcast.
-
     Examples
     --------
     >>> import fastlink as fl
@@ -639,11 +599,6 @@ def cosine_rule(a: Any, b: Any, angle: Any) -> Any:
         The length of AB [m], as sqrt((d - s)(d + s)) with d = abs(a - b) and s = 2 sqrt(a b) sh(C/2): what the
         rounding of a, b and C does to it, and 4 roundings. NaN where d < s: no such triangle.
 
-    Raises
-    ------
-    InputError
-        A length is not positive, a value not finite, or the shapes do not broadcast.
-
     Examples
     --------
     >>> import fastlink as fl, numpy as np
@@ -676,11 +631,6 @@ def cosine_rule_angle(a: Any, b: Any, c: Any) -> Any:
     ndarray, shape (...)
         The angle, right to 10 roundings; 0 where A, B and C are in line, NaN where d < c: by the reversed triangle
         inequality there is no such triangle.
-
-    Raises
-    ------
-    InputError
-        A length is not positive and finite, or the shapes do not broadcast.
 
     Examples
     --------
@@ -721,11 +671,6 @@ def triangle_excess(z: Any, w: Any) -> Any:
         The excess [m], as 4 (x v - y u)^2 over sums of positive terms: right to 20 roundings, also of nearly parallel
         vectors. NaN where the vectors are not both spacelike or both timelike, of one orientation.
 
-    Raises
-    ------
-    InputError
-        A vector has not two coordinates along its last axis, is not finite, or the shapes do not broadcast.
-
     Examples
     --------
     >>> import fastlink as fl
@@ -756,11 +701,6 @@ def quadrilateral_excess(O: Any, A: Any, B: Any, C: Any) -> Any:
     ndarray, shape (...)
         The excess [m], the sum of those of the triangles OAB and OBC; NaN where OA, AB or BC is not a future-pointing
         spacelike vector (OC then is one).
-
-    Raises
-    ------
-    InputError
-        A vertex has not two coordinates along its last axis, is not finite, or the shapes do not broadcast.
 
     Examples
     --------
@@ -877,11 +817,6 @@ def coupler_circles(a: Any, b: Any, g: Any, h: Any, x: Any, y: Any, *, X: Any, Y
         Arrays A1 to C2, right to 8 roundings of the sizes of their terms; NaN where AX is not spacelike. They hold with
         (ch(lambda), sh(lambda)) for a future-pointing AX, and its opposite for a past-pointing one.
 
-    Raises
-    ------
-    InputError
-        A length is not in 1e-25 ... 1e25, a coordinate not in -1e25 ... 1e25, or they do not broadcast.
-
     Examples
     --------
     >>> import fastlink as fl
@@ -923,12 +858,6 @@ def sextic(a: Any, b: Any, g: Any, h: Any, x: Any, y: Any) -> Any:
         c with ``sum(c[..., i, j] X**i Y**j) = 0`` for the points (X, Y) [m] of the curve in the ground frame
         (origin O, X along OC), of both branches and both orientations of OA, AB and CB. c[i, j] has the unit
         m^(6 - i - j); the terms of degree six are (X^2 - Y^2)^3, so nothing is left to normalise.
-
-    Raises
-    ------
-    InputError
-        A length is not in 1e-25 ... 1e25, x or y not in -1e25 ... 1e25 (the coefficients, products of six lengths
-        over h^2, then are finite), or they do not broadcast.
 
     Notes
     -----
@@ -994,11 +923,6 @@ def linkage_table(maps: Any) -> pd.DataFrame:
     pandas.DataFrame
         Columns: ``paper`` (the table or theorem), ``kind``, ``input``, ``output`` (how the cranks move), ``T1`` to
         ``T5`` (+, 0 or -, as they are, whatever the ``tolerance``), ``condition`` (on the lengths) and ``linkages``.
-
-    Raises
-    ------
-    InputError
-        Not a map or a path, or a name is missing.
 
     Examples
     --------

@@ -116,11 +116,6 @@ def io_coefficients(design: Any = None, *, pair: str = "14", **inputs: Any) -> A
     ndarray
         The five coefficients in m2, shape (..., 5).
 
-    Raises
-    ------
-    InputError
-        A length is not positive and finite, the lengths do not broadcast, or there is no such pair.
-
     Examples
     --------
     >>> import fastlink as fl
@@ -230,11 +225,6 @@ def cognates(design: Any = None, **inputs: Any) -> tuple[Cognate, Cognate, Cogna
     EB' = lambda DB, and P = A' + OA; the third has DA" = mu BA, A"B" = mu DB and EB" = mu OA, and P = A" + DB.
     Both loops close because the original does (S. Roberts, Proc. London Math. Soc. 7, 1875, 14-23).
 
-    Raises
-    ------
-    InputError
-        The design lacks a number, or one is not valid.
-
     Examples
     --------
     >>> import fastlink as fl
@@ -276,11 +266,8 @@ def sextic(design: Any = None, **inputs: Any) -> Any:
 
     Parameters
     ----------
-    design : mapping, pandas.DataFrame or xarray.Dataset, optional
-        Inputs of ``planar_4r`` by name: lengths ``a1`` ... ``a4`` and coupler point ``P_u``, ``P_v`` [m], broadcast.
-        Other inputs are not read.
-    **inputs : float, array_like or xarray.DataArray
-        The same by name.
+    design, **inputs
+        As for `cognates`.
 
     Returns
     -------
@@ -413,17 +400,14 @@ def curve_straightness(
 
     Parameters
     ----------
-    design : mapping, pandas.DataFrame or xarray.Dataset, optional
-        Inputs of ``planar_4r`` by name: lengths ``a1`` ... ``a4`` and coupler point ``P_u``, ``P_v`` [m], broadcast.
-        Other inputs are not read.
+    design, **inputs
+        As for `cognates`.
     theta1 : (float, float), optional
         Least and greatest input angle [rad] of the part; the whole curve of the branch unless given.
     branch : int or array_like
         Assembly mode, broadcast with the design.
     samples : int
         Input angles.
-    **inputs : float, array_like or xarray.DataArray
-        The same by name.
 
     Returns
     -------
@@ -635,15 +619,12 @@ def curve_length(design: Any = None, *, branch: Any = 1, error: bool = False, **
 
     Parameters
     ----------
-    design : mapping, pandas.DataFrame or xarray.Dataset, optional
-        Inputs of ``planar_4r`` by name: lengths ``a1`` ... ``a4`` and coupler point ``P_u``, ``P_v`` [m], broadcast.
-        Other inputs are not read.
+    design, **inputs
+        As for `cognates`.
     branch : int or array_like
         Assembly mode, broadcast with the design.
     error : bool
         Whether to return a bound of the error too.
-    **inputs : float, array_like or xarray.DataArray
-        The same by name.
 
     Returns
     -------
@@ -677,15 +658,12 @@ def curve_area(design: Any = None, *, branch: Any = 1, error: bool = False, **in
 
     Parameters
     ----------
-    design : mapping, pandas.DataFrame or xarray.Dataset, optional
-        Inputs of ``planar_4r`` by name: lengths ``a1`` ... ``a4`` and coupler point ``P_u``, ``P_v`` [m], broadcast.
-        Other inputs are not read.
+    design, **inputs
+        As for `cognates`.
     branch : int or array_like
         Assembly mode, broadcast with the design.
     error : bool
         Whether to return a bound of the error too.
-    **inputs : float, array_like or xarray.DataArray
-        The same by name.
 
     Returns
     -------
@@ -794,16 +772,13 @@ def inflections(
 
     Parameters
     ----------
-    design : mapping, pandas.DataFrame or xarray.Dataset, optional
-        Inputs of ``planar_4r`` by name: lengths ``a1`` ... ``a4`` and coupler point ``P_u``, ``P_v`` [m], broadcast.
-        Other inputs are not read.
+    design, **inputs
+        As for `cognates`.
     branch : int or array_like
         Assembly mode, broadcast with the design.
     samples : int
         About how many input angles, closer together near toggles, the sign of the curvature is read at; two changes
         within one step are missed.
-    **inputs : float, array_like or xarray.DataArray
-        The same by name.
 
     Returns
     -------
@@ -987,13 +962,10 @@ def crunodes(design: Any = None, *, tolerance: float = TOLERANCE, **inputs: Any)
 
     Parameters
     ----------
-    design : mapping, pandas.DataFrame or xarray.Dataset, optional
-        Inputs of ``planar_4r`` by name: lengths ``a1`` ... ``a4`` and coupler point ``P_u``, ``P_v`` [m], broadcast.
-        Other inputs are not read.
+    design, **inputs
+        As for `cognates`.
     tolerance : float
         Double points within it count as cusps, see `cusps`.
-    **inputs : float, array_like or xarray.DataArray
-        The same by name.
 
     Returns
     -------
@@ -1026,15 +998,12 @@ def cusps(design: Any = None, *, tolerance: float = TOLERANCE, **inputs: Any) ->
 
     Parameters
     ----------
-    design : mapping, pandas.DataFrame or xarray.Dataset, optional
-        Inputs of ``planar_4r`` by name: lengths ``a1`` ... ``a4`` and coupler point ``P_u``, ``P_v`` [m], broadcast.
-        Other inputs are not read.
+    design, **inputs
+        As for `cognates`.
     tolerance : float
         A double point of the curve is a cusp if its two coupler directions differ by an angle 2 x with 1 - cos x at
         most this. Only designs that satisfy an equation have a cusp; one within the tolerance has a cusp, or a loop
         of length about tolerance times the lengths, or a turn as sharp without a double point.
-    **inputs : float, array_like or xarray.DataArray
-        The same by name.
 
     Returns
     -------
@@ -1061,11 +1030,8 @@ def crunode_count(design: Any = None, **inputs: Any) -> Any:
 
     Parameters
     ----------
-    design : mapping, pandas.DataFrame or xarray.Dataset, optional
-        Inputs of ``planar_4r`` by name: lengths ``a1`` ... ``a4`` and coupler point ``P_u``, ``P_v`` [m], broadcast.
-        Other inputs are not read.
-    **inputs : float, array_like or xarray.DataArray
-        The same by name.
+    design, **inputs
+        As for `cognates`.
 
     Returns
     -------
@@ -1087,11 +1053,8 @@ def cusp_count(design: Any = None, **inputs: Any) -> Any:
 
     Parameters
     ----------
-    design : mapping, pandas.DataFrame or xarray.Dataset, optional
-        Inputs of ``planar_4r`` by name: lengths ``a1`` ... ``a4`` and coupler point ``P_u``, ``P_v`` [m], broadcast.
-        Other inputs are not read.
-    **inputs : float, array_like or xarray.DataArray
-        The same by name.
+    design, **inputs
+        As for `cognates`.
 
     Returns
     -------
@@ -1154,12 +1117,6 @@ def force_balance(
     dict
         The inputs ``counterweight1_mass``, ``counterweight1_radius``, ``counterweight1_direction`` and the same of
         ``counterweight3``: add them to the design.
-
-    Raises
-    ------
-    InputError
-        An input is missing, is not a number or has another shape; a radius and a mass are given for one link; a
-        radius or mass is not positive.
 
     Examples
     --------
@@ -1250,11 +1207,6 @@ def flywheel_inertia(maps: Any, C_s: Any) -> Any:
     array or xarray.DataArray
         In kg m2, like ``T41_fluctuation``; NaN for an input that does not turn fully.
 
-    Raises
-    ------
-    InputError
-        Not a map or a path; a name is missing or not in SI units; or C_s is not positive and finite.
-
     Examples
     --------
     >>> import fastlink as fl
@@ -1338,11 +1290,6 @@ def rate_extrema(space: Any, *, pair: str = "14", **options: Any) -> Any:
         ``joint_angle_1_at_joint_omega_4_extrema`` and so on, their numbers and kinds, along `extremum`, for both
         assembly modes.
 
-    Raises
-    ------
-    InputError
-        There is no such pair, or what a sweep would refuse.
-
     Examples
     --------
     The example of the paper in mode 2, rates of joint 3 at B over a turn of joint 1 at O:
@@ -1425,11 +1372,6 @@ def force_equations(
         and the moment about its mass centre of link 1, 2 and 3. With loads, b is less the loads. NaN where the loop
         does not close.
 
-    Raises
-    ------
-    InputError
-        What `fastlink.evaluate` would refuse.
-
     Examples
     --------
     >>> import numpy as np
@@ -1485,11 +1427,6 @@ def bar_properties(design: Any = None, *, links: Links, **inputs: Any) -> dict[s
     dict
         ``volume1`` [m3], and the inputs ``m1`` [kg], ``I1`` [kg m2], ``G1_u`` and ``G1_v`` [m] of the crank; the same
         of coupler (2) and output link (3). These inputs may stand in a design in place of `links`.
-
-    Raises
-    ------
-    InputError
-        A length, or density or radius of the bars, is missing or not positive and finite.
 
     Examples
     --------
@@ -1557,11 +1494,6 @@ def force_hypothesis(maps: Any, **options: Any) -> xr.Dataset:
         ``distance``, the angle of the input between the greatest magnitude of the load and the extreme, 0 to pi [rad];
         ``ratio``, the magnitude of the load at the extreme over the greatest: how good an estimate it is. NaN where the
         design does not assemble, and where a load grows without bound at a toggle.
-
-    Raises
-    ------
-    InputError
-        Not a map of the planar 4R driven by theta1, or names are missing or not in SI units; options of a map.
 
     Examples
     --------

@@ -23,7 +23,7 @@ from tests.support.neighbourhoods import DRAWN, ULP
 
 import fastlink as fl
 from fastlink.mechanisms import catalogue
-from fastlink.precision.independent.check import model_of
+from fastlink.precision.independent import model_of
 
 #: Designs of each mechanism, of all its inputs together, in the long form: half an hour of one core each.
 MANY = 1_000_000

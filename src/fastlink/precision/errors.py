@@ -16,7 +16,7 @@ from fastlink.facts.names import ErrorBound, error_name
 from fastlink.facts.sizes import natural_size
 from fastlink.facts.tables import angle_tables
 from fastlink.numerics.compensated import UNIT_ROUNDING
-from fastlink.precision.independent.check import TOLERANCE, IndependentValues
+from fastlink.precision.independent import TOLERANCE, IndependentValues
 from fastlink.precision.reference import CONTEXT, DIGITS, HighPrecision, error_in_roundings
 from fastlink.precision.stationary import END, JUMP, Extreme, Stationary
 

@@ -9,7 +9,7 @@ from tests.support.focal_configurations import DRIVES, family, random_designs
 import fastlink as fl
 from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
-from fastlink.precision.independent.check import IndependentValues
+from fastlink.precision.independent import IndependentValues
 
 MANY = 27_000
 POINTS = [f"{point}_{axis}" for point in "ABPQFT" for axis in "xy"]
