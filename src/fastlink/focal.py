@@ -1,4 +1,8 @@
-"""Functions of Burmester's focal mechanism: its cubic, constructions on it, conics, the five-bar, straight lines."""
+"""Functions of Burmester's focal mechanism: its cubic, constructions on it, conics, the five-bar, straight lines.
+
+Lengths are 1e-70 to 1e70 m. Others, values that are no finite numbers and shapes that do not broadcast are refused
+with `fastlink.InputError`.
+"""
 
 from __future__ import annotations
 
@@ -408,12 +412,8 @@ def from_point(
 
     Parameters
     ----------
-    a, b, c, d : float or array_like
-        Lengths of MA, NB, AB and MN [m], broadcast with the position and the point.
-    phi : float or array_like
-        Direction of MA, seen from MN [rad].
-    branch : int or array_like
-        1: B to the right of the directed line from A to N; 2: to the left.
+    a, b, c, d, phi, branch
+        As for `cubic`.
     x, y : float or array_like
         F, origin in M and x along MN [m]. Of points off the focal cubic (`cubic_points` traces it) the nearest point
         of the cubic is taken.
@@ -563,12 +563,8 @@ def inscribed_conics(
 
     Parameters
     ----------
-    a, b, c, d : float or array_like
-        Lengths of MA, NB, AB and MN [m], broadcast with the position and the conic.
-    phi : float or array_like
-        Direction of MA, seen from MN [rad].
-    branch : int or array_like
-        1: B to the right of the directed line from A to N; 2: to the left.
+    a, b, c, d, phi, branch
+        As for `cubic`.
     t : float or array_like, optional
         Numbers of conics: 0 and 1 are the pairs of points M, B and A, N, and the centre goes in proportion to t from
         the middle of MB to that of AN. Towards infinity the conics become the parabola.
@@ -710,7 +706,7 @@ def involution(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1, *, x: 
     Parameters
     ----------
     a, b, c, d, phi, branch
-        As for `inscribed_conics`.
+        As for `cubic`.
     x, y : float or array_like
         The point [m], origin in M and x along MN.
 
@@ -785,16 +781,12 @@ def best_point(
 
     It is the point of the focal cubic of the position whose crank SF turns fully, and whose least transmission angle
     at P and Q over the whole turn, ``transmission_angle_PQ_least``, is the greatest. The transmission angle at F is
-    that of the rockers MA and NB alone, whatever F is.
+    that of the rockers MA and NB alone, whatever F is. phi decides where F is, but not which crank is best.
 
     Parameters
     ----------
-    a, b, c, d : float or array_like
-        Lengths of MA, NB, AB and MN [m], broadcast with the position.
-    phi : float or array_like
-        Direction of MA, seen from MN [rad]. It decides where F is, but not which crank is best.
-    branch : int or array_like
-        1: B to the right of the directed line from A to N; 2: to the left.
+    a, b, c, d, phi, branch
+        As for `cubic`.
     between : (float, float)
         The least and greatest MS over MN: where the support S may stand, M being at 0 and N at 1.
     by : {"rho", "s", "lambda_"}
@@ -1011,11 +1003,9 @@ def held_at_AB(design: Any = None, **inputs: Any) -> dict[str, Any]:
 
     Parameters
     ----------
-    design : mapping, pandas.DataFrame or xarray.Dataset, optional
-        Inputs of ``focal`` by name: ``a``, ``b``, ``c``, ``d``, one of ``rho``, ``s`` and ``lambda_``, and
-        ``completion`` unless it is to be both. Other inputs are not read.
-    **inputs : float, array_like or xarray.DataArray
-        The same by name.
+    design, **inputs
+        Inputs of ``focal`` in a mapping, pandas.DataFrame or xarray.Dataset, or by name: ``a``, ``b``, ``c``, ``d``,
+        one of ``rho``, ``s`` and ``lambda_``, and ``completion`` unless it is to be both. Others are not read.
 
     Returns
     -------

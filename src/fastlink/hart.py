@@ -130,10 +130,9 @@ def held_at_AB(design: Any = None, **inputs: Any) -> dict[str, Any]:
 
     Parameters
     ----------
-    design : mapping, pandas.DataFrame or xarray.Dataset, optional
-        Inputs of ``hart`` by name: ``m``, ``n``, ``d`` and ``kappa``. Other inputs are not read.
-    **inputs : float, array_like or xarray.DataArray
-        The same by name.
+    design, **inputs
+        Inputs of ``hart`` in a mapping, pandas.DataFrame or xarray.Dataset, or by name: ``m``, ``n``, ``d`` and
+        ``kappa``. Others are not read.
 
     Returns
     -------

@@ -1,6 +1,8 @@
 """Functions of the Minkowskian plane and of its planar 4R: vectors, motions, triangles, the coupler curve.
 
-A vector or point is an array with its two coordinates x, y along the last axis, the double number x + j y, j^2 = 1.
+A vector or point is an array with its two coordinates x, y along the last axis, the double number x + j y, j^2 = 1;
+NaN stands for none. Arguments broadcast. Values that are not finite or beyond 1e300, and other shapes, are refused with
+`fastlink.InputError`.
 """
 
 from __future__ import annotations
@@ -156,7 +158,7 @@ def multiply(z: Any, w: Any) -> Any:
     Parameters
     ----------
     z, w : array_like, shape (..., 2)
-        Double numbers as vectors x, y; NaN where there is none. They broadcast.
+        Double numbers as vectors x, y.
 
     Returns
     -------
@@ -178,16 +180,6 @@ def conjugate(z: Any) -> Any:
     """Return the hyperbolic conjugate x - yj of double numbers x + yj.
 
     Hegedues and Moore, section 2.1.
-
-    Parameters
-    ----------
-    z : array_like, shape (..., 2)
-        Double numbers as vectors x, y.
-
-    Returns
-    -------
-    ndarray, shape (..., 2)
-        The conjugates.
 
     Examples
     --------
@@ -242,7 +234,7 @@ def scalar_product(z: Any, w: Any) -> Any:
     Parameters
     ----------
     z, w : array_like, shape (..., 2)
-        Vectors x, y and u, v; NaN where there is none. They broadcast.
+        Vectors x, y and u, v.
 
     Returns
     -------
@@ -269,7 +261,7 @@ def norm(z: Any) -> Any:
     Parameters
     ----------
     z : array_like, shape (..., 2)
-        Vectors x, y; NaN where there is none.
+        Vectors x, y.
 
     Returns
     -------
@@ -293,16 +285,6 @@ def causal_type(z: Any) -> Any:
 
     Hegedues and Moore, section 2.2: the sign of <z, z>, exact. The vector 0 is lightlike.
 
-    Parameters
-    ----------
-    z : array_like, shape (..., 2)
-        Vectors x, y; NaN where there is none.
-
-    Returns
-    -------
-    ndarray, shape (...)
-        The sign; NaN where the vector is.
-
     Examples
     --------
     >>> import fastlink as fl
@@ -318,16 +300,6 @@ def orientation(z: Any) -> Any:
     """Return 1 for future-pointing, -1 for past-pointing and 0 for lightlike vectors.
 
     Hegedues and Moore, section 2.2: the sign of y of a timelike vector, of x of a spacelike one.
-
-    Parameters
-    ----------
-    z : array_like, shape (..., 2)
-        Vectors x, y; NaN where there is none.
-
-    Returns
-    -------
-    ndarray, shape (...)
-        The sign; NaN where the vector is.
 
     Examples
     --------
@@ -350,7 +322,7 @@ def rapidity(z: Any) -> Any:
     Parameters
     ----------
     z : array_like, shape (..., 2)
-        Vectors x, y; NaN where there is none.
+        Vectors x, y.
 
     Returns
     -------
@@ -382,7 +354,7 @@ def hyperbolic_angle(z: Any, w: Any) -> Any:
     Parameters
     ----------
     z, w : array_like, shape (..., 2)
-        Vectors; NaN where there is none. They broadcast.
+        Vectors.
 
     Returns
     -------
@@ -422,7 +394,7 @@ def boost(phi: Any) -> Any:
     Parameters
     ----------
     phi : float or array_like
-        The angle, NaN where there is none.
+        The angle.
 
     Returns
     -------
@@ -451,7 +423,7 @@ def motion(t: Any, a: Any = 0.0, b: Any = 0.0) -> Any:
     t : float or array_like
         The angle of the boost.
     a, b : float or array_like, optional
-        The translation [m]. All broadcast.
+        The translation [m].
 
     Returns
     -------
@@ -481,11 +453,11 @@ def moved(z: Any, t: Any, a: Any = 0.0, b: Any = 0.0) -> Any:
     Parameters
     ----------
     z : array_like, shape (..., 2)
-        Points x, y [m]; NaN where there is none.
+        Points x, y [m].
     t : float or array_like
         The angle of the boost.
     a, b : float or array_like, optional
-        The translation [m]. All broadcast.
+        The translation [m].
 
     Returns
     -------
@@ -553,7 +525,7 @@ def pure_triangle(A: Any, B: Any, C: Any) -> PureTriangle:
     Parameters
     ----------
     A, B, C : array_like, shape (..., 2)
-        Vertices x, y [m]; NaN where there is none. They broadcast.
+        Vertices x, y [m].
 
     Returns
     -------
@@ -591,7 +563,7 @@ def cosine_rule(a: Any, b: Any, angle: Any) -> Any:
     a, b : float or array_like
         Lengths of BC and AC [m].
     angle : float or array_like
-        The angle C between them. All broadcast.
+        The angle C between them.
 
     Returns
     -------
@@ -624,7 +596,7 @@ def cosine_rule_angle(a: Any, b: Any, c: Any) -> Any:
     Parameters
     ----------
     a, b, c : float or array_like
-        Lengths of BC, AC and AB [m]. They broadcast.
+        Lengths of BC, AC and AB [m].
 
     Returns
     -------
@@ -663,7 +635,7 @@ def triangle_excess(z: Any, w: Any) -> Any:
     Parameters
     ----------
     z, w : array_like, shape (..., 2)
-        Vectors x, y [m]; NaN where there is none. They broadcast.
+        Vectors x, y [m].
 
     Returns
     -------
@@ -694,7 +666,7 @@ def quadrilateral_excess(O: Any, A: Any, B: Any, C: Any) -> Any:
     Parameters
     ----------
     O, A, B, C : array_like, shape (..., 2)
-        Vertices x, y [m]; NaN where there is none. They broadcast.
+        Vertices x, y [m].
 
     Returns
     -------
@@ -809,7 +781,7 @@ def coupler_circles(a: Any, b: Any, g: Any, h: Any, x: Any, y: Any, *, X: Any, Y
         The coupler point in the frame at A with its first axis along AB [m], AX spacelike (abs(x) > abs(y)), BX of any
         causal type.
     X, Y : float or array_like
-        A point of the ground frame [m]. All broadcast.
+        A point of the ground frame [m].
 
     Returns
     -------

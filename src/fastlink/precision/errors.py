@@ -30,23 +30,6 @@ if TYPE_CHECKING:
     from fastlink.plan.query import Reduction
     from fastlink.precision.reference import HighPrecision
 
-__all__ = [
-    "MeasuredErrors",
-    "Sample",
-    "configurations",
-    "cost",
-    "outermost",
-    "read_curves",
-    "refined",
-    "sampled",
-    "unit_of",
-    "values",
-    "within",
-]
-
-
-# -- Collect the errors of one variable, and state them as its attributes
-
 
 # -- The designs that are verified, their results, and the budget of evaluations
 

@@ -252,7 +252,7 @@ def _add_planar_forces(
     }
 
 
-PLANAR_DESIGN = ("theta1_low", "theta1_high", "theta4_low", "theta4_high", "grashof_excess")
+PLANAR_DESIGN: tuple[str, ...] = ("theta1_low", "theta1_high", "theta4_low", "theta4_high", "grashof_excess")
 PLANAR_DESIGN += ("transmission_angle_least", "transmission_angle_greatest")
 
 
@@ -351,7 +351,18 @@ MINKOWSKI = _named("*_*", "ABX", "xy") | dict.fromkeys(("psi", "phi", "cosh_zeta
 MINKOWSKI |= dict.fromkeys(("AB_rapidity", "AB_orientation", "CB_orientation", "half_angle_root"), 0)
 MINKOWSKI |= dict.fromkeys(("coefficient_A", "coefficient_B", "coefficient_C", "delta", "psi_remark"), 0)
 MINKOWSKI |= {"lambda_AX": 0, "mu_BX": 0, "dpsi_dtheta": 1, "d2psi_dtheta2": 2}
-MINKOWSKI_DESIGN = ("T1", "T2", "T3", "T4", "T5", "T7", "theta_escape", "r_AX", "s_BX", "gamma")
+MINKOWSKI_DESIGN: tuple[str, ...] = (
+    "T1",
+    "T2",
+    "T3",
+    "T4",
+    "T5",
+    "T7",
+    "theta_escape",
+    "r_AX",
+    "s_BX",
+    "gamma",
+)
 MINKOWSKI_DESIGN += ("cosh_theta_min", "cosh_theta_max", "cosh_psi_min", "cosh_psi_max")
 #: Rapidities beyond which the equations take too many digits.
 GREATEST = 4000
@@ -673,7 +684,7 @@ def _by_crank(
     if "r" not in bars:
         raise Open("there is no crank")
 
-    def joint_F(drive: Series) -> Series:
+    def joint_F(drive: Series) -> Any:
         return rotation(ctx, drive) * bars["r"] + bars["s"]
 
     try:
@@ -755,7 +766,7 @@ HART = _named("*_*", ("A", "B", "P", "Q", "PF_mid"), "xy") | {"F_x": 0, "psi": 0
 HART |= _named("*_*_AB", "MNF", ("along", "across"))
 HART_BY_ROCKER = HART | {"F_y": 0, "dF_y_dphi": 1, "dpsi_dphi": 1}
 HART_BY_LINE = HART | {"phi": 0, "dphi_dF_y": 1, "dpsi_dF_y": 1}
-HART_DESIGN = ("p", "q", "a", "b", "c", "lambda_", "line_x", "line_along_AB")
+HART_DESIGN: tuple[str, ...] = ("p", "q", "a", "b", "c", "lambda_", "line_x", "line_along_AB")
 HART_DESIGN += ("F_y_outer", "F_y_inner", "stroke")
 
 
@@ -792,7 +803,7 @@ def _hart(ctx: Any, at: Mapping[str, Any], order: int, _: bool, values: Values) 
     ratio, branch, drive = bars["lambda_"], at["branch"], drive_of(ctx, at[by], order)
     if by == "F_y":
 
-        def joint_F(drive: Series) -> Series:
+        def joint_F(drive: Series) -> Any:
             return drive * ctx.mpc(0, 1) + bars["line_x"]
 
         side = 1 if (branch == 1) == (bars["kappa"] > 0) else -1

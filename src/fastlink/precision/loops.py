@@ -364,7 +364,7 @@ def chain(
     joints: Sequence[Any],
     speed: tuple[Any, ...],
 ) -> list[Link]:
-    """Return the links of a chain by their frames; their joints begin at the ground, an unknown torque drives the first."""
+    """Return the links of a chain by their frames; the first joint is at the ground, a torque drives the first link."""
     links: list[Link] = []
     for i, (length, origin, direction) in enumerate(zip(lengths, origins, directions, strict=True), 1):
         mass, inertia, local = bar_data(ctx, at, i, length)
