@@ -4,7 +4,6 @@ import doctest
 import re
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 from tests.support.refusals import refused
@@ -19,7 +18,6 @@ from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.query import REDUCTIONS
 
-DOCUMENT = Path(__file__).parents[2] / "docs" / "quantities.md"
 LISTED = [(name, row) for name in NAMES for row in fl.quantities(name)]
 
 
@@ -38,12 +36,6 @@ def results():
         labelled = variables(resolved.plan, resolved.space, resolved.positions.size)
         found[mechanism] = {variable.name: variable for variable in labelled}
     return found
-
-
-def test_the_documentation_is_up_to_date():
-    assert DOCUMENT.read_text(encoding="utf-8") == document(), (
-        "stale: run `python -m fastlink.app.report > docs/quantities.md`"
-    )
 
 
 def test_the_documentation_is_written_by_the_module():
