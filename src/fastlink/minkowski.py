@@ -13,16 +13,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from fastlink._text import in_words
-from fastlink.engine.evaluate import broadcast_inputs, like
+from fastlink.engine.evaluate import broadcast_inputs
 from fastlink.errors import InputError, Problems, door
 from fastlink.facts.fact import Input, Rule
 from fastlink.io.reader import as_dataset
 from fastlink.mechanisms.minkowski_4r import minkowski_4r
 from fastlink.mechanisms.minkowski_4r.design_facts import LINKAGE_FLAGS
 from fastlink.numerics.compensated import sum_of_four, two_product
-from fastlink.papers import broadcast, check_lengths, coupler_sextic
-from fastlink.plan.request import value_problems
-from fastlink.space.design_space import MOST_DIMS, in_unit, numbers_of
+from fastlink.papers import broadcast, check_lengths, coupler_sextic, read_numbers
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -53,6 +51,12 @@ __all__ = [
 ]
 
 
+def __dir__() -> list[str]:
+    return __all__
+
+
+# -- Vectors of the Minkowskian plane: how they are read, and differences of products that lose no digit
+
 #: The exponent of a product that is zero: below that of every other.
 NO_EXPONENT = -10000
 #: Greatest coordinate and length: sums of four stay in the range of doubles.
@@ -68,26 +72,12 @@ def number(name: str, meaning: str, units: str = "1", rule: Rule = "any") -> Inp
 
 def read(function: str, vectors: Mapping[str, Any], numbers: Iterable[tuple[Input, Any]] = ()) -> list[Any]:
     """Return the coordinates of each vector, then the numbers, as arrays of one shape; NaN may stand among them."""
-    declared = [(number(name, "coordinates x, y of a vector", "m"), value) for name, value in vectors.items()]
-    count, problems, first, second = len(declared), Problems(), {}, {}
-    for k, (one, value) in enumerate((*declared, *numbers)):
-        with problems.at():
-            stated = numbers_of(function, one.name, value, MOST_DIMS)
-            values = in_unit((function, one.name), value, stated, one.units)
-            if k < count and values.shape[-1:] != (2,):
-                what = f"has the shape {values.shape}" if values.ndim else "is one number"
-                remedy = "write two coordinates, x and y, along the last axis, such as [5.0, 3.0]"
-                raise InputError(what, where=(function, one.name), remedy=remedy)
-            there = np.where(np.isnan(values), 1.0, values)
-            problems.noted += value_problems(one, there, function)
-            if one.units == "m" and np.isfinite(there).all() and (abs(there) > GREATEST).any():
-                remedy = f"write at most {GREATEST:g}, in another unit of length"
-                raise InputError(f"holds {abs(there).max()}", where=(function, one.name), remedy=remedy)
-            labelled = like(value, values)
-            first[one.name] = labelled[..., 0] if k < count else labelled
-            if k < count:
-                second[one.name] = labelled[..., 1]
-    problems.stop()
+    given = [(number(name, "coordinates x, y of a vector", "m"), value) for name, value in vectors.items()]
+    given += numbers
+    declared, values = {one.name: one for one, _ in given}, {one.name: value for one, value in given}
+    first, second = read_numbers(
+        function, declared, values, Problems(), gaps=True, vectors=vectors, greatest=GREATEST
+    )
     _, xs, shape = broadcast_inputs(function, first)
     _, ys, _ = broadcast_inputs(function, first | second)
     result = []
@@ -738,13 +728,6 @@ def _excess(
 
 
 # -- The coupler curve of the Minkowskian planar 4R as an algebraic curve
-
-
-def __dir__() -> list[str]:
-    return __all__
-
-
-# -- Vectors of the Minkowskian plane: how they are read, and differences of products that lose no digit
 
 
 class CouplerCircles(NamedTuple):
