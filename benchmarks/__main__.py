@@ -3,13 +3,13 @@
 import argparse
 import sys
 
-from benchmarks import answers, minkowski, report, table
+from benchmarks import answers, report, table
 
 
 def quick():
     """Return rows, answers and facts at small sizes: whether everything runs, not how fast."""
     found = answers.rows(["positions"], repeats=1)
-    facts = answers.facts_of(found) + table.facts(quick=True) + minkowski.facts(quick=True)
+    facts = table.facts(quick=True)
     return table.measure(quick=True), found, facts
 
 
@@ -19,7 +19,7 @@ def full(folder, log):
     through = [
         (f"{r['case']} through `run`, blocks of memory", r["run_ns"], "ns", "") for r in rows if "run_ns" in r
     ]
-    facts = answers.facts_of(found) + through + table.facts(log=log) + minkowski.facts(log=log)
+    facts = through + table.facts(log=log)
     log("layouts")
     return rows, found, facts + answers.layouts(folder)
 

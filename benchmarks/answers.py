@@ -23,15 +23,15 @@ from benchmarks.peers import FORMS, available
 COMMAND = "README's command"
 STUDY = ROOT / "data" / "studies" / "crank_rocker_map.toml"
 SAMPLED = {"extrema": "sampled"}
-#: By request: names, options, and the aim of its set-up.
+#: By request: names and options.
 REQUESTS = {
-    "positions": (CASES["positions"], {}, "< 0.25"),
-    "rates": (CASES["rates"], {}, "< 0.25"),
-    "reactions": (CASES["reactions"], {}, "< 0.25"),
-    "sampled extremes": (CASES["extremes"], SAMPLED, "< 0.25"),
-    "extremes of omega4": (("omega4_max", "omega4_min"), {}, "< 0.8"),
-    "extremes of omega4, alpha4": (("omega4_max", "omega4_min", "alpha4_max", "alpha4_min"), {}, "< 0.8"),
-    "greatest shaking force": (("shaking_force_max",), {}, "< 0.8"),
+    "positions": (CASES["positions"], {}),
+    "rates": (CASES["rates"], {}),
+    "reactions": (CASES["reactions"], {}),
+    "sampled extremes": (CASES["extremes"], SAMPLED),
+    "extremes of omega4": (("omega4_max", "omega4_min"), {}),
+    "extremes of omega4, alpha4": (("omega4_max", "omega4_min", "alpha4_max", "alpha4_min"), {}),
+    "greatest shaking force": (("shaking_force_max",), {}),
 }
 LABELS = (COMMAND, *REQUESTS)
 COLUMNS = ("request", "cold", "to_heyoka", "known", "again", "memory", "cache")
@@ -79,7 +79,7 @@ def requested(label):
 
         study = read_study(STUDY)
         return study.mechanism, study.space, study.quantities, study.options
-    names, options, _ = REQUESTS[label]
+    names, options = REQUESTS[label]
     values = dict(zip(INPUTS, designs(1)[:, 0].tolist(), strict=True))
     return "planar_4r", fl.grid(**values), names, options
 
@@ -174,22 +174,6 @@ def rows(labels=LABELS, repeats=3, log=lambda text: None):
         log(f"time to an answer: {label}")
         found.append(row_of(label, repeats))
     return found
-
-
-def facts_of(found):
-    """Return facts about the rows, with their aims."""
-    aims = {COMMAND: "< 2"} | {label: aim for label, (_, _, aim) in REQUESTS.items()}
-    facts = []
-    for row in found:
-        label = row["request"]
-        facts.append((f"set-up of {label}, empty cache", row["cold"], "s", aims[label]))
-        if row["to_heyoka"] is not None:
-            facts.append((f"compile {label} by heyoka.py", row["compile_heyoka"], "s", ""))
-            facts.append((f"set-up of {label}, empty cache / heyoka.py", row["to_heyoka"], "", "<= 4"))
-        facts.append((f"{label}, known kernel, new process", row["known"], "s", "< 0.15"))
-        if row["again"] is not None:
-            facts.append((f"{label}, sweep of one design, known in this process", row["again"], "ms", "< 1"))
-    return facts
 
 
 # ---- layouts of files ----

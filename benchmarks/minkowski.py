@@ -1,6 +1,6 @@
 """psi of the Minkowskian 4R near all that is hard: error against 50 digits and time, of the null form and of eq. (3).
 
-``python -m benchmarks.minkowski`` prints the table of docs/minkowski.md. A fact is (what, value, unit, aim).
+``python -m benchmarks.minkowski`` prints the table of docs/minkowski.md.
 """
 
 import math
@@ -180,19 +180,6 @@ def times_of(x, theta, rounds):
         "compiled": partial(compiled_eq3, x, cosh, sinh, *arrays),
     }
     return [1e9 * seconds / arrays[0].size for seconds in race(calls, rounds, 0.02).values()]
-
-
-def facts(quick=False, log=lambda text: None):
-    """Return all facts; quick: small sizes."""
-    log("minkowski")
-    n, K, rounds, count = (8, 16, 1, 3) if quick else (114, 100, 12, 100)
-    ours, by_numpy, _ = times_of(designs(n), np.linspace(-4.0, 4.0, K), rounds)
-    what, found = "psi and CB_orientation of the Minkowskian 4R", max(own for _, own, _ in errors(count))
-    return [
-        (what, ours, "ns", ""),
-        (f"{what}, eq. (3) in NumPy / ours", by_numpy / ours, "times", ""),
-        ("max error of psi, Minkowskian 4R, all families", found, "roundings", "<= 4"),
-    ]
 
 
 HEADS = (

@@ -1,7 +1,6 @@
 """The planar 4R as a user writes it in numba: textbook formulas in loops, `@njit`, no thought of lanes.
 
-Circles that intersect, loops of velocity and of acceleration by Cramer's rule, forces link by link. Refined extremes of
-omega4: where alpha4 changes its sign between 24 angles, false position (Illinois); branch 1 is the mirror image.
+Circles that intersect, loops of velocity and of acceleration by Cramer's rule, forces link by link.
 """
 
 import math
@@ -12,7 +11,6 @@ import numpy as np
 from benchmarks.cases import outputs
 
 jit = numba.njit(error_model="numpy", cache=True)
-SCAN = 24
 
 
 @jit
@@ -105,42 +103,6 @@ def extremes(x, tables, omega4_max, omega4_min, alpha4_max, alpha4_min, T41_max,
                     T_max, F_max = max(T_max, f[10]), max(F_max, f[6])
             omega4_max[i, j], omega4_min[i, j], alpha4_max[i, j] = w_max, w_min, a_max
             alpha4_min[i, j], T41_max[i, j], F32_x_max[i, j] = a_min, T_max, F_max
-
-
-@jit
-def scan(x, tables, greatest, least):
-    """Put the extremes of omega4 of designs that turn fully, in both branches, by so many input angles."""
-    for i in range(x.shape[1]):
-        a, b, c, d, w = x[0, i], x[1, i], x[2, i], x[3, i], x[4, i]
-        high, low = -np.inf, np.inf
-        K = tables.shape[1]
-        slope = motion(a, b, c, d, w, tables[0, K - 1], tables[1, K - 1], 1.0)[9]
-        for k in range(K):
-            before, slope = slope, motion(a, b, c, d, w, tables[0, k], tables[1, k], 1.0)[9]
-            if (before > 0.0) == (slope > 0.0):
-                continue
-            t1, f1, t2, f2 = (k - 1) * (2 * np.pi / K), before, k * (2 * np.pi / K), slope
-            rate = 0.0
-            for _ in range(60):
-                t = t2 - f2 * (t2 - t1) / (f2 - f1)
-                m = motion(a, b, c, d, w, math.cos(t), math.sin(t), 1.0)
-                rate, f = m[7], m[9]
-                if (f > 0.0) != (f2 > 0.0):
-                    t1, f1 = t2, f2
-                else:
-                    f1 *= 0.5
-                done = abs(t - t2) < 1e-9  # an extreme is flat: its value is right to rounding long before
-                t2, f2 = t, f
-                if done:
-                    break
-            high, low = max(high, rate), min(low, rate)
-        greatest[i, :], least[i, :] = high, low
-
-
-def bind_scan(x, tables):
-    """Return ``call, arrays``: the greatest and the least omega4."""
-    arrays = np.empty((x.shape[1], 2)), np.empty((x.shape[1], 2))
-    return lambda: scan(x, tables, *arrays), arrays
 
 
 def bind(case, x, tables):

@@ -1,4 +1,4 @@
-"""Peers: C, NumPy, NumPy's 9x9 systems, heyoka.py, JAX and pylinkage; numba by hand is `numba_baseline`.
+"""Peers: C, NumPy, NumPy's 9x9 systems, heyoka.py and JAX; numba by hand is `numba_baseline`.
 
 ``bind_NAME(case, x, tables)`` returns ``call, arrays``: ``call()`` evaluates into the arrays, one for each name of
 ``CASES[case]``. Those but C read one text of the closed forms: operators, and a square root that is handed in.
@@ -17,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
+import fastlink as fl
 from benchmarks.cases import (
     CASES,
     INPUTS,
@@ -81,17 +82,6 @@ def bind_c(case, x, tables):
     n, K = x.shape[1], tables.shape[1]
     whole = empty((len(CASES[case]), *outputs(case, n, K)[0].shape))
     return call_of(case, (n, K), [x, tables, whole]), tuple(whole)
-
-
-def bind_c_extrema(x):
-    """Return ``call, arrays`` for every extreme of omega4: its greatest and its least value."""
-    whole = empty((2, x.shape[1], 2))
-    return call_of("extrema", (x.shape[1],), [x, whole]), tuple(whole)
-
-
-def c_extrema_cells():
-    """Return half the number of cells that C searches."""
-    return ctypes.c_long.in_dll(library(), "c_extrema_cells").value
 
 
 # ---- the closed forms: a quantity is even + s odd, with s = -1 for branch 1, +1 for 2 ----
@@ -299,52 +289,15 @@ def bind_numpy(case, x, tables):
     return call, arrays
 
 
-def system(x, tables):
+def system(x, theta1):
     """Return the matrices (design, branch, angle, 9, 9) and right sides of eq. (9) of Hayes, Hninn, Irani.
 
-    Unknowns: ``CASES["reactions"]`` in order, F_ij the force of link i on link j. Rows: forces along x and y
-    and moment about the mass centre, of links 1, 2, 3. r_ij points from the mass centre of link i to joint j.
+    Unknowns: ``CASES["reactions"]`` in order.
     """
-    n, K = x.shape[1], tables.shape[1]
-    i = {name: row[:, None, None] for name, row in zip(INPUTS, x, strict=True)}
-    with np.errstate(invalid="ignore", divide="ignore"):
-        A, links, rate, _ = motion(constants(columns(x)), tables, np.sqrt)
-    AB_x, AB_y, DB_x, DB_y = (np.stack(pair, axis=1) for pair in zip(*links, strict=True))
-    omega2, omega4, alpha2, alpha4 = (np.stack(pair, axis=1) for pair in zip(*rate, strict=True))
-    A_x, A_y = A[0][:, None], A[1][:, None]
-
-    def acceleration(a0, g, omega, alpha):
-        return a0[0] - alpha * g[1] - omega**2 * g[0], a0[1] + alpha * g[0] - omega**2 * g[1]
-
-    omega1 = i["omega1"]
-    centre = (
-        turned(i["G1_u"], i["G1_v"], *tables[:2]),
-        turned(i["G2_u"] / i["a2"], i["G2_v"] / i["a2"], AB_x, AB_y),
-        turned(i["G3_u"] / i["a3"], i["G3_v"] / i["a3"], DB_x, DB_y),
-    )
-    motions = (
-        (i["m1"], acceleration((0, 0), centre[0], omega1, 0), 0),
-        (
-            i["m2"],
-            acceleration((-(omega1**2) * A_x, -(omega1**2) * A_y), centre[1], omega2, alpha2),
-            i["I2"] * alpha2,
-        ),
-        (i["m3"], acceleration((0, 0), centre[2], omega4, alpha4), i["I3"] * alpha4),
-    )
-    # Each link's two joints: the column of the force's x component, r_ij, the force's sign.
-    near, ends = [(-g[0], -g[1]) for g in centre], ((A_x, A_y), (AB_x, AB_y), (DB_x, DB_y))
-    far = [(end[0] - g[0], end[1] - g[1]) for end, g in zip(ends, centre, strict=True)]
-    forces = ((0, near[0], 1, 2, far[0], 1), (2, near[1], -1, 4, far[1], 1), (6, near[2], 1, 4, far[2], -1))
-    matrix, right = np.zeros((n, 2, K, 9, 9)), np.empty((n, 2, K, 9))
-    for link, ((m, a, torque), row) in enumerate(zip(motions, forces, strict=True)):
-        e = 3 * link
-        for column, r, sign in (row[:3], row[3:]):
-            matrix[..., e, column] = matrix[..., e + 1, column + 1] = sign
-            matrix[..., e + 2, column] = -sign * r[1]
-            matrix[..., e + 2, column + 1] = sign * r[0]
-        right[..., e], right[..., e + 1], right[..., e + 2] = m * a[0], m * a[1], torque
-    matrix[..., 2, 8] = 1
-    open_loop = np.isnan(right[..., 8])  # LU of NaN raises: keep NaN to the right side
+    inputs = {name: row[:, None, None] for name, row in zip(INPUTS, x, strict=True)}
+    found = fl.planar.force_equations(branch=np.array([[1], [2]]), theta1=theta1, **inputs)
+    matrix, right = found.A.values.copy(), found.b.values.copy()
+    open_loop = np.isnan(right).any(axis=-1)  # LU of NaN raises: keep NaN to the right side
     matrix[open_loop], right[open_loop] = np.eye(9), np.nan
     return matrix, right
 
@@ -457,28 +410,3 @@ def jax_times(wide, n=512, K=360):
         except subprocess.CalledProcessError as error:
             failed = error
     raise RuntimeError(f"the JAX baseline failed:\n{failed.stderr}")
-
-
-# ---- pylinkage: a linkage object for each design, its compiled solver, one assembly mode ----
-
-
-def bind_pylinkage(x, K):
-    """Return ``call, arrays``: A_x, A_y, B_x, B_y of branch 2 at K angles over the turn, the first 0."""
-    from pylinkage.actuators import Crank
-    from pylinkage.components import Ground
-    from pylinkage.dyads import RRRDyad
-    from pylinkage.simulation import Linkage
-
-    arrays = [array[:, 0] for array in outputs("positions", x.shape[1], K)]
-    step = 2 * np.pi / K
-
-    def call():
-        for i, (a, b, c, d) in enumerate(x[:4].T.tolist()):
-            O, D = Ground(0.0, 0.0), Ground(d, 0.0)
-            crank = Crank(anchor=O, radius=a, angular_velocity=step, initial_angle=-step)
-            rocker = RRRDyad(anchor1=crank.output, anchor2=D, distance1=b, distance2=c)
-            found = Linkage([O, D, crank, rocker]).step_fast(K)
-            for axis in range(2):
-                arrays[axis][i], arrays[axis + 2][i] = found[:, 2, axis], found[:, 3, axis]
-
-    return call, arrays

@@ -1,4 +1,4 @@
-"""Results to text, ``data/benchmarks/`` and docs/performance.md between its markers; and against the record."""
+"""Results to text: a record, and docs/performance.md between its markers; and what is worse than the record."""
 
 import json
 import os
@@ -50,7 +50,7 @@ ANSWER_LEGEND = (
     "swept, but for the README's command, which is set up. heyoka.py compiles the same, its caches off."
 )
 USED = ("llvmlite", "numba", "numpy", "jax", "heyoka", "gcc")
-PACKAGES = ("numba", "llvmlite", "numpy", "xarray", "h5py", "h5netcdf", "jax", "heyoka", "pylinkage")
+PACKAGES = ("numba", "llvmlite", "numpy", "xarray", "h5py", "h5netcdf", "jax", "heyoka")
 
 
 def _version(package):
@@ -140,13 +140,12 @@ def record():
 
 
 def write(rows, answered, facts, about):
-    """Write both files, and the page's part where it has the markers."""
+    """Write the record, and the page's part where it has the markers."""
     FOLDER.mkdir(parents=True, exist_ok=True)
     named = [dict(zip(("fact", "value", "unit", "aim"), fact, strict=True)) for fact in facts]
     everything = {"machine": about, "cases": rows, "answers": answered, "facts": named}
     (FOLDER / "benchmarks.json").write_text(json.dumps(everything, indent=2) + "\n")
     shown = text_of(rows, answered, about)
-    (FOLDER / "benchmarks.md").write_text(f"{shown}\n\n{fact_table(facts)}\n")
     if in_page() is not None:
         before, rest = PAGE.read_text().split(BEGIN, 1)
         PAGE.write_text(f"{before}{BEGIN}\n{shown}\n{END}{rest.split(END, 1)[1]}")
@@ -185,10 +184,7 @@ def answer_ratios(rows):
 
 def groups():
     """Return what is measured together, by name."""
-    parts = (
-        *(table.ratios_to_c, table.extrema_against_c, table.against_scan, table.refined_over_sampled),
-        *(table.one_mode, table.end_to_end, table.derivative),
-    )
+    parts = (*(table.ratios_to_c, table.refined_over_sampled, table.one_mode, table.end_to_end),)
     measured = {part.__name__: lambda part=part: ratios(part()) for part in parts}
     for label in answers.LABELS:
         measured[f"set-up of {label}"] = lambda one=label: answer_ratios([answers.row_of(one, repeats=2)])

@@ -3,15 +3,12 @@
 A fact is (what, value, unit, aim). Times are of the bare kernel, one thread, but for what names `fastlink.sweep`.
 """
 
-import time
-
 import numpy as np
 
 import fastlink as fl
 from benchmarks import numba_baseline, peers
 from benchmarks.cases import (
     CASES,
-    FAMILIES,
     INPUTS,
     angle_tables,
     angles,
@@ -20,7 +17,6 @@ from benchmarks.cases import (
     designs,
     extremes,
     race,
-    round_bars,
     threads,
 )
 from fastlink.mechanisms import catalogue
@@ -119,7 +115,7 @@ def case_row(case, n, K, rounds, seconds, repeats):
 def dense_rows(n, K, rounds, count):
     """Return the rows of the nine reactions against the stacked 9x9, eliminated and by our own LU."""
     few = designs(n // 4)  # for LU in NumPy, which takes hundreds of times as long
-    assembled = peers.system(few, angle_tables(K))
+    assembled = peers.system(few, angles(K))
     ways = {
         "reactions against np.linalg.solve": {},
         'solver="dense" against np.linalg.solve': {"variants": ("dense",)},
@@ -169,7 +165,6 @@ def measure(quick=False, log=lambda text: None):
 
 # ---- extremes ----
 
-FIVE = CASES["extremes"][:5]
 OMEGA4 = extremes(["omega4"])
 #: What is refined, by label: names, aim of refined over sampled.
 REFINED = {
@@ -179,66 +174,21 @@ REFINED = {
 }
 
 
-def draw(family, n, seed=0):
-    """Return designs of round bars of a family."""
-    return round_bars(FAMILIES[family](np.random.default_rng(seed), n))
-
-
-def extrema_against_c(n=4096, rounds=12):
-    """Every extreme of omega4 against C."""
-    facts = []
-    for family in ("crank", "drag-link", "rocker input", "non-Grashof") if peers.compiler() else ():
-        x = draw(family, n)
-        best = race({"ours": bind_names(OMEGA4, x)[0], "C": peers.bind_c_extrema(x)[0]}, rounds)
-        facts.append((f"extremes of omega4 / C, {family}", best["ours"] / best["C"], "", "<= 1.1"))
-    return facts
-
-
-def against_scan(n=4096, rounds=12):
-    """Every extreme of omega4 of cranks against a scan of 24 angles with false position, in numba."""
-    x = draw("crank", n)
-    by_scan, found = numba_baseline.bind_scan(x, angle_tables(numba_baseline.SCAN))
-    call, (ours,) = bind_names(OMEGA4, x)
-    best = race({"ours": call, "scan": by_scan}, rounds)
-    wrong = [np.abs(a / b - 1) > 1e-9 for a, b in zip(found, ours.arrays, strict=True)]
-    label = f"extremes of omega4 by {numba_baseline.SCAN} angles and false position in numba"
-    return [
-        (f"{label}, by design", 1e9 * best["scan"] / n, "ns", ""),
-        ("extremes of omega4, by design, crank", 1e9 * best["ours"] / n, "ns", ""),
-        ("extremes of omega4, crank / scan of 24 angles in numba", best["ours"] / best["scan"], "", ""),
-        (f"{label}: designs of {n:,} that it gets wrong", int(np.any(wrong, axis=(0, 2)).sum()), "", ""),
-    ]
-
-
-def against_pylinkage(n=10, rounds=3):
-    """Positions by pylinkage, next to the kernel's time."""
-    if not peers.available("pylinkage"):
-        return []
-    x = designs(n)
-    best = race({"ours": bind("positions", x, K), "theirs": peers.bind_pylinkage(x, K)[0]}, rounds)
-    theirs, ours = best["theirs"] / (n * K), best["ours"] / (2 * n * K)
-    return [
-        ("positions by pylinkage", 1e9 * theirs, "ns", ""),
-        ("positions, pylinkage / ours", theirs / ours, "times", ""),
-    ]
-
-
 def end_to_end(n=200_000, rounds=4):
-    """Extremes of omega4 of many designs through `fastlink.sweep`, over C where there is a compiler."""
+    """Extremes of omega4 of many designs through `fastlink.sweep`, over the kernel alone."""
     x = designs(n)
     space = fl.table(dict(zip(INPUTS, x, strict=True)))
-    calls = {"ours": lambda: fl.sweep("planar_4r", space, OMEGA4, threads=1, verify=0, progress=False)}
-    if peers.compiler():
-        calls["C"] = peers.bind_c_extrema(x)[0]
-    best = dict.fromkeys(calls, np.inf)
-    for _ in range(rounds + 1):
-        for name, call in calls.items():
-            start = time.perf_counter()
-            call()
-            best[name] = min(best[name], time.perf_counter() - start)
+    kernel = bind_names(OMEGA4, x)[0]
+    calls = {
+        "sweep": lambda: fl.sweep("planar_4r", space, OMEGA4, threads=1, verify=0, progress=False),
+        "kernel": kernel,
+    }
+    best = race(calls, rounds, 0.0)
     what = f"refined extremes of omega4, `fastlink.sweep` of {n:,} designs"
-    facts = [(f"{what}, by design", 1e9 * best["ours"] / n, "ns", "")]
-    return [*facts, (f"{what} / C", best["ours"] / best["C"], "", "<= 1.15")] if "C" in best else facts
+    return [
+        (f"{what}, by design", 1e9 * best["sweep"] / n, "ns", ""),
+        (f"{what} / kernel alone", best["sweep"] / best["kernel"], "", ""),
+    ]
 
 
 def of_extremes(names, x, way, branches=(1, 2)):
@@ -260,31 +210,20 @@ def one_mode(n=2048, rounds=10, labels=tuple(REFINED)):
     """One assembly mode alone over both."""
     x, facts = designs(n), []
     cases = {f"refined extremes of {label}": (REFINED[label][0], "refined") for label in labels}
-    for label, (names, way) in {"five sampled extremes": (FIVE, "sampled"), **cases}.items():
+    for label, (names, way) in {"five sampled extremes": (CASES["extremes"][:5], "sampled"), **cases}.items():
         best = race({modes: of_extremes(names, x, way, modes) for modes in ((1,), (2,), (1, 2))}, rounds)
         ratio = max(best[1,], best[2,]) / best[1, 2]
         facts.append((f"{label}, one assembly mode / both", ratio, "", "<= 0.65"))
     return facts
 
 
-def derivative(n=64, K=K, rounds=12):
-    """The derivative of a curve against the curve."""
-    x, theta = designs(n), angles(K)
-    best = race({name: bind_names([name], x, theta)[0] for name in ("T41", "d_T41_d_theta1")}, rounds)
-    return [("d_T41_d_theta1 / T41, curves", best["d_T41_d_theta1"] / best["T41"], "", "")]
-
-
 def facts(quick=False, log=lambda text: None):
     """Return all facts; quick: small sizes."""
     few = ("omega4",)
     sizes = {
-        extrema_against_c: (64, 1),
-        against_scan: (64, 1),
-        against_pylinkage: (1, 1),
         end_to_end: (128, 1),
         refined_over_sampled: (64, 1, few),
         one_mode: (64, 1, few),
-        derivative: (8, 64, 1),
     }
     found = []
     for part, size in sizes.items():

@@ -1,7 +1,15 @@
 """The site, by Sphinx: ``python -m sphinx -W docs site`` writes it into the folder ``site``."""
 
 import re
+import sys
 from importlib.metadata import version as version_of
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from tests.support import papers
+
+from fastlink.app import report
 
 project = "fastlink"
 author = "the fastlink developers"
@@ -31,6 +39,18 @@ def plain(app, what, name, thing, options, lines):
             lines[number] = "".join(pieces)
 
 
+#: Pages that are written from catalogues and tables in place of the short ones in the repository.
+GENERATED = {"quantities": report.document, "papers": papers.page}
+
+
+def written(app, name, text):
+    """Put the text of a generated page in place of what was read."""
+    if name in GENERATED:
+        text[0] = GENERATED[name]()
+
+
 def setup(app):
-    """Let Sphinx call `plain` before it reads a docstring."""
+    """Let Sphinx call `plain` before it reads a docstring, and `written` as it reads a page."""
     app.connect("autodoc-process-docstring", plain, priority=900)
+    app.connect("source-read", written)
+    app.connect("env-get-outdated", lambda *_: list(GENERATED))

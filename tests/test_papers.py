@@ -29,10 +29,6 @@ def test_every_numbered_item_has_a_row(paper):
     assert not [item for item in papers.numbered(paper) if item not in named]
 
 
-def test_the_page_is_that_of_the_tables():
-    assert papers.PAGE.read_text() == papers.page(), "python -m tests.support.papers writes it"
-
-
 @pytest.mark.parametrize(
     "name", ["planar_4r: omega5", "fl.planar.curve_ares", "data/studies/none.toml", "spatial_4r: omega4"]
 )

@@ -1,4 +1,8 @@
-"""Functions of Burmester's focal mechanism: its cubic, constructions on it, conics, the five-bar, straight lines."""
+"""Functions of Burmester's focal mechanism: its cubic, constructions on it, conics, the five-bar, straight lines.
+
+Lengths are 1e-70 to 1e70 m. Others, values that are no finite numbers and shapes that do not broadcast are refused
+with `fastlink.InputError`.
+"""
 
 from __future__ import annotations
 
@@ -108,11 +112,6 @@ def cubic(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1) -> Any:
     ndarray, shape (..., 4, 4)
         k with ``sum(k[..., i, j] x**i y**j) = 0`` for the points (x, y) [m] of the cubic, origin in M, x along MN.
         k[i, j] has the unit m^(4 - i - j). NaN where the four-bar does not assemble.
-
-    Raises
-    ------
-    InputError
-        A length is not in 1e-70 ... 1e70, or the numbers do not broadcast.
 
     Notes
     -----
@@ -413,12 +412,8 @@ def from_point(
 
     Parameters
     ----------
-    a, b, c, d : float or array_like
-        Lengths of MA, NB, AB and MN [m], broadcast with the position and the point.
-    phi : float or array_like
-        Direction of MA, seen from MN [rad].
-    branch : int or array_like
-        1: B to the right of the directed line from A to N; 2: to the left.
+    a, b, c, d, phi, branch
+        As for `cubic`.
     x, y : float or array_like
         F, origin in M and x along MN [m]. Of points off the focal cubic (`cubic_points` traces it) the nearest point
         of the cubic is taken.
@@ -431,11 +426,6 @@ def from_point(
         Its ``values["F_x"]``, ``values["F_y"]`` are the point that was taken. There is no mechanism, and
         ``values["status"]`` tells why, where F is M, N, A or B (bars of length 0) and where the four-bar does not
         assemble in this position (``invalid_input``: no ratio).
-
-    Raises
-    ------
-    InputError
-        A length is not in 1e-70 ... 1e70, a number is not valid, or the numbers do not broadcast.
 
     Notes
     -----
@@ -573,12 +563,8 @@ def inscribed_conics(
 
     Parameters
     ----------
-    a, b, c, d : float or array_like
-        Lengths of MA, NB, AB and MN [m], broadcast with the position and the conic.
-    phi : float or array_like
-        Direction of MA, seen from MN [rad].
-    branch : int or array_like
-        1: B to the right of the directed line from A to N; 2: to the left.
+    a, b, c, d, phi, branch
+        As for `cubic`.
     t : float or array_like, optional
         Numbers of conics: 0 and 1 are the pairs of points M, B and A, N, and the centre goes in proportion to t from
         the middle of MB to that of AN. Towards infinity the conics become the parabola.
@@ -589,12 +575,6 @@ def inscribed_conics(
     -------
     InscribedConic
         NaN where the four-bar does not assemble.
-
-    Raises
-    ------
-    InputError
-        Neither t nor a focus is given, or both; a length is not in 1e-70 ... 1e70, a number is not valid, or the
-        numbers do not broadcast.
 
     Examples
     --------
@@ -726,7 +706,7 @@ def involution(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1, *, x: 
     Parameters
     ----------
     a, b, c, d, phi, branch
-        As for `inscribed_conics`.
+        As for `cubic`.
     x, y : float or array_like
         The point [m], origin in M and x along MN.
 
@@ -734,11 +714,6 @@ def involution(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1, *, x: 
     -------
     Involution
         NaN where the four-bar does not assemble.
-
-    Raises
-    ------
-    InputError
-        A length is not in 1e-70 ... 1e70, a number is not valid, or the numbers do not broadcast.
 
     Examples
     --------
@@ -806,16 +781,12 @@ def best_point(
 
     It is the point of the focal cubic of the position whose crank SF turns fully, and whose least transmission angle
     at P and Q over the whole turn, ``transmission_angle_PQ_least``, is the greatest. The transmission angle at F is
-    that of the rockers MA and NB alone, whatever F is.
+    that of the rockers MA and NB alone, whatever F is. phi decides where F is, but not which crank is best.
 
     Parameters
     ----------
-    a, b, c, d : float or array_like
-        Lengths of MA, NB, AB and MN [m], broadcast with the position.
-    phi : float or array_like
-        Direction of MA, seen from MN [rad]. It decides where F is, but not which crank is best.
-    branch : int or array_like
-        1: B to the right of the directed line from A to N; 2: to the left.
+    a, b, c, d, phi, branch
+        As for `cubic`.
     between : (float, float)
         The least and greatest MS over MN: where the support S may stand, M being at 0 and N at 1.
     by : {"rho", "s", "lambda_"}
@@ -826,11 +797,6 @@ def best_point(
     Construction
         NaN, and ``values["status"]`` is ``invalid_input``, where no crank between the limits turns fully: only
         four-bars of Grashof's kind have one, every double rocker and double crank among them.
-
-    Raises
-    ------
-    InputError
-        A length is not in 1e-70 ... 1e70, a number is not valid, or the numbers do not broadcast.
 
     Notes
     -----
@@ -927,11 +893,6 @@ def five_bar(
         ``P_x``, ``P_y``, ``F_x``, ``F_y``, ``Q_x``, ``Q_y`` [m], ``psi`` (the direction of NQ) and ``angle_FQN`` in 0
         to pi [rad]. Q is NaN where FQ and QN do not reach from F to N.
 
-    Raises
-    ------
-    InputError
-        A length is not in 1e-70 ... 1e70, a number is not valid, or the numbers do not broadcast.
-
     Notes
     -----
     F comes from M by two bars, Q is where circles about F and N meet (eqs. (1.2) to (1.4) with another angle at Q).
@@ -999,11 +960,6 @@ def from_five_bar(m: Any, n: Any, p: Any, q: Any, d: Any) -> dict[str, Any]:
         The inputs ``a``, ``b``, ``c``, ``d``, ``rho``, ``completion`` of ``focal``, as `fastlink.sweep` takes them; c
         is NaN where the five-bar never assembles.
 
-    Raises
-    ------
-    InputError
-        A length is not in 1e-70 ... 1e70 in magnitude, a number is not valid, or the numbers do not broadcast.
-
     Notes
     -----
     Eq. (2.6), lambda = (m n + p q)/(m n), a = lambda m, b = lambda n, and with its sums made products
@@ -1047,21 +1003,14 @@ def held_at_AB(design: Any = None, **inputs: Any) -> dict[str, Any]:
 
     Parameters
     ----------
-    design : mapping, pandas.DataFrame or xarray.Dataset, optional
-        Inputs of ``focal`` by name: ``a``, ``b``, ``c``, ``d``, one of ``rho``, ``s`` and ``lambda_``, and
-        ``completion`` unless it is to be both. Other inputs are not read.
-    **inputs : float, array_like or xarray.DataArray
-        The same by name.
+    design, **inputs
+        Inputs of ``focal`` in a mapping, pandas.DataFrame or xarray.Dataset, or by name: ``a``, ``b``, ``c``, ``d``,
+        one of ``rho``, ``s`` and ``lambda_``, and ``completion`` unless it is to be both. Others are not read.
 
     Returns
     -------
     dict of str to ndarray
         The same inputs of the mechanism that stands on AB, as `fastlink.sweep` takes them.
-
-    Raises
-    ------
-    InputError
-        The design lacks a number, or one is not valid.
 
     Notes
     -----
@@ -1190,11 +1139,6 @@ def T_deviation(maps: Any) -> Any:
     xarray.DataArray
         In the units of ``T_x``; positive to the left of the line, whose direction is in (-pi/2, pi/2]. NaN where the
         mechanism does not assemble. Each design and assembly mode has a line of its own, through all its positions.
-
-    Raises
-    ------
-    InputError
-        Not a map or a path; a name is missing, or the positions of T are not a curve.
 
     Examples
     --------

@@ -68,11 +68,6 @@ def integer_designs(max_size: int, *, movable: bool = False) -> xr.Dataset:
         `fastlink.table` takes as they are, and as whole coordinates the other sizes ``p``, ``q``, ``a``, ``b``, ``c``
         with the signs of eqs. (7.2) and (7.4), ``kappa_numerator`` and ``kappa_denominator``.
 
-    Raises
-    ------
-    InputError
-        The greatest size is not a whole number from 1 to 500.
-
     Examples
     --------
     >>> import fastlink as fl
@@ -135,21 +130,15 @@ def held_at_AB(design: Any = None, **inputs: Any) -> dict[str, Any]:
 
     Parameters
     ----------
-    design : mapping, pandas.DataFrame or xarray.Dataset, optional
-        Inputs of ``hart`` by name: ``m``, ``n``, ``d`` and ``kappa``. Other inputs are not read.
-    **inputs : float, array_like or xarray.DataArray
-        The same by name.
+    design, **inputs
+        Inputs of ``hart`` in a mapping, pandas.DataFrame or xarray.Dataset, or by name: ``m``, ``n``, ``d`` and
+        ``kappa``. Others are not read.
 
     Returns
     -------
     dict of str to ndarray
         The same inputs of the linkage that stands on AB, as `fastlink.sweep` takes them: kappa^2 m, kappa^2 n,
         |kappa| d and 1/kappa; what is beyond the range of doubles is infinite, as of kappa = 0, where AB is a point.
-
-    Raises
-    ------
-    InputError
-        The design lacks a number, or one is not valid.
 
     Examples
     --------

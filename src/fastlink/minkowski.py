@@ -1,6 +1,8 @@
 """Functions of the Minkowskian plane and of its planar 4R: vectors, motions, triangles, the coupler curve.
 
-A vector or point is an array with its two coordinates x, y along the last axis, the double number x + j y, j^2 = 1.
+A vector or point is an array with its two coordinates x, y along the last axis, the double number x + j y, j^2 = 1;
+NaN stands for none. Arguments broadcast. Values that are not finite or beyond 1e300, and other shapes, are refused with
+`fastlink.InputError`.
 """
 
 from __future__ import annotations
@@ -11,16 +13,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from fastlink._text import in_words
-from fastlink.engine.evaluate import broadcast_inputs, like
+from fastlink.engine.evaluate import broadcast_inputs
 from fastlink.errors import InputError, Problems, door
 from fastlink.facts.fact import Input, Rule
 from fastlink.io.reader import as_dataset
 from fastlink.mechanisms.minkowski_4r import minkowski_4r
 from fastlink.mechanisms.minkowski_4r.design_facts import LINKAGE_FLAGS
 from fastlink.numerics.compensated import sum_of_four, two_product
-from fastlink.papers import broadcast, check_lengths, coupler_sextic
-from fastlink.plan.request import value_problems
-from fastlink.space.design_space import MOST_DIMS, in_unit, numbers_of
+from fastlink.papers import broadcast, check_lengths, coupler_sextic, read_numbers
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -51,6 +51,12 @@ __all__ = [
 ]
 
 
+def __dir__() -> list[str]:
+    return __all__
+
+
+# -- Vectors of the Minkowskian plane: how they are read, and differences of products that lose no digit
+
 #: The exponent of a product that is zero: below that of every other.
 NO_EXPONENT = -10000
 #: Greatest coordinate and length: sums of four stay in the range of doubles.
@@ -66,26 +72,12 @@ def number(name: str, meaning: str, units: str = "1", rule: Rule = "any") -> Inp
 
 def read(function: str, vectors: Mapping[str, Any], numbers: Iterable[tuple[Input, Any]] = ()) -> list[Any]:
     """Return the coordinates of each vector, then the numbers, as arrays of one shape; NaN may stand among them."""
-    declared = [(number(name, "coordinates x, y of a vector", "m"), value) for name, value in vectors.items()]
-    count, problems, first, second = len(declared), Problems(), {}, {}
-    for k, (one, value) in enumerate((*declared, *numbers)):
-        with problems.at():
-            stated = numbers_of(function, one.name, value, MOST_DIMS)
-            values = in_unit((function, one.name), value, stated, one.units)
-            if k < count and values.shape[-1:] != (2,):
-                what = f"has the shape {values.shape}" if values.ndim else "is one number"
-                remedy = "write two coordinates, x and y, along the last axis, such as [5.0, 3.0]"
-                raise InputError(what, where=(function, one.name), remedy=remedy)
-            there = np.where(np.isnan(values), 1.0, values)
-            problems.noted += value_problems(one, there, function)
-            if one.units == "m" and np.isfinite(there).all() and (abs(there) > GREATEST).any():
-                remedy = f"write at most {GREATEST:g}, in another unit of length"
-                raise InputError(f"holds {abs(there).max()}", where=(function, one.name), remedy=remedy)
-            labelled = like(value, values)
-            first[one.name] = labelled[..., 0] if k < count else labelled
-            if k < count:
-                second[one.name] = labelled[..., 1]
-    problems.stop()
+    given = [(number(name, "coordinates x, y of a vector", "m"), value) for name, value in vectors.items()]
+    given += numbers
+    declared, values = {one.name: one for one, _ in given}, {one.name: value for one, value in given}
+    first, second = read_numbers(
+        function, declared, values, Problems(), gaps=True, vectors=vectors, greatest=GREATEST
+    )
     _, xs, shape = broadcast_inputs(function, first)
     _, ys, _ = broadcast_inputs(function, first | second)
     result = []
@@ -156,17 +148,12 @@ def multiply(z: Any, w: Any) -> Any:
     Parameters
     ----------
     z, w : array_like, shape (..., 2)
-        Double numbers as vectors x, y; NaN where there is none. They broadcast.
+        Double numbers as vectors x, y.
 
     Returns
     -------
     ndarray, shape (..., 2)
         The product, each coordinate right to 2 roundings.
-
-    Raises
-    ------
-    InputError
-        A vector has not two coordinates along its last axis, is not finite, or the shapes do not broadcast.
 
     Examples
     --------
@@ -183,16 +170,6 @@ def conjugate(z: Any) -> Any:
     """Return the hyperbolic conjugate x - yj of double numbers x + yj.
 
     Hegedues and Moore, section 2.1.
-
-    Parameters
-    ----------
-    z : array_like, shape (..., 2)
-        Double numbers as vectors x, y.
-
-    Returns
-    -------
-    ndarray, shape (..., 2)
-        The conjugates.
 
     Examples
     --------
@@ -247,17 +224,12 @@ def scalar_product(z: Any, w: Any) -> Any:
     Parameters
     ----------
     z, w : array_like, shape (..., 2)
-        Vectors x, y and u, v; NaN where there is none. They broadcast.
+        Vectors x, y and u, v.
 
     Returns
     -------
     ndarray, shape (...)
         The product [m^2], right to 2 roundings: its sign is exact, also of vectors that are nearly orthogonal.
-
-    Raises
-    ------
-    InputError
-        A vector has not two coordinates along its last axis, is not finite, or the shapes do not broadcast.
 
     Examples
     --------
@@ -279,17 +251,12 @@ def norm(z: Any) -> Any:
     Parameters
     ----------
     z : array_like, shape (..., 2)
-        Vectors x, y; NaN where there is none.
+        Vectors x, y.
 
     Returns
     -------
     ndarray, shape (...)
         The modulus [m], right to 3 roundings, however near to the light cone.
-
-    Raises
-    ------
-    InputError
-        The vector has not two coordinates along its last axis, or is not finite.
 
     Examples
     --------
@@ -308,16 +275,6 @@ def causal_type(z: Any) -> Any:
 
     Hegedues and Moore, section 2.2: the sign of <z, z>, exact. The vector 0 is lightlike.
 
-    Parameters
-    ----------
-    z : array_like, shape (..., 2)
-        Vectors x, y; NaN where there is none.
-
-    Returns
-    -------
-    ndarray, shape (...)
-        The sign; NaN where the vector is.
-
     Examples
     --------
     >>> import fastlink as fl
@@ -333,16 +290,6 @@ def orientation(z: Any) -> Any:
     """Return 1 for future-pointing, -1 for past-pointing and 0 for lightlike vectors.
 
     Hegedues and Moore, section 2.2: the sign of y of a timelike vector, of x of a spacelike one.
-
-    Parameters
-    ----------
-    z : array_like, shape (..., 2)
-        Vectors x, y; NaN where there is none.
-
-    Returns
-    -------
-    ndarray, shape (...)
-        The sign; NaN where the vector is.
 
     Examples
     --------
@@ -365,7 +312,7 @@ def rapidity(z: Any) -> Any:
     Parameters
     ----------
     z : array_like, shape (..., 2)
-        Vectors x, y; NaN where there is none.
+        Vectors x, y.
 
     Returns
     -------
@@ -397,18 +344,13 @@ def hyperbolic_angle(z: Any, w: Any) -> Any:
     Parameters
     ----------
     z, w : array_like, shape (..., 2)
-        Vectors; NaN where there is none. They broadcast.
+        Vectors.
 
     Returns
     -------
     ndarray, shape (...)
         The angle, right to 12 roundings, of nearly parallel vectors too; NaN where one vector is lightlike, or both are
         of unlike causal types or orientations: no boost leads from one to the other.
-
-    Raises
-    ------
-    InputError
-        A vector has not two coordinates along its last axis, is not finite, or the shapes do not broadcast.
 
     Examples
     --------
@@ -442,17 +384,12 @@ def boost(phi: Any) -> Any:
     Parameters
     ----------
     phi : float or array_like
-        The angle, NaN where there is none.
+        The angle.
 
     Returns
     -------
     ndarray, shape (..., 2, 2)
         The matrices.
-
-    Raises
-    ------
-    InputError
-        The angle is not a finite number.
 
     Examples
     --------
@@ -476,17 +413,12 @@ def motion(t: Any, a: Any = 0.0, b: Any = 0.0) -> Any:
     t : float or array_like
         The angle of the boost.
     a, b : float or array_like, optional
-        The translation [m]. All broadcast.
+        The translation [m].
 
     Returns
     -------
     ndarray, shape (..., 3, 3)
         The matrices; what is beyond the range of doubles is infinite.
-
-    Raises
-    ------
-    InputError
-        A value is not a finite number, or the shapes do not broadcast.
 
     Examples
     --------
@@ -511,21 +443,16 @@ def moved(z: Any, t: Any, a: Any = 0.0, b: Any = 0.0) -> Any:
     Parameters
     ----------
     z : array_like, shape (..., 2)
-        Points x, y [m]; NaN where there is none.
+        Points x, y [m].
     t : float or array_like
         The angle of the boost.
     a, b : float or array_like, optional
-        The translation [m]. All broadcast.
+        The translation [m].
 
     Returns
     -------
     ndarray, shape (..., 2)
         The points; what is beyond the range of doubles is infinite.
-
-    Raises
-    ------
-    InputError
-        A point has not two coordinates along its last axis, a value is not finite, or the shapes do not broadcast.
 
     Examples
     --------
@@ -588,18 +515,13 @@ def pure_triangle(A: Any, B: Any, C: Any) -> PureTriangle:
     Parameters
     ----------
     A, B, C : array_like, shape (..., 2)
-        Vertices x, y [m]; NaN where there is none. They broadcast.
+        Vertices x, y [m].
 
     Returns
     -------
     PureTriangle
         Whether each triangle is pure, by exact signs, its sides, angles and b - a - c, right to some 20 roundings
         of each, however flat the triangle and however near its sides to the light cone.
-
-    Raises
-    ------
-    InputError
-        A vertex has not two coordinates along its last axis, is not finite, or the shapes do not broadcast.
 
     Examples
     --------
@@ -631,18 +553,13 @@ def cosine_rule(a: Any, b: Any, angle: Any) -> Any:
     a, b : float or array_like
         Lengths of BC and AC [m].
     angle : float or array_like
-        The angle C between them. All broadcast.
+        The angle C between them.
 
     Returns
     -------
     ndarray, shape (...)
         The length of AB [m], as sqrt((d - s)(d + s)) with d = abs(a - b) and s = 2 sqrt(a b) sh(C/2): what the
         rounding of a, b and C does to it, and 4 roundings. NaN where d < s: no such triangle.
-
-    Raises
-    ------
-    InputError
-        A length is not positive, a value not finite, or the shapes do not broadcast.
 
     Examples
     --------
@@ -669,18 +586,13 @@ def cosine_rule_angle(a: Any, b: Any, c: Any) -> Any:
     Parameters
     ----------
     a, b, c : float or array_like
-        Lengths of BC, AC and AB [m]. They broadcast.
+        Lengths of BC, AC and AB [m].
 
     Returns
     -------
     ndarray, shape (...)
         The angle, right to 10 roundings; 0 where A, B and C are in line, NaN where d < c: by the reversed triangle
         inequality there is no such triangle.
-
-    Raises
-    ------
-    InputError
-        A length is not positive and finite, or the shapes do not broadcast.
 
     Examples
     --------
@@ -713,18 +625,13 @@ def triangle_excess(z: Any, w: Any) -> Any:
     Parameters
     ----------
     z, w : array_like, shape (..., 2)
-        Vectors x, y [m]; NaN where there is none. They broadcast.
+        Vectors x, y [m].
 
     Returns
     -------
     ndarray, shape (...)
         The excess [m], as 4 (x v - y u)^2 over sums of positive terms: right to 20 roundings, also of nearly parallel
         vectors. NaN where the vectors are not both spacelike or both timelike, of one orientation.
-
-    Raises
-    ------
-    InputError
-        A vector has not two coordinates along its last axis, is not finite, or the shapes do not broadcast.
 
     Examples
     --------
@@ -749,18 +656,13 @@ def quadrilateral_excess(O: Any, A: Any, B: Any, C: Any) -> Any:
     Parameters
     ----------
     O, A, B, C : array_like, shape (..., 2)
-        Vertices x, y [m]; NaN where there is none. They broadcast.
+        Vertices x, y [m].
 
     Returns
     -------
     ndarray, shape (...)
         The excess [m], the sum of those of the triangles OAB and OBC; NaN where OA, AB or BC is not a future-pointing
         spacelike vector (OC then is one).
-
-    Raises
-    ------
-    InputError
-        A vertex has not two coordinates along its last axis, is not finite, or the shapes do not broadcast.
 
     Examples
     --------
@@ -828,13 +730,6 @@ def _excess(
 # -- The coupler curve of the Minkowskian planar 4R as an algebraic curve
 
 
-def __dir__() -> list[str]:
-    return __all__
-
-
-# -- Vectors of the Minkowskian plane: how they are read, and differences of products that lose no digit
-
-
 class CouplerCircles(NamedTuple):
     """The coefficients of eq. (14): A1 ch(lambda) + B1 sh(lambda) = C1 and A2 ch(lambda) + B2 sh(lambda) = C2.
 
@@ -869,18 +764,13 @@ def coupler_circles(a: Any, b: Any, g: Any, h: Any, x: Any, y: Any, *, X: Any, Y
         The coupler point in the frame at A with its first axis along AB [m], AX spacelike (abs(x) > abs(y)), BX of any
         causal type.
     X, Y : float or array_like
-        A point of the ground frame [m]. All broadcast.
+        A point of the ground frame [m].
 
     Returns
     -------
     CouplerCircles
         Arrays A1 to C2, right to 8 roundings of the sizes of their terms; NaN where AX is not spacelike. They hold with
         (ch(lambda), sh(lambda)) for a future-pointing AX, and its opposite for a past-pointing one.
-
-    Raises
-    ------
-    InputError
-        A length is not in 1e-25 ... 1e25, a coordinate not in -1e25 ... 1e25, or they do not broadcast.
 
     Examples
     --------
@@ -923,12 +813,6 @@ def sextic(a: Any, b: Any, g: Any, h: Any, x: Any, y: Any) -> Any:
         c with ``sum(c[..., i, j] X**i Y**j) = 0`` for the points (X, Y) [m] of the curve in the ground frame
         (origin O, X along OC), of both branches and both orientations of OA, AB and CB. c[i, j] has the unit
         m^(6 - i - j); the terms of degree six are (X^2 - Y^2)^3, so nothing is left to normalise.
-
-    Raises
-    ------
-    InputError
-        A length is not in 1e-25 ... 1e25, x or y not in -1e25 ... 1e25 (the coefficients, products of six lengths
-        over h^2, then are finite), or they do not broadcast.
 
     Notes
     -----
@@ -994,11 +878,6 @@ def linkage_table(maps: Any) -> pd.DataFrame:
     pandas.DataFrame
         Columns: ``paper`` (the table or theorem), ``kind``, ``input``, ``output`` (how the cranks move), ``T1`` to
         ``T5`` (+, 0 or -, as they are, whatever the ``tolerance``), ``condition`` (on the lengths) and ``linkages``.
-
-    Raises
-    ------
-    InputError
-        Not a map or a path, or a name is missing.
 
     Examples
     --------

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,22 +15,6 @@ from fastlink.facts.fact import Input
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.plan.request import name_problems, value_problems
 from fastlink.space.design_space import MOST_DIMS, angle_of, has, in_unit, numbers_of, read_or_none
-
-__all__ = [
-    "BY_NAME",
-    "CURVE",
-    "GREATEST_LENGTH",
-    "MOST_SAMPLES",
-    "all_entries",
-    "broadcast",
-    "broadcast_points",
-    "check_lengths",
-    "check_samples",
-    "coupler_sextic",
-    "integrate",
-    "read_design",
-]
-
 
 #: The inputs of planar_4r that determine a coupler curve.
 CURVE = ("a1", "a2", "a3", "a4", "P_u", "P_v")
@@ -140,17 +124,41 @@ def _broadcast(
     *,
     gaps: bool = False,
 ) -> dict[str, Any]:
-    read = {}
-    for name, value in values.items():
-        with problems.at():
-            stated = numbers_of(function, name, value, MOST_DIMS)
-            numbers = in_unit((function, name), value, stated, declared[name].units)
-            checked = np.where(np.isnan(numbers), 1.0, numbers) if gaps else numbers
-            problems.noted += value_problems(declared[name], checked, function)
-            read[name] = like(value, numbers)
-    problems.stop()
+    read, _ = read_numbers(function, declared, values, problems, gaps=gaps)
     _, plain, shape = broadcast_inputs(function, read)
     return {name: np.broadcast_to(value, shape) for name, value in plain.items()}
+
+
+def read_numbers(
+    function: str,
+    declared: Mapping[str, Input],
+    values: Mapping[str, Any],
+    problems: Problems,
+    *,
+    gaps: bool = False,
+    vectors: Collection[str] = (),
+    greatest: float = np.inf,
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return numbers in their declared units, of vectors x and y apart, or refuse them; gaps are NaN among them."""
+    first, second = {}, {}
+    for name, value in values.items():
+        with problems.at():
+            one, stated = declared[name], numbers_of(function, name, value, MOST_DIMS)
+            numbers = in_unit((function, name), value, stated, one.units)
+            if name in vectors and numbers.shape[-1:] != (2,):
+                what = f"has the shape {numbers.shape}" if numbers.ndim else "is one number"
+                remedy = "write two coordinates, x and y, along the last axis, such as [5.0, 3.0]"
+                raise InputError(what, where=(function, name), remedy=remedy)
+            checked = np.where(np.isnan(numbers), 1.0, numbers) if gaps else numbers
+            problems.noted += value_problems(one, checked, function)
+            if one.units == "m" and np.isfinite(checked).all() and (abs(checked) > greatest).any():
+                remedy = f"write at most {greatest:g}, in another unit of length"
+                raise InputError(f"holds {abs(checked).max()}", where=(function, name), remedy=remedy)
+            first[name] = like(value, numbers)
+            if name in vectors:
+                first[name], second[name] = first[name][..., 0], first[name][..., 1]
+    problems.stop()
+    return first, second
 
 
 def check_lengths(

@@ -1,7 +1,7 @@
 """Functions of the planar 4R alone: algebraic equations, coupler curves, balancing.
 
-Lengths are 1e-25 to 1e25 m, coordinates at most 1e25 m: others are refused, as their products may leave the range of
-doubles.
+Lengths are 1e-25 to 1e25 m, coordinates at most 1e25 m: others are refused with `fastlink.InputError`, as their
+products may leave the range of doubles. So is what is missing, is not a finite number, or does not broadcast.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -56,9 +56,6 @@ from fastlink.space.design_space import (
 )
 from fastlink.space.tables import as_space
 
-if TYPE_CHECKING:
-    from fastlink.space.design_space import Links
-
 __all__ = [
     "Cognate",
     "bar_properties",
@@ -104,22 +101,15 @@ def io_coefficients(design: Any = None, *, pair: str = "14", **inputs: Any) -> A
 
     Parameters
     ----------
-    design : mapping, pandas.DataFrame or xarray.Dataset, optional
+    design, **inputs : mapping, pandas.DataFrame or xarray.Dataset, or values by name
         Inputs of ``planar_4r`` by name: the lengths ``a1`` ... ``a4`` [m], broadcast. Other inputs are not read.
     pair : {"12", "13", "14", "23", "24", "34"}
         The two joints: eqs. (2), (3), (1), (4), (5), (6).
-    **inputs : float, array_like or xarray.DataArray
-        The same by name.
 
     Returns
     -------
     ndarray
         The five coefficients in m2, shape (..., 5).
-
-    Raises
-    ------
-    InputError
-        A length is not positive and finite, the lengths do not broadcast, or there is no such pair.
 
     Examples
     --------
@@ -210,11 +200,9 @@ def cognates(design: Any = None, **inputs: Any) -> tuple[Cognate, Cognate, Cogna
 
     Parameters
     ----------
-    design : mapping, pandas.DataFrame or xarray.Dataset, optional
+    design, **inputs : mapping, pandas.DataFrame or xarray.Dataset, or values by name
         Inputs of ``planar_4r`` by name: lengths ``a1`` ... ``a4`` and coupler point ``P_u``, ``P_v`` [m], broadcast.
         Other inputs are not read.
-    **inputs : float, array_like or xarray.DataArray
-        The same by name.
 
     Returns
     -------
@@ -229,11 +217,6 @@ def cognates(design: Any = None, **inputs: Any) -> tuple[Cognate, Cognate, Cogna
     B + mu BA, and E = lambda OD. The second linkage has the links OA' = lambda AB, A'B' = lambda OA and
     EB' = lambda DB, and P = A' + OA; the third has DA" = mu BA, A"B" = mu DB and EB" = mu OA, and P = A" + DB.
     Both loops close because the original does (S. Roberts, Proc. London Math. Soc. 7, 1875, 14-23).
-
-    Raises
-    ------
-    InputError
-        The design lacks a number, or one is not valid.
 
     Examples
     --------
@@ -276,11 +259,8 @@ def sextic(design: Any = None, **inputs: Any) -> Any:
 
     Parameters
     ----------
-    design : mapping, pandas.DataFrame or xarray.Dataset, optional
-        Inputs of ``planar_4r`` by name: lengths ``a1`` ... ``a4`` and coupler point ``P_u``, ``P_v`` [m], broadcast.
-        Other inputs are not read.
-    **inputs : float, array_like or xarray.DataArray
-        The same by name.
+    design, **inputs
+        As for `cognates`.
 
     Returns
     -------
@@ -330,18 +310,6 @@ def curve_inputs(function: str, design: Any, inputs: Mapping[str, Any], branch: 
     read = read_design(function, planar_4r, design, inputs, CURVE)
     _, arrays, shape = broadcast_inputs(function, read | {"branch": branch_codes(planar_4r, branch)})
     return {name: np.broadcast_to(values, shape) for name, values in arrays.items()}
-
-
-def along_curve(names: list[str], curve: Mapping[str, Any], theta1: Any) -> dict[str, Any]:
-    """Return quantities of each curve at unit speed, with angles in the last axis."""
-    columns = {name: values[..., None] for name, values in curve.items()}
-    return evaluate("planar_4r", names, theta1=theta1, omega1=1.0, allow_invalid=True, **columns)
-
-
-def one_turn(function: str, samples: Any) -> Any:
-    """Return input angles half a step off theta1 = 0, where rates may not exist."""
-    count = check_samples(function, samples)
-    return (np.arange(count) + 0.5) * (2.0 * np.pi / count)
 
 
 def _half_width(points: Any) -> float:
@@ -413,17 +381,14 @@ def curve_straightness(
 
     Parameters
     ----------
-    design : mapping, pandas.DataFrame or xarray.Dataset, optional
-        Inputs of ``planar_4r`` by name: lengths ``a1`` ... ``a4`` and coupler point ``P_u``, ``P_v`` [m], broadcast.
-        Other inputs are not read.
+    design, **inputs
+        As for `cognates`.
     theta1 : (float, float), optional
         Least and greatest input angle [rad] of the part; the whole curve of the branch unless given.
     branch : int or array_like
         Assembly mode, broadcast with the design.
     samples : int
         Input angles.
-    **inputs : float, array_like or xarray.DataArray
-        The same by name.
 
     Returns
     -------
@@ -441,14 +406,15 @@ def curve_straightness(
     >>> round(float(part), 4), round(float(whole), 4)
     (0.0049, 0.4495)
     """
-    curve, angles = (
-        curve_inputs("curve_straightness", design, inputs, branch),
-        one_turn("curve_straightness", samples),
-    )
+    curve = curve_inputs("curve_straightness", design, inputs, branch)
+    # half a step off theta1 = 0, where rates may not exist
+    count = check_samples("curve_straightness", samples)
+    angles = (np.arange(count) + 0.5) * (2.0 * np.pi / count)
     if theta1 is not None:
         ends = ends_of("curve_straightness", "theta1", theta1, RADIANS, "write (least, greatest) in rad")
-        angles = np.linspace(ends[0], ends[1], angles.size)
-    path = along_curve(["P_x", "P_y"], curve, angles)
+        angles = np.linspace(ends[0], ends[1], count)
+    columns = {name: values[..., None] for name, values in curve.items()}
+    path = evaluate("planar_4r", ["P_x", "P_y"], theta1=angles, allow_invalid=True, **columns)
     return straightness(path["P_x"], path["P_y"])
 
 
@@ -471,38 +437,20 @@ ROUNDINGS = 24.0
 
 @dataclass(frozen=True, eq=False)
 class Paths:
-    """Paths of designs, each in up to four pieces: theta1 below or above 0, from its least or greatest size.
+    """Paths of designs, each in up to four pieces: theta1 below or above 0, from its least or greatest size."""
 
-    Attributes
-    ----------
-    a1, a2, a3, a4, p : ndarray
-        Lengths and the coupler point u + iv of each design, divided by a power of two of the lengths.
-    side : ndarray
-        1 in branch 2, -1 in branch 1.
-    exponent : ndarray of int
-        That power.
-    toggles : ndarray of bool, shape (2, n)
-        Whether the least size of theta1 is a toggle; and the greatest.
-    outside : ndarray, shape (2, n)
-        -q- and q+ - 1: how far the flat triangles are outside of the turn.
-    low, high : ndarray, shape (2, n)
-        The least and greatest size of theta1; as it is, and as its distance from pi.
-    extent : ndarray
-        Their difference; NaN where the linkage does not assemble.
-    """
-
-    a1: Any
+    a1: Any  # of each design lengths and coupler point u + iv, divided by a power of two
     a2: Any
     a3: Any
     a4: Any
     p: Any
-    side: Any
-    exponent: Any
-    toggles: Any
-    outside: Any
-    low: Any
-    high: Any
-    extent: Any
+    side: Any  # 1 in branch 2, -1 in branch 1
+    exponent: Any  # of that power
+    toggles: Any  # whether the least size of theta1 is a toggle; and the greatest
+    outside: Any  # -q- and q+ - 1: how far the flat triangles are outside of the turn
+    low: Any  # the least size of theta1; as it is, and as its distance from pi
+    high: Any  # the greatest
+    extent: Any  # their difference; NaN where the linkage does not assemble
 
     def pieces(self) -> tuple[Any, Any, Any, Any, Any]:
         """Return design, sign of theta1 and end (0: least, 1: greatest) of each piece, its width and layer in v."""
@@ -635,15 +583,12 @@ def curve_length(design: Any = None, *, branch: Any = 1, error: bool = False, **
 
     Parameters
     ----------
-    design : mapping, pandas.DataFrame or xarray.Dataset, optional
-        Inputs of ``planar_4r`` by name: lengths ``a1`` ... ``a4`` and coupler point ``P_u``, ``P_v`` [m], broadcast.
-        Other inputs are not read.
+    design, **inputs
+        As for `cognates`.
     branch : int or array_like
         Assembly mode, broadcast with the design.
     error : bool
         Whether to return a bound of the error too.
-    **inputs : float, array_like or xarray.DataArray
-        The same by name.
 
     Returns
     -------
@@ -677,15 +622,12 @@ def curve_area(design: Any = None, *, branch: Any = 1, error: bool = False, **in
 
     Parameters
     ----------
-    design : mapping, pandas.DataFrame or xarray.Dataset, optional
-        Inputs of ``planar_4r`` by name: lengths ``a1`` ... ``a4`` and coupler point ``P_u``, ``P_v`` [m], broadcast.
-        Other inputs are not read.
+    design, **inputs
+        As for `cognates`.
     branch : int or array_like
         Assembly mode, broadcast with the design.
     error : bool
         Whether to return a bound of the error too.
-    **inputs : float, array_like or xarray.DataArray
-        The same by name.
 
     Returns
     -------
@@ -745,9 +687,8 @@ def _of_block(curve: dict[str, Any], power: int, integrand: Callable[[Any, Any, 
     paths = paths_of(curve)
     owner, sign, end, width, layer = paths.pieces()
 
-    def along(piece: Any, v: Any) -> tuple[Any, Any]:
-        value, noise = integrand(*paths.motion(owner[piece], sign[piece], end[piece], v))
-        return value, noise
+    def along(piece: Any, v: Any) -> Any:
+        return integrand(*paths.motion(owner[piece], sign[piece], end[piece], v))
 
     exists = np.isfinite(paths.extent) & ((power == 1) | ~paths.toggles.any(axis=0))
     sums = np.array(integrate(along, owner, width, layer, exists.size))
@@ -794,16 +735,13 @@ def inflections(
 
     Parameters
     ----------
-    design : mapping, pandas.DataFrame or xarray.Dataset, optional
-        Inputs of ``planar_4r`` by name: lengths ``a1`` ... ``a4`` and coupler point ``P_u``, ``P_v`` [m], broadcast.
-        Other inputs are not read.
+    design, **inputs
+        As for `cognates`.
     branch : int or array_like
         Assembly mode, broadcast with the design.
     samples : int
         About how many input angles, closer together near toggles, the sign of the curvature is read at; two changes
         within one step are missed.
-    **inputs : float, array_like or xarray.DataArray
-        The same by name.
 
     Returns
     -------
@@ -924,15 +862,8 @@ def _double_points(function: str, design: Any, inputs: Mapping[str, Any]) -> tup
         cosine, sine = (u * (u - a2) + v * v) / (p * q), a2 * v / (p * q)
         first, last = (q - a3) * (q + a3) * p, (p - a1) * (p + a1) * q
         square = a4 * a4
-        k = np.stack(
-            [
-                first,
-                2.0 * cosine * first + last + square * q,
-                first + 2.0 * cosine * last + square * p,
-                last,
-            ],
-            axis=-1,
-        )
+        inner = 2.0 * cosine * first + last + square * q, first + 2.0 * cosine * last + square * p
+        k = np.stack([first, *inner, last], axis=-1)
         x, y = _real_roots(k)
         # z = a4 y/(y + x g)
         real, imaginary = y + x * cosine[..., None], x * sine[..., None]
@@ -950,26 +881,17 @@ def _double_points(function: str, design: Any, inputs: Mapping[str, Any]) -> tup
     return X, Y, np.fmin(acute, obtuse)
 
 
-def _selected(X: Any, Y: Any, chosen: Any) -> tuple[Any, Any, Any]:
-    """Return the chosen points by growing X, NaN-padded, and their number."""
+def _nodes(
+    function: str, design: Any, inputs: Mapping[str, Any], tolerance: Any, *, cusps: bool
+) -> tuple[Any, Any, Any]:
+    """Return the cusps or crunodes by growing X, NaN-padded, and their number."""
+    limit = _check_tolerance(function, tolerance)
+    X, Y, excess = _double_points(function, design, inputs)
+    chosen = np.abs(excess) <= limit if cusps else excess > limit
     X, Y = np.where(chosen, X, np.nan), np.where(chosen, Y, np.nan)
     order = np.argsort(X, axis=-1)
-    count = np.sum(chosen, axis=-1)
-    return np.take_along_axis(X, order, axis=-1), np.take_along_axis(Y, order, axis=-1), count
-
-
-def _crunodes(
-    function: str, design: Any, inputs: Mapping[str, Any], tolerance: float
-) -> tuple[Any, Any, Any]:
-    limit = _check_tolerance(function, tolerance)
-    X, Y, excess = _double_points(function, design, inputs)
-    return _selected(X, Y, excess > limit)
-
-
-def _cusps(function: str, design: Any, inputs: Mapping[str, Any], tolerance: float) -> tuple[Any, Any, Any]:
-    limit = _check_tolerance(function, tolerance)
-    X, Y, excess = _double_points(function, design, inputs)
-    return _selected(X, Y, np.abs(excess) <= limit)
+    X, Y = (np.take_along_axis(part, order, axis=-1) for part in (X, Y))
+    return X, Y, np.sum(chosen, axis=-1)
 
 
 def _check_tolerance(function: str, tolerance: Any) -> float:
@@ -987,13 +909,10 @@ def crunodes(design: Any = None, *, tolerance: float = TOLERANCE, **inputs: Any)
 
     Parameters
     ----------
-    design : mapping, pandas.DataFrame or xarray.Dataset, optional
-        Inputs of ``planar_4r`` by name: lengths ``a1`` ... ``a4`` and coupler point ``P_u``, ``P_v`` [m], broadcast.
-        Other inputs are not read.
+    design, **inputs
+        As for `cognates`.
     tolerance : float
         Double points within it count as cusps, see `cusps`.
-    **inputs : float, array_like or xarray.DataArray
-        The same by name.
 
     Returns
     -------
@@ -1017,7 +936,7 @@ def crunodes(design: Any = None, *, tolerance: float = TOLERANCE, **inputs: Any)
     >>> int(count), round(float(X[0]), 4), round(float(Y[0]), 4)
     (1, 1.7287, -0.9459)
     """
-    return _crunodes("crunodes", design, inputs, tolerance)
+    return _nodes("crunodes", design, inputs, tolerance, cusps=False)
 
 
 @door(hint=BY_NAME)
@@ -1026,15 +945,12 @@ def cusps(design: Any = None, *, tolerance: float = TOLERANCE, **inputs: Any) ->
 
     Parameters
     ----------
-    design : mapping, pandas.DataFrame or xarray.Dataset, optional
-        Inputs of ``planar_4r`` by name: lengths ``a1`` ... ``a4`` and coupler point ``P_u``, ``P_v`` [m], broadcast.
-        Other inputs are not read.
+    design, **inputs
+        As for `cognates`.
     tolerance : float
         A double point of the curve is a cusp if its two coupler directions differ by an angle 2 x with 1 - cos x at
         most this. Only designs that satisfy an equation have a cusp; one within the tolerance has a cusp, or a loop
         of length about tolerance times the lengths, or a turn as sharp without a double point.
-    **inputs : float, array_like or xarray.DataArray
-        The same by name.
 
     Returns
     -------
@@ -1052,25 +968,12 @@ def cusps(design: Any = None, *, tolerance: float = TOLERANCE, **inputs: Any) ->
     >>> int(count), round(float(X[0]), 9), round(float(Y[0]), 9)
     (1, 0.0, 8.0)
     """
-    return _cusps("cusps", design, inputs, tolerance)
+    return _nodes("cusps", design, inputs, tolerance, cusps=True)
 
 
 @door(hint=BY_NAME)
 def crunode_count(design: Any = None, **inputs: Any) -> Any:
-    """Return the number of crunodes of the coupler curve of a linkage.
-
-    Parameters
-    ----------
-    design : mapping, pandas.DataFrame or xarray.Dataset, optional
-        Inputs of ``planar_4r`` by name: lengths ``a1`` ... ``a4`` and coupler point ``P_u``, ``P_v`` [m], broadcast.
-        Other inputs are not read.
-    **inputs : float, array_like or xarray.DataArray
-        The same by name.
-
-    Returns
-    -------
-    ndarray of int
-        0 to 3.
+    """Return the number of crunodes of the coupler curve of a linkage, 0 to 3: the last of what `crunodes` returns.
 
     Examples
     --------
@@ -1078,25 +981,12 @@ def crunode_count(design: Any = None, **inputs: Any) -> Any:
     >>> fl.planar.crunode_count(a1=1.0, a2=2.5, a3=2.5, a4=2.0, P_u=1.25, P_v=[1.0, 9.0])
     array([1, 0])
     """
-    return _crunodes("crunode_count", design, inputs, TOLERANCE)[2]
+    return _nodes("crunode_count", design, inputs, TOLERANCE, cusps=False)[2]
 
 
 @door(hint=BY_NAME)
 def cusp_count(design: Any = None, **inputs: Any) -> Any:
-    """Return the number of cusps of the coupler curve of a linkage.
-
-    Parameters
-    ----------
-    design : mapping, pandas.DataFrame or xarray.Dataset, optional
-        Inputs of ``planar_4r`` by name: lengths ``a1`` ... ``a4`` and coupler point ``P_u``, ``P_v`` [m], broadcast.
-        Other inputs are not read.
-    **inputs : float, array_like or xarray.DataArray
-        The same by name.
-
-    Returns
-    -------
-    ndarray of int
-        0 to 3.
+    """Return the number of cusps of the coupler curve of a linkage, 0 to 3: the last of what `cusps` returns.
 
     Examples
     --------
@@ -1104,7 +994,7 @@ def cusp_count(design: Any = None, **inputs: Any) -> Any:
     >>> fl.planar.cusp_count(a1=2.0, a2=4.5, a3=2.5, a4=6.0, P_u=0.0, P_v=[6.0, 7.0])
     array([1, 0])
     """
-    return _cusps("cusp_count", design, inputs, TOLERANCE)[2]
+    return _nodes("cusp_count", design, inputs, TOLERANCE, cusps=True)[2]
 
 
 # -- Balance the shaking force of the four-bar by counterweights (Berkof and Lowen)
@@ -1146,20 +1036,12 @@ def force_balance(
         Radius in m or mass in kg of the counterweight on the crank, one of them; a1 is the radius unless given.
     radius3, mass3 : float or array_like, optional
         The same of the counterweight on the output link; a3 is the radius unless given.
-    **inputs : float, array_like or xarray.DataArray
-        Inputs by name, as in the design.
 
     Returns
     -------
     dict
         The inputs ``counterweight1_mass``, ``counterweight1_radius``, ``counterweight1_direction`` and the same of
         ``counterweight3``: add them to the design.
-
-    Raises
-    ------
-    InputError
-        An input is missing, is not a number or has another shape; a radius and a mass are given for one link; a
-        radius or mass is not positive.
 
     Examples
     --------
@@ -1250,11 +1132,6 @@ def flywheel_inertia(maps: Any, C_s: Any) -> Any:
     array or xarray.DataArray
         In kg m2, like ``T41_fluctuation``; NaN for an input that does not turn fully.
 
-    Raises
-    ------
-    InputError
-        Not a map or a path; a name is missing or not in SI units; or C_s is not positive and finite.
-
     Examples
     --------
     >>> import fastlink as fl
@@ -1296,9 +1173,8 @@ def _inertia(maps: Mapping[Any, Any], C_s: Any) -> Any:
         like(maps[name], numbers_of(*where[:1], name, maps[name], MOST_DIMS)) for name in units_of
     )
     try:
-        with np.errstate(
-            all="ignore"
-        ):  # a square of the speed may leave the range of doubles where the inertia does not
+        # a square of the speed may leave the range of doubles where the inertia does not
+        with np.errstate(all="ignore"):
             return swing / speed / speed / C_s
     except ValueError as error:  # arrays of other shapes, or DataArrays of other coordinates
         remedy = "write one number, or one for each value of the maps"
@@ -1337,11 +1213,6 @@ def rate_extrema(space: Any, *, pair: str = "14", **options: Any) -> Any:
         The map of that sweep: of pair "14" ``joint_omega_4_extrema``, ``joint_alpha_4_extrema``, the places
         ``joint_angle_1_at_joint_omega_4_extrema`` and so on, their numbers and kinds, along `extremum`, for both
         assembly modes.
-
-    Raises
-    ------
-    InputError
-        There is no such pair, or what a sweep would refuse.
 
     Examples
     --------
@@ -1409,13 +1280,12 @@ def force_equations(
     Parameters
     ----------
     design : mapping, pandas.DataFrame or xarray.Dataset, optional
-        Inputs of ``planar_4r`` by name, as in `fastlink.evaluate`: lengths, speed, masses, loads.
+        Inputs of ``planar_4r`` by name, as in `fastlink.evaluate`: lengths, speed, masses, loads and
+        ``theta1``.
     branch : int or array_like
         Assembly mode.
     links : Links, optional
         The source of mass data that the design does not give.
-    **inputs : float, array_like or xarray.DataArray
-        The same by name, and the input angle ``theta1``.
 
     Returns
     -------
@@ -1424,11 +1294,6 @@ def force_equations(
         An unknown is called as the quantity that it is, an equation as the quantity on its right-hand side: the forces
         and the moment about its mass centre of link 1, 2 and 3. With loads, b is less the loads. NaN where the loop
         does not close.
-
-    Raises
-    ------
-    InputError
-        What `fastlink.evaluate` would refuse.
 
     Examples
     --------
@@ -1473,23 +1338,16 @@ def bar_properties(design: Any = None, *, links: Links, **inputs: Any) -> dict[s
 
     Parameters
     ----------
-    design : mapping, pandas.DataFrame or xarray.Dataset, optional
+    design, **inputs : mapping, pandas.DataFrame or xarray.Dataset, or values by name
         The lengths ``a1``, ``a2``, ``a3`` of ``planar_4r`` by name, broadcast. Other inputs are not read.
     links : Links
         The bars, `fastlink.round_bar`.
-    **inputs : float, array_like or xarray.DataArray
-        The same by name.
 
     Returns
     -------
     dict
         ``volume1`` [m3], and the inputs ``m1`` [kg], ``I1`` [kg m2], ``G1_u`` and ``G1_v`` [m] of the crank; the same
         of coupler (2) and output link (3). These inputs may stand in a design in place of `links`.
-
-    Raises
-    ------
-    InputError
-        A length, or density or radius of the bars, is missing or not positive and finite.
 
     Examples
     --------
@@ -1557,11 +1415,6 @@ def force_hypothesis(maps: Any, **options: Any) -> xr.Dataset:
         ``distance``, the angle of the input between the greatest magnitude of the load and the extreme, 0 to pi [rad];
         ``ratio``, the magnitude of the load at the extreme over the greatest: how good an estimate it is. NaN where the
         design does not assemble, and where a load grows without bound at a toggle.
-
-    Raises
-    ------
-    InputError
-        Not a map of the planar 4R driven by theta1, or names are missing or not in SI units; options of a map.
 
     Examples
     --------

@@ -111,7 +111,7 @@ def crossings(parts):
     return start[first[hit]] + s[hit] * d1[hit]
 
 
-@pytest.mark.parametrize("n", [200, pytest.param(1000, marks=pytest.mark.stress)])
+@pytest.mark.parametrize("n", [60, pytest.param(1000, marks=pytest.mark.stress)])
 def test_crunodes_against_crossings_of_polylines(n):
     inputs, _ = random_designs(38, n)
     X, Y, count = crunodes(**inputs)
@@ -201,7 +201,7 @@ def speed(lengths, point, e, tangent):
     return np.abs(A * tangent[0] + AP * tangent[1])
 
 
-@pytest.mark.parametrize("n", [30, pytest.param(500, marks=pytest.mark.stress)])
+@pytest.mark.parametrize("n", [10, pytest.param(500, marks=pytest.mark.stress)])
 def test_cusps_against_motions_in_which_p_comes_to_rest(n):
     """Every motion of curves with cusps, and of as many random ones, step by step."""
     generic, _ = random_designs(40, 2 * n)

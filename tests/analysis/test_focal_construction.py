@@ -113,17 +113,6 @@ def test_of_other_points_the_nearest_point_of_the_cubic_is_taken(known):
     assert abs(np.hypot(far["F_x"] + 1e5, far["F_y"] - 3e3) - across) <= 5.0
 
 
-def test_X_and_Y_are_points_like_others(known):
-    given = {name: known[name] for name in (*POSITION, "rho", "completion")}
-    found = fl.evaluate("focal", ["X_x", "X_y", "Y_x"], **given)
-    for x, y in ((found["X_x"], found["X_y"]), (found["Y_x"], 0.0)):
-        made = fl.focal.from_point(*(known[name] for name in POSITION), x=x, y=y)
-        assert (made.values["status"] == 0).all()
-        off = np.hypot(made.values["F_x"] - x, made.values["F_y"] - y)
-        assert np.median(off) <= 10 * UNIT_ROUNDING
-        assert (off <= 1e-7 * (1.0 + np.hypot(x, y))).all()
-
-
 def test_where_there_is_no_mechanism_the_status_says_why():
     A = 5.0 * np.exp(1.2j)
     at = fl.focal.from_point(5.0, 5.0, 2.0, 4.0, 1.2, 2, x=[0.0, 4.0, A.real], y=[0.0, 0.0, A.imag])
@@ -131,13 +120,6 @@ def test_where_there_is_no_mechanism_the_status_says_why():
     at = fl.focal.from_point(5.0, 5.0, 2.0, 4.0, [1.2, 0.1], x=1.0, y=2.0)
     assert at.values["status"].tolist() == [0, 7]  # the second position does not assemble
     assert np.isnan(at.design["rho"]).tolist() == [False, True]
-
-
-def test_what_it_makes_is_swept(known):
-    some = {name: values[:5] for name, values in known.items()}
-    made = fl.focal.from_point(*(some[name] for name in POSITION), x=some["F_x"], y=some["F_y"])
-    maps = fl.sweep("focal", made.design, ["r", "closure_residual"], phi=8)
-    np.testing.assert_array_equal(maps.r, made.values["r"])
 
 
 @pytest.mark.parametrize("name", ["cubic_points", "from_point"])

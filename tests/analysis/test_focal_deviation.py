@@ -62,16 +62,6 @@ def test_it_is_exact_for_the_places_of_T(drive):
         assert max(errors) <= bound
 
 
-def test_a_map_in_a_file_has_it(tmp_path):
-    space = fl.grid(**CHEBYSHEV)
-    with fl.sweep("focal", space, ["T_x", "T_y"], input="sigma", sigma=90, to=tmp_path / "map.h5") as maps:
-        found = fl.focal.T_deviation(maps).isel(branch=0)
-        # Chebyshev's linkage, about the line y = const by symmetry. The bound above: the path is within 6 of the
-        # origin, and all squares at most twice the difference that determines its direction.
-        path = maps.T_y.isel(branch=0).values
-        assert np.abs(found - (path - path.mean())).max() <= 6.0 * 100 * UNIT_ROUNDING
-
-
 def test_maps_without_the_path_of_T_are_refused():
     space = fl.grid(**CHEBYSHEV)
     with refused("T_y", "sweep 'T_x' and 'T_y'"):

@@ -15,7 +15,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 from tests.hostile.objects import BadAttributes, Everything
-from tests.support.hostile_values import arrays, scalars
+from tests.support.hostile_values import scalars
 from tests.support.refusals import refused
 
 import fastlink as fl
@@ -133,22 +133,6 @@ def test_each_argument_is_checked(called, step):
                 np.testing.assert_equal(*(list(flat(result)) for result in results))
 
 
-@EVERY_THIRD
-@pytest.mark.parametrize("called", CALLS)
-def test_lists_are_checked_as_single_numbers_are(called, step):
-    function, usual = CALLS[called]
-    for k, name in enumerate(sorted(set(usual) - {"pair", "maps", "samples", "tolerance", "links"})):
-        for value in arrays()[k % step :: step]:
-            cells = (
-                value
-                if isinstance(value, (list, tuple, range))
-                else np.ma.asarray(value, dtype=object).tolist()
-            )
-            if not all(cell is not None and may_be(name, cell) for cell in cells):
-                with refused(name):
-                    function(**usual | {name: value})
-
-
 @pytest.mark.parametrize("called", [name for name in CALLS if "." not in name and name != "flywheel_inertia"])
 def test_a_design_is_given_by_name_or_as_one(called):
     """One style: names, a mapping, a table, a Dataset; whatever else these hold is not read."""
@@ -245,6 +229,23 @@ def test_lengths_whose_products_overflow_are_refused(called):
     with pytest.raises(fl.InputError) as caught:
         function(**usual | dict.fromkeys(lengths, 1e30))
     assert len(caught.value.problems) == len(lengths)
+
+
+@pytest.mark.parametrize("called", ["focal.cubic", "focal.from_point", "focal.five_bar", "minkowski.sextic"])
+def test_lengths_and_modes_beyond_their_limits_are_refused(called):
+    function, usual = CALLS[called]
+    first = next(iter(usual))
+    limit = "1e-25 to 1e+25" if called == "minkowski.sextic" else "1e-70 to 1e+70"
+    for value, remedy in ((1e80, limit), (1e-80, limit), (-1.0, "greater than 0")):
+        with refused(first, remedy):
+            function(**usual | {first: value})
+    with refused(first, "equal lengths"):
+        function(**usual | {list(usual)[1]: np.ones(2), first: np.ones(3)})
+    if "branch" in usual:
+        with refused("branch", "write some of 1, 2"):
+            function(**usual | {"branch": 3})
+    with refused("samples", "from 2"):
+        fl.focal.cubic_points(**FOCAL, samples=1)
 
 
 @pytest.mark.parametrize("scale", [2.0**1000, 2.0**-1000])

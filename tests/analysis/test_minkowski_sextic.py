@@ -42,15 +42,15 @@ def random_designs(seed, n, AX_types=TYPES, BX_types=TYPES):
     return np.array(designs).T
 
 
-def traced(design, theta, boost=0.0):
+def traced(design, theta):
     """Yield the coupler points (X, Y) at an input: the loop's quadratic in q = e^psi, of either sign.
 
-    In null coordinates X + Y, X - Y: A = (a p, a/p), C = (g k, g/k), B = C + (b q, b/q), and h^2 is the product of
-    those of AB. Theta is the rapidity of OA, boost that of OC, in whose frame the points are given.
+    In null coordinates X + Y, X - Y: A = (a p, a/p), C = (g, g), B = C + (b q, b/q), and h^2 is the product of
+    those of AB.
     """
     a, b, g, h, x, y = (mp.mpf(float(value)) for value in design)
-    p, k = mp.exp(mp.mpf(theta)), mp.exp(mp.mpf(boost))
-    alpha, beta = g * k - a * p, g / k - a / p
+    p = mp.exp(mp.mpf(theta))
+    alpha, beta = g - a * p, g - a / p
     middle = alpha * beta + b**2 - h**2
     discriminant = middle**2 - 4 * b**2 * alpha * beta
     if discriminant < 0:
@@ -58,7 +58,7 @@ def traced(design, theta, boost=0.0):
     for sign in (-1, 1):
         q = (-middle + sign * mp.sqrt(discriminant)) / (2 * b * beta)
         AB = (alpha + b * q, beta + b / q)
-        U, V = (a * p + (x + y) * AB[0] / h) / k, (a / p + (x - y) * AB[1] / h) * k
+        U, V = a * p + (x + y) * AB[0] / h, a / p + (x - y) * AB[1] / h
         yield (U + V) / 2, (U - V) / 2
 
 
@@ -132,20 +132,6 @@ def test_the_sextic_vanishes_on_the_points_of_the_mechanism(branch):
     assert np.all(np.abs(values)[closes] <= 40 * UNIT_ROUNDING * size[closes])
     # The same relative to the terms that the mechanism takes, which are fewer.
     assert np.all(np.abs(found["sextic_residual"][closes]) <= 40 * UNIT_ROUNDING)
-
-
-def test_the_sextic_separates_the_curve_from_its_neighbours():
-    designs = random_designs(52, 6)
-    c = sextic(*designs)
-    off = []
-    with mp.workdps(50):
-        for i in range(designs.shape[1]):
-            for X, Y in traced(designs[:, i], 0.7):
-                at = value(c[i], X + mp.mpf("1e-3"), Y)
-                off.append(abs(at) > 1e3 * UNIT_ROUNDING * majorant(designs[:, i], X, Y))
-    # It may vanish beside the curve, on another arc, by chance.
-    assert len(off) > 50
-    assert np.mean(off) > 0.95
 
 
 def test_at_any_point_it_is_the_paper_s_elimination_with_both_corrections():
@@ -257,35 +243,6 @@ def test_the_top_terms_are_those_of_the_threefold_lightlike_points_at_infinity()
     assert not c[:, beyond].any()
 
 
-def test_either_crank_may_be_the_input():
-    """Told from C, with the directions reversed: the same curve."""
-    designs = random_designs(61, 12)
-    a, b, g, h, x, y = designs
-    c, reverse = sextic(*designs), sextic(b, a, g, h, h - x, -y)
-    places = np.random.default_rng(62).uniform(-3.0, 3.0, (2, designs.shape[1]))
-    with mp.workdps(50):
-        for i, (X, Y) in enumerate(places.T):
-            there = float(g[i]) - mp.mpf(X), -mp.mpf(Y)
-            one, other = value(c[i], mp.mpf(X), mp.mpf(Y)), value(reverse[i], *there)
-            size = majorant(designs[:, i], X, Y)
-            size += majorant((b[i], a[i], g[i], h[i], h[i] - x[i], y[i]), *there)
-            assert abs(one - other) <= 24 * UNIT_ROUNDING * size
-
-
-@pytest.mark.parametrize("boost", [-2.0, 0.5, 3.0])
-def test_the_frame_may_be_boosted(boost):
-    """A linkage whose OC has any rapidity, solved as it stands, traces the same curve in the frame of OC."""
-    designs = random_designs(63, 6)
-    c = sextic(*designs)
-    points = 0
-    with mp.workdps(50):
-        for i in range(designs.shape[1]):
-            for X, Y in traced(designs[:, i], 0.3 + boost, boost):
-                assert abs(value(c[i], X, Y)) <= 24 * UNIT_ROUNDING * majorant(designs[:, i], X, Y)
-                points += 1
-    assert points > 50
-
-
 def test_designs_broadcast():
     many = sextic([1.0, 2.0], 1.0, 4.0, np.ones((3, 1)), 0.5, [[0.0], [0.5], [1.0]])
     assert many.shape == (3, 2, 7, 7)
@@ -296,22 +253,3 @@ def test_designs_broadcast():
     assert many.shape[0] > 2 * BLOCK
     np.testing.assert_array_equal(many, np.tile(sextic(*designs[:, :27]), (40, 1, 1)))
     assert sextic(np.ones(0), 1.0, 4.0, 1.0, 0.5, 0.0).shape == (0, 7, 7)
-
-
-@pytest.mark.parametrize(
-    ("given", "key", "remedy"),
-    [
-        ({"a": 0.0}, "a", "write a finite number greater than 0"),
-        ({"b": "one"}, "b", "write a number"),
-        ({"h": 1e-26}, "h", "write 1e-25 to 1e+25, in another unit"),
-        ({"x": np.nan}, "x", "write a finite number"),
-        ({"y": -2e25}, "y", "write -1e+25 to 1e+25"),
-        ({"g": [4.0, 5.0], "y": [0.0, 1.0, 2.0]}, "of g", "give equal lengths"),
-    ],
-)
-def test_bad_input_is_refused_in_one_line(given, key, remedy):
-    design = dict(zip(DESIGN, (1.0, 1.0, 4.0, 1.0, 0.5, 0.0), strict=True))
-    with refused(key, remedy):
-        sextic(**design | given)
-    with np.errstate(all="raise"):
-        assert np.isfinite(sextic(1e25, 1e25, 1e25, 1e-25, 1e25, -1e25)).all()

@@ -35,6 +35,7 @@ def errors(tmp_path_factory):
     }
 
 
+@pytest.mark.stress
 def test_relaxed_kernels_and_scipy_find_the_extremes_of_cranks(errors):
     found = errors["omega4_max"]
     assert found["refined, relaxed"] < SMALL
@@ -44,6 +45,7 @@ def test_relaxed_kernels_and_scipy_find_the_extremes_of_cranks(errors):
     assert found["360 angles, relaxed"] == pytest.approx(found["360 angles"], rel=1e-6)
 
 
+@pytest.mark.stress
 def test_single_precision_has_single_errors(errors):
     curves = errors["transmission_angle"]
     assert set(curves) == {"eliminated", "NumPy", "eliminated, relaxed", "NumPy, single precision"}

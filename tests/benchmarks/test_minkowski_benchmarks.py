@@ -6,7 +6,6 @@ import math
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 from benchmarks import minkowski
 from fastlink.numerics.compensated import UNIT_ROUNDING
@@ -58,9 +57,3 @@ def test_the_table_of_the_docs_is_the_one_that_is_measured():
         assert by_eq3 == "no value" if now == "no value" else by_eq3 == "no value" or float(by_eq3) > 1.0
         assert len(times) == len(others) == 3
         assert all(float(time) > 0.0 for time in times + others)
-
-
-@pytest.mark.stress
-def test_facts_are_positive_numbers():
-    found = minkowski.facts(quick=True)
-    assert all(math.isfinite(value) and value > 0 for _, value, _, _ in found)

@@ -30,7 +30,7 @@ import fastlink as fl
 from fastlink.mechanisms import NAMES, catalogue, inputs_of
 from fastlink.plan.request import constants_of, variants_of
 from fastlink.precision.errors import unit_of
-from fastlink.precision.independent.check import TOLERANCE, IndependentValues, model_of
+from fastlink.precision.independent import TOLERANCE, IndependentValues, model_of
 from fastlink.precision.reference import CONTEXT, HighPrecision
 
 ENTRY = {str(entry): entry for entry in (*ENTRIES, *UNLIKE) if entry.solver == "eliminated"}

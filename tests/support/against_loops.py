@@ -17,7 +17,7 @@ from flint import acb, arb
 import fastlink as fl
 from fastlink.facts.powers import any_beyond_range
 from fastlink.mechanisms import catalogue
-from fastlink.precision.independent.check import model_of
+from fastlink.precision.independent import TURNING, model_of
 from tests.support.neighbourhoods import DRAWN
 
 #: Bits of the reference, each taken where the one before leaves something open.
@@ -194,7 +194,7 @@ def compare(tally, design, rng, extremes):
     n = len(next(iter(design.values())))
     rows = [{str(name): float(values[i]) for name, values in design.items()} for i in range(n)]
     values, bounds = computed(tally.mechanism, tally.input, names, design)
-    turning = np.array([name in model.turning for name in names])
+    turning = np.array([name in TURNING for name in names])
     index = {name: k for k, name in enumerate(names)}
     high, low, radius, kinds = references(model, index, rows, BITS[0])
     for bits in BITS[1:]:

@@ -28,3 +28,9 @@ def run_command(line: str) -> tuple[list[str], Result]:
     for name in target:
         Path(name).write_text(done.stdout)
     return arguments, done
+
+
+def run_commands(lines: str) -> None:
+    """Run command lines one after the other."""
+    for line in lines.strip().splitlines():
+        run_command(line)

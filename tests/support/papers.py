@@ -1,6 +1,6 @@
-"""Write the page of what the three papers define and where fastlink computes it.
+"""The page of what the three papers define and where fastlink computes it, which the site has as papers.html.
 
-``python -m tests.support.papers`` writes ``docs/papers.md`` from the tables ``docs/papers/*.toml``. Each has the title
+It is written from the tables ``docs/papers/*.toml``. Each has the title
 of a paper, the numbers of its numbered items by their spelling (``numbered``), and rows:
 
 place : list of str
@@ -31,10 +31,7 @@ from fastlink.plan.query import parse_request
 
 ROOT = Path(__file__).parents[2]
 TABLES = ROOT / "docs" / "papers"
-PAGE = ROOT / "docs" / "papers.md"
 HEAD = """# The three papers, line by line
-
-<!-- Written by `python -m tests.support.papers` from docs/papers/*.toml; do not edit. -->
 
 Each definition, equation, theorem, example, table and figure of the three papers, the name that computes it, and the
 test that holds it. Where the papers err, [errata](errata.md) has the correct form; that is what is computed.
@@ -118,7 +115,3 @@ def page() -> str:
             tests = ", ".join(map(_tested, row["tests"]))
             parts.append(f"| {', '.join(row['place'])} | {row['what']} | {'. '.join(notes)} | {tests} |\n")
     return "".join(parts)
-
-
-if __name__ == "__main__":
-    PAGE.write_text(page())

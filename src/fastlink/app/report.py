@@ -343,7 +343,7 @@ def _instead(catalogue: Catalogue, given: Input) -> str:
 
 # -- List the quantities and inputs of a mechanism, or find them by what they mean
 
-# ``python -m fastlink.app.report > docs/quantities.md`` writes the documentation of all mechanisms.
+# ``python -m fastlink.app.report`` prints the documentation of all mechanisms.
 
 
 COLUMNS = ("name", "units", "dims", "meaning", "source")
@@ -560,12 +560,8 @@ def _found(phrase: str, catalogues: Sequence[Catalogue]) -> QuantityList:
 
 
 def document() -> str:
-    """Return the text of docs/quantities.md."""
-    head = (
-        "# Quantities and inputs\n\n"
-        "Written by `python -m fastlink.app.report > docs/quantities.md`; do not edit. "
-        "`fastlink quantities MECHANISM` prints the same."
-    )
+    """Return the page of all quantities, which the site has as docs/quantities.md."""
+    head = "# Quantities and inputs\n\n`fastlink quantities MECHANISM` prints the same, for one mechanism."
     return "\n\n".join((head, *(quantities(name).markdown() for name in NAMES))) + "\n"
 
 

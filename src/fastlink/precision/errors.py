@@ -17,7 +17,7 @@ from fastlink.facts.names import ErrorBound, error_name
 from fastlink.facts.powers import UNITS, dimensions
 from fastlink.facts.tables import angle_tables
 from fastlink.numerics.compensated import UNIT_ROUNDING
-from fastlink.precision.independent.check import TOLERANCE, IndependentValues
+from fastlink.precision.independent import TOLERANCE, IndependentValues
 from fastlink.precision.reference import CONTEXT, DIGITS, HighPrecision, error_in_roundings
 from fastlink.precision.stationary import END, JUMP, Extreme, Stationary
 
@@ -30,23 +30,6 @@ if TYPE_CHECKING:
     from fastlink.plan.programs import Output, Plan
     from fastlink.plan.query import Reduction
     from fastlink.precision.reference import HighPrecision
-
-__all__ = [
-    "MeasuredErrors",
-    "Sample",
-    "configurations",
-    "cost",
-    "outermost",
-    "read_curves",
-    "refined",
-    "sampled",
-    "unit_of",
-    "values",
-    "within",
-]
-
-
-# -- Collect the errors of one variable, and state them as its attributes
 
 
 # -- The designs that are verified, their results, and the budget of evaluations

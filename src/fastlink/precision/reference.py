@@ -21,9 +21,6 @@ from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.numerics.elementary import PI, TWO_PI
 from fastlink.numerics.vectors import as_given
 
-__all__ = ["CONTEXT", "DIGITS", "STEP", "HighPrecision", "error_in_roundings"]
-
-
 DIGITS = 50
 #: Numbers of 50 digits, whatever precision others set for theirs.
 CONTEXT: Any = MPContext()

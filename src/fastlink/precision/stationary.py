@@ -24,8 +24,6 @@ from fastlink.precision.reference import CONTEXT, DIGITS, STEP, HighPrecision
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["END", "JUMP", "Candidate", "Extreme", "Stationary", "side_of", "turning_cells"]
-
 
 # -- Signs of slopes at samples: by doubles, and with many digits wherever a change of sign rests on them
 

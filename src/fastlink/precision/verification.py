@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from fastlink.precision.errors import MeasuredErrors
     from fastlink.space.design_space import DesignSpace
 
-__all__ = ["DESIGNS", "Verification", "check_verify"]
-
 
 #: Designs that are verified of a sweep that writes a file.
 DESIGNS = 64

@@ -13,7 +13,7 @@ from tests.support.refusals import refused
 import fastlink as fl
 from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
-from fastlink.precision.independent.check import IndependentValues
+from fastlink.precision.independent import IndependentValues
 
 CIRCLES = ("PFQX", "SFTY", "PSQT")
 JOINTS = "ABPQFTX"

@@ -7,9 +7,8 @@ import math
 
 import numpy as np
 import pytest
-from benchmarks.cases import FAMILIES
 from tests.mechanisms.test_extremes import near_cusps
-from tests.support.configurations import LENGTHS
+from tests.support.configurations import FAMILIES, LENGTHS
 from tests.support.exact_extrema import LISTED, exact_extrema
 from tests.support.neighbourhoods import folded_planar_4r
 

@@ -1,4 +1,4 @@
-"""Truncated power series of the drive, and Newton's iteration on equations between them.
+"""Truncated power series of the drive, Newton's iteration on equations between them, and the laws of moving links.
 
 Numbers are those of a context, `MPContext` of mpmath or one with the same functions: real and complex numbers, `mpf`,
 `mpc`, `sqrt`, `cos_sin`, `exp`, `atan2`. Derivatives follow from the equations themselves: no formula of a rate
@@ -10,48 +10,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
-from math import factorial
-from typing import TYPE_CHECKING, Any
+from math import factorial, pi
+from typing import Any
 
 from mpmath import MPContext
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-__all__ = [
-    "CIRCLES",
-    "MEETING",
-    "SEEN",
-    "Link",
-    "Open",
-    "Position",
-    "Series",
-    "Singular",
-    "angle_between",
-    "argument",
-    "bar_data",
-    "between_rockers",
-    "by_F",
-    "circles",
-    "closed",
-    "closing",
-    "context",
-    "coordinates",
-    "corner",
-    "cross",
-    "exponential",
-    "meeting",
-    "points",
-    "polygon",
-    "reactions",
-    "rotation",
-    "seen_from_AB",
-    "solved",
-    "triangle_angle",
-    "unit_vector",
-    "wrapped",
-]
-
 
 MOST_STEPS = 12
 #: Of so many roundings of its terms a value may come that vanishes, where two links are in line.
@@ -272,41 +234,106 @@ def _linearized(
     return matrix, [one.terms[0] for one in columns[0]]
 
 
-# -- Newton's and Euler's laws of a chain of links, as the linear system of Hayes, Hninn, Irani, eq. (9)
+def drive_of(ctx: Any, value: Any, order: int) -> Series:
+    """Return the series of the drive itself."""
+    return Series((value, *(ctx.mpf(k == 1) for k in range(1, order + 1))))
+
+
+def rates(curve: Series, names: Iterable[str]) -> dict[str, Any]:
+    """Return the derivatives of a curve by their names, as many as its series has."""
+    return {name: curve.derivative(k) for k, name in zip(range(1, len(curve.terms)), names, strict=False)}
+
+
+# -- Vectors as complex numbers, triangles, and the closed polygon of four links
 
 
 def cross(one: Any, other: Any) -> Any:
-    """Return the cross product of two vectors, given as complex numbers."""
+    """Return the cross product of two vectors."""
     return one.real * other.imag - one.imag * other.real
+
+
+def wrapped(ctx: Any, angle: Any) -> Any:
+    """Return an angle within (-pi, pi]."""
+    cosine, sine = ctx.cos_sin(angle)
+    return ctx.atan2(sine, cosine)
+
+
+def angle_between(ctx: Any, one: Any, other: Any) -> Any:
+    """Return the angle from one vector to another, within (-pi, pi]."""
+    return ctx.atan2(cross(one, other), one.real * other.real + one.imag * other.imag)
+
+
+def argument(ctx: Any, vector: Series) -> Series:
+    """Return the direction of a vector as an angle, over the drive."""
+    first = ctx.atan2(vector.terms[0].imag, vector.terms[0].real)
+    turning = (vector.differentiated() / vector).imag if len(vector.terms) > 1 else Series(())
+    return Series((first, *(term / k for k, term in enumerate(turning.terms, 1))))
+
+
+def triangle_angle(ctx: Any, one: Any, other: Any, opposite: Any) -> Any:
+    """Return the angle between two sides of a triangle; 0 or pi where it folds."""
+    least = max((opposite - one + other) * (opposite + one - other), 0 * one)
+    greatest = max((one + other - opposite) * (one + other + opposite), 0 * one)
+    return 2 * ctx.atan2(ctx.sqrt(least), ctx.sqrt(greatest))
+
+
+def corner(ctx: Any, base: Any, first: Any, second: Any, side: int) -> Any:
+    """Return the vector from the start of a base to the apex of the triangle over it."""
+    square = base.real * base.real + base.imag * base.imag
+    if square == 0:
+        raise Singular("the ends of the base coincide")
+    along = (square + first * first - second * second) / (2 * square)
+    reach = first * first / square
+    size = reach + abs(along) * (1 + reach + second * second / square)
+    across = closed(ctx, reach - along * along, size, "the lengths do not make a triangle")
+    return base * ctx.mpc(along, side * ctx.sqrt(across))
+
+
+def polygon(ctx: Any, lengths: Sequence[Any], turn: Series, branch: int) -> list[Series]:
+    """Return the directions of the four links of a closed polygon, as angles from that of the first link.
+
+    Newton's iteration starts where two circles meet.
+    """
+    first, second, third, fourth = lengths
+    to_start = -(first + second * unit_vector(ctx, turn.terms[0]))
+    apex = corner(ctx, to_start, third, fourth, -1 if branch == 1 else 1)
+    last = to_start - apex
+    start = [ctx.atan2(one.imag, one.real) for one in (apex, last)]
+
+    def closure(unknown: list[Series], drive: Series) -> list[Series]:
+        end = first + second * rotation(ctx, drive)
+        end = end + third * rotation(ctx, unknown[0]) + fourth * rotation(ctx, unknown[1])
+        return [end.real, end.imag]
+
+    return [0 * turn, turn, *solved(ctx, closure, start, turn)]
+
+
+def coordinates(places: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the components of vectors, and of points as series, by the names of quantities."""
+    at = {name: place.terms[0] if isinstance(place, Series) else place for name, place in places.items()}
+    found = {f"{name}_x": place.real for name, place in at.items()}
+    return found | {f"{name}_y": place.imag for name, place in at.items()}
+
+
+# -- Newton's and Euler's laws of a chain of links, as the linear system of Hayes, Hninn, Irani, eq. (9)
 
 
 @dataclass
 class Link:
-    """A link as point masses and a moment of inertia, with its loads and its joints.
+    """A link as curves of its masses over time, with the forces and torques on it.
 
-    Attributes
-    ----------
-    masses : list of (mass, Series)
-        Its own mass at its mass centre first, then its counterweight, as curves of time.
-    spin : number
-        Moment of inertia times angular acceleration.
-    centre : complex number
-        The mass centre of all masses.
-    joints : list of (int, int, complex number)
-        The number of the force in the joint, 1 or -1 as it or its reaction acts on the link, and where.
-    torque : int, optional
-        The number of an unknown torque on the link.
-    loads : list of (complex number, complex number)
-        Forces and where they act.
-    load_torque : number
-        A torque on the link.
+    A joint is the number of its force, 1 or -1 as the force or its reaction acts on the link, and where.
     """
 
     masses: list[tuple[Any, Series]]
+    #: Moment of inertia times angular acceleration.
     spin: Any
+    #: The mass centre of all masses.
     centre: Any
     joints: list[tuple[int, int, Any]]
+    #: The number of an unknown torque on the link.
     torque: int | None = None
+    #: Forces and where they act, and a torque.
     loads: list[tuple[Any, Any]] = field(default_factory=list)
     load_torque: Any = 0
 
@@ -325,9 +352,38 @@ class Link:
             rows[2][2 * number], rows[2][2 * number + 1] = -sign * arm.imag, sign * arm.real
         if self.torque is not None:
             rows[2][self.torque] = 1
-        for row, side in zip(rows, (force.real, force.imag, moment), strict=True):
-            row.append(side)
-        return rows
+        return [[*row, side] for row, side in zip(rows, (force.real, force.imag, moment), strict=True)]
+
+
+def chain(
+    ctx: Any,
+    at: Mapping[str, Any],
+    lengths: Sequence[Any],
+    origins: Sequence[Series],
+    directions: Sequence[Series],
+    joints: Sequence[Any],
+    speed: tuple[Any, ...],
+) -> list[Link]:
+    """Return the links of a chain by their frames; the first joint is at the ground, a torque drives the first link."""
+    links: list[Link] = []
+    for i, (length, origin, direction) in enumerate(zip(lengths, origins, directions, strict=True), 1):
+        mass, inertia, local = bar_data(ctx, at, i, length)
+        points = [(mass, local)]
+        if f"counterweight{i}_mass" in at:
+            turn = at.get(f"counterweight{i}_direction", ctx.mpf(pi))
+            arm = at[f"counterweight{i}_radius"] * unit_vector(ctx, turn)
+            points.append((at[f"counterweight{i}_mass"], arm))
+        curves = [(each, (origin + arm * direction).at_speed(*speed)) for each, arm in points]
+        whole = sum(each for each, _ in curves)
+        centre = curves[0][1].terms[0] if len(curves) == 1 else origin.terms[0]
+        if whole != 0:
+            centre = sum(each * curve.terms[0] for each, curve in curves) / whole
+        turning = direction.at_speed(*speed)
+        # of a direction u the second derivative is i alpha u - omega^2 u
+        spin = inertia * (turning.derivative(2) / turning.terms[0]).imag
+        ends = [(i - 1, 1 if i == 1 else -1, joints[i - 1]), (i, 1, joints[i])]
+        links.append(Link(curves, spin, centre, ends, 2 * len(joints) if i == 1 else None))
+    return links
 
 
 def reactions(links: Sequence[Link], further: Sequence[Sequence[Any]], gravity: Any) -> list[Any]:
@@ -350,192 +406,3 @@ def bar_data(ctx: Any, at: Mapping[str, Any], number: int, length: Any) -> tuple
     if mass is None or inertia is None:
         raise LookupError(f"no mass of link {number}")
     return mass, inertia, centre
-
-
-# -- Points and circles through the joints of Wunderlich's figures, and joints in the frame of AB, from
-#    joints alone
-
-
-#: Quantities by the order of the derivatives that they need.
-MEETING = dict.fromkeys(("X_x", "X_y", "Y_x"), 0)
-CIRCLES = {f"{name}_{part}": 0 for name in ("PFQX", "SFTY", "PSQT") for part in ("x", "y", "radius")}
-SEEN = {f"{joint}_{way}_AB": 0 for joint in "MNSF" for way in ("along", "across")}
-
-
-def _cross(one: Any, other: Any) -> Any:
-    """Return the third component of the product of two vectors."""
-    return one.real * other.imag - one.imag * other.real
-
-
-def meeting(ctx: Any, A: Any, B: Any, d: Any) -> dict[str, Any]:
-    """Return where MA and NB meet, and MN and AB, as far as they do."""
-    found: dict[str, Any] = {}
-    to_B = B - d
-    sine = _cross(A, to_B)
-    if not of_rounding(ctx, sine, abs(A) * abs(to_B)):
-        X = A * (d * to_B.imag / sine)
-        found |= {"X_x": X.real, "X_y": X.imag}
-    if not of_rounding(ctx, B.imag - A.imag, abs(A.imag) + abs(B.imag)):
-        found["Y_x"] = A.real - A.imag * (B.real - A.real) / (B.imag - A.imag)
-    return found
-
-
-def circles(ctx: Any, joints: Mapping[str, Any]) -> dict[str, Any]:
-    """Return centre and radius of the circles whose first three points are known and not in line."""
-    found: dict[str, Any] = {}
-    for name in ("PFQX", "SFTY", "PSQT"):
-        if any(joint not in joints for joint in name[:3]):
-            continue
-        one, two, three = (joints[joint] for joint in name[:3])
-        to_two, to_three = two - one, three - one
-        area = _cross(to_two, to_three)
-        if of_rounding(ctx, area, abs(to_two) * abs(to_three)):
-            continue
-        # as far from the second and third point as from the first
-        squares = (abs(to_two) ** 2, abs(to_three) ** 2)
-        x = (squares[0] * to_three.imag - squares[1] * to_two.imag) / (2 * area)
-        y = (squares[1] * to_two.real - squares[0] * to_three.real) / (2 * area)
-        found |= {
-            f"{name}_x": one.real + x,
-            f"{name}_y": one.imag + y,
-            f"{name}_radius": (x * x + y * y) ** 0.5,
-        }
-    return found
-
-
-def seen_from_AB(joints: Mapping[str, Any], A: Any, B: Any) -> dict[str, Any]:
-    """Return joints in the frame of AB."""
-    found: dict[str, Any] = {}
-    for name, joint in joints.items():
-        seen = (joint - A) * (B - A).conjugate() / abs(B - A)
-        found |= {f"{name}_along_AB": seen.real, f"{name}_across_AB": seen.imag}
-    return found
-
-
-# -- The closed polygon of four links: positions by circle and circle, then Newton's iteration on its
-#    closure
-
-
-def corner(ctx: Any, base: Any, first: Any, second: Any, side: int) -> Any:
-    """Return the vector from the start of a base to the apex of the triangle over it."""
-    square = base.real * base.real + base.imag * base.imag
-    if square == 0:
-        raise Singular("the ends of the base coincide")
-    along = (square + first * first - second * second) / (2 * square)
-    reach = first * first / square
-    size = reach + abs(along) * (1 + reach + second * second / square)
-    across = closed(ctx, reach - along * along, size, "the lengths do not make a triangle")
-    return base * ctx.mpc(along, side * ctx.sqrt(across))
-
-
-def polygon(ctx: Any, lengths: Sequence[Any], turn: Series, branch: int) -> list[Series]:
-    """Return the directions of the four links of a closed polygon, as angles from that of the first link."""
-    first, second, third, fourth = lengths
-    to_start = -(first + second * unit_vector(ctx, turn.terms[0]))
-    apex = corner(ctx, to_start, third, fourth, -1 if branch == 1 else 1)
-    last = to_start - apex
-    start = [ctx.atan2(one.imag, one.real) for one in (apex, last)]
-
-    def closure(unknown: list[Series], drive: Series) -> list[Series]:
-        end = first + second * rotation(ctx, drive)
-        end = end + third * rotation(ctx, unknown[0]) + fourth * rotation(ctx, unknown[1])
-        return [end.real, end.imag]
-
-    return [0 * turn, turn, *solved(ctx, closure, start, turn)]
-
-
-def wrapped(ctx: Any, angle: Any) -> Any:
-    """Return an angle within (-pi, pi]."""
-    cosine, sine = ctx.cos_sin(angle)
-    return ctx.atan2(sine, cosine)
-
-
-def angle_between(ctx: Any, one: Any, other: Any) -> Any:
-    """Return the angle from one vector to another, within (-pi, pi]."""
-    cross = one.real * other.imag - one.imag * other.real
-    return ctx.atan2(cross, one.real * other.real + one.imag * other.imag)
-
-
-def triangle_angle(ctx: Any, one: Any, other: Any, opposite: Any) -> Any:
-    """Return the angle between two sides of a triangle; 0 or pi where it folds."""
-    least = max((opposite - one + other) * (opposite + one - other), 0 * one)
-    greatest = max((one + other - opposite) * (one + other + opposite), 0 * one)
-    return 2 * ctx.atan2(ctx.sqrt(least), ctx.sqrt(greatest))
-
-
-# -- Five-bar linkages with Hart's relation of angles: Wunderlich's (1.2) to (1.4), from which F follows
-
-# M = 0, N = d, P = m u, Q = d + n v and F = P - p u w = Q + q v w, with u, v, w complex numbers of size 1.
-
-
-@dataclass(frozen=True)
-class Position:
-    """Directions MP, NQ and e^(i omega), as series of the drive."""
-
-    u: Series
-    v: Series
-    w: Series
-
-
-def between_rockers(ctx: Any, lengths: Sequence[Any], phi: Series, branch: int) -> Series:
-    """Return the direction of NB of a four-bar MABN where that of MA is given."""
-    # traversed from N: what is an angle from NM to BN here is one from MN to NB
-    return polygon(ctx, lengths, phi - ctx.pi, branch)[3]
-
-
-def closing(bars: Mapping[str, Any], u: Series, v: Series) -> Position:
-    """Return the position of the dyads where the directions of MP and NQ are given."""
-    m, n, p, q, d = (bars[name] for name in "mnpqd")
-    opening = p * u + q * v
-    if opening.terms[0] == 0:
-        raise Singular("PF and QF coincide")
-    return Position(u, v, (m * u - n * v - d) / opening)
-
-
-def by_F(
-    ctx: Any, bars: Mapping[str, Any], joint_F: Callable[[Series], Series], drive: Series, omega_sign: int
-) -> tuple[Position, list[Series]]:
-    """Return the position where F is given, and the angles of MP and NQ."""
-    m, n, p, q, d = (bars[name] for name in "mnpqd")
-    F = joint_F(drive)
-    at = F.terms[0]
-    square = at.real * at.real + at.imag * at.imag
-    cosine = (m * m + p * p - square) / (2 * m * p)
-    size = (m * m + p * p + square) / abs(2 * m * p)
-    sine_squared = closed(ctx, (1 - cosine) * (1 + cosine), size, "the dyad MPF does not reach F")
-    omega = ctx.atan2(omega_sign * ctx.sqrt(sine_squared), cosine)
-    seen = m - p * unit_vector(ctx, omega)
-
-    def dyad(unknown: list[Series], drive: Series) -> list[Series]:
-        missed = rotation(ctx, unknown[0]) * (m - p * rotation(ctx, unknown[1])) - joint_F(drive)
-        return [missed.real, missed.imag]
-
-    phi, turned = solved(ctx, dyad, (angle_between(ctx, seen, at), omega), drive)
-    u, w = rotation(ctx, phi), rotation(ctx, turned)
-    seen_from_N = n + q * w
-    if seen_from_N.terms[0] == 0:
-        raise Singular("F is N")
-    v = (F - d) / seen_from_N
-    return Position(u, v, w), [phi, argument(ctx, v)]
-
-
-def argument(ctx: Any, vector: Series) -> Series:
-    """Return the direction of a vector as an angle, over the drive."""
-    first = ctx.atan2(vector.terms[0].imag, vector.terms[0].real)
-    if len(vector.terms) == 1:
-        return Series((first,))
-    turning = (vector.differentiated() / vector).imag
-    return Series((first, *(term / k for k, term in enumerate(turning.terms, 1))))
-
-
-def points(bars: Mapping[str, Any], ratio: Any, at: Position) -> dict[str, Series]:
-    """Return the joints A, B, P, Q and F."""
-    m, n, d = (bars[name] for name in "mnd")
-    places = {"P": m * at.u, "Q": n * at.v + d, "A": ratio * m * at.u, "B": ratio * n * at.v + d}
-    return places | {"F": places["P"] - bars["p"] * at.u * at.w}
-
-
-def coordinates(places: Mapping[str, Series]) -> dict[str, Any]:
-    """Return the coordinates of points by the names of quantities."""
-    found = {f"{name}_x": place.terms[0].real for name, place in places.items()}
-    return found | {f"{name}_y": place.terms[0].imag for name, place in places.items()}

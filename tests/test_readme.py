@@ -1,0 +1,110 @@
+"""README, CONTRIBUTING and the notebook are true: what they show runs."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import nbformat
+from nbclient import NotebookClient
+
+from tests.support.commands import code_blocks, run_commands
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text()
+
+
+def test_the_python_example_of_the_readme(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (example,) = code_blocks(README, "python")
+    for _ in range(2):  # the file of the first run is in the way of the second
+        exec(compile(example, "README.md", "exec"), {})
+        assert re.fullmatch(r"a2 = 1\.\d{3} m, a3 = \d\.\d{3} m\n", capsys.readouterr().out)
+    assert (tmp_path / "maps.h5").exists()
+
+
+def command(line, folder):
+    """Run a command line of the README with the fastlink that is installed here."""
+    scripts = str(Path(sys.executable).parent)
+    environment = os.environ | {"PATH": f"{scripts}{os.pathsep}{os.environ['PATH']}"}
+    done = subprocess.run(
+        line, shell=True, cwd=folder, env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert "Traceback" not in done.stderr
+    return done.stdout
+
+
+def test_the_main_job_of_the_readme(tmp_path):
+    shutil.copytree(ROOT / "data", tmp_path / "data")
+    (first, *_) = code_blocks(README, "sh")
+    install, run = first.strip().split(" && ")
+    assert install == "python -m pip install ."
+    assert "1,030,301" in command(run, tmp_path)
+    plot = re.search(r"`(fastlink plot [^`]*)`", README)
+    assert plot is not None
+    command(plot.group(1), tmp_path)
+    assert list(tmp_path.glob("*.png"))
+
+
+def test_the_command_lines_of_the_readme(folder):
+    (lines,) = [block for block in code_blocks(README, "sh") if "fastlink new" in block]
+    run_commands(lines)
+    assert (folder / "study.h5").exists()
+
+
+def test_ci_calls_the_readmes_test_command():
+    (test_command,) = {block.strip() for block in code_blocks(README, "sh") if "pytest" in block}
+    assert test_command in (ROOT / ".ci" / "run").read_text().splitlines()
+
+
+def run_example(text):
+    """Run a script of its own: a fact's text is read from its file."""
+    path = Path(os.environ["FASTLINK_CACHE_DIR"]) / "contributing_example.py"
+    path.write_text(f"import sys; sys.path.insert(0, '.')\n{text}")
+    done = subprocess.run([sys.executable, str(path)], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+def test_the_quantity_of_contributing_works():
+    example, *_ = code_blocks((ROOT / "CONTRIBUTING.md").read_text(), "python")
+    run_example(
+        "from typing import Any\n"
+        "from fastlink.mechanisms.planar_4r.inputs import HAYES, planar_4r\nimport fastlink.mechanisms.planar_4r\n"
+        + example
+        + "\nimport fastlink as fl\n"
+        "design = fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=25.0)\n"
+        "asked = ['output_power', 'alpha4', 'omega4']\n"
+        "result = fl.sweep('planar_4r', design, asked, links=fl.round_bar(7750.0, 0.01), theta1=8)\n"
+        "spin = result.output_power / result.alpha4 / result.omega4\n"
+        # 0.62 pi kg of 0.8 m about its end; each side took a few roundings
+        "assert (abs(spin / (0.62 * 3.141592653589793 * (0.64 / 3 + 0.25e-4)) - 1) < 1e-14).all()\n"
+    )
+
+
+def test_the_reduction_of_contributing_works():
+    *_, example = code_blocks((ROOT / "CONTRIBUTING.md").read_text(), "python")
+    run_example(
+        "from fastlink.plan.query import Reduction, register\n" + example + "\nimport fastlink as fl\n"
+        "design = fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=25.0)\n"
+        "asked = ['omega4_range', 'omega4_max', 'omega4_min']\n"
+        "result = fl.sweep('planar_4r', design, asked, theta1=8, extrema='sampled', verify=1)\n"
+        "assert (result.omega4_range == result.omega4_max - result.omega4_min).all()\n"
+        # one subtraction
+        "assert result.omega4_range.attrs['error_max_roundings'] <= 1\n"
+    )
+
+
+def test_the_notebook_runs(tmp_path):
+    notebook = nbformat.read(ROOT / "docs" / "how_to" / "first_map.ipynb", as_version=4)
+    NotebookClient(notebook, timeout=120, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    shown = [output for cell in notebook.cells for output in cell.get("outputs", [])]
+    assert sum("image/png" in output.get("data", {}) for output in shown) == 2
+    assert not [output for output in shown if "Warning" in output.get("text", "")]
+    assert not any(
+        cell.get("outputs") for cell in nbformat.read(ROOT / "docs/how_to/first_map.ipynb", 4).cells
+    )
