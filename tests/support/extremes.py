@@ -43,7 +43,9 @@ def designs_of(entry: Entry, kind: str, seed: int, n: int) -> dict[str, np.ndarr
 def search_of(entry: Entry, name: str, designs: Iterable[str] = ()) -> Any:
     """Return the search for the extremes of a quantity, with inputs by which variants are selected; None if none."""
     given = tuple(designs) or tuple(entry.catalogue.inputs)
-    return Planner(entry.catalogue, tuple(given), tuple(entry.catalogue.variants_selected_by(given))).search(name)
+    return Planner(entry.catalogue, tuple(given), tuple(entry.catalogue.variants_selected_by(given))).search(
+        name
+    )
 
 
 def searched(entry: Entry, designs: dict[str, np.ndarray]) -> list[str]:
