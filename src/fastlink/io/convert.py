@@ -303,7 +303,8 @@ def _taken(array: xr.Variable, takes: list[Any]) -> NDArray[Any]:
                 return np.concatenate(parts, list(several).index(k))
     values = np.asarray(array[tuple(spans)].values)
     for k, take in apart.items():
-        values = np.take(values, np.subtract(take, take[0]), list(several).index(k))
+        picked = slice(None, None, take.step) if isinstance(take, range) else take - take[0]
+        values = values[(slice(None),) * list(several).index(k) + (picked,)]
     return values
 
 

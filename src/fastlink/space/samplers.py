@@ -7,7 +7,7 @@ import math
 import threading
 from abc import abstractmethod
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -44,6 +44,7 @@ __all__ = [
 # -- Samples whose designs are computed from their numbers alone: Sobol's sequence and Latin hypercubes
 
 
+T = TypeVar("T")
 Words = NDArray[np.uint64]
 #: Bits of the sequence up to 2^30 designs, those of scipy, and beyond: as many as a double holds.
 FEW_BITS, ALL_BITS = 30, 53
@@ -299,19 +300,8 @@ def grid(axes: Mapping[str, ArrayLike] | None = None, /, **more: ArrayLike) -> D
     >>> space.dims, space.shape, space.size
     (('a2', 'a3'), (5, 2), 10)
     """
-    constants: dict[str, float] = {}
-    swept: dict[str, Floats] = {}
-    units: dict[str, str] = {}
     problems = Problems()
-    for name, given in _keywords("grid", axes, more).items():
-        with problems.at("grid", name):
-            check_input_name("grid", name)
-            values = numbers_of("grid", name, given)
-            units |= units_of(name, given)
-            if values.ndim == 0:
-                constants[name] = constant("grid", name, values)
-            else:
-                swept[name] = axis_of("grid", name, values)
+    constants, swept, units = _read("grid", _keywords("grid", axes, more), axis_of, problems)
     problems.stop()
     shape = tuple(len(values) for values in swept.values())
     if math.prod(shape) > MOST_DESIGNS:
@@ -333,6 +323,23 @@ def _keywords(kind: str, axes: Any, more: Mapping[str, ArrayLike]) -> dict[str, 
     for name in axes.keys() & more.keys():
         raise InputError("is given twice", where=(kind, name), remedy="write it once")
     return {**axes, **more}
+
+
+def _read(
+    kind: str, given: Mapping[str, Any], several: Callable[[str, str, Floats], T], problems: Problems
+) -> tuple[dict[str, float], dict[str, T], dict[str, str]]:
+    """Return the constants, what `several` makes of inputs with several values, and the units that these state."""
+    constants, swept, units = dict[str, float](), dict[str, T](), dict[str, str]()
+    for name, one in given.items():
+        with problems.at(kind, name):
+            check_input_name(kind, name)
+            values = numbers_of(kind, name, one)
+            units |= units_of(name, one)
+            if values.ndim == 0:
+                constants[name] = constant(kind, name, values)
+            else:
+                swept[name] = several(kind, name, values)
+    return constants, swept, units
 
 
 @door(hint=OF_THAT_NAME)
@@ -418,18 +425,7 @@ def _sample(
         n = check_whole((kind, "n"), n, 1, MOST_SAMPLES, f"write an integer from 1 to {MOST_SAMPLES}")
     with problems.at():
         check_whole((kind, "seed"), seed, 0, MOST_SEED, f"write an integer from 0 to {MOST_SEED}")
-    constants: dict[str, float] = {}
-    bounds: dict[str, tuple[float, float]] = {}
-    units: dict[str, str] = {}
-    for name, given in ranges.items():
-        with problems.at():
-            check_input_name(kind, name)
-            values = numbers_of(kind, name, given)
-            units |= units_of(name, given)
-            if values.ndim == 0:
-                constants[name] = constant(kind, name, values)
-            else:
-                bounds[name] = _range(kind, name, values)
+    constants, bounds, units = _read(kind, ranges, _range, problems)
     if not (bounds or problems.noted):
         remedy = ("write ", Pair(), " for at least one, or use a grid")
         problems.add("no input has a range", (kind,), remedy)
