@@ -406,7 +406,8 @@ def trial_of_a_door(to, door=""):
 
 
 @pytest.mark.filterwarnings("default:NOT TESTED")
-def test_a_disk_that_fails_while_a_map_is_read_or_closed_is_an_error_of_the_door(tmp_path):
+@pytest.mark.parametrize("steps", [2, pytest.param(8, marks=pytest.mark.stress)])
+def test_a_disk_that_fails_while_a_map_is_read_or_closed_is_an_error_of_the_door(tmp_path, steps):
     if not is_struck_below():
         pytest.skip("calls below Python cannot have faults here")
     maps_to_read(tmp_path)
@@ -419,7 +420,7 @@ def test_a_disk_that_fails_while_a_map_is_read_or_closed_is_an_error_of_the_door
                 return trials.run(tmp_path / "none", at, "EIO", door=door)
 
             calls = tried(-1).calls
-            for at in {*range(calls // 2, calls, calls // 8), calls - 2, calls - 1}:
+            for at in {*range(calls // 2, calls, calls // steps), calls - 1}:
                 outcome = tried(at)
                 assert outcome.code in (0, 2), (door, outcome)
 

@@ -46,12 +46,13 @@ def test_labels_are_laid_out_in_a_file_without_a_name(tmp_path, monkeypatch):
 
     def create_checksums(file, variables, create=writer.create_checksums):
         links = [f"/proc/self/fd/{fd}" for fd in os.listdir("/proc/self/fd")]
-        named.extend(os.readlink(link) for link in links if os.path.lexists(link))
+        names = [os.readlink(link) for link in links if os.path.lexists(link)]
+        named.extend(name for name in names if os.path.isfile(name))
         return create(file, variables)
 
     monkeypatch.setattr(writer, "create_checksums", create_checksums)
     Sample().save(tmp_path / "m.h5")
-    found = [name for name in named if os.path.isfile(name) and name.endswith((".h5", ".part", ".new"))]
+    found = [name for name in named if name.endswith((".h5", ".part", ".new"))]
     assert found == [str(tmp_path / "m.h5.part")]
 
 
@@ -99,7 +100,7 @@ def test_of_two_runs_that_start_at_once_one_is_refused(tmp_path):
         except InputError as error:
             return error
 
-    for _ in range(10):
+    for _ in range(4):
         with ThreadPoolExecutor(2) as pool:
             results = [future.result() for future in [pool.submit(start), pool.submit(start)]]
         (writer,) = [result for result in results if isinstance(result, Writer)]

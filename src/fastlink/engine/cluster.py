@@ -121,7 +121,7 @@ def difference(found: Any, same: tuple[str, str, str]) -> str:
 # -- Run kernels over all designs on the workers of a dask.distributed cluster, range by range
 
 # A worker that sees the file that is written writes its results into it and reports what that adds to the
-# checksums, and the client reads there what else it needs of them; from another the results come back.
+# checksums, and the client reads there, at the end, what else it needs of them; from another the results come back.
 # Which of both is found out in each task, by the worker itself. The bits are those of one thread: a range is
 # evaluated by `fastlink.engine.run.run`, as here.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from inspect import signature
 from pathlib import Path
@@ -181,14 +181,18 @@ class Evaluation:
             options |= {"run": (self._fingerprint(attrs), self.resolved.space.size)}
             options |= {"whole": whole_coordinates(self.whole, *self.range)}
         with Writer(path, self._coordinates(), self._written, self._labelled(attrs), **options) as writer:
-            show = self._sink(show)
-            resumed = self._replay(writer, writer.written, show)
+            sink, remote = self._sink(show), list[Range]()
+            resumed = self._replay(writer, writer.written, sink)
 
             def merge(written: Written) -> None:
                 writer.merge(written)
-                self._replay(writer, written.ranges, show)
+                remote.extend(written.ranges)
+                for first, last in self._rows(written.ranges):
+                    show(first, last, [])
 
-            self._run(show, writer, merge)
+            self._run(sink, writer, merge)
+            # not before all is written: of pages that it has read, NFS may write old values of other machines
+            self._replay(writer, joined_ranges(remote), self._sink())
             statistics = self._statistics(resumed)
             measured, errors = self._errors()  # an interrupt leaves a partial file that goes on from here
             made = {HISTORY: history(f"sweep {self.resolved.mechanism} to {path.name}")}
@@ -254,10 +258,16 @@ class Evaluation:
             return axis.over(sink, at_once) if axis else sink
         return tee(axis.over(sink, at_once) if axis else sink, record)
 
-    def _sink(self, show: Sink) -> Sink:
+    def _sink(self, *show: Sink) -> Sink:
         """Return the sink of the results besides the file or the arrays."""
         verified = [] if self.verification is None else [self.verification.collect]
-        return tee(self.counts.take, *verified, show)
+        return tee(self.counts.take, *verified, *show)
+
+    def _rows(self, ranges: list[Range]) -> Iterator[Range]:
+        """Yield the ranges of the file's designs that follow from recorded ones."""
+        axis = None if self.part else self.resolved.scaling_axis
+        for start, stop in ranges:
+            yield from axis.ranges(start, stop) if axis else [(start, stop)]
 
     def _statistics(self, resumed: int = 0) -> dict[str, Any]:
         """Return numbers of designs and their speed, as global attributes."""
@@ -302,17 +312,15 @@ class Evaluation:
 
     def _replay(self, writer: Writer, written: list[Range], sink: Sink) -> int:
         """Pass on the results of designs that the file holds, and return the number of all that follow from them."""
-        axis, count = None if self.part else self.resolved.scaling_axis, 0
-        step = max(1, min(REPLAYED, BLOCK_BYTES // row_bytes(self.job.shapes)))
+        count, step = 0, max(1, min(REPLAYED, BLOCK_BYTES // row_bytes(self.job.shapes)))
         rows = zip(self.variables, self.job.shapes, strict=True)
         # only what the sinks look at is read
-        values = [writer.values(variable.name, shape) for variable, (shape, _) in rows]
-        for start, stop in written:
-            for first, last in axis.ranges(start, stop) if axis else [(start, stop)]:
-                count += last - first
-                for k in range(first, last, step):
-                    end = min(k + step, last)
-                    sink(k, end, [array[k:end] for array in values])
+        values = [writer.values(variable.name, shape) for variable, (shape, _) in rows if written]
+        for first, last in self._rows(written):
+            count += last - first
+            for k in range(first, last, step):
+                end = min(k + step, last)
+                sink(k, end, [array[k:end] for array in values])
         return count
 
 
