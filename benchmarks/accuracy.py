@@ -7,7 +7,7 @@ divided by the sine of a difference of angles; the 9x9 system of what these give
 
 ``python -m benchmarks.accuracy STUDY.toml [PICTURE]`` prints error against run time and draws the picture; the page has
 that of ``docs/images/accuracy.toml``. The others: kernels with relaxed arithmetic, the facts read in single precision,
-and extremes by scipy's minimize_scalar and brentq, which start from the best of the samples.
+and extremes by scipy's brentq, which starts from the best of the samples.
 """
 
 import argparse
@@ -139,8 +139,7 @@ def relaxed_job(resolved):
     job = resolved.job()
     sources = [task.source for task in job.tasks]
     codes = [MachineCode(source, compile_object(llvm_text(source, fast_math=RELAXED))) for source in sources]
-    tasks = [replace(task, code=code) for task, code in zip(job.tasks, codes, strict=True)]
-    return replace(job, tasks=tasks)
+    return replace(job, tasks=[replace(task, code=code) for task, code in zip(job.tasks, codes, strict=True)])
 
 
 def by_numpy_single(resolved, designs):
@@ -156,34 +155,13 @@ def by_numpy_single(resolved, designs):
     return np.broadcast_to(curves, (designs, len(resolved.branches), resolved.positions.size))
 
 
-def by_minimize(resolved, designs):
-    """Return extremes by scipy's minimize_scalar."""
-    from scipy.optimize import minimize_scalar
-
-    def extreme(value, quantity, sign, low, high):
-        options = {"bounds": (low, high), "method": "bounded", "options": {"xatol": 1e-12}}
-        return -sign * minimize_scalar(lambda t: -sign * value(quantity, t), **options).fun
-
-    return _extremes(resolved, designs, extreme)
-
-
 def by_brentq(resolved, designs):
-    """Return extremes by scipy's brentq on the derivative."""
+    """Return extremes by scipy's brentq on the derivative, between the neighbours of the best sample."""
     from scipy.optimize import brentq
 
-    def extreme(value, quantity, sign, low, high):
-        slope = derivative_name(quantity, resolved.catalogue.position.name)
-        if not value(slope, low) * value(slope, high) < 0.0:
-            return np.nan
-        return value(quantity, brentq(lambda t: value(slope, t), low, high, xtol=1e-15))
-
-    return _extremes(resolved, designs, extreme)
-
-
-def _extremes(resolved, designs, extreme):
-    """Return what a search finds between the neighbours of the best sample, for each design and branch."""
     catalogue, request = resolved.catalogue, resolved.plan.outputs[0].request
     quantity, sign = request.quantity, request.reduction.sign
+    slope = derivative_name(quantity, catalogue.position.name)
     curves, inputs = curves_by_numpy(resolved, designs), resolved.space.at(np.arange(designs))
     step = resolved.positions[1] - resolved.positions[0]
     result = np.full(curves.shape[:2], np.nan)
@@ -197,21 +175,20 @@ def _extremes(resolved, designs, extreme):
                 return float(read_facts(catalogue, [name], at, resolved.plan.variants)[name])
 
         middle = resolved.positions[int(np.nanargmax(sign * curves[design, k]))]
-        result[design, k] = extreme(value, quantity, sign, middle - step, middle + step)
+        low, high = middle - step, middle + step
+        if value(slope, low) * value(slope, high) < 0.0:
+            place = brentq(lambda t, value=value: value(slope, t), low, high, xtol=1e-15)
+            result[design, k] = value(quantity, place)
     return result
 
 
 def all_methods(subject):
     """Return fastlink's methods for a quantity, and those that it does not offer."""
     methods, output = methods_for(subject, with_numpy=True), subject.resolve().plan.outputs[0]
-    if not output.axes:
-        return methods
-    if output.request.reduction is None:
-        relaxed = Method("eliminated, relaxed", job=relaxed_job)
-        return [*methods, relaxed, Method("NumPy, single precision", baseline=by_numpy_single)]
-    methods.append(Method(f"{USUAL} angles, relaxed", SAMPLED, job=relaxed_job))
-    methods.append(Method("scipy, minimize_scalar", SAMPLED, baseline=by_minimize))
-    if output.refined:
+    if output.axes and output.request.reduction is None:
+        methods.append(Method("eliminated, relaxed", job=relaxed_job))
+        methods.append(Method("NumPy, single precision", baseline=by_numpy_single))
+    elif output.axes and output.refined:
         methods.append(Method("refined, relaxed", job=relaxed_job))
         methods.append(Method("scipy, brentq", SAMPLED, baseline=by_brentq))
     return methods

@@ -23,9 +23,9 @@ NEAR, GOOD = 5.9138 - 5.7299, 1.0 - 0.032
 
 @pytest.fixture(scope="module")
 def maps(tmp_path_factory):
-    """The shipped study with 4096 designs."""
+    """The shipped study with 1024 designs."""
     folder = tmp_path_factory.mktemp("study")
-    text = re.sub(r"^n = \d+$", "n = 4096", STUDY.read_text(encoding="utf-8"), flags=re.MULTILINE)
+    text = re.sub(r"^n = \d+$", "n = 1024", STUDY.read_text(encoding="utf-8"), flags=re.MULTILINE)
     (folder / STUDY.name).write_text(
         text.replace('"force_hypothesis.h5"', f'"{folder}/found.h5"'), encoding="utf-8"
     )
@@ -75,7 +75,7 @@ def test_the_example_of_the_paper():
 
 
 def test_the_answers_of_the_documentation(maps):
-    """Shares of the million designs, within four standard deviations of these 4096."""
+    """Shares of the million designs, within four standard deviations of these 1024."""
     found = fl.planar.force_hypothesis(maps).isel(branch=0)
     near = found.distance <= NEAR
     good = found.ratio >= GOOD

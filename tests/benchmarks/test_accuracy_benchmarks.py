@@ -40,9 +40,6 @@ def test_relaxed_kernels_and_scipy_find_the_extremes_of_cranks(errors):
     found = errors["omega4_max"]
     assert found["refined, relaxed"] < SMALL
     assert found["scipy, brentq"] < SMALL
-    # where the slope is flat, the value is right to the square of the tolerance of the place
-    assert found["scipy, minimize_scalar"] < SMALL
-    assert found["360 angles, relaxed"] == pytest.approx(found["360 angles"], rel=1e-6)
 
 
 @pytest.mark.stress

@@ -230,7 +230,7 @@ def everything(lengths: np.ndarray) -> np.ndarray:
     return lengths.min(axis=0) > 0
 
 
-FAMILIES: dict[str, Callable[[Rng, int], np.ndarray]] = {
+LINKAGES: dict[str, Callable[[Rng, int], np.ndarray]] = {
     "crank": kept(uniform, lambda x: grashof(x) & shortest(x, (1,))),
     "drag-link": kept(uniform, lambda x: grashof(x) & shortest(x, (4,))),
     "rocker input": kept(uniform, lambda x: grashof(x) & shortest(x, (2, 3))),

@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 from tests.mechanisms.test_extremes import near_cusps
-from tests.support.configurations import FAMILIES, LENGTHS
+from tests.support.configurations import LENGTHS, LINKAGES
 from tests.support.exact_extrema import LISTED, exact_extrema
 from tests.support.neighbourhoods import folded_planar_4r
 
@@ -168,7 +168,7 @@ CLOSE_PAIRS = {
 def test_lists_of_rates_hold_the_exact_extremes(rate, few, part):
     """Of linkages of every class and near change points, of whole lengths, and of close pairs."""
     close = [[float.fromhex(length) for length in text.split()] for text in CLOSE_PAIRS[rate]]
-    drawn = [FAMILIES[family](np.random.default_rng(few + k), few) for k, family in enumerate(FAMILIES)]
+    drawn = [LINKAGES[family](np.random.default_rng(few + k), few) for k, family in enumerate(LINKAGES)]
     lengths = np.concatenate([*drawn, whole(5)[:, ::part], np.array(close).T], axis=1)
     differ, silent, _ = differing(by_lengths(lengths), rate)
     assert (differ, silent) == (0, 0)
@@ -359,7 +359,7 @@ def listed(designs, names, **options):
 
 
 def test_the_input_speed_scales_and_turns_the_extrema_round():
-    lengths = FAMILIES["crank"](np.random.default_rng(96), 50)
+    lengths = LINKAGES["crank"](np.random.default_rng(96), 50)
     one, other = (listed(by_lengths(lengths, omega1), RATES) for omega1 in (1.0, -4.0))
     for rate in RATES:
         factor = -4.0 if rate.startswith("omega") else 16.0
