@@ -23,6 +23,29 @@ def sample(n=3000):
     return fl.sobol(n, RANGES, seed=2)
 
 
+GRID = fl.grid(
+    a1=np.linspace(0.1, 0.5, 5), omega1=[1.0, 3.0, 7.0], a2=np.linspace(0.8, 1.3, 7), a3=0.8, a4=1.0
+)
+#: The angle that no design of the last part has.
+HARD = {"minimise": "omega4_max", "where": {"a1": (None, 0.2), "swing_deg": (20, None)}, "refine": False}
+SEARCHES = {
+    "one objective": (sample(), {**ONE, "top": 2}),
+    "front": (sample(1000), {**FRONT, "refine": False}),
+    "front, refined": (sample(64), FRONT),
+    "an axis that scales": (GRID, {**HARD, "where": {**HARD["where"], "branch": (1, 2)}, "branch": [1, 2]}),
+    "table": (
+        fl.table({"a1": np.linspace(0.1, 0.5, 40), "a2": np.linspace(1.3, 0.8, 40), "part": [*map(str, range(40))]})
+        .with_constants({"a3": 0.8, "a4": 1.0, "omega1": 1.0}),
+        {**HARD, "top": 3, "refine": True},
+    ),
+    "positions": (
+        sample(20),
+        {"maximise": "F21", "where": {"theta1_deg": (30, 170)}, "top": 2, "theta1": np.linspace(0.5, 3.0, 24),
+         "links": fl.round_bar(density=7750.0, radius=0.01), "branch": [1, 2]},
+    ),
+}  # fmt: skip
+
+
 def check_rows(found, best):
     """The rows of a search are those of the best of a map."""
     assert found.sizes["design"] == best.sizes["design"]
@@ -53,36 +76,18 @@ def test_it_finds_the_best_of_a_map(maps, asked, block, threads):
     assert attrs["searched_design_seed"] == 2
 
 
-@pytest.mark.parametrize(
-    "space",
-    [
-        fl.grid(a1=np.linspace(0.1, 0.5, 5), omega1=[1.0, 2.0, 4.0], a2=np.linspace(0.8, 1.3, 7), a3=0.8, a4=1.0),
-        fl.table({"a1": np.linspace(0.1, 0.5, 9), "a2": np.linspace(1.3, 0.8, 9), "part": [*"abcdefghi"]})
-        .with_constants({"a3": 0.8, "a4": 1.0}).with_axis("omega1", [1.0, 2.0]),
-    ],
-    ids=["an axis that scales", "a table with labels"],
-)  # fmt: skip
-@pytest.mark.parametrize("block", [None, 4])
-def test_of_grids_and_tables_in_both_modes(space, block):
-    asked = {"minimise": "omega4_max", "where": {"theta4_max": (0.1, None), "branch": (1, 2)}, "top": 7}
-    whole = fl.sweep("planar_4r", space, ["omega4_max", "theta4_max"], progress=False)
-    found = fl.search("planar_4r", space, **asked, refine=False, block=block, branch=[1, 2])
-    best = fl.best(whole, **asked)
-    check_rows(found, best)
+@pytest.mark.parametrize("of", SEARCHES)
+def test_of_every_space_in_every_way(of):
+    space, asked = SEARCHES[of]
+    names = ["F21"] if of == "positions" else NAMES
+    choice = {key: asked[key] for key in ("minimise", "maximise", "where", "top") if key in asked}
+    of_sweep = {key: asked[key] for key in ("theta1", "links") if key in asked}
+    whole = fl.sweep("planar_4r", space, names, **of_sweep, branch=asked.get("branch", 1), progress=False)
+    found = fl.search("planar_4r", space, names, **asked, block=4)
+    check_rows(found, fl.best(whole, **choice, refine=asked.get("refine", True)))
 
 
-def test_rows_at_each_position():
-    space, asked = sample(20), {"maximise": "omega4", "where": {"theta1": (0.5, 3.0)}, "top": 2}
-    whole = fl.sweep("planar_4r", space, ["omega4"], theta1=24, branch=[1, 2], progress=False)
-    found = fl.search("planar_4r", space, **asked, theta1=24, branch=[1, 2], refine=False)
-    check_rows(found, fl.best(whole, **asked))
-    finer = fl.search("planar_4r", space, **asked, theta1=24, branch=[1, 2])
-    check_rows(finer, fl.best(whole, **asked, refine=True))
-
-
-def test_refined_designs_are_those_of_the_best_of_a_map(maps):
-    found = fl.search("planar_4r", sample(), NAMES, **ONE, top=2)
-    check_rows(found, fl.best(maps, **ONE, top=2, refine=True))
+def test_refined_designs_keep_to_bounds_and_inputs():
     narrow = fl.search("planar_4r", sample(), NAMES, **ONE, top=2, bounds={"a2": (0.9, 1.0)}, refine="a2")
     start = fl.search("planar_4r", sample(), NAMES, **ONE, top=2, refine=False)
     low, high = min(float(start.a2.min()), 0.9), max(float(start.a2.max()), 1.0)
@@ -256,28 +261,6 @@ def test_parts_of_a_study_are_joined(folder):
 
 
 # -- parts, and the workers of a cluster ------------------------------------------------------------
-
-GRID = fl.grid(
-    a1=np.linspace(0.1, 0.5, 5), omega1=[1.0, 3.0, 7.0], a2=np.linspace(0.8, 1.3, 7), a3=0.8, a4=1.0
-)
-#: The angle that no design of the last part has.
-HARD = {"minimise": "omega4_max", "where": {"a1": (None, 0.2), "swing_deg": (20, None)}, "refine": False}
-SEARCHES = {
-    "one objective": (sample(), {**ONE, "top": 2}),
-    "front": (sample(1000), {**FRONT, "refine": False}),
-    "front, refined": (sample(64), FRONT),
-    "an axis that scales": (GRID, {**HARD, "branch": [1, 2]}),
-    "table": (
-        fl.table({"a1": np.linspace(0.1, 0.5, 40), "a2": np.linspace(1.3, 0.8, 40), "part": [*map(str, range(40))]})
-        .with_constants({"a3": 0.8, "a4": 1.0, "omega1": 1.0}),
-        {**HARD, "top": 3, "refine": True},
-    ),
-    "positions": (
-        sample(20),
-        {"maximise": "F21", "where": {"theta1_deg": (30, 170)}, "top": 2, "theta1": np.linspace(0.5, 3.0, 24),
-         "links": fl.round_bar(density=7750.0, radius=0.01), "branch": [1, 2]},
-    ),
-}  # fmt: skip
 
 
 def check_same(found, whole):

@@ -1105,25 +1105,20 @@ class Refinement:
         kept = [one.row for one in ends]
         own = whole(kept) if whole is not None else found.isel({DESIGN: kept})
         designs = np.array([one.design for one in ends]).reshape(-1, len(self.inputs)).T
-        return self._labelled(self._again(own, designs), own, ends, found.sizes[DESIGN])
+        return self._labelled(self._recomputed(own, designs), own, ends, found.sizes[DESIGN])
 
     def _starts(self, found: xr.Dataset, searched: int, top: int | None) -> Starts | range:
         """Return the numbers of the rows from which to start."""
         if top is None:
             return range(found.sizes[DESIGN])
         inputs = np.array([found[name].values for name in self.inputs])
-        changing = [self.inputs.index(span.name) for span in self.spans]
-        other = [k for k in range(len(self.inputs)) if k not in changing]
-        followers = {name for span in self.spans for name, _ in span.followers}
-        other = [k for k in other if self.inputs[k] not in followers]
-        codes = [
-            str(n)
-            for n in found.coords
-            if n not in self.inputs and found[n].dtype.kind in "iuf" and n != DESIGN
-        ]
-        fixed = [inputs[k] for k in other] + [
-            np.broadcast_to(found[name].values, inputs.shape[1]) for name in codes
-        ]
+        changing = {
+            name for span in self.spans for name in (span.name, *(other for other, _ in span.followers))
+        }
+        fixed = [values for name, values in zip(self.inputs, inputs, strict=True) if name not in changing]
+        for name, coord in found.coords.items():
+            if name not in (*self.inputs, DESIGN) and coord.dtype.kind in "iuf":
+                fixed.append(np.broadcast_to(coord.values, inputs.shape[1]))
         groups = [*zip(*fixed, strict=True)] or [()] * inputs.shape[1]
         return Starts(self._shares(inputs).T, groups, searched, top)
 
@@ -1180,17 +1175,11 @@ class Refinement:
     def _reader(self, row: xr.Dataset) -> Results:
         """Return what computes the results of a row, the same for all rows of one assembly mode."""
         branch = int(row[BRANCH]) if BRANCH in row.variables else 1
-        links = self.model.options.get("links")
-        own = {} if links is None else links.values
-        catalogue = self.model.catalogue
-        fixed = {
-            name: float(row[name])
-            for name in (
-                *catalogue.known_inputs(catalogue.variant_inputs),
-                *filter(is_tolerance, map(str, row.coords)),
-            )
-            if name in row.variables and name not in self.inputs and name not in own
-        }
+        links, catalogue = self.model.options.get("links"), self.model.catalogue
+        given = {*self.inputs, *({} if links is None else links.values)}
+        inputs = catalogue.known_inputs(catalogue.variant_inputs)
+        stated = [*inputs, *filter(is_tolerance, map(str, row.coords))]
+        fixed = {name: float(row[name]) for name in stated if name in row.variables and name not in given}
         key = (branch, *fixed.items())
         if key not in self._readers:
             names = tuple(one.name for one in self.results if one.name not in self.inputs)
@@ -1199,7 +1188,7 @@ class Refinement:
             self._readers[key] = Results(self.model, names, pointwise, tuple(self.inputs), branch, **options)
         return self._readers[key]
 
-    def _again(self, found: xr.Dataset, designs: NDArray[np.float64]) -> xr.Dataset:
+    def _recomputed(self, found: xr.Dataset, designs: NDArray[np.float64]) -> xr.Dataset:
         """Return the designs with other inputs, and all their results anew, to the bits of a sweep."""
         names = [str(name) for name in found.data_vars if self._request(str(name)) is not None]
         others = [name for name in found.data_vars if name not in names]
@@ -1213,16 +1202,8 @@ class Refinement:
             groups.setdefault(id(reader), (reader, []))[1].append(row)
         for reader, rows in groups.values():
             pointwise = tuple(name in self.pointwise for name in names)
-            whole = Results(
-                self.model,
-                tuple(names),
-                pointwise,
-                reader.inputs,
-                reader.branch,
-                reader.codes,
-                reader.at_position,
-            )
-            for name, column in zip(names, whole.values(designs[:, rows]).T, strict=True):
+            every = replace(reader, names=tuple(names), pointwise=pointwise)
+            for name, column in zip(names, every.values(designs[:, rows]).T, strict=True):
                 values[name][rows] = column
         for name in names:
             result[name] = (DESIGN,), values[name], _unmeasured(found[name].attrs)

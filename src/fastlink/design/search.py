@@ -357,7 +357,7 @@ def found_by(
     about |= {"threads": cluster.threads} if cluster else {}
     whole = None
     if of:
-        result, whole = request.of_part(stream, kept, of, about), request.whole(stream, kept, verify)
+        result, whole = request.of_part(stream, kept, of, about), request.for_joining(stream, kept, verify)
     else:
         if unfinished is not None and not len(kept.rows):
             unfinished.remove()
@@ -387,12 +387,12 @@ def finished(
     finally:
         if refining:
             refining.close()
-    told, refinement = result.attrs.pop("selection", ""), time.perf_counter() - swept
+    refined, refinement = result.attrs.pop("selection", ""), time.perf_counter() - swept
     result.attrs |= {**request.about(), **request.counts(stream, kept, request.size), **about}
     result.attrs |= {"run_time_s": about["run_time_s"] + refinement, "refinement_time_s": refinement}
     for name in ("configurations", "configurations_per_second", "set_up_time_s"):
         result.attrs.pop(name, None)
-    result.attrs["selection"] = f"{request.selection(kept, request.size)}{told}"
+    result.attrs["selection"] = f"{request.selection(kept, request.size)}{refined}"
     return result
 
 
@@ -534,8 +534,8 @@ class Request:
     #: Of a search that parts make together: the numbers of the designs of `resolved`, which are those that were
     # kept.
     numbers: NDArray[np.int64] | None = None
-    #: Its fingerprint.
-    known: str = ""
+    #: The fingerprint of a search that parts make together.
+    joined_fingerprint: str = ""
 
     @property
     def along(self) -> dict[str, NDArray[Any]]:
@@ -551,8 +551,8 @@ class Request:
     @property
     def fingerprint(self) -> str:
         """A hash of all that the result depends on."""
-        if self.known:
-            return self.known
+        if self.joined_fingerprint:
+            return self.joined_fingerprint
         choice = self.choice
         aims = [(one.array.name, one.sign) for one in choice.objectives]
         wanted = [(one.array.name, one.codes, one.low, one.high) for one in choice.wanted]
@@ -641,7 +641,7 @@ class Request:
             result.attrs["selection"] += "; none is kept, and the first row stands here"
         return result
 
-    def whole(self, stream: Stream, kept: Kept, verify: int | None) -> xr.Dataset:
+    def for_joining(self, stream: Stream, kept: Kept, verify: int | None) -> xr.Dataset:
         """Return what a part tells to those that join it: the request, and what it has kept, as `of_part` has it."""
         columns, _ = self.columns(stream, np.zeros(1, dtype=np.int64))
         links, left_out = self.options.get("links"), {"threads", "links", "backend"}
@@ -905,7 +905,7 @@ def request_of_parts(parts: Sequence[PartFile], own: Any = None) -> tuple[Reques
             Span(a, low, high, tuple(map(tuple, f)), t) for a, low, high, f, t in about["spans"]
         ]
     request = request_of(mechanism, space, about["quantities"], asked, positions={}, **options)
-    request.numbers, request.known = every[order], parts[0].of.whole
+    request.numbers, request.joined_fingerprint = every[order], parts[0].of.whole
     request.size, request.origin = about["size"], about["origin"]
     request.attrs = {name: attrs[name] for name in about["attrs"]}
     return request, kept, about["verify"]
@@ -926,7 +926,7 @@ def request_of(
     bounds = _ranges(asked["bounds"], problems)
     resolved, others = None, list[str]()
     with problems.at():
-        others = [] if _is_nothing(quantities) else list(check_names("quantities", quantities))
+        others = [] if _is_empty_list(quantities) else list(check_names("quantities", quantities))
         resolve(mechanism, space, [*others, *(n for n in names if n not in others)] or [STATUS], **of_sweep)
         resolved = resolve(mechanism, space, names or [STATUS], **of_sweep)
     problems.stop()
@@ -953,7 +953,7 @@ def request_of(
     return request
 
 
-def _is_nothing(names: Any) -> bool:
+def _is_empty_list(names: Any) -> bool:
     return isinstance(names, (list, tuple)) and not names
 
 

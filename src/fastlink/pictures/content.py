@@ -461,9 +461,9 @@ def page_of(content: dict[str, Any], nonce: str = "") -> str:
 
     mechanism = content["mechanism"]
     facts = mechanism["script"] if mechanism else "{}"
-    told = {**content, "mechanism": mechanism and {**mechanism, "script": ""}}
+    shown = {**content, "mechanism": mechanism and {**mechanism, "script": ""}}
     # a text of the map must not end the script
-    data = json.dumps(told, allow_nan=False).replace("<", "\\u003c")
+    data = json.dumps(shown, allow_nan=False).replace("<", "\\u003c")
     scripts = [filled(text(f"{name}.js"), {"/*FACTS*/": facts}) for name in SCRIPTS]
     script = "\n".join([f"const content = {data};", *scripts])
     return filled(text("page.html"), {"NONCE": nonce, "/*STYLE*/": text("style.css"), "/*SCRIPT*/": script})

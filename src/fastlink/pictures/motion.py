@@ -333,10 +333,6 @@ class Euclidean:
             )
         return [(centre + radius * np.stack([np.cos(turn), np.sin(turn)], axis=-1), True)]
 
-    def distance(self, vector: Any) -> Any:
-        """Return the length of vectors."""
-        return np.hypot(vector[..., 0], vector[..., 1])
-
     def curvature(self, slope: Any, bend: Any) -> Any:
         """Return the vector of curvature of a curve by its first two derivatives: along the normal."""
         across = np.stack([-slope[..., 1], slope[..., 0]], axis=-1)
@@ -356,11 +352,6 @@ class Minkowskian:
         t = np.linspace(-REACH, REACH, CIRCLE_POINTS)
         arm = radius * np.stack([np.cosh(t), np.sinh(t)], axis=-1)
         return [(centre + arm, True), (centre - arm, False)]
-
-    def distance(self, vector: Any) -> Any:
-        """Return the length of spacelike vectors."""
-        x, y = vector[..., 0], vector[..., 1]
-        return np.sqrt(np.abs(x - y)) * np.sqrt(np.abs(x + y))
 
     def curvature(self, slope: Any, bend: Any) -> Any:
         """Return the vector of curvature: along the line that is normal in the sense of the metric."""

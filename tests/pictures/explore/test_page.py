@@ -86,6 +86,24 @@ def values(tab):
     )
 
 
+def shown_cells(tab, of="view.values"):
+    """Return the values of a picture."""
+    return np.array(state(tab, f"Array.from({of}, String)"), dtype=float)
+
+
+def cells_of(path, **at):
+    """Return the values of the map that its first picture shows."""
+    with fl.open(path) as maps:
+        return maps.omega4_max.isel(branch=0, **at).transpose("a3", "a2").values.astype("f4").ravel()
+
+
+def middle(tab):
+    """Point at the middle of the picture, and return the design there."""
+    point(tab, 0.5, 0.5)
+    settled(tab, "design.at.a2 === 7 && design.at.a3 === 6")
+    return {"a1": 0.4, "a2": np.linspace(0.8, 1.5, 15)[7], "a3": np.linspace(0.4, 1.3, 13)[6], "a4": 1.0}
+
+
 def test_it_shows_the_map_and_the_values_under_the_cursor(tab, path):
     assert tab.locator("#choose-name").input_value() == "omega4_max"
     assert (state(tab, "state.x"), state(tab, "state.y")) == ("a2", "a3")
@@ -109,50 +127,32 @@ def test_it_shows_the_map_and_the_values_under_the_cursor(tab, path):
 def test_the_pixels_have_the_colours_of_the_values(tab, path):
     """The colour at the middle of each cell is that of its value, the first row below."""
     colours = tab.evaluate(PIXELS)
-    with fl.open(path) as maps:
-        cells = maps.omega4_max.isel(a1=1, branch=0).transpose("a3", "a2").values.astype("f4").ravel()
-    wanted = tab.evaluate("cells => cells.map(one => painter(view.scale)(one === null ? NaN : one))",
-                          [None if np.isnan(one) else float(one) for one in cells])  # fmt: skip
-    assert colours == wanted
+    cells = [None if np.isnan(one) else float(one) for one in cells_of(path, a1=1)]
+    painted = "cells => cells.map(one => painter(view.scale)(one === null ? NaN : one))"
+    assert colours == tab.evaluate(painted, cells)
     assert len({tuple(one) for one in colours}) > 20
 
 
 def test_a_slider_shows_another_slice(tab, path):
-    before = state(tab, "Array.from(view.values).map(String)")
+    np.testing.assert_array_equal(shown_cells(tab), cells_of(path, a1=1))
     tab.locator("#slide-a1").focus()
     tab.keyboard.press("ArrowLeft")
     settled(tab, "!loading && design.at.a1 === 0")
-    assert state(tab, "Array.from(view.values).map(String)") != before
-    with fl.open(path) as maps:
-        cells = maps.omega4_max.isel(a1=0, branch=0).transpose("a3", "a2").values.astype("f4").ravel()
-    np.testing.assert_array_equal(state(tab, "Array.from(view.values, String)"), [
-        "NaN" if np.isnan(one) else tab.evaluate("x => String(x)", float(one)) for one in cells])  # fmt: skip
+    np.testing.assert_array_equal(shown_cells(tab), cells_of(path, a1=0))
 
 
-def test_the_mechanism_is_that_of_the_design_under_the_cursor(tab):
-    point(tab, 0.5, 0.5)
-    settled(tab, "design.at.a2 === 7 && design.at.a3 === 6")
+def test_the_mechanism_is_that_of_the_design_under_the_cursor_and_its_extremes_are_marked(tab):
+    design = middle(tab)
     place = state(tab, "design.motion.places(0.7, 1)")
-    a2, a3 = np.linspace(0.8, 1.5, 15)[7], np.linspace(0.4, 1.3, 13)[6]
-    true = fl.evaluate(
-        "planar_4r", ["A_x", "A_y", "B_x", "B_y"], a1=0.4, a2=a2, a3=a3, a4=1.0, theta1=0.7, branch=1
-    )
+    true = fl.evaluate("planar_4r", ["A_x", "A_y", "B_x", "B_y"], **design, theta1=0.7, branch=1)
     np.testing.assert_allclose([*place["A"], *place["B"]], list(true.values()), rtol=1e-12)
-    # and it is drawn: ink of the assembly mode on the canvas
-    ink = tab.evaluate(INK)
-    assert ink > 300
-
-
-def test_every_extreme_of_a_curve_is_marked_where_it_is(tab):
-    point(tab, 0.5, 0.5)
-    settled(tab, "design.at.a2 === 7 && design.at.a3 === 6")
+    assert tab.evaluate(INK) > 300  # and it is drawn: ink of the assembly mode on the canvas
     marks, bends = (
         [one["value"] for one in state(tab, f"design.motion.{of}', 1, design.motion.curve('{name}', 1))")]
         for name, of in (("omega4", "extremes('omega4"), ("jerk4", "bends('jerk4"))
     )
-    a2, a3 = np.linspace(0.8, 1.5, 15)[7], np.linspace(0.4, 1.3, 13)[6]
-    space = fl.grid(a1=0.4, a2=a2, a3=a3, a4=1.0, omega1=10.0)
-    true = fl.sweep("planar_4r", space, ["omega4_max", "omega4_min", "jerk4_extrema"], branch=1, verify=0)
+    names = ["omega4_max", "omega4_min", "jerk4_extrema"]
+    true = fl.sweep("planar_4r", fl.grid(**design, omega1=10.0), names, branch=1, verify=0)
     # the place of an extreme is found to the root of a rounding, its value to its square
     np.testing.assert_allclose(marks, [true.omega4_max, true.omega4_min], rtol=1e-12)
     expected = true.jerk4_extrema.values[np.isfinite(true.jerk4_extrema.values)]
@@ -362,7 +362,7 @@ def test_a_cell_of_many_designs_shows_their_mean_once_a_slider_rests(browser, tm
         for pool, merge in (("mean", np.nanmean), ("least", np.nanmin), ("greatest", np.nanmax)):
             tab.locator("#choose-pool").select_option(pool)
             settled(tab, f"!loading && view.pooled === '{pool}'")
-            found = np.reshape(np.array(state(tab, "Array.from(view.values, String)"), float), (2, -1)).T
+            found = shown_cells(tab).reshape(2, -1).T
             with warnings.catch_warnings(action="ignore", category=RuntimeWarning):
                 np.testing.assert_allclose(found, merge(cells, axis=1), rtol=2.0**-22)
         tab.locator("#choose-pool").select_option("one")
