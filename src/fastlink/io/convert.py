@@ -891,11 +891,8 @@ def _quantities(maps: xr.Dataset, quantities: Any) -> list[str]:
 
 def _check_texts(maps: xr.Dataset, form: str, problems: Problems) -> None:
     """Note names, attributes and labels that no file can hold; HDF5 reads bytes that are no letters as such."""
-    attrs = {
-        (str(name), str(key)): value
-        for name, one in {"": maps, **maps.variables}.items()
-        for key, value in one.attrs.items()
-    }
+    of_all = {"": maps.attrs, **{str(name): one.attrs for name, one in maps.variables.items()}}
+    attrs = {(name, str(key)): value for name, one in of_all.items() for key, value in one.items()}
     for (name, key), value in attrs.items():
         if not isinstance(value, str) and (fault := fault_of_value(value)):
             of = f" of {name}" if name else ""
@@ -905,9 +902,9 @@ def _check_texts(maps: xr.Dataset, form: str, problems: Problems) -> None:
         texts.append((f"the name of {key!r}", key))
         if isinstance(value, str):
             texts.append((f"{name}: {key}" if name else key, value))
-    for name, one in maps.coords.items():
+    for dim, one in maps.coords.items():
         if one.dtype.kind in "OU":
-            texts += [(str(name), label) for label in map(str, one.values.flat)]
+            texts += [(str(dim), label) for label in map(str, one.values.flat)]
     for what, text in texts:
         if sign := unwritable(text):
             remedy = "open it by fastlink.open, write letters alone there, and convert that"
