@@ -177,17 +177,12 @@ class Source:
         self, maps: xr.Dataset, selection: Selection, names: Sequence[str], dtype: np.dtype[Any] | None
     ) -> None:
         self._maps, self._indexers = maps, selection.indexers
-        coords = maps.drop_vars([name for name in maps.data_vars if name not in names])
-        used = {dim for name in names for dim in maps[name].dims}
+        indexers = {
+            dim: slice(one.start, one.stop, one.step) if isinstance(one, range) else one
+            for dim, one in selection.indexers.items()
+        }
         # a dimension that no variable has tells nothing
-        coords = coords.drop_vars([n for n, one in coords.coords.items() if not set(one.dims) <= used])
-        coords = coords.drop_vars(list(coords.data_vars)).isel(
-            {
-                dim: slice(one.start, one.stop, one.step) if isinstance(one, range) else one
-                for dim, one in selection.indexers.items()
-                if dim in coords.dims
-            }
-        )
+        coords = maps[list(names)].drop_vars(names).isel(indexers, missing_dims="ignore")
         _check_kinds([maps[name] for name in names], list(coords.coords.values()))
         long = [
             str(name)
@@ -897,26 +892,19 @@ def _quantities(maps: xr.Dataset, quantities: Any) -> list[str]:
 def _check_texts(maps: xr.Dataset, form: str, problems: Problems) -> None:
     """Note names, attributes and labels that no file can hold; HDF5 reads bytes that are no letters as such."""
     of_all = {"": maps.attrs, **{str(name): one.attrs for name, one in maps.variables.items()}}
-    for name, attrs in of_all.items():
-        for key, value in attrs.items():
-            if not isinstance(value, str) and (fault := fault_of_value(value)):
-                of = f" of {name}" if name else ""
-                problems.add(f"the attribute {key!r}{of} {fault}", ("maps",), f"{PLAIN}, or remove it")
-    texts = [(repr(name), name) for name in of_all]
-    of_all = {} if form == "csv" else of_all  # which holds none
-    texts += [(f"the name of {key!r}", str(key)) for attrs in of_all.values() for key in attrs]
-    texts += [
-        (f"{name}: {key}" if name else str(key), value)
-        for name, attrs in of_all.items()
-        for key, value in attrs.items()
-        if isinstance(value, str)
-    ]
-    texts += [
-        (str(name), label)
-        for name, one in maps.coords.items()
-        if one.dtype.kind in "OU"
-        for label in map(str, one.values.flat)
-    ]
+    attrs = {(name, str(key)): value for name, one in of_all.items() for key, value in one.items()}
+    for (name, key), value in attrs.items():
+        if not isinstance(value, str) and (fault := fault_of_value(value)):
+            of = f" of {name}" if name else ""
+            problems.add(f"the attribute {key!r}{of} {fault}", ("maps",), f"{PLAIN}, or remove it")
+    texts = [(repr(str(name)), str(name)) for name in maps.variables]
+    for (name, key), value in () if form == "csv" else attrs.items():  # CSV holds none
+        texts.append((f"the name of {key!r}", key))
+        if isinstance(value, str):
+            texts.append((f"{name}: {key}" if name else key, value))
+    for dim, one in maps.coords.items():
+        if one.dtype.kind in "OU":
+            texts += [(str(dim), label) for label in map(str, one.values.flat)]
     for what, text in texts:
         if sign := unwritable(text):
             remedy = "open it by fastlink.open, write letters alone there, and convert that"
