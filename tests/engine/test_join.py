@@ -270,9 +270,9 @@ def test_what_cannot_be_shown_is_refused_before_anything_is_written(tmp_path, gr
 
 # --- on the way ------------------------------------------------------------------------------------
 
-#: Sixteen processes at once, one of which is killed; each fault of a join.
+#: Six processes at once, one of which is killed; each fault of a join.
 PROCESSES = """
-import os, signal, sys, time
+import os, signal, sys, time, traceback
 from pathlib import Path
 import fastlink as fl
 from fastlink.io import partial_file
@@ -290,6 +290,9 @@ def forked(function):
             code = 2
         except KeyboardInterrupt:
             code = 130
+        except BaseException:
+            traceback.print_exc()
+            code = 1
         finally:
             os._exit(code)
     return child
@@ -303,17 +306,17 @@ def run(k, killed):
                 time.sleep(0.01)
             os.kill(os.getpid(), signal.SIGKILL)
     Writer.record = counted
-    sweep(of, part=(k, 16), to=folder / f"m.part-{k:02}-of-16.h5", threads=1, block=4).close()
+    sweep(of, part=(k, 6), to=folder / f"m.part-{k}-of-6.h5", threads=1, block=4).close()
 
 def join(at, fault, to, copy):
     injector = Injector(at, fault)
     injector.install()
-    fl.join(folder / "m.part-*-of-16.h5", to=to, copy=copy).close()
+    fl.join(folder / "m.part-*-of-6.h5", to=to, copy=copy).close()
 
 of, folder = sys.argv[1], Path(sys.argv[2])
 partial_file.STEP_SECONDS = 0.0
-sweep(of, part=(1, 16))  # its kernels are loaded
-children = [forked(lambda: run(k, k == 5)) for k in range(1, 17)]
+sweep(of, part=(1, 6))  # its kernels are loaded
+children = [forked(lambda: run(k, k == 5)) for k in range(1, 7)]
 print([os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) for child in children])
 print([os.waitstatus_to_exitcode(os.waitpid(forked(lambda: run(5, False)), 0)[1])])
 for number, (at, fault, copy) in enumerate(eval(sys.argv[3])):
@@ -331,21 +334,21 @@ MANY = [
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
 @pytest.mark.parametrize("faults", [FEW, pytest.param(MANY, marks=pytest.mark.stress)], ids=["few", "many"])
-def test_sixteen_processes_at_once_and_a_join_that_fails_at_any_call(tmp_path, faults):
+def test_six_processes_at_once_and_a_join_that_fails_at_any_call(tmp_path, faults):
     command = [sys.executable, "-c", PROCESSES, "hundreds", str(tmp_path), repr(faults)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
     assert done.returncode == 0, done.stderr
     parts, again, *codes = map(eval, done.stdout.splitlines())
-    assert parts == [0, 0, 0, 0, -9] + [0] * 11
+    assert parts == [0, 0, 0, 0, -9, 0]
     assert again == [0]
-    with fl.open(tmp_path / "m.part-05-of-16.h5") as resumed:
+    with fl.open(tmp_path / "m.part-5-of-6.h5") as resumed:
         assert resumed.attrs["designs_of_earlier_runs"] >= 16
     with sweep("hundreds", to=tmp_path / "whole.h5") as whole:
         for number, (code, (_, fault, copy)) in enumerate(zip(codes, faults, strict=True)):
             to = tmp_path / f"joined-{number}.h5"
             assert code in {"kill": (-9, 0), "EIO": (2, 0), "interrupt": (130, 0)}[fault]
             assert to.exists() or code != 0
-            with fl.join(tmp_path / "m.part-*-of-16.h5", to=to, copy=copy) as joined:
+            with fl.join(tmp_path / "m.part-*-of-6.h5", to=to, copy=copy) as joined:
                 assert_same(joined, whole)
             assert fl.check(to)
     assert not [name for name in left_in(tmp_path) if ".h5." in name]

@@ -181,7 +181,8 @@ class Evaluation:
             options |= {"run": (self._fingerprint(attrs), self.resolved.space.size)}
             options |= {"whole": whole_coordinates(self.whole, *self.range)}
         with Writer(path, self._coordinates(), self._written, self._labelled(attrs), **options) as writer:
-            sink, remote = self._sink(show), list[Range]()
+            sink = self._sink(show)
+            remote: list[Range] = []
             resumed = self._replay(writer, writer.written, sink)
 
             def merge(written: Written) -> None:
