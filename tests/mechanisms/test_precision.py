@@ -35,7 +35,7 @@ def test_every_mechanism_and_input_is_tested_and_every_quantity(mechanism, drive
     entries = [entry for entry in ENTRIES if (entry.mechanism, entry.input) == (mechanism, drive)]
     assert entries, f"no entry of {mechanism} driven by {drive} in tests/support/registry.py"
     tested = {name for entry in entries for name in entry.names}
-    reasons = {name for entry in entries for name, reason in entry.elsewhere.items() if reason}
+    reasons = {name for entry in entries for name, reason in entry.left_out.items() if reason}
     assert tested | reasons >= set(entries[0].catalogue.public)
 
 

@@ -51,7 +51,7 @@ class Entry:
     #: What is tested; all that is public (and belongs to a design, if there is no position) unless it is given.
     quantities: tuple[str, ...] = ()
     #: What is not tested, and why.
-    elsewhere: Mapping[str, str] = field(default_factory=dict)
+    left_out: Mapping[str, str] = field(default_factory=dict)
     #: The greatest error in roundings of the result and of each input, see
     #: `fastlink.precision.reference.error_in_roundings`. The facts are chains of up to forty operations that do not
     #: cancel, and their errors mostly average out.
@@ -92,7 +92,7 @@ class Entry:
         names = self.quantities or tuple(
             name for name in self.catalogue.public if self.moves or not self.catalogue.varies(name)
         )
-        return tuple(name for name in names if name not in self.elsewhere)
+        return tuple(name for name in names if name not in self.left_out)
 
     def drawn(self, kind: str, seed: int, n: int) -> dict[str, np.ndarray]:
         """Return configurations of a family."""
@@ -159,7 +159,7 @@ PLANAR_4R = (
         multiple=16.0,
         # By the one short length, and of magnitudes where links turn nearly as one, forward mode cancels.
         slopes=dict.fromkeys(("two short 1e-4", "two short 1e-8"), 0.95),
-        elsewhere=dict.fromkeys(ACROSS, "is right to roundings of the force: test_planar_4r.py"),
+        left_out=dict.fromkeys(ACROSS, "is right to roundings of the force: test_planar_4r.py"),
     ),
     Entry(
         *("planar_4r", "theta1"),
@@ -186,7 +186,7 @@ PLANAR_4R = (
         about="designs of",
         families=families(by_name, configurations.CLASSES, configurations.LENGTHS, configurations.designs),
         # 0 N m of lengths alone: its units of mass and time are of no input.
-        elsewhere={"inertia_moment1": "is the number 0 unless alpha1 is given"},
+        left_out={"inertia_moment1": "is the number 0 unless alpha1 is given"},
         slopes={"random": 1.0},
         few=12,
         many=600,
@@ -237,7 +237,7 @@ MINKOWSKI_4R = (
         *("minkowski_4r", "theta"),
         about="designs of",
         families=families(minkowskian_designs, minkowski_designs.FAMILIES),
-        elsewhere=dict.fromkeys(("r_AX", "s_BX", "gamma"), "of the coupler point, which configurations have"),
+        left_out=dict.fromkeys(("r_AX", "s_BX", "gamma"), "of the coupler point, which configurations have"),
         long_chains=COSINES,
         slopes={"random": 1.0},
         looseness=10.0,
@@ -282,7 +282,7 @@ FOCAL = (
             | dict.fromkeys(("S_along_AB", "S_across_AB"), 16.0),
             # Of the longest bar: two ends of two coordinates, each right to 8 roundings, and the length itself.
             errors={"closure_residual": 40 * UNIT_ROUNDING},
-            elsewhere={"F_path_residual": "is measured by the reach of the dyads: test_focal_figure.py"},
+            left_out={"F_path_residual": "is measured by the reach of the dyads: test_focal_figure.py"},
         )
         for drive in focal_configurations.DRIVES
     ),
@@ -298,7 +298,7 @@ FOCAL = (
             ),
             few=8,
             many=300,
-            elsewhere={given: "is an input"},
+            left_out={given: "is an input"},
             kinks=("a = b, c = d", "a = c, b = d", "a = d, b = c", "rho near -1"),
         )
         for given in focal_designs.GIVEN

@@ -1,8 +1,6 @@
-"""Mass centres, the vectors r_ij of eq. (9), and the derivatives of v_i, against differences of positions."""
+"""Mass centres, the vectors r_ij of eq. (9) and inertias against differences of positions; what is printed of v."""
 
 from __future__ import annotations
-
-from itertools import pairwise
 
 import mpmath as mp
 import numpy as np
@@ -68,30 +66,6 @@ def test_inertia_forces_and_moments_are_what_newton_and_euler_ask_of_the_joints(
                 centre = whole_centre(bodies, i, frames)
                 about_centre = moment[i] - cross(centre, force[i])
                 assert abs(found[f"inertia_moment{i}"] - about_centre) <= RELATIVE * size
-
-
-def turns(bodies, time):
-    """v_i: the tangents of half the turns from link to link of the polygon O A B D."""
-    a, b, d, _ = bodies.at(time)
-    links = [-d, a, b - a, d - b, -d]
-    return [mp.tan(mp.arg(after / before) / 2) for before, after in pairwise(links)]
-
-
-@pytest.mark.parametrize("loads", [(), ("acceleration",)], ids="+".join)
-def test_derivatives_of_the_half_angle_tangents(loads):
-    names = [f"v{i}{of}" for i in (1, 2, 3, 4) for of in ("", "_dot", "_ddot")]
-    with mp.workdps(50):
-        for seed in range(4):
-            one = configuration(seed, loads)
-            bodies = Bodies(one)
-            found = facts(names, one)
-            places = zip(*(turns(bodies, t) for t in (-STEP, mp.mpf(0), STEP)), strict=True)
-            for i, (past, v, future) in enumerate(places, 1):
-                # v = tan of half an angle: its fourth derivative over its second grows like (1 + v^2)
-                allowed = RELATIVE * (1 + v * v) ** 2 * 100
-                assert abs(found[f"v{i}"] - v) <= allowed
-                assert abs(found[f"v{i}_dot"] - (future - past) / (2 * STEP)) <= allowed
-                assert abs(found[f"v{i}_ddot"] - (future - 2 * v + past) / STEP**2) <= allowed * 1000
 
 
 def test_the_printed_second_derivative_of_v_is_another():

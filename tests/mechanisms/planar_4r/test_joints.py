@@ -37,8 +37,8 @@ def configurations(drive, n):
     """Yield lengths and the facts of all joints of n configurations with 50 digits, away from dead points."""
     rng, known = np.random.default_rng(len(drive)), catalogue("planar_4r", drive)
     own = "1" if drive == "theta1" else drive[-1]
-    kinds = ("joint_angle", "v", "joint_omega", "joint_alpha")
-    names = [f"{kind}{'' if kind == 'v' else '_'}{k}" for k in JOINTS for kind in kinds]
+    kinds = ("joint_angle_{}", "v{}", "v{}_dot", "v{}_ddot", "joint_omega_{}", "joint_alpha_{}")
+    names = [kind.format(k) for k in JOINTS for kind in kinds]
     names = [name for name in names if name in known.public and name not in known.inputs]
     speed = "omega1" if drive == "theta1" else f"joint_omega_{own}"
     while n:
@@ -66,6 +66,8 @@ def test_the_six_equations_and_their_derivatives_hold(drive):
                 assert abs(x - mp.tan(joints[f"joint_angle_{i}"] / 2)) < EXACT * (1 + x**2)
                 dv[str(i)] = rate * (1 + x**2) / 2
                 ddv[str(i)] = (bend + x * rate**2) * (1 + x**2) / 2
+                for name, slope in ((f"v{i}_dot", dv[str(i)]), (f"v{i}_ddot", ddv[str(i)])):
+                    assert abs(joints[name] - slope) < EXACT * (1 + x**2) ** 2
             factors = {
                 "A": (a - b + c - d, a + b + c - d),
                 "B": (a + b - c - d, a - b - c - d),
