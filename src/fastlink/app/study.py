@@ -984,14 +984,14 @@ def run_study(
             "part": part,
         }
         run |= {"threads": threads, "client": client, "progress": progress, "attrs": attrs}
-        of = study.mechanism, study.space, study.quantities
         if study.search is None:
             run["layout"] = layout or study.output.get("layout") or CURVES
-            return sweep(*of, **study.options, **run)
+            return sweep(study.mechanism, study.space, study.quantities, **study.options, **run)
         if layout is not None:
             remedy = "leave it out: a search keeps the best of all designs alone"
             raise InputError("is for maps, not for a search", where=("layout",), remedy=remedy)
-        return search(*of, **study.search, **{"branch": 1, **study.options}, **run)
+        run |= {"branch": 1, **study.options}
+        return search(study.mechanism, study.space, study.quantities, **study.search, **run)
     except InputError as error:
         if given.get(str(error.where[0]) if error.where else "") is not None:
             raise  # the caller's own, not the study's
