@@ -8,6 +8,7 @@ import xarray as xr
 from tests.support.refusals import refused
 
 import fastlink as fl
+from fastlink.app import accuracy as module
 from fastlink.app.accuracy import front
 from fastlink.numerics.compensated import UNIT_ROUNDING
 
@@ -23,6 +24,15 @@ omega1 = 25.0
 """
 # Of a curve as of an extreme: what tests/mechanisms/test_precision.py allows, times a condition number of at most 100.
 SMALL = 400 * UNIT_ROUNDING
+
+
+@pytest.fixture(scope="module", autouse=True)
+def few_rounds():
+    """Time each method for a moment only: no test is about how long it takes."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "MOST_ROUNDS", 2)
+        patch.setattr(module, "SECONDS", 1e-4)
+        yield
 
 
 @pytest.fixture(scope="module")

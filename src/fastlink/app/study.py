@@ -44,8 +44,8 @@ from fastlink.errors import (
 )
 from fastlink.facts.derivative import toleranced
 from fastlink.facts.own import TOO_LONG
-from fastlink.io.output_path import existing_file, exists_error
 from fastlink.io.partial_file import check_target
+from fastlink.io.place import existing_file, exists_error
 from fastlink.io.reader import is_hdf5, open_map
 from fastlink.mechanisms import NAMES, is_extension, name_of
 from fastlink.mechanisms import catalogue as find_catalogue
@@ -984,14 +984,14 @@ def run_study(
             "part": part,
         }
         run |= {"threads": threads, "client": client, "progress": progress, "attrs": attrs}
-        mechanism, space, names = study.mechanism, study.space, study.quantities
         if study.search is None:
             run["layout"] = layout or study.output.get("layout") or CURVES
-            return sweep(mechanism, space, names, **study.options, **run)
+            return sweep(study.mechanism, study.space, study.quantities, **study.options, **run)
         if layout is not None:
             remedy = "leave it out: a search keeps the best of all designs alone"
             raise InputError("is for maps, not for a search", where=("layout",), remedy=remedy)
-        return search(mechanism, space, names, **study.search, **{"branch": 1, **study.options}, **run)
+        run |= {"branch": 1, **study.options}
+        return search(study.mechanism, study.space, study.quantities, **study.search, **run)
     except InputError as error:
         if given.get(str(error.where[0]) if error.where else "") is not None:
             raise  # the caller's own, not the study's
