@@ -161,7 +161,7 @@ def both_branches(inputs):
 
 
 @examples(2 * FEW)
-@given(moderate(), st.integers(-50, 50))
+@given(moderate(), st.integers(-25, 25))
 def test_a_power_of_two_in_the_lengths_changes_no_bit(inputs, power):
     by = {name: power for name in ("a1", "a2", "a3", "a4", *POINTS)} | dict.fromkeys(INERTIAS, 2 * power)
     plain = both_branches(inputs)
