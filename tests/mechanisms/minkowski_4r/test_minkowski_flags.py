@@ -43,6 +43,10 @@ def beyond_the_doubles(names, inputs):
 def test_what_is_no_finite_number_has_a_flag(seed):
     inputs = adversarial(np.random.default_rng(seed), 20000 * seed**4)
     inputs["a"][0] = -1.0
+    inputs |= {name: np.append(values, np.ones(9)) for name, values in inputs.items()}
+    for k, name in enumerate("abgh"):  # a length below 3e-39 of the longest
+        inputs[name][-9:] = np.roll([1e-20, 1e20, 2e20, 1e20], k)[np.arange(9) % 4]
+    inputs["theta"][-9:] = np.linspace(1.0, 90.0, 9)
     found = fl.evaluate("minkowski_4r", ALL, branch=BRANCHES, allow_invalid=True, **inputs)
     beyond = beyond_the_doubles(COORDINATES, inputs)
     for name in ALL:
