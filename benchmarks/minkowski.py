@@ -110,8 +110,6 @@ def families(n, seed=0):
             x,
             sides * np.exp(rng.uniform(np.log(710), np.log(1e5), n)),
         ),
-        "lengths near 1e-150": (1e-150 * x, rng.uniform(-4, 4, n)),
-        "lengths near 1e150": (1e150 * x, rng.uniform(-4, 4, n)),
     }
 
 

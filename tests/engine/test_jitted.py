@@ -14,7 +14,7 @@ BAR = fl.round_bar(density=7750.0, radius=0.01)
 FIXED = {"a1": 0.4, "a4": 1.0, "omega1": 25.0}
 LENGTHS = np.random.default_rng(3).uniform(0.5, 1.5, (2, 150))
 LENGTHS[:, :4] = [[1.0, np.nan, -1.0, 0.0], [0.4, 1.0, 1.0, 1.0]]
-#: One design is so far from 1 that it is evaluated in units of its own.
+#: One design is beyond the range of numbers.
 FAR = LENGTHS * np.where(np.arange(150) == 9, 2.0**100, 1.0)
 
 

@@ -117,7 +117,7 @@ def masses(rng, n):
 def scaled(rng, design, names, inertias=()):
     """Give a share of the designs lengths far from 1, and inertias as they are with other units of length."""
     n = len(next(iter(design.values())))
-    by = np.where(rng.random(n) < 0.15, powers(rng, n, -120, 120), 1.0)
+    by = np.where(rng.random(n) < 0.15, powers(rng, n, -12, 11), 1.0)
     return (
         design
         | {name: design[name] * by for name in names}

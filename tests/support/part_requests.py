@@ -40,7 +40,7 @@ REQUESTS = {
         ["omega4_extrema"],
         {"branch": 1},
     ),
-    "designs far from 1": (
+    "tiny designs": (
         "planar_4r",
         lambda: fl.sobol(19, seed=1, a1=(3e-7, 5.0), a2=(1e-7, 1.4), a3=0.8e-6, a4=1e-6),
         ["theta4"],
