@@ -2,8 +2,6 @@
 
 import doctest
 import re
-import subprocess
-import sys
 
 import pytest
 from tests.support.refusals import refused
@@ -36,16 +34,6 @@ def results():
         labelled = variables(resolved.plan, resolved.space, resolved.positions.size)
         found[mechanism] = {variable.name: variable for variable in labelled}
     return found
-
-
-def test_the_documentation_is_written_by_the_module():
-    done = subprocess.run(
-        [sys.executable, "-m", "fastlink.app.report"],
-        capture_output=True,
-        check=True,
-        encoding="utf-8",
-    )
-    assert done.stdout == document()
 
 
 @pytest.mark.parametrize("name", NAMES)
