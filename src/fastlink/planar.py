@@ -1028,7 +1028,7 @@ def force_balance(
 
     Parameters
     ----------
-    design : mapping, pandas.DataFrame or xarray.Dataset, optional
+    design, **inputs : mapping, pandas.DataFrame or xarray.Dataset, or values by name
         The inputs of ``planar_4r`` by name: lengths, masses and mass centres, broadcast. Other inputs are not read.
     links : Links, optional
         The source of mass data that the design does not give.
@@ -1279,7 +1279,7 @@ def force_equations(
 
     Parameters
     ----------
-    design : mapping, pandas.DataFrame or xarray.Dataset, optional
+    design, **inputs : mapping, pandas.DataFrame or xarray.Dataset, or values by name
         Inputs of ``planar_4r`` by name, as in `fastlink.evaluate`: lengths, speed, masses, loads and
         ``theta1``.
     branch : int or array_like

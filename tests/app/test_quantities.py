@@ -2,7 +2,6 @@
 
 import doctest
 import re
-import runpy
 
 import pytest
 from tests.support.refusals import refused
@@ -29,12 +28,6 @@ def results(mechanism):
     resolved = resolve(mechanism, fl.table(drawn), names, angles=angles)
     labelled = variables(resolved.plan, resolved.space, resolved.positions.size)
     return {variable.name: variable for variable in labelled}
-
-
-@pytest.mark.filterwarnings("ignore:.*found in sys.modules")
-def test_the_documentation_is_what_the_module_writes(capsys):
-    runpy.run_module("fastlink.app.report", run_name="__main__")
-    assert capsys.readouterr().out == document()
 
 
 @pytest.mark.parametrize("mechanism", NAMES)

@@ -343,9 +343,6 @@ def _instead(catalogue: Catalogue, given: Input) -> str:
 
 # -- List the quantities and inputs of a mechanism, or find them by what they mean
 
-# ``python -m fastlink.app.report`` prints the documentation of all mechanisms.
-
-
 COLUMNS = ("name", "units", "dims", "meaning", "source")
 MEANING_WIDTH, SOURCE_WIDTH = 46, 34
 #: The least score of a name that is found, and its least share of the best one.
@@ -590,10 +587,6 @@ def _markdown_table(header: tuple[str, ...], rows: Sequence[tuple[str, ...]]) ->
     ]
     lines = [list(header), ["---"] * len(header), *quoted]
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
-
-
-if __name__ == "__main__":
-    print(document(), end="")
 
 
 # -- Say in a few lines what a sweep did, and what its map holds
