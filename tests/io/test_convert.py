@@ -156,6 +156,7 @@ SELECTIONS = {
     "the last": ({"a2": "#-1"}, {"a2": 4}),
     "numbers": ({"a2": "#1:4"}, {"a2": slice(1, 4)}),
     "every fifth": ({"theta1": "#::5"}, {"theta1": slice(0, 24, 5)}),
+    "every one": ({"a2": "#::1"}, {}),
     "degrees": ({"theta1_deg": "90:180"}, {"theta1": slice(6, 13)}),
     "an angle in degrees": ({"theta1_deg": 270}, {"theta1": 18}),
     "an assembly mode": ({"branch": 2}, {"branch": 1}),
@@ -291,7 +292,7 @@ def test_an_absent_value_of_an_axis_is_the_nearest_with_a_remark(grid, tmp_path)
     with pytest.warns(fl.InputWarning, match="the nearest, 0.5, is taken"):
         part = loaded(fl.convert(grid, tmp_path / "part.h5", select={"a1": 0.51}))
     assert float(part.a1) == 0.5
-    with pytest.warns(fl.InputWarning, match="theta1_deg"):
+    with pytest.warns(fl.InputWarning, match=r"\[-30.0, 30.0\] is taken.*theta1_deg"):
         fl.convert(grid, tmp_path / "radians.h5", select={"theta1": "-30:30"})
 
 
