@@ -628,6 +628,7 @@ def summary(maps: Any) -> str:
                     1  change point                      50.0 %
                     0  invalid input                      0.0 %
                     0  assembles in one position          0.0 %
+                    0  beyond range                       0.0 %
     configurations  1,440
     <BLANKLINE>
     """
