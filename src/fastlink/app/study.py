@@ -44,8 +44,8 @@ from fastlink.errors import (
 )
 from fastlink.facts.derivative import toleranced
 from fastlink.facts.own import TOO_LONG
+from fastlink.io.output_path import existing_file, exists_error
 from fastlink.io.partial_file import check_target
-from fastlink.io.place import existing_file, exists_error
 from fastlink.io.reader import is_hdf5, open_map
 from fastlink.mechanisms import NAMES, is_extension, name_of
 from fastlink.mechanisms import catalogue as find_catalogue

@@ -275,7 +275,8 @@ def value_problems(
     if allowed(declared, value):
         least, most = limits(declared.units, declared.rule)
         zero = "" if declared.rule == "positive" else "0 or "
-        mend = f"write {zero}a magnitude of {least:.1e} to {most:.1e} {declared.units}"
+        sizes = f"of {least:.1e} to {most:.1e}" if least else f"below {most:.1e}"
+        mend = f"write {zero if least else ''}a magnitude {sizes} {declared.units}"
     where: KeyPath = (parent, declared.name, *(int(k) for k in index))
     return [Problem(f"is {value} ({declared.meaning})", where, (mend, *remedy) if remedy else mend)]
 
