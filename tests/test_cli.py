@@ -332,7 +332,9 @@ def test_best_shows_degrees_where_a_condition_is_in_degrees(folder):
 
 
 def test_best_refuses_a_place_before_it_looks_for_the_best(mapped, monkeypatch):
-    monkeypatch.setattr("fastlink.maps.best.ranked", lambda *given, **options: pytest.fail("it was computed"))
+    monkeypatch.setattr(
+        "fastlink.design.best.chosen", lambda *given, **options: pytest.fail("it was computed")
+    )
     Path("best.csv").write_text("mine")
     line = ("best", "study.h5", "--minimise", "omega4_max", "--to")
     assert_refusal(fl.InputError(*refused(*line, "best.csv")), "--to", "--overwrite")

@@ -20,7 +20,14 @@ from fastlink.mechanisms.focal import focal
 from fastlink.mechanisms.planar_4r import planar_4r
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.numerics.vectors import cross
-from fastlink.papers import broadcast, broadcast_points, check_lengths, check_samples, read_design
+from fastlink.papers import (
+    LEAST_LENGTH,
+    broadcast,
+    broadcast_points,
+    check_lengths,
+    check_samples,
+    read_design,
+)
 from fastlink.plan.request import branch_codes
 from fastlink.space.design_space import ends_of
 
@@ -50,8 +57,6 @@ def __dir__() -> list[str]:
 # -- Read a position of the four-bar MABN, as functions of its focal cubic are given it
 
 
-#: Lengths are at most this, and at least its inverse: products of four neither overflow nor vanish.
-GREATEST_LENGTH = 1e70
 #: The names of the numbers of a position, but for its branch.
 POSITION = ("a", "b", "c", "d", "phi")
 
@@ -71,7 +76,11 @@ def read_position(function: str, *numbers: Any, further: Iterable[tuple[Input, A
     arrays = broadcast(function, [*declared, mode, *more], *given)
     named = [*declared, *more]
     lengths = [*arrays[: len(declared)], *arrays[len(declared) + 1 :]]
-    check_lengths(function, named, lengths, GREATEST_LENGTH, "four lengths")
+    check_lengths(function, named, lengths, "four lengths")
+    bars = np.array(arrays[:4])
+    if (bars.min(axis=0) <= LEAST_LENGTH * bars.max(axis=0)).any():
+        remedy = "write lengths within a factor of 1e24 of each other"
+        raise InputError("a, b, c and d are too unlike", where=(function,), remedy=remedy)
     return arrays
 
 
@@ -919,7 +928,7 @@ def five_bar(
     declared = [*_bars(names), *angles, mode]
     given = (m, p, q, n, d, phi, omega_angle, like(branch, branch_codes(planar_4r, branch)))
     m, p, q, n, d, phi, omega_angle, branch = broadcast("five_bar", declared, *given)
-    check_lengths("five_bar", declared[:5], (m, p, q, n, d), GREATEST_LENGTH, "four lengths")
+    check_lengths("five_bar", declared[:5], (m, p, q, n, d), "four lengths")
     u = np.exp(1j * phi)
     P = m * u
     # m - p + p (1 - w), in which the first difference alone cancels
@@ -979,7 +988,7 @@ def from_five_bar(m: Any, n: Any, p: Any, q: Any, d: Any) -> dict[str, Any]:
     declared = _bars("mnpqd", "any")
     m, n, p, q, d = broadcast("from_five_bar", declared, m, n, p, q, d)
     sizes = [np.abs(length) for length in (m, n, p, q, d)]
-    check_lengths("from_five_bar", _bars("mnpqd"), sizes, GREATEST_LENGTH, "four lengths")
+    check_lengths("from_five_bar", _bars("mnpqd"), sizes, "four lengths")
     size = 2.0 ** np.ceil(np.log2(np.max(sizes, axis=0)))
     m, n, p, q, d = (length / size for length in (m, n, p, q, d))
     with np.errstate(all="ignore"):

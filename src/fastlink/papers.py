@@ -20,9 +20,9 @@ from fastlink.space.design_space import MOST_DIMS, angle_of, has, in_unit, numbe
 CURVE = ("a1", "a2", "a3", "a4", "P_u", "P_v")
 #: How the functions of planar_4r are called, for who calls them otherwise.
 BY_NAME = "inputs are given by name, such as a1=0.5, or as one mapping"
-#: Lengths of whole designs are at most this, and links at least its inverse: no product of six over a squared one
-#: overflows.
-GREATEST_LENGTH = 1e25
+#: Lengths of whole designs are at most this, links at least the other, as those of sweeps (2^80, 2^-80): no product
+#: of six over a squared one overflows.
+GREATEST_LENGTH, LEAST_LENGTH = 1e24, 1e-24
 #: Most samples of one curve.
 MOST_SAMPLES = 10**6
 
@@ -165,13 +165,12 @@ def check_lengths(
     function: str,
     declared: Iterable[Input],
     values: Iterable[Any],
-    greatest: float = GREATEST_LENGTH,
     products: str = "six lengths over a squared one",
 ) -> None:
     """Refuse lengths whose products would overflow or vanish: those beyond a greatest, links below its inverse."""
-    problems = Problems()
+    problems, greatest = Problems(), GREATEST_LENGTH
     for one, numbers in zip(declared, values, strict=True):
-        least = 1.0 / greatest if one.rule == "positive" else -greatest
+        least = LEAST_LENGTH if one.rule == "positive" else -greatest
         if one.units != "m" or bool(np.all((numbers >= least) & (numbers <= greatest))):
             continue
         bad = numbers[~((numbers >= least) & (numbers <= greatest))].flat[0]

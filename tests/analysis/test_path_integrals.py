@@ -108,7 +108,7 @@ def test_circles_and_arcs_have_closed_forms():
 def test_lengths_of_any_size():
     design = np.array([0.4, 1.2, 0.8, 1.0, 0.7, 0.5])
     length, bound = curve_length(design_of(*design), branch=2, error=True)
-    for exponent in (-80, -30, 30, 80):
+    for exponent in (-75, -30, 30, 75):
         scaled, its_bound = curve_length(design_of(*np.ldexp(design, exponent)), branch=2, error=True)
         assert (scaled, its_bound) == (np.ldexp(length, exponent), np.ldexp(bound, exponent))
     # A link of almost no length: the crank, whose turn moves P by a share of it; and the ground.

@@ -112,7 +112,7 @@ def test_a_pickled_function_is_the_same():
     ("inputs", "outputs", "options", "key", "remedy"),
     [
         (["a2", "a7"], ["omega4_max"], FIXED, "a7", ""),
-        (["a2", "a3"], ["omega5_max"], FIXED, "'omega5_max'", "or 'omega4_max'"),
+        (["a2", "a3"], ["omega5_max"], FIXED, "'omega5_max'", "did you mean 'omega4_max'"),
         (["a2", "a3"], ["omega4_max"], FIXED | {"a2": 1.0}, "a2", ""),
         (
             ["a2", "a3"],

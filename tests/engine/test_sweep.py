@@ -248,7 +248,7 @@ def test_file_and_memory_hold_the_same(tmp_path):
         (
             {"space": {**TABLE_1, "omega1": 1.0, "a5": 1.0}},
             "design: a5",
-            "known",
+            "did you mean 'a4'",
         ),
         (
             {"quantities": ["T41"], "space": {**TABLE_1, "omega1": 1.0}, "links": fl.round_bar(7750.0)},

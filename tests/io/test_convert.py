@@ -281,7 +281,7 @@ def test_rounding_is_as_the_attributes_say(grid, tmp_path):
 
 
 def test_what_float32_cannot_hold_is_said(tmp_path):
-    space = fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0, omega1=[25.0, 1e30])
+    space = fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0, omega1=[25.0, 1e24])
     maps = fl.sweep("planar_4r", space, ["alpha4_max"], branch=1)
     with pytest.warns(fl.InputWarning, match="2 of alpha4_max"):
         path = fl.convert(maps, tmp_path / "f4.h5", dtype="float32")

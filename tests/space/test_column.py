@@ -192,13 +192,3 @@ def test_threads_read_the_same_values_as_one(column):
 def test_more_values_than_memory_holds_are_refused():
     with refused("100,000,000,000,000 values", "a part of it"):
         np.asarray(Counted(0, 10**14))
-
-
-def test_far_designs_with_one_more_axis_are_evaluated_in_their_units():
-    # a column along `design` was read by the number of the design and the further axis together
-    lengths = {"a": 0.8, "b": 1.1, "c": 1.0, "d": 0.7, "rho": 0.5}
-    tiny = {name: [x, x, x, x * (1.0 if name == "rho" else 2.0**-600)] for name, x in lengths.items()}
-    units = resolve("focal", fl.table(tiny).with_axis("completion", [1.0, 2.0]), ["F_x"]).job().units
-    assert units.at(0, 6) is None
-    assert units.at(6, 8) is not None
-    assert units.at(7, 8) is not None

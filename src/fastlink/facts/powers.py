@@ -182,7 +182,7 @@ def limits(units: str, rule: str) -> tuple[float, float]:
     """Return the numbers between which the magnitude of an input stays unless it is 0.
 
     A length that may be 0 may be as small as it likes: it stands beside the bars. Moments of inertia and their like
-    have a lower limit for each power of a unit that is in them.
+    have a lower limit for each power of a unit that is in them, and twice the exponent above.
 
     Examples
     --------
@@ -193,7 +193,8 @@ def limits(units: str, rule: str) -> tuple[float, float]:
     if not any(powers):
         return 0.0, math.inf
     may_vanish = powers == UNITS["m"] and rule != "positive"
-    return 0.0 if may_vanish else 2.0 ** (-RANGE * sum(map(abs, powers))), 2.0**RANGE
+    most = 2.0 ** (RANGE * (2 if powers[0] * powers[1] > 0 else 1))
+    return 0.0 if may_vanish else 2.0 ** (-RANGE * sum(map(abs, powers))), most
 
 
 def beyond_range(declared: Input, values: Any) -> Any:

@@ -242,6 +242,11 @@ def beyond_the_doubles(inputs):
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.stress)])
 def test_what_is_no_finite_number_has_a_flag_and_each_flag_a_cause(seed):
     inputs = adversarial(np.random.default_rng(seed), 20000 * seed**4)
+    inputs["a"][0] = -1.0
+    inputs |= {name: np.append(values, np.ones(9)) for name, values in inputs.items()}
+    for k, name in enumerate("abgh"):  # a length below 3e-39 of the longest
+        inputs[name][-9:] = np.roll([1e-20, 1e20, 2e20, 1e20], k)[np.arange(9) % 4]
+    inputs["theta"][-9:] = np.linspace(1.0, 90.0, 9)
     found = evaluated(ALL, **inputs)
     beyond = beyond_the_doubles(inputs)
     missing = {name: ~np.isfinite(found[name]) for name in ALL}
