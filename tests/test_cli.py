@@ -179,6 +179,7 @@ def test_an_interrupt_is_one_line(folder, monkeypatch):
     assert (done.exit_code, done.stdout, done.stderr) == (130, "", "fastlink: interrupted\n")
 
 
+@pytest.mark.sample(1)
 @pytest.mark.skipif(os.name != "posix", reason="needs signals")
 @pytest.mark.parametrize(
     ("number", "word", "code"), [(signal.SIGINT, "interrupted", 130), (signal.SIGTERM, "terminated", 143)]

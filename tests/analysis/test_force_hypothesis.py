@@ -180,6 +180,7 @@ def test_refusals(maps):
         fl.planar.force_hypothesis(maps.assign(place.data_vars))
 
 
+@pytest.mark.stress
 def test_designs_are_swept_with_what_it_needs(maps):
     found = fl.planar.force_hypothesis(maps)
     some = slice(0, 40)

@@ -196,6 +196,7 @@ def test_a_file_of_text_is_written_again_where_it_is_damaged(place):
     assert cache.text_file("name.py", "text").read_text() == "text"
 
 
+@pytest.mark.stress
 def test_damaged_files_of_numba_are_made_again(place):
     run(place, 7, "numba")
     for ending, keep in (("nbi", 0), ("nbc", 40)):

@@ -110,6 +110,7 @@ def written(monkeypatch):
     assert threading.main_thread() not in threads
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("space", SPACES)
 def test_results_in_memory_have_the_bits_of_one_thread(workers, small_tasks, space):
     names = [*NAMES, "omega4_max"] if space == "scaling axis" else NAMES

@@ -18,6 +18,7 @@ LENGTHS[:, :4] = [[1.0, np.nan, -1.0, 0.0], [0.4, 1.0, 1.0, 1.0]]
 FAR = LENGTHS * np.where(np.arange(150) == 9, 2.0**100, 1.0)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("names", "options"),
     [

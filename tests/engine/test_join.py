@@ -62,7 +62,7 @@ def assert_same(joined, whole):
         assert joined[name].dtype == object or joined[name].values.tobytes() == whole[name].values.tobytes()
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("of", REQUESTS)
 def test_joined_parts_are_the_map_of_one_sweep(of, tmp_path):
     with sweep(of, to=tmp_path / "whole.h5") as whole:

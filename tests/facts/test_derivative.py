@@ -289,6 +289,7 @@ def assert_held_to_the_end(mechanism, last, x, y):
         assert found[f"{name}_error"] <= 100 * UNIT_ROUNDING * abs(found[name]) / (1 - y) ** 2
 
 
+@pytest.mark.stress
 def test_chains_of_facts_of_any_length_are_derived():
     mechanism = Catalogue("chain", "a chain", {1: "one"}, Input("t", "1", "t", "position"))
     for name in "xy":

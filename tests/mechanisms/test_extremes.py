@@ -474,6 +474,7 @@ def extremes_beside(case):
     return [float(found[name].item()) for name in found]
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("case", HIDDEN)
 def test_nothing_beside_a_fold_is_beyond_greatest_and_least(case):
     extremes_beside(case)
@@ -687,6 +688,7 @@ def near_cusps(seed, n):
     return {name: values[turns] for name, values in design.items()}, branch[turns], theta1[turns]
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("n", [1, pytest.param(60, marks=pytest.mark.stress)])
 @pytest.mark.parametrize("name", ["P_speed", "shaking_force", "F41", "curvature"])
 def test_none_is_beyond_where_a_magnitude_almost_vanishes(name, n):

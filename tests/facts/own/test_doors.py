@@ -71,6 +71,7 @@ COMMANDS = {
 }  # fmt: skip
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     "command", [one if " " not in one else pytest.param(one, marks=pytest.mark.stress) for one in COMMANDS]
 )

@@ -66,6 +66,7 @@ def test_sums_of_forces_that_almost_vanish_next_to_each_other_have_their_least_v
     check(["apart_min"], 2, 8001)
 
 
+@pytest.mark.stress
 def test_a_magnitude_that_nothing_else_computes_is_searched():
     """Its slope is multiplied by it, and neither the slope nor the quantity is computed from it by its name."""
     check(["joint_min", "joint_max"], 4, 2001)

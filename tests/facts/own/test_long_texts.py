@@ -71,6 +71,7 @@ def test_a_long_chain_has_the_value_that_python_gives_it(declared, kind):
         assert catalogue.resolve("d_long_d_a2").depends_on
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("kind", ["sum", "conditions"])
 def test_a_long_chain_is_taken_by_every_reader(declared, kind):
     text = TEXTS[kind] if kind == "conditions" else " + ".join(f"{k} * x" for k in FACTORS[:300])

@@ -70,6 +70,7 @@ def assert_infinite_where_they_grow(design):
     return infinite, 2 * len(FORCES) * n
 
 
+@pytest.mark.stress
 def test_a_slight_pole_is_infinite():
     design = {name: np.array([value]) for name, value in SLIGHT.items()}
     assert assert_infinite_where_they_grow(design)[0] > 0
