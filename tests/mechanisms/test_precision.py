@@ -51,7 +51,7 @@ def held(entry, kind, n):
     return numbers
 
 
-@pytest.mark.sample(32)
+@pytest.mark.sample(47)
 @pytest.mark.parametrize(("entry", "kind"), FAMILIES)
 def test_every_quantity_is_a_few_roundings_off(entry, kind):
     assert held(entry, kind, entry.few) >= entry.few * len(entry.names) // 8
@@ -129,7 +129,7 @@ SLOPES = [
 ]
 
 
-@pytest.mark.sample(20)
+@pytest.mark.sample(40)
 @pytest.mark.parametrize(("entry", "kind", "by"), SLOPES)
 def test_derivatives_are_a_few_roundings_off(entry, kind, by):
     names = tuple(derivatives(entry, numbers_of(entry), by, variables(entry)[1]).values())
