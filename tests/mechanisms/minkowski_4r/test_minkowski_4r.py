@@ -10,12 +10,13 @@ import contextlib
 import mpmath as mp
 import numpy as np
 import pytest
-from tests.support.configurations import condition_sums, reference
+from tests.support.configurations import DIGITS, condition_sums, reference
 from tests.support.minkowski_configurations import adversarial
 from tests.support.refusals import refused
 
 import fastlink as fl
 from fastlink.errors import InputError
+from fastlink.facts.evaluate import read_facts
 from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.precision.reference import CONTEXT, HighPrecision
@@ -113,6 +114,26 @@ def test_links_keep_their_lengths_and_orientations_in_every_frame():
             off = abs(x * x - y * y - interval) / (64 * UNIT_ROUNDING * np.exp(2 * boost) * size)
             assert (off[closes] <= 1.0).all()
             assert end == "X" or (np.sign(x) == found["AB_orientation"])[closes].all()
+
+
+def test_the_rates_are_the_derivatives():
+    rng = np.random.default_rng(8)
+    names = ["psi", "dpsi_dtheta", "d2psi_dtheta2"]
+    for _ in range(60):
+        one = dict(zip("abgh", rng.uniform(0.3, 2.0, 4), strict=True)) | {"branch": rng.integers(1, 3)}
+        theta = float(rng.uniform(-4, 4))
+        with mp.workdps(DIGITS):
+            step = mp.mpf(10) ** -15
+            values = {name: mp.mpf(float(value)) for name, value in one.items()}
+            before, here, after = (
+                read_facts(MINKOWSKI, names, values | {"theta": theta + k * step}) for k in (-1, 0, 1)
+            )
+            if mp.isnan(here["psi"]):
+                continue
+            for of, rate in (("psi", "dpsi_dtheta"), ("dpsi_dtheta", "d2psi_dtheta2")):
+                slope = (after[of] - before[of]) / (2 * step)
+                # The error of the difference is step^2 times a third derivative, of a limit 1e-3 away at most.
+                assert abs(slope - here[rate]) <= mp.mpf(10) ** -18 * (1 + abs(here[rate]))
 
 
 def test_derivatives_by_theta_are_the_ratios_of_the_paper_and_none_where_a_root_is_infinite():
