@@ -27,8 +27,8 @@ from fastlink.plan.request import (
     branch_codes,
     check_keywords,
     check_model,
-    code_beyond_range,
     constants_of,
+    flag_beyond_range,
     in_range,
     joined_missing,
     missing_inputs,
@@ -230,8 +230,8 @@ def evaluate(
     evaluate_on_doubles(recipe.steps, arrays)
     if allow_invalid:
         _leave_gaps(recipe.steps, arrays)
-    if far.any() and "status" in names:
-        arrays["status"] = np.where(far, code_beyond_range(catalogue), arrays["status"])
+    if far.any() and (flag := flag_beyond_range(catalogue, names)):
+        arrays["status"] = np.where(far, flag[1], arrays["status"])
     if template is None and not shape:
         return {name: float(arrays[name]) for name in names}
     results = {name: np.broadcast_to(arrays[name], shape) for name in names}

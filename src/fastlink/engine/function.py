@@ -28,7 +28,7 @@ from fastlink.plan.query import check_names, parse_request
 from fastlink.plan.request import (
     allowed,
     check_inputs,
-    code_beyond_range,
+    flag_beyond_range,
     radian_keywords,
     selected_variants,
     unknown_input,
@@ -340,8 +340,7 @@ class Function:
         self._block = max(1, min(BLOCK, BLOCK_BYTES // row // 64 * 64))
         self._of_thread = threading.local()
         #: The row of the status, and its code for designs with numbers beyond the range.
-        code = code_beyond_range(resolved.catalogue)
-        self._flag = (self.outputs.index("status"), code) if "status" in self.outputs else None
+        self._flag = flag_beyond_range(resolved.catalogue, self.outputs)
 
     @door(name="function", hint="x is one array, with a row for each input")
     def __call__(self, x: ArrayLike) -> NDArray[np.float64]:

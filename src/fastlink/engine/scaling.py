@@ -15,7 +15,7 @@ from fastlink.engine.run import BLOCK_BYTES, Sink
 from fastlink.facts.fact import System
 from fastlink.facts.names import ErrorBound, Trust
 from fastlink.facts.powers import Powers, UnlikePowers, any_beyond_range, beyond_range, limits
-from fastlink.plan.request import code_beyond_range
+from fastlink.plan.request import flag_beyond_range
 from fastlink.space.design_space import Column
 
 if TYPE_CHECKING:
@@ -253,8 +253,7 @@ class FarDesigns:
             )
         }
         names = [output.name for output in plan.outputs]
-        code = (names.index("status"), code_beyond_range(plan.catalogue)) if "status" in names else None
-        return cls(space, inputs, code)
+        return cls(space, inputs, flag_beyond_range(plan.catalogue, names))
 
     def at(self, start: int, stop: int) -> NDArray[np.bool_] | None:
         """Tell which of some designs they are; None if none of them is."""

@@ -80,8 +80,8 @@ __all__ = [
     "check_model",
     "check_positions",
     "check_turn",
-    "code_beyond_range",
     "constants_of",
+    "flag_beyond_range",
     "given_angles",
     "in_degrees",
     "in_range",
@@ -224,11 +224,12 @@ def in_range(declared: Input, value: Any) -> Any:
     return allowed(declared, value) & ~np.bool_(beyond_range(declared, value))
 
 
-def code_beyond_range(catalogue: Catalogue) -> int:
-    """Return the status of designs with a number beyond the range."""
-    return next(
-        code for code, meaning in catalogue.facts["status"].flags.items() if meaning == "beyond_range"
-    )
+def flag_beyond_range(catalogue: Catalogue, names: Sequence[str]) -> tuple[int, int] | None:
+    """Return the place of the status among results, and its code for designs with a number beyond the range."""
+    if "status" not in names:
+        return None
+    flags = catalogue.facts["status"].flags
+    return names.index("status"), next(code for code, of in flags.items() if of == "beyond_range")
 
 
 def unknown_input(
