@@ -123,7 +123,7 @@ def io_coefficients(design: Any = None, *, pair: str = "14", **inputs: Any) -> A
     lengths = [*read_design("io_coefficients", planar_4r, design, inputs, ("a1", "a2", "a3", "a4")).values()]
 
     def factor(name: str) -> Any:
-        return planar_4r.facts[f"factor_{name}"].function(*lengths)[0]
+        return planar_4r.facts[f"factor_{name}"].formula(*lengths)[0]
 
     _equation, *products = IO_PRODUCTS[pair]
     vivj, vi, vj, one = (factor(x) * factor(y) for x, y in (str(product).split() for product in products))

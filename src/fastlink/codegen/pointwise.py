@@ -26,7 +26,7 @@ from fastlink.codegen.source import (
     paste_fact,
     paste_system,
 )
-from fastlink.facts.fact import Fact, System, statements
+from fastlink.facts.fact import Fact, System
 from fastlink.facts.names import Quantity, Reduced
 from fastlink.plan.query import COUNT, status_text
 
@@ -542,7 +542,7 @@ def _calls(step: Step, *functions: str, divides: bool = False) -> bool:
     """Tell whether the text of a fact names one of these functions, or divides."""
     return isinstance(step, Fact) and any(
         (isinstance(node, ast.Name) and node.id in functions) or (divides and isinstance(node, ast.Div))
-        for statement in statements(step.function)
+        for statement in step.formula.statements
         for node in ast.walk(statement)
     )
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from fastlink.codegen.runtime.cells import LANES, MOST_LANES
-from fastlink.facts.fact import Fact, System, parameters, statements
+from fastlink.facts.fact import Fact, System
 from fastlink.numerics.compiler import parsed
 
 if TYPE_CHECKING:
@@ -176,8 +176,8 @@ class _Rename:
     """The parameters, locals and globals of a fact as names of the kernel."""
 
     def __init__(self, step: Fact | System, values: Sequence[str], suffix: str, text: Text) -> None:
-        self.values = dict(zip(parameters(step.function), values, strict=True))
-        self.globals = getattr(step.function, "__globals__", {})
+        self.values = dict(zip(step.formula.parameters, values, strict=True))
+        self.globals = step.formula.names
         self.local, self.text = f"{step.name}__{{}}{suffix}", text
         self.locals: set[str] = set()
 
@@ -214,7 +214,7 @@ class _Rename:
 
 def _paste(step: Fact | System, values: Sequence[str], suffix: str, text: Text) -> ast.expr:
     """Append the assignments of a fact; return the expression that it returns."""
-    *assignments, last = statements(step.function)
+    *assignments, last = step.formula.statements
     rename = _Rename(step, values, suffix, text)
     for statement in assignments:
         assert isinstance(statement, ast.Assign)

@@ -218,7 +218,7 @@ def _degrees(step: Fact | System, known: Sequence[Powers | None]) -> Sequence[Po
     if isinstance(step, System):
         return unknown
     try:
-        value = step.function(*given)
+        value = step.formula(*given)
     except (UnlikePowers, TypeError, AttributeError):
         return unknown
     values = [value] if step.low is None else value

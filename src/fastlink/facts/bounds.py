@@ -13,11 +13,12 @@ from fastlink.facts.expression import (
     COMPARISONS,
     ExpressionGraph,
     Node,
-    generate_function,
+    generate_formula,
     is_power_of_two,
     postorder,
 )
 from fastlink.facts.fact import Fact, Input, System
+from fastlink.facts.formula import Formula
 from fastlink.facts.names import Quantity, Trust, error_name
 from fastlink.numerics.compensated import (
     UNIT_ROUNDING,
@@ -583,7 +584,7 @@ def trust_fact(fact: Fact) -> Fact:
     return replace(
         fact,
         name=str(Trust(Quantity(fact.name))),
-        function=trust,
+        formula=Formula.of(trust),
         depends_on=(fact.name, error_name(fact.name)),
         units="1",
         symbol=f"trust {fact.symbol}",
@@ -628,8 +629,8 @@ class ErrorBounds:
         if name not in self._facts:
             fact = self.bounded_fact(name)
             root, own = self._expression(name)
-            function, depends_on = generate_function(error_name(name), self.graph, root, own)
-            self._facts[name] = replace(with_error_labels(fact), function=function, depends_on=depends_on)
+            formula, depends_on = generate_formula(error_name(name), self.graph, root, own)
+            self._facts[name] = replace(with_error_labels(fact), formula=formula, depends_on=depends_on)
         return self._facts[name]
 
     def bounded_fact(self, name: str) -> Fact:
@@ -701,7 +702,7 @@ class ErrorBounds:
             return replace(self.exact, positive=positive)
         fact = self.bounded_fact(name)
         if fact.depends_on == ("branch",):
-            values = [fact.function(float(number)) for number in self.branches]
+            values = [fact.formula(float(number)) for number in self.branches]
             if all(map(is_power_of_two, values)):
                 return replace(
                     self.exact, scale=True, one={*map(abs, values)} == {1.0}, positive=min(values) > 0.0
@@ -718,7 +719,7 @@ class ErrorBounds:
         """Return the bound of a table: exact, or rounded once, perhaps with a low part."""
         table, graph = self.tables[name], self.graph
         given = [graph.node("given", value=part) for part in table.depends_on]
-        bound = self.rules.bound(graph.read(table.function, given))
+        bound = self.rules.bound(graph.read(table.formula, given))
         if bound.relative == 0.0:
             return bound
         low = next((low for low, high in self.low_parts.items() if high == name), None)

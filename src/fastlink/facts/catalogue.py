@@ -37,6 +37,7 @@ from fastlink.facts.fact import (
     first_line,
     needs_of,
 )
+from fastlink.facts.formula import Formula
 from fastlink.facts.names import (
     Below,
     Change,
@@ -404,18 +405,22 @@ class Catalogue:
                 flags=dict(flags or {}),
                 low=low,
             )
-            if low is not None and not internal:
-                raise CatalogueError(f"{self.name}: fact {fact.name} has a low part, and is not internal")
             if hides_reduction:
                 self.hiding.add(fact.name)
-            known: Any = self.variants.setdefault(variant, {}) if variant else self.facts
-            for each in fact.names:
-                self._check_name(each, variant, public=not internal)
-                known[each] = fact
-            self._check_variant(variant or fact.name)
+            self.declare(fact, variant)
             return function
 
         return declare
+
+    def declare(self, fact: Fact, variant: str | None = None) -> None:
+        """Declare a fact, of a variant if one is named."""
+        if fact.low is not None and not fact.internal:
+            raise CatalogueError(f"{self.name}: fact {fact.name} has a low part, and is not internal")
+        known: Any = self.variants.setdefault(variant, {}) if variant else self.facts
+        for each in fact.names:
+            self._check_name(each, variant, public=not fact.internal)
+            known[each] = fact
+        self._check_variant(variant or fact.name)
 
     def also_called(self, **keywords: str) -> None:
         """Declare what quantities and inputs are called elsewhere: phrases with commas between, by name."""
@@ -456,7 +461,7 @@ class Catalogue:
         """Declare a linear system that determines `unknowns`, as part of a variant."""
 
         def declare(function: F) -> F:
-            declared = System(name, tuple(unknowns), function, needs_of(function))
+            declared = System(name, tuple(unknowns), Formula.of(function), needs_of(function))
             self.solvers = tuple(dict.fromkeys((*self.solvers, variant)))
             for unknown in unknowns:
                 self._check_name(unknown, variant)
@@ -479,7 +484,7 @@ class Catalogue:
             fact = self.facts.get(name) or self.tables[name]
             declared = replace(
                 with_derivative_labels(fact, self.variables[by]),
-                function=function,
+                formula=Formula.of(function),
                 depends_on=needs_of(function, given),
                 internal=True,
             )
@@ -518,7 +523,7 @@ class Catalogue:
         for label in ("units", "symbol", "source", "meaning"):
             if not labels[label]:
                 raise CatalogueError(f"{self.name}: fact {labels['name']} has no {label}")
-        return Fact(function=function, depends_on=needs_of(function, given), **labels)
+        return Fact(formula=Formula.of(function), depends_on=needs_of(function, given), **labels)
 
     def parse(self, name: str) -> Name:
         """Return the tree of a name, see `fastlink.facts.names`."""

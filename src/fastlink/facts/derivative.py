@@ -12,11 +12,12 @@ from fastlink.facts.expression import (
     SLOPES,
     ExpressionGraph,
     Node,
-    generate_function,
+    generate_formula,
     is_power_of_two,
     postorder,
 )
 from fastlink.facts.fact import Fact, Input, System
+from fastlink.facts.formula import Formula
 from fastlink.facts.names import Change, Quantity, derivative_name
 from fastlink.numerics import compensated, vectors
 from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, atan2, cosine, select, sine, sqrt
@@ -250,8 +251,8 @@ class Derivation:
         guarded = self._existence.guarded(name, root, value)
         if guarded is root:
             return labelled
-        function, depends_on = generate_function(derivative, self.graph, guarded, {})
-        return replace(labelled, function=function, depends_on=depends_on, flags={})
+        formula, depends_on = generate_formula(derivative, self.graph, guarded, {})
+        return replace(labelled, formula=formula, depends_on=depends_on, flags={})
 
     def slope(self, name: str) -> Node:
         """Return the derivative of a name as a number, a name, or minus a name."""
@@ -381,9 +382,9 @@ class Derivation:
     def _written(self, step: Fact, root: Node, value: Node) -> Fact:
         own = {} if value.kind in ("name", "number", "neg") else {value: step.name}
         name = derivative_name(step.name, self.by.name, self.moving)
-        function, depends_on = generate_function(name, self.graph, root, own)
+        formula, depends_on = generate_formula(name, self.graph, root, own)
         labelled = with_derivative_labels(step, self.by)
-        return replace(labelled, name=name, function=function, depends_on=depends_on, flags={})
+        return replace(labelled, name=name, formula=formula, depends_on=depends_on, flags={})
 
 
 # -- Changes by tolerances, to first order: of a value, from its derivatives by the inputs that have
@@ -457,8 +458,8 @@ def tolerance_fact(name: str, given: Iterable[str]) -> Fact | None:
         "source": SOURCE,
     }
     if share in given:
-        return Fact(name, of_relative, (of, share), internal=True, **labels)
-    return Fact(name, of_absolute, (own,), internal=True, **labels)
+        return Fact(name, Formula.of(of_relative), (of, share), internal=True, **labels)
+    return Fact(name, Formula.of(of_absolute), (own,), internal=True, **labels)
 
 
 def of_absolute(tolerance: Any) -> Any:
@@ -505,5 +506,5 @@ def change_fact(labelled: Fact, how: str, derivatives: Sequence[tuple[str, str]]
         else:
             found = graph.add(found, change) if how == "worst" else graph.call(magnitude, found, change)
     assert found is not None
-    function, depends_on = generate_function(labelled.name, graph, found, {})
-    return replace(labelled, function=function, depends_on=depends_on)
+    formula, depends_on = generate_formula(labelled.name, graph, found, {})
+    return replace(labelled, formula=formula, depends_on=depends_on)

@@ -57,7 +57,7 @@ def tables_at(catalogue: Catalogue, theta: Any, names: Iterable[str]) -> dict[st
 
     In mpmath they are right to all digits of its context, whatever the size of the position.
     """
-    functions = {name: catalogue.tables[name].function for name in names if name in catalogue.tables}
+    functions = {name: catalogue.tables[name].formula for name in names if name in catalogue.tables}
     context = context_of(theta)
     if hasattr(context, "workprec") and theta != 0 and context.isfinite(theta):
         # squares of small angles stand beside 1, whole turns and powers of two beside great ones
@@ -72,7 +72,7 @@ def tables_at(catalogue: Catalogue, theta: Any, names: Iterable[str]) -> dict[st
 def evaluate_step(step: Fact | System, known: dict[str, Any]) -> None:
     """Add the values of a step to the known values."""
     if isinstance(step, System):
-        rows = step.function(*(known[name] for name in step.depends_on))
+        rows = step.formula(*(known[name] for name in step.depends_on))
         known.update(zip(step.unknowns, _solve(rows), strict=True))
     else:
         known.update(step.values(known))

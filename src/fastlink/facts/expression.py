@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import ast
-import linecache
 import math
 from collections import Counter
 from collections.abc import Callable, Collection, Container, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import count
 from typing import Any, Self, TypeVar
 
-from fastlink.facts.fact import Fact, parameters, statements
-from fastlink.numerics import compensated, vectors
+from fastlink.facts.fact import Fact
+from fastlink.facts.formula import Formula
+from fastlink.numerics import vectors
 from fastlink.numerics.compiler import COMPILED_AS
-from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, atan2, cosine, select, sine, sqrt
-from fastlink.numerics.logarithm import arsinh, log, log1p, log_quotient
+from fastlink.numerics.elementary import atan2, cosine, select, sine, sqrt
+from fastlink.numerics.logarithm import log, log1p, log_quotient
 
 __all__ = [
     "SLOPES",
@@ -23,7 +22,7 @@ __all__ = [
     "Condition",
     "ExpressionGraph",
     "Node",
-    "generate_function",
+    "generate_formula",
     "is_power_of_two",
     "postorder",
 ]
@@ -204,14 +203,15 @@ class ExpressionGraph:
 
     def read(self, function: Callable[..., Any], args: Sequence[Node]) -> Node:
         """Return the value of a straight-line function for these arguments."""
-        known = dict(zip(parameters(function), args, strict=True))
+        formula = Formula.of(function)
+        known = dict(zip(formula.parameters, args, strict=True))
 
         def value(node: ast.expr) -> Node:
             match node:
                 case ast.Name():
                     if node.id in known:
                         return known[node.id]
-                    return self.number(function.__globals__[node.id])
+                    return self.number(formula.names[node.id])
                 case ast.Constant():
                     assert isinstance(node.value, int | float)
                     return self.number(node.value)
@@ -227,7 +227,7 @@ class ExpressionGraph:
                 case _:
                     assert isinstance(node, ast.Call)
                     assert isinstance(node.func, ast.Name)
-                    helper = function.__globals__.get(node.func.id, abs)
+                    helper = formula.names.get(node.func.id, abs)
                     return self.apply(helper, [value(arg) for arg in node.args])
 
         def bind(target: ast.expr, bound: Node) -> None:
@@ -238,7 +238,7 @@ class ExpressionGraph:
                 assert isinstance(target, ast.Name)
                 known[target.id] = bound
 
-        *assignments, last = statements(function)
+        *assignments, last = formula.statements
         for assignment in assignments:
             assert isinstance(assignment, ast.Assign)
             for target in assignment.targets:
@@ -262,7 +262,7 @@ class ExpressionGraph:
 
     def read_fact(self, fact: Fact, name: str) -> Node:
         """Return one of the values of a fact as an expression in names."""
-        value = self.read(fact.function, [self.name(part) for part in fact.depends_on])
+        value = self.read(fact.formula, [self.name(part) for part in fact.depends_on])
         return value if fact.low is None else self.part(value, fact.names.index(name))
 
     # -- writing ---------------------------------------------------------------------------------
@@ -371,31 +371,12 @@ def _of_size(graph: ExpressionGraph, args: Sequence[Node], slopes: Sequence[Node
 SLOPES = {vectors.choice: _of_choice, vectors.absolute: _of_size}
 
 
-# -- Make functions of expressions: Python functions whose text kernels read like that of any fact
+# -- Formulas made of expressions
 
 
-#: The names that a generated text may use.
-NAMESPACE: dict[str, Any] = {
-    **{name: getattr(module, name) for module in (compensated, vectors) for name in module.__all__},
-    **{
-        function.__name__: function
-        for function in (sqrt, atan2, cosine, sine, arsinh, log, log1p, log_quotient, select)
-    },
-    "INFINITY": INFINITY,
-    "NOT_A_NUMBER": NOT_A_NUMBER,
-}
-_serial = count()
-
-
-def generate_function(
+def generate_formula(
     name: str, graph: ExpressionGraph, root: Node, given: Mapping[Node, str]
-) -> tuple[Callable[..., Any], tuple[str, ...]]:
-    """Return a function that returns a value, and the names that it depends on."""
+) -> tuple[Formula, tuple[str, ...]]:
+    """Return a formula that returns a value, and the names that it depends on."""
     depends_on, lines = graph.write(root, given)
-    source = "\n    ".join([f"def {name}({', '.join(depends_on)}):", *lines]) + "\n"
-    file = f"<generated {name} {next(_serial)}>"
-    # inspect reads the text there, and kernels read it by inspect
-    linecache.cache[file] = (len(source), None, source.splitlines(keepends=True), file)
-    namespace = dict(NAMESPACE)
-    exec(compile(source, file, "exec"), namespace)
-    return namespace[name], depends_on
+    return Formula(name, depends_on, lines), depends_on

@@ -1,20 +1,15 @@
-"""Inputs, facts and linear systems, and the grammar of the text of facts.
+"""Inputs, facts and linear systems.
 
-A *fact* is a straight-line function that states one physical statement for one design at one input
-position. Its parameters are the names of the facts and inputs it depends on, its name is the name of the
-quantity, the first line of its docstring is its meaning.
+A *fact* states one physical statement for one design at one input position: a formula, and what it depends on.
 """
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cache
-from types import CodeType
 from typing import Any, Literal
 
-from fastlink.numerics.compiler import syntax
+from fastlink.facts.formula import CatalogueError, Formula, parameters
 
 __all__ = [
     "CatalogueError",
@@ -26,22 +21,10 @@ __all__ = [
     "System",
     "first_line",
     "needs_of",
-    "parameters",
-    "statements",
 ]
 
 
 Rule = Literal["positive", "non-negative", "any"]
-
-ALLOWED_NODES = (
-    ast.Assign, ast.Return, ast.Name, ast.Load, ast.Store, ast.Tuple, ast.Constant, ast.Call,
-    ast.BinOp, ast.Add, ast.Sub, ast.Mult, ast.Div, ast.BitAnd, ast.BitOr, ast.UnaryOp, ast.USub,
-    ast.Compare, ast.Lt, ast.LtE, ast.Gt, ast.GtE, ast.Eq, ast.NotEq,
-)  # fmt: skip
-
-
-class CatalogueError(Exception):
-    """A mechanism is declared wrongly: the fault is in the package, not in its use."""
 
 
 @dataclass(frozen=True)
@@ -64,12 +47,12 @@ class Input:
 class Fact:
     """One physical statement, with its labels in files and documentation.
 
-    The function of a fact with a `low` part returns an unevaluated sum of two doubles, which are two values: that of
+    The formula of a fact with a `low` part returns an unevaluated sum of two doubles, which are two values: that of
     the fact's own name, and its low part. One that is `own` was declared by a user, see `fastlink.own`.
     """
 
     name: str
-    function: Callable[..., Any]
+    formula: Formula
     depends_on: tuple[str, ...]
     units: str
     symbol: str
@@ -87,7 +70,7 @@ class Fact:
 
     def values(self, known: Mapping[str, Any]) -> dict[str, Any]:
         """Evaluate the fact on known values."""
-        value = self.function(*(known[name] for name in self.depends_on))
+        value = self.formula(*(known[name] for name in self.depends_on))
         return {self.name: value} if self.low is None else dict(zip(self.names, value, strict=True))
 
     def renamed(self, rename: Callable[[str], str]) -> Fact:
@@ -98,11 +81,11 @@ class Fact:
 
 @dataclass(frozen=True)
 class System:
-    """A linear system; `function` returns its rows with the right-hand sides last."""
+    """A linear system; `formula` returns its rows with the right-hand sides last."""
 
     name: str
     unknowns: tuple[str, ...]
-    function: Callable[..., Any]
+    formula: Formula
     depends_on: tuple[str, ...]
 
     @property
@@ -208,32 +191,6 @@ class GradedRange:
     known: Mapping[str, KnownExtremes] = field(default_factory=dict)
     kinks: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = field(default_factory=dict)
     turns: Mapping[str, str] = field(default_factory=dict)
-
-
-def parameters(function: Callable[..., Any]) -> tuple[str, ...]:
-    """Return the names of a function's parameters."""
-    # inspect.signature takes 30 us, and there are five hundred facts
-    code: CodeType = function.__code__
-    return code.co_varnames[: code.co_argcount]
-
-
-@cache
-def statements(function: Callable[..., Any]) -> tuple[ast.stmt, ...]:
-    """Return the statements of a fact, checked against the grammar, without docstring."""
-    tree = syntax(function)
-    body = tree.body[1:] if ast.get_docstring(tree) is not None else tree.body
-    name = function.__name__
-    if not body or not isinstance(body[-1], ast.Return):
-        raise CatalogueError(f"fact {name} must end in its one return")
-    for statement in body:
-        for node in ast.walk(statement):
-            if not isinstance(node, ALLOWED_NODES):
-                raise CatalogueError(
-                    f"fact {name}, line {ast.unparse(statement)!r}: {type(node).__name__} is not allowed"
-                )
-    if any(isinstance(statement, ast.Return) for statement in body[:-1]):
-        raise CatalogueError(f"fact {name} must have one return")
-    return tuple(body)
 
 
 def first_line(function: Callable[..., Any]) -> str:

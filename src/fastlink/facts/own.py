@@ -6,7 +6,6 @@ import ast
 import builtins
 import copy
 import inspect
-import linecache
 import math
 import re
 import textwrap
@@ -14,7 +13,6 @@ import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from hashlib import sha256
 from itertools import product
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
@@ -26,8 +24,9 @@ from fastlink._text import short_repr
 from fastlink.errors import InputError, KeyPath, Problems, suggest
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.derivative import NoDerivative
-from fastlink.facts.expression import DEEPEST, NAMESPACE
-from fastlink.facts.fact import CatalogueError, Fact, Rule, System
+from fastlink.facts.expression import DEEPEST
+from fastlink.facts.fact import Fact, Rule, System
+from fastlink.facts.formula import NAMESPACE, CatalogueError, Formula
 from fastlink.facts.names import (
     Derivative,
     ErrorBound,
@@ -1069,9 +1068,9 @@ class OwnQuantity:
         return f"@mine.quantity(units={self.units!r}, description={self.meaning!r}{symbol})\n{self.written}"
 
     @property
-    def function(self) -> Callable[..., Any]:
-        """Its text as a function."""
-        return function_of(self.name, self.fact)
+    def formula(self) -> Formula:
+        """Its text as a formula."""
+        return formula_of(self.name, self.fact)
 
 
 #: What a user declares, each after what it depends on.
@@ -1079,25 +1078,21 @@ Definition = tuple[OwnInput | OwnQuantity, ...]
 
 
 @lru_cache(maxsize=1024)
-def function_of(name: str, text: str) -> Callable[..., Any]:
-    """Return the function of a text, once."""
-    file = f"<own quantity {name} {sha256(text.encode()).hexdigest()[:16]}>"
-    # kernels read the text of functions there
-    linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
-    namespace: dict[str, Any] = dict(HELPERS)
-    exec(compile(text, file, "exec"), namespace)
-    function: Callable[..., Any] = namespace[name]
-    return function
+def formula_of(name: str, text: str) -> Formula:
+    """Return the formula of a text, once."""
+    head, *lines = text.removesuffix("\n").split("\n")
+    parameters = head.partition("(")[2].removesuffix("):").split(", ")
+    return Formula(name, parameters, [line.strip() for line in lines], HELPERS)
 
 
 def check_dimension(quantity: OwnQuantity, units: Iterable[str]) -> None:
     """Refuse a text that does not give the units of its quantity, for parameters of some units."""
     declare = "constants have no units: declare mine.input(NAME, units=..., default=...), and write NAME"
     try:
-        value = quantity.function(*(Powers(tuple(map(float, dimensions(unit)))) for unit in units))
+        value = quantity.formula(*(Powers(tuple(map(float, dimensions(unit)))) for unit in units))
         found = value.powers if isinstance(value, Powers) else (0.0, 0.0, 0.0)
     except UnlikePowers as error:
-        own = quantity.function.__code__.co_filename
+        own = quantity.formula.file
         numbers = [
             frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == own
         ]
@@ -1203,8 +1198,8 @@ def _declare(catalogue: Catalogue, one: OwnQuantity) -> None:
     units = [_units_of(catalogue, one, parameter) for parameter in one.parameters]
     check_dimension(one, units)
     labels: dict[str, Any] = {"units": one.units, "symbol": one.symbol, "meaning": one.meaning}
-    catalogue.quantity(**labels, source=f"declared in {one.file}")(one.function)
-    catalogue.facts[one.name] = replace(catalogue.facts[one.name], own=True)
+    labels |= {"source": f"declared in {one.file}", "own": True}
+    catalogue.declare(Fact(one.name, one.formula, one.parameters, **labels))
     graded = catalogue.graded
     if graded is None:
         return
@@ -1225,14 +1220,14 @@ def _declare_kinks(catalogue: Catalogue, one: OwnQuantity, labels: dict[str, Any
     inner = tuple(switch for name in one.parameters if name in known for switch in graded.kinks[name][0])
     if found.too_many or len(inner) + len(found.switches) + len(found.pieces) > MOST_KINKS:
         return False
-    kinks = *inner, *_steps_of(catalogue, one.name, "kink", found.switches, labels, one.file)
-    pieces = _steps_of(catalogue, one.name, "piece", found.pieces, labels, one.file)
+    kinks = *inner, *_steps_of(catalogue, one.name, "kink", found.switches, labels)
+    pieces = _steps_of(catalogue, one.name, "piece", found.pieces, labels)
     catalogue.graded = replace(graded, kinks={**graded.kinks, one.name: (kinks, pieces)})
     return True
 
 
 def _steps_of(
-    catalogue: Catalogue, name: str, noun: str, texts: Iterable[str], labels: dict[str, Any], file: str
+    catalogue: Catalogue, name: str, noun: str, texts: Iterable[str], labels: dict[str, Any]
 ) -> tuple[str, ...]:
     """Declare texts as steps within the facts, and return their names; one that is a parameter is that."""
     names = []
@@ -1241,9 +1236,8 @@ def _steps_of(
             names.append(own)
             continue
         names.append(step := f"{name}_{noun}{k}")
-        function = function_of(step, text.replace(f"def {name}(", f"def {step}(", 1) + "\n")
-        catalogue.quantity(**labels, source=f"declared in {file}", internal=True)(function)
-        catalogue.facts[step] = replace(catalogue.facts[step], own=True)
+        formula = formula_of(step, text)
+        catalogue.declare(Fact(step, formula, formula.parameters, **labels, internal=True))
     return tuple(names)
 
 

@@ -41,7 +41,7 @@ def angle_tables(catalogue: Catalogue, names: Sequence[str], theta: NDArray[Any]
     theta = np.ascontiguousarray(theta, dtype=np.float64)
     low_parts = catalogue.table_low_parts
     bases = {name: low_parts.get(name, name) for name in names if name != catalogue.position.name}
-    read = {base: (catalogue.tables[base].function, base in low_parts.values()) for base in bases.values()}
+    read = {base: (catalogue.tables[base].formula, base in low_parts.values()) for base in bases.values()}
     found = dict(zip(read, words(list(read.values()), theta), strict=True))
     table = np.empty((len(names), theta.size))
     for row, name in enumerate(names):

@@ -10,7 +10,6 @@ from collections import OrderedDict
 from collections.abc import Callable, Iterable, Mapping
 from functools import reduce
 from importlib.resources import files
-from inspect import getclosurevars
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,12 +22,13 @@ from fastlink._text import filled, in_words
 from fastlink.errors import InputError
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.fact import Fact, System
+from fastlink.facts.formula import Formula
 from fastlink.facts.names import innermost
 from fastlink.io.reader import is_hdf5
 from fastlink.maps.units import flags_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.numerics import elementary, logarithm
-from fastlink.numerics.compiler import COMPILED_AS, INLINED, syntax
+from fastlink.numerics.compiler import COMPILED_AS, INLINED
 from fastlink.pictures.draw import picture_of
 from fastlink.pictures.motion import Motion
 from fastlink.plan.query import parse_request
@@ -129,15 +129,15 @@ class _Text:
     """One function as JavaScript."""
 
     def __init__(self, script: _Script, function: Callable[..., Any]) -> None:
-        self.script, self.tree = script, syntax(function)
-        self.scope = {"abs": abs, **function.__globals__, **getclosurevars(function).nonlocals}
-        self.parameters = [one.arg for one in self.tree.args.args]
-        stored = (node for node in ast.walk(self.tree) if isinstance(node, ast.Name))
+        formula = Formula.of(function)
+        self.script, self.body = script, formula.body
+        self.scope, self.parameters = {"abs": abs, **formula.names}, formula.parameters
+        stored = (node for line in self.body for node in ast.walk(line) if isinstance(node, ast.Name))
         self.local = {*self.parameters, *(node.id for node in stored if isinstance(node.ctx, ast.Store))}
 
     def text(self) -> str:
         """Return the whole function."""
-        lines = " ".join(filter(None, map(self.statement, self.tree.body)))
+        lines = " ".join(filter(None, map(self.statement, self.body)))
         own = sorted(self.local - set(self.parameters))
         declared = f"let {', '.join(map(_own, own))}; " if own else ""
         return f"({', '.join(map(_own, self.parameters))}) => {{ {declared}{lines} }}"
@@ -149,8 +149,6 @@ class _Text:
                 return f"return {self.value(value)};"
             case ast.Assign(targets=[target]):
                 return f"{self.value(target)} = {self.value(node.value)};"
-            case ast.Expr(value=ast.Constant()):
-                return ""
         raise Untranslatable(ast.unparse(node))
 
     def value(self, node: ast.expr) -> str:
@@ -245,7 +243,7 @@ def script_of(
         found.append(name)
     for name in sorted(tables):
         of = low_parts.get(name, name)
-        function = "() => 0" if name in low_parts else script.add(catalogue.tables[of].function)
+        function = "() => 0" if name in low_parts else script.add(catalogue.tables[of].formula)
         lines[name] = (
             f"[{function}, {json.dumps([] if name in low_parts else [position])}, {json.dumps([name])}]"
         )
@@ -258,7 +256,7 @@ def _entry(script: _Script, step: Fact | System) -> str:
     """Return a step as an entry of the object."""
     if isinstance(step, System):
         raise Untranslatable(step.name)
-    return f"[{script.add(step.function)}, {json.dumps(step.depends_on)}, {json.dumps(step.names)}]"
+    return f"[{script.add(step.formula)}, {json.dumps(step.depends_on)}, {json.dumps(step.names)}]"
 
 
 # -- Tell a page what a map holds: its dimensions and variables, and the mechanism that it is of

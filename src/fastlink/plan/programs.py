@@ -23,7 +23,6 @@ from fastlink.facts.names import (
     error_name,
 )
 from fastlink.facts.tables import angle_tables
-from fastlink.numerics.compiler import syntax
 from fastlink.numerics.elementary import atan2
 from fastlink.numerics.vectors import absolute, choice, magnitude
 from fastlink.plan.query import REDUCTIONS, Extrema, Request, check_sampled, parse_request
@@ -311,18 +310,19 @@ def has_sharp_terms(steps: Sequence[Fact | System]) -> bool:
 
 def _calls_of_magnitude(step: Fact) -> int:
     """Return how many magnitudes a user's fact computes itself."""
-    calls = (node for node in ast.walk(syntax(step.function)) if isinstance(node, ast.Call))
+    nodes = (node for statement in step.formula.statements for node in ast.walk(statement))
+    calls = (node for node in nodes if isinstance(node, ast.Call))
     return sum(_called(step, call) is magnitude for call in calls)
 
 
 def _last_call(step: Fact | System) -> ast.Call | None:
     """Return the call that is all of what a fact returns."""
-    result = getattr(syntax(step.function).body[-1], "value", None)
+    result = step.formula.result
     return result if isinstance(result, ast.Call) else None
 
 
 def _called(step: Fact | System, call: ast.Call) -> object:
-    return step.function.__globals__.get(call.func.id) if isinstance(call.func, ast.Name) else None
+    return step.formula.names.get(call.func.id) if isinstance(call.func, ast.Name) else None
 
 
 def is_sharp(catalogue: Catalogue, name: str) -> bool:
@@ -332,7 +332,7 @@ def is_sharp(catalogue: Catalogue, name: str) -> bool:
 
 def may_have_kinks(step: Fact | System) -> bool:
     """Tell whether a user's fact chooses between values that may meet."""
-    return isinstance(step, Fact) and step.own and not KINKS.isdisjoint(step.function.__code__.co_names)
+    return isinstance(step, Fact) and step.own and not KINKS.isdisjoint(step.formula.uses)
 
 
 def turns_of(graded: GradedRange, quantity: str, steps: Iterable[Fact | System]) -> tuple[str, ...]:

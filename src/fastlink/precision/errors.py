@@ -155,11 +155,7 @@ def read_curves(
 def cost(steps: Iterable[Fact | System]) -> int:
     """Return the cost of steps with 50 digits, in facts."""
     return sum(
-        SYSTEM
-        if isinstance(step, System)
-        else PAIRS
-        if OF_PAIRS.intersection(step.function.__code__.co_names)
-        else 1
+        SYSTEM if isinstance(step, System) else PAIRS if OF_PAIRS.intersection(step.formula.uses) else 1
         for step in steps
     )
 

@@ -6,9 +6,9 @@ The derivatives are differences of the same facts with 50 digits.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
-from types import FunctionType
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from mpmath import MPContext
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.evaluate import evaluate_step, steps_of, tables_at
 from fastlink.facts.fact import Fact, System
+from fastlink.facts.formula import Formula
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.numerics.elementary import PI, TWO_PI
 from fastlink.numerics.vectors import as_given
@@ -27,10 +28,8 @@ CONTEXT: Any = MPContext()
 CONTEXT.dps = DIGITS
 #: Relative step of the differences: their errors are of this size.
 STEP = CONTEXT.mpf(10) ** -20
-#: What is pi in the text of facts, in doubles and with all digits.
-DOUBLES = {"PI": PI, "TWO_PI": TWO_PI}
-TURNS = {"PI": CONTEXT.pi, "TWO_PI": 2 * CONTEXT.pi}
-TURNS_OF = {double: TURNS[name] for name, double in DOUBLES.items()}
+#: Pi and 2 pi with all digits, in place of the doubles of formulas.
+TURNS = {PI: CONTEXT.pi, TWO_PI: 2 * CONTEXT.pi}
 
 
 class HighPrecision:
@@ -123,21 +122,19 @@ class HighPrecision:
         return self._after[names]
 
 
+class ExactFormula(Formula):
+    """A formula in which pi stands for all its digits, not for the double."""
+
+    @cached_property
+    def function(self) -> Callable[..., Any]:
+        """The formula as a function of Python."""
+        return self.function_with(TURNS)
+
+
 def _exact_turns(step: Fact | System) -> Fact | System:
-    """Return a step in whose text pi stands for all its digits, not for the double."""
-    law = step.function
-    exact = {name: value for name, value in TURNS.items() if law.__globals__.get(name) is DOUBLES[name]}
-    written = law.__code__.co_consts  # in the text of a derivative pi is a number
-    numbers = tuple(TURNS_OF.get(x, x) if isinstance(x, float) else x for x in written)
-    if isinstance(step, System) or (
-        numbers == written and not set(exact).intersection(law.__code__.co_names)
-    ):
-        return step
-    code = law.__code__.replace(co_consts=numbers)
-    function = FunctionType(
-        code, {**law.__globals__, **exact}, law.__name__, law.__defaults__, law.__closure__
-    )
-    return replace(step, function=function)
+    """Return a step in whose formula pi stands for all its digits."""
+    law = step.formula
+    return replace(step, formula=ExactFormula(law.name, law.parameters, law.lines, law.names))
 
 
 def _take(step: Fact | System, known: dict[str, Any]) -> None:

@@ -21,6 +21,7 @@ from typing import Any
 
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.fact import Fact, Input
+from fastlink.facts.formula import Formula
 from fastlink.facts.names import Derivative, Quantity
 from fastlink.mechanisms._shared.laws import (
     ByOtherInput,
@@ -222,7 +223,7 @@ def driven_by(joint: int) -> Catalogue:
     known = {name: AT_ENDS[name] for name in MOVED if name in AT_ENDS and name not in none}
     driven.graded = replace(graded, not_differentiable=none, known=known)
     placed = {fact.name: fact for fact in (_moved(place, joint) for place in places)}
-    placed[driven.position.name] = replace(placed[driven.position.name], function=angle_of_place)
+    placed[driven.position.name] = replace(placed[driven.position.name], formula=Formula.of(angle_of_place))
     driven.variants[graded.name] = dict(placed)
     return driven
 
@@ -267,12 +268,14 @@ def _declared(joint: int) -> Catalogue:
     turned = {
         "cos_theta1": minus_cosine,
         "sin_theta1": minus_sine,
-        "Z": planar_4r.tables["C"].function,
-        "C": planar_4r.tables["Z"].function,
+        "Z": planar_4r.tables["C"].formula,
+        "C": planar_4r.tables["Z"].formula,
     }
     for name, table in planar_4r.tables.items():
         meaning = f"{table.meaning} plus pi"
-        driven.tables[name] = replace(table, function=turned[name], depends_on=(angle.name,), meaning=meaning)
+        driven.tables[name] = replace(
+            table, formula=Formula.of(turned[name]), depends_on=(angle.name,), meaning=meaning
+        )
     driven.table_low_parts = dict(planar_4r.table_low_parts)
     return driven
 
