@@ -18,7 +18,6 @@ from fastlink.errors import InputError, Problems, door
 from fastlink.facts.fact import Input, Rule
 from fastlink.io.reader import as_dataset
 from fastlink.mechanisms.minkowski_4r import minkowski_4r
-from fastlink.mechanisms.minkowski_4r.design_facts import LINKAGE_FLAGS
 from fastlink.numerics.compensated import sum_of_four, two_product
 from fastlink.papers import broadcast, check_lengths, coupler_sextic, read_numbers
 
@@ -900,7 +899,8 @@ def linkage_table(maps: Any) -> pd.DataFrame:
         types = dataset["linkage_type"]
         signs = [np.sign(dataset[name].broadcast_like(types).transpose(*types.dims).values) for name in SUMS]
         codes = types.values
-    valid = (codes >= 0) & (codes < max(LINKAGE_FLAGS))
+    linkages = minkowski_4r.facts["linkage_type"].flags
+    valid = (codes >= 0) & (codes < max(linkages))
     key = codes[valid].astype(int)  # one number for a type and five signs, in base 3
     for sign in signs:
         key = 3 * key + 1 + sign[valid].astype(int)
@@ -913,7 +913,7 @@ def linkage_table(maps: Any) -> pd.DataFrame:
 def _row(key: int, count: int) -> list[Any]:
     """Return a row of the table from a type and the signs of the sums as one number."""
     code, rest = divmod(key, 3 ** len(SUMS))
-    kind, *motions = in_words(LINKAGE_FLAGS[code]).split()
+    kind, *motions = in_words(minkowski_4r.facts["linkage_type"].flags[code]).split()
     signs = {name: rest // 3**k % 3 - 1 for name, k in zip(SUMS, (4, 3, 2, 1, 0), strict=True)}
     paper, relation = KINDS[kind]
     if relation:

@@ -25,12 +25,9 @@ from fastlink.facts.fact import Input
 from fastlink.facts.names import ListOfExtrema, Quantity, Reduced
 from fastlink.io.reader import as_dataset, as_map
 from fastlink.maps.units import check_units
-from fastlink.mechanisms._shared.laws import ROUND_BAR, bar_volume
 from fastlink.mechanisms.planar_4r import planar_4r
-from fastlink.mechanisms.planar_4r.dense import RIGHT_SIDE, UNKNOWNS, reactions
-from fastlink.mechanisms.planar_4r.inputs import LINKS
-from fastlink.mechanisms.planar_4r.position import EQUATION_9, IO_CROSS, IO_PRODUCTS
 from fastlink.numerics.compensated import UNIT_ROUNDING, sum_of_four
+from fastlink.numerics.elementary import PI
 from fastlink.numerics.vectors import cross
 from fastlink.papers import (
     BY_NAME,
@@ -86,6 +83,24 @@ def __dir__() -> list[str]:
 # -- Coefficients of the six algebraic input-output equations of the planar 4R
 
 
+#: Which equation of the paper, and products of which factors multiply v_i^2 v_j^2, v_i^2, v_j^2 and 1.
+IO_PRODUCTS = {
+    "12": (2, "A1 B2", "A2 B1", "C1 D2", "C2 D1"),
+    "13": (3, "A1 B1", "A2 B2", "C2 D2", "C1 D1"),
+    "14": (1, "A1 A2", "B1 B2", "C1 C2", "D1 D2"),
+    "23": (4, "A1 D2", "B2 C1", "B1 C2", "A2 D1"),
+    "24": (5, "A1 C1", "B2 D2", "A2 C2", "B1 D1"),
+    "34": (6, "A1 C2", "B1 D2", "A2 C1", "B2 D1"),
+}
+#: The coefficient of v_i v_j is this number times the product of these two lengths; there is none in 13 and 24.
+IO_CROSS = {
+    "12": (-8.0, "2", "4"),
+    "14": (-8.0, "1", "3"),
+    "23": (-8.0, "1", "3"),
+    "34": (8.0, "2", "4"),
+}
+
+
 @door(hint=BY_NAME)
 def io_coefficients(design: Any = None, *, pair: str = "14", **inputs: Any) -> Any:
     """Return the coefficients of an input-output equation, eqs. (1) to (6) of Hayes.
@@ -120,10 +135,11 @@ def io_coefficients(design: Any = None, *, pair: str = "14", **inputs: Any) -> A
     if not isinstance(pair, str) or pair not in IO_PRODUCTS:
         where, remedy = ("io_coefficients", "pair"), listed(list(IO_PRODUCTS))
         raise InputError(f"{short_repr(pair)} is unknown", where=where, remedy=remedy)
-    lengths = [*read_design("io_coefficients", planar_4r, design, inputs, ("a1", "a2", "a3", "a4")).values()]
+    by_name = read_design("io_coefficients", planar_4r, design, inputs, ("a1", "a2", "a3", "a4"))
+    lengths = [*by_name.values()]
 
     def factor(name: str) -> Any:
-        return planar_4r.facts[f"factor_{name}"].formula(*lengths)[0]
+        return planar_4r.facts[f"factor_{name}"].values(by_name)[f"factor_{name}"]
 
     _equation, *products = IO_PRODUCTS[pair]
     vivj, vi, vj, one = (factor(x) * factor(y) for x, y in (str(product).split() for product in products))
@@ -1255,7 +1271,14 @@ def _renamed(space: DesignSpace, names: dict[str, str]) -> DesignSpace:
 
 
 #: The system, with the names on which its rows depend.
-SYSTEM = planar_4r.variants["dense"][UNKNOWNS[0]]
+SYSTEM = planar_4r.variants["dense"]["T41"]
+#: The right-hand side, vector b.
+RIGHT_SIDE = tuple(
+    f"inertia_{kind}{i}{of}"
+    for i in (1, 2, 3)
+    for kind, of in (("force", "_x"), ("force", "_y"), ("moment", ""))
+)
+LINKS, ROUND_BAR = (1, 2, 3), "round_bar"
 BARS = [f"{name.format(i)}" for i in LINKS for name in ("m{}", "I{}", "G{}_u", "G{}_v")]
 
 
@@ -1316,9 +1339,9 @@ def force_equations(
         raise InputError.of(error.problems, _Wording()) from None
     first = next(iter(found.values()))
     template = first if isinstance(first, xr.DataArray) else xr.DataArray(np.asarray(first))
-    system = stack_rows(reactions(*(np.asarray(found[name]) for name in SYSTEM.depends_on)))
+    system = stack_rows(SYSTEM.formula(*(np.asarray(found[name]) for name in SYSTEM.depends_on)))
     dims = (*template.dims, "equation")
-    labels = {"references": EQUATION_9}
+    labels = {"references": planar_4r.facts["r11_x"].source}
     return xr.Dataset(
         {
             "A": (
@@ -1328,7 +1351,7 @@ def force_equations(
             ),
             "b": (dims, system[..., -1], {**labels, "long_name": "Inertia forces and moments"}),
         },
-        {**template.coords, "equation": list(RIGHT_SIDE), "unknown": list(UNKNOWNS)},
+        {**template.coords, "equation": list(RIGHT_SIDE), "unknown": list(SYSTEM.unknowns)},
     )
 
 
@@ -1371,7 +1394,7 @@ def bar_properties(design: Any = None, *, links: Links, **inputs: Any) -> dict[s
     values = constants_of(planar_4r, links, (ROUND_BAR,)) | given
     with np.errstate(all="ignore"):  # of bars beyond the range of doubles
         facts = read_facts(planar_4r, BARS, values, (ROUND_BAR,))
-        volumes = {f"volume{i}": bar_volume(values[f"a{i}"], values["radius"]) for i in LINKS}
+        volumes = {f"volume{i}": PI * (values["radius"] * values["radius"]) * values[f"a{i}"] for i in LINKS}
     return {
         name: of[()] for name, of in {**volumes, **{name: np.asarray(facts[name]) for name in BARS}}.items()
     }

@@ -367,12 +367,15 @@ class Catalogue:
         `Catalogue.variants_selected_by`. The codes of `choices` become a dimension of the result unless the design
         gives one of them.
         """
-        self._check_name(name, variant)
-        declared = Input(name, units, symbol, meaning, rule, default, dict(choices or {}))
+        self.declare_input(Input(name, units, symbol, meaning, rule, default, dict(choices or {})), variant)
+
+    def declare_input(self, declared: Input, variant: str | None = None) -> None:
+        """Declare a number that the user gives, see `input`."""
+        self._check_name(declared.name, variant)
         if variant is None:
-            self.inputs[name] = declared
+            self.inputs[declared.name] = declared
         else:
-            self.variant_inputs.setdefault(variant, {})[name] = declared
+            self.variant_inputs.setdefault(variant, {})[declared.name] = declared
             self._check_variant(variant)
 
     def quantity(
@@ -444,32 +447,38 @@ class Catalogue:
         def declare(function: F) -> F:
             labels = {"units": "1", "symbol": symbol, "source": source, "internal": True}
             fact = self._fact(function, None, name=function.__name__, meaning=first_line(function), **labels)
-            self._check_name(fact.name, None)
-            if fact.depends_on != (self.position.name,):
-                raise CatalogueError(
-                    f"{self.name}: table {fact.name} must depend on {self.position.name} alone"
-                )
-            self.tables[fact.name] = fact
-            if low is not None:
-                self._check_name(low, None)
-                self.table_low_parts[low] = fact.name
+            self.declare_table(fact, low)
             return function
 
         return declare
+
+    def declare_table(self, fact: Fact, low: str | None) -> None:
+        """Declare a function of the input position alone, see `table`."""
+        self._check_name(fact.name, None)
+        if fact.depends_on != (self.position.name,):
+            raise CatalogueError(f"{self.name}: table {fact.name} must depend on {self.position.name} alone")
+        self.tables[fact.name] = fact
+        if low is not None:
+            self._check_name(low, None)
+            self.table_low_parts[low] = fact.name
 
     def system(self, name: str, unknowns: Sequence[str], *, variant: str) -> Callable[[F], F]:
         """Declare a linear system that determines `unknowns`, as part of a variant."""
 
         def declare(function: F) -> F:
             declared = System(name, tuple(unknowns), Formula.of(function), needs_of(function))
-            self.solvers = tuple(dict.fromkeys((*self.solvers, variant)))
-            for unknown in unknowns:
-                self._check_name(unknown, variant)
-                self.variants.setdefault(variant, {})[unknown] = declared
-            self._check_variant(variant)
+            self.declare_system(declared, variant)
             return function
 
         return declare
+
+    def declare_system(self, declared: System, variant: str) -> None:
+        """Declare a linear system, as part of a variant."""
+        self.solvers = tuple(dict.fromkeys((*self.solvers, variant)))
+        for unknown in declared.unknowns:
+            self._check_name(unknown, variant)
+            self.variants.setdefault(variant, {})[unknown] = declared
+        self._check_variant(variant)
 
     def derivative(
         self, name: str, by: str, *, given: Mapping[str, str] | None = None, variant: str | None = None
@@ -481,19 +490,25 @@ class Catalogue:
         """
 
         def declare(function: F) -> F:
-            fact = self.facts.get(name) or self.tables[name]
-            declared = replace(
-                with_derivative_labels(fact, self.variables[by]),
-                formula=Formula.of(function),
-                depends_on=needs_of(function, given),
-                internal=True,
-            )
-            self._check_new(declared.name, variant)
-            facts = self.facts if variant is None else self.variants.setdefault(variant, {})
-            facts[declared.name] = declared
+            formula = Formula.of(function)
+            self.declare_derivative(derivative_name(name, by), formula, needs_of(function, given), variant)
             return function
 
         return declare
+
+    def declare_derivative(
+        self, name: str, formula: Formula, depends_on: tuple[str, ...], variant: str | None = None
+    ) -> None:
+        """Declare a derivative by its name, see `derivative`."""
+        tree = self.parse(name)
+        if not isinstance(tree, Derivative):
+            raise CatalogueError(f"{self.name}: {name} is no derivative of a fact by an input")
+        fact = self.facts.get(str(tree.of)) or self.tables[str(tree.of)]
+        labelled = with_derivative_labels(fact, self.variables[tree.by])
+        declared = replace(labelled, formula=formula, depends_on=depends_on, internal=True)
+        self._check_new(declared.name, variant)
+        facts = self.facts if variant is None else self.variants.setdefault(variant, {})
+        facts[declared.name] = declared
 
     def depends_on_solver(self, steps: Iterable[Fact | System]) -> bool:
         """Tell whether steps include a value of a linear system, or a derivative of one."""

@@ -31,7 +31,8 @@ NAMESPACE: dict[str, Any] = {
     **{
         name: getattr(elementary, name)
         for name in (
-            *("sqrt", "atan2", "cosine", "sine", "cos", "sin", "select"),
+            *("sqrt", "atan2", "cosine", "sine", "select"),
+            *("sin", "cos", "exp", "sinh", "cosh", "binary_exponent", "ldexp"),
             *("PI", "TWO_PI", "INFINITY", "NOT_A_NUMBER", "ANGLE_ROUNDING"),
         )
     },
@@ -60,6 +61,8 @@ class Formula:
         Assignments, then a return.
     names : mapping
         What names stand for that are neither parameters nor assigned.
+    place : str
+        The sheet that has it, and the line.
     """
 
     def __init__(
@@ -68,8 +71,9 @@ class Formula:
         parameters: Sequence[str],
         lines: Iterable[str],
         names: Mapping[str, Any] = NAMESPACE,
+        place: str = "",
     ) -> None:
-        self.name, self.parameters, self.names = name, tuple(parameters), names
+        self.name, self.parameters, self.names, self.place = name, tuple(parameters), names, place
         self.lines = tuple(lines)
         #: How tracebacks name its text, whose first line is the second one there.
         self.file = f"<formula {name}>"

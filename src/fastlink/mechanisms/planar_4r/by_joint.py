@@ -17,122 +17,21 @@ import re
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, partial
-from typing import Any
 
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.fact import Fact, Input
 from fastlink.facts.formula import Formula
 from fastlink.facts.names import Derivative, Quantity
-from fastlink.mechanisms._shared.laws import (
-    ByOtherInput,
-    facts_of,
-    opposite,
-    opposite_product,
-    quotient,
-    same,
-    total,
-    turned,
-    with_derivatives,
-)
-from fastlink.mechanisms.planar_4r.graded import AT_ENDS
-from fastlink.mechanisms.planar_4r.inputs import planar_4r
-from fastlink.mechanisms.planar_4r.position import POSITION
-from fastlink.numerics.elementary import TWO_PI, atan2, cos, select, sin, sqrt
+from fastlink.facts.sheet import read_sheets
+from fastlink.mechanisms._shared.borrow import ByOtherInput, facts_of, with_derivatives
+from fastlink.mechanisms.planar_4r import AT_ENDS, planar_4r
 
-__all__ = ["PLACES", "POINT", "driven_by", "driven_catalogues"]
+__all__ = ["driven_by", "driven_catalogues"]
 
 
-# -- Places of A, B and P in the ground frame where another joint than O is driven
-
-# The facts of joints are in the frame of link k - 1, which is held there, and in which the ground
-# moves: its direction turns what is known of A and B back. The joint that is opposite to the driven one is
-# straight at the toggles, where B or A is on the line OD and moves without bound: its place is by half the
-# angle of that joint.
-
-
-#: The inputs of the coupler point, and what is offered.
+#: The inputs of the coupler point, and the places in the ground frame that are offered.
 POINT = ("P_u", "P_v")
 PLACES = tuple(f"{name}_{xy}" for name in "ABP" for xy in "xy")
-
-
-def opposite_quotient(x: Any, y: Any) -> Any:
-    """Return -x/y."""
-    return -(x / y)
-
-
-def back_x(u: Any, v: Any, x: Any, y: Any) -> Any:
-    """Return the first component of minus (u, v) in a frame whose first axis is (x, y): v y - u x."""
-    return v * y - u * x
-
-
-def back_y(u: Any, v: Any, x: Any, y: Any) -> Any:
-    """Return the second component: -u y - v x."""
-    return -(u * y) - v * x
-
-
-def far_x(start: Any, length: Any, C: Any, S: Any) -> Any:
-    """Return the coordinate along OD of the end of a link, by the squares of half its angle."""
-    return start + length * (C - S)
-
-
-def far_A_x(a1: Any, joint_C1: Any, joint_S1: Any) -> Any:
-    """A from O, x, where B is driven."""
-    return a1 * (joint_S1 - joint_C1)
-
-
-def far_y(length: Any, Y: Any) -> Any:
-    """Return the coordinate across OD of the end of a link, by half the sine of its angle."""
-    return -2.0 * (length * Y)
-
-
-def along_ground(a3: Any, a4: Any, Z: Any) -> Any:
-    """B from O, x, where D is driven."""
-    return (a4 - a3) + 2.0 * a3 * Z
-
-
-back = back_x, back_y
-TURN = {"x": "turn_x", "y": "turn_y"}
-CRANK = {"u": "driven_A_x", "v": "driven_A_y"}
-AB, DB = {"u": "AB_x", "v": "AB_y"}, {"u": "DB_x", "v": "DB_y"}
-
-
-def declare_places(driven: Catalogue, joint: int) -> None:
-    """Declare the places where joint 2, 3 or 4 is driven, after the facts of the joints."""
-    step = driven.steps(units="1", source=POSITION)
-    place = driven.quantities(units="m", source=planar_4r.facts["A_x"].source)
-    ground = "The turn from the frame of the held link to that of the ground"
-    A, B, coupler = "Moving pivot A", "Moving pivot B", "Vector from A to B in the ground frame"
-    if joint == 2:
-        step(quotient, "turn_x", "t_x", f"{ground}, cosine", x="DB_x", y="a4")
-        step(opposite_quotient, "turn_y", "t_y", f"{ground}, sine", x="DB_y", y="a4")
-        place.vector(opposite_product, "A_*", "A_*", A, x="a1", y="turn_*")
-        place(far_x, "B_x", "B_x", f"{B}, x", C="joint_C4", S="joint_S4", length="a3", start="a4")
-        place(far_y, "B_y", "B_y", f"{B}, y", Y="joint_Y4", length="a3")
-        step.vector(turned, "coupler_*", "AB_*", coupler, units="m", **CRANK, **TURN)
-    elif joint == 3:
-        step(opposite_quotient, "turn_x", "t_x", f"{ground}, cosine", x="AB_x", y="a4")
-        step(quotient, "turn_y", "t_y", f"{ground}, sine", x="AB_y", y="a4")
-        step(total, "from_O", "BO", "From B to O along AB", x="a2", y="DB_x", units="m")
-        place(far_A_x, "A_x", "A_x", f"{A}, x")
-        place(far_y, "A_y", "A_y", f"{A}, y", Y="joint_Y1", length="a1")
-        place.vector(back, "B_*", "B_*", B, u="from_O", v="DB_y", **TURN)
-        step.vector(opposite_product, "coupler_*", "AB_*", coupler, units="m", x="a2", y="turn_*")
-    else:
-        step(opposite, "turn_x", "t_x", f"{ground}, cosine", x="cos_theta1")
-        step(same, "turn_y", "t_y", f"{ground}, sine", x="sin_theta1")
-        place.vector(turned, "A_*", "A_*", A, **AB, **TURN)
-        place(along_ground, "B_x", "B_x", f"{B}, x")
-        place(opposite, "B_y", "B_y", f"{B}, y", x="AD_v")
-        step.vector(back, "coupler_*", "AB_*", coupler, units="m", **DB, **TURN)
-    for name in ("P_along", "P_across"):
-        driven.facts[name] = planar_4r.facts[name]
-    on_coupler = {"u": "P_along", "v": "P_across", "x": "coupler_x", "y": "coupler_y"}
-    step.vector(turned, "AP_*", "AP_*", "Vector from A to the coupler point", units="m", **on_coupler)
-    place.vector(total, "P_*", "P_*", "Coupler point P", x="A_*", y="AP_*")
-    for name in PLACES:
-        driven.facts[name] = replace(driven.facts[name], meaning=planar_4r.facts[name].meaning)
-
-
 #: Names that carry the number of a joint or a length.
 NUMBERED = re.compile(
     r"(a|s|v|joint_angle_|joint_omega_|joint_alpha_|joint_[SCY])([1-4])(_slope|_dot|_ddot|)"
@@ -164,21 +63,16 @@ KEPT = (
 )
 
 
-def minus_cosine(angle: Any) -> Any:
-    """Cosine of the angle plus pi."""
-    return -cos(angle)
-
-
-def minus_sine(angle: Any) -> Any:
-    """Sine of the angle plus pi."""
-    return -sin(angle)
-
-
-def angle_of_place(side: Any, Z: Any, C: Any) -> Any:
-    """Driven joint angle in [0, 2 pi) at a place of the graded range: half a turn from theta1 there."""
-    half_turn = 2.0 * atan2(sqrt(C), sqrt(Z))
-    mirrored = TWO_PI - half_turn
-    return select(side < 0.0, half_turn, select(mirrored < TWO_PI, mirrored, 0.0))
+#: The driven joint angle in [0, 2 pi) at a place of the graded range: half a turn from theta1 there.
+ANGLE_OF_PLACE = Formula(
+    "joint_angle",
+    ["side", "Z", "C"],
+    [
+        "half_turn = 2.0 * atan2(sqrt(C), sqrt(Z))",
+        "mirrored = TWO_PI - half_turn",
+        "return select(side < 0.0, half_turn, select(mirrored < TWO_PI, mirrored, 0.0))",
+    ],
+)
 
 
 def moved_number(number: int, joint: int) -> int:
@@ -216,14 +110,17 @@ def driven_by(joint: int) -> Catalogue:
     for fact in facts_of(planar_4r, KEPT, driven.facts):
         driven.facts |= dict.fromkeys(fact.names, fact)
     if joint != 1:
-        declare_places(driven, joint)
+        driven.facts |= {name: planar_4r.facts[name] for name in ("P_along", "P_across")}
+        read_sheets(__file__, [f"places_{joint}"], driven)
+        for name in PLACES:
+            driven.facts[name] = replace(driven.facts[name], meaning=planar_4r.facts[name].meaning)
     # Angles jump where they pass pi, where they have no derivative: their extremes are those over the given angles.
     angles = (f"joint_angle_{i}" for i in (1, 2, 3, 4))
     none = (*graded.not_differentiable, *angles)
     known = {name: AT_ENDS[name] for name in MOVED if name in AT_ENDS and name not in none}
     driven.graded = replace(graded, not_differentiable=none, known=known)
     placed = {fact.name: fact for fact in (_moved(place, joint) for place in places)}
-    placed[driven.position.name] = replace(placed[driven.position.name], formula=Formula.of(angle_of_place))
+    placed[driven.position.name] = replace(placed[driven.position.name], formula=ANGLE_OF_PLACE)
     driven.variants[graded.name] = dict(placed)
     return driven
 
@@ -258,24 +155,20 @@ def _declared(joint: int) -> Catalogue:
     )
     for i, link in enumerate(LINKS, 1):
         driven.inputs[f"a{i}"] = replace(planar_4r.inputs[f"a{i}"], meaning=f"length of the link {link}")
-    driven.input(
-        f"joint_omega_{joint}",
-        units="rad s-1",
-        symbol=f"d theta_{joint}/dt (eqs. 1-6)",
-        meaning="rate of the driven joint angle, constant",
-    )
+    omega = f"joint_omega_{joint}"
+    symbol, meaning = f"d theta_{joint}/dt (eqs. 1-6)", "rate of the driven joint angle, constant"
+    driven.declare_input(Input(omega, "rad s-1", symbol, meaning))
     driven.inputs |= {name: planar_4r.inputs[name] for name in POINT}
+    tables = {name: table.formula for name, table in planar_4r.tables.items()}
     turned = {
-        "cos_theta1": minus_cosine,
-        "sin_theta1": minus_sine,
-        "Z": planar_4r.tables["C"].formula,
-        "C": planar_4r.tables["Z"].formula,
+        "cos_theta1": Formula("cos_theta1", ["angle"], ["return -cos(angle)"]),
+        "sin_theta1": Formula("sin_theta1", ["angle"], ["return -sin(angle)"]),
+        "Z": tables["C"],
+        "C": tables["Z"],
     }
     for name, table in planar_4r.tables.items():
         meaning = f"{table.meaning} plus pi"
-        driven.tables[name] = replace(
-            table, formula=Formula.of(turned[name]), depends_on=(angle.name,), meaning=meaning
-        )
+        driven.tables[name] = replace(table, formula=turned[name], depends_on=(angle.name,), meaning=meaning)
     driven.table_low_parts = dict(planar_4r.table_low_parts)
     return driven
 

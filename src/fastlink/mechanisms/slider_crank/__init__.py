@@ -1,79 +1,77 @@
-"""The offset slider-crank: crank, connecting rod, and a slider on a line that may miss the crank's pivot."""
+"""The offset slider-crank: crank, connecting rod, and a slider on a line that may miss the crank's pivot.
+
+Its facts stand in the sheets beside this file. The crank OA of length r turns about O = (0, 0), the connecting rod AB
+of length l moves the slider B on the line y = e, which is parallel to the x axis. Links are numbered as in the planar
+4R: 1 the crank, 2 the rod, 3 the slider, 4 the ground.
+"""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fastlink.mechanisms._shared import laws
+from fastlink.facts.catalogue import Catalogue
+from fastlink.facts.fact import GradedRange, Input, KnownExtremes
+from fastlink.facts.sheet import read_sheets
+from fastlink.mechanisms._shared.borrow import borrow
 from fastlink.mechanisms._shared.picture import Bar, Circle, Force, Guide, Picture, Point, Torque, joint
-from fastlink.mechanisms.slider_crank import forces, motion, strokes  # noqa: F401 (they declare its facts)
-from fastlink.mechanisms.slider_crank.inputs import BARS, slider_crank
+from fastlink.mechanisms.planar_4r import planar_4r
+from fastlink.numerics.elementary import PI
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from fastlink.facts.catalogue import Catalogue
-
 __all__ = ["DRIVEN", "PICTURE", "slider_crank"]
 
-
-# -- Further names, in books and drawings, of the quantities and inputs of the slider-crank
-
-
-_REACTION = "joint force, bearing force, bearing load, pin force, reaction force"
-
-slider_crank.also_called(
-    r="crank, crank radius, crank length, throw, a1, l1",
-    l="rod, rod length, conrod, connecting rod, a2, l2",
-    e="offset, eccentricity",
-    omega="rpm, crank speed, angular speed, input speed",
-    m3="piston mass",
-    I1="J1, crank inertia",
-    I2="J2, rod inertia",
-    G1_u="centre of gravity, centre of mass of the crank, cog",
-    G2_u="centre of mass of the rod",
-    radius="bar radius, diameter, thickness, cross section",
-    density="material, steel",
-    F_load="load, external force, applied force, gas force, piston force",
+slider_crank = Catalogue(
+    "slider_crank",
+    "Offset slider-crank: a crank at O, a connecting rod, and a slider on the line y = e",
+    branches={
+        1: "slider to the right of the crank pin A: its x is greater",
+        2: "slider to the left of the crank pin A: its x is less",
+    },
+    position=Input("theta", "rad", "theta", "crank angle: direction of OA, from the line of the slider"),
 )
-slider_crank.also_called(
-    slider_position="displacement, piston travel",
-    slider_velocity="piston speed",
-    theta2="rod angle",
-    transmission_angle="pressure angle, force transmission",
-    transmission_angle_least="worst transmission angle",
-    T41="torque, driving torque, input torque, crank torque, motor torque, M41, T14",
-    F41=f"{_REACTION}, main bearing force, ground reaction, reaction at O, F14",
-    F21=f"{_REACTION}, crank pin force, reaction at A, F12",
-    F32=f"{_REACTION}, wrist pin force, gudgeon pin force, piston pin force, reaction at B, F23",
-    side_force="side thrust, guide force, normal force, F34",
-    shaking_force="frame force, unbalance, balancing",
-    shaking_moment="frame moment, shaking torque",
-    input_power="power, motor power",
-    T41_fluctuation="coefficient of fluctuation, flywheel, energy fluctuation",
-    outer_dead_centre="top dead centre, TDC, dead centre",
-    inner_dead_centre="bottom dead centre, BDC, dead centre",
-    theta_outer="top dead centre angle",
-    theta_inner="bottom dead centre angle",
-    theta_low="limit angle, toggle angle, toggle position, singularity",
-    theta_high="limit angle, toggle angle, toggle position, singularity",
-    grashof_class="grashof condition, linkage type",
-    time_ratio="quick return, advance to return ratio",
-    stroke="travel, lift",
-    status="feasible, feasibility, valid, assembles, assembly, closes",
-    loop_residual="closure error, constraint violation",
+slider_crank.closes = ("sigma", "p", "q")
+read_sheets(__file__, ("inputs", "motion", "strokes", "forces", "round_bar"), slider_crank)
+
+# What the planar 4R says of its crank, its coupler and their joints holds here, too; the coupler is the rod.
+
+NAMES = {"a1": "r", "a2": "l", "theta1": "theta", "omega1": "omega", "omega1_squared": "omega_squared"}
+NAMES |= {"cos_theta1": "cos_theta", "sin_theta1": "sin_theta"}
+NAMES |= {name: name for name in ("A_x", "A_y", "AB_x", "AB_y", "p2_x", "p2_y", "F32_x", "F32_y")}
+FORCES = "docs/slider_crank.md#forces"
+LABELS = {
+    name: {
+        "meaning": planar_4r.facts[name].meaning.replace("coupler", "connecting rod"),
+        "source": f"Hayes, Hninn, Irani, eq. (9) of crank and coupler; {FORCES}",
+    }
+    for name in ("F21_x", "F21_y", "F41_x", "F41_y", "F41", "F21")
+}
+LABELS["F32"] = {"meaning": "Force of the slider on the connecting rod at B, magnitude", "source": FORCES}
+LABELS |= {name: {} for name in ("p1_x", "p1_y", "AG_x", "AG_y", "G2_along", "G2_across")}
+borrow(slider_crank, planar_4r, NAMES, "", LABELS)
+
+#: Half the number of cells for what has at most two extremes: see docs/slider_crank.md.
+SIMPLE = ("slider_position", "theta2", "omega2", "transmission_angle")
+slider_crank.graded = GradedRange(
+    antisymmetric=("side", "branch_sign"),
+    vanishes_at_toggle="sigma",
+    reciprocal="per_sigma",
+    bounded_factor="sine_mu",
+    cells=dict.fromkeys(SIMPLE, 16),
+    max_extrema=dict.fromkeys(SIMPLE, 2),
+    not_differentiable=("loop_residual",),
+    wraps_at={"theta2": "AB_y"},
+    axis=PI / 2,
+    known={
+        "slider_position": KnownExtremes({1: ("place_inner",), 2: ("place_outer",)}),
+        "A_x": KnownExtremes({1: ("place_along",), 2: ("place_along",)}),
+        "theta2": KnownExtremes(jumps={2: ("place_on_line",)}, exchanged=False),
+        **dict.fromkeys(("transmission_angle", "A_y"), KnownExtremes()),
+    },
 )
 
-
-# -- Crank and connecting rod made of a round bar; the slider's mass is given
-
-
-laws.declare(slider_crank, BARS)
-
-
-# -- The picture of the slider-crank: see docs/slider_crank.md
-
-
+#: See docs/slider_crank.md.
 PICTURE = Picture(
     points=(Point("O", 0.0, 0.0, "ground"), joint("A"), Point("B", "slider_position", "e", "slider")),
     bars=(Bar("O A", {"O A": "r"}), Bar("A B", {"A B": "l"})),
