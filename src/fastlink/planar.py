@@ -21,7 +21,7 @@ from fastlink.engine.sweep import sweep
 from fastlink.errors import InputError, KeyPath, Piece, Problems, Setting, Wording, check_switch, door, listed
 from fastlink.facts.catalogue import ELIMINATED
 from fastlink.facts.evaluate import read_facts, stack_rows
-from fastlink.facts.fact import Input
+from fastlink.facts.fact import Input, System
 from fastlink.facts.names import ListOfExtrema, Quantity, Reduced
 from fastlink.io.reader import as_dataset, as_map
 from fastlink.maps.units import check_units
@@ -1272,6 +1272,7 @@ def _renamed(space: DesignSpace, names: dict[str, str]) -> DesignSpace:
 
 #: The system, with the names on which its rows depend.
 SYSTEM = planar_4r.variants["dense"]["T41"]
+assert isinstance(SYSTEM, System)
 #: The right-hand side, vector b.
 RIGHT_SIDE = tuple(
     f"inertia_{kind}{i}{of}"

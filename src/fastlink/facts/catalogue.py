@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import replace
 from functools import cached_property
 from itertools import count
-from typing import Any, Self, TypeVar
+from typing import Any, Self
 
 from fastlink.errors import InputError, Model, Piece, Problem, suggest
 from fastlink.facts.bounds import ErrorBounds, trust_fact, with_error_labels
@@ -32,10 +32,7 @@ from fastlink.facts.fact import (
     Fact,
     GradedRange,
     Input,
-    Rule,
     System,
-    first_line,
-    needs_of,
 )
 from fastlink.facts.formula import Formula
 from fastlink.facts.names import (
@@ -67,7 +64,6 @@ __all__ = [
     "Fact",
     "GradedRange",
     "Input",
-    "Rows",
     "System",
 ]
 
@@ -75,61 +71,7 @@ __all__ = [
 #: The name of the solver that needs no linear system: closed forms.
 ELIMINATED = "eliminated"
 
-F = TypeVar("F", bound=Callable[..., Any])
 _versions = count()
-
-
-@dataclass(frozen=True)
-class Rows:
-    """Facts with common labels, each declared by a call."""
-
-    #: The mechanisms of the facts: the same one by several inputs, for example.
-    catalogues: Sequence[Catalogue]
-    labels: Mapping[str, Any]
-
-    def __call__(
-        self,
-        law: Callable[..., Any],
-        name: str,
-        symbol: str,
-        meaning: str | None = None,
-        /,
-        *,
-        units: str | None = None,
-        source: str | None = None,
-        low: str | None = None,
-        **given: str,
-    ) -> None:
-        """Declare a fact."""
-        own = {"units": units, "source": source, "low": low}
-        labels = {**self.labels, **{label: value for label, value in own.items() if value is not None}}
-        for catalogue in self.catalogues:
-            catalogue.quantity(**labels, symbol=symbol, name=name, meaning=meaning, given=given)(law)
-
-    def vector(
-        self,
-        law: Callable[..., Any] | tuple[Callable[..., Any], Callable[..., Any]],
-        name: str,
-        symbol: str,
-        meaning: str,
-        /,
-        *,
-        units: str | None = None,
-        source: str | None = None,
-        **given: str,
-    ) -> None:
-        """Declare both components of a vector; x and y stand for each * in the row.
-
-        Examples
-        --------
-        ``force.vector(difference, "F21_*", "F_21*", "Force on the crank at A", x="F32_*", y="p2_*")`` declares
-        ``F21_x = F32_x - p2_x`` and ``F21_y = F32_y - p2_y``.
-        """
-        laws = law if isinstance(law, tuple) else (law, law)
-        for component, own in zip("xy", laws, strict=True):
-            names = {parameter: other.replace("*", component) for parameter, other in given.items()}
-            labels = (name.replace("*", component), symbol.replace("*", component), f"{meaning}, {component}")
-            self(own, *labels, units=units, source=source, **names)
 
 
 # -- A mechanism with selected variants, some of whose facts are given: its derivatives and error bounds
@@ -349,28 +291,13 @@ class Catalogue:
             self._seen = now, version
         return version
 
-    def input(
-        self,
-        name: str,
-        *,
-        units: str,
-        symbol: str,
-        meaning: str,
-        rule: Rule = "any",
-        variant: str | None = None,
-        default: float | None = None,
-        choices: Mapping[int, str] | None = None,
-    ) -> None:
+    def declare_input(self, declared: Input, variant: str | None = None) -> None:
         """Declare a number that the user gives.
 
         An input with a `variant` belongs to that variant alone. Which inputs select a variant is defined by
         `Catalogue.variants_selected_by`. The codes of `choices` become a dimension of the result unless the design
         gives one of them.
         """
-        self.declare_input(Input(name, units, symbol, meaning, rule, default, dict(choices or {})), variant)
-
-    def declare_input(self, declared: Input, variant: str | None = None) -> None:
-        """Declare a number that the user gives, see `input`."""
         self._check_name(declared.name, variant)
         if variant is None:
             self.inputs[declared.name] = declared
@@ -378,45 +305,11 @@ class Catalogue:
             self.variant_inputs.setdefault(variant, {})[declared.name] = declared
             self._check_variant(variant)
 
-    def quantity(
-        self,
-        *,
-        units: str,
-        symbol: str,
-        source: str,
-        internal: bool = False,
-        flags: Mapping[int, str] | None = None,
-        variant: str | None = None,
-        name: str | None = None,
-        meaning: str | None = None,
-        given: Mapping[str, str] | None = None,
-        hides_reduction: bool = False,
-        low: str | None = None,
-    ) -> Callable[[F], F]:
-        """Declare a fact."""
-
-        def declare(function: F) -> F:
-            fact = self._fact(
-                function,
-                given,
-                name=name or function.__name__,
-                meaning=meaning or first_line(function),
-                units=units,
-                symbol=symbol,
-                source=source,
-                internal=internal,
-                flags=dict(flags or {}),
-                low=low,
-            )
-            if hides_reduction:
-                self.hiding.add(fact.name)
-            self.declare(fact, variant)
-            return function
-
-        return declare
-
     def declare(self, fact: Fact, variant: str | None = None) -> None:
         """Declare a fact, of a variant if one is named."""
+        for label in ("units", "symbol", "source", "meaning"):
+            if not getattr(fact, label):
+                raise CatalogueError(f"{self.name}: fact {fact.name} has no {label}")
         if fact.low is not None and not fact.internal:
             raise CatalogueError(f"{self.name}: fact {fact.name} has a low part, and is not internal")
         known: Any = self.variants.setdefault(variant, {}) if variant else self.facts
@@ -430,30 +323,11 @@ class Catalogue:
         for name, phrases in keywords.items():
             self.keywords[name] = tuple(phrase.strip() for phrase in phrases.split(","))
 
-    def quantities(self, **labels: Any) -> Rows:
-        """Return a function that declares public quantities with common labels."""
-        return Rows([self], labels)
-
-    def steps(self, **labels: Any) -> Rows:
-        """Return a function that declares internal facts with common labels."""
-        return Rows([self], {**labels, "internal": True})
-
-    def table(self, *, symbol: str, source: str, low: str | None = None) -> Callable[[F], F]:
+    def declare_table(self, fact: Fact, low: str | None) -> None:
         """Declare a function of the input position alone.
 
         It is tabled once per sweep, correctly rounded. `low` is the name of a second table, for the low parts.
         """
-
-        def declare(function: F) -> F:
-            labels = {"units": "1", "symbol": symbol, "source": source, "internal": True}
-            fact = self._fact(function, None, name=function.__name__, meaning=first_line(function), **labels)
-            self.declare_table(fact, low)
-            return function
-
-        return declare
-
-    def declare_table(self, fact: Fact, low: str | None) -> None:
-        """Declare a function of the input position alone, see `table`."""
         self._check_name(fact.name, None)
         if fact.depends_on != (self.position.name,):
             raise CatalogueError(f"{self.name}: table {fact.name} must depend on {self.position.name} alone")
@@ -461,16 +335,6 @@ class Catalogue:
         if low is not None:
             self._check_name(low, None)
             self.table_low_parts[low] = fact.name
-
-    def system(self, name: str, unknowns: Sequence[str], *, variant: str) -> Callable[[F], F]:
-        """Declare a linear system that determines `unknowns`, as part of a variant."""
-
-        def declare(function: F) -> F:
-            declared = System(name, tuple(unknowns), Formula.of(function), needs_of(function))
-            self.declare_system(declared, variant)
-            return function
-
-        return declare
 
     def declare_system(self, declared: System, variant: str) -> None:
         """Declare a linear system, as part of a variant."""
@@ -480,26 +344,14 @@ class Catalogue:
             self.variants.setdefault(variant, {})[unknown] = declared
         self._check_variant(variant)
 
-    def derivative(
-        self, name: str, by: str, *, given: Mapping[str, str] | None = None, variant: str | None = None
-    ) -> Callable[[F], F]:
-        """Declare the derivative of a fact or table with respect to a variable.
+    def declare_derivative(
+        self, name: str, formula: Formula, depends_on: tuple[str, ...], variant: str | None = None
+    ) -> None:
+        """Declare the derivative of a fact or table by an input or the position, by its name.
 
         Others are generated, see `fastlink.facts.derivative`: declare one where a closed form is better. It holds
         for the fact of that `variant`, not for a fact that replaces it.
         """
-
-        def declare(function: F) -> F:
-            formula = Formula.of(function)
-            self.declare_derivative(derivative_name(name, by), formula, needs_of(function, given), variant)
-            return function
-
-        return declare
-
-    def declare_derivative(
-        self, name: str, formula: Formula, depends_on: tuple[str, ...], variant: str | None = None
-    ) -> None:
-        """Declare a derivative by its name, see `derivative`."""
         tree = self.parse(name)
         if not isinstance(tree, Derivative):
             raise CatalogueError(f"{self.name}: {name} is no derivative of a fact by an input")
@@ -516,29 +368,12 @@ class Catalogue:
         solved |= {derivative_name(name, by) for name in solved for by in self.variables}
         return any(not solved.isdisjoint(step.names) for step in steps)
 
-    def derivatives(self, by: str, *, variant: str | None = None) -> Callable[..., None]:
-        """Return a function that declares derivatives with respect to one variable.
-
-        Its arguments are the law, the name of the fact or table, and the names that replace parameters of the law.
-        """
-
-        def declare(law: Callable[..., Any], name: str, /, **given: str) -> None:
-            self.derivative(name, by, given=given, variant=variant)(law)
-
-        return declare
-
     @property
     def variables(self) -> dict[str, Input]:
         """The variables of derivatives: every input and the position."""
         sets = self.variant_inputs.values()
         known = {name: given for inputs in (self.inputs, *sets) for name, given in inputs.items()}
         return {**known, self.position.name: self.position}
-
-    def _fact(self, function: Callable[..., Any], given: Mapping[str, str] | None, **labels: Any) -> Fact:
-        for label in ("units", "symbol", "source", "meaning"):
-            if not labels[label]:
-                raise CatalogueError(f"{self.name}: fact {labels['name']} has no {label}")
-        return Fact(formula=Formula.of(function), depends_on=needs_of(function, given), **labels)
 
     def parse(self, name: str) -> Name:
         """Return the tree of a name, see `fastlink.facts.names`."""

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
-from fastlink.facts.formula import CatalogueError, Formula, parameters
+from fastlink.facts.formula import CatalogueError, Formula
 
 __all__ = [
     "CatalogueError",
@@ -19,8 +19,6 @@ __all__ = [
     "KnownExtremes",
     "Rule",
     "System",
-    "first_line",
-    "needs_of",
 ]
 
 
@@ -191,13 +189,3 @@ class GradedRange:
     known: Mapping[str, KnownExtremes] = field(default_factory=dict)
     kinks: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = field(default_factory=dict)
     turns: Mapping[str, str] = field(default_factory=dict)
-
-
-def first_line(function: Callable[..., Any]) -> str:
-    """Return the meaning of a quantity, as the docstring of its fact has it."""
-    return (function.__doc__ or "").strip().split("\n", 1)[0].rstrip(".")
-
-
-def needs_of(function: Callable[..., Any], given: Mapping[str, str] | None = None) -> tuple[str, ...]:
-    """Return the names on which a fact depends: its parameters, or their replacements."""
-    return tuple((given or {}).get(parameter, parameter) for parameter in parameters(function))

@@ -25,7 +25,7 @@ from fastlink.errors import InputError, KeyPath, Problems, suggest
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.derivative import NoDerivative
 from fastlink.facts.expression import DEEPEST
-from fastlink.facts.fact import Fact, Rule, System
+from fastlink.facts.fact import Fact, Input, Rule, System
 from fastlink.facts.formula import NAMESPACE, CatalogueError, Formula
 from fastlink.facts.names import (
     Derivative,
@@ -1141,8 +1141,7 @@ def extended(
         try:
             if isinstance(one, OwnInput):
                 _check_free(own, one.name, "input")
-                labels: dict[str, Any] = {"units": one.units, "symbol": one.symbol, "meaning": one.meaning}
-                own.input(one.name, **labels, rule=one.rule, default=one.default)
+                own.declare_input(Input(one.name, one.units, one.symbol, one.meaning, one.rule, one.default))
             elif first is None or all(map(own.declares, map(_plain(own), one.parameters))):
                 _declare(own, one)
         except CatalogueError as error:

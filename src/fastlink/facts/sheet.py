@@ -49,6 +49,7 @@ HEAD = re.compile(
 SECTION = re.compile(r"\[(inputs|tables|facts|variant (\w+))\]")
 #: What a line of an entry says that is no formula.
 SAYING = re.compile(r"(also|rule|default|low|hides|-?\d+): (.+)")
+REMARK = re.compile(r"(^|\s+)#(?!#).*")
 BRACES = re.compile(r"\{([^{}]*,[^{}]*)\}")
 
 
@@ -73,12 +74,17 @@ class Entry:
     def expanded(self) -> Iterator[Entry]:
         """Yield the entries that braces stand for."""
         text = "\n".join([self.head, *self.lines])
+        if "{" not in text:
+            yield self
+            return
         counts = {group.count(",") + 1 for group in BRACES.findall(text)}
         if len(counts) > 1:
             what = "braces of one entry have different numbers of parts"
             raise SheetError(self.place, what, "write as many parts in each")
         for k in range(max(counts, default=1)):
-            own = BRACES.sub(lambda group, k=k: group[1].split(",")[k].strip(), text) if counts else text
+            own = text
+            for group in reversed([*BRACES.finditer(text)]):
+                own = own[: group.start()] + group[1].split(",")[k].strip() + own[group.end() :]
             head, *lines = own.split("\n")
             yield Entry(self.place, head, self.section, self.source, lines)
 
@@ -88,8 +94,8 @@ def entries_of(text: str, file: str) -> Iterator[Entry]:
     section, source, entry = "facts", "", None
     for number, written in enumerate(text.split("\n"), 1):
         place = f"{file}, line {number}"
-        line = re.sub(r"(^|\s+)#(?!#).*", "", written).rstrip()
-        if not line.strip():
+        line = (REMARK.sub("", written) if "#" in written else written).rstrip()
+        if not line:
             continue
         if line.startswith(" "):
             if entry is None:
@@ -120,13 +126,14 @@ def entries_of(text: str, file: str) -> Iterator[Entry]:
 def read_sheets(beside: str, names: Sequence[str], *catalogues: Catalogue) -> None:
     """Declare the inputs and facts of the sheets of some names that stand beside a file."""
     for name in names:
-        read_sheet(Path(beside).with_name(f"{name}.facts"), *catalogues)
+        path = Path(beside).with_name(f"{name}.facts")
+        read_sheet(path.read_text(encoding="utf-8"), path.name, *catalogues)
 
 
-def read_sheet(path: Path, *catalogues: Catalogue) -> None:
-    """Declare the inputs and facts of a sheet in catalogues."""
+def read_sheet(text: str, file: str, *catalogues: Catalogue) -> None:
+    """Declare the inputs and facts of a sheet in catalogues; errors name the file."""
     names: dict[str, Any] = dict(NAMESPACE)
-    for entry in entries_of(path.read_text(encoding="utf-8"), path.name):
+    for entry in entries_of(text, file):
         found = HEAD.fullmatch(entry.head)
         if found is None:
             remedy = "write NAME [units] symbol: meaning, or step NAME [units] symbol: meaning"
@@ -138,8 +145,9 @@ def read_sheet(path: Path, *catalogues: Catalogue) -> None:
             for catalogue in catalogues:
                 catalogue.also_called(**{found["name"]: found["unknowns"] or ""})
             continue
-        said = {match[1]: match[2] for line in entry.lines if (match := SAYING.fullmatch(line))}
-        lines = [line for line in entry.lines if not SAYING.fullmatch(line)]
+        matches = {line: SAYING.fullmatch(line) for line in entry.lines if ": " in line}
+        said = {match[1]: match[2] for match in matches.values() if match}
+        lines = [line for line in entry.lines if not matches.get(line)]
         lines += [f"= {found['value']}"] if found["value"] else []
         for catalogue in catalogues:
             try:
@@ -180,14 +188,13 @@ def _declare(
         catalogue.declare_derivative(name, formula, formula.parameters, variant)
         return
     internal = head["kind"] == "step " or entry.section == "tables"
-    labels: Any = (units, symbol, meaning, entry.source, internal, codes)
-    fact = Fact(name, formula, formula.parameters, *labels, low=said.get("low"))
+    fact = Fact(name, formula, formula.parameters, units, symbol, meaning, entry.source, internal, codes)
     if entry.section == "tables":
-        catalogue.declare_table(replace(fact, low=None), fact.low)
+        catalogue.declare_table(fact, said.get("low"))
         return
     if "hides" in said:
         catalogue.hiding.add(name)
-    catalogue.declare(fact, variant)
+    catalogue.declare(replace(fact, low=said.get("low")), variant)
 
 
 def _formula(entry: Entry, name: str, lines: Sequence[str], names: Mapping[str, Any]) -> Formula:
@@ -203,8 +210,8 @@ def _formula(entry: Entry, name: str, lines: Sequence[str], names: Mapping[str, 
         targets, _, value = line.partition(" = ") if not line.startswith("= ") else ("", "", line[2:])
         if bool(targets) == (k == len(written) - 1):
             raise SheetError(entry.place, f"the formula of {name} has {line!r}", "end it in one line `= ...`")
-        known = dict.fromkeys(word for word in WORD.findall(value) if word not in local)
-        parameters |= {word: None for word in known if word not in names and word != "abs"}
+        words = (word for word in WORD.findall(value) if word not in local and word not in names)
+        parameters |= {word: None for word in words if word != "abs"}
         local.update(WORD.findall(targets))
         texts.append(line if targets else f"return {value}")
     return Formula(name, tuple(parameters), texts, names, entry.place)
