@@ -21,7 +21,7 @@ from fastlink.engine.sweep import sweep
 from fastlink.errors import InputError, KeyPath, Piece, Problems, Setting, Wording, check_switch, door, listed
 from fastlink.facts.catalogue import ELIMINATED
 from fastlink.facts.evaluate import read_facts, stack_rows
-from fastlink.facts.fact import Input, System
+from fastlink.facts.fact import Input
 from fastlink.facts.names import ListOfExtrema, Quantity, Reduced
 from fastlink.io.reader import as_dataset, as_map
 from fastlink.maps.units import check_units
@@ -135,11 +135,11 @@ def io_coefficients(design: Any = None, *, pair: str = "14", **inputs: Any) -> A
     if not isinstance(pair, str) or pair not in IO_PRODUCTS:
         where, remedy = ("io_coefficients", "pair"), listed(list(IO_PRODUCTS))
         raise InputError(f"{short_repr(pair)} is unknown", where=where, remedy=remedy)
-    by_name = read_design("io_coefficients", planar_4r, design, inputs, ("a1", "a2", "a3", "a4"))
-    lengths = [*by_name.values()]
+    lengths = [*read_design("io_coefficients", planar_4r, design, inputs, ("a1", "a2", "a3", "a4")).values()]
+    unscaled = {f"s{i}": length for i, length in enumerate(lengths, 1)}
 
     def factor(name: str) -> Any:
-        return planar_4r.facts[f"factor_{name}"].values(by_name)[f"factor_{name}"]
+        return planar_4r.facts[f"factor_{name}"].values(unscaled)[f"factor_{name}"]
 
     _equation, *products = IO_PRODUCTS[pair]
     vivj, vi, vj, one = (factor(x) * factor(y) for x, y in (str(product).split() for product in products))
@@ -1271,8 +1271,7 @@ def _renamed(space: DesignSpace, names: dict[str, str]) -> DesignSpace:
 
 
 #: The system, with the names on which its rows depend.
-SYSTEM = planar_4r.variants["dense"]["T41"]
-assert isinstance(SYSTEM, System)
+SYSTEM: Any = planar_4r.variants["dense"]["T41"]
 #: The right-hand side, vector b.
 RIGHT_SIDE = tuple(
     f"inertia_{kind}{i}{of}"

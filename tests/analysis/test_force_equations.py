@@ -9,8 +9,8 @@ from tests.support.configurations import all_loads, family
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.mechanisms.planar_4r.dense import UNKNOWNS
 from fastlink.numerics.compensated import UNIT_ROUNDING
+from fastlink.planar import SYSTEM
 
 TABLE_1 = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
 BARS = fl.round_bar(7750.0, 0.01)
@@ -22,7 +22,7 @@ def test_the_solution_of_the_equations_are_the_joint_forces(loaded):
     inputs = family("random", rng, 60) | (all_loads(rng, 60) if loaded else {})
     branch = rng.integers(1, 3, 60)
     found = fl.planar.force_equations(inputs, branch=branch)
-    names = [*UNKNOWNS, "transmission_angle"]
+    names = [*SYSTEM.unknowns, "transmission_angle"]
     expected = fl.evaluate("planar_4r", names, **inputs, branch=branch)
     mu = expected.pop("transmission_angle")
     closes = np.isfinite(mu)

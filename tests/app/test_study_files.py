@@ -14,8 +14,9 @@ import pytest
 import fastlink as fl
 from fastlink.app.study import read_study, run_study
 from fastlink.mechanisms import catalogue
-from fastlink.mechanisms.planar_4r.classes import CLASS_FLAGS
 from fastlink.numerics.compensated import UNIT_ROUNDING
+
+CLASS_FLAGS = catalogue("planar_4r").facts["grashof_class"].flags
 
 STUDIES = Path(__file__).parents[2] / "data" / "studies"
 TURN = 2.0 * np.pi

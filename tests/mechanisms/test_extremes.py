@@ -31,7 +31,6 @@ from fastlink.engine.resolve import _plan
 from fastlink.facts.names import derivative_name
 from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
-from fastlink.numerics.compiler import syntax
 from fastlink.plan.programs import make_plan
 from fastlink.precision.errors import MeasuredErrors
 from fastlink.precision.reference import CONTEXT
@@ -614,7 +613,7 @@ def sharp_by_text(entry):
     known, found = entry.catalogue, {}
     for name in filter(known.varies, known.public):
         calls = [
-            node.func for node in ast.walk(syntax(known.facts[name].function)) if isinstance(node, ast.Call)
+            node.func for node in ast.walk(known.facts[name].formula.result) if isinstance(node, ast.Call)
         ]
         search = search_of(entry, name)
         if search is not None and any(isinstance(call, ast.Name) and call.id in SHARP for call in calls):

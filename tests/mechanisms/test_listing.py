@@ -35,10 +35,10 @@ def test_the_package_of_that_name_stays_one(first):
     script = f"""
 import fastlink as fl
 {first}
-import fastlink.mechanisms.hart.inputs as inputs
+import fastlink.mechanisms.planar_4r.by_joint as by_joint
 from fastlink.mechanisms import NAMES
 assert [one.name for one in fl.mechanisms()] == list(NAMES)
-assert fl.mechanisms.hart.inputs is inputs
+assert fl.mechanisms.planar_4r.by_joint is by_joint
 """
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr

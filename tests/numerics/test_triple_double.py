@@ -15,7 +15,7 @@ from fastlink.numerics.elementary import sin
 from fastlink.numerics.multiple import TripleDouble
 
 TABLES = {
-    (mechanism, name, table.function): catalogue(mechanism, input).table_low_parts.values()
+    (mechanism, name, table.formula): catalogue(mechanism, input).table_low_parts.values()
     for mechanism in NAMES
     for input in inputs_of(mechanism)
     for name, table in catalogue(mechanism, input).tables.items()

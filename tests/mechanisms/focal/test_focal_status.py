@@ -13,8 +13,10 @@ from tests.support.refusals import refused
 
 import fastlink as fl
 from fastlink.app.study import run_study
-from fastlink.mechanisms.focal.design_facts import STATUS_FLAGS
+from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
+
+STATUS_FLAGS = catalogue("focal").facts["status"].flags
 
 STUDIES = Path(__file__).parents[3] / "data" / "studies"
 CODES = {meaning: float(code) for code, meaning in STATUS_FLAGS.items()}

@@ -24,9 +24,11 @@ from tests.support.refusals import refused
 import fastlink as fl
 from fastlink.app.study import run_study
 from fastlink.mechanisms import catalogue
-from fastlink.mechanisms.hart.motion import KITE_FLAGS, STATUS_FLAGS
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.precision.reference import HighPrecision
+
+KITE_FLAGS = catalogue("hart").facts["is_kite"].flags
+STATUS_FLAGS = catalogue("hart").facts["status"].flags
 
 
 def assembled(rng, n):

@@ -14,8 +14,10 @@ from tests.support.refusals import refused
 
 import fastlink as fl
 from fastlink.app.study import run_study
-from fastlink.mechanisms.minkowski_4r.design_facts import LINKAGE_FLAGS
+from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
+
+LINKAGE_FLAGS = catalogue("minkowski_4r").facts["linkage_type"].flags
 
 STUDIES = Path(__file__).parents[3] / "data" / "studies"
 

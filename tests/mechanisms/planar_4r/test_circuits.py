@@ -10,7 +10,9 @@ from tests.support.configurations import LENGTHS, random_lengths
 from tests.support.curve_designs import ANGLES, apart_from_change_points, motions
 
 import fastlink as fl
-from fastlink.mechanisms.planar_4r.classes import CLASS_FLAGS
+from fastlink.mechanisms import catalogue
+
+CLASS_FLAGS = catalogue("planar_4r").facts["grashof_class"].flags
 
 
 def test_a_moved_linkage_reaches_its_circuit_and_no_other():

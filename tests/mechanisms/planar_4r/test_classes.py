@@ -11,8 +11,10 @@ import pytest
 from tests.support.configurations import DIGITS, LENGTHS, PLANAR, designs, reference
 
 import fastlink as fl
-from fastlink.mechanisms.planar_4r.classes import CLASS_FLAGS
+from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
+
+CLASS_FLAGS = catalogue("planar_4r").facts["grashof_class"].flags
 
 CODES = {meaning: code for code, meaning in CLASS_FLAGS.items()}
 LIMITS = [f"{joint}_{end}" for joint in ("theta1", "theta4") for end in ("low", "high")]

@@ -120,7 +120,9 @@ def driven_by(joint: int) -> Catalogue:
     known = {name: AT_ENDS[name] for name in MOVED if name in AT_ENDS and name not in none}
     driven.graded = replace(graded, not_differentiable=none, known=known)
     placed = {fact.name: fact for fact in (_moved(place, joint) for place in places)}
-    placed[driven.position.name] = replace(placed[driven.position.name], formula=ANGLE_OF_PLACE)
+    placed[driven.position.name] = replace(
+        placed[driven.position.name], formula=ANGLE_OF_PLACE, depends_on=ANGLE_OF_PLACE.parameters
+    )
     driven.variants[graded.name] = dict(placed)
     return driven
 
