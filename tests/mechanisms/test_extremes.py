@@ -7,7 +7,6 @@ they may be: of the planar linkage half are within 10 to 130 errors, an error be
 
 from __future__ import annotations
 
-import ast
 from dataclasses import replace
 
 import numpy as np
@@ -612,11 +611,8 @@ def sharp_by_text(entry):
     """Return the quantities whose own text takes a magnitude, a size or a choice of signs, with their searches."""
     known, found = entry.catalogue, {}
     for name in filter(known.varies, known.public):
-        calls = [
-            node.func for node in ast.walk(known.facts[name].formula.result) if isinstance(node, ast.Call)
-        ]
         search = search_of(entry, name)
-        if search is not None and any(isinstance(call, ast.Name) and call.id in SHARP for call in calls):
+        if search is not None and not known.facts[name].formula.uses.isdisjoint(SHARP):
             found[name] = search
     return found
 

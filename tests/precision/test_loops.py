@@ -27,6 +27,7 @@ from tests.support.precision import in_every_mode
 from tests.support.registry import ENTRIES, UNLIKE
 
 import fastlink as fl
+from fastlink.facts.formula import Formula
 from fastlink.mechanisms import NAMES, catalogue, inputs_of
 from fastlink.plan.request import constants_of, variants_of
 from fastlink.precision.errors import unit_of
@@ -241,7 +242,7 @@ def test_a_wrong_formula_is_a_mismatch_in_the_file(
     assert attrs["independent_max_difference"] < TOLERANCE
     assert "NOT AS" not in summary
     monkeypatch.setitem(known.facts, "right", replace(law, name="right", internal=True))
-    monkeypatch.setitem(known.facts, fact, replace(law, function=nearly, depends_on=("right",)))
+    monkeypatch.setitem(known.facts, fact, replace(law, formula=Formula.of(nearly), depends_on=("right",)))
     attrs, mismatches, summary = swept("wrong.h5")
     assert attrs["verify_mismatches"] == attrs["independent_values"] == 1 <= mismatches
     assert attrs["independent_max_difference"] > 1e-16
