@@ -135,11 +135,10 @@ def io_coefficients(design: Any = None, *, pair: str = "14", **inputs: Any) -> A
     if not isinstance(pair, str) or pair not in IO_PRODUCTS:
         where, remedy = ("io_coefficients", "pair"), listed(list(IO_PRODUCTS))
         raise InputError(f"{short_repr(pair)} is unknown", where=where, remedy=remedy)
-    by_name = read_design("io_coefficients", planar_4r, design, inputs, ("a1", "a2", "a3", "a4"))
-    lengths = [*by_name.values()]
+    lengths = [*read_design("io_coefficients", planar_4r, design, inputs, ("a1", "a2", "a3", "a4")).values()]
 
     def factor(name: str) -> Any:
-        return planar_4r.facts[f"factor_{name}"].values(by_name)[f"factor_{name}"]
+        return planar_4r.facts[f"factor_{name}"].formula(*lengths)[0]
 
     _equation, *products = IO_PRODUCTS[pair]
     vivj, vi, vj, one = (factor(x) * factor(y) for x, y in (str(product).split() for product in products))

@@ -9,7 +9,7 @@ import numpy as np
 
 import fastlink as fl
 from fastlink.facts.derivative import NoDerivative
-from fastlink.facts.fact import parameters
+from fastlink.facts.formula import parameters
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.plan.request import variants_of
 from fastlink.precision.reference import CONTEXT as MP
