@@ -354,10 +354,11 @@ class Catalogue:
         for the fact of that `variant`, not for a fact that replaces it.
         """
         tree = self.parse(name)
-        if not isinstance(tree, Derivative):
+        of = str(tree.of) if isinstance(tree, Derivative) else ""
+        fact = self.facts.get(of) or self.tables.get(of)
+        if fact is None or not isinstance(tree, Derivative):
             what = f"{name} is no derivative of a fact by an input"
             raise CatalogueError(f"{self.name}: {what}; write NAME [units] symbol: meaning, as of a fact")
-        fact = self.facts.get(str(tree.of)) or self.tables[str(tree.of)]
         labelled = with_derivative_labels(fact, self.variables[tree.by])
         declared = replace(labelled, formula=formula, depends_on=depends_on, internal=True)
         self._check_new(declared.name, variant)

@@ -143,9 +143,9 @@ class Formula:
         for statement in self.body:
             for node in ast.walk(statement):
                 if not isinstance(node, ALLOWED_NODES):
-                    what = f"has {type(node).__name__}, which formulas have not"
+                    what = f"has {type(node).__name__}, which is not in the grammar of formulas"
                     remedy = (
-                        "write assignments, operators, comparisons and calls, such as select for a choice"
+                        "write operators, comparisons and calls: select(condition, a, b) for a choice"
                     )
                     raise self._refused(statement, what, remedy)
         return tuple(self.body)
@@ -165,8 +165,8 @@ class Formula:
 
     def _refused(self, line: ast.stmt | str, what: str, remedy: str) -> SheetError:
         text = line if isinstance(line, str) else ast.unparse(line)
-        text = f" {'= ' if text.startswith('return ') else ''}{text.removeprefix('return ')!r}"
-        where = f"formula of {self.name}" + (f", line{text}," if line else "")
+        text = f"= {text.removeprefix('return ')}" if text.startswith("return ") else text
+        where = f"formula of {self.name}" + (f", line {text!r}," if text else "")
         return SheetError(self.place or self.file, f"{where} {what}", remedy)
 
     @property

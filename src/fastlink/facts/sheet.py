@@ -32,6 +32,7 @@ and by `Catalogue.check`, which refuses what is no formula; all else is refused 
 from __future__ import annotations
 
 import ast
+import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -253,7 +254,9 @@ def _number(entry: Entry, text: str, names: Mapping[str, Any]) -> float:
         tree = ast.parse(text, mode="eval")
         if not all(isinstance(node, OF_NUMBERS) for node in ast.walk(tree)):
             raise ValueError
-        found = float(eval(compile(tree, entry.place, "eval"), {"__builtins__": {}}, known))
+        found = eval(compile(tree, entry.place, "eval"), {"__builtins__": {}}, known)
+        if type(found) not in (int, float) or not math.isfinite(found):
+            raise ValueError
     except (ArithmeticError, NameError, SyntaxError, TypeError, ValueError):
         raise SheetError(entry.place, f"{text!r} is no number", "write such as 2.0**-500") from None
-    return found
+    return float(found)
