@@ -144,9 +144,7 @@ class Formula:
             for node in ast.walk(statement):
                 if not isinstance(node, ALLOWED_NODES):
                     what = f"has {type(node).__name__}, which is not in the grammar of formulas"
-                    remedy = (
-                        "write operators, comparisons and calls: select(condition, a, b) for a choice"
-                    )
+                    remedy = "write operators, comparisons and calls: select(condition, a, b) for a choice"
                     raise self._refused(statement, what, remedy)
         return tuple(self.body)
 

@@ -36,7 +36,7 @@ import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from keyword import iskeyword
+from keyword import kwlist
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
@@ -50,11 +50,13 @@ if TYPE_CHECKING:
 __all__ = ["Entry", "SheetError", "entries_of", "read_sheet", "read_sheets"]
 
 HEAD = re.compile(
-    r"(?P<kind>step |system |also |let )?(?P<name>\w+)"
+    r"(?P<kind>step |system |also |let )?(?P<name>[A-Za-z_]\w*)"
     r"(?: \[(?P<units>[^\]]*)\] (?P<symbol>.*?): (?P<meaning>.+)|: (?P<unknowns>.+)| = (?P<value>.+))?"
 )
 SECTION = re.compile(r"\[(inputs|tables|facts|variant (\w+))\]")
 RULES = get_args(Rule)
+#: Words that are no names of values.
+RESERVED = frozenset((*kwlist, "abs"))
 #: What a line of an entry says that is no formula.
 SAYING = re.compile(r"(also|rule|default|low|hides|-?\d+): (.+)")
 REMARK = re.compile(r"(^|\s+)#(?!#).*")
@@ -144,10 +146,9 @@ def read_sheet(text: str, file: str, *catalogues: Catalogue) -> None:
             for catalogue in catalogues:
                 catalogue.also_called(**{found["name"]: found["unknowns"] or ""})
             continue
-        _check_words(entry, found["name"])
-        if found["name"] in names:
-            what = f"{found['name']} is declared twice, as a function or constant of formulas"
-            raise SheetError(entry.place, what, "call one otherwise")
+        if found["name"] in names or found["name"] in RESERVED:
+            what = f"{found['name']} is a function or constant of formulas, or a word of Python"
+            raise SheetError(entry.place, what, "call it otherwise, such as lambda_")
         if found["kind"] == "let ":
             names[found["name"]] = _number(entry, found["value"] or "", names)
             continue
@@ -187,9 +188,9 @@ def _declare(
     formula = _formula(entry, name, lines, names)
     if head["unknowns"]:
         unknowns = tuple(re.split(r",\s*", head["unknowns"]))
-        _check_words(entry, *unknowns)
         if variant is None:
             raise SheetError(entry.place, f"system {name} is in no variant", "write [variant NAME] before it")
+        _check_words(entry, *unknowns)
         catalogue.declare_system(System(name, unknowns, formula, formula.parameters), variant)
         return
     if head["units"] is None:
@@ -197,7 +198,8 @@ def _declare(
         return
     internal = head["kind"] == "step " or entry.section == "tables"
     fact = Fact(name, formula, formula.parameters, units, symbol, meaning, entry.source, internal, codes)
-    _check_words(entry, said.get("low", name))
+    if "low" in said:
+        _check_words(entry, said["low"])
     if entry.section == "tables":
         catalogue.declare_table(fact, said.get("low"))
         return
@@ -230,21 +232,20 @@ def _formula(entry: Entry, name: str, lines: Sequence[str], names: Mapping[str, 
             what = f"has {line!r}" if line else "has no line"
             raise SheetError(entry.place, f"the formula of {name} {what}", "end it in one line `= ...`")
         words = (word for word in WORD.findall(value) if word not in local and word not in names)
-        parameters |= {word: None for word in words if word != "abs" and not iskeyword(word)}
+        parameters |= {word: None for word in words if word not in RESERVED}
         if targets:
-            assigned = re.split(r",\s*", targets)
-            _check_words(entry, *assigned)
-            local.update(assigned)
+            local.update(WORD.findall(targets))
         texts.append(line if targets else f"return {value}")
     return Formula(name, tuple(parameters), texts, names, entry.place)
 
 
 def _check_words(entry: Entry, *names: str) -> None:
-    """Refuse names that Python cannot have."""
+    """Refuse what cannot be a name in Python."""
     for name in names:
-        if WORD.fullmatch(name) is None or iskeyword(name):
-            remedy = "write letters, digits and _, such as lambda_"
-            raise SheetError(entry.place, f"{name!r} is no word that Python has for a name", remedy)
+        if WORD.fullmatch(name) is None or name in RESERVED:
+            raise SheetError(
+                entry.place, f"{name!r} is no name", "write letters, digits and _, such as lambda_"
+            )
 
 
 def _number(entry: Entry, text: str, names: Mapping[str, Any]) -> float:
