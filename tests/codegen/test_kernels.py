@@ -7,12 +7,11 @@ import ast
 import numpy as np
 import pytest
 from tests.support.configurations import PLANAR
+from tests.support.toys import toy
 
 import fastlink as fl
 from fastlink.codegen.kernel import kernel_of, llvm_text
 from fastlink.engine.evaluate import evaluate
-from fastlink.facts.catalogue import Catalogue
-from fastlink.facts.fact import Input
 from fastlink.mechanisms import NAMES, catalogue
 from fastlink.plan.programs import make_plan, make_program
 
@@ -107,16 +106,15 @@ def test_designs_beyond_the_first_lanes_are_computed_too():
 
 @pytest.mark.parametrize("lanes", ["designs", "angles"])
 def test_a_fact_may_need_the_branch_itself(lanes):
-    toy = Catalogue("toy", "a toy", {1: "one", 2: "other"}, Input("theta", "rad", "theta", "input"))
-    toy.input("a", units="m", symbol="a", meaning="a length")
-    labels = {"units": "m", "symbol": "x", "source": "here"}
-
-    def x(a, branch, theta):
-        """A fact of all three."""
-        return a * branch + theta
-
-    toy.quantity(**labels)(x)
-    kernel = kernel_of(make_program(toy, ["x"], given=["a"], angles=40, lanes=lanes))
+    made = toy("""\
+        [inputs]
+        a [m] a: a length
+        [facts]
+        ## here
+        x [m] x: A fact of all three
+            = a * branch + theta
+        """, {1: "one", 2: "other"})  # fmt: skip
+    kernel = kernel_of(make_program(made, ["x"], given=["a"], angles=40, lanes=lanes))
     designs, angles = np.full((1, 64), 3.0), np.arange(40.0).reshape(1, 40)
     found = np.empty((2, 2, 40))
     scratch = (np.empty(array.lengths(40)) for array in kernel.source.scratch)

@@ -8,13 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.support.configurations import PLANAR
+from tests.support.toys import add, toy
 
 import fastlink as fl
 from fastlink.codegen.kernel import kernel_of
 from fastlink.engine.evaluate import evaluate
 from fastlink.engine.resolve import cached_plan, resolve
-from fastlink.facts.catalogue import Catalogue
-from fastlink.facts.fact import Input
 from fastlink.plan.programs import make_plan
 
 BAR = fl.round_bar(density=7750.0, radius=0.01)
@@ -76,16 +75,14 @@ def test_a_cached_plan_is_the_plan():
     assert [kernel.key for kernel in ours] == [kernel.key for kernel in others]
 
 
-def toy():
-    catalogue = Catalogue("toy", "a toy", {1: "one"}, Input("theta", "rad", "theta", "input"))
-    catalogue.input("a", units="m", symbol="a", meaning="a length")
-
-    def x(a, theta):
-        """A fact."""
-        return a * theta
-
-    catalogue.quantity(units="m", symbol="x", source="here")(x)
-    return catalogue
+SHEET = """\
+[inputs]
+a [m] a: a length
+[facts]
+## here
+x [m] x: A fact
+    = {} * theta
+"""
 
 
 def text_of(catalogue):
@@ -93,22 +90,17 @@ def text_of(catalogue):
     return kernel_of(cached_plan(catalogue, ["x"], False, **options).programs[0]).text
 
 
-def doubled(a, theta):
-    """Another fact."""
-    return 2.0 * a * theta
-
-
 def test_what_is_declared_anew_is_planned_anew():
-    first, second = toy(), toy()
+    first, second = toy(SHEET.format("a")), toy(SHEET.format("a"))
     assert text_of(first) == text_of(second)
     fact = first.facts["x"]
-    first.facts["x"] = replace(fact, function=doubled)
+    first.facts["x"] = toy(SHEET.format("2.0 * a")).facts["x"]
     assert "2.0 * " in text_of(first)
     assert "2.0 * " not in text_of(second)
     first.facts["x"] = fact
     assert text_of(first) == text_of(second)
     before = second.version
-    second.input("b", units="m", symbol="b", meaning="a length", variant="more", default=1.0)
+    add(second, "[variant more]\nb [m] b: a length\n    default: 1.0")
     assert second.version != before
     assert second.version == second.version
 

@@ -17,14 +17,15 @@ from tests.support.configurations import (
     random_lengths,
     reference,
 )
+from tests.support.toys import toy
 
 import fastlink as fl
 from fastlink.errors import InputError
-from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.derivative import RULES
 from fastlink.facts.evaluate import read_facts
-from fastlink.facts.expression import ExpressionGraph, generate_function
-from fastlink.facts.fact import CatalogueError, Input, statements
+from fastlink.facts.expression import ExpressionGraph, generate_formula
+from fastlink.facts.fact import Fact
+from fastlink.facts.formula import CatalogueError
 from fastlink.numerics import compensated, vectors
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.plan.programs import make_program
@@ -221,18 +222,15 @@ def test_a_missing_input_is_named():
 
 
 def test_a_table_without_a_derivative_is_a_fault_of_the_mechanism():
-    made = Catalogue("toy", "a toy", {1: "the only one"}, Input("theta", "rad", "theta", "input"))
-
-    @made.table(symbol="s", source="here")
-    def s(theta):
-        """Sine."""
-        return theta
-
-    @made.quantity(units="1", symbol="b", source="here")
-    def b(s):
-        """Twice."""
-        return 2.0 * s
-
+    made = toy("""\
+        ## here
+        [tables]
+        s [1] s: Sine
+            = sin(theta)
+        [facts]
+        b [1] b: Twice
+            = 2.0 * s
+        """)
     with pytest.raises(CatalogueError, match="table s has no declared derivative with respect to theta"):
         made.resolve("d_b_d_theta")
 
@@ -241,7 +239,7 @@ def test_derivatives_are_short_and_keep_to_the_grammar():
     """No step twice, no factor 1, nothing added to zero: what finds the extremes of T41 runs a billion times."""
     leaves = (*PLANAR.inputs, *PLANAR.tables, *PLANAR.table_low_parts, "branch", "theta1")
     for step in PLANAR.dependencies(["d_T41_d_theta1", "d_curvature_d_a1"], leaves):
-        written = [node for s in statements(step.function) for node in ast.walk(s)]
+        written = [node for s in step.formula.statements for node in ast.walk(s)]
         products = [ast.unparse(node) for node in written if isinstance(node, ast.BinOp)]
         if step.name.startswith("d_") and step.name not in PLANAR.facts:
             assert len(products) == len(set(products)), step.name
@@ -267,9 +265,8 @@ def test_every_function_of_geometry_has_a_rule_or_can_be_read():
 CHAIN = 1200
 
 
-def held(f, y):
-    """Return f y + y."""
-    return f * y + y
+#: A mechanism whose chains have two inputs.
+INPUTS = "[inputs]\n{x,y} [1] {x,y}: a number\n[facts]\n## tests\n"
 
 
 def assert_held_to_the_end(mechanism, last, x, y):
@@ -291,13 +288,10 @@ def assert_held_to_the_end(mechanism, last, x, y):
 
 @pytest.mark.stress
 def test_chains_of_facts_of_any_length_are_derived():
-    mechanism = Catalogue("chain", "a chain", {1: "one"}, Input("t", "1", "t", "position"))
-    for name in "xy":
-        mechanism.input(name, units="1", symbol=name, meaning=name)
-    step = mechanism.quantities(units="1", source="tests")
-    for k in range(CHAIN):
-        step(held, f"f{k}", "f", "a link of the chain", f=f"f{k - 1}" if k else "x")
-    assert_held_to_the_end(mechanism, f"f{CHAIN - 1}", 0.3, 0.5)
+    chain = (
+        f"f{k} [1] f: a link of the chain\n    = {f'f{k - 1}' if k else 'x'} * y + y\n" for k in range(CHAIN)
+    )
+    assert_held_to_the_end(toy(INPUTS + "".join(chain)), f"f{CHAIN - 1}", 0.3, 0.5)
 
 
 def test_texts_of_any_length_are_derived():
@@ -305,9 +299,7 @@ def test_texts_of_any_length_are_derived():
     value = graph.name("x")
     for _ in range(CHAIN):
         value = graph.add(graph.mul(value, graph.name("y")), graph.name("y"))
-    function, _depends_on = generate_function("f", graph, value, {})
-    mechanism = Catalogue("text", "a long text", {1: "one"}, Input("t", "1", "t", "position"))
-    for name in "xy":
-        mechanism.input(name, units="1", symbol=name, meaning=name)
-    mechanism.quantity(units="1", symbol="f", source="tests", meaning="the end of the text")(function)
+    formula, depends_on = generate_formula("f", graph, value, {})
+    mechanism = toy(INPUTS)
+    mechanism.declare(Fact("f", formula, depends_on, "1", "f", "the end of the text", "tests"))
     assert_held_to_the_end(mechanism, "f", 0.3, 0.5)

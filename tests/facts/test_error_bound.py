@@ -17,14 +17,13 @@ from tests.support.configurations import (
 )
 from tests.support.precision import Truth, derivatives, in_every_mode, numbers_of, plain
 from tests.support.registry import ENTRIES
+from tests.support.toys import toy
 
 import fastlink as fl
 from fastlink.errors import InputError
 from fastlink.facts import bounds
 from fastlink.facts.bounds import UNIT_WITH_MARGIN, WORDS
-from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.evaluate import read_facts
-from fastlink.facts.fact import Input
 from fastlink.facts.tables import angle_tables
 from fastlink.mechanisms import NAMES, catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING, pair_product, pair_quotient, sum_of_four
@@ -111,46 +110,24 @@ def test_a_product_or_quotient_of_pairs_is_right_to_twice_the_digits(function, o
 # -- small mechanisms: what is counted -----------------------------------------------------------------------
 
 
-def small(law, **given):
-    """Return a mechanism whose one quantity is f."""
-    made = Catalogue("made", "made", {1: "one"}, Input("t", "1", "t", "position"))
-    for name in given or {"x": 0, "y": 0}:
-        made.input(name, units="1", symbol=name, meaning=name)
-    made.quantity(units="1", symbol="f", source="tests", name="f", meaning="f")(law)
-    return made
+#: Formulas, and how often a rounding changes them.
+COUNTED = {
+    "x * y": 1.0,
+    "2.0 * (x * x)": 1.0,
+    "-(4.0 * x) / 8.0": UNIT_ROUNDING,  # which no rounding touches
+    "(x * y + 1.0) - x * y": None,  # whose terms are bounded each on its own, though they share an error
+}
 
 
-def times(x, y):
-    """Return x y."""
-    return x * y
-
-
-def twice_the_square(x, y):
-    """Return 2 x x."""
-    return 2.0 * (x * x)
-
-
-def exactly_zero_apart(x, y):
-    """Return what no rounding touches."""
-    return -(4.0 * x) / 8.0
-
-
-def shared(x, y):
-    """Return (x y + 1) - x y, whose terms are bounded each on its own, though they share an error."""
-    return (x * y + 1.0) - x * y
-
-
-@pytest.mark.parametrize(
-    ("law", "roundings"),
-    [(times, 1.0), (twice_the_square, 1.0), (exactly_zero_apart, UNIT_ROUNDING), (shared, None)],
-)
-def test_roundings_are_counted_once(law, roundings):
-    found = read_facts(small(law), ["f", "f_error"], {"x": 3.0, "y": 0.7})
-    if roundings is None:
+@pytest.mark.parametrize("formula", COUNTED)
+def test_roundings_are_counted_once(formula):
+    made = toy(f"[inputs]\n{{x,y}} [1] {{x,y}}: a number\n[facts]\n## tests\nf [1] f: it\n    = {formula}")
+    found = read_facts(made, ["f", "f_error"], {"x": 3.0, "y": 0.7})
+    if COUNTED[formula] is None:
         # two sums of sizes 3.1 and 1, and the rounding of the product, 2.1, in both terms
         assert found["f_error"] == pytest.approx(UNIT_WITH_MARGIN * (3.1 + 1.0 + 2 * 2.1), rel=1e-12)
     else:
-        assert found["f_error"] == UNIT_WITH_MARGIN * roundings * abs(found["f"])
+        assert found["f_error"] == UNIT_WITH_MARGIN * COUNTED[formula] * abs(found["f"])
 
 
 def test_the_words_of_sums_of_two_meet():

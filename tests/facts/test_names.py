@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+from dataclasses import replace
 from functools import cache
 from importlib import import_module
 from pathlib import Path
@@ -10,11 +11,11 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.support.toys import add, toy
 
 import fastlink as fl
 from fastlink.errors import InputError
-from fastlink.facts.catalogue import Catalogue
-from fastlink.facts.fact import CatalogueError, Fact, Input
+from fastlink.facts.formula import CatalogueError
 from fastlink.facts.names import (
     Below,
     Change,
@@ -182,22 +183,14 @@ def test_a_declared_limit_hides_the_extreme_of_the_same_name():
 
 # -- each name has one reading -------------------------------------------------------------------------------
 
-LABELS = {"units": "m", "symbol": "x", "source": "here"}
-
 
 @pytest.fixture
-def toy():
-    made = Catalogue("toy", "a toy", {1: "the only one"}, Input("theta", "rad", "theta", "input"))
-    made.input("a", units="m", symbol="a", meaning="a length")
-    return made
+def made():
+    return toy("[inputs]\na [m] a: a length")
 
 
-def declare(catalogue, name, **labels):
-    def law(a):
-        """Something."""
-        return a
-
-    catalogue.quantity(**LABELS | labels, name=name)(law)
+def declare(catalogue, name, step="", saying=""):
+    add(catalogue, f"## here\n{step}{name} [m] x: Something\n    = a\n{saying}")
 
 
 #: Made of b, a public quantity, and a, an input.
@@ -207,73 +200,60 @@ MADE = [*OF_B, "d_b_d_a", "d_b_d_theta", "d_b_error_d_a", "b_error_max", "theta_
 
 
 @pytest.mark.parametrize("name", MADE)
-def test_a_fact_that_reads_as_made_of_another_is_refused(toy, name):
-    declare(toy, "b")
+def test_a_fact_that_reads_as_made_of_another_is_refused(made, name):
+    declare(made, "b")
     with pytest.raises(CatalogueError, match=f"{name} reads as "):
-        declare(toy, name)
+        declare(made, name)
 
 
 @pytest.mark.parametrize("name", OF_B)
-def test_it_is_refused_in_whatever_order_both_are_declared(toy, name):
-    declare(toy, name)
+def test_it_is_refused_in_whatever_order_both_are_declared(made, name):
+    declare(made, name)
     with pytest.raises(CatalogueError, match=f"with b, {name} reads as made of it"):
-        declare(toy, "b")
+        declare(made, "b")
 
 
 @pytest.mark.parametrize("name", OF_B)
-def test_what_is_declared_past_the_door_is_refused_by_the_check(toy, name):
-    declare(toy, "b")
-    toy.facts[name] = Fact(name, lambda a: a, ("a",), "m", "x", "something", "here")
+def test_what_is_declared_past_the_door_is_refused_by_the_check(made, name):
+    declare(made, "b")
+    made.facts[name] = replace(made.facts["b"], name=name)
     with pytest.raises(CatalogueError, match=f"{name} reads as "):
-        toy.check()
+        made.check()
 
 
 @pytest.mark.parametrize("name", ["x_d_y", "theta_at_rest", "x__below_y"])
-def test_what_tells_the_parts_of_a_name_apart_is_in_no_plain_name(toy, name):
+def test_what_tells_the_parts_of_a_name_apart_is_in_no_plain_name(made, name):
     with pytest.raises(CatalogueError, match=f"{name} reads as "):
-        declare(toy, name)
+        declare(made, name)
 
 
-def law_of_position(theta):
-    """Something."""
-    return theta
-
-
+#: Every declaration but that of a fact.
 WAYS = {
-    "input": lambda toy, name: toy.input(name, units="m", symbol="x", meaning="a length"),
-    "input of a set": lambda toy, name: toy.input(name, units="m", symbol="x", meaning="x", variant="other"),
-    "fact of a set": lambda toy, name: declare(toy, name, variant="other"),
-    "low part": lambda toy, name: toy.table(symbol="x", source="here", low=name)(law_of_position),
-    "unknown": lambda toy, name: toy.system("s", [name], variant="other")(law_of_position),
+    "input": "[inputs]\nb_error [m] x: a length",
+    "input of a variant": "[variant other]\nb_error [m] x: a length",
+    "fact of a variant": "[variant other]\n## here\nb_error [m] x: Something\n    = a",
+    "table": "[tables]\n## here\nb_error [1] x: Something\n    = theta",
+    "low part": "[tables]\n## here\nt [1] x: Something\n    low: b_error\n    = theta",
+    "unknown": "[variant other]\nsystem s: b_error\n    | theta, theta",
 }
 
 
 @pytest.mark.parametrize("kind", WAYS)
-def test_every_declaration_is_checked(toy, kind):
-    declare(toy, "b")
+def test_every_declaration_is_checked(made, kind):
+    declare(made, "b")
     with pytest.raises(CatalogueError, match="b_error reads as "):
-        WAYS[kind](toy, "b_error")
+        add(made, WAYS[kind])
 
 
-def test_tables_are_checked(toy):
-    def b_error(theta):
-        """Something."""
-        return theta
-
-    declare(toy, "b")
-    with pytest.raises(CatalogueError, match="b_error reads as "):
-        toy.table(symbol="x", source="here")(b_error)
-
-
-def test_names_that_only_look_like_others_are_not_refused(toy):
-    declare(toy, "b", internal=True)
-    declare(toy, "b_max")  # users cannot ask for b, nor for its maximum
-    declare(toy, "AB_error")  # there is no AB
-    declare(toy, "c")
-    declare(toy, "c_min", hides_reduction=True)
-    toy.check()
-    assert parse("b_max", toy) == Quantity("b_max")
-    assert parse("AB_error", toy) == Quantity("AB_error")
+def test_names_that_only_look_like_others_are_not_refused(made):
+    declare(made, "b", "step ")
+    declare(made, "b_max")  # users cannot ask for b, nor for its maximum
+    declare(made, "AB_error")  # there is no AB
+    declare(made, "c")
+    declare(made, "c_min", saying="    hides: its reduction\n")
+    made.check()
+    assert parse("b_max", made) == Quantity("b_max")
+    assert parse("AB_error", made) == Quantity("AB_error")
 
 
 @pytest.mark.parametrize(

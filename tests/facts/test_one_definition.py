@@ -49,7 +49,7 @@ def twins(catalogue, chosen):
             values |= {name: graph.name(name) for name in step.names}
             continue
         own, whole = (
-            graph.read(step.function, list(depends_on))
+            graph.read(step.formula, list(depends_on))
             for depends_on in (map(graph.name, step.depends_on), (values[need] for need in step.depends_on))
         )
         for k, name in enumerate(step.names):

@@ -34,7 +34,7 @@ from fastlink.facts.fact import (
     Input,
     System,
 )
-from fastlink.facts.formula import Formula
+from fastlink.facts.formula import Formula, SheetError
 from fastlink.facts.names import (
     Below,
     Change,
@@ -298,6 +298,7 @@ class Catalogue:
         `Catalogue.variants_selected_by`. The codes of `choices` become a dimension of the result unless the design
         gives one of them.
         """
+        self._check_labels(declared, "units", "symbol", "meaning")
         self._check_name(declared.name, variant)
         if variant is None:
             self.inputs[declared.name] = declared
@@ -307,11 +308,10 @@ class Catalogue:
 
     def declare(self, fact: Fact, variant: str | None = None) -> None:
         """Declare a fact, of a variant if one is named."""
-        for label in ("units", "symbol", "source", "meaning"):
-            if not getattr(fact, label):
-                raise CatalogueError(f"{self.name}: fact {fact.name} has no {label}")
+        self._check_labels(fact, "units", "symbol", "source", "meaning")
         if fact.low is not None and not fact.internal:
-            raise CatalogueError(f"{self.name}: fact {fact.name} has a low part, and is not internal")
+            what = f"fact {fact.name} has a low part, and is not internal"
+            raise CatalogueError(f"{self.name}: {what}; make it a step")
         known: Any = self.variants.setdefault(variant, {}) if variant else self.facts
         for each in fact.names:
             self._check_name(each, variant, public=not fact.internal)
@@ -330,7 +330,8 @@ class Catalogue:
         """
         self._check_name(fact.name, None)
         if fact.depends_on != (self.position.name,):
-            raise CatalogueError(f"{self.name}: table {fact.name} must depend on {self.position.name} alone")
+            what = f"table {fact.name} must depend on {self.position.name} alone"
+            raise CatalogueError(f"{self.name}: {what}; make it a step")
         self.tables[fact.name] = fact
         if low is not None:
             self._check_name(low, None)
@@ -353,9 +354,11 @@ class Catalogue:
         for the fact of that `variant`, not for a fact that replaces it.
         """
         tree = self.parse(name)
-        if not isinstance(tree, Derivative):
-            raise CatalogueError(f"{self.name}: {name} is no derivative of a fact by an input")
-        fact = self.facts.get(str(tree.of)) or self.tables[str(tree.of)]
+        of = str(tree.of) if isinstance(tree, Derivative) else ""
+        fact = self.facts.get(of) or self.tables.get(of)
+        if fact is None or not isinstance(tree, Derivative):
+            what = f"{name} is no derivative of a fact by an input"
+            raise CatalogueError(f"{self.name}: {what}; write NAME [units] symbol: meaning, as of a fact")
         labelled = with_derivative_labels(fact, self.variables[tree.by])
         declared = replace(labelled, formula=formula, depends_on=depends_on, internal=True)
         self._check_new(declared.name, variant)
@@ -397,10 +400,16 @@ class Catalogue:
         """Tell whether a declared name is the name of a public quantity."""
         return name in self.facts and not self.facts[name].internal
 
+    def _check_labels(self, declared: Fact | Input, *labels: str) -> None:
+        for label in labels:
+            if not getattr(declared, label):
+                kind = "input" if isinstance(declared, Input) else "fact"
+                raise CatalogueError(f"{self.name}: {kind} {declared.name} has no {label}; write it")
+
     def _check_new(self, name: str, variant: str | None) -> None:
         of_variant = (*self.variants.get(variant or "", {}), *self.variant_inputs.get(variant or "", {}))
         if self._is_own(name) if variant is None else name in of_variant:
-            raise CatalogueError(f"{self.name}: {name} is declared twice")
+            raise CatalogueError(f"{self.name}: {name} is declared twice; call one otherwise")
 
     def _check_name(self, name: str, variant: str | None, public: bool = False) -> None:
         """Refuse a name that is declared, or that is part of another, or made of one."""
@@ -587,14 +596,16 @@ class Catalogue:
         return plain_part(self.parse(name)) in self._varying
 
     def check(self) -> None:
-        """Raise CatalogueError if a name is not declared, or a fact depends on itself."""
+        """Raise CatalogueError if a formula is none, a name is not declared, or a fact depends on itself."""
+        for steps in (self.facts, self.tables, *self.variants.values()):
+            for step in steps.values():
+                step.formula.check()
         for variant, steps in self.variants.items():
             for name in set(steps) - set(self.facts) - set(self.inputs):
                 step = steps[name]
                 if isinstance(step, System) or not step.internal:
-                    raise CatalogueError(
-                        f"{self.name}: {variant} gives {name}, which is not a quantity or input"
-                    )
+                    what = f"{variant} gives {name}, which is not a quantity or input"
+                    raise self._fault(step, what, "declare it in [facts] or [inputs], or make it a step")
         derivatives = {name for name in self.facts if self.is_derivative(name)}
         for name in set(self.facts) - derivatives:
             self.check_reading(name)
@@ -689,7 +700,8 @@ class Catalogue:
             step = self.resolve(name, selected, given)
             if step is None:
                 dependents = (of for of in reversed(steps) if name in steps[of].depends_on)
-                raise self._missing(name, next(dependents, None))
+                of = next(dependents, None)
+                raise self._missing(name, of, steps.get(of or ""))
             steps[name] = step
             return step.depends_on
 
@@ -698,7 +710,8 @@ class Catalogue:
                 done.update(steps[name].names)
                 yield steps[name]
         except CircularError as error:
-            raise CatalogueError(f"{self.name}: circular: {' -> '.join(error.args)}") from None
+            what = f"circular: {' -> '.join(error.args)}"
+            raise self._fault(steps[error.args[0]], what, "let one of them depend on inputs") from None
 
     def models_of(self, name: str) -> tuple[Model, ...]:
         """Return the models of the links that give an input."""
@@ -717,10 +730,14 @@ class Catalogue:
             remedy += [", or write ", model]
         return Problem(what, (*inside, declared.name), tuple(remedy) if remedy[1:] else str(remedy[0]))
 
-    def _missing(self, name: str, dependent: str | None) -> Exception:
+    def _missing(self, name: str, dependent: str | None, step: Fact | System | None) -> Exception:
         declared = self.known_inputs(self.variant_inputs).get(name)
         if declared is not None:
             return InputError.of([self.missing_problem(declared, dependent)])
-        if dependent is not None:
-            return CatalogueError(f"{self.name}: {dependent} depends on {name}, which is not declared")
-        return CatalogueError(f"{self.name}: {name} is not declared")
+        what = f"{dependent} depends on {name}, which" if dependent else name
+        return self._fault(step, f"{what} is not declared", "declare it, or mend the name")
+
+    def _fault(self, step: Fact | System | None, what: str, remedy: str) -> CatalogueError:
+        """Return the error of a step, by the line of its sheet if it has one."""
+        place = step.formula.place if step else ""
+        return SheetError(place or self.name, what, remedy)

@@ -9,14 +9,15 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import cache, cached_property
 from typing import Any
 
+from fastlink.errors import suggest
 from fastlink.numerics import compensated, elementary, logarithm, vectors
 from fastlink.numerics.compiler import parsed, syntax
 
-__all__ = ["NAMESPACE", "CatalogueError", "Formula", "parameters"]
+__all__ = ["NAMESPACE", "CatalogueError", "Formula", "SheetError", "parameters"]
 
 
 ALLOWED_NODES = (
@@ -46,6 +47,14 @@ WORD = re.compile(r"(?<![\w.])[A-Za-z_]\w*")
 
 class CatalogueError(Exception):
     """A mechanism is declared wrongly: the fault is in its declaration, not in its use."""
+
+
+class SheetError(CatalogueError):
+    """A sheet cannot be read: where, what, and what to write instead."""
+
+    def __init__(self, place: str, what: str, remedy: str) -> None:
+        super().__init__(f"{place}: {what}; {remedy}")
+        self.place, self.what, self.remedy = place, what, remedy
 
 
 class Formula:
@@ -118,23 +127,45 @@ class Formula:
     @cached_property
     def body(self) -> list[ast.stmt]:
         """The assignments and the return, as they are written."""
-        found: list[ast.stmt] = parsed(self._as_function(self.lines)).body[0].body
+        try:
+            found: list[ast.stmt] = parsed("\n".join(self.lines)).body
+        except SyntaxError as error:
+            line = self.lines[min(error.lineno or 1, len(self.lines)) - 1]
+            raise self._refused(line, f"is no expression of Python, {error.msg}", "mend it") from None
         return found
 
     @cached_property
     def statements(self) -> tuple[ast.stmt, ...]:
         """The assignments and the return, checked against the grammar."""
-        body = self.body
-        if not isinstance(body[-1], ast.Return):
-            raise CatalogueError(f"fact {self.name} must end in its one return")
-        for statement in body:
+        returns = [isinstance(statement, ast.Return) for statement in self.body]
+        if not returns or sum(returns) != 1 or not returns[-1]:
+            raise self._refused("", "must end in its one return", "write all that it returns there")
+        for statement in self.body:
             for node in ast.walk(statement):
                 if not isinstance(node, ALLOWED_NODES):
-                    what = f"line {ast.unparse(statement)!r}: {type(node).__name__} is not allowed"
-                    raise CatalogueError(f"fact {self.name}, {what}")
-        if any(isinstance(statement, ast.Return) for statement in body[:-1]):
-            raise CatalogueError(f"fact {self.name} must have one return")
-        return tuple(body)
+                    what = f"has {type(node).__name__}, which is not in the grammar of formulas"
+                    remedy = "write operators, comparisons and calls: select(condition, a, b) for a choice"
+                    raise self._refused(statement, what, remedy)
+        return tuple(self.body)
+
+    def check(self) -> None:
+        """Refuse what is no formula, and what no program that reads formulas would understand."""
+        names = {**self.names, "abs": abs}
+        functions = {name for name, value in names.items() if callable(value)}.difference(self.parameters)
+        for statement in self.statements:
+            stored = (node for node in ast.walk(statement) if isinstance(node, ast.Name))
+            functions -= {node.id for node in stored if isinstance(node.ctx, ast.Store)}
+            called = {id(node.func) for node in ast.walk(statement) if isinstance(node, ast.Call)}
+            for node in ast.walk(statement):
+                fault = _fault(node, id(node) in called, functions)
+                if fault is not None:
+                    raise self._refused(statement, *fault)
+
+    def _refused(self, line: ast.stmt | str, what: str, remedy: str) -> SheetError:
+        text = line if isinstance(line, str) else ast.unparse(line)
+        text = f"= {text.removeprefix('return ')}" if text.startswith("return ") else text
+        where = f"formula of {self.name}" + (f", line {text!r}," if text else "")
+        return SheetError(self.place or self.file, f"{where} {what}", remedy)
 
     @property
     def result(self) -> ast.expr:
@@ -148,7 +179,23 @@ class Formula:
     def uses(self) -> frozenset[str]:
         """The functions and constants that it names."""
         words = {word for line in self.lines for word in WORD.findall(line)}
-        return frozenset(words.intersection({*self.names, "abs"}).difference(self.parameters))
+        targets = (line.partition(" = ")[0] for line in self.lines[:-1])
+        local = {word for target in targets for word in WORD.findall(target)}
+        return frozenset(words.intersection({*self.names, "abs"}) - {*self.parameters} - local)
+
+
+def _fault(node: ast.AST, is_called: bool, functions: Collection[str]) -> tuple[str, str] | None:
+    """Return what is wrong with an expression whose kind is allowed, and what to write instead."""
+    match node:
+        case ast.Call() if (name := ast.unparse(node.func)) not in functions:
+            return f"calls {name}, which is no function of formulas", suggest(name, functions)
+        case ast.Name(id=name) if name in functions and not is_called:
+            return f"has the function {name} without arguments", f"write {name}(...)"
+        case ast.Compare(ops=[_, _, *_]):
+            return "compares more than two numbers", "join comparisons of two by &"
+        case ast.Constant(value=value) if type(value) not in (int, float):
+            return f"has {value!r}, which is no number", "write numbers and names"
+    return None
 
 
 class _Replace(ast.NodeTransformer):

@@ -1145,7 +1145,7 @@ def extended(
             elif first is None or all(map(own.declares, map(_plain(own), one.parameters))):
                 _declare(own, one)
         except CatalogueError as error:
-            what = str(error).removeprefix(f"{own.name}: ")
+            what, _, _remedy = str(error).removeprefix(f"{own.name}: ").partition("; ")
             raise InputError(what, where=(one.name,), remedy="call it otherwise") from None
     return own
 

@@ -22,20 +22,27 @@ follows, ``#`` a remark; ``[inputs]``, ``[tables]``, ``[facts]`` and ``[variant 
 - ``also: names`` by which it is found, with commas between;
 - ``0: meaning`` of a code; ``rule: positive`` and ``default: 0.0`` of an input;
 - ``low: name`` of the low part, where a formula returns an unevaluated sum of two doubles;
-- ``| a, b`` a row of a linear system, whose head is ``system NAME: unknowns``.
+- ``hides: its reduction`` where a quantity has the name of an extreme of another;
+- ``| a, b`` a row of a linear system, whose head is ``system NAME: unknowns``, in the section of a variant.
+
+``also NAME: names`` at the margin is of a name that is declared elsewhere. Expressions are parsed when they are used,
+and by `Catalogue.check`, which refuses what is no formula; all else is refused when a sheet is read.
 """
 
 from __future__ import annotations
 
 import ast
+import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from keyword import kwlist
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
-from fastlink.facts.fact import Fact, Input, System
-from fastlink.facts.formula import NAMESPACE, WORD, CatalogueError, Formula
+from fastlink.errors import suggest
+from fastlink.facts.fact import Fact, Input, Rule, System
+from fastlink.facts.formula import NAMESPACE, WORD, CatalogueError, Formula, SheetError
 
 if TYPE_CHECKING:
     from fastlink.facts.catalogue import Catalogue
@@ -43,22 +50,19 @@ if TYPE_CHECKING:
 __all__ = ["Entry", "SheetError", "entries_of", "read_sheet", "read_sheets"]
 
 HEAD = re.compile(
-    r"(?P<kind>step |system |also |let )?(?P<name>\w+)"
+    r"(?P<kind>step |system |also |let )?(?P<name>[A-Za-z_]\w*)"
     r"(?: \[(?P<units>[^\]]*)\] (?P<symbol>.*?): (?P<meaning>.+)|: (?P<unknowns>.+)| = (?P<value>.+))?"
 )
 SECTION = re.compile(r"\[(inputs|tables|facts|variant (\w+))\]")
+RULES = get_args(Rule)
+#: Words that are no names of values.
+RESERVED = frozenset((*kwlist, "abs"))
 #: What a line of an entry says that is no formula.
 SAYING = re.compile(r"(also|rule|default|low|hides|-?\d+): (.+)")
 REMARK = re.compile(r"(^|\s+)#(?!#).*")
+#: What a constant is made of.
+OF_NUMBERS = ast.Expression, ast.BinOp, ast.UnaryOp, ast.Constant, ast.Name, ast.Load, ast.operator, ast.USub
 BRACES = re.compile(r"\{([^{}]*,[^{}]*)\}")
-
-
-class SheetError(CatalogueError):
-    """A sheet cannot be read: where, what, and what to write instead."""
-
-    def __init__(self, place: str, what: str, remedy: str) -> None:
-        super().__init__(f"{place}: {what}; {remedy}")
-        self.place, self.what, self.remedy = place, what, remedy
 
 
 @dataclass
@@ -138,12 +142,15 @@ def read_sheet(text: str, file: str, *catalogues: Catalogue) -> None:
         if found is None:
             remedy = "write NAME [units] symbol: meaning, or step NAME [units] symbol: meaning"
             raise SheetError(entry.place, f"{entry.head!r} is no head of an entry", remedy)
-        if found["kind"] == "let ":
-            names[found["name"]] = _constant(entry, found["value"] or "", names)
-            continue
         if found["kind"] == "also ":
             for catalogue in catalogues:
                 catalogue.also_called(**{found["name"]: found["unknowns"] or ""})
+            continue
+        if found["name"] in names or found["name"] in RESERVED:
+            what = f"{found['name']} is a function or constant of formulas, or a word of Python"
+            raise SheetError(entry.place, what, "call it otherwise, such as lambda_")
+        if found["kind"] == "let ":
+            names[found["name"]] = _number(entry, found["value"] or "", names)
             continue
         matches = {line: SAYING.fullmatch(line) for line in entry.lines if ": " in line}
         said = {match[1]: match[2] for match in matches.values() if match}
@@ -155,9 +162,8 @@ def read_sheet(text: str, file: str, *catalogues: Catalogue) -> None:
             except SheetError:
                 raise
             except CatalogueError as error:
-                raise SheetError(
-                    entry.place, str(error).removeprefix(f"{catalogue.name}: "), "mend it"
-                ) from None
+                what, _, remedy = str(error).removeprefix(f"{catalogue.name}: ").partition("; ")
+                raise SheetError(entry.place, what, remedy) from None
 
 
 def _declare(
@@ -174,27 +180,41 @@ def _declare(
     codes = {int(code): text for code, text in said.items() if code.lstrip("-").isdigit()}
     if "also" in said:
         catalogue.also_called(**{name: said["also"]})
-    if not lines:
-        default = float(said["default"]) if "default" in said else None
-        rule: Any = said.get("rule", "any")
-        catalogue.declare_input(Input(name, units, symbol, meaning, rule, default, codes), variant)
+    if not lines and entry.section != "facts":
+        catalogue.declare_input(
+            _input(entry, Input(name, units, symbol, meaning, choices=codes), said), variant
+        )
         return
     formula = _formula(entry, name, lines, names)
     if head["unknowns"]:
         unknowns = tuple(re.split(r",\s*", head["unknowns"]))
-        catalogue.declare_system(System(name, unknowns, formula, formula.parameters), str(variant))
+        if variant is None:
+            raise SheetError(entry.place, f"system {name} is in no variant", "write [variant NAME] before it")
+        _check_words(entry, *unknowns)
+        catalogue.declare_system(System(name, unknowns, formula, formula.parameters), variant)
         return
-    if not units:
+    if head["units"] is None:
         catalogue.declare_derivative(name, formula, formula.parameters, variant)
         return
     internal = head["kind"] == "step " or entry.section == "tables"
     fact = Fact(name, formula, formula.parameters, units, symbol, meaning, entry.source, internal, codes)
+    if "low" in said:
+        _check_words(entry, said["low"])
     if entry.section == "tables":
         catalogue.declare_table(fact, said.get("low"))
         return
     if "hides" in said:
         catalogue.hiding.add(name)
     catalogue.declare(replace(fact, low=said.get("low")), variant)
+
+
+def _input(entry: Entry, declared: Input, said: Mapping[str, str]) -> Input:
+    """Return an input with its rule and its default."""
+    rule: Any = said.get("rule", "any")
+    if rule not in RULES:
+        raise SheetError(entry.place, f"{rule!r} is no rule", suggest(rule, RULES))
+    default = _number(entry, said["default"], {}) if "default" in said else None
+    return replace(declared, rule=rule, default=default)
 
 
 def _formula(entry: Entry, name: str, lines: Sequence[str], names: Mapping[str, Any]) -> Formula:
@@ -206,31 +226,38 @@ def _formula(entry: Entry, name: str, lines: Sequence[str], names: Mapping[str, 
     if rows:
         written.append(f"= ({', '.join(f'({row})' for row in rows)})")
     texts = []
-    for k, line in enumerate(written):
+    for k, line in enumerate(written or [""]):
         targets, _, value = line.partition(" = ") if not line.startswith("= ") else ("", "", line[2:])
-        if bool(targets) == (k == len(written) - 1):
-            raise SheetError(entry.place, f"the formula of {name} has {line!r}", "end it in one line `= ...`")
+        if bool(targets) == (k == len(written) - 1) or not value:
+            what = f"has {line!r}" if line else "has no line"
+            raise SheetError(entry.place, f"the formula of {name} {what}", "end it in one line `= ...`")
         words = (word for word in WORD.findall(value) if word not in local and word not in names)
-        parameters |= {word: None for word in words if word != "abs"}
-        local.update(WORD.findall(targets))
+        parameters |= {word: None for word in words if word not in RESERVED}
+        if targets:
+            local.update(WORD.findall(targets))
         texts.append(line if targets else f"return {value}")
     return Formula(name, tuple(parameters), texts, names, entry.place)
 
 
-def _constant(entry: Entry, text: str, names: Mapping[str, Any]) -> float:
-    """Return the number of a constant: a literal, a power, a product of constants."""
-    tree = ast.parse(text, mode="eval")
-    allowed = (
-        ast.Expression,
-        ast.BinOp,
-        ast.UnaryOp,
-        ast.Constant,
-        ast.Name,
-        ast.Load,
-        ast.operator,
-        ast.USub,
-    )
+def _check_words(entry: Entry, *names: str) -> None:
+    """Refuse what cannot be a name in Python."""
+    for name in names:
+        if WORD.fullmatch(name) is None or name in RESERVED:
+            raise SheetError(
+                entry.place, f"{name!r} is no name", "write letters, digits and _, such as lambda_"
+            )
+
+
+def _number(entry: Entry, text: str, names: Mapping[str, Any]) -> float:
+    """Return a number: a literal, a power, a product of constants."""
     known = {name: value for name, value in names.items() if isinstance(value, float)}
-    if not all(isinstance(node, allowed) for node in ast.walk(tree)):
-        raise SheetError(entry.place, f"{text!r} is no number", "write such as 2.0**-500")
-    return float(eval(compile(tree, entry.place, "eval"), {"__builtins__": {}}, known))
+    try:
+        tree = ast.parse(text, mode="eval")
+        if not all(isinstance(node, OF_NUMBERS) for node in ast.walk(tree)):
+            raise ValueError
+        found = eval(compile(tree, entry.place, "eval"), {"__builtins__": {}}, known)
+        if type(found) not in (int, float) or not math.isfinite(found):
+            raise ValueError
+    except (ArithmeticError, NameError, SyntaxError, TypeError, ValueError):
+        raise SheetError(entry.place, f"{text!r} is no number", "write such as 2.0**-500") from None
+    return float(found)

@@ -13,7 +13,7 @@ import fastlink as fl
 from fastlink.codegen.kernel import kernel_of
 from fastlink.engine.resolve import resolve
 from fastlink.errors import InputError
-from fastlink.facts.expression import NAMESPACE
+from fastlink.facts.formula import NAMESPACE
 from fastlink.facts.own import TAKEN
 from fastlink.mechanisms import catalogue
 
