@@ -178,8 +178,8 @@ def scaled_norm(x: Any, y: Any, lift: Any, unit: Any) -> Any:
 
 
 _COMPUTED = "Length of the computed {} vector, scaled"
-step(scaled_norm, "coupler_length", "|AB|", _COMPUTED.format("coupler"), **AB)
-step(scaled_norm, "output_length", "|DB|", _COMPUTED.format("output"), **DB)
+step(scaled_norm, "coupler_length", "|AB|", _COMPUTED.format("coupler"), **AB, units="1")
+step(scaled_norm, "output_length", "|DB|", _COMPUTED.format("output"), **DB, units="1")
 
 
 @planar_4r.quantity(units="1", symbol="e_x", source=POSITION, internal=True)
