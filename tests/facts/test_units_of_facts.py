@@ -16,7 +16,9 @@ MIXED = {
     "lift": "compares a length with powers of two beyond which products of any numbers overflow",
     **dict.fromkeys(("per_mass1", "per_mass3"), "divides by 1 without a mass, where it selects 0"),
     **dict.fromkeys(("r_AX", "s_BX"), "are divided by a power of two near their size, but never by 0"),
-    **dict.fromkeys(("cosh_theta_branching", "theta_branching"), "divides by 1 at g = b, where it selects NaN"),
+    **dict.fromkeys(
+        ("cosh_theta_branching", "theta_branching"), "divides by 1 at g = b, where it selects NaN"
+    ),
 }
 
 
@@ -26,7 +28,12 @@ def number(units):
 
 def numbers_by_name(known):
     """Return numbers of the units of all names of a catalogue; what a variant replaces must have the same."""
-    pure = {"branch", *known.tables, *known.table_low_parts, *(known.graded.coordinates if known.graded else ())}
+    pure = {
+        "branch",
+        *known.tables,
+        *known.table_low_parts,
+        *(known.graded.coordinates if known.graded else ()),
+    }
     given = {**known.all_inputs, known.position.name: known.position}
     found = {name: number("1") for name in pure} | {name: number(one.units) for name, one in given.items()}
     for facts in (known.facts, *known.variants.values()):
