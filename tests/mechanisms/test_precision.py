@@ -9,10 +9,20 @@ differences, and held to the same rule.
 from __future__ import annotations
 
 import re
+from collections import Counter
 
 import numpy as np
 import pytest
-from tests.support.precision import Truth, compiled, derivatives, in_every_mode, numbers_of, plain, wrong
+from tests.support.precision import (
+    Truth,
+    compiled,
+    derivatives,
+    error_by_quantity,
+    in_every_mode,
+    numbers_of,
+    plain,
+    wrong,
+)
 from tests.support.registry import ENTRIES, UNLIKE
 
 from fastlink.mechanisms import NAMES, inputs_of
@@ -132,11 +142,25 @@ SLOPES = [
 @pytest.mark.sample(40)
 @pytest.mark.parametrize(("entry", "kind", "by"), SLOPES)
 def test_derivatives_are_a_few_roundings_off(entry, kind, by):
-    names = tuple(derivatives(entry, numbers_of(entry), by, variables(entry)[1]).values())
-    inputs = in_every_mode(entry, entry.drawn(kind, 31, 8))
-    if names:
-        beyond, numbers = wrong(entry, names, inputs, plain(entry, names, inputs), kind)
-        assert len(beyond) <= (1.0 - entry.slopes[kind]) * numbers, beyond
+    """By their own condition, but for chance; and all of them by the terms of what they are derivatives of.
+
+    A derivative and its condition may vanish in single configurations where its terms do not, as where AP turns neither
+    with a2 nor across x. Of 618,000 derivatives (40 configurations of each family) 490 were beyond the multiple by
+    their own condition, by up to 6000 roundings; by the terms the worst was at 3.3. A formula that cancels does so in
+    most of a family.
+    """
+    made = derivatives(entry, numbers_of(entry), by, variables(entry)[1])
+    quantities = {derivative: name for name, derivative in made.items()}
+    if not made:
+        return
+    names, inputs = tuple(quantities), in_every_mode(entry, entry.drawn(kind, 31, 8))
+    beyond, numbers = wrong(entry, names, inputs, plain(entry, names, inputs), kind)
+    assert len(beyond) <= 0.05 * numbers, beyond
+    often = Counter(name for name, *_ in beyond)
+    assert all(count <= len(inputs[by]) / 4 for count in often.values()), often
+    if kind not in entry.cancelling:
+        errors = {name: error_by_quantity(entry, quantities[name], by, one) for name, _, one in beyond}
+        assert all(error <= entry.multiple for error in errors.values()), errors
 
 
 # -- units of length ----------------------------------------------------------------------------------------------

@@ -178,6 +178,21 @@ def wrong(
     return found, tested
 
 
+def error_by_quantity(entry: Entry, name: str, by: str, one: dict[str, float]) -> float:
+    """Return the error of a derivative at one configuration, in roundings of itself and of its quantity over the input.
+
+    Forward mode adds the terms of the quantity's own rounding error, each times its relative change with the input, and
+    rounds each some times: they may cancel where the quantity and its roundings do not.
+    """
+    derivative, inputs = f"d_{name}_d_{by}", {given: np.array([value]) for given, value in one.items()}
+    truth = Truth(entry, (name, derivative), inputs)
+    true = truth.facts.at(one)
+    units = {of: abs(true[of]) + change for of, change in truth.facts.condition(true, truth.numbers).items()}
+    value = plain(entry, (derivative,), inputs)[derivative][0]
+    error = abs(MP.mpf(float(value)) - true[derivative])
+    return float(error / (UNIT_ROUNDING * (units[derivative] + units[name] / abs(true[by]))))
+
+
 def numbers_of(entry: Entry) -> tuple[str, ...]:
     """Return the quantities of an entry that are neither codes nor nothing but errors."""
     labels = {name: entry.catalogue.public_fact(name) for name in entry.names}

@@ -66,9 +66,10 @@ class Entry:
     #: Quantities whose terms have errors in common, each of which a bound takes on its own: the least share is of
     #: bounds below a thousand errors. They are bounds as all others are.
     sharing_errors: tuple[str, ...] = ()
-    #: Of a family, the least share of derivatives that keep to the multiple, too: the rule is that of what they are
-    #: derivatives of, and forward mode may cancel where these do not.
-    slopes: Mapping[str, float] = field(default_factory=lambda: {"random": 0.9})
+    #: Families where derivatives keep to the multiple, too.
+    slopes: tuple[str, ...] = ("random",)
+    #: Those of them where terms of derivatives may be far greater than those of what they are derivatives of.
+    cancelling: tuple[str, ...] = ()
     #: Families with designs where something has no derivative, or none that differences show.
     kinks: tuple[str, ...] = ()
     #: Of a family, what tells by facts, which are its parameters, whether nothing is determined there.
@@ -118,20 +119,12 @@ CLOSURE = {
     name: 64 * UNIT_ROUNDING
     for name in ("loop_residual", *(f"io_residual_{pair}" for pair in ("12", "13", "14", "23", "24", "34")))
 }
-#: Derivatives that cancel are declared (`slopes.py`, or what takes its place).
-SLOPES = {"random": 1.0, "gap 1e-8": 1.0, "toggle 1e-6": 1.0}
+#: Derivatives that cancel are declared (`rates.py`).
+SLOPES = ("random", "gap 1e-8", "toggle 1e-6")
 REACTIONS = (
     *("F41_x", "F41_y", "F21_x", "F21_y", "F32_x", "F32_y", "F43_x", "F43_y"),
     *("T41", "shaking_moment"),
 )
-
-#: Derivatives of places in the ground frame where another joint than O is driven.
-TURNED_BACK = {
-    f"d_{place}_{xy}_d_{by}": 8.0
-    for place in "ABP"
-    for xy in "xy"
-    for by in (*configurations.LENGTHS, "P_u", "P_v")
-}
 
 #: Where links turn nearly as one, the crank is loaded along itself; a difference of vectors does not know it.
 ACROSS = ("F41_x", "F41_y", "F21_x", "F21_y")
@@ -145,8 +138,6 @@ PLANAR_4R = (
         many=600,
         errors=CLOSURE,
         slopes=SLOPES,
-        # B and the mass centre from D, each differentiated in five to ten operations, one less the other: 6.3.
-        long_chains={f"d_r33_{xy}_d_a1": 8.0 for xy in "xy"},
     ),
     Entry(
         *("planar_4r", "theta1"),
@@ -157,8 +148,9 @@ PLANAR_4R = (
         errors=CLOSURE,
         # Of 10^6 values a few are beyond 4, sums of vectors that happen to turn little with what is rounded: 4.7.
         multiple=16.0,
-        # By the one short length, and of magnitudes where links turn nearly as one, forward mode cancels.
-        slopes=dict.fromkeys(("two short 1e-4", "two short 1e-8"), 0.95),
+        slopes=("two short 1e-4", "two short 1e-8"),
+        # All by what short links have turned, which derivatives by the long ones, and of the curvature, forget.
+        cancelling=("two short 1e-4", "two short 1e-8"),
         left_out=dict.fromkeys(ACROSS, "is right to roundings of the force: test_planar_4r.py"),
     ),
     Entry(
@@ -187,7 +179,6 @@ PLANAR_4R = (
         families=families(by_name, configurations.CLASSES, configurations.LENGTHS, configurations.designs),
         # 0 N m of lengths alone: its units of mass and time are of no input.
         left_out={"inertia_moment1": "is the number 0 unless alpha1 is given"},
-        slopes={"random": 1.0},
         few=12,
         many=600,
     ),
@@ -199,8 +190,6 @@ PLANAR_4R = (
             many=300,
             errors=CLOSURE,
             slopes=SLOPES,
-            # AB and P are turned back by products of vectors, two roundings more at each: the worst seen is 5.2.
-            long_chains=TURNED_BACK,
         )
         for joint in (1, 2, 3, 4)
     ),
@@ -239,7 +228,6 @@ MINKOWSKI_4R = (
         families=families(minkowskian_designs, minkowski_designs.FAMILIES),
         left_out=dict.fromkeys(("r_AX", "s_BX", "gamma"), "of the coupler point, which configurations have"),
         long_chains=COSINES,
-        slopes={"random": 1.0},
         looseness=10.0,
         few=12,
         many=600,

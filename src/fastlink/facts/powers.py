@@ -125,7 +125,7 @@ class _Condition(Condition):
 class _Functions:
     """Elementary functions of such numbers."""
 
-    nan = math.nan
+    nan, inf = math.nan, math.inf
 
     def sqrt(self, x: Powers) -> Powers:
         return Powers(tuple(0.5 * power for power in x.powers))
@@ -135,12 +135,15 @@ class _Functions:
         (y if isinstance(y, Powers) else pure).like(x, "takes the angle of")
         return pure
 
+    def sign(self, x: Any) -> float:
+        return 1.0
+
     def _of_number(self, x: Powers) -> Powers:
         if any(x.powers):
             raise UnlikePowers("takes a function of {}, not of a number without units", x.powers)
         return x
 
-    log = cos = sin = exp = _of_number
+    log = log1p = cos = sin = exp = _of_number
 
 
 def units_text(powers: tuple[float, ...]) -> str:
