@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from fastlink.io.reader import check as check
     from fastlink.maps import finite as finite
     from fastlink.maps import open as open
+    from fastlink.mechanisms import mechanism as mechanism
     from fastlink.mechanisms.listing import mechanisms as mechanisms
     from fastlink.pictures.designs import plot_designs as plot_designs
     from fastlink.pictures.designs import plot_front as plot_front

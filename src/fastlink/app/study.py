@@ -47,8 +47,9 @@ from fastlink.facts.own import TOO_LONG
 from fastlink.io.output_path import existing_file, exists_error
 from fastlink.io.partial_file import check_target
 from fastlink.io.reader import is_hdf5, open_map
-from fastlink.mechanisms import NAMES, is_extension, name_of
+from fastlink.mechanisms import NAMES, SHEET, is_extension, name_of
 from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.mechanisms import mechanism as read_mechanism
 from fastlink.plan.request import check_keywords
 from fastlink.space.design_space import MODELS, Degrees, DesignSpace, Links, angle_of, bounds_of, degrees_name
 from fastlink.space.samplers import grid, latin_hypercube, sobol
@@ -1042,6 +1043,10 @@ def read_study(path: str | Path, trust_code: bool = False) -> Study:
 def _mechanism(path: Path, contents: Mapping[str, Any], problems: Problems, trusted: bool) -> Any:
     """Return the mechanism of a study: its name, or with the quantities that a file declares."""
     mechanism, own = contents.get("mechanism"), contents.get(KEY)
+    if isinstance(mechanism, str) and mechanism.endswith(SHEET):
+        with problems.at():
+            return read_mechanism(path.parent / mechanism)
+        return None
     if not isinstance(own, str) or not own or mechanism not in NAMES:
         return mechanism
     with problems.at():

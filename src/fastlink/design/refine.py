@@ -26,6 +26,7 @@ from fastlink.facts.names import derivative_name
 from fastlink.maps.best import ACTIVE, GAIN, REFINEMENT, STARTS, nondominated
 from fastlink.maps.units import check_units, units_of
 from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.mechanisms import mechanism_of_map
 from fastlink.plan.query import Request, parse_request
 from fastlink.plan.request import check_positions, selected_variants
 from fastlink.space.design_space import BRANCH, DESIGN, EXTREMUM, MODELS, Links, bounds_of, steps
@@ -238,7 +239,7 @@ class Model:
     def of_map(cls, maps: xr.Dataset, own: Any = None) -> Model:
         """Return that of a map, by its labels, perhaps with the quantities of a user that it was made with."""
         attrs = maps.attrs
-        name, input = str(attrs.get("mechanism")), attrs.get("input")
+        name, input = mechanism_of_map(attrs), attrs.get("input")
         mechanism: str | Extension = name
         if own is not None:
             mechanism = check_declared(("mechanism",), own, name, str(attrs.get("own_quantities", "")))

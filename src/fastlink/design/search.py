@@ -60,6 +60,7 @@ from fastlink.maps.best import (
     undominated,
 )
 from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.mechanisms import mechanism_of_map
 from fastlink.plan.query import check_names, parse_request
 from fastlink.precision import DESIGNS
 from fastlink.space.design_space import BRANCH, DESIGN, Links, angle_of
@@ -874,7 +875,7 @@ def request_of_parts(parts: Sequence[PartFile], own: Any = None) -> tuple[Reques
     if about["environment"] != environment().hex():
         what = f"{parts[0].path} is by another version ({attrs.get('source')})"
         raise InputError(what, where=("paths",), remedy="join with the version that has searched the parts")
-    mechanism, text = str(attrs["mechanism"]), str(attrs.get("own_quantities", ""))
+    mechanism, text = mechanism_of_map(attrs), str(attrs.get("own_quantities", ""))
     if own is not None:
         mechanism = check_declared(("mechanism",), own, mechanism, text)  # type: ignore[assignment]
     elif text:

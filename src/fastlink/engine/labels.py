@@ -23,6 +23,7 @@ from fastlink.io.layout import (
     of_code,
     plain_attrs,
 )
+from fastlink.mechanisms import sheet_of
 from fastlink.plan.programs import Output, Plan
 from fastlink.plan.query import STATUS_FLAGS, Request, units_of
 from fastlink.space.design_space import BRANCH, EXTREMUM, DesignSpace, frozen
@@ -244,13 +245,15 @@ def global_attrs(resolved: ResolvedSweep, threads: int) -> dict[str, Any]:
     attrs: dict[str, Any] = {
         "Conventions": "CF-1.11",
         "title": f"{catalogue.title}: {', '.join(output.name for output in plan.outputs)}",
-        "mechanism": resolved.mechanism,
+        "mechanism": str(resolved.mechanism),
         "input": catalogue.position.name,
         "source": ", ".join(versions),
         "backend": resolved.backend,
         **({"solver": resolved.solver} if resolved.solver else {}),
         "threads": threads,
     }
+    if sheet := sheet_of(resolved.mechanism):
+        attrs["mechanism_sheet"] = sheet
     if declared := resolved.declared:
         attrs["own_quantities"] = definition_text(resolved.mechanism, declared)
     if plan.uses_position:

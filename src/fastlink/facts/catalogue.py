@@ -32,6 +32,7 @@ from fastlink.facts.fact import (
     Fact,
     GradedRange,
     Input,
+    Loops,
     System,
 )
 from fastlink.facts.formula import Formula, SheetError
@@ -268,6 +269,8 @@ class Catalogue:
         self.hiding: set[str] = set()
         #: What else names are called in the field, by which they are found.
         self.keywords: dict[str, tuple[str, ...]] = {}
+        #: The equations of its loops, where its sheet has them.
+        self.loops: Loops | None = None
         #: What a user has declared of it, see `fastlink.own`.
         self.definition: tuple[Any, ...] = ()
         self._formed: dict[str, list[tuple[str, bool]]] = {}

@@ -17,6 +17,7 @@ __all__ = [
     "GradedRange",
     "Input",
     "KnownExtremes",
+    "Loops",
     "Rule",
     "System",
 ]
@@ -90,6 +91,25 @@ class System:
     def names(self) -> tuple[str, ...]:
         """The names of the values that it determines."""
         return self.unknowns
+
+
+@dataclass(frozen=True)
+class Loops:
+    """Equations between quantities that hold wherever a mechanism closes, by which its values are verified.
+
+    Attributes
+    ----------
+    unknowns : tuple of str
+        The quantities that they determine.
+    formula : Formula
+        What vanishes, as many as unknowns.
+    rates : mapping of str to (str, str, int)
+        For a quantity the unknown whose derivative by time it is, the speed of the drive, and the order.
+    """
+
+    unknowns: tuple[str, ...]
+    formula: Formula
+    rates: Mapping[str, tuple[str, str, int]]
 
 
 @dataclass(frozen=True)

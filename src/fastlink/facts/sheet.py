@@ -25,6 +25,11 @@ follows, ``#`` a remark; ``[inputs]``, ``[tables]``, ``[facts]`` and ``[variant 
 - ``hides: its reduction`` where a quantity has the name of an extreme of another;
 - ``| a, b`` a row of a linear system, whose head is ``system NAME: unknowns``, in the section of a variant.
 
+The sheet of a whole mechanism (`mechanism_of`) has three further sections: ``[mechanism]`` with ``NAME: title``,
+``[position]`` with the angle that drives, ``[branches]`` with ``1: meaning`` and ``2: meaning``. It may have
+``[loops]``: ``loops NAME: unknowns``, rows ``| a`` that vanish, and ``psi by omega: psi_rate, ...`` with the first and
+further derivatives of an unknown by time, ``omega`` being the speed of the position.
+
 ``also NAME: names`` at the margin is of a name that is declared elsewhere. Expressions are parsed when they are used,
 and by `Catalogue.check`, which refuses what is no formula; all else is refused when a sheet is read.
 """
@@ -41,24 +46,26 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
 from fastlink.errors import suggest
-from fastlink.facts.fact import Fact, Input, Rule, System
+from fastlink.facts.fact import Fact, GradedRange, Input, Loops, Rule, System
 from fastlink.facts.formula import NAMESPACE, WORD, CatalogueError, Formula, SheetError
 
 if TYPE_CHECKING:
     from fastlink.facts.catalogue import Catalogue
 
-__all__ = ["Entry", "SheetError", "entries_of", "read_sheet", "read_sheets"]
+__all__ = ["Entry", "SheetError", "entries_of", "mechanism_of", "read_sheet", "read_sheets"]
 
 HEAD = re.compile(
-    r"(?P<kind>step |system |also |let )?(?P<name>[A-Za-z_]\w*)"
+    r"(?P<kind>step |system |loops |also |let )?(?P<name>[A-Za-z_]\w*)"
     r"(?: \[(?P<units>[^\]]*)\] (?P<symbol>.*?): (?P<meaning>.+)|: (?P<unknowns>.+)| = (?P<value>.+))?"
 )
-SECTION = re.compile(r"\[(inputs|tables|facts|variant (\w+))\]")
+SECTION = re.compile(r"\[(mechanism|position|branches|inputs|tables|facts|loops|variant (\w+))\]")
+#: The sections of a whole mechanism that `read_sheet` leaves to `mechanism_of`.
+OF_MECHANISM = ("mechanism", "position", "branches")
 RULES = get_args(Rule)
 #: Words that are no names of values.
 RESERVED = frozenset((*kwlist, "abs"))
 #: What a line of an entry says that is no formula.
-SAYING = re.compile(r"(also|rule|default|low|hides|-?\d+): (.+)")
+SAYING = re.compile(r"(also|rule|default|low|hides|-?\d+|\w+ by \w+): (.+)")
 REMARK = re.compile(r"(^|\s+)#(?!#).*")
 #: What a constant is made of.
 OF_NUMBERS = ast.Expression, ast.BinOp, ast.UnaryOp, ast.Constant, ast.Name, ast.Load, ast.operator, ast.USub
@@ -138,6 +145,8 @@ def read_sheet(text: str, file: str, *catalogues: Catalogue) -> None:
     """Declare the inputs and facts of a sheet in catalogues; errors name the file."""
     names: dict[str, Any] = dict(NAMESPACE)
     for entry in entries_of(text, file):
+        if entry.section in OF_MECHANISM:
+            continue
         found = HEAD.fullmatch(entry.head)
         if found is None:
             remedy = "write NAME [units] symbol: meaning, or step NAME [units] symbol: meaning"
@@ -176,7 +185,7 @@ def _declare(
 ) -> None:
     """Declare what an entry says."""
     name, units, symbol, meaning = (str(head[key] or "") for key in ("name", "units", "symbol", "meaning"))
-    variant = None if entry.section in ("inputs", "tables", "facts") else entry.section
+    variant = None if entry.section in ("inputs", "tables", "facts", "loops") else entry.section
     codes = {int(code): text for code, text in said.items() if code.lstrip("-").isdigit()}
     if "also" in said:
         catalogue.also_called(**{name: said["also"]})
@@ -186,6 +195,9 @@ def _declare(
         )
         return
     formula = _formula(entry, name, lines, names)
+    if entry.section == "loops":
+        catalogue.loops = _loops(entry, tuple(re.split(r",\s*", head["unknowns"] or "")), said, formula)
+        return
     if head["unknowns"]:
         unknowns = tuple(re.split(r",\s*", head["unknowns"]))
         if variant is None:
@@ -261,3 +273,131 @@ def _number(entry: Entry, text: str, names: Mapping[str, Any]) -> float:
     except (ArithmeticError, NameError, SyntaxError, TypeError, ValueError):
         raise SheetError(entry.place, f"{text!r} is no number", "write such as 2.0**-500") from None
     return float(found)
+
+
+# -- A whole mechanism
+
+
+#: What the sheet of a mechanism gets with it, in terms of its input angle.
+TURN = Path(__file__).with_name("turn.facts")
+#: What it gets unless it has a fact of that name.
+UNLESS_DECLARED = """
+## the input angle turns
+[facts]
+step valid [1] valid: 1 where all inputs are as they have to be, else NaN
+    = select({valid}, 1.0, NOT_A_NUMBER)
+step Z0 [1] Z_0: Least Z of the range: negative, as the input angle is not limited there
+    = -valid
+step C0 [1] C_0: Least C of the range: negative, as the input angle is not limited there
+    = -valid
+status [1] status: How the design assembles over a full turn of the input
+    0: rotates_fully
+    1: assembles_over_part_of_the_turn
+    2: never_assembles
+    3: invalid_input
+    4: beyond_range
+    part = select((Z0 > 0.0) | (C0 > 0.0), 1.0, 0.0)
+    = select(valid == 1.0, select(range_width > 0.0, part, 2.0), 3.0)
+"""
+VALID = {"positive": "({0} > 0.0) & ({0} < INFINITY)", "non-negative": "({0} >= 0.0) & ({0} < INFINITY)"}
+#: Functions whose values or slopes may jump: extremes of what calls them are those of samples.
+JUMPS = frozenset(("select", "choice", "abs", "absolute", "sign", "largest", "zero_where"))
+
+
+def mechanism_of(text: str, file: str) -> Catalogue:
+    """Return the catalogue of a mechanism that a sheet declares from nothing, driven by an angle that turns.
+
+    Raises
+    ------
+    SheetError
+        The sheet cannot be read, or what it declares is incomplete.
+    """
+    from fastlink.facts.catalogue import Catalogue
+
+    entries = [*entries_of(text, file)]
+    title, position = _only_head(entries, "mechanism", file), _only_head(entries, "position", file)
+    if not title["unknowns"]:
+        raise SheetError(file, "the mechanism has no title", "write NAME: title below [mechanism]")
+    if position["units"] != "rad":
+        remedy = "write NAME [rad] symbol: meaning below [position]; only an angle can drive"
+        raise SheetError(file, "the position is no angle in rad", remedy)
+    modes = [entry.head.partition(": ") for entry in entries if entry.section == "branches"]
+    if [number for number, _, _ in modes] != ["1", "2"] or not all(meaning for *_, meaning in modes):
+        remedy = "write both below [branches]: 1: meaning, and 2: meaning"
+        raise SheetError(file, "the assembly modes are not 1 and 2", remedy)
+    name, symbol, meaning = (str(position[key]) for key in ("name", "symbol", "meaning"))
+    branches = {int(number): meaning for number, _, meaning in modes}
+    found = Catalogue(
+        str(title["name"]), str(title["unknowns"]), branches, Input(name, "rad", symbol, meaning)
+    )
+    read_sheet(TURN.read_text(encoding="utf-8").replace("POSITION", name), TURN.name, found)
+    read_sheet(text, file, found)
+    conditions = (
+        VALID.get(one.rule, "(abs({0}) < INFINITY)").format(one.name) for one in found.inputs.values()
+    )
+    default = UNLESS_DECLARED.replace("{valid}", " & ".join(conditions) or "1.0 > 0.0")
+    head, *rest = re.split(r"\n(?=\w)", default)
+    missing = [entry for entry in rest if entry.removeprefix("step ").split(" ")[0] not in found.facts]
+    read_sheet("\n".join([head, *missing]), "what every sheet gets", found)
+    found.closes = ("sigma", "p", "q")
+    found.graded = _graded_range(found)
+    try:
+        found.check()
+    except SheetError:
+        raise
+    except CatalogueError as error:
+        what = str(error).removeprefix(f"{found.name}: ")
+        raise SheetError(file, what, "declare it as an input or a fact, or mend its name") from None
+    return found
+
+
+def _only_head(entries: Sequence[Entry], section: str, file: str) -> Mapping[str, str | None]:
+    """Return the parts of the head of a section that has one."""
+    heads = [entry for entry in entries if entry.section == section]
+    if len(heads) != 1:
+        raise SheetError(file, f"[{section}] has {len(heads)} entries", "write it with one entry")
+    found = HEAD.fullmatch(heads[0].head)
+    if found is None:
+        raise SheetError(heads[0].place, f"{heads[0].head!r} is no head", "write NAME: text")
+    return found.groupdict()
+
+
+def _graded_range(known: Catalogue) -> GradedRange:
+    """Return how extremes are searched, and of which quantities they are those of samples."""
+    wraps: dict[str, str] = {}
+    sampled = []
+    for name, fact in known.public.items():
+        result = fact.formula.result
+        is_angle = isinstance(result, ast.Call) and ast.unparse(result.func) == "atan2"
+        sine = result.args[0] if isinstance(result, ast.Call) and is_angle else result
+        sine = sine.left if isinstance(sine, ast.BinOp) else sine
+        if is_angle and isinstance(sine, ast.Name) and sine.id in known.facts:
+            wraps[name] = sine.id
+        elif is_angle or not fact.formula.uses.isdisjoint(JUMPS):
+            sampled.append(name)
+    return GradedRange(
+        antisymmetric=("side", "branch_sign"),
+        vanishes_at_toggle="sigma",
+        reciprocal="per_sigma",
+        bounded_factor="share_of_sigma",
+        cells={},
+        max_extrema={},
+        not_differentiable=tuple(sampled),
+        wraps_at=wraps,
+    )
+
+
+def _loops(entry: Entry, unknowns: tuple[str, ...], said: Mapping[str, str], formula: Formula) -> Loops:
+    """Return the equations of the loops of an entry."""
+    rates: dict[str, tuple[str, str, int]] = {}
+    for key, names in said.items():
+        unknown, _, speed = key.partition(" by ")
+        if unknown not in unknowns:
+            remedy = f"write such as {unknowns[0]} by SPEED: NAME"
+            raise SheetError(entry.place, f"{unknown} is none of the unknowns", remedy)
+        rates |= {name: (unknown, speed, k) for k, name in enumerate(re.split(r",\s*", names), 1)}
+    rows = getattr(formula.result, "elts", [])
+    if len(rows) != len(unknowns):
+        what = f"the loops have {len(rows)} equations for {len(unknowns)} unknowns"
+        raise SheetError(entry.place, what, "write a line `| ...` that vanishes for each unknown")
+    return Loops(unknowns, formula, rates)

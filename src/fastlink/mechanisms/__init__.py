@@ -8,17 +8,21 @@
 from __future__ import annotations
 
 import copyreg
+import os
 import sys
 import threading
+from hashlib import sha256
 from importlib import import_module
+from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
-from fastlink.errors import check_choice, suggest
+from fastlink._text import short_repr
+from fastlink.errors import InputError, check_choice, door, suggest
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from fastlink.engine.extend import Extension
     from fastlink.facts.catalogue import Catalogue
@@ -37,6 +41,96 @@ KEYWORDS = {
     "hart": "six-bar, sixbar, straight line, inversor, straight-line linkage",
     "slider_crank": "crank-slider, crankslider, piston, engine, slider, offset slider",
 }
+
+
+class Mechanism(str):
+    """A mechanism of a user's own, from a sheet of formulas: a name that stands for it at every door.
+
+    Attributes
+    ----------
+    text : str
+        The sheet.
+    """
+
+    text: str
+    file: str
+
+    def __new__(cls, text: str, file: str) -> Mechanism:
+        """Return the name of the mechanism that a sheet declares: its own, and of which text it is."""
+        from fastlink.facts.formula import SheetError
+        from fastlink.facts.sheet import mechanism_of
+
+        try:
+            known = mechanism_of(text, file)
+        except SheetError as error:
+            raise InputError(error.what, where=("mechanism", error.place), remedy=error.remedy) from None
+        own = super().__new__(cls, f"{known.name}@{sha256(text.encode()).hexdigest()[:8]}")
+        own.text, own.file, own.known = text, file, known
+        return _sheets.setdefault(str(own), own)
+
+    known: Catalogue
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.text, self.file)
+
+
+#: The mechanisms of sheets by name.
+_sheets: dict[str, Mechanism] = {}
+SHEET = ".facts"
+
+
+@door
+def mechanism(file: str | os.PathLike[str]) -> Mechanism:
+    """Read a mechanism of your own from a sheet of formulas.
+
+    The sheet is data: its formulas are checked against a grammar of arithmetic, and nothing else in it is run.
+
+    Parameters
+    ----------
+    file : path
+        The sheet, a file that ends in ``.facts``: see docs/own_mechanisms.md.
+
+    Returns
+    -------
+    str
+        A name that stands for the mechanism wherever the name of one does: `fastlink.sweep`, `fastlink.function`,
+        `fastlink.extend` and so on. Studies and commands take the file itself.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, or is no sheet of a mechanism: with the line, the reason and the remedy.
+
+    Examples
+    --------
+    >>> import fastlink as fl
+    >>> fl.mechanism("crank.facts")
+    Traceback (most recent call last):
+    fastlink.errors.InputError: mechanism: cannot read crank.facts: No such file or directory; write the path of a sheet
+    """
+    if not isinstance(file, (str, os.PathLike)) or not str(file).endswith(SHEET):
+        remedy = f"write the path of a sheet, which ends in {SHEET}"
+        raise InputError(f"is {short_repr(file)}", where=("mechanism",), remedy=remedy)
+    try:
+        text = Path(file).read_text(encoding="utf-8")
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or "it is no text in UTF-8"
+        what = f"cannot read {file}: {reason}"
+        raise InputError(what, where=("mechanism",), remedy="write the path of a sheet") from None
+    return Mechanism(text, Path(file).name)
+
+
+def mechanism_of_map(attrs: Mapping[str, Any]) -> str:
+    """Return the name of the mechanism of a map by its attributes, which hold the sheet of a user's own."""
+    name = str(attrs.get("mechanism"))
+    if "@" in name and name not in _sheets and isinstance(attrs.get("mechanism_sheet"), str):
+        return Mechanism(attrs["mechanism_sheet"], f"the sheet of {name}")
+    return name
+
+
+def sheet_of(mechanism: str) -> str:
+    """Return the sheet of a mechanism of a user's own, empty for others."""
+    return _sheets[mechanism].text if mechanism in _sheets else ""
 
 
 class _Package(ModuleType):
@@ -63,6 +157,9 @@ def is_extension(mechanism: Any) -> bool:
 def name_of(mechanism: str | Extension) -> str:
     """Return the name of a mechanism, also of one with quantities of a user."""
     return mechanism.mechanism if is_extension(mechanism) else mechanism  # type: ignore[return-value,union-attr]
+
+
+_mechanism_of_file = mechanism
 
 
 def inputs_of(mechanism: str | Extension) -> tuple[str, ...]:
@@ -117,6 +214,10 @@ def _meant(text: str) -> str:
 
 def _package(mechanism: str | None) -> tuple[Catalogue, dict[str, Callable[[], Catalogue]]]:
     """Return the catalogue of a mechanism, and factories of those by its other inputs, by name."""
+    if isinstance(mechanism, str) and mechanism.endswith(SHEET):
+        mechanism = _mechanism_of_file(mechanism)
+    if mechanism in _sheets:
+        return _travelling(_sheets[mechanism].known, _sheets[mechanism]), {}
     mechanism = check_choice(("mechanism",), mechanism, NAMES, meant=_meant)
     package = import_module(f"fastlink.mechanisms.{mechanism}")
     first = getattr(package, mechanism)

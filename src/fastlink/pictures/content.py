@@ -27,6 +27,7 @@ from fastlink.facts.names import innermost
 from fastlink.io.reader import is_hdf5
 from fastlink.maps.units import flags_of
 from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.mechanisms import mechanism_of_map
 from fastlink.numerics import elementary, logarithm
 from fastlink.numerics.compiler import COMPILED_AS, INLINED
 from fastlink.pictures.draw import picture_of
@@ -317,7 +318,7 @@ def _labels(array: xr.DataArray) -> dict[str, Any]:
 def _catalogue_of(maps: xr.Dataset) -> Catalogue:
     """Return the mechanism of a map, as driven by its input, or refuse it."""
     driven = maps.attrs.get("input")
-    return find_catalogue(str(maps.attrs.get("mechanism")), None if driven is None else str(driven))
+    return find_catalogue(mechanism_of_map(maps.attrs), None if driven is None else str(driven))
 
 
 def _is_request(maps: xr.Dataset, name: str) -> bool:
@@ -347,7 +348,7 @@ def _dimension(maps: xr.Dataset, dim: str) -> dict[str, Any]:
 
 def _mechanism(maps: xr.Dataset) -> dict[str, Any] | None:
     """Return what moves beside the picture, None of a map whose mechanism cannot be drawn."""
-    name = str(maps.attrs.get("mechanism"))
+    name = mechanism_of_map(maps.attrs)
     try:
         catalogue = _catalogue_of(maps)
         picture = picture_of(name, catalogue)

@@ -30,7 +30,7 @@ from fastlink.errors import (
     suggest,
 )
 from fastlink.io.reader import as_map
-from fastlink.mechanisms import NAMES, name_of
+from fastlink.mechanisms import NAMES, mechanism_of_map, name_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.pictures.labels import mathematical
 from fastlink.pictures.maps import nearest_place
@@ -146,7 +146,7 @@ def _of_study(path: Any, design: Any, at: Any, trust_code: bool) -> Source:
 def _of_map(maps: Any, design: Any, at: Any) -> Source:
     """Return a design of a map, or of rows of it; of a row, its assembly mode and input position too."""
     with as_map(maps) as dataset:
-        mechanism, input = str(dataset.attrs.get("mechanism")), str(dataset.attrs.get("input"))
+        mechanism, input = mechanism_of_map(dataset.attrs), str(dataset.attrs.get("input"))
         catalogue = find_catalogue(mechanism, input)
         dims = [*(dataset[STATUS].dims if STATUS in dataset else ()), *dataset.dims]
         outside = {BRANCH, EXTREMUM, catalogue.position.name}
@@ -302,7 +302,9 @@ def picture_of(mechanism: str, catalogue: Catalogue) -> Picture:
     try:
         picture: Picture = import_module(f"fastlink.mechanisms.{mechanism}").PICTURE
     except (ModuleNotFoundError, AttributeError):
-        remedy = f"declare its joints and bars in mechanisms/{mechanism}/__init__.py"
+        remedy = (
+            "plot its curves" if "@" in mechanism else f"declare them in mechanisms/{mechanism}/__init__.py"
+        )
         raise InputError(f"{mechanism} has no picture", where=("mechanism",), remedy=remedy) from None
     known = {*catalogue.facts, *catalogue.inputs, catalogue.position.name}
     for inputs in catalogue.variant_inputs.values():

@@ -13,6 +13,9 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
+from fastlink.facts.evaluate import read_facts
+from fastlink.facts.fact import Loops
+from fastlink.facts.formula import Formula
 from fastlink.facts.names import Derivative, Quantity
 from fastlink.precision.loops import (
     Open,
@@ -854,8 +857,57 @@ MODELS = {
 }
 
 
+class _OfSeries:
+    """The functions of formulas for power series."""
+
+    def __init__(self, ctx: Any) -> None:
+        self.ctx = ctx
+
+    def cos(self, angle: Any) -> Any:
+        return rotation(self.ctx, angle).real if isinstance(angle, Series) else self.ctx.cos(angle)
+
+    def sin(self, angle: Any) -> Any:
+        return rotation(self.ctx, angle).imag if isinstance(angle, Series) else self.ctx.sin(angle)
+
+
+def _of_loops(catalogue: Catalogue, loops: Loops) -> Model:
+    """Return the model of a mechanism whose sheet has the equations of its loops: their root nearest to its facts."""
+    law, position = loops.formula, catalogue.position.name
+
+    def configuration(ctx: Any, at: Mapping[str, Any], order: int, _: bool, values: Values) -> None:
+        of_series = _OfSeries(ctx)
+        functions = dict.fromkeys(("cos", "cosine"), of_series.cos)
+        functions |= dict.fromkeys(("sin", "sine"), of_series.sin)
+        constants = {name: ctx.mpf(x) for name, x in law.names.items() if isinstance(x, float)}
+        turns = {"PI": ctx.pi, "TWO_PI": 2 * ctx.pi}
+        equation = Formula(law.name, law.parameters, law.lines, {**constants, **turns, **functions})
+        zero = 0 * ctx.mpf(1)
+
+        def equations(unknowns: list[Series], drive: Series) -> list[Series]:
+            known = {**at, position: drive, **dict(zip(loops.unknowns, unknowns, strict=True))}
+            found = equation(*(known[name] for name in law.parameters))
+            return [Series([zero] * len(drive.terms)) + one for one in found]
+
+        doubles = {name: float(value) for name, value in at.items()}
+        start = read_facts(catalogue, loops.unknowns, doubles)
+        first = [ctx.mpf(float(start[name])) for name in loops.unknowns]
+        if any(map(ctx.isnan, first)):
+            raise Open("the loop does not close")
+        found = solved(ctx, equations, first, drive_of(ctx, at[position], order))
+        curves = dict(zip(loops.unknowns, found, strict=True))
+        values |= {name: curve.terms[0] for name, curve in curves.items()}
+        for name, (unknown, speed, k) in loops.rates.items():
+            if len(curves[unknown].terms) > k:
+                values[name] = curves[unknown].derivative(k) * at[speed] ** k
+
+    orders = {**dict.fromkeys(loops.unknowns, 0), **{name: k for name, (_, _, k) in loops.rates.items()}}
+    return Model(orders, (), configuration, lambda ctx, at, values: None)
+
+
 def model_of(catalogue: Catalogue) -> Model | None:
     """Return the model of a mechanism by its input, if there is one."""
+    if catalogue.loops is not None:
+        return _of_loops(catalogue, catalogue.loops)
     mechanism, _, _ = catalogue.name.partition(" driven by ")
     return MODELS.get((mechanism, catalogue.position.name))
 
@@ -881,6 +933,8 @@ class IndependentValues:
     def __init__(self, catalogue: Catalogue, names: Iterable[str]) -> None:
 
         self.catalogue, self.model = catalogue, model_of(catalogue)
+        loops = () if catalogue.loops is None else catalogue.loops.unknowns
+        self.turning = TURNING.union(name for name in loops if catalogue.facts[name].units == "rad")
         self.names = tuple(name for name in names if self._covers(name))
 
     def _covers(self, name: str) -> bool:
@@ -932,7 +986,7 @@ class IndependentValues:
         for name, quantity in quantities.items():
             if quantity in below and quantity in above:
                 change = above[quantity] - below[quantity]
-                if quantity in TURNING and abs(change) > 3:
+                if quantity in self.turning and abs(change) > 3:
                     change -= 2 * ctx.pi * ctx.nint(change / (2 * ctx.pi))
                 found[name] = change / (2 * step)
         return found
@@ -958,7 +1012,7 @@ class IndependentValues:
                 found[name] = CONTEXT.zero if both else CONTEXT.inf
                 continue
             difference = abs(one - other)
-            if name in TURNING and difference > 3:
+            if name in self.turning and difference > 3:
                 difference = abs(difference - 2 * CONTEXT.pi)
             unit = units[name]
             found[name] = difference / unit if unit != 0 else CONTEXT.inf if difference else CONTEXT.zero
