@@ -20,6 +20,9 @@ DOCUMENTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs
 @pytest.mark.parametrize("document", [d for d in DOCUMENTS if d != OTHERS], ids=lambda path: path.name)
 def test_the_examples_of_the_documents(document, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    for sheet in code_blocks(document.read_text(), "facts"):
+        if named := re.match(r"# (\w+\.facts)", sheet):
+            Path(named[1]).write_text(sheet)
     result = doctest.testfile(str(document), module_relative=False, encoding="utf-8")
     assert result.failed == 0
     if (

@@ -74,8 +74,7 @@ def test_the_quantity_of_contributing_works():
     (example,) = code_blocks((ROOT / "CONTRIBUTING.md").read_text(), "facts")
     run_example(
         "from fastlink.facts.sheet import read_sheet\nfrom fastlink.mechanisms.planar_4r import planar_4r\n"
-        f"read_sheet({example!r}, 'example', planar_4r)"
-        + "\nimport fastlink as fl\n"
+        f"read_sheet({example!r}, 'example', planar_4r)" + "\nimport fastlink as fl\n"
         "design = fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=25.0)\n"
         "asked = ['output_power', 'alpha4', 'omega4']\n"
         "result = fl.sweep('planar_4r', design, asked, links=fl.round_bar(7750.0, 0.01), theta1=8)\n"

@@ -39,20 +39,19 @@ from __future__ import annotations
 import ast
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from keyword import kwlist
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, get_args
+from typing import Any, get_args
 
 from fastlink.errors import suggest
+from fastlink.facts.catalogue import Catalogue, plain_and_above
 from fastlink.facts.fact import Fact, GradedRange, Input, Loops, Rule, System
 from fastlink.facts.formula import NAMESPACE, WORD, CatalogueError, Formula, SheetError
+from fastlink.facts.powers import Powers, UnlikePowers, dimensions
 
-if TYPE_CHECKING:
-    from fastlink.facts.catalogue import Catalogue
-
-__all__ = ["Entry", "SheetError", "entries_of", "mechanism_of", "read_sheet", "read_sheets"]
+__all__ = ["Entry", "SheetError", "entries_of", "mechanism_of", "read_sheet", "read_sheets", "wrong_units"]
 
 HEAD = re.compile(
     r"(?P<kind>step |system |loops |also |let )?(?P<name>[A-Za-z_]\w*)"
@@ -236,7 +235,7 @@ def _formula(entry: Entry, name: str, lines: Sequence[str], names: Mapping[str, 
     rows = [line.removeprefix("| ") for line in lines if line.startswith("| ")]
     written = [line for line in lines if not line.startswith("| ")]
     if rows:
-        written.append(f"= ({', '.join(f'({row})' for row in rows)})")
+        written.append(f"= ({', '.join(f'({row})' for row in rows)},)")
     texts = []
     for k, line in enumerate(written or [""]):
         targets, _, value = line.partition(" = ") if not line.startswith("= ") else ("", "", line[2:])
@@ -312,8 +311,6 @@ def mechanism_of(text: str, file: str) -> Catalogue:
     SheetError
         The sheet cannot be read, or what it declares is incomplete.
     """
-    from fastlink.facts.catalogue import Catalogue
-
     entries = [*entries_of(text, file)]
     title, position = _only_head(entries, "mechanism", file), _only_head(entries, "position", file)
     if not title["unknowns"]:
@@ -348,7 +345,55 @@ def mechanism_of(text: str, file: str) -> Catalogue:
     except CatalogueError as error:
         what = str(error).removeprefix(f"{found.name}: ")
         raise SheetError(file, what, "declare it as an input or a fact, or mend its name") from None
+    for name, problem in wrong_units(found).items():
+        place = found.facts[name].formula.place if name in found.facts else file
+        raise SheetError(place, f"{name} {problem}", "mend its units, or its formula")
     return found
+
+
+def wrong_units(known: Catalogue) -> dict[str, str]:
+    """Return by name what is wrong with the units of facts: their formulas on numbers that have nothing but units."""
+    given = {**known.all_inputs, known.position.name: known.position}
+    declared: list[Mapping[str, Fact | System]] = [known.facts, known.tables, *known.variants.values()]
+    units = {name: one.units for name, one in given.items()}
+    for facts in declared:
+        units = {name: one.units for name, one in facts.items() if isinstance(one, Fact)} | units
+    units |= dict.fromkeys((*known.tables, *known.table_low_parts, "branch"), "1")
+    if known.graded is not None:
+        units |= dict.fromkeys(known.graded.coordinates, "1")
+
+    def number(name: str) -> Powers:
+        plain = plain_and_above(known.parse(name))[0]
+        made = known.resolve(plain) if plain not in units else None
+        return of_units(made.units if isinstance(made, Fact) else units[plain])
+
+    problems = {}
+    for facts in declared:
+        for name, step in facts.items():
+            try:
+                _check_units(step, [number(need) for need in step.depends_on], number)
+            except UnlikePowers as error:
+                problems[name] = str(error)
+    return problems
+
+
+def of_units(units: str) -> Powers:
+    """Return a number of some units."""
+    return Powers(tuple(map(float, dimensions(units))))
+
+
+def _check_units(step: Fact | System, given: Sequence[Powers], number: Callable[[str], Powers]) -> None:
+    """Raise UnlikePowers if a formula adds unlike units, or gives others than are declared."""
+    if isinstance(step, System):
+        for *factors, value in step.formula(*given):
+            terms = (x * number(unknown) for x, unknown in zip(factors, step.unknowns, strict=True))
+            sum(terms, start=value)
+    elif given and not any(any(one.powers) for one in given):  # what is made of pure numbers is one
+        of_units(step.units).like(1.0, "declares")
+    else:
+        value = step.formula(*given)
+        for part in (value,) if step.low is None else value:
+            of_units(step.units).like(part, "declares")
 
 
 def _only_head(entries: Sequence[Entry], section: str, file: str) -> Mapping[str, str | None]:

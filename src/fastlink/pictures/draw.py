@@ -30,7 +30,7 @@ from fastlink.errors import (
     suggest,
 )
 from fastlink.io.reader import as_map
-from fastlink.mechanisms import NAMES, mechanism_of_map, name_of
+from fastlink.mechanisms import NAMES, SHEET, mechanism_of_map, name_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.pictures.labels import mathematical
 from fastlink.pictures.maps import nearest_place
@@ -302,9 +302,9 @@ def picture_of(mechanism: str, catalogue: Catalogue) -> Picture:
     try:
         picture: Picture = import_module(f"fastlink.mechanisms.{mechanism}").PICTURE
     except (ModuleNotFoundError, AttributeError):
-        remedy = (
-            "plot its curves" if "@" in mechanism else f"declare them in mechanisms/{mechanism}/__init__.py"
-        )
+        remedy = f"declare its joints and bars in mechanisms/{mechanism}/__init__.py"
+        if "@" in mechanism or mechanism.endswith(SHEET):
+            remedy = "plot its curves: a sheet has no joints and bars"
         raise InputError(f"{mechanism} has no picture", where=("mechanism",), remedy=remedy) from None
     known = {*catalogue.facts, *catalogue.inputs, catalogue.position.name}
     for inputs in catalogue.variant_inputs.values():
