@@ -600,6 +600,8 @@ class Catalogue:
         for steps in (self.facts, self.tables, *self.variants.values()):
             for step in steps.values():
                 step.formula.check()
+                if isinstance(step, System):
+                    self._check_size(step)
         for variant, steps in self.variants.items():
             for name in set(steps) - set(self.facts) - set(self.inputs):
                 step = steps[name]
@@ -619,6 +621,14 @@ class Catalogue:
             known = leaves | (set(self.known_inputs(option)) - replaced)
             for _ in self.dependencies(sorted(names), known, option):
                 pass
+
+    def _check_size(self, system: System) -> None:
+        """Refuse a system that has not a row for each unknown, with the right-hand side last."""
+        rows = getattr(system.formula.result, "elts", ())
+        sizes, n = [len(getattr(row, "elts", ())) for row in rows], len(system.unknowns)
+        if sizes != [n + 1] * n:
+            what = f"system {system.name} of {n} unknowns has rows of {', '.join(map(str, sizes))} numbers"
+            raise self._fault(system, what, f"write {n} rows of {n + 1}, the right-hand side last")
 
     def is_quantity(self, name: str) -> bool:
         """Tell whether a name is a public fact, or a derivative or error bound of one."""
