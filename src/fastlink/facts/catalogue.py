@@ -597,7 +597,8 @@ class Catalogue:
 
     def check(self) -> None:
         """Raise CatalogueError if a formula is none, a name is not declared, or a fact depends on itself."""
-        for steps in (self.facts, self.tables, *self.variants.values()):
+        sets: tuple[Mapping[str, Fact | System], ...] = (self.facts, self.tables, *self.variants.values())
+        for steps in sets:
             for step in steps.values():
                 step.formula.check()
                 if isinstance(step, System):
