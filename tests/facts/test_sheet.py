@@ -42,9 +42,9 @@ step sum [m] a + b: Sum of all lengths, of which the meaning
     = a + b
 reach [m] r_{max}: Reach
     also: range, radius
-    turned = HALF * omega
+    sign = HALF * omega
     high, low = two_sum(sum,
-        turned)  # a remark
+        sign)  # a remark
     = high + low
 P_{x,y} [m] P_{x,y}: Point P, {x,y}
     = {a,b} * s {-,+} {b,a}
@@ -56,7 +56,7 @@ step exact [m2] a^2: Square without loss
 reach_max [m] r: A limit with the name of an extreme
     hides: its reduction
     = 2.0 * reach
-class [1] c: Class of the design
+class_ [1] c: Class of the design
     0: short
     1: long
     = select(a < b, 0.0, 1.0)
@@ -74,7 +74,6 @@ system rows: P_x, P_y
     | scale, 0.0, b
     | 1.0, -HALF, s
 """
-SHEET = SHEET.replace("class [1]", "class_ [1]")
 
 
 @pytest.fixture(scope="module")
@@ -110,8 +109,8 @@ def test_braces_without_commas_are_symbols(made):
 def test_lines_that_are_indented_further_go_on(made):
     assert made.facts["sum"].meaning == "Sum of all lengths, of which the meaning goes on"
     assert made.facts["reach"].formula.lines == (
-        "turned = HALF * omega",
-        "high, low = two_sum(sum, turned)",
+        "sign = HALF * omega",
+        "high, low = two_sum(sum, sign)",
         "return high + low",
     )
 
@@ -235,6 +234,7 @@ REFUSED = {
     "constant over nothing": ("let C = 1.0 / 0.0", 5, "'1.0 / 0.0' is no number", "write such as"),
     "constant beyond doubles": ("let C = 1e308 * 10.0", 5, "'1e308 * 10.0' is no number", "write such as"),
     "constant twice": ("let C = 1.0\nlet C = 2.0", 6, "C is a function or constant", "call it otherwise"),
+    "code twice": (HEAD + "    0: a\n    0: b\n    = a", 5, "c says one thing twice", "write it once"),
     # formulas
     "no formula": (HEAD, 5, "the formula of c has no line", "end it in one line `= ...`"),
     "no return": (HEAD + "    d = a", 5, "the formula of c has 'd = a'", "end it in one line `= ...`"),
@@ -276,6 +276,13 @@ REFUSED = {
     "function": (HEAD + "    = 2.0 * sqrt", 5, "has the function sqrt without arguments", "write sqrt(...)"),
     "of a table": ("[tables]\nc [1] x: Something\n    = sin(theta", 6, "is no expression", "mend it"),
     "of a variant": ("[variant v]\na [m] x: Something\n    = b**2", 6, "has Pow", "write operators"),
+    "a row": ("[variant v]\nsystem s: a, b\n    | 1.0, 0.0, a", 6, "2 unknowns has rows of 3", "2 rows of 3"),
+    "a row without a right-hand side": (
+        "[variant v]\nsystem s: a, b\n    | 1.0, 0.0, a\n    | b, 1.0",
+        6,
+        "2 unknowns has rows of 3, 2 numbers",
+        "the right-hand side last",
+    ),
     "unknown name": (
         HEAD + "    = a + z",
         5,

@@ -600,10 +600,12 @@ class Catalogue:
 
     def check(self) -> None:
         """Raise CatalogueError if a formula is none, a name is not declared, or a fact depends on itself."""
-        declared: list[Mapping[str, Fact | System]] = [self.facts, self.tables, *self.variants.values()]
-        for steps in declared:
+        sets: tuple[Mapping[str, Fact | System], ...] = (self.facts, self.tables, *self.variants.values())
+        for steps in sets:
             for step in steps.values():
                 step.formula.check()
+                if isinstance(step, System):
+                    self._check_size(step)
         for variant, steps in self.variants.items():
             for name in set(steps) - set(self.facts) - set(self.inputs):
                 step = steps[name]
@@ -623,6 +625,14 @@ class Catalogue:
             known = leaves | (set(self.known_inputs(option)) - replaced)
             for _ in self.dependencies(sorted(names), known, option):
                 pass
+
+    def _check_size(self, system: System) -> None:
+        """Refuse a system that has not a row for each unknown, with the right-hand side last."""
+        rows = getattr(system.formula.result, "elts", ())
+        sizes, n = [len(getattr(row, "elts", ())) for row in rows], len(system.unknowns)
+        if sizes != [n + 1] * n:
+            what = f"system {system.name} of {n} unknowns has rows of {', '.join(map(str, sizes))} numbers"
+            raise self._fault(system, what, f"write {n} rows of {n + 1}, the right-hand side last")
 
     def is_quantity(self, name: str) -> bool:
         """Tell whether a name is a public fact, or a derivative or error bound of one."""

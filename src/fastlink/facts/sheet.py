@@ -162,6 +162,8 @@ def read_sheet(text: str, file: str, *catalogues: Catalogue) -> None:
             continue
         matches = {line: SAYING.fullmatch(line) for line in entry.lines if ": " in line}
         said = {match[1]: match[2] for match in matches.values() if match}
+        if len(said) < sum(map(bool, matches.values())):
+            raise SheetError(entry.place, f"{found['name']} says one thing twice", "write it once")
         lines = [line for line in entry.lines if not matches.get(line)]
         lines += [f"= {found['value']}"] if found["value"] else []
         for catalogue in catalogues:
@@ -235,7 +237,7 @@ def _formula(entry: Entry, name: str, lines: Sequence[str], names: Mapping[str, 
     rows = [line.removeprefix("| ") for line in lines if line.startswith("| ")]
     written = [line for line in lines if not line.startswith("| ")]
     if rows:
-        written.append(f"= ({', '.join(f'({row})' for row in rows)},)")
+        written.append(f"= ({''.join(f'({row}), ' for row in rows)})")
     texts = []
     for k, line in enumerate(written or [""]):
         targets, _, value = line.partition(" = ") if not line.startswith("= ") else ("", "", line[2:])
