@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import xarray as xr
 from tests.support.commands import code_blocks
 from typer.testing import CliRunner
 
@@ -104,7 +103,7 @@ def test_a_sheet_stands_for_a_mechanism_at_every_door(tmp_path, monkeypatch, qui
         done = CliRunner().invoke(app, line.split())
         assert done.exit_code == 0, done.output
     with fl.open("s.h5") as one, fl.open("m.h5") as other:
-        xr.testing.assert_equal(one.psi_rate_max, other.psi_rate_max)
+        np.testing.assert_array_equal(one.psi_rate_max.values, other.psi_rate_max.values)
     done = CliRunner().invoke(
         app, ["draw", "quick_return.facts", "r=0.1", "d=0.2", "e=0.02", "--to", "x.png"]
     )
