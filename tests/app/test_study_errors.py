@@ -154,21 +154,6 @@ def test_links_that_lack_a_value(folder):
     ]
 
 
-def test_every_missing_input_is_named_once(folder):
-    lines = refused(BARE.replace('["theta4"]', '["omega4", "alpha4"]') + "[design]\na1 = 1.0\na4 = 2.0\n")
-    assert [line.split(" ")[0] for line in lines] == ["design.a2", "design.a3", "design.omega1"]
-
-
-def test_several_problems_are_a_line_each(folder):
-    text = (
-        GOOD.replace("a1 = 0.4", "a1 = -1")
-        .replace("theta1 = 8", "theta1 = 8\nbranch = 7")
-        .replace("ga4", "ga")
-    )
-    keys = [line.split(" ")[0].rstrip(":") for line in refused(text)]
-    assert sorted(keys) == ["cycle.branch", "design.a1", "quantities[0]"]
-
-
 def test_very_many_problems_are_counted(folder):
     names = ", ".join(f'"wrong{k}"' for k in range(MOST_LINES + 5))
     lines = refused(GOOD.replace('"omega4_max", "theta4"', names))
@@ -193,16 +178,6 @@ def test_what_is_no_study_is_told_so(folder):
         with pytest.raises(fl.InputError) as caught:
             run_study(path)
         assert str(caught.value).startswith(message)
-
-
-def test_an_unknown_key_is_refused_with_its_table(folder):
-    for text, message in (
-        (GOOD + "[output]\nfolder = 'x'\n", "output.folder is not a key of [output]"),
-        ("titel = 'x'\n" + GOOD, "titel is not a key of a study"),
-        (GOOD.replace("linspace", "linspce"), "design.a2.linspce is not a key of [design.a2]"),
-    ):
-        (line,) = refused(text)
-        assert message in line
 
 
 def of_the_caller(text, **options):

@@ -1,7 +1,5 @@
 """Tables of designs from mappings, data frames, datasets and CSV files, and what is refused."""
 
-from decimal import Decimal
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -20,24 +18,6 @@ def assert_is_the_table(designs):
     for name, values in COLUMNS.items():
         assert_array_equal(designs.columns[name], values)
         assert designs.columns[name].dtype == np.float64
-
-
-def test_a_mapping():
-    designs = table({**COLUMNS, "a4": 1})
-    assert_is_the_table(designs)
-    assert designs.constants == {"a4": 1.0}
-    assert designs.attrs == {"design_kind": "table"}
-    assert_array_equal(designs.values("a2"), [1.0, 1.5, 1.0])
-
-
-def test_decimals_of_a_database():
-    assert_is_the_table(table({name: [Decimal(str(value)) for value in v] for name, v in COLUMNS.items()}))
-
-
-def test_a_data_frame():
-    designs = table(pd.DataFrame(COLUMNS, index=["x", "y", "z"]))
-    assert_is_the_table(designs)
-    assert designs.constants == {}
 
 
 def test_a_dataset():
@@ -60,10 +40,6 @@ def test_a_dataset():
         "label": ["x", "y", "z"],
         "rank": [3, 1, 2],
     }
-
-
-def test_a_dataset_along_a_dimension_of_any_name():
-    assert_is_the_table(table(xr.Dataset({name: ("row", values) for name, values in COLUMNS.items()})))
 
 
 @pytest.mark.parametrize(
