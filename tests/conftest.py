@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import shutil
 import tempfile
@@ -34,6 +35,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         for k, item in enumerate(found):
             if k not in kept:
                 item.add_marker("stress")
+
+
+def pytest_collection_finish() -> None:
+    """Leave what was collected out of every later search for garbage, which takes a tenth of the time else."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture
