@@ -477,11 +477,10 @@ def test_help_imports_nothing_heavy():
     assert done.stdout.count("Usage: fastlink") == 7
 
 
-def test_a_real_process_refuses(mapped):
-    Path("study.toml").write_text(f"{STUDY}# with a remark\n")
-    done = subprocess.run([*MAIN, "run", "study.toml"], capture_output=True, text=True, check=False)
+def test_a_real_process_refuses():
+    done = subprocess.run([*MAIN, "new", "planar4r"], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
-    assert done.stderr.startswith("fastlink: study.toml: output.file: ")
+    assert done.stderr.startswith("fastlink: MECHANISM: ")
 
 
 def test_a_name_that_is_no_text_is_printed_to_a_strict_terminal_too(folder):

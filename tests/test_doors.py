@@ -5,7 +5,6 @@ import pickle
 import subprocess
 import sys
 
-import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -153,24 +152,6 @@ def test_a_long_word_is_shortened_on_the_command_line(line, swept_maps):
     assert found.exit_code == 2
     assert WORD[:8] in found.output
     assert len(found.output) < 600
-
-
-@pytest.mark.parametrize(
-    "nothing", ["", range(0), np.array([]), set(), iter(())], ids=lambda one: type(one).__name__
-)
-def test_a_name_of_nothing_is_refused(nothing, swept_maps):
-    space = fl.grid(**DESIGN)
-    for where, call in (
-        ("quantities", lambda: fl.sweep("planar_4r", space, nothing)),
-        ("maximise", lambda: fl.best(swept_maps, minimise="omega4_max", maximise=nothing)),
-        ("minimise", lambda: fl.best(swept_maps, minimise=nothing, maximise="omega4_max")),
-        ("maximise", lambda: fl.plot_front(swept_maps, minimise=["omega4_max", "a1"], maximise=nothing)),
-        ("maximise", lambda: fl.search("planar_4r", space, minimise="omega4_max", maximise=nothing)),
-        ("name", lambda: fl.plot_map(swept_maps, nothing)),
-        ("inputs", lambda: fl.function("planar_4r", nothing, ["omega4_max"], **DESIGN)),
-    ):
-        with refused(where):
-            call()
 
 
 def test_at_least_one_objective_is_named(swept_maps):

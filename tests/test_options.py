@@ -186,14 +186,6 @@ def test_pictures_are_png_svg_or_pdf(folder, name):
     assert not Path(name).exists()
 
 
-def test_pictures_on_the_command_line_too(folder):
-    sweep(to="maps.h5").close()
-    done = CliRunner().invoke(app, ["plot", "maps.h5", "omega4_max", "--to", "map.gif"])
-    assert done.exit_code == 2
-    assert done.stderr.startswith("fastlink: --to: map.gif")
-    assert done.stderr.rstrip().endswith("png, svg, pdf")
-
-
 @pytest.mark.parametrize(
     ("arguments", "option"),
     [
@@ -272,11 +264,6 @@ def test_no_attribute_of_a_map_can_be_overwritten(folder):
     with pytest.raises(fl.InputError) as caught:
         sweep(attrs=maps[0].attrs)
     assert all(name in caught.value.what for name in ("mechanism", "designs", "threads", "run_time_s"))
-
-
-def test_a_seed_that_no_file_holds_is_refused():
-    with refused("seed", "from 0 to"):
-        fl.sobol(4, seed=2**63, a1=(0.1, 0.2))
 
 
 # -- threads ---------------------------------------------------------------------------------------

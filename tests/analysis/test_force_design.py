@@ -113,23 +113,6 @@ def test_the_flywheel_takes_up_the_fluctuation():
     )
 
 
-def test_the_flywheel_of_a_slider_crank():
-    crank = fl.grid(r=0.1, l=0.4, e=0.0, omega=[5.0, 25.0], m3=1.0)
-    maps = fl.sweep("slider_crank", crank, ["T41_fluctuation"], links=BARS)
-    inertia = fl.planar.flywheel_inertia(maps, C_s=0.02)
-    assert (inertia > 0.0).all()
-    # Torques grow with the square of the speed: the flywheel is the same, to some roundings of the torques (1e-13).
-    np.testing.assert_allclose(inertia.sel(omega=5.0), inertia.sel(omega=25.0), rtol=1e-11)
-
-
-def test_a_flywheel_needs_the_fluctuation():
-    with pytest.raises(fl.InputError, match="'T41_fluctuation' is missing"):
-        fl.planar.flywheel_inertia({"omega1": 25.0}, 0.02)
-    for thing in (None, 3, "no_such_map.h5"):
-        with pytest.raises(fl.InputError, match="; give the"):
-            fl.planar.flywheel_inertia(thing, 0.02)
-
-
 def test_the_flywheel_of_a_map_in_a_file(tmp_path):
     crank = fl.grid(r=0.1, l=0.4, e=0.0, omega=[5.0, 25.0], m3=1.0)
     maps = fl.sweep("slider_crank", crank, ["T41_fluctuation"], links=BARS, to=tmp_path / "m.h5", verify=0)

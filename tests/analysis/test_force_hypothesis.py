@@ -35,7 +35,7 @@ def maps(tmp_path_factory):
 
 def test_against_samples_of_a_whole_turn(maps):
     found = fl.planar.force_hypothesis(maps).isel(branch=0)
-    turning = np.flatnonzero(np.isfinite(found.distance.sel(load="F41", extreme="omega4_max")))[:12]
+    turning = np.flatnonzero(np.isfinite(found.distance.sel(load="F41", extreme="omega4_max")))[:6]
     step = TURN / 7200
     theta1 = np.arange(0.0, TURN, step)
     for design in turning:
@@ -178,20 +178,6 @@ def test_refusals(maps):
     with refused("theta1_at_F41_max", "before it was converted"):
         place = maps[["theta1_at_F41_max"]].fastlink.degrees()
         fl.planar.force_hypothesis(maps.assign(place.data_vars))
-
-
-@pytest.mark.stress
-def test_designs_are_swept_with_what_it_needs(maps):
-    found = fl.planar.force_hypothesis(maps)
-    some = slice(0, 40)
-    designs = {name: maps[name].values[some] for name in ("a1", "a2", "a3")} | {"a4": 1.0, "omega1": 1.0}
-    bars = fl.round_bar(density=7750.0, radius=0.01)
-    for given in (designs, fl.table(designs)):
-        swept = fl.planar.force_hypothesis(given, links=bars, branch=[1], theta1=360)
-        for name in ("distance", "ratio"):
-            np.testing.assert_array_equal(
-                swept[name], found[name].isel(design=some).sel(load=swept["load"], extreme=swept["extreme"])
-            )
 
 
 def test_options_are_those_of_designs(maps):

@@ -106,14 +106,6 @@ def test_a_method_on_the_front_is_beaten_by_none():
     assert front(one)[:, 0].tolist() == [1, 0, 1, 0, 1, 0]
 
 
-def test_the_same_seed_gives_the_same_designs_and_errors(folder_of_study):
-    study = folder_of_study / "curve.toml"
-    study.write_text(STUDY.replace('"omega4_max", ', ""))
-    first, second, other = (fl.accuracy(study, designs=6, seed=seed) for seed in (3, 3, 4))
-    xr.testing.assert_equal(first["error_max"], second["error_max"])
-    assert not first["error_max"].equals(other["error_max"])
-
-
 def test_infinite_extremes_at_toggles_are_found_by_refinement_only(folder_of_study):
     study = folder_of_study / "toggle.toml"
     study.write_text(STUDY.replace("[0.3, 0.5, 40]", "[1.3, 1.4, 4]").replace(', "transmission_angle"', ""))

@@ -31,11 +31,6 @@ def asked(names, mechanism="planar_4r", angles=36, **inputs):
     )
 
 
-def test_one_of_a_thing_is_in_the_singular():
-    request = resolve("planar_4r", fl.grid(**LENGTHS), ["theta4"], angles=[0.5], branch=1)
-    assert "1 design, 1 assembly mode, 1 value of theta1" in str(explain_request(request))
-
-
 class Tally(float):
     """A number that counts what is done with it."""
 
@@ -144,14 +139,6 @@ def test_a_search_is_told_by_what_is_searched():
     assert "not counted" not in str(asked(["omega4_max"], omega1=9.0))
     loaded = resolve("planar_4r", fl.grid(**LENGTHS, omega1=9.0, T_load=1.0), names, links=ROUND_BAR)
     assert "every extreme of T41; cells split at the zeros of omega4\n" in str(explain_request(loaded))
-
-
-@pytest.mark.parametrize("angles", [5, 36])
-def test_lanes_make_no_difference_to_what_a_loop_is_run_for(angles):
-    found = asked(["omega4"], angles=angles, omega1=2.0)
-    pers = {loop.per for kernel in found.kernels for loop in kernel.loops}
-    assert "design and theta1" in pers
-    assert pers <= {"design", "theta1", "design and theta1"}
 
 
 def test_curves_in_pieces_are_of_designs_and_positions():

@@ -138,12 +138,6 @@ def test_a_sweep_is_explained_with_the_arguments_of_a_sweep(tmp_path):
         fl.explain("study.toml", threads=1)
 
 
-@pytest.mark.parametrize("given", [1.0, {}, None, "map.h5"])
-def test_a_table_of_something_else_is_refused(given):
-    with refused("measured", "give what fastlink.accuracy(STUDY) returns"):
-        fl.accuracy_table(given)
-
-
 def test_all_problems_of_an_explained_sweep_are_told_together():
     with pytest.raises(fl.InputError) as caught:
         fl.explain("planar_4r", fl.grid(**LENGTHS), ["thta4"], threads=0, overwrite="no", theta_1=3)
@@ -155,17 +149,3 @@ def test_all_problems_of_an_explained_sweep_are_told_together():
     }
     with refused("measure is 'yes'", "True or False"):
         fl.explain("planar_4r", fl.grid(**LENGTHS), ["theta4"], measure="yes")
-
-
-@pytest.mark.stress
-@pytest.mark.parametrize(
-    "name", ["chebyshev_drive", "quick_return_atlas", "crank_rocker_map", "slider_crank_press"]
-)
-def test_the_run_time_is_that_of_the_run(name, folder):
-    """Long, and on an idle machine only: within a factor of two."""
-    study = Path(__file__).parents[2] / "data" / "studies" / f"{name}.toml"
-    said = fl.explain(study, measure=True).forecast.timing
-    with fl.run_study(study, to="maps.h5", overwrite=True, progress=False) as maps:
-        took = maps.attrs["run_time_s"] + maps.attrs["verify_time_s"]
-    print(f"{name}: {said.total:.2f} s expected, {took:.2f} s taken")
-    assert 0.5 < said.total / took < 2.0

@@ -59,18 +59,12 @@ BARS = "[links]\nmodel = 'round_bar'\n"
         ("[cycle]", "[cycle]\nbranch = 3", "cycle.branch", "write some of 1, 2"),
         ('"planar_4r"', "4", "mechanism", "write a text that is not empty"),
         ('["omega4_max", "theta4"]', '"theta4"', "quantities", LIST),
-        ('["omega4_max", "theta4"]', "[]", "quantities", LIST),
         ('"theta4"]', "4]", "quantities[1]", "write the name of a quantity as text"),
         ("a1 = 0.4", 'a1 = "0.4"', "design.a1", NUMBER),
-        ("a1 = 0.4", "a1 = [0.4, 0.5]", "design.a1", NUMBER),
-        ("a1 = 0.4", "a1 = true", "design.a1", NUMBER),
         ("a1 = 0.4", "a1 = 1e999", "design.a1", NUMBER),
         ("1.4, 3]", "1.4, 3.0]", "design.a2.linspace", LINSPACE),
-        ("1.4, 3]", "1.4]", "design.a2.linspace", LINSPACE),
-        ("1.4, 3]", "1.4, 0]", "design.a2.linspace", LINSPACE),
         ("1.4, 3]", "1.4, 10000001]", "design.a2.linspace", LINSPACE),
         ("linspace = [1.0", "geomspace = [-1.0", "design.a2.geomspace", ONE_SIGN),
-        ("linspace = [1.0", "geomspace = [inf", "design.a2.geomspace", ONE_SIGN),
         ("[0.8, 0.7]", '[0.8, "x"]', "design.a3.values[1]", "write a finite number"),
         (
             "theta1 = 8",
@@ -85,9 +79,7 @@ BARS = "[links]\nmodel = 'round_bar'\n"
         ("{values = [0.8, 0.7]}", "{}", "design.a3", "write exactly one of geomspace, linspace, values"),
         ("values = [0.8", "linspace = [1, 2, 3], values = [0.8", "design.a3", "write exactly one of"),
         ("[0.8, 0.7]", "[0.8, 0.8]", "design.a3", "give each value once"),
-        ("a1 = 0.4", "a1 = -0.4", "design.a1", "write a finite number greater than 0"),
         ("[0.8, 0.7]", "[0.8, 0.0]", "design.a3[1]", "write a finite number greater than 0"),
-        ("[cycle]", "[cycle]\nbranch = []", "cycle.branch", "write some of 1, 2"),
         ("[cycle]", "[cycle]\nbranch = [1, 1]", "cycle.branch", "write each once"),
         ("theta1 = 8", "theta1 = {values = [1, 1]}", "cycle.theta1", "give each position once"),
         ('"theta4"]', '"omega4_max"]', "quantities[1]", "name it once"),
@@ -154,21 +146,6 @@ def test_links_that_lack_a_value(folder):
     ]
 
 
-def test_every_missing_input_is_named_once(folder):
-    lines = refused(BARE.replace('["theta4"]', '["omega4", "alpha4"]') + "[design]\na1 = 1.0\na4 = 2.0\n")
-    assert [line.split(" ")[0] for line in lines] == ["design.a2", "design.a3", "design.omega1"]
-
-
-def test_several_problems_are_a_line_each(folder):
-    text = (
-        GOOD.replace("a1 = 0.4", "a1 = -1")
-        .replace("theta1 = 8", "theta1 = 8\nbranch = 7")
-        .replace("ga4", "ga")
-    )
-    keys = [line.split(" ")[0].rstrip(":") for line in refused(text)]
-    assert sorted(keys) == ["cycle.branch", "design.a1", "quantities[0]"]
-
-
 def test_very_many_problems_are_counted(folder):
     names = ", ".join(f'"wrong{k}"' for k in range(MOST_LINES + 5))
     lines = refused(GOOD.replace('"omega4_max", "theta4"', names))
@@ -193,16 +170,6 @@ def test_what_is_no_study_is_told_so(folder):
         with pytest.raises(fl.InputError) as caught:
             run_study(path)
         assert str(caught.value).startswith(message)
-
-
-def test_an_unknown_key_is_refused_with_its_table(folder):
-    for text, message in (
-        (GOOD + "[output]\nfolder = 'x'\n", "output.folder is not a key of [output]"),
-        ("titel = 'x'\n" + GOOD, "titel is not a key of a study"),
-        (GOOD.replace("linspace", "linspce"), "design.a2.linspce is not a key of [design.a2]"),
-    ):
-        (line,) = refused(text)
-        assert message in line
 
 
 def of_the_caller(text, **options):

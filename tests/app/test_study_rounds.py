@@ -84,11 +84,6 @@ def test_each_problem_of_many_is_the_only_one_when_the_others_are_mended(folder)
         assert keys_of(GOOD.replace(old, new)) == key
 
 
-def test_missing_inputs_are_named_beside_unknown_quantities(folder):
-    text = BARE.replace('"theta4"', '"omega4", "omga4_max"') + f"[design]\n{LENGTHS}"
-    assert keys_of(text) == ["design.omega1", "quantities[1]"]
-
-
 @pytest.mark.parametrize(
     ("text", "key", "remedy"),
     [

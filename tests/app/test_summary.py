@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-import xarray as xr
 from tests.support.refusals import refused
 
 import fastlink as fl
@@ -27,12 +26,6 @@ def test_a_path_is_as_good_as_a_map(path, maps):
     with fl.open(path) as opened:
         assert fl.summary(path) == fl.summary(str(path)) == fl.summary(opened)
         assert contents(path) == contents(opened)
-
-
-@pytest.mark.parametrize("thing", [None, 3, b"maps.h5", [], np.zeros(3), xr.Dataset()])
-def test_what_is_not_a_map_is_refused(thing):
-    with refused("maps", "sweep"):
-        fl.summary(thing)
 
 
 def test_a_variable_and_a_bare_dataset_are_told_from_a_map(maps):

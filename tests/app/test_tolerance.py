@@ -116,12 +116,6 @@ def test_wrong_tolerances_of_a_study_are_refused(tmp_path, section, key, remedy)
         fl.run_study(written(tmp_path, STUDY.partition("a1 = 1e-4")[0] + section), to=tmp_path / "maps.h5")
 
 
-def test_a_tolerance_is_written_once(tmp_path):
-    twice = STUDY.replace("a4 = 1.0", "a4 = 1.0\na1_tolerance = 1e-3")
-    with refused("tolerances.a1", "once"):
-        fl.run_study(written(tmp_path, twice), to=tmp_path / "maps.h5")
-
-
 @pytest.mark.parametrize(
     ("given", "key", "remedy"),
     [

@@ -14,7 +14,6 @@ import fastlink as fl
 from fastlink.codegen.kernel import kernel_of
 from fastlink.engine.evaluate import evaluate
 from fastlink.engine.resolve import cached_plan, resolve
-from fastlink.plan.programs import make_plan
 
 BAR = fl.round_bar(density=7750.0, radius=0.01)
 LENGTHS = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
@@ -64,15 +63,6 @@ def test_whatever_else_is_asked_has_a_part(other):
     except fl.InputError:  # omega1 is not an input of a joint
         found = None
     assert found is not plan_of()
-
-
-def test_a_cached_plan_is_the_plan():
-    options = {"given": [*LENGTHS, "omega1"], "branches": (1, 2), "variants": (), "extrema": "refined"}
-    cached = cached_plan(PLANAR, ["omega4_max", "status"], True, angles=360, **options)
-    fresh = make_plan(PLANAR, ["omega4_max", "status"], angles=360, **options)
-    ours, others = ([kernel_of(program) for program in plan.programs] for plan in (cached, fresh))
-    assert [kernel.text for kernel in ours] == [kernel.text for kernel in others]
-    assert [kernel.key for kernel in ours] == [kernel.key for kernel in others]
 
 
 SHEET = """\
@@ -166,14 +156,6 @@ def test_a_map_says_what_compiled_it(backend, monkeypatch):
     assert "llvmlite " in maps.source
     monkeypatch.setenv("FASTLINK_BACKEND", backend)
     assert fl.sweep("planar_4r", space, ["status"]).backend == backend
-
-
-def test_an_unknown_backend_is_refused(monkeypatch):
-    with pytest.raises(fl.InputError, match="backend: 'gcc' is unknown"):
-        plan_of(backend="gcc")
-    monkeypatch.setenv("FASTLINK_BACKEND", "gcc")
-    with pytest.raises(fl.InputError, match="FASTLINK_BACKEND: 'gcc' is unknown"):
-        plan_of()
 
 
 def test_a_closure_is_found_anew_when_facts_change():

@@ -49,32 +49,11 @@ def assert_same_alone(mechanism, variants, n, rng):
                 )
 
 
-def variants_of(mechanism):
-    """Return each variant alone, but for the range of the search of extremes."""
-    search = {mechanism.graded.name} if mechanism.graded is not None else set()
-    return [
-        (),
-        *(
-            (variant,)
-            for variant in {**mechanism.variants, **mechanism.variant_inputs}
-            if variant not in search
-        ),
-    ]
-
-
 @pytest.mark.sample(3)
 @pytest.mark.parametrize(("mechanism", "input"), DRIVEN)
 def test_every_quantity_alone_is_as_in_an_array(mechanism, input):
     rng = np.random.default_rng(3)
     assert_same_alone(catalogue(mechanism, input), (), 5, rng)
-
-
-@pytest.mark.stress
-@pytest.mark.parametrize(("mechanism", "input"), DRIVEN)
-def test_every_quantity_of_every_variant_alone_is_as_in_an_array(mechanism, input):
-    rng = np.random.default_rng(4)
-    for variants in variants_of(catalogue(mechanism, input)):
-        assert_same_alone(catalogue(mechanism, input), variants, 200, rng)
 
 
 @pytest.mark.parametrize(

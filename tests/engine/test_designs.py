@@ -166,13 +166,6 @@ def test_names_of_designs_as_their_dimension():
     assert [text.get_text() for text in picture.axes[0].get_xticklabels()] == ["P1", "P2"]
 
 
-def test_an_index_may_be_an_input():
-    by_column, by_index = sweep(LABELS.reset_index(drop=True)), sweep(LABELS.set_index("a2"))
-    assert_array_equal(by_index.omega4_max, by_column.omega4_max)
-    with refused("a2", "write numbers"):
-        sweep(LABELS.assign(a2="long"))
-
-
 def test_a_map_is_swept_again_by_its_path(tmp_path):
     path = tmp_path / "maps.h5"
     sweep(GRID, to=path).close()

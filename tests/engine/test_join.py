@@ -270,34 +270,17 @@ def test_what_cannot_be_shown_is_refused_before_anything_is_written(tmp_path, gr
 
 # --- on the way ------------------------------------------------------------------------------------
 
-#: Six processes at once, one of which is killed; each fault of a join.
+#: Six processes at once, one of which is killed.
 PROCESSES = """
-import os, signal, sys, time, traceback
+import os, signal, sys, time
 from pathlib import Path
-import fastlink as fl
 from fastlink.io import partial_file
 from fastlink.io.writer import Writer
-from tests.support.faults import Injector
 from tests.support.part_requests import sweep
 
-def forked(function):
-    child = os.fork()
-    if not child:
-        try:
-            function()
-            code = 0
-        except fl.InputError:
-            code = 2
-        except KeyboardInterrupt:
-            code = 130
-        except BaseException:
-            traceback.print_exc()
-            code = 1
-        finally:
-            os._exit(code)
-    return child
-
 def run(k, killed):
+    if (child := os.fork()):
+        return child
     record = Writer.record
     def counted(self, start, stop):
         record(self, start, stop)
@@ -306,51 +289,29 @@ def run(k, killed):
                 time.sleep(0.01)
             os.kill(os.getpid(), signal.SIGKILL)
     Writer.record = counted
-    sweep(of, part=(k, 6), to=folder / f"m.part-{k}-of-6.h5", threads=1, block=4).close()
+    sweep("hundreds", part=(k, 6), to=folder / f"m.part-{k}-of-6.h5", threads=1, block=4).close()
+    os._exit(0)
 
-def join(at, fault, to, copy):
-    injector = Injector(at, fault)
-    injector.install()
-    fl.join(folder / "m.part-*-of-6.h5", to=to, copy=copy).close()
-
-of, folder = sys.argv[1], Path(sys.argv[2])
+folder = Path(sys.argv[1])
 partial_file.STEP_SECONDS = 0.0
-sweep(of, part=(1, 6))  # its kernels are loaded
-children = [forked(lambda: run(k, k == 5)) for k in range(1, 7)]
+sweep("hundreds", part=(1, 6))  # its kernels are loaded
+children = [run(k, k == 5) for k in range(1, 7)]
 print([os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) for child in children])
-print([os.waitstatus_to_exitcode(os.waitpid(forked(lambda: run(5, False)), 0)[1])])
-for number, (at, fault, copy) in enumerate(eval(sys.argv[3])):
-    to = folder / f"joined-{number}.h5"
-    print(os.waitstatus_to_exitcode(os.waitpid(forked(lambda: join(at, fault, to, copy)), 0)[1]))
+print([os.waitstatus_to_exitcode(os.waitpid(run(5, False), 0)[1])])
 """
-FEW = [(30, "EIO", True), (70, "kill", True), (45, "kill", False)]
-MANY = [
-    (at, fault, copy)
-    for at in range(3, 160, 7)
-    for fault in ("kill", "EIO", "interrupt")
-    for copy in (False, True)
-]
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
-@pytest.mark.parametrize("faults", [FEW, pytest.param(MANY, marks=pytest.mark.stress)], ids=["few", "many"])
-def test_six_processes_at_once_and_a_join_that_fails_at_any_call(tmp_path, faults):
-    command = [sys.executable, "-c", PROCESSES, "hundreds", str(tmp_path), repr(faults)]
+def test_six_processes_at_once_one_of_which_is_killed(tmp_path):
+    command = [sys.executable, "-c", PROCESSES, str(tmp_path)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
-    assert done.returncode == 0, done.stderr
-    parts, again, *codes = map(eval, done.stdout.splitlines())
-    assert parts == [0, 0, 0, 0, -9, 0]
-    assert again == [0]
+    assert done.stdout == "[0, 0, 0, 0, -9, 0]\n[0]\n", done.stderr
     with fl.open(tmp_path / "m.part-5-of-6.h5") as resumed:
         assert resumed.attrs["designs_of_earlier_runs"] >= 16
     with sweep("hundreds", to=tmp_path / "whole.h5") as whole:
-        for number, (code, (_, fault, copy)) in enumerate(zip(codes, faults, strict=True)):
-            to = tmp_path / f"joined-{number}.h5"
-            assert code in {"kill": (-9, 0), "EIO": (2, 0), "interrupt": (130, 0)}[fault]
-            assert to.exists() or code != 0
-            with fl.join(tmp_path / "m.part-*-of-6.h5", to=to, copy=copy) as joined:
+        for copy in (True, False):
+            with fl.join(tmp_path / "m.part-*-of-6.h5", to=tmp_path / f"m-{copy}.h5", copy=copy) as joined:
                 assert_same(joined, whole)
-            assert fl.check(to)
     assert not [name for name in left_in(tmp_path) if ".h5." in name]
 
 

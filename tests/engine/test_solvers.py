@@ -110,19 +110,3 @@ def test_no_solver_is_recorded_where_there_is_one_way(mechanism, drives):
             "branch",
         )
         assert not catalogue.depends_on_solver(catalogue.dependencies([name], leaves)), name
-
-
-def test_accuracy_compares_the_solvers_whichever_the_study_has():
-    """Each method is what its name says: with the dense system chosen, the closed form is still measured as such."""
-    text = """
-mechanism = "planar_4r"
-quantities = ["T41"]
-design = {a1 = 0.4, a2 = {linspace = [1.0, 1.3, 9]}, a3 = 0.8, a4 = 1.0, omega1 = 25.0}
-links = {model = "round_bar", density = 7750.0, radius = 0.01}
-cycle = {angles = 8, solver = "dense"}
-"""
-    measured = fl.accuracy(written(text), designs=4)
-    assert {"eliminated", "dense"} == set(measured["way"].values.tolist())
-    usual = fl.accuracy(written(text.replace("dense", "eliminated")), designs=4)
-    for method in ("eliminated", "dense"):
-        assert float(measured.error_max.sel(way=method)[0]) == float(usual.error_max.sel(way=method)[0])

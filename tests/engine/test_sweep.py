@@ -154,7 +154,7 @@ def test_bits_depend_neither_on_threads_nor_on_blocks(options):
     assert_same_bits(small_map(threads=1, block=4096), small_map(**options))
 
 
-@pytest.mark.parametrize("step", [5, pytest.param(1, marks=pytest.mark.stress)])
+@pytest.mark.parametrize("step", [9, pytest.param(1, marks=pytest.mark.stress)])
 def test_bits_depend_neither_on_what_else_is_asked_nor_on_the_lanes(step):
     everything = [name for name in PLANAR.public if name not in AT_P]
     # Curves alone: lanes are angles. With an extreme: lanes are designs. With few angles too.
@@ -237,7 +237,6 @@ def test_file_and_memory_hold_the_same(tmp_path):
         ({"mechanism": "planar_4R"}, "mechanism: 'planar_4R'", "did you mean 'planar_4r'?"),
         ({"quantities": ["omega_4"]}, "quantity 'omega_4'", "did you mean 'omega4'?"),
         ({"quantities": ["status_max"]}, "quantity 'status_max'", ""),
-        ({"quantities": ["theta1_at_omega4_rms"]}, "quantity 'theta1_at_omega4_rms'", ""),
         ({"quantities": []}, "quantities", "at least one name"),
         ({"quantities": ["omega4", "omega4"]}, "quantities[1]", "name it once"),
         (
@@ -273,11 +272,8 @@ def test_file_and_memory_hold_the_same(tmp_path):
         ({"theta1": 0}, "theta1", "a number from 1 to 100000000, or an array in rad"),
         ({"theta1": [0.0, 1.0, 0.0]}, "theta1", "each position once"),
         ({"theta1": [0.0, np.nan]}, "theta1[1]", "finite angles in rad"),
-        ({"theta1": 2.5}, "theta1", "a number of angles, or a flat array of angles in rad"),
         ({"branch": 3}, "branch", "some of 1, 2"),
         ({"branch": (1, 1)}, "branch", "each once"),
-        ({"solver": "lu"}, "solver: 'lu'", ""),
-        ({"threads": 0}, "threads", "a whole number from 1 to"),
     ],
 )
 def test_bad_input_gets_one_clear_line(change, key, remedy):

@@ -73,7 +73,7 @@ def argument_cases(seed: int, count: int) -> Iterator[Case]:
 
 def table_cases(seed: int, count: int) -> Iterator[Case]:
     """Yield calls with tables."""
-    for door, _, verdict, source, plain in tables(seed, count):
+    for door, verdict, source, plain in tables(seed, count):
         yield Case("table", verdict, door.replace("SOURCE", source), door.replace("SOURCE", plain), source)
 
 

@@ -1,10 +1,9 @@
-"""Studies changed in their structure or in their text, and what a study means, read without fastlink."""
+"""Studies changed in their text, and what a study means, read without fastlink."""
 
 from __future__ import annotations
 
 import json
 import random
-import re
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from tests.hostile.tables import bytes_changed
 from tests.hostile.values import texts_of
 
 ROOT = Path(__file__).parents[2]
@@ -65,103 +65,43 @@ KEYS = texts_of(
 KEYS += ["a1 ", "", "a\nb", "\x00", "x" * 3000]
 
 
-class Raw(str):
-    """A value as it stands in the text."""
-
-
-def text_of(value: Any) -> str:
-    """Return a value in TOML."""
-    if isinstance(value, Raw):
-        return str(value)
-    if isinstance(value, dict):
-        return "{" + ", ".join(f"{key_of(key)} = {text_of(entry)}" for key, entry in value.items()) + "}"
-    if isinstance(value, list):
-        return "[" + ", ".join(map(text_of, value)) + "]"
-    if isinstance(value, str):
-        return quoted(value)
-    return str(value).lower() if isinstance(value, bool) else str(value)
-
-
-def quoted(text: str) -> str:
-    """Return a text in quotes, with no sign that TOML forbids."""
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
-
-
-def key_of(key: str) -> str:
-    """Return a key, in quotes if it needs them."""
-    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else quoted(key)
-
-
-def study_text(tables: dict[str, Any]) -> str:
-    """Return a study in TOML: values first, then tables."""
-
-    def lines(table: dict[str, Any]) -> list[str]:
-        return [f"{key_of(key)} = {text_of(value)}" for key, value in table.items()]
-
-    text = lines({name: value for name, value in tables.items() if not isinstance(value, dict)})
-    for name, table in tables.items():
-        if isinstance(table, dict):
-            text += [f"[{key_of(name)}]", *lines(table)]
-    return "\n".join(text) + "\n"
-
-
-def _places(tables: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
-    """Yield the path of every key and entry."""
-    for key, value in tables.items() if isinstance(tables, dict) else enumerate(tables):
-        yield (*path, key)
-        if isinstance(value, (dict, list)):
-            yield from _places(value, (*path, key))
-
-
-def _change(rng: random.Random, tables: dict[str, Any]) -> None:
-    """Change one thing in the structure of a study."""
-    *outer, key = rng.choice([*_places(tables)] or [("design",)])
-    inside: Any = tables
-    for part in outer:
-        inside = inside[part]
-    value = inside[key] if isinstance(inside, list) else inside.get(key)
-    kind = rng.choice(["value", "key", "less", "more", "table", "moved", "text"])
-    if kind == "value":
-        inside[key] = Raw(rng.choice(VALUES))
-    elif kind == "key" and isinstance(inside, dict):
-        k = rng.randrange(len(key) + 1)
-        misspelt = [key[:k] + key[k + 1 :], key[:k] + "_" + key[k:], key.upper(), key + "s", key[::-1]]
-        new, entries = rng.choice([rng.choice(KEYS), rng.choice(misspelt)]), list(inside.items())
-        inside.clear()
-        inside.update((new if name == key else name, entry) for name, entry in entries)
-    elif kind == "less":
-        del inside[key]
-    elif kind == "more" and isinstance(inside, dict):
-        inside[rng.choice(KEYS)] = Raw(rng.choice(VALUES))
-    elif kind == "table":
-        wrap = rng.choice(["values", "linspace", "x", "n", "sobol"])
-        inside[key] = value[wrap] if isinstance(value, dict) and wrap in value else {wrap: value}
-    elif kind == "moved" and outer:
-        tables[str(key)] = value
-    else:
-        inside[key] = Raw(quoted(str(value)))
+def _changed(rng: random.Random, text: str) -> str:
+    """Return a study with another value, key or line somewhere."""
+    lines = text.splitlines()
+    place = rng.randrange(len(lines))
+    key, equals, value = lines[place].partition("=")
+    kind = rng.choice(["value", "key", "misspelt", "less", "more", "twice", "wrapped", "text", "orders"])
+    k = rng.randrange(len(key) + 1)
+    misspelt = [key[:k] + key[k + 1 :], key[:k] + "_" + key[k:], key.upper(), key[::-1]]
+    wrapped = f"{{{rng.choice(['values', 'linspace', 'x', 'n', 'sobol'])} = {value}}}"
+    changed = {
+        "value": [f"{key}{equals}{rng.choice(VALUES)}"],
+        "key": [f"{json.dumps(rng.choice(KEYS), ensure_ascii=False)}{equals}{value}"],
+        "misspelt": [f"{rng.choice(misspelt)}{equals}{value}"],
+        "less": [],
+        "more": [lines[place], f"{rng.choice(KEYS)} = {rng.choice(VALUES)}"],
+        "twice": [lines[place], rng.choice(lines)],
+        "wrapped": [f"{key}{equals}{wrapped}"],
+        "text": [f"{key}{equals}{json.dumps(value)}"],
+    }
+    if kind == "orders":
+        return "\n".join(rng.sample(lines, len(lines)))
+    return "\n".join([*lines[:place], *changed[kind], *lines[place + 1 :]])
 
 
 def _rewritten(rng: random.Random, text: str) -> bytes:
-    """Return the text of a study with another encoding, other bytes or other lines."""
-    data, lines = text.encode(), text.splitlines()
-    place = rng.randrange(len(data))
-    before, after = data[:place], data[place:]
+    """Return the text of a study with another encoding, other bytes or another end."""
     encoding = rng.choice(["utf-16", "utf-16-le", "utf-32", "cp037", "utf-8-sig"])
     end = rng.choice(["\r\n", "\r", "\n\n", "\x0b", "\u2028"])
     deep = rng.choice(["[" * 5000, "{a=" * 2000, "[" * 400 + "]" * 400])
     long = rng.choice(["#" * 10**5, "\n" * 10**4, "x = '" + "é" * 10**5 + "'", "1" * 10**4 + " = 1"])
+    place = rng.randrange(len(text))
     return rng.choice(
         [
-            before + bytes([after[0] ^ 1 << rng.randrange(8)]) + after[1:],
-            before,
-            before + after[rng.randrange(1, 6) :],
-            before + rng.randbytes(2) + after,
-            before + rng.choice("[]{}\"'=#,.\\").encode() + after,
+            bytes_changed(rng, text.encode()),
+            (text[:place] + rng.choice("[]{}\"'=#,.\\") + text[place:]).encode(),
             text.encode(encoding, "replace"),
             text.replace("\n", end).encode(),
-            "\n".join([*lines, rng.choice(lines)]).encode(),
-            "\n".join(rng.sample(lines, len(lines))).encode(),
             f"{text}\n[deep]\nx = {deep}".encode(),
             (text + long).encode(),
         ]
@@ -175,13 +115,8 @@ def studies(seed: int, count: int) -> Iterator[str]:
     for _ in range(count):
         small = rng.random() < 0.3
         text = SMALL if small else rng.choice(shipped)
-        if rng.random() < 0.7:
-            tables = tomllib.loads(text)
-            for _ in range(rng.choice([1, 1, 2])):
-                _change(rng, tables)
-            data = study_text(tables).encode("utf-8", "surrogatepass")
-        else:
-            data = _rewritten(rng, text)
+        changed = rng.random() < 0.7
+        data = _changed(rng, text).encode("utf-8", "surrogatepass") if changed else _rewritten(rng, text)
         doors = ["ran", "read", "commanded"] if small else ["read"] * 9 + ["explained"]
         yield f"{rng.choice(doors)}({data!r})"
 

@@ -13,7 +13,6 @@ import tracemalloc
 import warnings
 
 import h5py
-import netCDF4
 import numpy as np
 import pandas as pd
 import pytest
@@ -120,13 +119,6 @@ def test_compressed_chunks_are_in_the_file_and_uncompressed_values_are_not(grid,
             plist = file["theta4"].id.get_create_plist()
             assert [plist.get_filter(k)[0] for k in range(plist.get_nfilters())] == filters
             assert (file["theta4"].chunks is None) == (name == "p.h5")
-
-
-def test_netcdf4_reads_what_is_compressed_by_gzip(grid, tmp_path):
-    path = fl.convert(grid, tmp_path / "g.nc", compress="gzip")
-    with netCDF4.Dataset(path) as file:
-        assert file["theta4"].dimensions == ("a1", "a2", "branch", "theta1")
-        assert_array_equal(np.asarray(file["theta4"][:]), whole(grid).theta4.values)
 
 
 @pytest.mark.parametrize("name", ["a.h5", "z.h5", "g.nc"])
@@ -458,39 +450,6 @@ def test_a_name_that_is_no_text_is_one_of_a_file(grid, tmp_path):
         else:
             is_said(path, name)
             is_said(converted(source, tmp_path / name), "grid.h5")
-
-
-@pytest.mark.stress
-@pytest.mark.skipif(sys.platform == "darwin", reason="names of files are letters there")
-def test_a_name_that_is_no_text_is_one_of_a_file_at_every_other_door(grid, tmp_path):
-    request = "planar_4r", fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0), ["transmission_angle_max"]
-    parts = [at(tmp_path, f"m.part-{k}-of-2.h5") for k in (1, 2)]
-    for k, path in enumerate(parts, 1):
-        fl.sweep(*request, to=path, part=(k, 2)).close()
-        fl.sweep(*request, to=path, part=(k, 2)).close()
-    joined, found = at(tmp_path, "m.h5"), at(tmp_path, "found.h5")
-    with refused("paths", "copy=True"):  # of HDF5 a virtual dataset does not hold such names
-        fl.join(parts, to=joined)
-    fl.join(parts, to=joined, copy=True).close()
-    is_said(joined, "m.h5")
-    fl.search(*request, minimise="transmission_angle_max", top=1, to=found).close()
-    is_said(found, "found.h5")
-    designs, study = at(tmp_path, "designs.csv"), at(tmp_path, "study.toml")
-    designs.write_text("a1,a2\n0.4,1.1\n0.5,1.2\n")
-    space = fl.table(designs).with_constants({"a3": 0.8, "a4": 1.0})
-    with fl.sweep("planar_4r", space, ["transmission_angle_max"], to=at(tmp_path, "table.h5")) as maps:
-        assert maps.attrs["design_source"] == "\\udcffdesigns.csv"
-    study.write_text(
-        'mechanism = "planar_4r"\nquantities = ["transmission_angle_max"]\n'
-        "[design]\na1 = 0.4\na2 = 1.1\na3 = 0.8\na4 = 1.0\n"
-    )
-    with fl.run_study(study, to=at(tmp_path, "study.h5")) as maps:
-        assert maps.attrs["study_file"] == "\\udcffstudy.toml"
-    pictures = [at(tmp_path, name) for name in ("map.svg", "design.pdf", "page.html")]
-    fl.plot_map(grid, "omega4_max", branch=1, to=pictures[0])
-    fl.draw(grid, 2, to=pictures[1])
-    fl.explore(grid, to=pictures[2], browser=False)
-    assert {path.name for path in pictures} <= set(left_in(tmp_path))
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
-from tests.support.faults import BELOW, CODES, FAULTS, Outcome, Trials, library
+from tests.support.faults import CODES, FAULTS, Outcome, Trials, library
 from tests.support.map_files import Sample, digest, left_in, raising
 from tests.support.refusals import refused
 
@@ -315,24 +315,26 @@ def goes_on(folder: Path, expected, noted: int, **options):
     assert left_in(folder) == ["m.h5", "other.h5"]
 
 
-def is_struck_below():
-    """Tell whether calls below Python can have faults; say loudly if not."""
+@pytest.fixture
+def struck():
+    """Leave out what needs faults below Python where there can be none."""
+    if not hasattr(os, "fork"):
+        pytest.skip("needs fork")
     try:
         library()
     except RuntimeError as error:
         warnings.warn(f"NOT TESTED: {error}", stacklevel=1)
-        return False
-    return True
+        pytest.skip(str(error))
 
 
-def run_trials(tmp_path, expected, count, seed, *, below):
+def run_trials(tmp_path, expected, count, seed):
     """Let runs have faults, one or two after each other; return how many of each kind, and what was wrong."""
     rng, tried, wrong = np.random.default_rng(seed), Counter(), []
-    faults = list(BELOW if below else FAULTS)
-    with Trials("tests.io.test_faults:trial_sweep", below) as trials:
+    faults = list(FAULTS)
+    with Trials("tests.io.test_faults:trial_sweep") as trials:
         (tmp_path / "whole").mkdir()
         calls = {
-            layout: trials.run(tmp_path / "whole" / f"{layout}.h5", -1, "kill", layout=layout).calls or 130
+            layout: trials.run(tmp_path / "whole" / f"{layout}.h5", -1, "kill", layout=layout).calls
             for layout in ("curves", "maps")
         }
         while tried.total() < count:
@@ -356,27 +358,13 @@ def run_trials(tmp_path, expected, count, seed, *, below):
     return tried, wrong
 
 
-MANY = pytest.mark.stress
-
-
 @pytest.mark.filterwarnings("default:NOT TESTED")
-@pytest.mark.parametrize(
-    ("below", "count"),
-    [
-        pytest.param(False, len(FAULTS), marks=MANY),
-        (True, len(BELOW)),
-        pytest.param(False, 400, marks=MANY),
-        pytest.param(True, 1000, marks=MANY),
-    ],
-)
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
-def test_faults_of_system_calls(tmp_path, expected, below, count, tell):
-    """By default the calls of HDF5 too; where these cannot be struck, those that Python makes."""
-    below = below and is_struck_below()
-    tried, wrong = run_trials(tmp_path, expected, count, seed=count, below=below)
+@pytest.mark.parametrize("count", [len(FAULTS), pytest.param(1000, marks=pytest.mark.stress)])
+def test_faults_of_system_calls(struck, tmp_path, expected, count, tell):
+    tried, wrong = run_trials(tmp_path, expected, count, seed=count)
     tell(f"{tried.total()} faults: {dict(tried)}; wrong or lost: {len(wrong)}")
     assert not wrong, "\n".join(map(repr, wrong))
-    assert len(tried) == len(BELOW if below else FAULTS)
+    assert len(tried) == len(FAULTS)
 
 
 DOORS = {
@@ -407,11 +395,9 @@ def trial_of_a_door(to, door=""):
 
 @pytest.mark.filterwarnings("default:NOT TESTED")
 @pytest.mark.parametrize("steps", [2, pytest.param(8, marks=pytest.mark.stress)])
-def test_a_disk_that_fails_while_a_map_is_read_or_closed_is_an_error_of_the_door(tmp_path, steps):
-    if not is_struck_below():
-        pytest.skip("calls below Python cannot have faults here")
+def test_a_disk_that_fails_while_a_map_is_read_or_closed_is_an_error_of_the_door(struck, tmp_path, steps):
     maps_to_read(tmp_path)
-    with Trials("tests.io.test_faults:trial_of_a_door", below=True) as trials:
+    with Trials("tests.io.test_faults:trial_of_a_door") as trials:
         for door in DOORS:
 
             def tried(at, door=door):

@@ -8,7 +8,6 @@ import threading
 from concurrent.futures import ThreadPoolExecutor
 
 import h5py
-import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
@@ -49,16 +48,6 @@ def test_threads_may_write_in_any_order(tmp_path):
         xr.testing.assert_identical(opened, sample.expected())
 
 
-def test_dimensions_of_equal_length_keep_their_names_in_netcdf4(tmp_path):
-    path = Sample().save(tmp_path / "m.h5")
-    with netCDF4.Dataset(path) as file:
-        assert file["omega4_max"].dimensions == ("a2", "a3")
-        assert file["B_x"].dimensions == ("a2", "a3", "branch", "theta1")
-        assert file["B_x"].coordinates == "a1"
-        assert file["count"].dimensions == ("a2", "a3", "theta1")
-        assert file["omega4_max"].units == "rad s⁻¹"
-
-
 def test_the_layout_is_contiguous_aligned_and_without_slack(tmp_path):
     axis = np.linspace(1.0, 2.0, 100)
     coords = coordinates(grid(a2=axis, a3=axis), DESCRIBED, {})
@@ -76,17 +65,6 @@ def test_the_layout_is_contiguous_aligned_and_without_slack(tmp_path):
             assert h5py.h5g.get_objinfo(file.id, name.encode()).mtime == 0
         assert "_FillValue" not in file["a2"].attrs
     assert 160_000 < path.stat().st_size < 160_000 + 40_000
-
-
-def test_a_variable_without_dimensions(tmp_path):
-    coords = coordinates(grid(a1=0.4), DESCRIBED, {})
-    with Writer(tmp_path / "m.h5", coords, [Variable("x", (), (), np.dtype("f8"), {})], {}) as writer:
-        writer.write("x", 0, np.array([2.5]))
-        writer.finish({})
-    for engine in ("h5netcdf", "netcdf4"):
-        with xr.open_dataset(tmp_path / "m.h5", engine=engine) as opened:
-            assert opened["x"].dims == ()
-            assert float(opened["x"]) == 2.5
 
 
 # --- how it appears --------------------------------------------------------------------------------

@@ -83,8 +83,7 @@ def expected_rows(maps, names, signs, mask):
     return points[places], places, arrays[0]
 
 
-@pytest.mark.sample(2)
-@pytest.mark.parametrize("block", [1, 5, 100, 10**6])
+@pytest.mark.parametrize("block", [5, 100])
 def test_the_front_of_a_map(maps, path, monkeypatch, block):
     monkeypatch.setattr(best, "MOST_ROWS", block)
     mask = (maps.status == 0) & (maps.a1 <= 0.7) & (maps.transmission_angle_min >= 0.1)

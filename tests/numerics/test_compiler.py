@@ -39,5 +39,5 @@ def test_trees_are_made_by_many_threads(interrupted):
         return deep(text, depth - 1) if depth else parsed(text)
 
     with ThreadPoolExecutor(8) as pool:
-        trees = list(pool.map(deep, 3 * texts, [k % 17 for k in range(3 * len(texts))]))
+        trees = list(pool.map(deep, 2 * texts, [k % 17 for k in range(2 * len(texts))]))
     assert all(tree.body for tree in trees)

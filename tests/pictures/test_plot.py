@@ -1,7 +1,5 @@
 """Pictures of maps: what is drawn where, of whatever users make of a map, and what cannot be drawn."""
 
-import doctest
-import importlib
 import subprocess
 import sys
 
@@ -602,12 +600,6 @@ def test_without_matplotlib_every_door_has_the_remedy_and_with_it_its_state_is_l
 )
 def test_symbols_are_set_as_mathematics(symbol, text):
     assert mathematical(symbol) == text
-
-
-@pytest.mark.parametrize("name", ["pictures.maps", "pictures.labels"])
-def test_the_examples_run(name):
-    result = doctest.testmod(importlib.import_module(f"fastlink.{name}"))
-    assert (result.attempted > 0, result.failed) == (True, 0)
 
 
 # -- what cannot be drawn --------------------------------------------------------------------------

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pickle
 import tracemalloc
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -177,16 +176,6 @@ def test_a_column_reads_as_an_array(column):
         column.nothing  # noqa: B018
     with pytest.raises(ValueError, match="copy"):
         np.array(column, copy=False)
-
-
-@pytest.mark.parametrize("column", COLUMNS.values(), ids=COLUMNS)
-def test_threads_read_the_same_values_as_one(column):
-    def piece(start):
-        return column.piece(start, min(start + 3, len(column)))
-
-    with ThreadPoolExecutor(4) as pool:
-        pieces = list(pool.map(piece, list(range(0, len(column), 3)) * 20))
-    assert_array_equal(np.concatenate(pieces), np.tile(np.asarray(column), 20))
 
 
 def test_more_values_than_memory_holds_are_refused():

@@ -1,11 +1,8 @@
 """Design spaces: numbering, filling, sampling, and what is refused."""
 
-import ast
-import doctest
 import importlib
 import tracemalloc
 from fractions import Fraction
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,8 +12,6 @@ from numpy.testing import assert_array_equal
 from scipy.stats import qmc
 from tests.support.refusals import refused
 
-from fastlink.space import design_space as space
-from fastlink.space import samplers as design
 from fastlink.space.samplers import Slices, grid, latin_hypercube, sobol
 
 table = importlib.import_module("fastlink.space.tables")  # `fastlink.table` is the function
@@ -45,14 +40,6 @@ def test_a_grid_fills_any_range_in_c_order(lengths, data):
         assert_array_equal(row, expected[name][start:stop])
 
 
-def test_fill_leaves_the_rest_of_a_longer_buffer():
-    out = np.full((3, 10), -1.0)
-    grid(a1=0.4, a2=[1.0, 2.0, 3.0]).fill(["a2", "a1"], 1, 3, out)
-    assert_array_equal(out[0], [2.0, 3.0] + [-1.0] * 8)
-    assert_array_equal(out[1], [0.4, 0.4] + [-1.0] * 8)
-    assert_array_equal(out[2], -1.0)
-
-
 def test_a_grid_of_a_thousand_million_designs_costs_its_axes():
     tracemalloc.start()
     axis = np.linspace(1.0, 2.0, 1000)
@@ -73,10 +60,6 @@ def test_one_design_has_no_dimensions():
     assert_array_equal(filled(designs, ["a4", "a1"], 0, 1), [[0.5], [0.4]])
 
 
-def test_an_axis_of_one_value_is_still_a_dimension():
-    assert grid(a1=[0.4], a2=1.2).dims == ("a1",)
-
-
 def test_a_space_keeps_its_values_whatever_the_caller_does():
     axis = np.array([1.0, 2.0])
     designs = grid(a2=axis)
@@ -86,33 +69,12 @@ def test_a_space_keeps_its_values_whatever_the_caller_does():
         designs.values("a2")[0] = 9.0
 
 
-def test_values_and_names():
-    designs = grid(a1=0.4, a2=[1, 2])
-    assert designs.names == ("a2", "a1")
-    assert designs.values("a2").dtype == np.float64
-    assert_array_equal(designs.values("a1"), [0.4])
-
-
 def test_with_constants_adds_only_what_is_missing():
     designs = grid(a1=0.4, a2=[1.0, 2.0]).with_constants({"a1": 9.0, "a2": 9.0, "omega1": 1})
     assert designs.constants == {"a1": 0.4, "omega1": 1.0}
     assert_array_equal(designs.axes["a2"], [1.0, 2.0])
     with refused("constants: m1", "a finite number"):
         designs.with_constants({"m1": np.inf})
-
-
-@pytest.mark.parametrize(
-    "designs", [grid(a1=[1.0, 2.0], a2=[3.0, 4.0, 5.0]), table.table({"a1": [6.0, 7.0, 8.0]})]
-)
-def test_one_more_axis_repeats_every_design(designs):
-    crossed = designs.with_axis("completion", (1, 2))
-    assert crossed.dims == (*designs.dims, "completion")
-    assert crossed.size == 2 * designs.size
-    before, after = np.empty((1, designs.size)), np.empty((2, 5))
-    designs.fill(["a1"], 0, designs.size, before)
-    crossed.fill(["a1", "completion"], 1, 6, after)
-    np.testing.assert_array_equal(after[0], np.repeat(before[0], 2)[1:6])
-    np.testing.assert_array_equal(after[1], [2, 1, 2, 1, 2])
 
 
 def test_an_input_without_a_value_is_named_with_the_nearest():
@@ -130,27 +92,14 @@ def test_designs_outside_the_space_are_refused(start, stop):
 
 GRID_ERRORS = {
     "empty": ([], "grid: a2", "at least one value"),
-    "nan constant": (np.nan, "grid: a2", "a finite number"),
     "inf in axis": ([1.0, -np.inf], "grid: a2[1]", "a finite number"),
-    "masked": (
-        np.ma.masked_array([1, 2], mask=[False, True]),
-        "grid: a2[1]",
-        "a finite number",
-    ),
     "repeat": ([1.0, 2.0, 3.0, 2.0], "grid: a2", "each value once"),
-    "signed zeros": ([0.0, -0.0], "grid: a2", "each value once"),
     "two dimensions": (
         np.ones((2, 2)),
         "grid: a2",
         "a flat list of numbers",
     ),
-    "ragged": ([[1.0], [1.0, 2.0]], "grid: a2", "a flat list of numbers"),
-    "text": ("1.0", "grid: a2", "a flat list of numbers"),
-    "none": (None, "grid: a2", "a flat list of numbers"),
     "text in list": ([1.0, "x"], "grid: a2[1]", "a number"),
-    "truth": (True, "grid: a2", "a flat list of numbers"),
-    "truths": (np.array([True]), "grid: a2[0]", "a number"),
-    "complex": ([1.0, 1j], "grid: a2[1]", "a number"),
     "durations": (np.array([1], "m8[ns]"), "grid: a2", "numbers"),
     "too large": (10**400, "grid: a2", "a smaller one"),
 }
@@ -205,17 +154,10 @@ def test_a_range_is_not_left_by_rounding():
 
 SAMPLE_ERRORS = {
     "no designs": ({"n": 0}, "n", "an integer from 1 to 1125899906842624"),
-    "too many": ({"n": 2**50 + 1}, "n", "an integer from 1 to 1125899906842624"),
-    "fraction": ({"n": 8.0}, "n", "an integer from 1 to 1125899906842624"),
-    "truth": ({"n": True}, "n", "an integer from 1 to 1125899906842624"),
-    "no seed": ({"seed": None}, "seed", "an integer from 0 to"),
     "negative seed": ({"seed": -1}, "seed", "an integer from 0 to"),
     "three": ({"a1": (1, 2, 3)}, "a1", "(lo, hi), or a number for a constant"),
     "reversed": ({"a1": (0.5, 0.4)}, "a1", "(lo, hi) with lo < hi"),
-    "equal": ({"a1": (0.5, 0.5)}, "a1", "(lo, hi) with lo < hi"),
     "infinite": ({"a1": (0.5, np.inf)}, "a1", "finite ends"),
-    "nan": ({"a1": (np.nan, 1.0)}, "a1", "finite ends"),
-    "too wide": ({"a1": (-1e308, 1e308)}, "a1", "finite ends"),
     "nan constant": ({"a2": np.nan}, "a2", "a finite number"),
     "text": ({"a1": "0..1"}, "a1", "a flat list of numbers"),
     "no range": ({"a1": 1.0}, "input", "(lo, hi) for at least one, or use a grid"),
@@ -227,28 +169,6 @@ SAMPLE_ERRORS = {
 def test_a_bad_sample_is_refused_in_one_line(sample, change, key, remedy):
     with refused(key, remedy):
         sample(**{"n": 8, "a1": (0.2, 0.4), **change})
-
-
-def top_level_imports(path):
-    for node in ast.parse(path.read_text()).body:
-        if isinstance(node, ast.Import):
-            yield from (alias.name.split(".")[0] for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            yield node.module.split(".")[0]
-
-
-@pytest.mark.parametrize("module", [space, design, table])
-def test_nothing_heavy_is_imported_with_the_module(module):
-    imported = set(top_level_imports(Path(module.__file__)))
-    assert "numpy" in imported
-    assert not imported & {"scipy", "xarray", "pandas", "h5py"}
-
-
-@pytest.mark.parametrize("module", [design, table])
-def test_the_examples_run(module):
-    result = doctest.testmod(module)
-    assert result.attempted > 0
-    assert result.failed == 0
 
 
 @pytest.mark.parametrize("sample", [sobol, latin_hypercube])

@@ -5,10 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import pickle
-import subprocess
-import sys
 import warnings
-from collections import Counter
 from fractions import Fraction
 
 import numpy as np
@@ -21,7 +18,7 @@ from scipy.stats import chi2, qmc
 import fastlink as fl
 from fastlink.engine.resolve import resolve
 from fastlink.space import samplers
-from fastlink.space.samplers import Permutation, Slices, rounds_of, sobol_axes
+from fastlink.space.samplers import Slices, sobol_axes
 
 UNIT = (0.0, 1.0)
 
@@ -108,14 +105,6 @@ def permuted(axis, n, number):
             return number
 
 
-@pytest.mark.stress
-def test_no_two_of_many_designs_share_a_slice():
-    numbers = np.arange(10**6, dtype=np.uint64) + np.uint64(5 * 10**9)
-    images = Slices(10**10, UNIT, 0, 0).permutation(numbers)
-    assert images.max() < 10**10
-    assert np.unique(images).size == 10**6
-
-
 def is_chance(counts, expected, freedom):
     """Tell whether counts are those of chance: a chi square that is exceeded once in 10^6 cases, at either end."""
     value = float(((counts - expected) ** 2 / expected).sum())
@@ -136,17 +125,6 @@ def test_axes_are_uncorrelated_and_fill_the_squares(n):
         )  # where all are taken, margins are fixed
 
 
-@pytest.mark.stress
-def test_orders_of_few_designs_come_equally_often():
-    for n in (3, 4, 5):
-        counts = Counter(
-            tuple(Slices(n, UNIT, seed, 0).permutation(np.arange(n, dtype=np.uint64)).tolist())
-            for seed in range(2000)
-        )
-        every = np.array([counts[order] for order in itertools.permutations(range(n))])
-        assert is_chance(every, 2000 / math.factorial(n), math.factorial(n) - 1)
-
-
 def test_places_within_slices_are_uniform_and_independent_of_the_order():
     axis = Slices(100_000, (0.0, 100_000.0), 3, 0)
     values = np.asarray(axis)
@@ -154,12 +132,6 @@ def test_places_within_slices_are_uniform_and_independent_of_the_order():
     assert is_chance(np.histogram(places, bins=100, range=UNIT)[0], 1000, 99)
     assert abs(np.corrcoef(places, values)[0, 1]) < 5.0 / math.sqrt(100_000)
     assert abs(np.corrcoef(places[1:], places[:-1])[0, 1]) < 5.0 / math.sqrt(100_000)
-
-
-def test_the_permutation_does_not_depend_on_the_rounds_of_others():
-    keys = np.random.SeedSequence(3, spawn_key=(0,)).generate_state(rounds_of(50) + 1, np.uint64)
-    numbers = np.arange(50, dtype=np.uint64)
-    assert_array_equal(Permutation(50, keys[:-1])(numbers), Slices(50, UNIT, 3, 0).permutation(numbers))
 
 
 SAMPLES = {"sobol": fl.sobol, "latin_hypercube": fl.latin_hypercube}
@@ -197,32 +169,6 @@ def test_a_part_of_ten_thousand_million_designs_is_swept(tmp_path, sample):
     again = pickle.loads(pickle.dumps(whole))
     again.fill(["a2", "a3", "a4"], 5 * 10**9, 5 * 10**9 + 3000, rows)
     assert_array_equal(rows, [expected.a2, expected.a3, expected.a4])
-
-
-LIMITED = """
-import resource, sys
-import fastlink as fl
-from fastlink.engine.resolve import resolve
-ranges = {"a2": (1.0, 1.2), "a3": (0.7, 0.9), "a4": (1.0, 1.2), "a1": 0.4}
-fl.sweep("planar_4r", fl.sobol(64, ranges), ["transmission_angle_min"], threads=2)  # imports, kernel
-import scipy.stats.qmc
-with open("/proc/self/statm") as file:
-    now = int(file.read().split()[0]) * resource.getpagesize()
-resource.setrlimit(resource.RLIMIT_AS, (now + (256 << 20), now + (256 << 20)))
-for sample in (fl.sobol, fl.latin_hypercube):
-    space = sample(10**10, ranges).consecutive(5 * 10**9, 5 * 10**9 + 100_000)
-    maps = fl.sweep("planar_4r", space, ["transmission_angle_min"], threads=2, progress=False)
-    print(maps.sizes["design"], int(maps.design[0]))
-"""
-
-
-@pytest.mark.stress
-@pytest.mark.skipif(sys.platform != "linux", reason="the limit of the address space is that of Linux")
-def test_little_memory_is_enough():
-    # 10^10 designs of three inputs would be 240 GB; 256 MB are for the results and coordinates of 10^5 designs (5 MB,
-    # several times while they are labelled), the blocks of two threads and what an allocator reserves for each thread
-    run = subprocess.run([sys.executable, "-c", LIMITED], capture_output=True, text=True, check=False)
-    assert run.stdout == "100000 5000000000\n" * 2, run.stderr
 
 
 @pytest.mark.parametrize("sample", SAMPLES.values(), ids=SAMPLES)

@@ -91,7 +91,7 @@ class Tally:
 
     mechanism: str
     input: str
-    #: By the columns of the table.
+    #: Of designs, values and the like.
     counts: Counter = field(default_factory=Counter)
     #: The greatest share of an error in its bound, and the quantity that has it.
     worst: tuple[float, str] = (0.0, "")
@@ -104,12 +104,6 @@ class Tally:
         number, *first = self.failures.get((kind, name), (0, at, about))
         self.failures[kind, name] = (number + 1, *first)
 
-    def row(self):
-        """Return the row of the table."""
-        share, name = self.worst
-        numbers = (f"{self.counts[column]:,}" for column in COLUMNS)
-        return f"| {self.mechanism}, {self.input} | {share:.3f} ({name}) | {' | '.join(numbers)} |"
-
     def report(self):
         """Return the failures by their first examples."""
         examples = {}
@@ -118,22 +112,6 @@ class Tally:
         return "\n".join(
             f"{self.mechanism}, {self.input}, {at}\n" + "\n".join(of) for at, of in examples.items()
         )
-
-
-COLUMNS = (
-    "designs",
-    "values",
-    "beyond",
-    "finite where none",
-    "infinite",
-    "extremes",
-    "missed",
-    "flagged",
-    "NaN",
-    "not told",
-    "open",
-)
-HEADER = f"| mechanism, input | worst error/bound | {' | '.join(COLUMNS)} |\n{'|---' * (len(COLUMNS) + 2)}|"
 
 
 def references(model, names, rows, bits):

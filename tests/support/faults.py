@@ -1,7 +1,6 @@
 """Faults of system calls: the n-th call of a run fails, does half, is interrupted or is its last.
 
-By two ways: a seam in this process, on every system, for the calls that Python makes; and a library that stands between
-the process and libc, where there is a C compiler and a preloader, for all of them, HDF5's own too.
+A library stands between the process and libc, where there is a C compiler and a preloader: HDF5's own calls fail too.
 """
 
 from __future__ import annotations
@@ -10,7 +9,6 @@ import ctypes
 import errno
 import faulthandler
 import functools
-import itertools
 import json
 import mmap
 import os
@@ -19,41 +17,15 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from fastlink.io import partial_file
 
-#: The system calls that Python makes of a run that writes a file.
-CALLS = (
-    *("open", "pwrite", "write", "fsync", "fdatasync", "posix_fallocate", "ftruncate", "replace", "link"),
-    *("unlink", "utime"),
-)
-
-
-def _fail(number: int) -> Callable[[], None]:
-    def fail() -> None:
-        raise OSError(number, os.strerror(number))
-
-    return fail
-
-
-def _signal(number: int) -> Callable[[], None]:
-    return lambda: os.kill(os.getpid(), number)
-
-
 #: Seconds after which a run is taken for one that hangs.
 PATIENCE = 60
-#: What happens instead of a call; after a signal that does not end the process, the call goes on.
-FAULTS: dict[str, Callable[[], None]] = {
-    "kill": _signal(signal.SIGKILL),
-    "interrupt": _signal(signal.SIGINT),
-    "EIO": _fail(errno.EIO),
-    "ENOSPC": _fail(errno.ENOSPC),
-}
-#: The faults of the library, by its numbers: those of errors are their own.
-BELOW = {
+#: The faults by the library's numbers: those of errors are their own.
+FAULTS = {
     "kill": 0,
     "kill after it": -2,
     "interrupt": -1,
@@ -72,40 +44,6 @@ CODES = {
     "SIGTERM": (-signal.SIGTERM, 0),
     "half of it": (0,),
 }
-
-
-class Injector:
-    """Counts the calls of a run, and lets a fault happen at one of them.
-
-    Parameters
-    ----------
-    at : int
-        The call, from 0; -1 for none.
-    fault : str
-        One of `FAULTS`.
-    """
-
-    def __init__(self, at: int = -1, fault: str = "kill") -> None:
-        self.at, self.fault = at, fault
-        self.calls: list[str] = []
-        self._count = itertools.count()
-
-    def install(self) -> None:
-        """Put the injector in the place of all calls, for the rest of the process."""
-        for name in CALLS:
-            setattr(os, name, self._guarded(name, getattr(os, name)))
-        exclusive = self._guarded("rename", partial_file.exclusive_rename())
-        partial_file.exclusive_rename = lambda: exclusive
-
-    def _guarded(self, name: str, call: Callable[..., Any]) -> Callable[..., Any]:
-        def guarded(*arguments: Any, **options: Any) -> Any:
-            number = next(self._count)
-            self.calls.append(name)
-            if number == self.at:
-                FAULTS[self.fault]()
-            return call(*arguments, **options)
-
-        return guarded
 
 
 @functools.cache
@@ -140,15 +78,12 @@ class Trials:
     run : str
         ``module:function`` of what is run; the function takes the path of the file to make and options, and is called
         once beforehand without a file, to load what it needs.
-    below : bool
-        Whether faults happen below Python.
     """
 
-    def __init__(self, run: str, below: bool = False) -> None:
-        preload = {"LD_PRELOAD": library()} if below else {}
+    def __init__(self, run: str) -> None:
         command = [sys.executable, "-m", "tests.support.faults", run]
         pipes: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
-        self.process = subprocess.Popen(command, env={**os.environ, **preload}, **pipes)
+        self.process = subprocess.Popen(command, env={**os.environ, "LD_PRELOAD": library()}, **pipes)
 
     def run(self, path: Path, at: int, fault: str, **options: Any) -> Outcome:
         """Run with a fault, and return how it ended."""
@@ -171,16 +106,14 @@ def main(run: str) -> None:
     import traceback
 
     from fastlink.errors import InputError
-    from fastlink.io import partial_file
 
     module, _, name = run.partition(":")
     function = getattr(importlib.import_module(module), name)
     partial_file.STEP_SECONDS = 0.0
     signal.signal(signal.SIGINT, signal.default_int_handler)  # which a shell's background ignores
     function(None).close()
-    below = "LD_PRELOAD" in os.environ
     page = mmap.mmap(-1, mmap.PAGESIZE)
-    arm = ctypes.CDLL(None).faults_arm if below else None
+    arm = ctypes.CDLL(None).faults_arm
     address = ctypes.addressof(ctypes.c_char.from_buffer(page))
     for line in sys.stdin:
         path, at, fault, options = json.loads(line)
@@ -188,11 +121,8 @@ def main(run: str) -> None:
         child = os.fork()
         if not child:
             faulthandler.dump_traceback_later(PATIENCE, exit=True)  # a run that hangs ends with 1
-            if arm is None:
-                Injector(at, fault).install()
-            else:
-                folder = os.path.dirname(path).encode()
-                arm(folder, ctypes.c_long(at), BELOW[fault], ctypes.c_void_p(address))
+            folder = os.path.dirname(path).encode()
+            arm(folder, ctypes.c_long(at), FAULTS[fault], ctypes.c_void_p(address))
             try:
                 function(path, **options).close()
                 code = 0
