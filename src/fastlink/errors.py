@@ -19,36 +19,6 @@ from typing import Any, ParamSpec, Self, TypeAlias, TypeVar, overload
 
 from fastlink._text import counted, joined, short_repr
 
-__all__ = [
-    "MOST_SEED",
-    "CallError",
-    "InputError",
-    "InputWarning",
-    "KeyPath",
-    "Model",
-    "Pair",
-    "Problem",
-    "Problems",
-    "Remedy",
-    "Samples",
-    "Setting",
-    "Wording",
-    "check_choice",
-    "check_output",
-    "check_path",
-    "check_switch",
-    "check_whole",
-    "door",
-    "listed",
-    "nearest",
-    "not_a_file",
-    "path_text",
-    "printable",
-    "remark",
-    "suggest",
-]
-
-
 # -- Errors that a user can mend, in the words of each door
 
 

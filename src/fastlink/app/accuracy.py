@@ -33,9 +33,6 @@ from fastlink.precision.stationary import Stationary
 from fastlink.space.design_space import sampled
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    import xarray as xr
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
@@ -43,22 +40,6 @@ if TYPE_CHECKING:
     from fastlink.engine.extend import Extension
     from fastlink.plan.programs import Plan
     from fastlink.space.design_space import DesignSpace
-
-__all__ = [
-    "USUAL",
-    "Method",
-    "Subject",
-    "Truth",
-    "accuracy",
-    "accuracy_table",
-    "by_numpy",
-    "curves_by_numpy",
-    "draw",
-    "front",
-    "measure",
-    "methods_for",
-    "race",
-]
 
 
 # -- The methods for a quantity, NumPy among them, and their run times

@@ -36,32 +36,6 @@ from fastlink.errors import (
 if TYPE_CHECKING:
     from fastlink.engine.extend import Extension
 
-__all__ = [
-    "accuracy",
-    "app",
-    "best",
-    "by_name",
-    "cache",
-    "check",
-    "command",
-    "convert",
-    "draw",
-    "explain",
-    "explore",
-    "info",
-    "join",
-    "main",
-    "mechanisms",
-    "new",
-    "numbers_of",
-    "plot",
-    "print_summary",
-    "quantities",
-    "run",
-    "text_of",
-    "tolerance",
-]
-
 
 # -- The application, and what all its commands share: their wording of problems, their options
 

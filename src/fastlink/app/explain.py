@@ -49,10 +49,7 @@ if TYPE_CHECKING:
     from fastlink.app.study import Study
     from fastlink.codegen.kernel import Kernel
     from fastlink.codegen.source import Source
-    from fastlink.engine.resolve import ResolvedSweep
     from fastlink.space.design_space import DesignSpace
-
-__all__ = ["HELPERS", "KINDS", "explain", "forecast", "request_of", "timing_of"]
 
 
 # -- Time a request on a sample of its designs, to say beforehand how long all of them take

@@ -51,22 +51,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from fastlink.engine.extend import Extension
-    from fastlink.facts.catalogue import Catalogue
-
-__all__ = [
-    "CONTRIBUTION",
-    "GROUPS",
-    "TOLERANCED",
-    "Quantity",
-    "QuantityList",
-    "changes_listed",
-    "contents",
-    "listed",
-    "quantities",
-    "refinement_columns",
-    "row_of",
-    "summary",
-]
 
 
 # -- List designs that were selected from a map, a row each

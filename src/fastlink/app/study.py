@@ -59,29 +59,8 @@ if TYPE_CHECKING:
     from distributed import Client
 
     from fastlink.design.search import Request as SearchRequest
-    from fastlink.engine.extend import Extension
-    from fastlink.errors import Problem
     from fastlink.facts.catalogue import Catalogue
     from fastlink.io.reader import Part
-    from fastlink.space.design_space import DesignSpace
-
-__all__ = [
-    "A_STUDY",
-    "KEEP",
-    "KEY",
-    "KEYS",
-    "SAMPLES",
-    "TOLERANCES",
-    "TRUST",
-    "Request",
-    "Study",
-    "load_extension",
-    "read_study",
-    "read_tables",
-    "request_of_search",
-    "run_study",
-    "text_of",
-]
 
 
 # -- Quantities of one's own beside a study: the Python file that declares them, run only by who trusts it

@@ -38,8 +38,6 @@ if TYPE_CHECKING:
     from fastlink.facts.catalogue import Catalogue
     from fastlink.space.design_space import DesignSpace
 
-__all__ = ["tolerance"]
-
 
 # -- Changes by tolerances from derivatives that are known, and the share of each input in them
 

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     from fastlink.engine.extend import Extension
 
-__all__ = ["best", "inputs_to_refine"]
-
 
 @door
 def best(

@@ -32,7 +32,6 @@ from fastlink.space.design_space import BRANCH, DESIGN, EXTREMUM, MODELS, Links,
 
 if TYPE_CHECKING:
     import xarray as xr
-    from numpy.typing import NDArray
 
     from fastlink.engine.extend import Extension
     from fastlink.engine.function import Function
@@ -40,23 +39,6 @@ if TYPE_CHECKING:
     from fastlink.facts.fact import Input
     from fastlink.maps.best import Condition, Objective
     from fastlink.space.design_space import DesignSpace
-
-__all__ = [
-    "Descent",
-    "Model",
-    "Outcome",
-    "Points",
-    "Refinement",
-    "Span",
-    "Starts",
-    "Task",
-    "angles_of",
-    "candidates",
-    "descend",
-    "is_one_design",
-    "spans_of",
-    "spans_of_space",
-]
 
 
 # -- The inputs that a refinement may change: their ranges in a map, and those that follow others

@@ -66,34 +66,14 @@ from fastlink.space.design_space import BRANCH, DESIGN, Links, angle_of
 from fastlink.space.tables import FORMAT, STATUS, table
 
 if TYPE_CHECKING:
-    import xarray as xr
     from distributed import Client
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
-    from fastlink.design.refine import Span
     from fastlink.engine.cluster import Cluster
     from fastlink.engine.extend import Extension
     from fastlink.engine.resolve import ResolvedSweep
     from fastlink.facts.catalogue import Catalogue
-    from fastlink.io.joining import PartFile
-    from fastlink.io.reader import PartOfMap
-    from fastlink.maps.best import Choice
     from fastlink.space.design_space import DesignSpace
-
-__all__ = [
-    "Request",
-    "Rows",
-    "Stream",
-    "Unfinished",
-    "finished",
-    "found_by",
-    "join",
-    "labels_of",
-    "request_of",
-    "search",
-    "to_file",
-    "write",
-]
 
 
 # -- Keep the best rows of a sweep that goes by block by block: memory does not grow with the number of

@@ -48,12 +48,11 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from fastlink.engine.extend import Extension
-    from fastlink.engine.resolve import ResolvedSweep
     from fastlink.facts.catalogue import Catalogue
     from fastlink.facts.fact import Input
     from fastlink.plan.programs import Output
     from fastlink.plan.query import Request
-    from fastlink.space.design_space import DesignSpace, Links
+    from fastlink.space.design_space import Links
 
 
 # -- Check the request of `fastlink.function`: inputs that vary, numbers that stay, outputs that go together

@@ -26,9 +26,6 @@ from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.precision import check_verify
 from fastlink.space.tables import FORMAT, LAYOUTS
 
-__all__ = ["check_options", "check_workers", "is_reserved"]
-
-
 Check = Callable[[KeyPath, Any], Any]
 
 #: More threads than any machine has processors; as many as this take no longer to start than a short sweep to run.

@@ -47,7 +47,7 @@ from fastlink.space.design_space import COMMENT, EXTREMUM, angle_of, definition_
 from fastlink.space.tables import CURVES, as_space
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable
 
     from numpy.typing import NDArray
 

@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from fastlink.pictures.designs import MapPlots
     from fastlink.pictures.explore import Page
 
-__all__ = ["MapAccessor", "VariableAccessor"]
-
 
 @xr.register_dataset_accessor("fastlink")  # type: ignore[no-untyped-call]
 class MapAccessor:

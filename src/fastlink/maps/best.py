@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -21,38 +21,6 @@ from fastlink.io.where import Range, in_units, named
 from fastlink.maps.units import check_flags, flags_of
 from fastlink.space.design_space import DESIGN, as_real
 from fastlink.space.tables import STATUS
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from numpy.typing import NDArray
-
-__all__ = [
-    "ACTIVE",
-    "GAIN",
-    "REFINEMENT",
-    "STARTS",
-    "Choice",
-    "Condition",
-    "Objective",
-    "Reading",
-    "Rows",
-    "Selection",
-    "Tally",
-    "choice_of",
-    "chosen",
-    "conditions",
-    "kept_of",
-    "least",
-    "listed",
-    "nondominated",
-    "numeric",
-    "objective",
-    "strongest",
-    "top",
-    "unbeaten",
-    "undominated",
-]
-
 
 # -- Conditions on the rows of a map: masks, meanings of a code, ranges of values
 

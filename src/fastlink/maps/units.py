@@ -6,7 +6,7 @@ import os
 import re
 from collections.abc import Callable, Sequence
 from functools import cache
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 import xarray as xr
@@ -14,27 +14,6 @@ import xarray as xr
 from fastlink._text import short_repr
 from fastlink.errors import InputError, KeyPath, check_choice, door, suggest
 from fastlink.io.reader import as_dataset
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = [
-    "DEGREE",
-    "RADIAN",
-    "check_flags",
-    "check_units",
-    "convert",
-    "converted",
-    "degrees",
-    "degrees_along",
-    "finite",
-    "flag_counts",
-    "flags_of",
-    "half_turn",
-    "has_flag",
-    "units_of",
-]
-
 
 # -- Convert the units of maps: radians to degrees, and others by pint
 

@@ -59,31 +59,7 @@ from fastlink.numerics.compiler import (
 from fastlink.numerics.elementary import sqrt
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from fastlink.facts.catalogue import Catalogue
-    from fastlink.facts.names import Name
-
-__all__ = [
-    "COUNT",
-    "REDUCTIONS",
-    "STATUS_FLAGS",
-    "Extrema",
-    "Reduction",
-    "Request",
-    "check_names",
-    "check_sampled",
-    "input_remedy",
-    "parse_request",
-    "rank_quantities",
-    "register",
-    "require_quantity",
-    "status_text",
-    "suggest_input",
-    "suggest_quantity",
-    "units_of",
-    "unregister",
-]
 
 
 # -- Reductions over the input cycle: greatest, least, mean, root mean square, fluctuation

@@ -69,32 +69,6 @@ if TYPE_CHECKING:
     from fastlink.engine.extend import Extension
     from fastlink.space.design_space import DesignSpace
 
-__all__ = [
-    "all_choices",
-    "allowed",
-    "branch_codes",
-    "check_branches",
-    "check_extrema",
-    "check_inputs",
-    "check_keywords",
-    "check_model",
-    "check_positions",
-    "check_turn",
-    "constants_of",
-    "flag_beyond_range",
-    "given_angles",
-    "in_degrees",
-    "in_range",
-    "joined_missing",
-    "missing_inputs",
-    "name_problems",
-    "radian_keywords",
-    "selected_variants",
-    "unknown_input",
-    "value_problems",
-    "variants_of",
-]
-
 
 # -- Checks of a request: inputs and their values, branches, links and solver
 
