@@ -494,8 +494,7 @@ def accuracy(
     >>> dict(measured.sizes), bool((measured.error_max < 1e-14).all())
     ({'way': 1, 'quantity': 1}, True)
     """
-    given = {"designs": designs, "outside": outside, "seed": seed, "to": to, "picture": picture}
-    check_options(given | {"overwrite": overwrite, "announce": announce})
+    check_options(locals())
     read = read_study(study, trust_code)
     target = None if to is None else check_made_at_once(to, 0, overwrite, read.sources)
     path = None if picture is None else check_picture(picture, "picture")

@@ -29,7 +29,7 @@ from fastlink.codegen.machine import assembly
 from fastlink.codegen.runtime import cells, results
 from fastlink.codegen.translate import Refused
 from fastlink.engine.options import check_options
-from fastlink.engine.resolve import ResolvedSweep, resolve
+from fastlink.engine.resolve import ResolvedSweep, of_request, resolve
 from fastlink.engine.run import Job, Sink, default_threads, row_bytes, run
 from fastlink.engine.sinks import designs_per_block, needs_of
 from fastlink.engine.sweep import sweep
@@ -201,9 +201,6 @@ def _verification(request: ResolvedSweep, verify: int) -> float:
 # -- Say before a request runs what memory and disk it takes, and how long it takes
 
 
-#: The options of a sweep that change how it runs, not what it computes.
-OF_RUN = ("verify", "to", "overwrite", "restart", "layout", "threads", "progress", "attrs", "block")
-
 #: Seconds to compile a character of a kernel's LLVM text, by backend: measured over 32 kernels of 22 to 335 thousand
 #: characters (0.9 to 2.1 us by our own translation) and over 5 by numba (20 to 72 us), on a core
 #: with AVX-512 at 2.1 GHz.
@@ -276,20 +273,19 @@ def request_of(
     mechanism: Any, space: Any, quantities: Any, options: Mapping[str, Any]
 ) -> tuple[ResolvedSweep, dict[str, Any]]:
     """Return the request of a call of `fastlink.sweep`, and what a forecast takes of its other options."""
-    known = signature(sweep).parameters
-    missing = [name for name, value in (("space", space), ("quantities", quantities)) if value is None]
-    if missing:
-        raise InputError(
-            "is missing", where=(missing[0],), remedy="write explain(mechanism, space, quantities)"
-        )
-    positions = {name: value for name, value in options.items() if name not in known or name == "positions"}
-    of_request = {name: value for name, value in options.items() if name not in (*positions, *OF_RUN)}
+    for name, value in (("space", space), ("quantities", quantities)):
+        if value is None:
+            remedy = "write explain(mechanism, space, quantities)"
+            raise InputError("is missing", where=(name,), remedy=remedy)
+    known = tuple(signature(sweep).parameters)[:-1]
+    positions = {name: value for name, value in options.items() if name not in known}
     problems, checked = Problems(), dict[str, Any]()
     with problems.at():
-        checked = check_options({name: options[name] for name in OF_RUN if name in options})
+        checked = check_options(options)
     with problems.at():
-        names = tuple(known)[:-1]
-        resolved = resolve(mechanism, space, quantities, positions=positions, options=names, **of_request)
+        asked = of_request(options) | {"positions": positions, "options": known}
+        asked["allow_invalid"] = checked.get("allow_invalid", False)
+        resolved = resolve(mechanism, space, quantities, **asked)
     problems.stop()
     to, verify = checked.get("to"), checked.get("verify")
     folder = None if to is None else check_target(to, 0, True).parent

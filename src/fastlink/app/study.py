@@ -941,9 +941,8 @@ def run_study(
     ...         dict(maps.transmission_angle_min.sizes)
     {'a2': 5, 'branch': 2}
     """
-    given: dict[str, Any] = {"to": to, "threads": threads, "overwrite": overwrite, "verify": verify}
-    given |= {"progress": progress, "part": part, "layout": layout, "client": client}
-    checked = check_options(given | {"restart": restart, "layout": CURVES if layout is None else layout})
+    call = dict(locals())
+    checked = check_options(call | {"layout": CURVES if layout is None else layout})
     study = read_study(path, trust_code)
     target = study.target(to, checked["part"])
     title = {name: study.tables[name] for name in ("title",) if name in study.tables}
@@ -955,14 +954,8 @@ def run_study(
             overwrite = True
         attrs = {**title, "study_file": writable(study.path.name), "study": study.text}
         verify = study.output.get("verify") if verify is None else verify
-        run: dict[str, Any] = {
-            "verify": verify,
-            "to": target,
-            "overwrite": overwrite,
-            "restart": restart,
-            "part": part,
-        }
-        run |= {"threads": threads, "client": client, "progress": progress, "attrs": attrs}
+        run = {name: call[name] for name in ("restart", "part", "threads", "client", "progress")}
+        run |= {"verify": verify, "to": target, "overwrite": overwrite, "attrs": attrs}
         if study.search is None:
             run["layout"] = layout or study.output.get("layout") or CURVES
             return sweep(study.mechanism, study.space, study.quantities, **study.options, **run)
@@ -972,7 +965,7 @@ def run_study(
         run |= {"branch": 1, **study.options}
         return search(study.mechanism, study.space, study.quantities, **study.search, **run)
     except InputError as error:
-        if given.get(str(error.where[0]) if error.where else "") is not None:
+        if call.get(str(error.where[0]) if error.where else "") is not None:
             raise  # the caller's own, not the study's
         raise InputError.of(error.problems, StudyWording(study.path, study.tables, study.space)) from None
 

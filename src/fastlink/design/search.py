@@ -28,7 +28,7 @@ from fastlink.design.refine import Model, Refinement, Span, angles_of, candidate
 from fastlink.engine import labels
 from fastlink.engine.extend import check_declared, own_refused
 from fastlink.engine.options import check_options, check_workers
-from fastlink.engine.resolve import resolve
+from fastlink.engine.resolve import of_request, resolve
 from fastlink.engine.run import default_threads, run
 from fastlink.engine.sinks import ProgressBar, allocated, check_needs, designs_per_block, within
 from fastlink.engine.sweep import sweep
@@ -780,17 +780,11 @@ def search(
     >>> found.attrs["searched_designs"], found.attrs["excluded_by_swing"] > 1000
     (4096, True)
     """
-    problems, checked = Problems(), dict[str, Any]()
+    call, problems, checked = dict(locals()), Problems(), dict[str, Any]()
     with problems.at():
-        given: dict[str, Any] = {"verify": verify, "to": to, "threads": threads, "overwrite": overwrite}
-        given |= {"restart": restart, "progress": progress, "attrs": attrs, "block": block}
-        checked = check_options(given | {"part": part, "client": client})
-    asked: dict[str, Any] = {"minimise": minimise, "maximise": maximise, "where": where, "top": top}
-    asked |= {"infinite": infinite, "refine": refine, "bounds": bounds}
-    of_sweep: dict[str, Any] = {"links": links, "input": input, "angles": angles, "positions": positions}
-    of_sweep |= {"branch": branch, "solver": solver, "extrema": extrema, "backend": backend}
+        checked = check_options(call)
     with problems.at():
-        request = request_of(mechanism, space, quantities, asked, **of_sweep, options=_OPTIONS)
+        request = request_of(mechanism, space, quantities, call, **of_request(call), options=_OPTIONS)
         if checked.get("part") is not None:
             check_size(("part",), checked["part"], request.size)
     check_workers(client, threads, problems)
@@ -800,9 +794,7 @@ def search(
     run: dict[str, Any] = {name: checked[name] for name in ("block", "progress", "verify")}
     run |= {"threads": checked["threads"] or default_threads(), "of": of}
     if client is not None:
-        from fastlink.engine.cluster import Cluster  # 25 ms of imports, for clusters alone
-
-        run |= {"cluster": Cluster(client), "threads": 1}
+        run |= {"cluster": checked["client"], "threads": 1}
     if to is None:
         return found_by(request, **run)[0]
     run |= {"restart": restart}

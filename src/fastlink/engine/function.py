@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink._text import counted, short_repr
-from fastlink.engine.resolve import ResolvedSweep, check, resolve
+from fastlink.engine.resolve import ResolvedSweep, check, of_request, resolve
 from fastlink.engine.run import VECTOR, Runner
 from fastlink.errors import InputError, Problem, Problems, door
 from fastlink.facts.catalogue import ELIMINATED
@@ -239,15 +239,7 @@ def function(
     >>> speed([[1.2, 1.3, 9.0], [0.8, 0.8, 0.8]]).round(6)
     array([[13.513437, 14.583591,       nan]])
     """
-    options: dict[str, Any] = {
-        "links": links,
-        "input": input,
-        "angles": angles,
-        "branch": branch,
-        "solver": solver,
-        "extrema": extrema,
-        "backend": backend,
-    }
+    options = of_request(locals())
     names, wanted = list(check_names("inputs", inputs)), check_names("outputs", outputs)
     for name in names:
         if name in fixed:

@@ -76,7 +76,7 @@ def optional(check: Check) -> Check:
 
 
 def check_client(where: KeyPath, value: Any) -> Any:
-    """Return a client of dask.distributed, or refuse what is none or cannot be used from here."""
+    """Return the workers of a client of dask.distributed, or refuse what is none or cannot be used from here."""
     distributed = sys.modules.get("distributed")  # who has a client has imported it
     write = "write a dask.distributed.Client, such as Client('tcp://127.0.0.1:8786')"
     if distributed is None or not isinstance(value, distributed.Client):
@@ -85,7 +85,9 @@ def check_client(where: KeyPath, value: Any) -> Any:
         raise InputError("is asynchronous", where=where, remedy="write Client(..., asynchronous=False)")
     if value.status != "running":
         raise InputError(f"is {value.status}", where=where, remedy="make it anew")
-    return value
+    from fastlink.engine.cluster import Cluster  # 25 ms of imports, for clusters alone
+
+    return Cluster(value)
 
 
 def check_workers(client: Any, threads: Any, problems: Problems) -> None:
@@ -129,13 +131,11 @@ CHECKS: dict[str, Check] = {
 }
 
 
-def check_options(given: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the options of a call after their checks; all problems are raised together."""
+def check_options(call: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the options of a call that decide how it runs, after their checks; all problems are raised together."""
     problems, checked = Problems(), {}
-    for name, value in given.items():
-        try:
-            checked[name] = CHECKS[name]((name,), value)
-        except InputError as error:
-            problems.noted += error.problems
+    for name, check in ((name, CHECKS[name]) for name in call if name in CHECKS):
+        with problems.at():
+            checked[name] = check((name,), call[name])
     problems.stop()
     return checked

@@ -61,6 +61,15 @@ if TYPE_CHECKING:
 # -- Check a request part by part, so that all its problems are reported together
 
 
+#: The options that decide what is computed, at every door.
+OF_REQUEST = ("links", "input", "angles", "branch", "solver", "extrema", "backend", "positions")
+
+
+def of_request(call: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the options of a call that decide what is computed."""
+    return {name: call[name] for name in OF_REQUEST if name in call}
+
+
 @dataclass(frozen=True, eq=False)
 class CheckedRequest:
     """A request whose parts are each without problems."""

@@ -14,7 +14,7 @@ import numpy as np
 
 from fastlink.engine import labels
 from fastlink.engine.options import check_options, check_workers
-from fastlink.engine.resolve import resolve
+from fastlink.engine.resolve import of_request, resolve
 from fastlink.engine.run import BLOCK_BYTES, Sink, default_threads, row_bytes, run
 from fastlink.engine.sinks import (
     ProgressBar,
@@ -453,29 +453,19 @@ def sweep(
     >>> maps.omega4_max.dims
     ('a2', 'branch')
     """
-    started = time.perf_counter()
+    call, started = dict(locals()), time.perf_counter()
     problems, checked = Problems(), dict[str, Any]()
     with problems.at():
-        given: dict[str, Any] = {"verify": verify, "to": to, "part": part, "threads": threads}
-        given |= {"overwrite": overwrite, "restart": restart, "progress": progress, "layout": layout}
-        given |= {"client": client}
-        checked = check_options(given | {"allow_invalid": allow_invalid, "attrs": attrs, "block": block})
+        checked = check_options(call)
     with problems.at():
-        asked: dict[str, Any] = {"links": links, "input": input, "angles": angles, "positions": positions}
-        asked |= {"branch": branch, "solver": solver, "extrema": extrema, "backend": backend}
-        asked |= {"options": _OPTIONS, "allow_invalid": checked.get("allow_invalid", False)}
-        resolved = resolve(mechanism, space, quantities, **asked)
+        asked = of_request(call) | {"allow_invalid": checked.get("allow_invalid", False)}
+        resolved = resolve(mechanism, space, quantities, options=_OPTIONS, **asked)
         if checked.get("part") is not None:
             check_size(("part",), checked["part"], resolved.space.size)
     check_workers(client, threads, problems)
     problems.stop()
     resolved = replace(resolved, layout=checked["layout"])
-    threads, target = checked["threads"] or default_threads(), checked["to"]
-    cluster = None
-    if checked["client"] is not None:
-        from fastlink.engine.cluster import Cluster  # 25 ms of imports, for clusters alone
-
-        cluster = Cluster(checked["client"])
+    threads, target, cluster = checked["threads"] or default_threads(), checked["to"], checked["client"]
     options = 1 if cluster else threads, checked["block"], checked["verify"], target is None
     evaluation = Evaluation(resolved, *options, part=checked["part"], cluster=cluster)
     threads = cluster.threads if cluster else threads
