@@ -145,7 +145,7 @@ class InputError(ValueError):
         What to write instead.
     """
 
-    def __init__(self, what: str, *, where: KeyPath = (), remedy: Remedy = "") -> None:
+    def __init__(self, what: str, where: KeyPath = (), remedy: Remedy = "") -> None:
         super().__init__(what)
         self.problems: tuple[Problem, ...] = (Problem(what, where, remedy),)
         self.wording: Wording | None = None
@@ -454,9 +454,7 @@ def check_whole(
     if whole and type(value).__name__ != "timedelta64" and least <= int(value) <= most:
         return int(value)
     bounds = f"of at least {least}" if most == math.inf else f"from {least} to {most}"
-    raise InputError(
-        f"is {short_repr(value)}", where=where, remedy=remedy or f"write a whole number {bounds}"
-    )
+    raise InputError(f"is {short_repr(value)}", where, remedy or f"write a whole number {bounds}")
 
 
 def check_switch(where: KeyPath, value: Any) -> bool:
@@ -465,7 +463,7 @@ def check_switch(where: KeyPath, value: Any) -> bool:
         return value
     if type(value).__name__ in ("bool", "bool_") and type(value).__module__ == "numpy":
         return bool(value)
-    raise InputError(f"is {short_repr(value)}", where=where, remedy="write True or False")
+    raise InputError(f"is {short_repr(value)}", where, "write True or False")
 
 
 def check_choice(
@@ -481,7 +479,7 @@ def check_choice(
                 return name
     text = value if isinstance(value, str) else short_repr(value)
     remedy = (meant(text) if meant else "") or suggest(text, known)
-    raise InputError(f"{short_repr(value)} is unknown{to}", where=where, remedy=remedy)
+    raise InputError(f"{short_repr(value)} is unknown{to}", where, remedy)
 
 
 def check_path(where: KeyPath, value: Any, example: str = "maps.h5") -> Path:
@@ -491,11 +489,10 @@ def check_path(where: KeyPath, value: Any, example: str = "maps.h5") -> Path:
     except Exception:  # no path, or whatever a class of somebody's does
         text = None
     if not isinstance(text, str):
-        remedy = f"write text, such as {example!r}"
-        raise InputError(f"is {short_repr(value)}, not a path", where=where, remedy=remedy)
+        raise InputError(f"is {short_repr(value)}, not a path", where, f"write text, such as {example!r}")
     text = os.path.expanduser(text)
     if (fault := _fault(text)) is not None:
-        raise InputError(f"{short_repr(text)} {fault}", where=where, remedy=f"write such as {example!r}")
+        raise InputError(f"{short_repr(text)} {fault}", where, f"write such as {example!r}")
     return Path(text)
 
 
@@ -512,10 +509,10 @@ def check_output(where: KeyPath, value: Any) -> Path:
     name = os.fspath(value)
     if name.endswith(os.sep) and not path.is_dir():
         what = f"{short_repr(name)} ends as the name of a folder does"
-        raise InputError(what, where=where, remedy=f"write {str(path)!r}")
+        raise InputError(what, where, f"write {str(path)!r}")
     if path.suffix.lower() in OTHER_FILES:
         what = f"{short_repr(name)} is not the name of an HDF5 file"
-        raise InputError(what, where=where, remedy=f"write {path.with_suffix('.h5').name!r}")
+        raise InputError(what, where, f"write {path.with_suffix('.h5').name!r}")
     return path
 
 

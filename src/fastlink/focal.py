@@ -80,7 +80,7 @@ def read_position(function: str, *numbers: Any, further: Iterable[tuple[Input, A
     bars = np.array(arrays[:4])
     if (bars.min(axis=0) <= LEAST_LENGTH * bars.max(axis=0)).any():
         remedy = "write lengths within a factor of 1e24 of each other"
-        raise InputError("a, b, c and d are too unlike", where=(function,), remedy=remedy)
+        raise InputError("a, b, c and d are too unlike", (function,), remedy)
     return arrays
 
 
@@ -619,9 +619,7 @@ def _check_choice(t: Any, x: Any, y: Any) -> list[tuple[Input, Any]]:
             else "is missing"
         )
         names = "x and y" if len(missing) != 1 else missing[0]
-        raise InputError(
-            f"{names} {what}", where=("inscribed_conics",), remedy="give t=..., or a focus x=..., y=..."
-        )
+        raise InputError(f"{names} {what}", ("inscribed_conics",), "give t=..., or a focus x=..., y=...")
     return [] if missing else [(point("x"), x), (point("y"), y)]
 
 
@@ -1043,7 +1041,7 @@ def held_at_AB(design: Any = None, **inputs: Any) -> dict[str, Any]:
     by = next((name for name in RATIOS if name in given), "")
     if not by:
         what = f"{', '.join(RATIOS[:-1])} and {RATIOS[-1]} are missing"
-        raise InputError(what, where=("held_at_AB",), remedy="give one of them")
+        raise InputError(what, ("held_at_AB",), "give one of them")
     ratio, completion = given[by], given.get("completion")
     with np.errstate(all="ignore"):
         held = {"rho": ratio, "s": ratio / given["d"] * given["c"], "lambda_": 1.0 + 1.0 / (ratio - 1.0)}[by]
@@ -1173,11 +1171,11 @@ def T_deviation(maps: Any) -> Any:
         along = [str(dim) for dim in path.dims if dim in ("phi", "sigma")]
         if len(along) != 1 or set(path.dims) != set(height.dims):
             remedy = "sweep it over phi or sigma, and give the whole result"
-            raise InputError("'T_x' has no positions", where=("T_deviation", "maps"), remedy=remedy)
+            raise InputError("'T_x' has no positions", ("T_deviation", "maps"), remedy)
         units = path.attrs.get("units", "m")
         if height.attrs.get("units", "m") != units:
             what = f"'T_x' is in {units}, 'T_y' in {height.attrs['units']}"
-            raise InputError(what, where=("T_deviation", "maps"), remedy="give both in the same units")
+            raise InputError(what, ("T_deviation", "maps"), "give both in the same units")
         path = path.transpose(..., *along)
         values = _fitted_line(path.values, height.transpose(*path.dims).values).deviation
     deviation = path.copy(data=values).rename("T_deviation")

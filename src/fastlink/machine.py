@@ -70,7 +70,7 @@ def check_memory(nbytes: int, what: str, *, where: KeyPath = (), remedy: Remedy 
     available = available_memory()
     if available is not None and nbytes > available:
         needs = f"{what} needs {size(nbytes)} of memory, but {size(available)} are available"
-        raise InputError(needs, where=where, remedy=remedy)
+        raise InputError(needs, where, remedy)
 
 
 def available_memory() -> int | None:

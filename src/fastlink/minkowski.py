@@ -896,7 +896,7 @@ def linkage_table(maps: Any) -> pd.DataFrame:
         for name in ("linkage_type", *SUMS):
             if name not in dataset.data_vars:
                 remedy = "sweep 'linkage_type' and 'T1' to 'T5', and give the whole result"
-                raise InputError(f"{name!r} is missing", where=("linkage_table", "maps"), remedy=remedy)
+                raise InputError(f"{name!r} is missing", ("linkage_table", "maps"), remedy)
         types = dataset["linkage_type"]
         signs = [np.sign(dataset[name].broadcast_like(types).transpose(*types.dims).values) for name in SUMS]
         codes = types.values

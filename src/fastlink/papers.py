@@ -79,7 +79,7 @@ def _entries(function: str, design: Any, known: Iterable[str]) -> dict[str, Any]
     if entries is not None:
         return entries
     what, remedy = f"is {short_repr(design)}", "give the inputs by name, such as a1=0.5, or a mapping of them"
-    raise InputError(what, where=(function, "design"), remedy=remedy)
+    raise InputError(what, (function, "design"), remedy)
 
 
 def _entries_of(design: Any, known: Iterable[str]) -> dict[str, Any] | None:
@@ -112,7 +112,7 @@ def broadcast_points(function: str, x: Any, y: Any) -> list[Any]:
     declared = (Input(name, "m", name, "coordinate of the points") for name in "xy")
     points = broadcast(function, declared, x, y, gaps=True)
     if not points[0].ndim:
-        raise InputError("is one point", where=(function, "x"), remedy="write arrays of points")
+        raise InputError("is one point", (function, "x"), "write arrays of points")
     return points
 
 
@@ -148,12 +148,12 @@ def read_numbers(
             if name in vectors and numbers.shape[-1:] != (2,):
                 what = f"has the shape {numbers.shape}" if numbers.ndim else "is one number"
                 remedy = "write two coordinates, x and y, along the last axis, such as [5.0, 3.0]"
-                raise InputError(what, where=(function, name), remedy=remedy)
+                raise InputError(what, (function, name), remedy)
             checked = np.where(np.isnan(numbers), 1.0, numbers) if gaps else numbers
             problems.noted += value_problems(one, checked, function)
             if one.units == "m" and np.isfinite(checked).all() and (abs(checked) > greatest).any():
                 remedy = f"write at most {greatest:g}, in another unit of length"
-                raise InputError(f"holds {abs(checked).max()}", where=(function, name), remedy=remedy)
+                raise InputError(f"holds {abs(checked).max()}", (function, name), remedy)
             first[name] = like(value, numbers)
             if name in vectors:
                 first[name], second[name] = first[name][..., 0], first[name][..., 1]

@@ -119,7 +119,7 @@ def io_coefficients(design: Any = None, *, pair: str = "14", **inputs: Any) -> A
     """
     if not isinstance(pair, str) or pair not in IO_PRODUCTS:
         where, remedy = ("io_coefficients", "pair"), listed(list(IO_PRODUCTS))
-        raise InputError(f"{short_repr(pair)} is unknown", where=where, remedy=remedy)
+        raise InputError(f"{short_repr(pair)} is unknown", where, remedy)
     lengths = [*read_design("io_coefficients", planar_4r, design, inputs, ("a1", "a2", "a3", "a4")).values()]
 
     def factor(name: str) -> Any:
@@ -898,8 +898,7 @@ def _check_tolerance(function: str, tolerance: Any) -> float:
     where = (function, "tolerance")
     limit = float(in_unit(where, tolerance, np.asarray(constant(*where, tolerance)), "1"))
     if not 0.0 < limit < 0.1:
-        remedy = "write a number between 0 and 0.1, such as 1e-9"
-        raise InputError(f"is {limit}", where=where, remedy=remedy)
+        raise InputError(f"is {limit}", where, "write a number between 0 and 0.1, such as 1e-9")
     return limit
 
 
@@ -1088,7 +1087,7 @@ def _chosen(link: int, radius: Any, mass: Any) -> list[tuple[Input, Any]]:
     """Return what is chosen of a counterweight: its radius, its mass or neither."""
     if radius is not None and mass is not None:
         what, where = f"mass{link} is given too", ("force_balance", f"radius{link}")
-        raise InputError(what, where=where, remedy="write one of them, the other follows")
+        raise InputError(what, where, "write one of them, the other follows")
     name, units, value = ("mass", "kg", mass) if mass is not None else ("radius", "m", radius)
     meaning = f"{name} of the counterweight of link {link}"
     return [] if value is None else [(Input(f"{name}{link}", units, name, meaning, "positive"), value)]
@@ -1165,9 +1164,7 @@ def _inertia(maps: Mapping[Any, Any], C_s: Any) -> Any:
     units_of = {"T41_fluctuation": "N m", crank_speed: "rad s-1"}
     for name, units in units_of.items():
         if name not in maps:
-            raise InputError(
-                f"{name!r} is missing", where=where, remedy=f"sweep {name!r} and give the whole result"
-            )
+            raise InputError(f"{name!r} is missing", where, f"sweep {name!r} and give the whole result")
         check_units(maps[name], units, (*where, name))
     swing, speed = (
         like(maps[name], numbers_of(*where[:1], name, maps[name], MOST_DIMS)) for name in units_of
@@ -1179,7 +1176,7 @@ def _inertia(maps: Mapping[Any, Any], C_s: Any) -> Any:
     except ValueError as error:  # arrays of other shapes, or DataArrays of other coordinates
         remedy = "write one number, or one for each value of the maps"
         what = f"does not go with the maps ({error})"
-        raise InputError(what, where=("flywheel_inertia", "C_s"), remedy=remedy) from None
+        raise InputError(what, ("flywheel_inertia", "C_s"), remedy) from None
 
 
 # -- Extremes of the rates of any pair of joints, by the names of the paper's input-output equations
@@ -1362,9 +1359,7 @@ def bar_properties(design: Any = None, *, links: Links, **inputs: Any) -> dict[s
     needed = [f"a{i}" for i in LINKS]
     if not isinstance(links, Links):
         raise InputError(
-            "is missing",
-            where=("bar_properties", "links"),
-            remedy="write fl.round_bar(density=..., radius=...)",
+            "is missing", ("bar_properties", "links"), "write fl.round_bar(density=..., radius=...)"
         )
     needed += [name for name in planar_4r.variant_inputs[ROUND_BAR] if name not in links.values]
     given = read_design("bar_properties", planar_4r, design, inputs, needed)
@@ -1434,11 +1429,10 @@ def force_hypothesis(maps: Any, **options: Any) -> xr.Dataset:
         of_all = [each for name in (*LOADS, *RATES) for each in _named(name)]
         maps, options = sweep(planar_4r.name, maps, of_all, **options), {}
     if options:
-        where, remedy = (
-            ("force_hypothesis", next(iter(options))),
-            "leave it out, or give designs instead of a map",
+        remedy = "leave it out, or give designs instead of a map"
+        raise InputError(
+            "is an option of the sweep that made the map", ("force_hypothesis", next(iter(options))), remedy
         )
-        raise InputError("is an option of the sweep that made the map", where=where, remedy=remedy)
     with as_map(maps) as dataset:
         loads, extremes = _loads_and_extremes(dataset)
         inputs = {str(name): dataset[name] for name in dataset.variables if name in _known_inputs()}
@@ -1488,7 +1482,7 @@ def _loads_and_extremes(dataset: xr.Dataset) -> tuple[list[str], list[tuple[str,
     mechanism, position = dataset.attrs.get("mechanism"), dataset.attrs.get("input")
     if (mechanism, position) != (planar_4r.name, THETA1):
         what = f"is of {short_repr(mechanism)} by {short_repr(position)}"
-        raise InputError(what, where=WHERE, remedy=f"sweep {planar_4r.name!r} by {THETA1}")
+        raise InputError(what, WHERE, f"sweep {planar_4r.name!r} by {THETA1}")
     trees = (planar_4r.parse(str(name)) for name in dataset.data_vars)
     placed = dict.fromkeys(str(tree.of) for tree in trees if isinstance(tree, Reduced) and tree.position)
     units = {name: planar_4r.public_fact(name).units for name in placed}

@@ -245,7 +245,7 @@ def accuracy_table(measured: xr.Dataset) -> str:
         measured.variables
     ):
         what = f"is {short_repr(measured)}, not a result of fastlink.accuracy"
-        raise InputError(what, where=("measured",), remedy="give what fastlink.accuracy(STUDY) returns")
+        raise InputError(what, ("measured",), "give what fastlink.accuracy(STUDY) returns")
     head = ("", "way", "ns/design", "largest", "99 %", "median", "missed")
     blocks = []
     for quantity in measured["quantity"].values:
@@ -524,7 +524,7 @@ def measure(
     quantities, left_out = _measurable(resolved.plan)
     if not quantities:
         what = "none is a curve, a fact of the design, NAME_max or NAME_min"
-        raise InputError(what, where=("quantities",), remedy="add one of these")
+        raise InputError(what, ("quantities",), "add one of these")
     # each method names its own solver; the others have the closed form
     subjects = [Subject(mechanism, space, name, {**options, "solver": ELIMINATED}) for name in quantities]
     methods = [methods_of(subject) for subject in subjects]

@@ -243,18 +243,17 @@ def by_name(
         if equals and (key in options or any(key in signature(one).parameters for one in doors)):
             is_option = options.get(key, "").startswith("-")
             remedy: Remedy = ("write ", Setting(key, value)) if is_option else "leave it out"
-            raise InputError(f"{text!r} names an option, not an input", where=(where,), remedy=remedy)
+            raise InputError(f"{text!r} names an option, not an input", (where,), remedy)
         found = read(value) if equals and name else None
         if found is None:
-            remedy = ("write such as ", Setting(where, dict(example)))
             what = (
                 f"{name} is {value!r}, not a number"
                 if equals and name and value
                 else f"{text!r} is not {form}"
             )
-            raise InputError(what, where=(where,), remedy=remedy)
+            raise InputError(what, (where,), ("write such as ", Setting(where, dict(example))))
         if name in given:
-            raise InputError(f"{name} is given twice", where=(where,), remedy="write it once")
+            raise InputError(f"{name} is given twice", (where,), "write it once")
         given[name] = found
     return given
 
@@ -529,7 +528,7 @@ def best(
     }
     for name, given, mend in (("changing", changing, ""), ("mechanism", mechanism, ", or leave it out")):
         if given is not None and not refine:
-            raise InputError("is given without --refine", where=(name,), remedy=f"add --refine{mend}")
+            raise InputError("is given without --refine", (name,), f"add --refine{mend}")
     options["refine"] = refine if changing is None else _parts(changing)
     options |= {"top": top, "mechanism": extension_of(file, mechanism, trust_code)}
     with open_map(file) as maps:
@@ -559,7 +558,7 @@ def _end(name: str, text: str) -> float | None:
         return float(text) if text else None
     except ValueError:
         remedy = ("write such as ", Setting("where", {name: "1.1:1.3"}))
-        raise InputError(f"{name} ends at {text!r}", where=("where",), remedy=remedy) from None
+        raise InputError(f"{name} ends at {text!r}", ("where",), remedy) from None
 
 
 @command
@@ -638,16 +637,16 @@ def plot(
     options = [one for one in given if one.find("=") > 0]
     for dim, value in by_name(options, "names", "NAME", {}, str, (plot, plot_map)).items():
         at_it = ("write ", Setting("at", {dim: value}))
-        raise InputError(f"{dim}={value} is no variable", where=("names",), remedy=at_it)
+        raise InputError(f"{dim}={value} is no variable", ("names",), at_it)
     of_front, of_rows = bool(minimise or maximise), kind is not None or len(given) > 1 or bool(where)
     if of_front and (given or kind is not None):
         remedy = "leave out the names and --kind, or --minimise and --maximise"
-        raise InputError("is given beside objectives", where=("names" if given else "kind",), remedy=remedy)
+        raise InputError("is given beside objectives", ("names" if given else "kind",), remedy)
     if (of_front or of_rows) and (at or panels or lines):
         option = "at" if at else "panels" if panels else "lines"
-        raise InputError("is of a map of one variable", where=(option,), remedy="choose rows by --where")
+        raise InputError("is of a map of one variable", (option,), "choose rows by --where")
     if not (of_front or given):
-        raise InputError("is missing", where=("names",), remedy="write a variable, such as omega4_max")
+        raise InputError("is missing", ("names",), "write a variable, such as omega4_max")
     picture = to if to is not None else Path(f"{'-'.join(given) or 'front'}.png")
     own: dict[str, Any] = {"branch": branch, "degrees": degrees, "to": picture}
     conditions = _conditions(where or []) or None
@@ -904,7 +903,7 @@ def tolerance(
     options["trust_code"] = trust_code
     if mechanism is not None and source.suffix.lower() == ".toml":
         what = "is for a map: a study names the file of its quantities itself"
-        raise InputError(what, where=("mechanism",), remedy="leave it out")
+        raise InputError(what, ("mechanism",), "leave it out")
     options["mechanism"] = extension_of(source, mechanism, trust_code)
     with found_by(source, names, **options, **given) as found:
         typer.echo(changes_listed(found))

@@ -275,8 +275,7 @@ def request_of(
     """Return the request of a call of `fastlink.sweep`, and what a forecast takes of its other options."""
     for name, value in (("space", space), ("quantities", quantities)):
         if value is None:
-            remedy = "write explain(mechanism, space, quantities)"
-            raise InputError("is missing", where=(name,), remedy=remedy)
+            raise InputError("is missing", (name,), "write explain(mechanism, space, quantities)")
     known = tuple(signature(sweep).parameters)[:-1]
     positions = {name: value for name, value in options.items() if name not in known}
     problems, checked = Problems(), dict[str, Any]()
@@ -588,9 +587,7 @@ def explain(
     if space is None and quantities is None:
         for name in options:
             what = "is an option of a sweep, not of a study"
-            raise InputError(
-                what, where=(name,), remedy="write it in the study, or give space and quantities"
-            )
+            raise InputError(what, (name,), "write it in the study, or give space and quantities")
         read = read_study(study, trust_code)
         if read.search is not None:
             return _of_search(read, measure)

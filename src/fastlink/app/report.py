@@ -487,7 +487,7 @@ def quantities(
     if mechanism is None and find is None:
         known = ", ".join(map(repr, NAMES))
         remedy = (f"write one of {known}", (", or ", Setting("find", "torque"), " to search them all"))
-        raise InputError("is missing", where=("mechanism",), remedy=remedy)
+        raise InputError("is missing", ("mechanism",), remedy)
     if find is not None:
         return _found(
             find, [find_catalogue(name, input) for name in (NAMES if mechanism is None else [mechanism])]
@@ -513,16 +513,14 @@ def _or_find(mechanism: object, error: InputError) -> InputError:
     if isinstance(mechanism, str) and mechanism not in NAMES and str(error.remedy).startswith("known"):
         known = ", ".join(map(repr, NAMES))
         remedy = (f"write one of {known}", (", or ", Setting("find", mechanism)))
-        return InputError(error.what, where=error.where, remedy=remedy)
+        return InputError(error.what, error.where, remedy)
     return error
 
 
 def _found(phrase: str, catalogues: Sequence[Catalogue]) -> QuantityList:
     """Return the quantities and inputs that a phrase may mean, the best first."""
     if not isinstance(phrase, str) or not phrase.strip():
-        raise InputError(
-            "is not a word", where=("find",), remedy="write a word or a phrase, such as 'torque'"
-        )
+        raise InputError("is not a word", ("find",), "write a word or a phrase, such as 'torque'")
     ranked = [(one, catalogue) for catalogue in catalogues for one in rank_quantities(phrase, catalogue)]
     given = [
         (one, catalogue) for catalogue in catalogues for one in index_of_inputs(catalogue).ranked(phrase)

@@ -75,15 +75,14 @@ def load_extension(study: Path, name: Any, mechanism: str, trusted: bool) -> Ext
     path = study.parent / check_path((KEY,), name, "mine.py")
     if not trusted:
         what = f"names {str(name)!r}, Python code that is run to declare quantities, by who has read it alone"
-        remedy = (f"read {path}, and if you trust it write ", Setting(TRUST, True))
-        raise InputError(what, where=(KEY,), remedy=remedy)
+        raise InputError(what, (KEY,), (f"read {path}, and if you trust it write ", Setting(TRUST, True)))
     scope = _run(path)
     found = {id(one): (key, one) for key, one in scope.items() if isinstance(one, Extension)}
     fitting = [(key, one) for key, one in found.values() if one.mechanism == mechanism]
     if len(fitting) != 1:
         others = ", ".join(f"{key} of {one.mechanism}" for key, one in found.values())
         what = f"{str(name)!r} declares {others or 'no extension of a mechanism'}"
-        raise InputError(what, where=(KEY,), remedy=f'write one: mine = fl.extend("{mechanism}")')
+        raise InputError(what, (KEY,), f'write one: mine = fl.extend("{mechanism}")')
     return fitting[0][1]
 
 
@@ -97,9 +96,9 @@ def _run(path: Path) -> dict[str, Any]:
     except (OSError, SyntaxError, ValueError) as error:
         why = f"line {error.lineno}: {error.msg}" if isinstance(error, SyntaxError) else str(error)
         what = f"{str(path)!r} cannot be read ({why})"
-        raise InputError(what, where=(KEY,), remedy="name a file of Python code beside the study") from None
+        raise InputError(what, (KEY,), "name a file of Python code beside the study") from None
     except (RecursionError, MemoryError):
-        raise InputError(f"{str(path)!r} has {TOO_LONG[0]}", where=(KEY,), remedy=TOO_LONG[1]) from None
+        raise InputError(f"{str(path)!r} has {TOO_LONG[0]}", (KEY,), TOO_LONG[1]) from None
     linecache.checkcache(str(path))
     scope: dict[str, Any] = {"__name__": path.stem, "__file__": str(path)}
     try:
@@ -110,7 +109,7 @@ def _run(path: Path) -> dict[str, Any]:
         lines = [one.lineno for one in traceback.extract_tb(error.__traceback__) if one.filename == str(path)]
         line = f"line {lines[-1]}: " if lines else ""
         what = f"{path.name} fails with {type(error).__name__} ({line}{error})"
-        raise InputError(what, where=(KEY,), remedy="mend it, and run it by itself: `python FILE`") from None
+        raise InputError(what, (KEY,), "mend it, and run it by itself: `python FILE`") from None
     return scope
 
 
@@ -464,8 +463,7 @@ def in_own_tables(
 
 def _problem(key: str, place: str, home: str) -> Problem:
     what = f"stands under [{place}]" if place else "stands outside of every table"
-    remedy = f"write it under [{home}]" if home else WRITE_ABOVE
-    return Problem(f"{key} {what}", ("study", key), remedy)
+    return Problem(f"{key} {what}", ("study", key), f"write it under [{home}]" if home else WRITE_ABOVE)
 
 
 # -- The table [search] of a study: the designs that it searches, and what for
@@ -487,7 +485,7 @@ def searched_space(space: DesignSpace, table: Mapping[str, Any]) -> DesignSpace:
     """Return the designs of a search: those of the study, or a sample of their ranges, or of other ones."""
     if "samples" not in table:
         if "seed" in table:
-            raise InputError("is given without samples", where=("seed",), remedy="write samples = 1_000_000")
+            raise InputError("is given without samples", ("seed",), "write samples = 1_000_000")
         return space
     given = {**space.axes, **space.columns}
     ranges: dict[str, Any] = {name: bounds_of(values) for name, values in given.items()}
@@ -961,7 +959,7 @@ def run_study(
             return sweep(study.mechanism, study.space, study.quantities, **study.options, **run)
         if layout is not None:
             remedy = "leave it out: a search keeps the best of all designs alone"
-            raise InputError("is for maps, not for a search", where=("layout",), remedy=remedy)
+            raise InputError("is for maps, not for a search", ("layout",), remedy)
         run |= {"branch": 1, **study.options}
         return search(study.mechanism, study.space, study.quantities, **study.search, **run)
     except InputError as error:

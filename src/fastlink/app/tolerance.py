@@ -228,7 +228,7 @@ def tolerance(
         check_options({"contributions": contributions})
         if contributions and to is not None:
             remedy = "leave one of them out; derivatives such as d_omega4_max_d_a1 can be swept into a file"
-            raise InputError("is given with to", where=("contributions",), remedy=remedy)
+            raise InputError("is given with to", ("contributions",), remedy)
     names = None
     with problems.at():
         names = None if quantities is None else check_names("quantities", quantities)
@@ -238,7 +238,7 @@ def tolerance(
         )
         if is_study and mechanism is not None:
             what = "is for a map: a study names the file of its quantities itself"
-            raise InputError(what, where=("mechanism",), remedy="leave it out")
+            raise InputError(what, ("mechanism",), "leave it out")
     problems.stop()
     with ExitStack() as stack:
         dataset = None
@@ -279,7 +279,7 @@ def _with_tolerances(subject: Subject, tolerances: Mapping[str, Any]) -> DesignS
     )
     if not given and not any(map(is_tolerance, space.names)):
         remedy = f"write such as {next(iter(subject.catalogue.inputs))}=1e-4, in the unit of the input"
-        raise InputError("no tolerance is given", where=("tolerance",), remedy=remedy)
+        raise InputError("no tolerance is given", ("tolerance",), remedy)
     return space.with_constants(given)
 
 
@@ -308,7 +308,7 @@ def _that_change(subject: Subject) -> tuple[str, ...]:
     if not found:
         what = f"none of {', '.join(subject.names)} changes with these tolerances"
         remedy = "name quantities that do, or give the tolerance of an input on which these depend"
-        raise InputError(what, where=("quantities",), remedy=remedy)
+        raise InputError(what, ("quantities",), remedy)
     return tuple(found)
 
 

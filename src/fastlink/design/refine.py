@@ -133,7 +133,7 @@ def _spans(ends: Mapping[str, tuple[float, float]], tabled: Mapping[str, Any]) -
     )
     if not spans:
         remedy = "sweep the inputs that may change, such as a2=(1.0, 1.4) of fl.sobol"
-        raise InputError("there is no input that may change", where=("refine",), remedy=remedy)
+        raise InputError("there is no input that may change", ("refine",), remedy)
     return spans
 
 
@@ -1033,7 +1033,7 @@ class Refinement:
             return name
         if array.name is None or array.dtype.kind == "b":
             what = "is a mask, which is known for the designs of the map alone"
-            raise InputError(what, where=(where,), remedy="write ranges such as {'a1': (None, 0.5)}")
+            raise InputError(what, (where,), "write ranges such as {'a1': (None, 0.5)}")
         request = self._request(name)
         if request is None and is_own(name, str(maps.attrs.get("own_quantities", ""))):
             raise own_refused((where,), name)
@@ -1041,7 +1041,7 @@ class Refinement:
             what = (
                 f"{name!r} is not a quantity of {catalogue.name}, and unknown between the designs of the map"
             )
-            raise InputError(what, where=(where,), remedy=remedy)
+            raise InputError(what, (where,), remedy)
         if request.reduction is not None and not self.model.knows_positions:
             what = f"{name!r} is of the values of {self.position} of the sweep, which the map does not hold"
             remedy = f"ask for a quantity along {self.position} too, or search by fl.search"
@@ -1052,7 +1052,7 @@ class Refinement:
             )
             raise InputError(what, where=(where,), remedy=remedy)
         if array.dtype.kind != "f" and where != "where":
-            raise InputError(f"{name!r} is a whole number", where=(where,), remedy=remedy)
+            raise InputError(f"{name!r} is a whole number", (where,), remedy)
         if array.dtype.kind == "f":
             check_units(array, str(request_labels(catalogue, request).get("units", "1")), (where, name))
         return name

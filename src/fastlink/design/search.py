@@ -468,9 +468,7 @@ def _nothing(request: Request, stream: Stream, kept: Kept) -> InputError:
     reasons += [f"{kept.not_numbers:,} have no number"] if kept.not_numbers else []
     reasons += [f"{kept.infinite:,} are infinite"] if kept.infinite else []
     what = f"none of {counted(size, 'row')} meets all conditions: {', '.join(reasons)}"
-    return InputError(
-        what, where=("where",), remedy="widen the conditions or the ranges, or search more designs"
-    )
+    return InputError(what, ("where",), "widen the conditions or the ranges, or search more designs")
 
 
 # -- The request of a search, and its result as a map of the designs that were found
@@ -845,7 +843,7 @@ def request_of_parts(parts: Sequence[PartFile], own: Any = None) -> tuple[Reques
     about = json.loads(wholes[0][SEARCH].item())
     if about["environment"] != environment().hex():
         what = f"{parts[0].path} is by another version ({attrs.get('source')})"
-        raise InputError(what, where=("paths",), remedy="join with the version that has searched the parts")
+        raise InputError(what, ("paths",), "join with the version that has searched the parts")
     mechanism, text = str(attrs["mechanism"]), str(attrs.get("own_quantities", ""))
     if own is not None:
         mechanism = check_declared(("mechanism",), own, mechanism, text)  # type: ignore[assignment]
@@ -908,7 +906,7 @@ def request_of(
     choice = choice_of(labels, **choice_asked)
     if any(one.array.dtype.kind == "b" for one in choice.wanted):
         remedy = "write conditions by name, such as {'a1': (None, 0.5)}"
-        raise InputError("is a mask of one map", where=("where",), remedy=remedy)
+        raise InputError("is a mask of one map", ("where",), remedy)
     taken = ("links", "input", "solver", "backend", "branch")
     options = {name: of_sweep[name] for name in taken if name in of_sweep}
     options |= {"extrema": resolved.plan.extrema or None, "threads": None}
@@ -1061,7 +1059,7 @@ def join(
         return _joined_search(parts, mechanism, checked["progress"], Path(to), **ways)
     if mechanism is not None:
         remedy = "leave it out: maps are joined as they are"
-        raise InputError("counts for the parts of a search alone", where=("mechanism",), remedy=remedy)
+        raise InputError("counts for the parts of a search alone", ("mechanism",), remedy)
     joined = JoinedMap(parts)
     about: dict[str, Any] = {"coords": joined.coords, "variables": joined.variables, "attrs": {}}
     if not overwrite:
@@ -1094,7 +1092,7 @@ def _joined_search(
         if isinstance(error, InputError):
             raise
         what = f"{parts[0].path}: what it says of its search cannot be read ({reason(error)})"
-        raise InputError(what, where=("paths",), remedy=RUN_AGAIN) from error
+        raise InputError(what, ("paths",), RUN_AGAIN) from error
     stream = Stream(request.resolved, request.kept, request.along)
     kept = stream.nothing()
     for one in found:

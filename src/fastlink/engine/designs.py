@@ -227,9 +227,8 @@ def _no_input(catalogue: Catalogue, name: str) -> Problem | None:
     if name == BRANCH:
         return Problem("is not an input", ("design", name), "write assembly modes as an option of the sweep")
     if name in (catalogue.position.name, degrees_name(catalogue.position.name)):
-        what = "is the input position, which each design runs through"
         remedy = "write it as an option of the sweep; fastlink.evaluate takes one for each row"
-        return Problem(what, ("design", name), remedy)
+        return Problem("is the input position, which each design runs through", ("design", name), remedy)
     return None
 
 

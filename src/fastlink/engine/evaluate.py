@@ -72,8 +72,7 @@ def like(value: Any, numbers: NDArray[np.float64]) -> Any:
 def too_many(count: int, *inside: str) -> InputError:
     """Return the error of so many configurations that their arrays would fill the memory."""
     what = f"{counted(count, 'configuration')} are too many at once"
-    remedy = f"write at most {MOST_CONFIGURATIONS}, or sweep them by fastlink.sweep"
-    return InputError(what, where=inside, remedy=remedy)
+    return InputError(what, inside, f"write at most {MOST_CONFIGURATIONS}, or sweep them by fastlink.sweep")
 
 
 def broadcast_inputs(function: str, values: Mapping[str, Any]) -> tuple[Any, dict[str, Any], tuple[int, ...]]:
@@ -89,14 +88,14 @@ def broadcast_inputs(function: str, values: Mapping[str, Any]) -> tuple[Any, dic
             first, other = lengths.setdefault(dim, (name, value))
             if other.sizes[dim] != value.sizes[dim]:
                 lengths_of = f"{counted(value.sizes[dim], 'value')} along {dim!r}, {first} {other.sizes[dim]}"
-                raise InputError(f"has {lengths_of}", where=(function, name), remedy="give equal lengths")
+                raise InputError(f"has {lengths_of}", (function, name), "give equal lengths")
             if (
                 dim in other.indexes
                 and dim in value.indexes
                 and not value.indexes[dim].equals(other.indexes[dim])
             ):
                 what = f"has other coordinates along {dim!r} than {first}"
-                raise InputError(what, where=(function, name), remedy="select those that both have")
+                raise InputError(what, (function, name), "select those that both have")
             if dim in value.indexes and dim not in other.indexes:
                 lengths[dim] = name, value
     shape = tuple(other.sizes[dim] for dim, (_, other) in lengths.items())
@@ -121,7 +120,7 @@ def _shape(function: str, shapes: Mapping[str, tuple[int, ...]]) -> tuple[int, .
                 except ValueError:
                     what = f"has the shape {shapes[name]}, which does not broadcast with {shapes[other]} of {other}"
                     remedy = "give equal lengths, or 1, along each axis"
-                    raise InputError(what, where=(function, name), remedy=remedy) from None
+                    raise InputError(what, (function, name), remedy) from None
         raise
     if shape and math.prod(shape) > MOST_CONFIGURATIONS:
         raise too_many(math.prod(shape), function)

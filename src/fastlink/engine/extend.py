@@ -158,7 +158,7 @@ class Extension:
         (file, line), (own_file, own_line) = _place(before), _place(declared)
         if both and file == own_file and line != own_line:
             what = f"is declared in line {line} of {file} already"
-            raise InputError(what, where=(declared.name,), remedy="call one of them otherwise")
+            raise InputError(what, (declared.name,), "call one of them otherwise")
         definition = _in_order([*others, declared]) if before else (*self._definition, declared)
         type(self)(self.mechanism, definition).catalogue()
         self._definition = definition
@@ -187,9 +187,7 @@ def _in_order(declared: Iterable[OwnInput | OwnQuantity]) -> Definition:
         ]
         if not free:
             what = f"{', '.join(left)} depend on each other"
-            raise InputError(
-                what, where=(next(iter(left)),), remedy="take parameters that depend on none of them"
-            )
+            raise InputError(what, (next(iter(left)),), "take parameters that depend on none of them")
         found[free[0]] = left.pop(free[0])
     return tuple(found.values())
 
@@ -216,7 +214,7 @@ def _number(value: Any, rule: Rule, units: str) -> float | None:
         or (rule == "positive" and number == 0.0)
     ):
         least = {"any": "", "positive": " greater than 0", "non-negative": " of at least 0"}[rule]
-        raise InputError(f"is {short_repr(value)}", where=where, remedy=f"write a finite number{least}")
+        raise InputError(f"is {short_repr(value)}", where, f"write a finite number{least}")
     return number
 
 
@@ -282,20 +280,19 @@ def is_own(name: str, text: str) -> bool:
 def own_refused(where: KeyPath, name: str) -> InputError:
     """Return the error of a result of a map that a user has declared, where the declarations are not given."""
     what = f"{name!r} is of quantities of a user's own, of which a map has the text and runs none"
-    remedy = ("write ", Setting("mechanism", _Mine()), ", with which the map was made")
-    return InputError(what, where=where, remedy=remedy)
+    return InputError(what, where, ("write ", Setting("mechanism", _Mine()), ", with which the map was made"))
 
 
 def check_declared(where: KeyPath, given: Any, mechanism: str, text: str) -> Extension:
     """Return the extension by which a map was made, or refuse another one."""
     if not isinstance(given, Extension):
         remedy = "give what fastlink.extend returned"
-        raise InputError(f"is {short_repr(given)}, not an extended mechanism", where=where, remedy=remedy)
+        raise InputError(f"is {short_repr(given)}, not an extended mechanism", where, remedy)
     catalogue = given.catalogue()
     names = declared_names(text)
     if given.mechanism != mechanism or (
         text and definition_text(mechanism, used(catalogue, (), names)) != text
     ):
         what = f"is {short_repr(given)}, and the map is of {mechanism} with other declarations"
-        raise InputError(what, where=where, remedy="give the extension by which it was made")
+        raise InputError(what, where, "give the extension by which it was made")
     return given

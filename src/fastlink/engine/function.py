@@ -83,8 +83,7 @@ def constants(fixed: Mapping[str, Any], known: Mapping[str, Input]) -> dict[str,
     if space.dims:
         name = space.dims[0]
         what = f"is given {counted(space.shape[0], 'value')}"
-        remedy = "write one number, or name it among the inputs"
-        raise InputError(what, where=("function", name), remedy=remedy)
+        raise InputError(what, ("function", name), "write one number, or name it among the inputs")
     return space.constants
 
 
@@ -94,7 +93,7 @@ def refuse_choices(resolved: ResolvedSweep, varying: DesignSpace) -> None:
     for name in resolved.space.axes:
         if name not in varying.names:
             codes = ", ".join(f"{code} ({meaning})" for code, meaning in known[name].choices.items())
-            raise InputError("is missing", where=("function", name), remedy=f"give it, one of {codes}")
+            raise InputError("is missing", ("function", name), f"give it, one of {codes}")
 
 
 def axes_of(outputs: Sequence[Output]) -> tuple[str, ...]:
@@ -103,7 +102,7 @@ def axes_of(outputs: Sequence[Output]) -> tuple[str, ...]:
     for other in others:
         if set(other.axes) - set(first.axes):
             what = f"{first.name} is along {first.axes[-1]}, {other.name} along {other.axes[-1]}"
-            raise InputError(what, where=("function",), remedy="make a function of each")
+            raise InputError(what, ("function",), "make a function of each")
     return first.axes
 
 
@@ -244,7 +243,7 @@ def function(
     for name in names:
         if name in fixed:
             what = f"is among the inputs and given as {short_repr(fixed[name])}"
-            raise InputError(what, where=("function", name), remedy="leave one out")
+            raise InputError(what, ("function", name), "leave one out")
     catalogue, problems = find_catalogue(mechanism, input), Problems()
     known = catalogue.all_inputs
     if any(map(angle_of, (*fixed, *names))):
@@ -433,7 +432,7 @@ class Function:
         given: NDArray[np.float64] = numbers
         if given.shape[:1] != (len(self.inputs),):
             remedy = f"its first axis has {len(self.inputs)} rows: {', '.join(self.inputs)}"
-            raise InputError(f"has the shape {given.shape}", where=("function", "x"), remedy=remedy)
+            raise InputError(f"has the shape {given.shape}", ("function", "x"), remedy)
         return given
 
     def _bind(self, block: int) -> tuple[Runner, Rows]:

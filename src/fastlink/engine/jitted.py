@@ -189,7 +189,7 @@ def jitted_of(
     """Return a function of arrays (inputs,) or (inputs, n) for callers in numba."""
     if not all(isinstance(kernel.task.code, MachineCode) for kernel in runner.kernels):
         what = "jitted calls kernels by address, which those of backend 'numba' do not have"
-        raise InputError(what, where=("function",), remedy=("write ", Setting("backend", "llvm")))
+        raise InputError(what, ("function",), ("write ", Setting("backend", "llvm")))
     layout = _Layout(runner, rows)
     codes = [result.dtype == np.int8 for result in runner.results]
     picked = [np.broadcast_to(np.arange(math.prod(s)).reshape(s), trailing).ravel() for s in shapes]

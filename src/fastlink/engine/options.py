@@ -80,11 +80,11 @@ def check_client(where: KeyPath, value: Any) -> Any:
     distributed = sys.modules.get("distributed")  # who has a client has imported it
     write = "write a dask.distributed.Client, such as Client('tcp://127.0.0.1:8786')"
     if distributed is None or not isinstance(value, distributed.Client):
-        raise InputError(f"is {short_repr(value)}", where=where, remedy=write)
+        raise InputError(f"is {short_repr(value)}", where, write)
     if value.asynchronous:
-        raise InputError("is asynchronous", where=where, remedy="write Client(..., asynchronous=False)")
+        raise InputError("is asynchronous", where, "write Client(..., asynchronous=False)")
     if value.status != "running":
-        raise InputError(f"is {value.status}", where=where, remedy="make it anew")
+        raise InputError(f"is {value.status}", where, "make it anew")
     from fastlink.engine.cluster import Cluster  # 25 ms of imports, for clusters alone
 
     return Cluster(value)
@@ -101,7 +101,7 @@ def check_announce(where: KeyPath, announce: Any) -> Any:
     """Return a function, or refuse what cannot be called."""
     if not callable(announce):
         remedy = "write a function that takes a line of text, such as print"
-        raise InputError(f"is {short_repr(announce)}", where=where, remedy=remedy)
+        raise InputError(f"is {short_repr(announce)}", where, remedy)
     return announce
 
 

@@ -437,7 +437,7 @@ def _tolerance(name: str, of: str, value: Any, declared: Input, parent: str) -> 
         )
         number = float(numbers) if numbers.ndim == 0 else None
     if number is None or not 0.0 <= number < math.inf:
-        raise InputError(f"is {short_repr(value)}", where=(parent, name), remedy=remedy)
+        raise InputError(f"is {short_repr(value)}", (parent, name), remedy)
     own = tolerance_name(of, relative=share)
     return own if name == of else f"{own}_deg", number
 

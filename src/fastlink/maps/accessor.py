@@ -99,7 +99,7 @@ class MapAccessor:
             counted = flag_counts(self._coded(of))
         if counted is None:
             what = f"{short_repr(of)} holds values that are not codes"
-            raise InputError(what, where=("of",), remedy="count before averaging or masking")
+            raise InputError(what, ("of",), "count before averaging or masking")
         return counted
 
     @door

@@ -41,7 +41,7 @@ def check_units(array: Any, units: str, where: KeyPath) -> None:
     own = getattr(array, "attrs", {}).get("units", units)
     if own != units:
         remedy = f"give the map as it was before it was converted, in {units}"
-        raise InputError(f"is in {short_repr(own)}", where=where, remedy=remedy)
+        raise InputError(f"is in {short_repr(own)}", where, remedy)
 
 
 def half_turn(units: object) -> float | None:
@@ -73,7 +73,7 @@ def convert(maps: xr.Dataset, given: dict[str, Any]) -> xr.Dataset:
     for name in given:
         if name not in known:
             what = f"{name!r} is not a variable with units" if name in maps.variables else "is unknown"
-            raise InputError(what, where=(name,), remedy=suggest(name, known))
+            raise InputError(what, (name,), suggest(name, known))
     changed = {name: converted(maps[name], units, name) for name, units in given.items()}
     along = {name: array.variable for name, array in changed.items() if name in maps.coords}
     results = {name: array.variable for name, array in changed.items() if name not in along}
@@ -85,7 +85,7 @@ def converted(array: xr.DataArray, units: Any, name: str = "units") -> xr.DataAr
     own = array.attrs.get("units")
     if own is None or array.dtype.kind not in "iuf":
         what = f"{array.name!r} has no units to convert"
-        raise InputError(what, where=(name,), remedy="give numbers with the attribute 'units'")
+        raise InputError(what, (name,), "give numbers with the attribute 'units'")
     factor = _factor(str(own), units, name)
     return _scaled(array, lambda values: values * factor, units)
 
@@ -95,7 +95,7 @@ def _along(maps: T, changed: dict[Any, xr.Variable]) -> T:
     for name in changed:
         index = maps.indexes.get(name)
         if index is not None and index.nlevels + (name not in maps.dims) > 1:
-            raise InputError("is of a stacked dimension", where=(str(name),), remedy="unstack the map first")
+            raise InputError("is of a stacked dimension", (str(name),), "unstack the map first")
     return maps.assign_coords(changed)
 
 
@@ -115,7 +115,7 @@ def _registry() -> Any:
     try:
         import pint
     except ModuleNotFoundError:
-        raise InputError("pint is not installed", where=("convert",), remedy=INSTALL) from None
+        raise InputError("pint is not installed", ("convert",), INSTALL) from None
     return pint.UnitRegistry()
 
 
@@ -128,7 +128,7 @@ def _parsed(text: Any, name: str) -> Any:
         return registry.parse_units(POWER.sub(r"**\1", text) if text.strip() != "1" else "")
     except Exception as error:  # pint's parser raises whatever its tokens run into
         what = f"{short_repr(text)} is not a unit"
-        raise InputError(what, where=(name,), remedy="write such as 'rpm', 'degree' or 'N mm'") from error
+        raise InputError(what, (name,), "write such as 'rpm', 'degree' or 'N mm'") from error
 
 
 def _factor(own: str, units: Any, name: str) -> float:
@@ -138,7 +138,7 @@ def _factor(own: str, units: Any, name: str) -> float:
     if dict(roots[0][1]._units) != dict(roots[1][1]._units):
         what = f"{short_repr(units)} is not of the kind of {own!r}"
         similar = ", ".join(sorted(map(repr, _EXAMPLES.get(own, (own,)))))
-        raise InputError(what, where=(name,), remedy=f"write such as {similar}")
+        raise InputError(what, (name,), f"write such as {similar}")
     return float(roots[0][0] / roots[1][0])
 
 
@@ -177,12 +177,12 @@ def check_flags(array: xr.DataArray, where: str, meanings: Sequence[Any]) -> lis
     flags = flags_of(array)
     if not flags:
         what = f"{array.name!r} has no codes with meanings"
-        raise InputError(what, where=(where,), remedy="give a variable with flag_values and flag_meanings")
+        raise InputError(what, (where,), "give a variable with flag_values and flag_meanings")
     if array.dtype.kind not in "iu":
         what = f"{array.name!r} holds values that are not codes"
-        raise InputError(what, where=(where,), remedy="make masks before averaging, and before masking codes")
+        raise InputError(what, (where,), "make masks before averaging, and before masking codes")
     if not meanings:
-        raise InputError("is empty", where=("meanings",), remedy=f"write one of {', '.join(flags)}")
+        raise InputError("is empty", ("meanings",), f"write one of {', '.join(flags)}")
     spelt = [one.strip().replace(" ", "_") if isinstance(one, str) else one for one in meanings]
     return [flags[check_choice(("meanings",), one, list(flags), f" to {array.name}")] for one in spelt]
 

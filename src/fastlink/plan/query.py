@@ -746,9 +746,7 @@ def check_names(parameter: str, given: Iterable[str]) -> tuple[str, ...]:
     """Return the names of a list, each of which must stand in it once."""
     where = (parameter,)
     if isinstance(given, str):
-        raise InputError(
-            f"is one text, {short_repr(given)}", where=where, remedy=f"write a list: [{short_repr(given)}]"
-        )
+        raise InputError(f"is one text, {short_repr(given)}", where, f"write a list: [{short_repr(given)}]")
     names: list[str] = []
     try:
         if not isinstance(given, (bytes, bytearray, set, frozenset, Mapping)):
@@ -756,11 +754,11 @@ def check_names(parameter: str, given: Iterable[str]) -> tuple[str, ...]:
         elif given:
             raise TypeError
     except Exception:  # no list, or whatever a class of somebody's does
-        raise InputError(f"is {short_repr(given)}", where=where, remedy="write a list of names") from None
+        raise InputError(f"is {short_repr(given)}", where, "write a list of names") from None
     if not names:
-        raise InputError("is empty", where=where, remedy="write at least one name")
+        raise InputError("is empty", where, "write at least one name")
     if len(names) > MOST_NAMES:
-        raise InputError(f"holds more than {MOST_NAMES} names", where=where, remedy="write fewer")
+        raise InputError(f"holds more than {MOST_NAMES} names", where, "write fewer")
     problems, known = Problems(), set()
     for k, name in enumerate(names):
         if not isinstance(name, str):

@@ -321,7 +321,7 @@ def branch_codes(catalogue: Catalogue, branch: Any, *, gaps: bool = False) -> ND
         bad = [cell for cell in cells if not (_is_branch(catalogue, cell) or (gaps and _is_gap(cell)))][:1]
     for value in bad:
         what = f"{short_repr(value)} is not an assembly mode of {catalogue.name}"
-        raise InputError(what, where=("branch",), remedy=remedy)
+        raise InputError(what, ("branch",), remedy)
     return values.astype(np.float64)
 
 
@@ -337,15 +337,13 @@ def check_branches(catalogue: Catalogue, branch: Any) -> tuple[int, ...]:
     """Return the assembly modes as a tuple."""
     where, codes = ("branch",), branch_codes(catalogue, branch)
     if codes.ndim > 1:
-        what, remedy = f"has {codes.ndim} dimensions", "write one number or a flat list of numbers"
-        raise InputError(what, where=where, remedy=remedy)
+        raise InputError(f"has {codes.ndim} dimensions", where, "write one number or a flat list of numbers")
     if not codes.size:
-        remedy = f"write some of {', '.join(map(str, catalogue.branches))}"
-        raise InputError("none is given", where=where, remedy=remedy)
+        raise InputError("none is given", where, f"write some of {', '.join(map(str, catalogue.branches))}")
     given = tuple(int(code) for code in codes.ravel()[: len(catalogue.branches) + 1])
     for k, value in enumerate(given):
         if value in given[:k]:
-            raise InputError(f"{value} is given twice", where=where, remedy="write each once")
+            raise InputError(f"{value} is given twice", where, "write each once")
     return given
 
 
@@ -411,7 +409,7 @@ def given_angles(catalogue: Catalogue, angles: Any, positions: Mapping[str, Any]
     if len(given) > 1:
         first, second, *_ = given
         are = "angles are" if first == "angles" else f"{first} is"
-        raise InputError(f"{are} given too", where=(second,), remedy="write one of them")
+        raise InputError(f"{are} given too", (second,), "write one of them")
     if catalogue.position.units != RADIANS:
         given.pop(degrees_name(name), None)  # see `check_keywords`
     for key, values in given.items():
@@ -420,8 +418,7 @@ def given_angles(catalogue: Catalogue, angles: Any, positions: Mapping[str, Any]
             if not isinstance(values, (list, tuple, range)):
                 np.ndim(values)
         except Exception:  # whatever a class of somebody's does when it is converted
-            remedy = "write a flat array of numbers"
-            raise InputError(f"is {short_repr(values)}", where=(key,), remedy=remedy) from None
+            raise InputError(f"is {short_repr(values)}", (key,), "write a flat array of numbers") from None
         if isinstance(values, Degrees):
             return degrees_name(name), _from_degrees(catalogue, values.values)
         unit = units_of(key, values).get(key, "")
@@ -429,7 +426,7 @@ def given_angles(catalogue: Catalogue, angles: Any, positions: Mapping[str, Any]
         if unit in DEGREES and expected == RADIANS:
             return key, _from_degrees(catalogue, values)
         if unit and not has_unit(unit, expected):
-            raise InputError(f"has the unit {unit!r}", where=(key,), remedy=unit_remedy(expected))
+            raise InputError(f"has the unit {unit!r}", (key,), unit_remedy(expected))
         if key == degrees_name(name):
             return key, _from_degrees(catalogue, values)
         if catalogue.position.units == RADIANS and _are_several(values):
@@ -449,9 +446,7 @@ def _from_degrees(catalogue: Catalogue, values: Any) -> NDArray[Any]:
     key = degrees_name(name)
     if listed(values) == 0 or not _are_several(values):
         other = f"; {name} may be a number of angles" if catalogue.positions is None else ""
-        raise InputError(
-            f"is {short_repr(values)}", where=(key,), remedy=f"write a flat array of degrees{other}"
-        )
+        raise InputError(f"is {short_repr(values)}", (key,), f"write a flat array of degrees{other}")
     return as_floats(check_positions(catalogue, values, key))
 
 
@@ -496,8 +491,7 @@ def check_extrema(extrema: str | None, catalogue: Catalogue, angles: Any) -> Ext
         name = catalogue.position.name
         what = f"'refined' is over the whole turn of {name}, but {name} is an array"
         other = ", or a number of angles" if catalogue.positions is None else ""
-        remedy = ("write ", Setting("extrema", "sampled"), other)
-        raise InputError(what, where=("extrema",), remedy=remedy)
+        raise InputError(what, ("extrema",), ("write ", Setting("extrema", "sampled"), other))
     return "refined" if extrema == "refined" else "sampled"
 
 
@@ -521,7 +515,7 @@ def check_positions(catalogue: Catalogue, given: int | ArrayLike, key: str = "an
     if catalogue.positions is not None and not _are_several(given):
         what = f"{short_repr(given)} is not an array, and {name} has no bounds"
         remedies = ("write them all, such as ", Samples(*catalogue.positions))
-        raise InputError(what, where=(key,), remedy=remedies)
+        raise InputError(what, (key,), remedies)
     if isinstance(given, (int, np.integer)) and not isinstance(given, (bool, np.timedelta64)):
         if not 1 <= given <= MOST_LISTED:
             what = f"{short_repr(given)} input angles"
@@ -533,17 +527,17 @@ def check_positions(catalogue: Catalogue, given: int | ArrayLike, key: str = "an
     try:
         values = numbers_of("", key, given)
     except InputError as error:
-        raise InputError(error.what, where=error.where[1:], remedy=remedy) from None
+        raise InputError(error.what, error.where[1:], remedy) from None
     if values.ndim != 1:
-        raise InputError(f"is {short_repr(given)}", where=(key,), remedy=remedy)
+        raise InputError(f"is {short_repr(given)}", (key,), remedy)
     if values.size == 0:
-        raise InputError("the array of input positions is empty", where=(key,), remedy="give at least one")
+        raise InputError("the array of input positions is empty", (key,), "give at least one")
     if (bad := first_invalid(values)) is not None:
-        raise InputError(f"is {values[bad]}", where=(key, bad), remedy=f"write finite {noun}")
+        raise InputError(f"is {values[bad]}", (key, bad), f"write finite {noun}")
     order = np.argsort(values, kind="stable")
     twice = np.flatnonzero(np.diff(values[order]) == 0.0)
     if twice.size:
         first, second = sorted(order[twice[0] : twice[0] + 2].tolist())
         what = f"{values[first]} stands twice (at {first} and {second})"
-        raise InputError(what, where=(key,), remedy="give each position once")
+        raise InputError(what, (key,), "give each position once")
     return np.array(values)
