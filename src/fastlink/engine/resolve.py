@@ -37,7 +37,6 @@ from fastlink.plan.request import (
     check_turn,
     constants_of,
     given_angles,
-    in_degrees,
     joined_missing,
     missing_inputs,
     selected_variants,
@@ -94,6 +93,8 @@ class CheckedRequest:
     backend: str
     #: See `all_declared`.
     declared: tuple[Any, ...]
+    #: Whether the input positions were given in degrees.
+    in_degrees: bool
 
 
 def check(
@@ -141,9 +142,8 @@ def check(
     with problems.at():
         compiler = backend_of(backend)
     problems.stop()
-    return CheckedRequest(
-        catalogue, names, links, solver, variants, branches, values, method, compiler, declared
-    )
+    parts = catalogue, names, links, solver, variants, branches, values, method, compiler, declared
+    return CheckedRequest(*parts, in_degrees=bool(angle_of(key)))
 
 
 @lru_cache(maxsize=256)
@@ -306,7 +306,7 @@ def resolve(
         checked = check(mechanism, designs, quantities, companions=companions, parameter=parameter, **options)
     problems.stop()
     assert designs is not None
-    if in_degrees(catalogue, options.get("angles"), options.get("positions") or {}):
+    if checked.in_degrees:
         designs = replace(designs, comments={**designs.comments, catalogue.position.name: COMMENT})
     space, variants = designs, checked.variants
     space = space.with_constants(constants_of(catalogue, checked.links, variants))

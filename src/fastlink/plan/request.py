@@ -318,19 +318,12 @@ def branch_codes(catalogue: Catalogue, branch: Any, *, gaps: bool = False) -> ND
         bad = values[~(known | np.isnan(values) if gaps else known)].ravel()[:1].tolist()
     else:
         cells = values.ravel().tolist()
-        bad = [cell for cell in cells if not (_is_branch(catalogue, cell) or (gaps and _is_gap(cell)))][:1]
+        known = (is_number(c) and isinstance(c, Real) and (c in catalogue.branches or (gaps and c != c)) for c in cells)
+        bad = [cell for cell, is_known in zip(cells, known, strict=True) if not is_known][:1]
     for value in bad:
         what = f"{short_repr(value)} is not an assembly mode of {catalogue.name}"
         raise InputError(what, ("branch",), remedy)
     return values.astype(np.float64)
-
-
-def _is_branch(catalogue: Catalogue, value: object) -> bool:
-    return is_number(value) and isinstance(value, Real) and value in catalogue.branches
-
-
-def _is_gap(value: object) -> bool:
-    return isinstance(value, float) and math.isnan(value)
 
 
 def check_branches(catalogue: Catalogue, branch: Any) -> tuple[int, ...]:
@@ -433,11 +426,6 @@ def given_angles(catalogue: Catalogue, angles: Any, positions: Mapping[str, Any]
             remark_on_angles(name, values)
         return key, values
     return name, ANGLES if catalogue.positions is None else np.linspace(*catalogue.positions)
-
-
-def in_degrees(catalogue: Catalogue, angles: Any, positions: Mapping[str, Any]) -> bool:
-    """Tell whether input positions are given in degrees."""
-    return isinstance(angles, Degrees) or positions.get(degrees_name(catalogue.position.name)) is not None
 
 
 def _from_degrees(catalogue: Catalogue, values: Any) -> NDArray[Any]:
