@@ -137,8 +137,6 @@ def cubic(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1) -> Any:
 
     Examples
     --------
-    >>> import numpy as np
-    >>> import fastlink as fl
     >>> k = fl.focal.cubic(3.0, 5.0, 4.0, 6.0, 0.0, branch=2)  # A = (3, 0), B = (3, 4)
     >>> on_it = [(0.0, 0.0), (6.0, 0.0), (3.0, 0.0), (3.0, 4.0)]
     >>> [round(abs(float(np.polynomial.polynomial.polyval2d(x, y, k))), 9) for x, y in on_it]
@@ -195,8 +193,6 @@ def cubic_points(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1, *, s
 
     Examples
     --------
-    >>> import numpy as np
-    >>> import fastlink as fl
     >>> lines = fl.focal.cubic_points(5.0, 5.0, 2.0, 4.0, np.pi / 3, samples=40)
     >>> lines.shape
     (328, 2)
@@ -446,8 +442,6 @@ def from_point(
     --------
     The mechanism of Figure 4, from the point in which circles on MA and NB as diameters meet:
 
-    >>> import numpy as np
-    >>> import fastlink as fl
     >>> made = fl.focal.from_point(5.0, 5.0, 2.0, 4.0, np.arccos(0.2), branch=2, x=2.0, y=0.449489742783178)
     >>> {name: round(float(made.values[name]), 4) for name in ("lambda_", "m", "p", "r")}
     {'lambda_': 5.9495, 'm': 0.8404, 'p': 1.8697, 'r': 0.4495}
@@ -589,8 +583,6 @@ def inscribed_conics(
     --------
     One of the kite with M = (0, 0), A = (0, 1), B = (3, 3), N = (1, 0):
 
-    >>> import numpy as np
-    >>> import fastlink as fl
     >>> side = np.sqrt(13.0)
     >>> conic = fl.focal.inscribed_conics(1.0, side, side, 1.0, np.pi / 2, branch=2, t=0.75)
     >>> [round(float(value), 4) for value in (conic.x1, conic.y1, conic.x2, conic.y2)]
@@ -726,8 +718,6 @@ def involution(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1, *, x: 
     --------
     At F of Figure 4, a point of the focal cubic, pairs have common bisectors, here at 45 degrees:
 
-    >>> import numpy as np
-    >>> import fastlink as fl
     >>> rays = fl.focal.involution(5.0, 5.0, 2.0, 4.0, np.arccos(0.2), branch=2, x=2.0, y=0.449489742783178)
     >>> np.degrees([rays.first, rays.second]).round(9), bool(abs(rays.asymmetry) < 1e-15)
     (array([-45.,  45.]), True)
@@ -812,8 +802,6 @@ def best_point(
 
     Examples
     --------
-    >>> import numpy as np
-    >>> import fastlink as fl
     >>> best = fl.focal.best_point(4.0, 5.0, 2.0, 4.0, 1.2, branch=2)
     >>> {name: round(float(best.values[name]), 3) for name in ("s", "r", "m", "n", "p", "q")}
     {'s': 3.135, 'r': 0.307, 'm': 0.487, 'n': 0.609, 'p': 3.112, 'q': 0.687}
@@ -910,8 +898,6 @@ def five_bar(
     --------
     The five-bar of Figure 4, where omega and the angle at Q are right angles:
 
-    >>> import numpy as np
-    >>> import fastlink as fl
     >>> m, p = 0.8404082057734577, 1.8696938456699069
     >>> at = fl.focal.five_bar(m, p, p, m, 4.0, np.arccos(0.2), omega_angle=np.pi / 2, branch=[1, 2])
     >>> at["F_x"].round(9), at["F_y"].round(9), np.degrees(at["angle_FQN"]).round(9)
@@ -975,7 +961,6 @@ def from_five_bar(m: Any, n: Any, p: Any, q: Any, d: Any) -> dict[str, Any]:
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> m, p = 0.8404082057734577, 1.8696938456699069
     >>> design = fl.focal.from_five_bar(m, m, p, p, 4.0)
     >>> {name: round(float(value), 9) for name, value in design.items()}
@@ -1027,7 +1012,6 @@ def held_at_AB(design: Any = None, **inputs: Any) -> dict[str, Any]:
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> chebyshev = {"a": 5.0, "b": 5.0, "c": 2.0, "d": 4.0, "rho": 1.0, "completion": 1}
     >>> held = fl.focal.held_at_AB(chebyshev)
     >>> {name: float(value) for name, value in held.items()}
@@ -1120,8 +1104,6 @@ def straight_line(x: Any, y: Any) -> StraightLine:
     --------
     Chebyshev's linkage with the midpoint T of its coupler, over a whole turn of the crank:
 
-    >>> import numpy as np
-    >>> import fastlink as fl
     >>> sigma = np.arange(360) * np.pi / 180.0
     >>> design = {"a": 5.0, "b": 5.0, "c": 2.0, "d": 4.0, "rho": 1.0, "completion": 1}
     >>> path = fl.evaluate("focal", ["T_x", "T_y"], input="sigma", sigma=sigma, **design)
@@ -1149,8 +1131,6 @@ def T_deviation(maps: Any) -> Any:
 
     Examples
     --------
-    >>> import numpy as np
-    >>> import fastlink as fl
     >>> part = fl.sweep(
     ...     "focal",
     ...     fl.grid(a=5.0, b=5.0, c=2.0, d=4.0, rho=1.0, completion=1),

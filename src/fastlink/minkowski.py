@@ -157,7 +157,6 @@ def multiply(z: Any, w: Any) -> Any:
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> fl.minkowski.multiply([0.0, 1.0], [0.0, 1.0]), fl.minkowski.multiply([1.0, 1.0], [1.0, -1.0])
     (array([1., 0.]), array([0., 0.]))
     """
@@ -173,7 +172,6 @@ def conjugate(z: Any) -> Any:
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> fl.minkowski.multiply([5.0, 3.0], fl.minkowski.conjugate([5.0, 3.0]))
     array([16.,  0.])
     """
@@ -202,7 +200,6 @@ def polar(r: Any, phi: Any) -> Any:
 
     Examples
     --------
-    >>> import fastlink as fl, numpy as np
     >>> fl.minkowski.polar(4.0, np.log(2.0))
     array([5., 3.])
     """
@@ -233,7 +230,6 @@ def scalar_product(z: Any, w: Any) -> Any:
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> float(fl.minkowski.scalar_product([5.0, 3.0], [2.0, 1.0]))
     7.0
     """
@@ -260,7 +256,6 @@ def norm(z: Any) -> Any:
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> fl.minkowski.norm([[5.0, 3.0], [3.0, 5.0], [1.0, -1.0]])
     array([4., 4., 0.])
     """
@@ -277,7 +272,6 @@ def causal_type(z: Any) -> Any:
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> fl.minkowski.causal_type([[5.0, 3.0], [1.0, -1.0], [3.0, 5.0]])
     array([ 1.,  0., -1.])
     """
@@ -293,7 +287,6 @@ def orientation(z: Any) -> Any:
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> fl.minkowski.orientation([[5.0, 3.0], [1.0, -1.0], [3.0, -5.0]])
     array([ 1.,  0., -1.])
     """
@@ -321,7 +314,6 @@ def rapidity(z: Any) -> Any:
 
     Examples
     --------
-    >>> import fastlink as fl, numpy as np
     >>> bool(np.isclose(fl.minkowski.rapidity([5.0, 3.0]), np.log(2.0)))
     True
     """
@@ -354,7 +346,6 @@ def hyperbolic_angle(z: Any, w: Any) -> Any:
 
     Examples
     --------
-    >>> import fastlink as fl, numpy as np
     >>> angle = fl.minkowski.hyperbolic_angle([1.0, 0.0], [5.0, 3.0])
     >>> bool(np.isclose(np.cosh(angle), 5 / 4))
     True
@@ -393,7 +384,6 @@ def boost(phi: Any) -> Any:
 
     Examples
     --------
-    >>> import fastlink as fl, numpy as np
     >>> fl.minkowski.boost(np.log(2.0)) @ [4.0, 0.0]
     array([5., 3.])
     """
@@ -422,7 +412,6 @@ def motion(t: Any, a: Any = 0.0, b: Any = 0.0) -> Any:
 
     Examples
     --------
-    >>> import fastlink as fl, numpy as np
     >>> fl.minkowski.motion(np.log(2.0), 1.0, -3.0) @ [4.0, 0.0, 1.0]
     array([6., 0., 1.])
     """
@@ -456,7 +445,6 @@ def moved(z: Any, t: Any, a: Any = 0.0, b: Any = 0.0) -> Any:
 
     Examples
     --------
-    >>> import fastlink as fl, numpy as np
     >>> fl.minkowski.moved([4.0, 0.0], np.log(2.0), 1.0, -3.0)
     array([6., 0.])
     """
@@ -525,7 +513,6 @@ def pure_triangle(A: Any, B: Any, C: Any) -> PureTriangle:
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> found = fl.minkowski.pure_triangle([0.0, 0.0], [3.0, 5.0], [0.0, 10.0])
     >>> bool(found.pure), float(found.a), float(found.b), float(found.c), float(found.excess)
     (True, 4.0, 10.0, 4.0, 2.0)
@@ -563,7 +550,6 @@ def cosine_rule(a: Any, b: Any, angle: Any) -> Any:
 
     Examples
     --------
-    >>> import fastlink as fl, numpy as np
     >>> round(float(fl.minkowski.cosine_rule(4.0, 10.0, np.log(2.0))), 12)
     4.0
     """
@@ -596,7 +582,6 @@ def cosine_rule_angle(a: Any, b: Any, c: Any) -> Any:
 
     Examples
     --------
-    >>> import fastlink as fl, numpy as np
     >>> float(np.exp(fl.minkowski.cosine_rule_angle(4.0, 10.0, 4.0)).round(12))
     2.0
     """
@@ -635,7 +620,6 @@ def triangle_excess(z: Any, w: Any) -> Any:
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> fl.minkowski.triangle_excess([[3.0, 5.0], [3.0, 5.0]], [[-3.0, 5.0], [6.0, 10.0]])
     array([2., 0.])
     """
@@ -666,7 +650,6 @@ def quadrilateral_excess(O: Any, A: Any, B: Any, C: Any) -> Any:
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> float(fl.minkowski.quadrilateral_excess([0.0, 0.0], [5.0, 3.0], [10.0, 0.0], [12.0, 0.0]))
     2.0
     """
@@ -774,7 +757,6 @@ def coupler_circles(a: Any, b: Any, g: Any, h: Any, x: Any, y: Any, *, X: Any, Y
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> found = fl.minkowski.coupler_circles(1.0, 2.0, 4.0, 1.5, -1.0, 0.5, X=9.0, Y=8.5)
     >>> float(found.C2), round(float(found.A2), 12) == round(2 * 0.75**0.5 * 9.0, 12)
     (8.5, True)
@@ -832,8 +814,6 @@ def sextic(a: Any, b: Any, g: Any, h: Any, x: Any, y: Any) -> Any:
 
     Examples
     --------
-    >>> import numpy as np
-    >>> import fastlink as fl
     >>> c = fl.minkowski.sextic(3.0, 5.0, 6.0, 4.0, 0.0, 0.0)  # X = A, on the circle of radius 3: X^2 - Y^2 = 9
     >>> float(np.polynomial.polynomial.polyval2d(5.0, 4.0, c))
     0.0
@@ -881,7 +861,6 @@ def linkage_table(maps: Any) -> pd.DataFrame:
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> names = ["linkage_type", "T1", "T2", "T3", "T4", "T5"]
     >>> part = fl.sweep("minkowski_4r", fl.grid(a=1.0, b=[1.0, 7.0], g=[4.0, 3.0], h=1.0), names)
     >>> print(fl.minkowski.linkage_table(part).drop(columns="paper").to_string(index=False))

@@ -291,7 +291,6 @@ def coupler_sextic(jj: int, lengths: Sequence[Any], point: Sequence[Any]) -> Any
 
     Examples
     --------
-    >>> import numpy as np
     >>> c = coupler_sextic(1, np.array([3.0, 4.0, 5.0, 6.0]), np.zeros(2))  # p = 0: on X^2 - Y^2 = 9
     >>> float(np.polynomial.polynomial.polyval2d(5.0, 4.0, c))
     0.0

@@ -113,7 +113,6 @@ def io_coefficients(design: Any = None, *, pair: str = "14", **inputs: Any) -> A
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> fl.planar.io_coefficients(a1=4.0, a2=12.0, a3=8.0, a4=10.0, pair="14")
     array([-140.,   52., -108., -256.,  340.])
     """
@@ -220,7 +219,6 @@ def cognates(design: Any = None, **inputs: Any) -> tuple[Cognate, Cognate, Cogna
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> design = {"a1": 0.5, "a2": 1.0, "a3": 0.75, "a4": 2.0, "P_u": 0.0, "P_v": 2.0}
     >>> first, second, third = fl.planar.cognates(design)
     >>> [float(second.design[name]) for name in ("a1", "a2", "a3", "a4")]
@@ -295,8 +293,6 @@ def sextic(design: Any = None, **inputs: Any) -> Any:
 
     Examples
     --------
-    >>> import numpy as np
-    >>> import fastlink as fl
     >>> c = fl.planar.sextic(a1=3.0, a2=4.0, a3=5.0, a4=6.0, P_u=0.0, P_v=0.0)  # P = A, on the circle of radius 3
     >>> float(np.polynomial.polynomial.polyval2d(0.0, 3.0, c))
     0.0
@@ -358,7 +354,6 @@ def straightness(x: Any, y: Any) -> Any:
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> float(fl.planar.straightness([0.0, 2.0, 4.0, 6.0], [1.0, -1.0, -1.0, 1.0]))
     1.0
     """
@@ -399,7 +394,6 @@ def curve_straightness(
     --------
     Chebyshev's straight line of the lambda linkage, 1 : 2.5 : 2.5 : 2 with P at 2 a2:
 
-    >>> import fastlink as fl
     >>> design = dict(a1=1.0, a2=2.5, a3=2.5, a4=2.0, P_u=5.0, P_v=0.0)
     >>> part = fl.planar.curve_straightness(design, theta1=(2.1, 4.2), branch=2)
     >>> whole = fl.planar.curve_straightness(design, branch=2)
@@ -607,7 +601,6 @@ def curve_length(design: Any = None, *, branch: Any = 1, error: bool = False, **
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> design = dict(a1=0.5, a2=1.2, a3=0.8, a4=1.0, P_u=0.0, P_v=0.0)
     >>> length, error = fl.planar.curve_length(design, error=True)
     >>> round(float(length), 12), bool(error < 1e-12)  # P = A: 2 pi a1
@@ -645,7 +638,6 @@ def curve_area(design: Any = None, *, branch: Any = 1, error: bool = False, **in
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> design = dict(a1=0.5, a2=1.2, a3=0.8, a4=1.0, P_u=0.0, P_v=0.0)
     >>> round(float(fl.planar.curve_area(design)), 12)  # P = A: pi a1^2
     0.785398163397
@@ -758,7 +750,6 @@ def inflections(
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> links = dict(a1=0.4, a2=1.2, a3=0.8, a4=1.0)
     >>> theta1, X, Y, count = fl.planar.inflections(links, P_u=0.7, P_v=0.5)
     >>> int(count), fl.planar.inflections(links, P_u=0.0, P_v=0.0)[3].tolist()  # P = A: a circle
@@ -930,7 +921,6 @@ def crunodes(design: Any = None, *, tolerance: float = TOLERANCE, **inputs: Any)
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> X, Y, count = fl.planar.crunodes(a1=1.0, a2=2.5, a3=2.5, a4=2.0, P_u=1.25, P_v=1.0)
     >>> int(count), round(float(X[0]), 4), round(float(Y[0]), 4)
     (1, 1.7287, -0.9459)
@@ -962,7 +952,6 @@ def cusps(design: Any = None, *, tolerance: float = TOLERANCE, **inputs: Any) ->
     --------
     At theta1 = 90 degrees OA and DB meet in (0, 8), the pole of the coupler, which is its point (0, 6):
 
-    >>> import fastlink as fl
     >>> X, Y, count = fl.planar.cusps(a1=2.0, a2=4.5, a3=2.5, a4=6.0, P_u=0.0, P_v=6.0)
     >>> int(count), round(float(X[0]), 9), round(float(Y[0]), 9)
     (1, 0.0, 8.0)
@@ -976,7 +965,6 @@ def crunode_count(design: Any = None, **inputs: Any) -> Any:
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> fl.planar.crunode_count(a1=1.0, a2=2.5, a3=2.5, a4=2.0, P_u=1.25, P_v=[1.0, 9.0])
     array([1, 0])
     """
@@ -989,7 +977,6 @@ def cusp_count(design: Any = None, **inputs: Any) -> Any:
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> fl.planar.cusp_count(a1=2.0, a2=4.5, a3=2.5, a4=6.0, P_u=0.0, P_v=[6.0, 7.0])
     array([1, 0])
     """
@@ -1044,7 +1031,6 @@ def force_balance(
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> design = dict(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=25.0)
     >>> bars = fl.round_bar(density=7750.0, radius=0.01)
     >>> weights = fl.planar.force_balance(design, links=bars, radius1=0.1, radius3=0.2)
@@ -1133,7 +1119,6 @@ def flywheel_inertia(maps: Any, C_s: Any) -> Any:
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> maps = fl.sweep(
     ...     "planar_4r",
     ...     fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=25.0),
@@ -1215,7 +1200,6 @@ def rate_extrema(space: Any, *, pair: str = "14", **options: Any) -> Any:
     --------
     The example of the paper in mode 2, rates of joint 3 at B over a turn of joint 1 at O:
 
-    >>> import fastlink as fl
     >>> design = dict(a1=0.4, a2=1.2, a3=0.8, a4=1.0, joint_omega_1=25.0)
     >>> found = fl.planar.rate_extrema(design, pair="13", branch=2)
     >>> found.joint_omega_3_extrema.squeeze().dropna("extremum").values.round(3).tolist()
@@ -1294,8 +1278,6 @@ def force_equations(
 
     Examples
     --------
-    >>> import numpy as np
-    >>> import fastlink as fl
     >>> design = dict(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=25.0, theta1=1.0, links=fl.round_bar(7750.0, 0.01))
     >>> equations = fl.planar.force_equations(**design)
     >>> forces = np.linalg.solve(equations.A, equations.b)
@@ -1350,7 +1332,6 @@ def bar_properties(design: Any = None, *, links: Links, **inputs: Any) -> dict[s
     --------
     Table 1 of Hayes, where the volumes are pi/25000, 3 pi/25000 and pi/12500:
 
-    >>> import fastlink as fl
     >>> bars = fl.planar.bar_properties(a1=0.4, a2=1.2, a3=0.8, links=fl.round_bar(7750.0, 0.01))
     >>> round(float(bars["volume1"]), 9), round(float(bars["m1"]), 6)
     (0.000125664, 0.973894)
@@ -1416,8 +1397,6 @@ def force_hypothesis(maps: Any, **options: Any) -> xr.Dataset:
     The example of the paper: its shaking force is greatest 2.2 degrees from the greatest angular acceleration, but 27
     degrees from the greatest angular velocity.
 
-    >>> import numpy as np
-    >>> import fastlink as fl
     >>> paper, bars = dict(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=25.0), fl.round_bar(density=7750.0, radius=0.01)
     >>> found = fl.planar.force_hypothesis(paper, links=bars, branch=2).sel(load="shaking_force").squeeze()
     >>> np.degrees(found.distance).round(1).to_series().to_dict()

@@ -474,11 +474,6 @@ def accuracy(
         Dimensions ``way`` (the method) and ``quantity``; NaN where a method does not give a quantity. ``pareto`` is 1
         where no other method is both faster and more accurate. Print it with `fastlink.accuracy_table`.
 
-    Raises
-    ------
-    InputError
-        The study has problems (one line for each), or nothing in it can be measured.
-
     Examples
     --------
     >>> import pathlib, tempfile

@@ -554,11 +554,6 @@ def explain(
     Explanation
         Prints as text. Its `forecast` has the expected memory, file, compile time and run time.
 
-    Raises
-    ------
-    InputError
-        One line for each problem of the study.
-
     Examples
     --------
     >>> import pathlib, tempfile
@@ -576,8 +571,6 @@ def explain(
 
     The same of a sweep:
 
-    >>> import numpy as np
-    >>> import fastlink as fl
     >>> designs = fl.grid(a1=np.linspace(0.1, 0.5, 40_000), a2=np.linspace(1.0, 1.4, 40_000), a3=0.8, a4=1.0)
     >>> needs = fl.explain("planar_4r", designs, ["theta4"], measure=False).forecast
     >>> needs.memory > 8 * 2 * 360 * 40_000**2  # 9 TB: write it to a file, if there is a disk for it

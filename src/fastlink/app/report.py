@@ -469,14 +469,8 @@ def quantities(
     QuantityList
         A list of `Quantity` that prints as a table; ``quantities("planar_4r")["T41_max"]`` is one row.
 
-    Raises
-    ------
-    InputError
-        The mechanism or the input is unknown.
-
     Examples
     --------
-    >>> import fastlink as fl
     >>> row = fl.quantities("planar_4r")["omega4"]
     >>> row.units, row.dims, row.needs
     ('rad s-1', ('design', 'branch', 'theta1'), ('a1', 'a2', 'a3', 'a4', 'omega1'))
@@ -593,14 +587,8 @@ def summary(maps: Any) -> str:
         speed, the largest errors that were measured; and the file with its size, for a map that is opened from one. Of
         a part of a map, the designs of that part.
 
-    Raises
-    ------
-    InputError
-        Neither a map nor its path.
-
     Examples
     --------
-    >>> import fastlink as fl
     >>> space = fl.grid(a1=[0.4, 0.6], a2=1.2, a3=0.8, a4=1.0)
     >>> print(summary(fl.sweep("planar_4r", space, ["transmission_angle"])).partition("run time")[0])
     designs         2

@@ -915,11 +915,6 @@ def run_study(
     xarray.Dataset
         Opened lazily from the file. The text of the study is in its attribute ``study``.
 
-    Raises
-    ------
-    InputError
-        One line for each problem: the file, the key, what was found, what is allowed.
-
     Examples
     --------
     >>> import tempfile, pathlib

@@ -205,14 +205,8 @@ def tolerance(
         ``NAME_rss_change``, the root of the sum of the squares of the changes by each: the standard deviation, if the
         tolerances are standard deviations of independent inputs. The tolerances are coordinates.
 
-    Raises
-    ------
-    InputError
-        Bad input; the message says what, where, and what to write instead.
-
     Examples
     --------
-    >>> import fastlink as fl
     >>> space = fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0)
     >>> maps = fl.sweep("planar_4r", space, ["transmission_angle_min"], branch=1)
     >>> found = fl.tolerance(maps, a1=1e-4, a2=1e-4, a3="0.05 %", contributions=True)

@@ -79,8 +79,6 @@ def best(
 
     Examples
     --------
-    >>> import numpy as np
-    >>> import fastlink as fl
     >>> space = fl.grid(a1=np.linspace(0.1, 0.5, 9), a2=np.linspace(0.9, 1.3, 9), a3=0.8, a4=1.0, omega1=25.0)
     >>> maps = fl.sweep("planar_4r", space, ["omega4_max", "transmission_angle_min"], branch=1)
     >>> found = fl.best(maps, minimise="omega4_max", where={"a1": (0.2, None), "status": "rotates_fully"}, top=1)

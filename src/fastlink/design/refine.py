@@ -666,7 +666,6 @@ def descend(task: Task, start: Floats) -> Descent:
 
     Examples
     --------
-    >>> import numpy as np
     >>> def values(x):
     ...     return np.maximum(x[:, :1], 1.0 - 2.0 * x[:, :1]), np.ones(len(x), bool)
     >>> def slopes(x):

@@ -769,7 +769,6 @@ def search(
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> space = fl.sobol(4096, a1=(0.1, 0.5), a2=(0.8, 1.3), a3=(0.5, 1.2), a4=1.0, omega1=1.0)
     >>> where = {"status": "rotates_fully", "transmission_angle_min_deg": (40, None), "swing_deg": (60, None)}
     >>> found = fl.search("planar_4r", space, minimise="omega4_max", where=where, top=2)
@@ -1036,7 +1035,6 @@ def join(
     Examples
     --------
     >>> import pathlib, tempfile
-    >>> import fastlink as fl
     >>> request = "planar_4r", fl.grid(a1=0.4, a2=[1.1, 1.2, 1.3], a3=0.8, a4=[1.0, 1.1]), ["transmission_angle_min"]
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     for k in (1, 2, 3):

@@ -172,14 +172,8 @@ def evaluate(
         Name to float, array or DataArray; a DataArray has the attributes ``units``, ``long_name``, ``symbol`` and
         ``references``, as in a map.
 
-    Raises
-    ------
-    InputError
-        What a sweep of the same design would refuse; or the shapes do not broadcast.
-
     Examples
     --------
-    >>> import fastlink as fl
     >>> fl.evaluate("planar_4r", ["B_y"], a1=3.0, a2=4.0, a3=5.0, a4=6.0, theta1=0.0, branch=2)["B_y"]
     4.0
     """

@@ -56,7 +56,6 @@ class Extension:
 
         Examples
         --------
-        >>> import fastlink as fl
         >>> mine = fl.extend("planar_4r")
         >>> @mine.quantity(units="N", description="Larger of the forces on the crank's bearings")
         ... def bearing_load(F21, F41):
@@ -116,7 +115,6 @@ class Extension:
 
         Examples
         --------
-        >>> import fastlink as fl
         >>> mine = fl.extend("planar_4r")
         >>> mine.input("F_allowed", units="N", default=500.0, rule="positive")
         """
@@ -236,7 +234,6 @@ def extend(mechanism: str | Extension) -> Extension:
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> mine = fl.extend("planar_4r")
     >>> mine.input("weight", units="1", default=0.5)
     >>> @mine.quantity(units="1")

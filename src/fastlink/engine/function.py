@@ -224,14 +224,8 @@ def function(
         and so is all of a design with a value that the sweep would refuse, but for codes such as ``status``.
         It may be called from several threads at once, and pickled.
 
-    Raises
-    ------
-    InputError
-        Bad input; the message says what, where, and what to write instead.
-
     Examples
     --------
-    >>> import fastlink as fl
     >>> speed = fl.function("planar_4r", ["a2", "a3"], ["omega4_max"], a1=0.4, a4=1.0, omega1=25.0)
     >>> speed([1.2, 0.8]).round(6)
     array([13.513437])
@@ -393,7 +387,6 @@ class Function:
 
         Examples
         --------
-        >>> import fastlink as fl
         >>> speed = fl.function("planar_4r", ["a2", "a3"], ["omega4_max"], a1=0.4, a4=1.0, omega1=25.0)
         >>> speed.gradient([1.2, 0.8]).round(6)
         array([[  7.846495, -17.870504]])

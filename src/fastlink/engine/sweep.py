@@ -437,14 +437,8 @@ def sweep(
         open, such as ``completion``), then ``branch``, then the input; the swept ones last with ``layout="maps"``.
         A configuration that does not assemble is NaN; ``status`` tells why.
 
-    Raises
-    ------
-    InputError
-        Bad input; the message says what, where, and what to write instead.
-
     Examples
     --------
-    >>> import fastlink as fl
     >>> maps = fl.sweep(
     ...     "planar_4r",
     ...     fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0, omega1=25.0),

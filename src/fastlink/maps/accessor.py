@@ -38,7 +38,6 @@ class MapAccessor:
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> space = fl.grid(a1=[0.4, 0.5, 1.5], a2=1.2, a3=0.8, a4=1.0, omega1=25.0)
     >>> maps = fl.sweep("planar_4r", space, ["omega4_max", "theta4_max"], branch=1)
     >>> maps.fastlink.counts()["rotates_fully"]
@@ -60,11 +59,6 @@ class MapAccessor:
             Of the variable's ``flag_meanings``, such as ``"rotates_fully"`` or ``"rotates fully"``.
         of : str, default "status"
             The variable, such as ``"grashof_class"``.
-
-        Raises
-        ------
-        InputError
-            There is no such variable or meaning.
         """
         array = self._coded(of)
         return has_flag(array, check_flags(array, "of", meanings))
@@ -187,11 +181,6 @@ class MapAccessor:
             Along ``design``, the best first, equal ones in the order of the map: all inputs (those that are the same
             for all designs as scalars), the assembly mode, and all results of that place. ``.to_dataframe()`` is the
             table of pandas. The attribute ``selection`` says how many values were considered and left out.
-
-        Raises
-        ------
-        InputError
-            There is no such variable, or the mask is not one of the same map.
         """
         from fastlink.maps.best import top  # not whenever a map is opened
 
@@ -217,7 +206,6 @@ class VariableAccessor:
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> space = fl.grid(a1=[0.5, 1.5], a2=1.2, a3=0.8, a4=1.0, omega1=25.0)
     >>> maps = fl.sweep("planar_4r", space, ["omega4_max"], branch=1)
     >>> maps.omega4_max.fastlink.finite().max().round(2).item()

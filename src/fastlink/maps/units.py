@@ -228,14 +228,8 @@ def finite(maps: Any) -> Any:
         A copy in memory, in which each variable that had infinite values has their number as attribute
         ``infinite_values``. Variables in dask chunks stay so, and are not counted.
 
-    Raises
-    ------
-    InputError
-        Neither a map nor its path.
-
     Examples
     --------
-    >>> import fastlink as fl
     >>> space = fl.grid(a1=[0.5, 1.5], a2=1.2, a3=0.8, a4=1.0, omega1=25.0)
     >>> maps = fl.sweep("planar_4r", space, ["omega4_max"], branch=1)
     >>> maps.omega4_max.values.ravel().round(2), fl.finite(maps).omega4_max.values.ravel().round(2)

@@ -318,7 +318,10 @@ def branch_codes(catalogue: Catalogue, branch: Any, *, gaps: bool = False) -> ND
         bad = values[~(known | np.isnan(values) if gaps else known)].ravel()[:1].tolist()
     else:
         cells = values.ravel().tolist()
-        known = (is_number(c) and isinstance(c, Real) and (c in catalogue.branches or (gaps and c != c)) for c in cells)
+        known = (
+            is_number(c) and isinstance(c, Real) and (c in catalogue.branches or (gaps and c != c))
+            for c in cells
+        )
         bad = [cell for cell, is_known in zip(cells, known, strict=True) if not is_known][:1]
     for value in bad:
         what = f"{short_repr(value)} is not an assembly mode of {catalogue.name}"
