@@ -143,17 +143,7 @@ def null_between(start: tuple[Any, Any], end: tuple[Any, Any]) -> tuple[Any, Any
 def multiply(z: Any, w: Any) -> Any:
     """Multiply two double numbers, j^2 = 1.
 
-    Hegedues and Moore, section 2.1: (x + yj)(r + sj) = (xr + ys) + j(xs + yr).
-
-    Parameters
-    ----------
-    z, w : array_like, shape (..., 2)
-        Double numbers as vectors x, y.
-
-    Returns
-    -------
-    ndarray, shape (..., 2)
-        The product, each coordinate right to 2 roundings.
+    Hegedues and Moore, section 2.1: (x + yj)(r + sj) = (xr + ys) + j(xs + yr), each coordinate right to 2 roundings.
 
     Examples
     --------
@@ -214,19 +204,10 @@ def polar(r: Any, phi: Any) -> Any:
 
 @door
 def scalar_product(z: Any, w: Any) -> Any:
-    """Return the hyperbolic scalar product <z, w> = Re(z conj(w)) = x u - y v.
+    """Return the hyperbolic scalar product <z, w> = Re(z conj(w)) = x u - y v [m^2].
 
-    Hegedues and Moore, section 2.1. Vectors are double-orthogonal where it is 0.
-
-    Parameters
-    ----------
-    z, w : array_like, shape (..., 2)
-        Vectors x, y and u, v.
-
-    Returns
-    -------
-    ndarray, shape (...)
-        The product [m^2], right to 2 roundings: its sign is exact, also of vectors that are nearly orthogonal.
+    Hegedues and Moore, section 2.1. Vectors are double-orthogonal where it is 0. It is right to 2 roundings: its sign is
+    exact, also of vectors that are nearly orthogonal.
 
     Examples
     --------
@@ -239,20 +220,10 @@ def scalar_product(z: Any, w: Any) -> Any:
 
 @door
 def norm(z: Any) -> Any:
-    """Return the hyperbolic modulus of vectors, sqrt(abs(x^2 - y^2)).
+    """Return the hyperbolic modulus of vectors, sqrt(abs(x^2 - y^2)) [m].
 
     Hegedues and Moore, eq. (1): the hyperbolic distance from the origin, which no motion changes. It is 0 for isotropic
-    vectors, on the lines y = x and y = -x.
-
-    Parameters
-    ----------
-    z : array_like, shape (..., 2)
-        Vectors x, y.
-
-    Returns
-    -------
-    ndarray, shape (...)
-        The modulus [m], right to 3 roundings, however near to the light cone.
+    vectors, on the lines y = x and y = -x; and right to 3 roundings, however near to the light cone.
 
     Examples
     --------
@@ -300,17 +271,7 @@ def rapidity(z: Any) -> Any:
     """Return the angle of vectors from the axis of their causal type.
 
     The rapidity phi of a spacelike vector ±r (ch phi, sh phi), of a timelike one ±r (sh phi, ch phi): artanh(y/x), or
-    artanh(x/y).
-
-    Parameters
-    ----------
-    z : array_like, shape (..., 2)
-        Vectors x, y.
-
-    Returns
-    -------
-    ndarray, shape (...)
-        The rapidity, right to 7 roundings; NaN of lightlike vectors, which have none.
+    artanh(x/y), right to 7 roundings; NaN of lightlike vectors, which have none.
 
     Examples
     --------
@@ -331,18 +292,8 @@ def hyperbolic_angle(z: Any, w: Any) -> Any:
 
     Hegedues and Moore, section 2.2, where both are future-pointing: ch phi = <z, w>/(|z| |w|) of spacelike vectors and
     ch phi = -<z, w>/(|z| |w|) of timelike ones. Here they may both be past-pointing as well. The unoriented angle is
-    its absolute value.
-
-    Parameters
-    ----------
-    z, w : array_like, shape (..., 2)
-        Vectors.
-
-    Returns
-    -------
-    ndarray, shape (...)
-        The angle, right to 12 roundings, of nearly parallel vectors too; NaN where one vector is lightlike, or both are
-        of unlike causal types or orientations: no boost leads from one to the other.
+    its absolute value. It is right to 12 roundings, of nearly parallel vectors too; NaN where one vector is lightlike,
+    or both are of unlike causal types or orientations: no boost leads from one to the other.
 
     Examples
     --------
@@ -371,16 +322,6 @@ def boost(phi: Any) -> Any:
 
     Hegedues and Moore, section 2.2: rows (ch phi, sh phi) and (sh phi, ch phi). Products of boosts add their angles,
     the inverse is A(-phi), and scalar products, causal types and orientations stay.
-
-    Parameters
-    ----------
-    phi : float or array_like
-        The angle.
-
-    Returns
-    -------
-    ndarray, shape (..., 2, 2)
-        The matrices.
 
     Examples
     --------
@@ -500,11 +441,6 @@ def pure_triangle(A: Any, B: Any, C: Any) -> PureTriangle:
     Hegedues and Moore, section 2.2: the class of triangles of the cosine rule, Theorem 2.4. By Lemma 2.1 AC is timelike
     and future-pointing too.
 
-    Parameters
-    ----------
-    A, B, C : array_like, shape (..., 2)
-        Vertices x, y [m].
-
     Returns
     -------
     PureTriangle
@@ -605,18 +541,9 @@ def triangle_excess(z: Any, w: Any) -> Any:
     """Return by how much the reversed triangle inequality holds, |z + w| - |z| - |w|.
 
     Hegedues and Moore, Lemma 2.1 of future-pointing timelike vectors and Lemma 2.2 of future-pointing spacelike ones:
-    it is not negative, and 0 if and only if w = c z for some c > 0. So too for past-pointing vectors.
-
-    Parameters
-    ----------
-    z, w : array_like, shape (..., 2)
-        Vectors x, y [m].
-
-    Returns
-    -------
-    ndarray, shape (...)
-        The excess [m], as 4 (x v - y u)^2 over sums of positive terms: right to 20 roundings, also of nearly parallel
-        vectors. NaN where the vectors are not both spacelike or both timelike, of one orientation.
+    it is not negative, and 0 if and only if w = c z for some c > 0. So too for past-pointing vectors. It is computed as
+    4 (x v - y u)^2 over sums of positive terms [m]: right to 20 roundings, also of nearly parallel vectors. NaN where the
+    vectors are not both spacelike or both timelike, of one orientation.
 
     Examples
     --------
@@ -635,18 +562,8 @@ def quadrilateral_excess(O: Any, A: Any, B: Any, C: Any) -> Any:
     """Return g - a - b - h of quadrilaterals OABC with future-pointing spacelike OA, AB, BC.
 
     Hegedues and Moore, Corollary 2.3: with a = |OA|, b = |BC|, g = |OC| and h = |AB| it is not negative, and 0 only if
-    all points are in line.
-
-    Parameters
-    ----------
-    O, A, B, C : array_like, shape (..., 2)
-        Vertices x, y [m].
-
-    Returns
-    -------
-    ndarray, shape (...)
-        The excess [m], the sum of those of the triangles OAB and OBC; NaN where OA, AB or BC is not a future-pointing
-        spacelike vector (OC then is one).
+    all points are in line. It is the sum of those of the triangles OAB and OBC [m]; NaN where OA, AB or BC is not a
+    future-pointing spacelike vector (OC then is one).
 
     Examples
     --------
