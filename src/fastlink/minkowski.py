@@ -206,8 +206,8 @@ def polar(r: Any, phi: Any) -> Any:
 def scalar_product(z: Any, w: Any) -> Any:
     """Return the hyperbolic scalar product <z, w> = Re(z conj(w)) = x u - y v [m^2].
 
-    Hegedues and Moore, section 2.1. Vectors are double-orthogonal where it is 0. It is right to 2 roundings: its sign is
-    exact, also of vectors that are nearly orthogonal.
+    Hegedues and Moore, section 2.1. Vectors are double-orthogonal where it is 0. It is right to 2 roundings: its sign
+    is exact, also of vectors that are nearly orthogonal.
 
     Examples
     --------
@@ -542,8 +542,8 @@ def triangle_excess(z: Any, w: Any) -> Any:
 
     Hegedues and Moore, Lemma 2.1 of future-pointing timelike vectors and Lemma 2.2 of future-pointing spacelike ones:
     it is not negative, and 0 if and only if w = c z for some c > 0. So too for past-pointing vectors. It is computed as
-    4 (x v - y u)^2 over sums of positive terms [m]: right to 20 roundings, also of nearly parallel vectors. NaN where the
-    vectors are not both spacelike or both timelike, of one orientation.
+    4 (x v - y u)^2 over sums of positive terms [m]: right to 20 roundings, also of nearly parallel vectors. NaN where
+    the vectors are not both spacelike or both timelike, of one orientation.
 
     Examples
     --------

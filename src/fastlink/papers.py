@@ -64,22 +64,15 @@ def all_entries(
     unread: Iterable[str] = (),
 ) -> dict[str, Any]:
     """Return what a design gives of the known names but some, and what is given by name; note what is in both."""
-    given = {name: of for name, of in _entries(function, design, known).items() if name not in unread}
+    entries = {} if design is None else read_or_none(_entries_of, design, known)
+    if entries is None:
+        remedy = "give the inputs by name, such as a1=0.5, or a mapping of them"
+        raise InputError(f"is {short_repr(design)}", (function, "design"), remedy)
+    given = {name: of for name, of in entries.items() if name not in unread}
     for name in inputs:
         if name in given:
             problems.add("is in the design and given by name", (function, name), "leave one out")
     return given | dict(inputs)
-
-
-def _entries(function: str, design: Any, known: Iterable[str]) -> dict[str, Any]:
-    """Return name and values of each input of a design."""
-    if design is None:
-        return {}
-    entries = read_or_none(_entries_of, design, known)
-    if entries is not None:
-        return entries
-    what, remedy = f"is {short_repr(design)}", "give the inputs by name, such as a1=0.5, or a mapping of them"
-    raise InputError(what, (function, "design"), remedy)
 
 
 def _entries_of(design: Any, known: Iterable[str]) -> dict[str, Any] | None:

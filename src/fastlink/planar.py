@@ -6,6 +6,7 @@ products may leave the range of doubles. So is what is missing, is not a finite 
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -1210,17 +1211,11 @@ def rate_extrema(space: Any, *, pair: str = "14", **options: Any) -> Any:
         raise InputError(f"{short_repr(pair)} is unknown", where=where, remedy=remedy)
     i, j = pair[0], pair[1]
     names = [str(ListOfExtrema(Quantity(f"{rate}_{j}"))) for rate in ("joint_omega", "joint_alpha")]
-    if i == "1" and isinstance(space := _designs(space, options), DesignSpace) and "omega1" in space.names:
-        space = _renamed(space, {"omega1": "joint_omega_1"})
+    if i == "1":
+        with contextlib.suppress(InputError):  # what is no design space the sweep refuses
+            designs = as_space(space, allow_invalid=bool(options.get("allow_invalid", False)))
+            space = _renamed(designs, {"omega1": "joint_omega_1"})
     return sweep("planar_4r", space, names, input=f"joint_angle_{i}", **options)
-
-
-def _designs(source: Any, options: dict[str, Any]) -> Any:
-    """Return the design space that something stands for, itself if the sweep has to refuse it."""
-    try:
-        return as_space(source, allow_invalid=bool(options.get("allow_invalid", False)))
-    except InputError:
-        return source
 
 
 def _renamed(space: DesignSpace, names: dict[str, str]) -> DesignSpace:
@@ -1420,20 +1415,29 @@ def force_hypothesis(maps: Any, **options: Any) -> xr.Dataset:
         read |= {place: dataset[place] for place in (_place(*extreme) for extreme in extremes)}
         arrays = dict(zip([*read, *inputs], xr.broadcast(*read.values(), *inputs.values()), strict=True))
         template = arrays[_place(*extremes[0])]
-        flat = {name: array.values.ravel() for name, array in arrays.items()}
-    shape = (len(loads), len(extremes), template.size)
-    distance, ratio = np.full(shape, np.nan), np.full(shape, np.nan)
-    bounded = np.all([np.isfinite(flat[name]) for name in read], axis=0)  # the others are not evaluated
-    flat = {name: values[bounded] for name, values in flat.items()}
-    greatest = [_greatest(load, flat) for load in loads]
+        bounded = np.all(
+            [np.isfinite(arrays[name].values) for name in read], axis=0
+        )  # others are not evaluated
+        design = {name: array.values[bounded] for name, array in arrays.items()}
+    found = np.full((2, *template.shape, len(loads), len(extremes)), np.nan)
+    greatest = [_greatest(load, design) for load in loads]
     for k, extreme in enumerate(extremes):
-        place = flat[_place(*extreme)]
-        there = _magnitudes(loads, {name: flat[name] for name in inputs}, place)
+        place = design[_place(*extreme)]
+        there = _magnitudes(loads, {name: design[name] for name in inputs}, place)
         for i, (size, at) in enumerate(greatest):
-            distance[i, k, bounded] = _turn_between(at, place)
+            turn = abs(at - place) % (2.0 * np.pi)
+            found[0][bounded, i, k] = np.minimum(turn, 2.0 * np.pi - turn)
             with np.errstate(all="ignore"):  # a load that vanishes everywhere
-                ratio[i, k, bounded] = there[i] / size
-    return _labelled(template, loads, [_extreme(*extreme) for extreme in extremes], distance, ratio)
+                found[1][bounded, i, k] = there[i] / size
+    dims = (*template.dims, "load", "extreme")
+    coords = {**template.coords, "load": loads, "extreme": [_extreme(*extreme) for extreme in extremes]}
+    of_distance = "Angle of the input between the greatest magnitude of the load and the extreme"
+    of_ratio = "Magnitude of the load at the extreme over the greatest"
+    results = {
+        "distance": (dims, found[0], {"units": "rad", "long_name": of_distance}),
+        "ratio": (dims, found[1], {"units": "1", "long_name": of_ratio}),
+    }
+    return xr.Dataset(results, coords)
 
 
 def _extreme(name: str, end: str) -> str:
@@ -1502,28 +1506,3 @@ def _magnitudes(loads: Sequence[str], design: Mapping[str, Any], theta1: Any) ->
         for i, load in enumerate(loads):
             found[i, part] = abs(at[load])
     return found
-
-
-def _turn_between(first: Any, second: Any) -> Any:
-    """Return the angle between two directions, 0 to pi."""
-    turn = abs(first - second) % (2.0 * np.pi)
-    return np.minimum(turn, 2.0 * np.pi - turn)
-
-
-def _labelled(template: Any, loads: list[str], extremes: list[str], distance: Any, ratio: Any) -> xr.Dataset:
-    """Return the comparison with the coordinates of the map."""
-    dims = (*template.dims, "load", "extreme")
-    labels = {
-        "distance": ("rad", "Angle of the input between the greatest magnitude of the load and the extreme"),
-        "ratio": ("1", "Magnitude of the load at the extreme over the greatest"),
-    }
-    values = {"distance": distance, "ratio": ratio}
-    variables = {
-        name: (
-            dims,
-            np.moveaxis(values[name].reshape(*values[name].shape[:2], *template.shape), (0, 1), (-2, -1)),
-            {"units": units, "long_name": meaning},
-        )
-        for name, (units, meaning) in labels.items()
-    }
-    return xr.Dataset(variables, {**template.coords, "load": loads, "extreme": extremes})

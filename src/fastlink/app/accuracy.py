@@ -15,7 +15,7 @@ import numpy as np
 import xarray as xr
 
 from fastlink._text import aligned, counted, duration, short_repr, writable
-from fastlink.app.study import A_STUDY, read_study
+from fastlink.app.study import A_STUDY, Study, read_study
 from fastlink.engine.options import check_options
 from fastlink.engine.resolve import ResolvedSweep, resolve
 from fastlink.engine.run import Job, run
@@ -30,16 +30,14 @@ from fastlink.pictures.picture import check_picture, save
 from fastlink.precision.errors import outermost, read_curves
 from fastlink.precision.reference import CONTEXT, HighPrecision
 from fastlink.precision.stationary import Stationary
-from fastlink.space.design_space import sampled
+from fastlink.space.design_space import DesignSpace, sampled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from fastlink.app.study import Study
     from fastlink.engine.extend import Extension
     from fastlink.plan.programs import Plan
-    from fastlink.space.design_space import DesignSpace
 
 
 # -- The methods for a quantity, NumPy among them, and their run times

@@ -23,8 +23,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from fastlink._text import aligned, counted, duration, size
-from fastlink.app.study import A_STUDY, read_study, request_of_search
-from fastlink.codegen.kernel import SOON, llvm_text
+from fastlink.app.study import A_STUDY, Study, read_study, request_of_search
+from fastlink.codegen.kernel import SOON, Kernel, llvm_text
 from fastlink.codegen.machine import assembly
 from fastlink.codegen.runtime import cells, results
 from fastlink.codegen.translate import Refused
@@ -41,15 +41,12 @@ from fastlink.numerics import compensated, vectors
 from fastlink.numerics.compiler import COMPILED_AS, INLINED, parsed, syntax
 from fastlink.plan.programs import ExtremaProgram, KnownProgram
 from fastlink.precision import DESIGNS, Verification
-from fastlink.space.design_space import sampled
+from fastlink.space.design_space import DesignSpace, sampled
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from fastlink.app.study import Study
-    from fastlink.codegen.kernel import Kernel
     from fastlink.codegen.source import Source
-    from fastlink.space.design_space import DesignSpace
 
 
 # -- Time a request on a sample of its designs, to say beforehand how long all of them take

@@ -19,7 +19,7 @@ from pydantic import BaseModel, Discriminator, Field, Tag, ValidationError, mode
 from pydantic_core import PydanticCustomError, core_schema
 
 from fastlink._text import short_repr, size, writable
-from fastlink.design.search import request_of, search
+from fastlink.design.search import SearchRequest, request_of, search
 from fastlink.engine.extend import Extension
 from fastlink.engine.options import check_options
 from fastlink.engine.resolve import check, given_tolerances, resolve
@@ -46,7 +46,7 @@ from fastlink.facts.derivative import toleranced
 from fastlink.facts.own import TOO_LONG
 from fastlink.io.output_path import existing_file, exists_error
 from fastlink.io.partial_file import check_target
-from fastlink.io.reader import is_hdf5, open_map
+from fastlink.io.reader import Part, is_hdf5, open_map
 from fastlink.mechanisms import NAMES, is_extension, name_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.request import check_keywords
@@ -58,9 +58,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from distributed import Client
 
-    from fastlink.design.search import Request as SearchRequest
     from fastlink.facts.catalogue import Catalogue
-    from fastlink.io.reader import Part
 
 
 # -- Quantities of one's own beside a study: the Python file that declares them, run only by who trusts it
@@ -602,7 +600,7 @@ class StudyWording(Wording):
 # -- The request of a study, from its tables: checked as far as they are without problems
 
 
-class Request:
+class StudyRequest:
     """The request of a study.
 
     Attributes
@@ -991,7 +989,7 @@ def read_study(path: str | Path, trust_code: bool = False) -> Study:
     if driven is None or "mechanism" not in tables:
         problems.stop()
     assert driven is not None
-    request = Request(path, raw, tables, driven, problems, mechanism)
+    request = StudyRequest(path, raw, tables, driven, problems, mechanism)
     request.check()
     problems.stop()
     assert request.space is not None

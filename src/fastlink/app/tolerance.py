@@ -17,7 +17,7 @@ from fastlink.app.study import read_study
 from fastlink.design.refine import Model
 from fastlink.design.search import labels_of
 from fastlink.engine.designs import without
-from fastlink.engine.extend import is_own, own_refused
+from fastlink.engine.extend import Extension, is_own, own_refused
 from fastlink.engine.function import derivative_of
 from fastlink.engine.options import check_options
 from fastlink.engine.resolve import given_tolerances, resolve
@@ -28,15 +28,13 @@ from fastlink.facts.names import Change, Quantity
 from fastlink.io.reader import as_map
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.query import check_names, parse_request
-from fastlink.space.design_space import BRANCH, DESIGN, MODELS
+from fastlink.space.design_space import BRANCH, DESIGN, MODELS, DesignSpace
 from fastlink.space.tables import as_space
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from fastlink.engine.extend import Extension
     from fastlink.facts.catalogue import Catalogue
-    from fastlink.space.design_space import DesignSpace
 
 
 # -- Changes by tolerances from derivatives that are known, and the share of each input in them

@@ -16,29 +16,24 @@ from numpy.typing import NDArray
 
 from fastlink._text import counted, in_words, short_number, short_repr
 from fastlink.engine.evaluate import evaluate
-from fastlink.engine.extend import check_declared, is_own, own_refused
-from fastlink.engine.function import function
+from fastlink.engine.extend import Extension, check_declared, is_own, own_refused
+from fastlink.engine.function import Function, function
 from fastlink.engine.labels import request_labels
 from fastlink.errors import InputError, Problems, listed
-from fastlink.facts.catalogue import ELIMINATED
+from fastlink.facts.catalogue import ELIMINATED, Catalogue
 from fastlink.facts.derivative import NoDependence, NoDerivative, is_tolerance
 from fastlink.facts.names import derivative_name
-from fastlink.maps.best import ACTIVE, GAIN, REFINEMENT, STARTS, nondominated
+from fastlink.maps.best import ACTIVE, GAIN, REFINEMENT, STARTS, Condition, Objective, nondominated
 from fastlink.maps.units import check_units, units_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.query import Request, parse_request
 from fastlink.plan.request import check_positions, selected_variants
-from fastlink.space.design_space import BRANCH, DESIGN, EXTREMUM, MODELS, Links, bounds_of, steps
+from fastlink.space.design_space import BRANCH, DESIGN, EXTREMUM, MODELS, DesignSpace, Links, bounds_of, steps
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from fastlink.engine.extend import Extension
-    from fastlink.engine.function import Function
-    from fastlink.facts.catalogue import Catalogue
     from fastlink.facts.fact import Input
-    from fastlink.maps.best import Condition, Objective
-    from fastlink.space.design_space import DesignSpace
 
 
 # -- The inputs that a refinement may change: their ranges in a map, and those that follow others

@@ -19,21 +19,21 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from fastlink._text import counted, joined
 from fastlink.codegen.cache import environment
 from fastlink.design.best import inputs_to_refine
 from fastlink.design.refine import Model, Refinement, Span, angles_of, candidates, spans_of_space
 from fastlink.engine import labels
-from fastlink.engine.extend import check_declared, own_refused
+from fastlink.engine.extend import Extension, check_declared, own_refused
 from fastlink.engine.options import check_options, check_workers
-from fastlink.engine.resolve import of_request, resolve
+from fastlink.engine.resolve import ResolvedSweep, of_request, resolve
 from fastlink.engine.run import default_threads, run
 from fastlink.engine.sinks import ProgressBar, allocated, check_needs, designs_per_block, within
 from fastlink.engine.sweep import sweep
 from fastlink.errors import InputError, Pair, Problems, Setting, check_output, check_switch, door
-from fastlink.facts.catalogue import ELIMINATED
+from fastlink.facts.catalogue import ELIMINATED, Catalogue
 from fastlink.facts.own import declared_names
 from fastlink.io.checksums import Range, Ranges, joined_ranges, missing
 from fastlink.io.finished import finished_map
@@ -62,18 +62,13 @@ from fastlink.maps.best import (
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.query import check_names, parse_request
 from fastlink.precision import DESIGNS
-from fastlink.space.design_space import BRANCH, DESIGN, Links, angle_of
+from fastlink.space.design_space import BRANCH, DESIGN, DesignSpace, Links, angle_of
 from fastlink.space.tables import FORMAT, STATUS, table
 
 if TYPE_CHECKING:
     from distributed import Client
-    from numpy.typing import ArrayLike
 
     from fastlink.engine.cluster import Cluster
-    from fastlink.engine.extend import Extension
-    from fastlink.engine.resolve import ResolvedSweep
-    from fastlink.facts.catalogue import Catalogue
-    from fastlink.space.design_space import DesignSpace
 
 
 # -- Keep the best rows of a sweep that goes by block by block: memory does not grow with the number of
@@ -303,7 +298,7 @@ class Unfinished:
 
 
 def found_by(
-    request: Request,
+    request: SearchRequest,
     *,
     threads: int,
     block: int | None,
@@ -349,7 +344,7 @@ def found_by(
 
 
 def finished(
-    request: Request,
+    request: SearchRequest,
     stream: Stream,
     kept: Kept,
     about: Mapping[str, Any],
@@ -457,7 +452,7 @@ def _count(ranges: list[Range]) -> int:
     return sum(stop - start for start, stop in ranges)
 
 
-def _nothing(request: Request, stream: Stream, kept: Kept) -> InputError:
+def _nothing(request: SearchRequest, stream: Stream, kept: Kept) -> InputError:
     """Return the error of a search that has found nothing, with what was in the way."""
     size = request.size * stream.rows.of_design
     reasons = [
@@ -482,7 +477,7 @@ SEARCHED = "searched_"
 
 
 @dataclass
-class Request:
+class SearchRequest:
     """A search whose parts were checked."""
 
     #: The mechanism, as it was given.
@@ -804,7 +799,7 @@ def search(
 
 def to_file(
     to: Path,
-    request: Request,
+    request: SearchRequest,
     found: Callable[[Path], tuple[xr.Dataset, xr.Dataset | None]],
     *,
     made: str,
@@ -831,7 +826,7 @@ def to_file(
     return open_map(path)
 
 
-def request_of_parts(parts: Sequence[PartFile], own: Any = None) -> tuple[Request, list[Kept], Any]:
+def request_of_parts(parts: Sequence[PartFile], own: Any = None) -> tuple[SearchRequest, list[Kept], Any]:
     """Return the search that parts make together, what each has kept, and how many designs are verified.
 
     Its designs are those that were kept, which know their numbers among all.
@@ -886,7 +881,7 @@ _OPTIONS = tuple(name for name in signature(search).parameters if name != "posit
 
 def request_of(
     mechanism: Any, space: Any, quantities: Any, asked: Mapping[str, Any], **of_sweep: Any
-) -> Request:
+) -> SearchRequest:
     """Return the request of a search, or refuse it with all its problems; nothing is compiled."""
     problems, only = Problems(), None
     with problems.at():
@@ -912,7 +907,7 @@ def request_of(
     options |= angles_of(resolved.catalogue, resolved.positions)
     wanted = tuple(dict.fromkeys([*others, *names]))
     about = choice_asked, choice, labels, space.size, space.attrs
-    request = Request(mechanism, resolved, options, wanted, only, *about)
+    request = SearchRequest(mechanism, resolved, options, wanted, only, *about)
     if only is not None:
         spans = asked.get("spans")
         request.spans = spans or spans_of_space(resolved.catalogue, space, bounds, only)

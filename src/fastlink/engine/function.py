@@ -16,7 +16,7 @@ from fastlink._text import counted, short_repr
 from fastlink.engine.resolve import ResolvedSweep, check, of_request, resolve
 from fastlink.engine.run import VECTOR, Runner
 from fastlink.errors import InputError, Problem, Problems, door
-from fastlink.facts.catalogue import ELIMINATED
+from fastlink.facts.catalogue import ELIMINATED, Catalogue
 from fastlink.facts.derivative import NoDependence, is_tolerance
 from fastlink.facts.names import Derivative, GradientStatus, Quantity, Reduced, derivative_name
 from fastlink.facts.powers import beyond_range
@@ -24,7 +24,7 @@ from fastlink.machine import check_memory
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.numerics.compiler import MOVING, NOTHING
-from fastlink.plan.query import check_names, parse_request
+from fastlink.plan.query import Request, check_names, parse_request
 from fastlink.plan.request import (
     allowed,
     check_inputs,
@@ -48,10 +48,8 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from fastlink.engine.extend import Extension
-    from fastlink.facts.catalogue import Catalogue
     from fastlink.facts.fact import Input
     from fastlink.plan.programs import Output
-    from fastlink.plan.query import Request
     from fastlink.space.design_space import Links
 
 

@@ -13,7 +13,7 @@ from numba.extending import intrinsic
 
 from fastlink.codegen.kernel import MachineCode
 from fastlink.codegen.numba_backend import OPTIONS
-from fastlink.engine.run import COUNT, VECTOR
+from fastlink.engine.run import COUNT, VECTOR, Runner
 from fastlink.errors import InputError, Setting
 from fastlink.facts.powers import limits
 
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fastlink.engine.function import Rows
-    from fastlink.engine.run import Runner
     from fastlink.facts.fact import Input
 
 

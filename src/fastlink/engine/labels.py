@@ -25,14 +25,12 @@ from fastlink.io.layout import (
 )
 from fastlink.plan.programs import Output, Plan
 from fastlink.plan.query import STATUS_FLAGS, Request, units_of
-from fastlink.space.design_space import BRANCH, EXTREMUM, DesignSpace, frozen
+from fastlink.space.design_space import BRANCH, EXTREMUM, Column, DesignSpace, frozen
 from fastlink.space.tables import CURVES, MAPS
 
 if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
-
-    from fastlink.space.design_space import Column
 
 
 def variables(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
 from typing import TYPE_CHECKING, Any
@@ -19,9 +19,9 @@ from fastlink.engine.designs import designs_of, without
 from fastlink.engine.run import Job, KernelTask, Shapes
 from fastlink.engine.scaling import FarDesigns, ScalingAxis, find_scaling_axis
 from fastlink.errors import InputError, KeyPath, Problem, Problems, check_path
-from fastlink.facts.catalogue import ELIMINATED
+from fastlink.facts.catalogue import ELIMINATED, Catalogue
 from fastlink.facts.derivative import is_tolerance, tolerance_name
-from fastlink.facts.own import used
+from fastlink.facts.own import Definition, used
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.mechanisms import name_of
 from fastlink.plan.programs import ANGLES_FOR_LANES, Plan, all_declared, make_plan
@@ -46,14 +46,10 @@ from fastlink.space.design_space import COMMENT, EXTREMUM, angle_of, definition_
 from fastlink.space.tables import CURVES, as_space
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from numpy.typing import NDArray
 
     from fastlink.engine.extend import Extension
-    from fastlink.facts.catalogue import Catalogue
     from fastlink.facts.fact import Input
-    from fastlink.facts.own import Definition
     from fastlink.space.design_space import DesignSpace, Links
 
 

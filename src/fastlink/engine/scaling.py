@@ -12,18 +12,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink.engine.run import BLOCK_BYTES, Sink
-from fastlink.facts.fact import System
+from fastlink.facts.fact import Fact, Input, System
 from fastlink.facts.names import ErrorBound, Trust
 from fastlink.facts.powers import Powers, UnlikePowers, any_beyond_range, beyond_range, limits
 from fastlink.plan.request import flag_beyond_range
-from fastlink.space.design_space import Column
+from fastlink.space.design_space import Column, DesignSpace
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from fastlink.facts.fact import Fact, Input
     from fastlink.plan.programs import Output, Plan
-    from fastlink.space.design_space import DesignSpace
 
 
 # -- Evaluate one value of an axis that only scales results, and multiply

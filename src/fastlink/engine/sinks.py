@@ -13,9 +13,9 @@ import numpy as np
 
 from fastlink._text import size as human_size
 from fastlink.codegen.runtime.cells import LANES
-from fastlink.engine.run import BLOCK_BYTES, block_length, row_bytes
+from fastlink.engine.run import BLOCK_BYTES, Shapes, Sink, block_length, row_bytes
 from fastlink.errors import InputError, Remedy, Setting
-from fastlink.io.checksums import joined_ranges
+from fastlink.io.checksums import Range, joined_ranges
 from fastlink.io.output_path import progress_bar
 from fastlink.machine import ALWAYS_FITS, check_memory
 from fastlink.space.design_space import DESIGN, Column
@@ -26,8 +26,6 @@ if TYPE_CHECKING:
 
     from fastlink.codegen.kernel import Kernel
     from fastlink.engine.resolve import ResolvedSweep
-    from fastlink.engine.run import Shapes, Sink
-    from fastlink.io.checksums import Range
     from fastlink.plan.programs import Plan
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from fastlink.engine import labels
 from fastlink.engine.options import check_options, check_workers
-from fastlink.engine.resolve import of_request, resolve
+from fastlink.engine.resolve import ResolvedSweep, of_request, resolve
 from fastlink.engine.run import BLOCK_BYTES, Sink, default_threads, row_bytes, run
 from fastlink.engine.sinks import (
     ProgressBar,
@@ -29,15 +29,15 @@ from fastlink.engine.sinks import (
 )
 from fastlink.errors import Problems, door
 from fastlink.facts.catalogue import ELIMINATED
-from fastlink.io.checksums import joined_ranges
+from fastlink.io.checksums import Range, joined_ranges
 from fastlink.io.finished import finished_map
-from fastlink.io.layout import HISTORY, history, plain_attrs
+from fastlink.io.layout import HISTORY, Variable, history, plain_attrs
 from fastlink.io.partial_file import check_target
 from fastlink.io.reader import Part, PartOfMap, check_size
 from fastlink.io.writer import RemoteWriter, Writer, Written
 from fastlink.maps import open as open_map
 from fastlink.precision import DESIGNS, Verification
-from fastlink.space.design_space import DESIGN, Counted, held, part_of
+from fastlink.space.design_space import DESIGN, Counted, DesignSpace, Links, held, part_of
 from fastlink.space.tables import CURVES, MAPS
 
 if TYPE_CHECKING:
@@ -47,10 +47,6 @@ if TYPE_CHECKING:
 
     from fastlink.engine.cluster import Cluster
     from fastlink.engine.extend import Extension
-    from fastlink.engine.resolve import ResolvedSweep
-    from fastlink.io.checksums import Range
-    from fastlink.io.layout import Variable
-    from fastlink.space.design_space import DesignSpace, Links
 
 
 # -- The designs of a part of a sweep, and what it keeps of the whole

@@ -318,15 +318,16 @@ def branch_codes(catalogue: Catalogue, branch: Any, *, gaps: bool = False) -> ND
         bad = values[~(known | np.isnan(values) if gaps else known)].ravel()[:1].tolist()
     else:
         cells = values.ravel().tolist()
-        known = (
-            is_number(c) and isinstance(c, Real) and (c in catalogue.branches or (gaps and c != c))
-            for c in cells
-        )
-        bad = [cell for cell, is_known in zip(cells, known, strict=True) if not is_known][:1]
+        bad = [cell for cell in cells if not _is_branch(catalogue, cell, gaps)][:1]
     for value in bad:
         what = f"{short_repr(value)} is not an assembly mode of {catalogue.name}"
         raise InputError(what, ("branch",), remedy)
     return values.astype(np.float64)
+
+
+def _is_branch(catalogue: Catalogue, value: object, gaps: bool) -> bool:
+    is_gap = gaps and isinstance(value, float) and math.isnan(value)
+    return is_gap or (is_number(value) and isinstance(value, Real) and value in catalogue.branches)
 
 
 def check_branches(catalogue: Catalogue, branch: Any) -> tuple[int, ...]:
