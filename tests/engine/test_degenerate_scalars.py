@@ -49,7 +49,7 @@ def assert_same_alone(mechanism, variants, n, rng):
                 )
 
 
-def variants_of(mechanism):
+def selected_variants(mechanism):
     """Return each variant alone, but for the range of the search of extremes."""
     search = {mechanism.graded.name} if mechanism.graded is not None else set()
     return [
@@ -73,7 +73,7 @@ def test_every_quantity_alone_is_as_in_an_array(mechanism, input):
 @pytest.mark.parametrize(("mechanism", "input"), DRIVEN)
 def test_every_quantity_of_every_variant_alone_is_as_in_an_array(mechanism, input):
     rng = np.random.default_rng(4)
-    for variants in variants_of(catalogue(mechanism, input)):
+    for variants in selected_variants(catalogue(mechanism, input)):
         assert_same_alone(catalogue(mechanism, input), variants, 200, rng)
 
 

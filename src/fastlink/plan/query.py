@@ -771,16 +771,6 @@ def check_names(parameter: str, given: Iterable[str]) -> tuple[str, ...]:
     return tuple(map(str, names))
 
 
-def reduced_names(catalogue: Catalogue) -> Iterable[str]:
-    """Yield every name of a reduction or list over a mechanism's cycle: of all but the codes of a design."""
-    for quantity in filter(catalogue.varies, catalogue.public):
-        for reduction in REDUCTIONS.values():
-            yield str(Reduced(Quantity(quantity), reduction.suffix))
-            if reduction.has_position:
-                yield str(Reduced(Quantity(quantity), reduction.suffix, catalogue.position.name))
-        yield from list_names(catalogue, quantity)
-
-
 def list_names(catalogue: Catalogue, quantity: str) -> tuple[str, ...]:
     """Return the names that belong together: a list of extrema, their positions, their number, their kinds."""
     of = Quantity(quantity)

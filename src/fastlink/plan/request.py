@@ -76,17 +76,6 @@ if TYPE_CHECKING:
 RULES = {"positive": "greater than 0", "non-negative": "at least 0"}
 
 
-def variants_of(
-    catalogue: Catalogue, links: Links | None, solver: str, given: Iterable[str] = ()
-) -> tuple[str, ...]:
-    """Return the selected variants, each before the variants that it replaces facts of.
-
-    Giving an input of a load selects its variant, see `Catalogue.variants_selected_by`.
-    """
-    check_model(catalogue, links, solver)
-    return selected_variants(catalogue, links, solver, given)
-
-
 def check_model(catalogue: Catalogue, links: Links | None, solver: str) -> None:
     """Refuse a solver and a model of the links that the mechanism does not have."""
     problems = Problems()
@@ -108,9 +97,9 @@ def check_model(catalogue: Catalogue, links: Links | None, solver: str) -> None:
 
 
 def selected_variants(
-    catalogue: Catalogue, links: Links | None, solver: str, given: Iterable[str]
+    catalogue: Catalogue, links: Links | None, solver: str, given: Iterable[str] = ()
 ) -> tuple[str, ...]:
-    """Return the selected variants, see `variants_of`; what `check_model` refuses selects none."""
+    """Return the selected variants, each before those that it replaces facts of; what is refused selects none."""
     solved = (solver,) if isinstance(solver, str) and solver != ELIMINATED else ()
     model = (links.model,) if isinstance(links, Links) else ()
     return (*solved, *catalogue.variants_selected_by(given), *model)
