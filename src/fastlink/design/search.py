@@ -108,25 +108,6 @@ class Kept(Tally):
         return cls(**given)
 
 
-@dataclass(frozen=True)
-class Rows:
-    """The rows of a search: places along the designs and further dimensions, numbered in C order."""
-
-    #: The further dimensions of objectives and conditions, and their lengths.
-    sizes: dict[str, int] = field(default_factory=dict)
-
-    @property
-    def of_design(self) -> int:
-        """The rows of one design."""
-        return math.prod(self.sizes.values())
-
-    def places(self, rows: NDArray[np.int64]) -> tuple[NDArray[np.int64], dict[str, NDArray[np.int64]]]:
-        """Return the designs of rows, and their places along each further dimension."""
-        designs, inside = np.divmod(rows, self.of_design)
-        along = np.unravel_index(inside, tuple(self.sizes.values())) if self.sizes else ()
-        return designs, dict(zip(self.sizes, along, strict=True))
-
-
 class Stream:
     """The reading of the blocks of a sweep."""
 
@@ -136,7 +117,9 @@ class Stream:
         dims = dict.fromkeys(str(dim) for array in arrays for dim in array.dims if dim != DESIGN)
         self.lengths = resolved.lengths
         order = [dim for dim in (BRANCH, *along) if dim in dims]
-        self.rows = Rows({dim: self.lengths[dim] for dim in order})
+        #: The dimensions of objectives and conditions besides the design, and their lengths; rows are in C order.
+        self.sizes = {dim: self.lengths[dim] for dim in order}
+        self.rows_of_design = math.prod(self.sizes.values())
         self.names = list(dict.fromkeys(str(array.name) for array in arrays))
         outputs = {output.name: k for k, output in enumerate(resolved.plan.outputs)}
         self.outputs = {name: outputs[name] for name in self.names if name in outputs}
@@ -147,6 +130,12 @@ class Stream:
         self.waiting: list[tuple[NDArray[np.int64], NDArray[np.float64]]] = []
         self.count, self.strongest = 0, np.empty((0, len(choice.objectives)))
         self.codes = max(resolved.catalogue.facts["status"].flags) + 1
+
+    def places(self, rows: NDArray[np.int64]) -> tuple[NDArray[np.int64], dict[str, NDArray[np.int64]]]:
+        """Return the designs of rows, and their places along each further dimension."""
+        designs, inside = np.divmod(rows, self.rows_of_design)
+        along = np.unravel_index(inside, tuple(self.sizes.values())) if self.sizes else ()
+        return designs, dict(zip(self.sizes, along, strict=True))
 
     @property
     def searched(self) -> list[str]:
@@ -163,26 +152,26 @@ class Stream:
         """Add the results of consecutive designs to what is kept of a block; `known` is kept of others already."""
         values = self._values(start, stop, arrays)
         into.designs += np.bincount(arrays[self.status].reshape(-1), minlength=self.codes)
-        shape = (stop - start, *self.rows.sizes.values())
+        shape = (stop - start, *self.sizes.values())
         places, points = into.usable(self.choice, shape, lambda array: values[str(array.name)])
         if len(places):
-            self._add(into, start * self.rows.of_design + places, points, known)
+            self._add(into, start * self.rows_of_design + places, points, known)
 
     def _values(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> dict[str, NDArray[Any]]:
         """Return what is looked at, with a length or 1 along each dimension of the rows."""
         lengths, found = self.lengths, dict[str, NDArray[Any]]()
         for name, k in self.outputs.items():
             axes = self.resolved.plan.outputs[k].axes
-            shape = [lengths[dim] if dim in axes else 1 for dim in self.rows.sizes]
+            shape = [lengths[dim] if dim in axes else 1 for dim in self.sizes]
             found[name] = arrays[k].reshape(stop - start, *shape)
         if self.inputs:
             read = np.empty((len(self.inputs), stop - start))
             self.resolved.space.fill(self.inputs, start, stop, read)
             for name, row in zip(self.inputs, read, strict=True):
-                found[name] = row.reshape(-1, *(1 for _ in self.rows.sizes))
+                found[name] = row.reshape(-1, *(1 for _ in self.sizes))
         for name in self.names:
             if name not in found:
-                shape = [lengths[dim] if dim == name else 1 for dim in self.rows.sizes]
+                shape = [lengths[dim] if dim == name else 1 for dim in self.sizes]
                 found[name] = self.along[name].reshape(1, *shape)
         return found
 
@@ -245,7 +234,7 @@ class Unfinished:
 
     def __init__(self, path: Path, fingerprint: str) -> None:
         self.path, self.fingerprint = search_of(path), fingerprint
-        self._next = time.monotonic() + STEP_SECONDS
+        self.due = time.monotonic() + STEP_SECONDS
 
     def read(self) -> tuple[Kept, list[Range]] | None:
         """Return what an earlier run of the same request has left, None where nothing is; refuse that of another."""
@@ -265,10 +254,6 @@ class Unfinished:
             raise refused(f"{self.path} cannot be read ({error})", remedy) from error
         raise refused(f"{self.path} is of another search, or by another version", remedy)
 
-    def is_due(self) -> bool:
-        """Tell whether it is time to keep the state."""
-        return time.monotonic() >= self._next
-
     def write(self, kept: Kept, done: Sequence[Range]) -> None:
         """Keep a state."""
         about = json.dumps({"fingerprint": self.fingerprint, "done": [list(one) for one in done]})
@@ -284,7 +269,7 @@ class Unfinished:
         except OSError as error:
             fresh.unlink(missing_ok=True)
             raise not_writable(self.path, error) from error
-        self._next = time.monotonic() + STEP_SECONDS
+        self.due = time.monotonic() + STEP_SECONDS
 
     def remove(self) -> None:
         """Remove it: the search has its file, or is to begin anew."""
@@ -416,7 +401,7 @@ class _Gathering(_Gathered):
         """Add what is kept of further designs, also by a worker; thread-safe."""
         with self.lock:
             super().merge(report)
-            if self.unfinished is not None and self.unfinished.is_due():
+            if self.unfinished is not None and time.monotonic() >= self.unfinished.due:
                 self.unfinished.write(*self.report())
         self.bar.merge(int(report[0].designs.sum()))
 
@@ -454,7 +439,7 @@ def _count(ranges: list[Range]) -> int:
 
 def _nothing(request: SearchRequest, stream: Stream, kept: Kept) -> InputError:
     """Return the error of a search that has found nothing, with what was in the way."""
-    size = request.size * stream.rows.of_design
+    size = request.size * stream.rows_of_design
     reasons = [
         f"{count:,} fail {one.array.name}"
         for one, count in zip(request.choice.wanted, kept.failed.tolist(), strict=True)
@@ -567,7 +552,7 @@ class SearchRequest:
         self, stream: Stream, rows: NDArray[np.int64]
     ) -> tuple[dict[str, Any], dict[str, NDArray[np.int64]]]:
         """Return the inputs and labels of the designs of some rows, and their places along further dimensions."""
-        designs, places = stream.rows.places(rows)
+        designs, places = stream.places(rows)
         space = self.resolved.space
         inside = designs if self.numbers is None else np.searchsorted(self.numbers, designs)
         columns: dict[str, Any] = {DESIGN: designs, **space.at(inside)}
@@ -585,7 +570,7 @@ class SearchRequest:
             return self.rows(columns, places, names, verify)
         top = None if stream.several else self.choice.top
         starts = self.rows(columns, places, stream.searched)
-        refined = self.refinement.of(starts, searched=self.size * stream.rows.of_design, top=top, show=show)
+        refined = self.refinement.of(starts, searched=self.size * stream.rows_of_design, top=top, show=show)
         if self.refinement.at_position:
             return refined
         moved = {name: refined[name].values if name in refined else given for name, given in columns.items()}
@@ -602,7 +587,7 @@ class SearchRequest:
     def of_part(self, stream: Stream, kept: Kept, of: PartOfMap, about: Mapping[str, Any]) -> xr.Dataset:
         """Return the rows that a part keeps as a map, not refined; where there is none its first row stands there."""
         rows = (
-            stream.ordered(kept).rows if len(kept.rows) else np.array([of.range[0] * stream.rows.of_design])
+            stream.ordered(kept).rows if len(kept.rows) else np.array([of.range[0] * stream.rows_of_design])
         )
         result = self.rows(*self.columns(stream, rows), stream.searched)
         start, stop = of.range
@@ -626,7 +611,7 @@ class SearchRequest:
             "asked": self.asked | {"refine": self.only if self.only else self.only is not None},
             "options": options,
             "columns": list(columns),
-            "rows_of_design": stream.rows.of_design,
+            "rows_of_design": stream.rows_of_design,
             "labels": list(self.resolved.space.labels),
             "spans": None if self.spans is None else [astuple(one) for one in self.spans],
             "size": self.size,
@@ -646,7 +631,7 @@ class SearchRequest:
     def counts(self, stream: Stream, kept: Kept, size: int) -> dict[str, Any]:
         """Return how many designs were searched, and why others were left out, as attributes."""
         attrs: dict[str, Any] = {f"{SEARCHED}{name}": value for name, value in self.origin.items()}
-        attrs |= {f"{SEARCHED}designs": size, f"{SEARCHED}rows": size * stream.rows.of_design}
+        attrs |= {f"{SEARCHED}designs": size, f"{SEARCHED}rows": size * stream.rows_of_design}
         flags = self.resolved.catalogue.facts["status"].flags
         attrs |= {f"{SEARCHED}designs_{meaning}": int(kept.designs[code]) for code, meaning in flags.items()}
         for one, count in zip(self.choice.wanted, kept.failed.tolist(), strict=True):
@@ -784,17 +769,16 @@ def search(
     request.options["threads"], request.attrs = checked["threads"], checked["attrs"] or {}
     of = None if part is None else PartOfMap(checked["part"], request.fingerprint, request.size)
     run: dict[str, Any] = {name: checked[name] for name in ("block", "progress", "verify")}
-    run |= {"threads": checked["threads"] or default_threads(), "of": of}
-    if client is not None:
-        run |= {"cluster": checked["client"], "threads": 1}
+    threads = 1 if client is not None else checked["threads"] or default_threads()
+    run |= {"threads": threads, "cluster": checked["client"], "of": of}
     if to is None:
         return found_by(request, **run)[0]
-    run |= {"restart": restart}
-    ways: dict[str, Any] = {"overwrite": overwrite, "restart": restart, "of": of}
-    made = f"search {request.resolved.mechanism}"
-    return to_file(
-        checked["to"], request, lambda path: found_by(request, path=path, **run), made=made, **ways
-    )
+    ways: dict[str, Any] = {"overwrite": overwrite, "of": of, "made": f"search {request.resolved.mechanism}"}
+
+    def found(path: Path) -> tuple[xr.Dataset, xr.Dataset | None]:
+        return found_by(request, path=path, restart=restart, **run)
+
+    return to_file(checked["to"], request, found, restart=restart, **ways)
 
 
 def to_file(
@@ -890,7 +874,8 @@ def request_of(
     bounds = _ranges(asked["bounds"], problems)
     resolved, others = None, list[str]()
     with problems.at():
-        others = [] if _is_empty_list(quantities) else list(check_names("quantities", quantities))
+        if not isinstance(quantities, (list, tuple)) or quantities:
+            others = list(check_names("quantities", quantities))
         resolve(mechanism, space, [*others, *(n for n in names if n not in others)] or [STATUS], **of_sweep)
         resolved = resolve(mechanism, space, names or [STATUS], **of_sweep)
     problems.stop()
@@ -915,10 +900,6 @@ def request_of(
         model = Model(mechanism, of_model)
         request.refinement = Refinement(labels, model, request.spans, choice.objectives, choice.wanted)
     return request
-
-
-def _is_empty_list(names: Any) -> bool:
-    return isinstance(names, (list, tuple)) and not names
 
 
 def _searched(catalogue: Catalogue, asked: Mapping[str, Any], problems: Problems) -> list[str]:

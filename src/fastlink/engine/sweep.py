@@ -87,6 +87,7 @@ class Evaluation:
     def __init__(
         self,
         resolved: ResolvedSweep,
+        attrs: Mapping[str, Any],
         threads: int,
         block: int | None,
         verify: int | None,
@@ -96,10 +97,12 @@ class Evaluation:
         cluster: Cluster | None = None,
     ) -> None:
         verify = (0 if in_memory else DESIGNS) if verify is None else verify
-        #: The request, whose kernels run.
-        self.whole, self.part, self.cluster = resolved, part, cluster
-        self.range = (0, resolved.space.size) if part is None else part.range(resolved.space.size)
+        #: The request, whose kernels run; the global attributes that are known before.
+        self.whole, self.part, self.cluster, self.attrs = resolved, None, cluster, dict(attrs)
+        self.range = (0, resolved.space.size)
         if part is not None:
+            self.part = PartOfMap(part, self.fingerprint, resolved.space.size)
+            self.range, self.attrs = self.part.range, self.attrs | self.part.attrs()
             resolved = replace(resolved, space=consecutive(resolved.space, *self.range))
         plan, space, positions = resolved.plan, resolved.space, resolved.positions
         self.variables = labels.variables_of(resolved)
@@ -114,17 +117,28 @@ class Evaluation:
         self.counts = StatusCounts(plan)
         self.verification = Verification(plan, space, positions, verify) if verify else None
 
-    def finished(self, to: str | Path, attrs: Mapping[str, Any]) -> xr.Dataset | None:
+    @property
+    def fingerprint(self) -> str:
+        """A hash that no other sweep's file has, however many threads write it."""
+        if self.part is not None:
+            return self.part.fingerprint
+        rest = {
+            name: value.tolist() if isinstance(value, np.ndarray) else value  # whose repr leaves values out
+            for name, value in plain_attrs(self.attrs).items()
+            if name != "threads"
+        }
+        about = self.whole.fingerprint, rest, labels.variables_of(self.whole)
+        return hashlib.sha256(repr(about).encode()).hexdigest()
+
+    def finished(self, to: str | Path) -> xr.Dataset | None:
         """Return the map of this request if it is there already, None where no file is; refuse another file."""
         verified = 0 if self.verification is None else self.verification.designs.size
-        return finished_map(
-            to,
-            self._fingerprint(attrs),
-            verified=verified,
-            coords=self._coordinates(),
-            variables=self._written,
-            attrs=self._labelled(attrs),
-        )
+        about: dict[str, Any] = {
+            "coords": self._coordinates(),
+            "variables": self._written,
+            "attrs": self.attrs,
+        }
+        return finished_map(to, self.fingerprint, verified=verified, **about)
 
     @property
     def _written(self) -> list[Variable]:
@@ -143,7 +157,7 @@ class Evaluation:
         self.loaded = time.perf_counter()
         self.set_up_time = self.loaded - started
 
-    def in_memory(self, show: Sink, attrs: Mapping[str, Any]) -> xr.Dataset:
+    def in_memory(self, show: Sink) -> xr.Dataset:
         """Evaluate all designs, and return the labelled results."""
         arrays = allocated(self.job.shapes, self.resolved.space.size)
         sink, axis = self._sink(show), self.resolved.scaling_axis
@@ -160,23 +174,19 @@ class Evaluation:
         statistics = self._statistics()
         measured, errors = self._errors()
         variables = [replace(v, attrs=v.attrs | errors.get(v.name, {})) for v in self.variables]
-        attrs = {**self._labelled(attrs), **statistics, **measured}
-        resolved = self.resolved
+        attrs, resolved = {**self.attrs, **statistics, **measured}, self.resolved
         if columns:
             resolved = replace(resolved, space=held(resolved.space, columns))
         return labels.labelled(resolved, variables, arrays, attrs)
 
-    def to_file(
-        self, path: Path, show: Sink, attrs: Mapping[str, Any], *, overwrite: bool, restart: bool
-    ) -> None:
+    def to_file(self, path: Path, show: Sink, **options: Any) -> None:
         """Evaluate all designs into a file, or the rest of a killed run."""
-        options: dict[str, Any] = {"overwrite": overwrite, "restart": restart}
         if self.part is None:
-            options |= {"run": (self._fingerprint(attrs), self.job.size), "rows": self.resolved.scaling_axis}
+            options |= {"run": (self.fingerprint, self.job.size), "rows": self.resolved.scaling_axis}
         else:
-            options |= {"run": (self._fingerprint(attrs), self.resolved.space.size)}
+            options |= {"run": (self.fingerprint, self.resolved.space.size)}
             options |= {"whole": whole_coordinates(self.whole, *self.range)}
-        with Writer(path, self._coordinates(), self._written, self._labelled(attrs), **options) as writer:
+        with Writer(path, self._coordinates(), self._written, self.attrs, **options) as writer:
             sink = self._sink(show)
             remote: list[Range] = []
             resumed = self._replay(writer, writer.written, sink)
@@ -283,29 +293,6 @@ class Evaluation:
     def _errors(self) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
         """Return the measured errors as global attributes, and as those of each variable."""
         return ({}, {}) if self.verification is None else self.verification.measure()
-
-    def _labelled(self, attrs: Mapping[str, Any]) -> dict[str, Any]:
-        """Return global attributes, of a part with those that tell which."""
-        return {**attrs, **({} if self.part is None else self._of_map(attrs).attrs())}
-
-    def _of_map(self, attrs: Mapping[str, Any]) -> PartOfMap:
-        assert self.part is not None
-        return PartOfMap(self.part, self._whole_fingerprint(attrs), self.whole.space.size)
-
-    def _fingerprint(self, attrs: Mapping[str, Any]) -> str:
-        """Return a hash that no other sweep's file has, however many threads write it."""
-        return self._whole_fingerprint(attrs) if self.part is None else self._of_map(attrs).fingerprint
-
-    def _whole_fingerprint(self, attrs: Mapping[str, Any]) -> str:
-        """Return the hash of the request of all designs, the same in each part."""
-        whole = self.whole
-        variables = labels.variables_of(whole)
-        rest = {
-            name: value.tolist() if isinstance(value, np.ndarray) else value  # whose repr leaves values out
-            for name, value in plain_attrs(attrs).items()
-            if name != "threads"
-        }
-        return hashlib.sha256(repr((whole.fingerprint, rest, variables)).encode()).hexdigest()
 
     def _replay(self, writer: Writer, written: list[Range], sink: Sink) -> int:
         """Pass on the results of designs that the file holds, and return the number of all that follow from them."""
@@ -456,12 +443,11 @@ def sweep(
     problems.stop()
     resolved = replace(resolved, layout=checked["layout"])
     threads, target, cluster = checked["threads"] or default_threads(), checked["to"], checked["client"]
+    attrs = labels.global_attrs(resolved, cluster.threads if cluster else threads) | (checked["attrs"] or {})
     options = 1 if cluster else threads, checked["block"], checked["verify"], target is None
-    evaluation = Evaluation(resolved, *options, part=checked["part"], cluster=cluster)
-    threads = cluster.threads if cluster else threads
-    before = labels.global_attrs(resolved, threads) | (checked["attrs"] or {})
+    evaluation = Evaluation(resolved, attrs, *options, part=checked["part"], cluster=cluster)
     is_new = target is None or overwrite
-    if not is_new and (finished := evaluation.finished(target, before)) is not None:
+    if not is_new and (finished := evaluation.finished(target)) is not None:
         return finished
     path = None if target is None else check_target(target, evaluation.nbytes, overwrite)
     if cluster is not None:
@@ -469,8 +455,8 @@ def sweep(
     evaluation.load(started)
     with ProgressBar(evaluation.resolved.space.size, progress) as bar:
         if path is None:
-            return evaluation.in_memory(bar.take, before)
-        evaluation.to_file(path, bar.take, before, overwrite=overwrite, restart=restart)
+            return evaluation.in_memory(bar.take)
+        evaluation.to_file(path, bar.take, overwrite=overwrite, restart=restart)
     return open_map(path)
 
 
