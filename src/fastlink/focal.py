@@ -12,6 +12,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from fastlink import papers
 from fastlink.engine.evaluate import evaluate, like
 from fastlink.errors import InputError, Pair, check_choice, door
 from fastlink.facts.fact import Input
@@ -20,14 +21,6 @@ from fastlink.mechanisms.focal import focal
 from fastlink.mechanisms.planar_4r import planar_4r
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.numerics.vectors import cross
-from fastlink.papers import (
-    LEAST_LENGTH,
-    broadcast,
-    broadcast_points,
-    check_lengths,
-    check_samples,
-    read_design,
-)
 from fastlink.plan.request import branch_codes
 from fastlink.space.design_space import ends_of
 
@@ -73,12 +66,12 @@ def read_position(function: str, *numbers: Any, further: Iterable[tuple[Input, A
     mode = Input("branch", "1", "branch", "assembly mode")
     more = [one for one, _ in further]
     given = (*position, like(branch, branch_codes(planar_4r, branch)), *(value for _, value in further))
-    arrays = broadcast(function, [*declared, mode, *more], *given)
+    arrays = papers.broadcast(function, [*declared, mode, *more], *given)
     named = [*declared, *more]
     lengths = [*arrays[: len(declared)], *arrays[len(declared) + 1 :]]
-    check_lengths(function, named, lengths, "four lengths")
+    papers.check_lengths(function, named, lengths, "four lengths")
     bars = np.array(arrays[:4])
-    if (bars.min(axis=0) <= LEAST_LENGTH * bars.max(axis=0)).any():
+    if (bars.min(axis=0) <= papers.LEAST_LENGTH * bars.max(axis=0)).any():
         remedy = "write lengths within a factor of 1e24 of each other"
         raise InputError("a, b, c and d are too unlike", (function,), remedy)
     return arrays
@@ -197,7 +190,7 @@ def cubic_points(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1, *, s
     >>> lines.shape
     (328, 2)
     """
-    samples = check_samples("cubic_points", samples, 2)
+    samples = papers.check_samples("cubic_points", samples, 2)
     return trace(read_position("cubic_points", a, b, c, d, phi, branch), samples)
 
 
@@ -683,14 +676,14 @@ class Involution:
     def partner(self, direction: Any) -> Any:
         """Return the direction of the ray that is paired with the ray of a direction [rad]."""
         declared = [Input("direction", "rad", "direction", "direction of a ray"), RAY]
-        angle, _ = broadcast("partner", declared, direction, self.first, gaps=True)
+        angle, _ = papers.broadcast("partner", declared, direction, self.first, gaps=True)
         xx, xy, yy = self._double
         x, y = np.cos(angle), np.sin(angle)
         return _direction(-(xy * x + yy * y), xx * x + xy * y)
 
     def tangents(self, t: Any) -> tuple[Any, Any]:
         """Return the directions of both tangents to the conic of number t [rad]; NaN where they are not real."""
-        t, _ = broadcast("tangents", [PARAMETER, RAY], t, self.first, gaps=True)
+        t, _ = papers.broadcast("tangents", [PARAMETER, RAY], t, self.first, gaps=True)
         _, of_one, of_other = _shares(t)
         return _rays(*(of_one * one + of_other * other for one, other in zip(*self._forms, strict=True)))
 
@@ -911,8 +904,8 @@ def five_bar(
     mode = Input("branch", "1", "branch", "assembly mode")
     declared = [*_bars(names), *angles, mode]
     given = (m, p, q, n, d, phi, omega_angle, like(branch, branch_codes(planar_4r, branch)))
-    m, p, q, n, d, phi, omega_angle, branch = broadcast("five_bar", declared, *given)
-    check_lengths("five_bar", declared[:5], (m, p, q, n, d), "four lengths")
+    m, p, q, n, d, phi, omega_angle, branch = papers.broadcast("five_bar", declared, *given)
+    papers.check_lengths("five_bar", declared[:5], (m, p, q, n, d), "four lengths")
     u = np.exp(1j * phi)
     P = m * u
     # m - p + p (1 - w), in which the first difference alone cancels
@@ -969,9 +962,9 @@ def from_five_bar(m: Any, n: Any, p: Any, q: Any, d: Any) -> dict[str, Any]:
     0.4495
     """
     declared = _bars("mnpqd", "any")
-    m, n, p, q, d = broadcast("from_five_bar", declared, m, n, p, q, d)
+    m, n, p, q, d = papers.broadcast("from_five_bar", declared, m, n, p, q, d)
     sizes = [np.abs(length) for length in (m, n, p, q, d)]
-    check_lengths("from_five_bar", _bars("mnpqd"), sizes, "four lengths")
+    papers.check_lengths("from_five_bar", _bars("mnpqd"), sizes, "four lengths")
     size = 2.0 ** np.ceil(np.log2(np.max(sizes, axis=0)))
     m, n, p, q, d = (length / size for length in (m, n, p, q, d))
     with np.errstate(all="ignore"):
@@ -1021,7 +1014,7 @@ def held_at_AB(design: Any = None, **inputs: Any) -> dict[str, Any]:
     True
     """
     bars, optional = ("a", "b", "c", "d"), (*RATIOS, "completion")
-    given = read_design("held_at_AB", focal, design, inputs, bars, optional=optional)
+    given = papers.read_design("held_at_AB", focal, design, inputs, bars, optional=optional)
     by = next((name for name in RATIOS if name in given), "")
     if not by:
         what = f"{', '.join(RATIOS[:-1])} and {RATIOS[-1]} are missing"
@@ -1111,7 +1104,7 @@ def straight_line(x: Any, y: Any) -> StraightLine:
     >>> round(float(line.y), 4), round(float(np.abs(line.deviation).max()), 4)
     (4.2537, 0.6453)
     """
-    return _fitted_line(*broadcast_points("straight_line", x, y))
+    return _fitted_line(*papers.broadcast_points("straight_line", x, y))
 
 
 @door

@@ -16,6 +16,7 @@ import numpy as np
 import xarray as xr
 from scipy.spatial import ConvexHull, QhullError
 
+from fastlink import papers
 from fastlink._text import short_repr
 from fastlink.engine.evaluate import broadcast_inputs, evaluate, like
 from fastlink.engine.sweep import sweep
@@ -33,17 +34,6 @@ from fastlink.mechanisms.planar_4r.inputs import LINKS
 from fastlink.mechanisms.planar_4r.position import EQUATION_9, IO_CROSS, IO_PRODUCTS
 from fastlink.numerics.compensated import UNIT_ROUNDING, sum_of_four
 from fastlink.numerics.vectors import cross
-from fastlink.papers import (
-    BY_NAME,
-    CURVE,
-    all_entries,
-    broadcast,
-    broadcast_points,
-    check_samples,
-    coupler_sextic,
-    integrate,
-    read_design,
-)
 from fastlink.plan.request import branch_codes, check_model, constants_of, selected_variants, value_problems
 from fastlink.space.design_space import (
     MOST_DIMS,
@@ -87,7 +77,7 @@ def __dir__() -> list[str]:
 # -- Coefficients of the six algebraic input-output equations of the planar 4R
 
 
-@door(hint=BY_NAME)
+@door(hint=papers.BY_NAME)
 def io_coefficients(design: Any = None, *, pair: str = "14", **inputs: Any) -> Any:
     """Return the coefficients of an input-output equation, eqs. (1) to (6) of Hayes.
 
@@ -120,7 +110,9 @@ def io_coefficients(design: Any = None, *, pair: str = "14", **inputs: Any) -> A
     if not isinstance(pair, str) or pair not in IO_PRODUCTS:
         where, remedy = ("io_coefficients", "pair"), listed(list(IO_PRODUCTS))
         raise InputError(f"{short_repr(pair)} is unknown", where, remedy)
-    lengths = [*read_design("io_coefficients", planar_4r, design, inputs, ("a1", "a2", "a3", "a4")).values()]
+    lengths = [
+        *papers.read_design("io_coefficients", planar_4r, design, inputs, ("a1", "a2", "a3", "a4")).values()
+    ]
 
     def factor(name: str) -> Any:
         return planar_4r.facts[f"factor_{name}"].function(*lengths)[0]
@@ -176,7 +168,7 @@ class Cognate:
         directions = (
             Input(name, "rad", name, "direction of a link") for name in ("theta1", "theta2", "theta4")
         )
-        t1, t2, t4 = broadcast("configuration", directions, theta1, theta2, theta4, gaps=True)
+        t1, t2, t4 = papers.broadcast("configuration", directions, theta1, theta2, theta4, gaps=True)
         own = t1 if self.number == 1 else t2
         one, other = {1: (t2, t4), 2: (t1, t4), 3: (t4, t1)}[self.number]
         with np.errstate(over="ignore"):  # of directions beyond 1e308
@@ -186,7 +178,7 @@ class Cognate:
 
     def to_ground(self, x: Any, y: Any) -> tuple[Any, Any]:
         """Return a point (x, y) [m] of the linkage's own ground frame in that of the original."""
-        x, y = broadcast(
+        x, y = papers.broadcast(
             "to_ground", (Input(name, "m", name, "coordinate") for name in "xy"), x, y, gaps=True
         )
         ground = self.design["a4"]
@@ -194,7 +186,7 @@ class Cognate:
         return self.O_x + (cosine * x - sine * y), self.O_y + (sine * x + cosine * y)
 
 
-@door(hint=BY_NAME)
+@door(hint=papers.BY_NAME)
 def cognates(design: Any = None, **inputs: Any) -> tuple[Cognate, Cognate, Cognate]:
     """Return the three linkages that trace one coupler curve (Roberts, Chebyshev).
 
@@ -227,7 +219,7 @@ def cognates(design: Any = None, **inputs: Any) -> tuple[Cognate, Cognate, Cogna
     >>> float(second.D_x), float(second.D_y)
     (0.0, 4.0)
     """
-    a1, a2, a3, a4, u, v = read_design("cognates", planar_4r, design, inputs, CURVE).values()
+    a1, a2, a3, a4, u, v = papers.read_design("cognates", planar_4r, design, inputs, papers.CURVE).values()
     zero = np.zeros_like(a4)
     along, across = u / a2, v / a2
     E_x, E_y = along * a4, across * a4
@@ -240,7 +232,7 @@ def cognates(design: Any = None, **inputs: Any) -> tuple[Cognate, Cognate, Cogna
     pivots = ((zero, zero, a4, zero), (zero, zero, E_x, E_y), (a4, zero, E_x, E_y))
     numbers = ((a1, a2, a3, a4, u, v), second, third)
     one, two, three = (
-        Cognate(dict(zip(CURVE, own, strict=True)), *pivot, number)
+        Cognate(dict(zip(papers.CURVE, own, strict=True)), *pivot, number)
         for number, (own, pivot) in enumerate(zip(numbers, pivots, strict=True), 1)
     )
     return one, two, three
@@ -252,7 +244,7 @@ def cognates(design: Any = None, **inputs: Any) -> tuple[Cognate, Cognate, Cogna
 # ``P_x_min``, ``P_x_max``, ``P_y_min`` and ``P_y_max`` of a sweep.
 
 
-@door(hint=BY_NAME)
+@door(hint=papers.BY_NAME)
 def sextic(design: Any = None, **inputs: Any) -> Any:
     r"""Return the tricircular sextic that every coupler point of a linkage satisfies.
 
@@ -298,13 +290,13 @@ def sextic(design: Any = None, **inputs: Any) -> Any:
     >>> float(np.polynomial.polynomial.polyval2d(0.0, 3.0, c))
     0.0
     """
-    numbers = [*read_design("sextic", planar_4r, design, inputs, CURVE).values()]
-    return coupler_sextic(-1, numbers[:4], numbers[4:])
+    numbers = [*papers.read_design("sextic", planar_4r, design, inputs, papers.CURVE).values()]
+    return papers.coupler_sextic(-1, numbers[:4], numbers[4:])
 
 
 def curve_inputs(function: str, design: Any, inputs: Mapping[str, Any], branch: Any) -> dict[str, Any]:
     """Return what determines a coupler curve, with its assembly mode, as arrays of one shape."""
-    read = read_design(function, planar_4r, design, inputs, CURVE)
+    read = papers.read_design(function, planar_4r, design, inputs, papers.CURVE)
     _, arrays, shape = broadcast_inputs(function, read | {"branch": branch_codes(planar_4r, branch)})
     return {name: np.broadcast_to(values, shape) for name, values in arrays.items()}
 
@@ -358,13 +350,13 @@ def straightness(x: Any, y: Any) -> Any:
     >>> float(fl.planar.straightness([0.0, 2.0, 4.0, 6.0], [1.0, -1.0, -1.0, 1.0]))
     1.0
     """
-    points = np.stack(broadcast_points("straightness", x, y), axis=-1)
+    points = np.stack(papers.broadcast_points("straightness", x, y), axis=-1)
     curves = points.reshape(math.prod(points.shape[:-2]), *points.shape[-2:])
     half_widths = [_half_width(curve[np.isfinite(curve).all(axis=-1)]) for curve in curves]
     return np.array(half_widths).reshape(points.shape[:-2])[()]
 
 
-@door(hint=BY_NAME)
+@door(hint=papers.BY_NAME)
 def curve_straightness(
     design: Any = None,
     *,
@@ -403,7 +395,7 @@ def curve_straightness(
     """
     curve = curve_inputs("curve_straightness", design, inputs, branch)
     # half a step off theta1 = 0, where rates may not exist
-    count = check_samples("curve_straightness", samples)
+    count = papers.check_samples("curve_straightness", samples)
     angles = (np.arange(count) + 0.5) * (2.0 * np.pi / count)
     if theta1 is not None:
         ends = ends_of("curve_straightness", "theta1", theta1, RADIANS, "write (least, greatest) in rad")
@@ -572,7 +564,7 @@ def _root(x: Any) -> Any:
 BLOCK = 256
 
 
-@door(hint=BY_NAME)
+@door(hint=papers.BY_NAME)
 def curve_length(design: Any = None, *, branch: Any = 1, error: bool = False, **inputs: Any) -> Any:
     """Return the length of the path of the coupler point in an assembly mode [m].
 
@@ -610,7 +602,7 @@ def curve_length(design: Any = None, *, branch: Any = 1, error: bool = False, **
     return _integral("curve_length", (design, branch, error, inputs), 1, _speed)
 
 
-@door(hint=BY_NAME)
+@door(hint=papers.BY_NAME)
 def curve_area(design: Any = None, *, branch: Any = 1, error: bool = False, **inputs: Any) -> Any:
     """Return the area that the coupler curve encloses over one turn of the input [m2].
 
@@ -684,7 +676,7 @@ def _of_block(curve: dict[str, Any], power: int, integrand: Callable[[Any, Any, 
         return integrand(*paths.motion(owner[piece], sign[piece], end[piece], v))
 
     exists = np.isfinite(paths.extent) & ((power == 1) | ~paths.toggles.any(axis=0))
-    sums = np.array(integrate(along, owner, width, layer, exists.size))
+    sums = np.array(papers.integrate(along, owner, width, layer, exists.size))
     return np.where(exists, np.ldexp(sums, power * paths.exponent), np.nan)
 
 
@@ -720,7 +712,7 @@ def _refined(curve: dict[str, Any], low: Any, high: Any, at_low: Any, at_high: A
     return high
 
 
-@door(hint=BY_NAME)
+@door(hint=papers.BY_NAME)
 def inflections(
     design: Any = None, *, branch: Any = 1, samples: int = 720, **inputs: Any
 ) -> tuple[Any, Any, Any, Any]:
@@ -760,7 +752,7 @@ def inflections(
     shape = arrays["a1"].shape
     columns = {name: value.reshape(-1) for name, value in arrays.items()}
     with np.errstate(all="ignore"):
-        ends, follows = paths_of(columns).samples(check_samples("inflections", samples))
+        ends, follows = paths_of(columns).samples(papers.check_samples("inflections", samples))
     turn = _turn({name: value[:, None] for name, value in columns.items()}, ends)
     changes = np.isfinite(turn[:, :-1] * turn[:, 1:]) & (np.signbit(turn[:, :-1]) != np.signbit(turn[:, 1:]))
     changes &= follows
@@ -848,7 +840,7 @@ def _real_roots(k: Any) -> tuple[Any, Any]:
 
 def _double_points(function: str, design: Any, inputs: Mapping[str, Any]) -> tuple[Any, Any, Any]:
     """Return the real double points X, Y and 1 - |c|, three in the last axis or NaN."""
-    a1, a2, a3, a4, u, v = read_design(function, planar_4r, design, inputs, CURVE).values()
+    a1, a2, a3, a4, u, v = papers.read_design(function, planar_4r, design, inputs, papers.CURVE).values()
     p, q = np.hypot(u, v), np.hypot(u - a2, v)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):  # P is A or B, or nearly
         cosine, sine = (u * (u - a2) + v * v) / (p * q), a2 * v / (p * q)
@@ -894,7 +886,7 @@ def _check_tolerance(function: str, tolerance: Any) -> float:
     return limit
 
 
-@door(hint=BY_NAME)
+@door(hint=papers.BY_NAME)
 def crunodes(design: Any = None, *, tolerance: float = TOLERANCE, **inputs: Any) -> tuple[Any, Any, Any]:
     """Return the points where the coupler curve of a linkage crosses itself.
 
@@ -929,7 +921,7 @@ def crunodes(design: Any = None, *, tolerance: float = TOLERANCE, **inputs: Any)
     return _nodes("crunodes", design, inputs, tolerance, cusps=False)
 
 
-@door(hint=BY_NAME)
+@door(hint=papers.BY_NAME)
 def cusps(design: Any = None, *, tolerance: float = TOLERANCE, **inputs: Any) -> tuple[Any, Any, Any]:
     """Return the cusps of the coupler curve of a linkage, where P rests.
 
@@ -960,7 +952,7 @@ def cusps(design: Any = None, *, tolerance: float = TOLERANCE, **inputs: Any) ->
     return _nodes("cusps", design, inputs, tolerance, cusps=True)
 
 
-@door(hint=BY_NAME)
+@door(hint=papers.BY_NAME)
 def crunode_count(design: Any = None, **inputs: Any) -> Any:
     """Return the number of crunodes of the coupler curve of a linkage, 0 to 3: the last of what `crunodes` returns.
 
@@ -972,7 +964,7 @@ def crunode_count(design: Any = None, **inputs: Any) -> Any:
     return _nodes("crunode_count", design, inputs, TOLERANCE, cusps=False)[2]
 
 
-@door(hint=BY_NAME)
+@door(hint=papers.BY_NAME)
 def cusp_count(design: Any = None, **inputs: Any) -> Any:
     """Return the number of cusps of the coupler curve of a linkage, 0 to 3: the last of what `cusps` returns.
 
@@ -997,7 +989,7 @@ def cusp_count(design: Any = None, **inputs: Any) -> Any:
 NEEDED = ("a1", "a2", "a3", "m1", "G1_u", "G1_v", "m2", "G2_u", "G2_v", "m3", "G3_u", "G3_v")
 
 
-@door(hint=BY_NAME)
+@door(hint=papers.BY_NAME)
 def force_balance(
     design: Any = None,
     *,
@@ -1044,7 +1036,7 @@ def force_balance(
     check_model(planar_4r, links, ELIMINATED)
     variants = selected_variants(planar_4r, links, ELIMINATED, ())
     needed = [name for name in NEEDED if planar_4r.resolve(name, variants) is None]
-    given = read_design(
+    given = papers.read_design(
         "force_balance",
         planar_4r,
         design,
@@ -1247,7 +1239,7 @@ class _Wording(Wording):
         return None if isinstance(piece, Setting) else super().piece(piece)
 
 
-@door(hint=BY_NAME)
+@door(hint=papers.BY_NAME)
 def force_equations(
     design: Any = None, *, branch: Any = 1, links: Links | None = None, **inputs: Any
 ) -> xr.Dataset:
@@ -1282,7 +1274,7 @@ def force_equations(
     """
     problems = Problems()
     known = (*planar_4r.known_inputs(planar_4r.variant_inputs), planar_4r.position.name)
-    given = all_entries("force_equations", design, inputs, known, problems)
+    given = papers.all_entries("force_equations", design, inputs, known, problems)
     problems.stop()
     try:
         found = evaluate(planar_4r.name, SYSTEM.depends_on, branch=branch, links=links, **given)
@@ -1306,7 +1298,7 @@ def force_equations(
     )
 
 
-@door(hint=BY_NAME)
+@door(hint=papers.BY_NAME)
 def bar_properties(design: Any = None, *, links: Links, **inputs: Any) -> dict[str, Any]:
     """Return volumes, masses, moments of inertia and mass centres of links that are round bars.
 
@@ -1338,7 +1330,7 @@ def bar_properties(design: Any = None, *, links: Links, **inputs: Any) -> dict[s
             "is missing", ("bar_properties", "links"), "write fl.round_bar(density=..., radius=...)"
         )
     needed += [name for name in planar_4r.variant_inputs[ROUND_BAR] if name not in links.values]
-    given = read_design("bar_properties", planar_4r, design, inputs, needed)
+    given = papers.read_design("bar_properties", planar_4r, design, inputs, needed)
     values = constants_of(planar_4r, links, (ROUND_BAR,)) | given
     with np.errstate(all="ignore"):  # of bars beyond the range of doubles
         facts = read_facts(planar_4r, BARS, values, (ROUND_BAR,))

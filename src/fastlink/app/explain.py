@@ -28,12 +28,12 @@ from fastlink.codegen.kernel import SOON, Kernel, llvm_text
 from fastlink.codegen.machine import assembly
 from fastlink.codegen.runtime import cells, results
 from fastlink.codegen.translate import Refused
-from fastlink.engine.options import check_options
+from fastlink.engine.options import check_options, checked_call
 from fastlink.engine.resolve import ResolvedSweep, of_request, resolve
 from fastlink.engine.run import Job, Sink, default_threads, row_bytes, run
 from fastlink.engine.sinks import designs_per_block, needs_of
 from fastlink.engine.sweep import sweep
-from fastlink.errors import InputError, Problems, door
+from fastlink.errors import InputError, door
 from fastlink.facts.own import OwnInput, OwnQuantity
 from fastlink.io.partial_file import check_target, write_all
 from fastlink.machine import available_memory
@@ -275,14 +275,10 @@ def request_of(
             raise InputError("is missing", (name,), "write explain(mechanism, space, quantities)")
     known = tuple(signature(sweep).parameters)[:-1]
     positions = {name: value for name, value in options.items() if name not in known}
-    problems, checked = Problems(), dict[str, Any]()
-    with problems.at():
-        checked = check_options(options)
-    with problems.at():
-        asked = of_request(options) | {"positions": positions, "options": known}
-        asked["allow_invalid"] = checked.get("allow_invalid", False)
-        resolved = resolve(mechanism, space, quantities, **asked)
-    problems.stop()
+    call = {**options, "positions": positions}
+    checked, resolved = checked_call(
+        call, lambda given: resolve(mechanism, space, quantities, options=known, **of_request(given))
+    )
     to, verify = checked.get("to"), checked.get("verify")
     folder = None if to is None else check_target(to, 0, True).parent
     verify = (0 if to is None else DESIGNS) if verify is None else verify

@@ -11,6 +11,7 @@ import traceback
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.resources import files
+from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
@@ -468,15 +469,7 @@ def _problem(key: str, place: str, home: str) -> Problem:
 
 
 #: The options of a search, and what they are unless a study gives them.
-DEFAULTS: dict[str, Any] = {
-    "minimise": (),
-    "maximise": (),
-    "where": None,
-    "top": None,
-    "infinite": False,
-    "refine": True,
-    "bounds": None,
-}
+DEFAULTS = {name: one.default for name, one in signature(search).parameters.items() if name in KEYS["search"]}
 
 
 def searched_space(space: DesignSpace, table: Mapping[str, Any]) -> DesignSpace:
@@ -520,17 +513,11 @@ def request_of_search(
     **options: Any,
 ) -> SearchRequest:
     """Return the request of the search of a study, or refuse it with all its problems; nothing is compiled."""
-    of_sweep = {"branch": 1, "input": None, **options}
-    if "options" not in of_sweep:
-        of_sweep["options"] = KEYS["cycle"]
+    of_sweep = {"branch": 1, "input": None, "options": KEYS["cycle"], **options}
     return request_of(mechanism, space, names, search_options(table), **of_sweep)
 
 
 # -- The wording of problems for the author of a study
-
-
-#: Parameters of `fastlink.sweep` with another name in a study.
-PARAMETERS = {"to": "file"}
 
 
 class StudyWording(Wording):
@@ -563,7 +550,7 @@ class StudyWording(Wording):
             return ("design", *where)
         if head in ("grid", "design"):
             return ("design", *self._sample(rest), *rest)
-        key = PARAMETERS.get(str(head), head)
+        key = "file" if head == "to" else head
         for name, keys in KEYS.items():
             if key in keys or key in self._table(name):
                 return (name, key, *rest)
@@ -627,6 +614,7 @@ class StudyRequest:
         self.positions = {name: values for name, values in cycle.items() if name not in KEYS["cycle"]}
         own = {**cycle, **tables["run"]}
         self.options = {name: value for name, value in own.items() if name not in self.positions}
+        self.of_cycle = {"positions": self.positions, "options": KEYS["cycle"]}
         self.raw = raw
         self.space: DesignSpace | None = None
         #: Tables with problems: what follows from their absence is not a problem of its own.
@@ -660,21 +648,18 @@ class StudyRequest:
             self._add_missing(names, found.noted)
 
     def _examine(self, function: Any, names: list[str]) -> None:
-        named = {"positions": self.positions, "options": KEYS["cycle"]}
-        mechanism = self.mechanism
-        if ("mechanism",) in [one.where for one in self.problems.noted]:
-            mechanism = self.catalogue.name  # the nearest
-        function(mechanism, self.space, names, **named, **self.options)
+        misspelt = ("mechanism",) in [one.where for one in self.problems.noted]
+        mechanism = self.catalogue.name if misspelt else self.mechanism
+        function(mechanism, self.space, names, **self.of_cycle, **self.options)
 
     def _check_search(self, names: list[str]) -> None:
         """Check the table [search], once all else is known to be right."""
         others = any(one.where[:1] != ("search",) for one in self.problems.noted)
         if others or self.space is None or "search" not in self.tables:
             return
-        named = {"positions": self.positions, "options": KEYS["cycle"]}
-        of_run = {name: value for name, value in self.options.items() if name not in KEYS["output"]}
         with self.problems.at("search"):
-            request_of_search(self.mechanism, self.space, names, self.tables["search"], **named, **of_run)
+            options = {**self.of_cycle, **self.options}
+            request_of_search(self.mechanism, self.space, names, self.tables["search"], **options)
 
     def _check_names_of_cycle(self) -> None:
         """Refuse unknown keys of [cycle] whose values were refused already."""

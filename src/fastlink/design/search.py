@@ -27,7 +27,7 @@ from fastlink.design.best import inputs_to_refine
 from fastlink.design.refine import Model, Refinement, Span, angles_of, candidates, spans_of_space
 from fastlink.engine import labels
 from fastlink.engine.extend import Extension, check_declared, own_refused
-from fastlink.engine.options import check_options, check_workers
+from fastlink.engine.options import check_options, checked_call
 from fastlink.engine.resolve import ResolvedSweep, of_request, resolve
 from fastlink.engine.run import default_threads, run
 from fastlink.engine.sinks import ProgressBar, allocated, check_needs, designs_per_block, within
@@ -41,7 +41,7 @@ from fastlink.io.joining import CORE_TIME, JOINED, RUN_AGAIN, JoinedMap, PartFil
 from fastlink.io.layout import HISTORY, Variable, history, plain_attrs
 from fastlink.io.output_path import exists_error, not_writable, progress_bar, reason, refused, search_of
 from fastlink.io.partial_file import check_left, check_target
-from fastlink.io.reader import PartOfMap, check_size, shown_parts
+from fastlink.io.reader import PartOfMap, shown_parts
 from fastlink.io.writer import Writer
 from fastlink.maps import open as open_map
 from fastlink.maps.best import (
@@ -757,15 +757,11 @@ def search(
     >>> found.attrs["searched_designs"], found.attrs["excluded_by_swing"] > 1000
     (4096, True)
     """
-    call, problems, checked = dict(locals()), Problems(), dict[str, Any]()
-    with problems.at():
-        checked = check_options(call)
-    with problems.at():
-        request = request_of(mechanism, space, quantities, call, **of_request(call), options=_OPTIONS)
-        if checked.get("part") is not None:
-            check_size(("part",), checked["part"], request.size)
-    check_workers(client, threads, problems)
-    problems.stop()
+    call = dict(locals())
+    checked, request = checked_call(
+        call,
+        lambda given: request_of(mechanism, space, quantities, given, **of_request(given), options=_OPTIONS),
+    )
     request.options["threads"], request.attrs = checked["threads"], checked["attrs"] or {}
     of = None if part is None else PartOfMap(checked["part"], request.fingerprint, request.size)
     run: dict[str, Any] = {name: checked[name] for name in ("block", "progress", "verify")}

@@ -21,7 +21,7 @@ from fastlink.errors import (
 )
 from fastlink.io.joining import CORE_TIME, JOINED
 from fastlink.io.layout import check_attrs
-from fastlink.io.reader import OF_PARTS, check_part
+from fastlink.io.reader import OF_PARTS, check_part, check_size
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.precision import check_verify
 from fastlink.space.tables import FORMAT, LAYOUTS
@@ -90,13 +90,6 @@ def check_client(where: KeyPath, value: Any) -> Any:
     return Cluster(value)
 
 
-def check_workers(client: Any, threads: Any, problems: Problems) -> None:
-    """Note a number of threads that is given with a client."""
-    if client is not None and threads is not None:
-        remedy = "leave it out: workers have their own number of threads"
-        problems.add("is given with client", ("threads",), remedy)
-
-
 def check_announce(where: KeyPath, announce: Any) -> Any:
     """Return a function, or refuse what cannot be called."""
     if not callable(announce):
@@ -139,3 +132,19 @@ def check_options(call: Mapping[str, Any]) -> dict[str, Any]:
             checked[name] = check((name,), call[name])
     problems.stop()
     return checked
+
+
+def checked_call(call: Mapping[str, Any], request_of: Callable[[Any], Any]) -> tuple[dict[str, Any], Any]:
+    """Return the checked options of a call, and its request; all problems are raised together."""
+    problems, checked, request = Problems(), dict[str, Any](), None
+    with problems.at():
+        checked = check_options(call)
+    with problems.at():
+        request = request_of({**call, "allow_invalid": checked.get("allow_invalid", False)})
+        if checked.get("part") is not None:
+            check_size(("part",), checked["part"], request.size)
+    if call.get("client") is not None and call.get("threads") is not None:
+        remedy = "leave it out: workers have their own number of threads"
+        problems.add("is given with client", ("threads",), remedy)
+    problems.stop()
+    return checked, request

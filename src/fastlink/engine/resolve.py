@@ -24,24 +24,9 @@ from fastlink.facts.derivative import is_tolerance, tolerance_name
 from fastlink.facts.own import Definition, used
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.mechanisms import name_of
+from fastlink.plan import request
 from fastlink.plan.programs import ANGLES_FOR_LANES, Plan, all_declared, make_plan
 from fastlink.plan.query import Extrema, check_names, parse_request, with_companions
-from fastlink.plan.request import (
-    all_choices,
-    check_branches,
-    check_extrema,
-    check_inputs,
-    check_keywords,
-    check_model,
-    check_positions,
-    check_turn,
-    constants_of,
-    given_angles,
-    joined_missing,
-    missing_inputs,
-    selected_variants,
-    unknown_input,
-)
 from fastlink.space.design_space import COMMENT, EXTREMUM, angle_of, definition_of, in_unit, numbers_of
 from fastlink.space.tables import CURVES, as_space
 
@@ -57,7 +42,17 @@ if TYPE_CHECKING:
 
 
 #: The options that decide what is computed, at every door.
-OF_REQUEST = ("links", "input", "angles", "branch", "solver", "extrema", "backend", "positions")
+OF_REQUEST = (
+    "links",
+    "input",
+    "angles",
+    "branch",
+    "solver",
+    "extrema",
+    "backend",
+    "allow_invalid",
+    "positions",
+)
 
 
 def of_request(call: Mapping[str, Any]) -> dict[str, Any]:
@@ -120,21 +115,21 @@ def check(
         _check_quantities(catalogue, declared, names, parameter)
         names = names if "status" in names or not companions else (*names, "status")
     with problems.at():
-        check_model(catalogue, links, solver)
-    variants = selected_variants(catalogue, links, solver, () if space is None else space.names)
+        request.check_model(catalogue, links, solver)
+    variants = request.selected_variants(catalogue, links, solver, () if space is None else space.names)
     if space is not None:
         with problems.at():
-            check_inputs(catalogue, space, variants, allow_invalid)
+            request.check_inputs(catalogue, space, variants, allow_invalid)
     with problems.at():
-        branches = check_branches(catalogue, branch)
+        branches = request.check_branches(catalogue, branch)
     with problems.at():
-        check_keywords(mechanism, catalogue, positions or (), options)
+        request.check_keywords(mechanism, catalogue, positions or (), options)
     with problems.at():
-        key, given = given_angles(catalogue, angles, positions or {})
-        values = check_positions(catalogue, given, key)
+        key, given = request.given_angles(catalogue, angles, positions or {})
+        values = request.check_positions(catalogue, given, key)
         if not problems.noted:
-            check_turn(catalogue, names, given)
-        method = check_extrema(extrema, catalogue, given)
+            request.check_turn(catalogue, names, given)
+        method = request.check_extrema(extrema, catalogue, given)
     with problems.at():
         compiler = backend_of(backend)
     problems.stop()
@@ -176,6 +171,11 @@ class ResolvedSweep:
     one_branch: bool
     #: How the results lie in a file, one of `fastlink.io.layout.LAYOUTS`.
     layout: str = CURVES
+
+    @property
+    def size(self) -> int:
+        """The number of designs."""
+        return self.space.size
 
     @property
     def catalogue(self) -> Catalogue:
@@ -305,8 +305,8 @@ def resolve(
     if checked.in_degrees:
         designs = replace(designs, comments={**designs.comments, catalogue.position.name: COMMENT})
     space, variants = designs, checked.variants
-    space = space.with_constants(constants_of(catalogue, checked.links, variants))
-    for name, codes in all_choices(catalogue, space.names, variants).items():
+    space = space.with_constants(request.constants_of(catalogue, checked.links, variants))
+    for name, codes in request.all_choices(catalogue, space.names, variants).items():
         space = space.with_axis(name, codes)
     planning: dict[str, Any] = {
         "given": space.names,
@@ -356,11 +356,11 @@ def _problem_of_each(
     missing: dict[KeyPath, Problem] = {}
     for k, name in enumerate(checked.names):
         with problems.at(parameter, k):
-            absent = missing_inputs(catalogue, name, checked.variants, planning["given"])
+            absent = request.missing_inputs(catalogue, name, checked.variants, planning["given"])
             missing |= {one.where: one for one in absent if one.where not in missing}
             if not absent:
                 make_plan(catalogue, [name], **planning)
-    noted = [*joined_missing(missing.values()), *problems.noted]
+    noted = [*request.joined_missing(missing.values()), *problems.noted]
     return InputError.of(noted) if noted else None
 
 
@@ -410,7 +410,7 @@ def given_tolerances(
     for name, value in tolerances.items():
         of = name if name in known else angle_of(name)
         if of not in known:
-            problems.noted.append(unknown_input(catalogue, name, known, parent))
+            problems.noted.append(request.unknown_input(catalogue, name, known, parent))
         elif known[of].choices:
             problems.add("is a code, which has no tolerance", (parent, name), "leave it out")
         else:

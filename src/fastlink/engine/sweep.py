@@ -12,28 +12,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.engine import labels
-from fastlink.engine.options import check_options, check_workers
+from fastlink.engine import labels, sinks
+from fastlink.engine.options import checked_call
 from fastlink.engine.resolve import ResolvedSweep, of_request, resolve
 from fastlink.engine.run import BLOCK_BYTES, Sink, default_threads, row_bytes, run
-from fastlink.engine.sinks import (
-    ProgressBar,
-    StatusCounts,
-    allocated,
-    bytes_at_once,
-    check_needs,
-    designs_per_block,
-    into,
-    tee,
-    within,
-)
-from fastlink.errors import Problems, door
+from fastlink.engine.sinks import into
+from fastlink.errors import door
 from fastlink.facts.catalogue import ELIMINATED
 from fastlink.io.checksums import Range, joined_ranges
 from fastlink.io.finished import finished_map
 from fastlink.io.layout import HISTORY, Variable, history, plain_attrs
 from fastlink.io.partial_file import check_target
-from fastlink.io.reader import Part, PartOfMap, check_size
+from fastlink.io.reader import Part, PartOfMap
 from fastlink.io.writer import RemoteWriter, Writer, Written
 from fastlink.maps import open as open_map
 from fastlink.precision import DESIGNS, Verification
@@ -113,8 +103,8 @@ class Evaluation:
         #: Coordinates that are computed block by block, beside the results.
         self.columns = labels.computed(plan, space)
         self.nbytes = sum(variable.nbytes for variable in (self.variables if in_memory else self._written))
-        check_needs(resolved, threads, block, verify, self.nbytes if in_memory else 0)
-        self.counts = StatusCounts(plan)
+        sinks.check_needs(resolved, threads, block, verify, self.nbytes if in_memory else 0)
+        self.counts = sinks.StatusCounts(plan)
         self.verification = Verification(plan, space, positions, verify) if verify else None
 
     @property
@@ -153,24 +143,24 @@ class Evaluation:
         self.job = self.whole.job()
         resolved = self.resolved
         if resolved.scaling_axis is not None or self.part is not None or resolved.layout == MAPS:
-            self.block = designs_per_block(resolved, self.threads, self.block)
+            self.block = sinks.designs_per_block(resolved, self.threads, self.block)
         self.loaded = time.perf_counter()
         self.set_up_time = self.loaded - started
 
     def in_memory(self, show: Sink) -> xr.Dataset:
         """Evaluate all designs, and return the labelled results."""
-        arrays = allocated(self.job.shapes, self.resolved.space.size)
+        arrays = sinks.allocated(self.job.shapes, self.resolved.space.size)
         sink, axis = self._sink(show), self.resolved.scaling_axis
         columns = {variable.name: np.empty(variable.shape, variable.dtype) for variable, _ in self.columns}
 
         def hold(name: str, start: int, values: NDArray[Any]) -> None:
             columns[name][start : start + len(values)] = values
 
-        sink = tee(self._of_columns(hold), sink) if columns else sink
+        sink = sinks.tee(self._of_columns(hold), sink) if columns else sink
         if axis is None and self.part is None and self.cluster is None:
             run(self.job, targets=arrays, sink=sink, threads=self.threads, block=self.block)
         else:
-            self._run(tee(into(arrays), sink))
+            self._run(sinks.tee(into(arrays), sink))
         statistics = self._statistics()
         measured, errors = self._errors()
         variables = [replace(v, attrs=v.attrs | errors.get(v.name, {})) for v in self.variables]
@@ -214,7 +204,7 @@ class Evaluation:
             for (name, row), array in zip(rows, arrays, strict=True):
                 file.write(name, start, array.reshape(len(array), *row))
 
-        return tee(write, self._of_columns(file.write))
+        return sinks.tee(write, self._of_columns(file.write))
 
     def _of_columns(self, write: Callable[[str, int, NDArray[Any]], None]) -> Sink:
         """Return a sink that writes the coordinates which are computed with some designs."""
@@ -240,7 +230,7 @@ class Evaluation:
             evaluated = (
                 joined_ranges([piece for of in pending for piece in axis.evaluated(*of)]) if axis else pending
             )
-        into = sink if writer is None else tee(self._into(writer), sink)
+        into = sink if writer is None else sinks.tee(self._into(writer), sink)
         placed = self._placed(into, writer, pending)
         if self.cluster is None:
             how: dict[str, Any] = {"threads": self.threads, "block": self.block, "apart": writer is not None}
@@ -259,16 +249,16 @@ class Evaluation:
             if file is not None:
                 file.record(start, stop)
 
-        axis, at_once = self.resolved.scaling_axis, bytes_at_once(self.resolved)
+        axis, at_once = self.resolved.scaling_axis, sinks.bytes_at_once(self.resolved)
         if self.part is not None:
-            sink = within(pending, tee(sink, record), self.range[0])
+            sink = sinks.within(pending, sinks.tee(sink, record), self.range[0])
             return axis.over(sink, at_once) if axis else sink
-        return tee(axis.over(sink, at_once) if axis else sink, record)
+        return sinks.tee(axis.over(sink, at_once) if axis else sink, record)
 
     def _sink(self, *show: Sink) -> Sink:
         """Return the sink of the results besides the file or the arrays."""
         verified = [] if self.verification is None else [self.verification.collect]
-        return tee(self.counts.take, *verified, *show)
+        return sinks.tee(self.counts.take, *verified, *show)
 
     def _rows(self, ranges: list[Range]) -> Iterator[Range]:
         """Yield the ranges of the file's designs that follow from recorded ones."""
@@ -431,16 +421,9 @@ def sweep(
     ('a2', 'branch')
     """
     call, started = dict(locals()), time.perf_counter()
-    problems, checked = Problems(), dict[str, Any]()
-    with problems.at():
-        checked = check_options(call)
-    with problems.at():
-        asked = of_request(call) | {"allow_invalid": checked.get("allow_invalid", False)}
-        resolved = resolve(mechanism, space, quantities, options=_OPTIONS, **asked)
-        if checked.get("part") is not None:
-            check_size(("part",), checked["part"], resolved.space.size)
-    check_workers(client, threads, problems)
-    problems.stop()
+    checked, resolved = checked_call(
+        call, lambda given: resolve(mechanism, space, quantities, options=_OPTIONS, **of_request(given))
+    )
     resolved = replace(resolved, layout=checked["layout"])
     threads, target, cluster = checked["threads"] or default_threads(), checked["to"], checked["client"]
     attrs = labels.global_attrs(resolved, cluster.threads if cluster else threads) | (checked["attrs"] or {})
@@ -453,7 +436,7 @@ def sweep(
     if cluster is not None:
         cluster.check()
     evaluation.load(started)
-    with ProgressBar(evaluation.resolved.space.size, progress) as bar:
+    with sinks.ProgressBar(evaluation.resolved.space.size, progress) as bar:
         if path is None:
             return evaluation.in_memory(bar.take)
         evaluation.to_file(path, bar.take, overwrite=overwrite, restart=restart)
