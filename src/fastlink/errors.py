@@ -133,17 +133,7 @@ class Wording:
 
 
 class InputError(ValueError):
-    """Bad input: one or several problems.
-
-    Parameters
-    ----------
-    what : str
-        What is wrong.
-    where : tuple of str and int, optional
-        The path to it, from the parameter of the function that was called.
-    remedy : str or tuple of pieces, optional
-        What to write instead.
-    """
+    """Bad input: one or several problems, each with the path to it from a parameter, and what to write instead."""
 
     def __init__(self, what: str, where: KeyPath = (), remedy: Remedy = "") -> None:
         super().__init__(what)

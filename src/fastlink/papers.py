@@ -87,14 +87,7 @@ def _entries_of(design: Any, known: Iterable[str]) -> dict[str, Any] | None:
 
 
 def broadcast(function: str, declared: Iterable[Input], *numbers: Any, gaps: bool = False) -> list[Any]:
-    """Return numbers as arrays of one shape.
-
-    Examples
-    --------
-    >>> lengths = [Input(name, "m", name, "length", "positive") for name in ("a1", "a2")]
-    >>> broadcast("sextic", lengths, 1.0, [0.5, 2.0])
-    [array([1., 1.]), array([0.5, 2. ])]
-    """
+    """Return numbers as arrays of one shape."""
     named = {one.name: one for one in declared}
     values = dict(zip(named, numbers, strict=True))
     return list(_broadcast(function, named, values, Problems(), gaps=gaps).values())
@@ -277,16 +270,8 @@ def _product(f: Any, g: Any) -> Any:
 def coupler_sextic(jj: int, lengths: Sequence[Any], point: Sequence[Any]) -> Any:
     """Return the coefficients (..., 7, 7) of the sextic of all coupler points.
 
-    Notes
-    -----
-    With N(z) = z conj(z) and the W and V of `fastlink.planar.sextic` the equation is
-    N(W) + 4 jj V^2 = 0: its elimination depends neither on the sign of j^2 nor on that of N(p).
-
-    Examples
-    --------
-    >>> c = coupler_sextic(1, np.array([3.0, 4.0, 5.0, 6.0]), np.zeros(2))  # p = 0: on X^2 - Y^2 = 9
-    >>> float(np.polynomial.polynomial.polyval2d(5.0, 4.0, c))
-    0.0
+    With N(z) = z conj(z) and the W and V of `fastlink.planar.sextic` the equation is N(W) + 4 jj V^2 = 0: its
+    elimination depends neither on the sign of j^2 nor on that of N(p).
     """
     shape = np.shape(lengths[0])
     columns = np.array([np.ravel(number) for number in (*lengths, *point)])

@@ -97,7 +97,9 @@ class Method:
             seconds := min(trial.time() for _ in range(3))
         ) < SECONDS and trial.designs < MOST_TIMED_DESIGNS:
             times = 2 ** math.ceil(math.log2(2 * SECONDS / max(seconds, SECONDS / 64)))
-            subject = replace(subject, space=_repeated(subject.space, times))
+            columns = {name: np.tile(column, times) for name, column in subject.space.columns.items()}
+            space = replace(subject.space, shape=(subject.space.size * times,), columns=columns)
+            subject = replace(subject, space=space)
             trial = self._run_kernels(subject)
         return trial
 
@@ -138,12 +140,6 @@ def race(subject: Subject, methods: Iterable[Method]) -> dict[str, Trial]:
         if idle == IDLE:
             break
     return trials
-
-
-def _repeated(space: DesignSpace, times: int) -> DesignSpace:
-    """Return the same designs so many times."""
-    columns = {name: np.tile(column, times) for name, column in space.columns.items()}
-    return replace(space, shape=(space.size * times,), columns=columns)
 
 
 def methods_for(subject: Subject, with_numpy: bool) -> list[Method]:

@@ -270,13 +270,6 @@ def public_rows(catalogue: Catalogue) -> list[Quantity]:
     return sorted(rows, key=order)
 
 
-def step_row(fact: Fact, dims: Iterable[str], mechanism: str) -> Quantity:
-    """Return the row of an intermediate fact."""
-    return Quantity(
-        fact.name, fact.units, tuple(dims), fact.meaning, fact.source, fact.symbol, (), mechanism, "Steps"
-    )
-
-
 def _axes(name: str, catalogue: Catalogue) -> tuple[str, ...]:
     return (BRANCH, catalogue.position.name) if catalogue.varies(name) else ()
 
@@ -497,8 +490,9 @@ def quantities(
         plan = make_program(catalogue, catalogue.public, given=catalogue.inputs)
         for name, fact in (*catalogue.tables.items(), *catalogue.facts.items()):
             if fact.internal and name in plan.axes and name == fact.name:
-                dims = [axis for axis in every if axis in plan.axes[name]]
-                rows.append(step_row(fact, dims, catalogue.name))
+                dims = tuple(axis for axis in every if axis in plan.axes[name])
+                texts = fact.name, fact.units, dims, fact.meaning, fact.source, fact.symbol
+                rows.append(Quantity(*texts, (), catalogue.name, "Steps"))
     return QuantityList(rows, [catalogue])
 
 

@@ -455,14 +455,11 @@ def in_own_tables(
             value = given.pop(key)
             if home[0] != "links" or "links" in tables or key == "model":  # without a model they say nothing
                 tables.setdefault(home[0], {}).setdefault(key, value)
-            problems.append(_problem(key, place, home[0]))
+            what = f"{key} stands {f'under [{place}]' if place else 'outside of every table'}"
+            remedy = f"write it under [{home[0]}]" if home[0] else WRITE_ABOVE
+            problems.append(Problem(what, ("study", key), remedy))
     top = tables.pop("")
     return {**top, **tables}, problems
-
-
-def _problem(key: str, place: str, home: str) -> Problem:
-    what = f"stands under [{place}]" if place else "stands outside of every table"
-    return Problem(f"{key} {what}", ("study", key), f"write it under [{home}]" if home else WRITE_ABOVE)
 
 
 # -- The table [search] of a study: the designs that it searches, and what for
@@ -588,17 +585,7 @@ class StudyWording(Wording):
 
 
 class StudyRequest:
-    """The request of a study.
-
-    Attributes
-    ----------
-    space : DesignSpace or None
-        The designs, as soon as they are read.
-    options : dict
-        The options of a sweep.
-    positions : dict
-        Input positions by the name of the input.
-    """
+    """The request of a study: its designs as soon as they are read, options of a sweep, input positions by name."""
 
     def __init__(
         self,
@@ -836,10 +823,7 @@ class Study:
         return dict(self.tables["output"])
 
     def target(self, to: str | Path | None = None, part: Part | None = None) -> Path:
-        """Return the file to write: a given one, else its own, else one of its name in the current folder.
-
-        Unless given, the file of a part has it in its name.
-        """
+        """Return the file to write: a given one, else its own or one of its name here, with the part in its name."""
         target = Path(os.path.expanduser(to or self.output.get("file") or f"{self.path.stem}.h5"))
         return target if to or part is None else part.path(target)
 

@@ -148,12 +148,6 @@ class Subject:
         space = as_space(maps.drop_vars([*map(str, maps.data_vars), *cycle, *of_links]))
         return cls(model.mechanism, space, model.options | options, list(map(str, maps.data_vars)), rows)
 
-    @classmethod
-    def of_study(cls, path: Any, trust_code: bool) -> Subject:
-        """Return that of a study."""
-        study = read_study(path, trust_code)
-        return cls(study.mechanism, study.space, dict(study.options), study.quantities)
-
 
 @door(hint="write the tolerances of inputs by name, such as a1=1e-4")
 def tolerance(
@@ -235,7 +229,8 @@ def tolerance(
     with ExitStack() as stack:
         dataset = None
         if is_study:
-            subject = Subject.of_study(maps, trust_code)
+            study = read_study(maps, trust_code)
+            subject = Subject(study.mechanism, study.space, dict(study.options), study.quantities)
         else:
             dataset = stack.enter_context(as_map(maps))
             subject = Subject.of_map(dataset, mechanism, names)

@@ -87,7 +87,8 @@ def spans_of(catalogue: Catalogue, maps: xr.Dataset, only: Sequence[str] = ()) -
         with problems.at():
             check_units(maps[name], declared.units, ("refine", name))
     problems.stop()
-    drawn = dict(_drawn(str(maps.attrs.get("design_ranges", ""))))
+    ranges = re.findall(r"(\w+)=\(([^,()]+), ([^,()]+)\)", str(maps.attrs.get("design_ranges", "")))
+    drawn = {name: (float(low), float(high)) for name, low, high in ranges}
     ends = {}
     for name in only or swept:
         low, high = _ends(maps[name])
@@ -141,12 +142,6 @@ def within(spans: Iterable[Span], wanted: Iterable[Condition]) -> list[Span]:
         else one
         for one in spans
     ]
-
-
-def _drawn(text: str) -> Iterable[tuple[str, tuple[float, float]]]:
-    """Yield the ranges that a sample was drawn from, of the attribute ``design_ranges`` of its map."""
-    for name, low, high in re.findall(r"(\w+)=\(([^,()]+), ([^,()]+)\)", text):
-        yield name, (float(low), float(high))
 
 
 def _pieces(array: xr.DataArray) -> Iterable[NDArray[np.float64]]:
@@ -235,11 +230,6 @@ class Model:
     def catalogue(self) -> Catalogue:
         """The mechanism, as it is driven."""
         return find_catalogue(self.mechanism, self.options.get("input"))
-
-    @property
-    def of_point(self) -> dict[str, Any]:
-        """The options of an evaluation at single positions."""
-        return {name: self.options.get(name) for name in ("links", "input", "solver") if name in self.options}
 
 
 def _positions(catalogue: Catalogue, maps: xr.Dataset) -> dict[str, Any]:
@@ -345,10 +335,10 @@ class Results:
         """Return quantities at single input positions."""
         if not names:
             return {}
-        inputs = {**self.codes, **dict(zip(self.inputs, designs, strict=True))}
-        options: dict[str, Any] = {**self.model.of_point, **inputs}
+        given: dict[str, Any] = {**self.codes, **dict(zip(self.inputs, designs, strict=True))}
+        given |= {name: of for name, of in self.model.options.items() if name in ("links", "input", "solver")}
         names = list(dict.fromkeys(names))
-        return evaluate(self.model.mechanism, names, branch=self.branch, allow_invalid=True, **options)
+        return evaluate(self.model.mechanism, names, branch=self.branch, allow_invalid=True, **given)
 
     @cached_property
     def _slopes_at_points(self) -> dict[tuple[int, int], str]:
@@ -746,7 +736,7 @@ class _Walk:
         up = np.eye(len(start))[-1]
         try:
             minimize(
-                (lambda z: z[-1]) if joint else self._objective,
+                (lambda z: z[-1]) if joint else (lambda z: float(self.height(self._at(z)[0]))),
                 start,
                 jac=(lambda z: up) if joint else self._objective_slopes,
                 method="SLSQP",
@@ -770,9 +760,6 @@ class _Walk:
             value = values[0] if known else self.first + above
             self._last = key, value, np.nan_to_num(slopes[0], nan=0.0, posinf=0.0, neginf=0.0)
         return self._last[1], self._last[2]
-
-    def _objective(self, z: Floats) -> float:
-        return float(self.height(self._at(z)[0]))
 
     def _objective_slopes(self, z: Floats) -> Floats:
         (k,) = self.aims
@@ -1110,18 +1097,13 @@ class Refinement:
         for k, old in enumerate(ends):
             if old.reader is not new.reader:
                 continue
-            worse, better = (old, new) if self._is_better(new, old) else (new, old)
+            heights = [self.results[0].sign * one.descent.values[0] for one in (new, old)]
+            worse, better = (old, new) if heights[0] < heights[1] else (new, old)
             if is_one_design(worse.points, worse.descent, better.design):
                 ends[k] = replace(better, starts=old.starts + 1)
                 return False
         ends.append(new)
         return True
-
-    def _is_better(self, one: End, other: End) -> bool:
-        """Tell whether an end is better in the first objective."""
-        return bool(
-            one.descent.values[0] * self.results[0].sign < other.descent.values[0] * self.results[0].sign
-        )
 
     def _ended(self, row: xr.Dataset, number: int) -> End:
         """Return the end of the descent from one design."""

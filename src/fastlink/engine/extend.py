@@ -37,12 +37,7 @@ class Extension:
 
     Every function that takes the name of a mechanism takes it: `fastlink.sweep`, `fastlink.function`,
     `fastlink.evaluate`, `fastlink.explain`, `fastlink.quantities`, `fastlink.draw`. It can be pickled, and holds texts
-    alone: what another process runs is compiled from these.
-
-    Attributes
-    ----------
-    mechanism : str
-        The name of the mechanism.
+    alone: what another process runs is compiled from these. Its attribute `mechanism` is the name of the mechanism.
     """
 
     def __init__(self, mechanism: str, definition: Definition = ()) -> None:

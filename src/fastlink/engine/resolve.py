@@ -319,21 +319,15 @@ def resolve(
         plan = cached_plan(catalogue, checked.names, companions, declared=checked.declared, **planning)
     except InputError as error:
         raise (_problem_of_each(checked, planning, parameter) or error) from None
-    space = _without_unread(space, plan)
+    if catalogue.definition:  # default values of a user's inputs that nothing computed depends on
+        own = {one.name for one in catalogue.definition if getattr(one, "default", None) is not None}
+        read = {name for program in plan.programs for name in program.inputs}
+        space = without(space, own.intersection(space.constants) - read)
     axis = find_scaling_axis(plan, space)
     solver = checked.solver if plan.depends_on_solver else ""
     one_branch = np.ndim(options.get("branch", checked.branches)) == 0
     mechanism, ways = name_of(mechanism), (checked.backend, one_branch)
     return ResolvedSweep(mechanism, space, plan, checked.positions, solver, axis, *ways)
-
-
-def _without_unread(space: DesignSpace, plan: Plan) -> DesignSpace:
-    """Return designs without the default values of a user's inputs that nothing computed depends on."""
-    if not plan.catalogue.definition:
-        return space
-    own = {one.name for one in plan.catalogue.definition if getattr(one, "default", None) is not None}
-    read = {name for program in plan.programs for name in program.inputs}
-    return without(space, own.intersection(space.constants) - read)
 
 
 def _space_of(space: Any, allow_invalid: bool) -> DesignSpace:

@@ -38,11 +38,6 @@ __all__ = ["MapAccessor", "VariableAccessor", "finite", "open"]
 class MapAccessor:
     """The attribute ``fastlink`` of a map.
 
-    Parameters
-    ----------
-    maps : xarray.Dataset
-        The map.
-
     Examples
     --------
     >>> space = fl.grid(a1=[0.4, 0.5, 1.5], a2=1.2, a3=0.8, a4=1.0, omega1=25.0)
@@ -205,11 +200,6 @@ class MapAccessor:
 @xr.register_dataarray_accessor("fastlink")  # type: ignore[no-untyped-call]
 class VariableAccessor:
     """The attribute ``fastlink`` of a variable of a map.
-
-    Parameters
-    ----------
-    array : xarray.DataArray
-        The variable.
 
     Examples
     --------

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from typing import Any, TypeVar
 
@@ -54,17 +54,18 @@ def degrees(maps: T) -> T:
     result = degrees_along(maps)
     if isinstance(result, xr.DataArray):
         return _scaled(result, np.rad2deg, DEGREE) if _is_angle(result) else result
-    angles = {name: array for name, array in result.data_vars.items() if _is_angle(array)}
-    return result.assign(
-        {name: _scaled(array, np.rad2deg, DEGREE).variable for name, array in angles.items()}
-    )
+    return result.assign(_in_degrees(result.data_vars))
 
 
 def degrees_along(maps: T) -> T:
     """Return a copy whose coordinates in radians are in degrees."""
-    angles = {name: array for name, array in maps.coords.items() if _is_angle(array)}
-    changed = {name: _scaled(array, np.rad2deg, DEGREE).variable for name, array in angles.items()}
-    return _along(maps, changed)
+    return _along(maps, _in_degrees(maps.coords))
+
+
+def _in_degrees(arrays: Mapping[Any, xr.DataArray]) -> dict[Any, xr.Variable]:
+    """Return those of some variables that are angles in radians, in degrees."""
+    angles = {name: array for name, array in arrays.items() if _is_angle(array)}
+    return {name: _scaled(array, np.rad2deg, DEGREE).variable for name, array in angles.items()}
 
 
 def convert(maps: xr.Dataset, given: dict[str, Any]) -> xr.Dataset:
