@@ -10,21 +10,9 @@ from typing import Any, TypeVar
 
 from fastlink._text import short_repr
 from fastlink.errors import InputError, KeyPath, Problems, Setting, check_choice, door
+from fastlink.facts import own as declarations
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.fact import Rule
-from fastlink.facts.own import (
-    Definition,
-    OwnInput,
-    OwnQuantity,
-    check_name,
-    check_units,
-    declared_names,
-    definition_text,
-    extended,
-    fact_text,
-    function_text,
-    used,
-)
 from fastlink.mechanisms import base_catalogue
 from fastlink.space.design_space import in_unit, numbers_of
 
@@ -40,7 +28,7 @@ class Extension:
     alone: what another process runs is compiled from these. Its attribute `mechanism` is the name of the mechanism.
     """
 
-    def __init__(self, mechanism: str, definition: Definition = ()) -> None:
+    def __init__(self, mechanism: str, definition: declarations.Definition = ()) -> None:
         self.mechanism, self._definition = mechanism, definition
 
     @door
@@ -60,23 +48,23 @@ class Extension:
         """
         problems = Problems()
         with problems.at():
-            units = check_units(("quantity", "units"), units)
+            units = declarations.check_units(("quantity", "units"), units)
         texts = [
             _label(problems, "quantity", *one) for one in (("description", description), ("symbol", symbol))
         ]
         problems.stop()
 
         def declare(function: F) -> F:
-            of = function_text(function)
+            of = declarations.function_text(function)
             name = of.tree.name
             found = Problems()
             with found.at(name):
-                check_name(name)
+                declarations.check_name(name)
             with found.at():
-                fact = fact_text(of)
+                fact = declarations.fact_text(of)
             found.stop()
             first = (ast.get_docstring(of.tree) or "").strip().split("\n", 1)[0].rstrip(".")
-            own = OwnQuantity(
+            own = declarations.OwnQuantity(
                 name,
                 units,
                 texts[1] or name,
@@ -115,9 +103,9 @@ class Extension:
         """
         problems = Problems()
         with problems.at("input", "name"):
-            check_name(name)
+            declarations.check_name(name)
         with problems.at():
-            units = check_units(("input", "units"), units)
+            units = declarations.check_units(("input", "units"), units)
         with problems.at():
             check_choice(("input", "rule"), rule, RULES)
             number = _number(default, rule, units)
@@ -125,29 +113,29 @@ class Extension:
             _label(problems, "input", *one) for one in (("description", description), ("symbol", symbol))
         ]
         problems.stop()
-        self._add(OwnInput(name, units, texts[1] or name, texts[0] or name, rule, number))
+        self._add(declarations.OwnInput(name, units, texts[1] or name, texts[0] or name, rule, number))
 
     @property
     def text(self) -> str:
         """The declarations as Python code that makes them again; maps have it in their attribute ``own_quantities``."""
-        return definition_text(self.mechanism, self._definition)
+        return declarations.definition_text(self.mechanism, self._definition)
 
     def catalogue(self, input: str | None = None) -> Catalogue:
         """Return the catalogue with the declarations, by the named input."""
         first = base_catalogue(self.mechanism)
-        own = extended(first, first.version, self._definition)
+        own = declarations.extended(first, first.version, self._definition)
         base = base_catalogue(self.mechanism, input)
-        return own if base is first else extended(base, base.version, self._definition, own)
+        return own if base is first else declarations.extended(base, base.version, self._definition, own)
 
     def copy(self) -> Extension:
         """Return an extension with the same declarations, to which others can be added."""
         return type(self)(self.mechanism, self._definition)
 
-    def _add(self, declared: OwnInput | OwnQuantity) -> None:
+    def _add(self, declared: declarations.OwnInput | declarations.OwnQuantity) -> None:
         """Add a declaration; one of its name gives way to it unless both stand in one file, line below line."""
         others = [one for one in self._definition if one.name != declared.name]
         before = next((one for one in self._definition if one.name == declared.name), None)
-        both = isinstance(before, OwnQuantity) and isinstance(declared, OwnQuantity)
+        both = isinstance(before, declarations.OwnQuantity) and isinstance(declared, declarations.OwnQuantity)
         (file, line), (own_file, own_line) = _place(before), _place(declared)
         if both and file == own_file and line != own_line:
             what = f"is declared in line {line} of {file} already"
@@ -164,14 +152,16 @@ class Extension:
         return f"<{self.mechanism} with {names or 'nothing of its own yet'}>"
 
 
-def _place(one: OwnInput | OwnQuantity | None) -> tuple[str, int]:
-    return (one.file, one.line) if isinstance(one, OwnQuantity) else ("", 0)
+def _place(one: declarations.OwnInput | declarations.OwnQuantity | None) -> tuple[str, int]:
+    return (one.file, one.line) if isinstance(one, declarations.OwnQuantity) else ("", 0)
 
 
-def _in_order(declared: Iterable[OwnInput | OwnQuantity]) -> Definition:
+def _in_order(
+    declared: Iterable[declarations.OwnInput | declarations.OwnQuantity],
+) -> declarations.Definition:
     """Return declarations, each after those on which it depends."""
     left = {one.name: one for one in declared}
-    found: dict[str, OwnInput | OwnQuantity] = {}
+    found: dict[str, declarations.OwnInput | declarations.OwnQuantity] = {}
     while left:
         free = [
             name
@@ -266,7 +256,7 @@ def is_own(name: str, text: str) -> bool:
     >>> is_own("cost_max", "def cost(F21):"), is_own("omega4_max", "def cost(F21):")
     (True, False)
     """
-    return any(re.search(rf"(^|_){re.escape(own)}(_|$)", name) for own in declared_names(text))
+    return any(re.search(rf"(^|_){re.escape(own)}(_|$)", name) for own in declarations.declared_names(text))
 
 
 def own_refused(where: KeyPath, name: str) -> InputError:
@@ -281,9 +271,9 @@ def check_declared(where: KeyPath, given: Any, mechanism: str, text: str) -> Ext
         remedy = "give what fastlink.extend returned"
         raise InputError(f"is {short_repr(given)}, not an extended mechanism", where, remedy)
     catalogue = given.catalogue()
-    names = declared_names(text)
+    names = declarations.declared_names(text)
     if given.mechanism != mechanism or (
-        text and definition_text(mechanism, used(catalogue, (), names)) != text
+        text and declarations.definition_text(mechanism, declarations.used(catalogue, (), names)) != text
     ):
         what = f"is {short_repr(given)}, and the map is of {mechanism} with other declarations"
         raise InputError(what, where, "give the extension by which it was made")
