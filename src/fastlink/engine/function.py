@@ -85,15 +85,6 @@ def constants(fixed: Mapping[str, Any], known: Mapping[str, Input]) -> dict[str,
     return space.constants
 
 
-def refuse_choices(resolved: ResolvedSweep, varying: DesignSpace) -> None:
-    """Refuse a missing code, of which a sweep would evaluate every choice."""
-    known = resolved.catalogue.known_inputs(resolved.plan.variants)
-    for name in resolved.space.axes:
-        if name not in varying.names:
-            codes = ", ".join(f"{code} ({meaning})" for code, meaning in known[name].choices.items())
-            raise InputError("is missing", ("function", name), f"give it, one of {codes}")
-
-
 def axes_of(outputs: Sequence[Output]) -> tuple[str, ...]:
     """Return the axes of the output that has most; no other may have further ones."""
     first, *others = (output for output in sorted(outputs, key=lambda output: -len(output.axes)))
@@ -255,28 +246,24 @@ def function(
         fixed_numbers = constants({name: value for name, value in fixed.items() if name in known}, known)
         variants = selected_variants(catalogue, links, solver, [*names, *fixed_numbers])
         check_inputs(catalogue, DesignSpace("grid", (), (), fixed_numbers), variants, False)
-    named: dict[str, Any] = {
-        "positions": {name: values for name, values in fixed.items() if name not in (*known, *strange)},
-        "options": [*_OPTIONS, *known],
+    positions = {name: values for name, values in fixed.items() if name not in (*known, *strange)}
+    named: dict[str, Any] = {"positions": positions, "options": [*_OPTIONS, *known], "allow_invalid": True}
+    named |= {
         "parameter": "outputs",
         "companions": False,
-    }
+    }  # fixed values are checked above, others at each call
     if problems.noted:
         with problems.at():
             check(mechanism, None, wanted, **named, **options)
     problems.stop()
-    varying = DesignSpace(
-        "table", (DESIGN,), (1,), fixed_numbers, columns={name: np.full(1, np.nan) for name in names}
-    )
-    resolved = resolve(
-        mechanism,
-        varying,
-        wanted,
-        allow_invalid=True,  # the fixed values are checked above, the others at each call
-        **named,
-        **options,
-    )
-    refuse_choices(resolved, varying)
+    columns = {name: np.full(1, np.nan) for name in names}
+    varying = DesignSpace("table", (DESIGN,), (1,), fixed_numbers, columns=columns)
+    resolved = resolve(mechanism, varying, wanted, **named, **options)
+    for name in resolved.space.axes:  # a sweep evaluates every choice
+        if name not in varying.names:
+            choices = resolved.catalogue.known_inputs(resolved.plan.variants)[name].choices
+            codes = ", ".join(f"{code} ({meaning})" for code, meaning in choices.items())
+            raise InputError("is missing", ("function", name), f"give it, one of {codes}")
     function_again: Any = function
     recipe = partial(function_again, mechanism, names, **options, **fixed)
     return Function(resolved, names, resolved.one_branch, recipe)
