@@ -1,7 +1,7 @@
 """Functions of Burmester's focal mechanism: its cubic, constructions on it, conics, the five-bar, straight lines.
 
-Lengths are 1e-70 to 1e70 m. Others, values that are no finite numbers and shapes that do not broadcast are refused
-with `fastlink.InputError`.
+Positions of the four-bar MABN are given as for `cubic`. Lengths are 1e-70 to 1e70 m. Others, values that are no finite
+numbers and shapes that do not broadcast are refused with `fastlink.InputError`.
 """
 
 from __future__ import annotations
@@ -167,8 +167,6 @@ def cubic_points(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1, *, s
 
     Parameters
     ----------
-    a, b, c, d, phi, branch
-        As for `cubic`.
     samples : int
         Points on each of up to eight arcs, at least 2.
 
@@ -410,8 +408,6 @@ def from_point(
 
     Parameters
     ----------
-    a, b, c, d, phi, branch
-        As for `cubic`.
     x, y : float or array_like
         F, origin in M and x along MN [m]. Of points off the focal cubic (`cubic_points` traces it) the nearest point
         of the cubic is taken.
@@ -559,8 +555,6 @@ def inscribed_conics(
 
     Parameters
     ----------
-    a, b, c, d, phi, branch
-        As for `cubic`.
     t : float or array_like, optional
         Numbers of conics: 0 and 1 are the pairs of points M, B and A, N, and the centre goes in proportion to t from
         the middle of MB to that of AN. Towards infinity the conics become the parabola.
@@ -697,8 +691,6 @@ def involution(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1, *, x: 
 
     Parameters
     ----------
-    a, b, c, d, phi, branch
-        As for `cubic`.
     x, y : float or array_like
         The point [m], origin in M and x along MN.
 
@@ -775,8 +767,6 @@ def best_point(
 
     Parameters
     ----------
-    a, b, c, d, phi, branch
-        As for `cubic`.
     between : (float, float)
         The least and greatest MS over MN: where the support S may stand, M being at 0 and N at 1.
     by : {"rho", "s", "lambda_"}

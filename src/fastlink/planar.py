@@ -1,5 +1,6 @@
 """Functions of the planar 4R alone: algebraic equations, coupler curves, balancing.
 
+Designs are given as for `cognates`, assembly modes as numbers or arrays that are broadcast with the designs.
 Lengths are 1e-25 to 1e25 m, coordinates at most 1e25 m: others are refused with `fastlink.InputError`, as their
 products may leave the range of doubles. So is what is missing, is not a finite number, or does not broadcast.
 """
@@ -248,11 +249,6 @@ def cognates(design: Any = None, **inputs: Any) -> tuple[Cognate, Cognate, Cogna
 def sextic(design: Any = None, **inputs: Any) -> Any:
     r"""Return the tricircular sextic that every coupler point of a linkage satisfies.
 
-    Parameters
-    ----------
-    design, **inputs
-        As for `cognates`.
-
     Returns
     -------
     ndarray, shape (..., 7, 7)
@@ -369,12 +365,8 @@ def curve_straightness(
 
     Parameters
     ----------
-    design, **inputs
-        As for `cognates`.
     theta1 : (float, float), optional
         Least and greatest input angle [rad] of the part; the whole curve of the branch unless given.
-    branch : int or array_like
-        Assembly mode, broadcast with the design.
     samples : int
         Input angles.
 
@@ -570,10 +562,6 @@ def curve_length(design: Any = None, *, branch: Any = 1, error: bool = False, **
 
     Parameters
     ----------
-    design, **inputs
-        As for `cognates`.
-    branch : int or array_like
-        Assembly mode, broadcast with the design.
     error : bool
         Whether to return a bound of the error too.
 
@@ -608,10 +596,6 @@ def curve_area(design: Any = None, *, branch: Any = 1, error: bool = False, **in
 
     Parameters
     ----------
-    design, **inputs
-        As for `cognates`.
-    branch : int or array_like
-        Assembly mode, broadcast with the design.
     error : bool
         Whether to return a bound of the error too.
 
@@ -720,10 +704,6 @@ def inflections(
 
     Parameters
     ----------
-    design, **inputs
-        As for `cognates`.
-    branch : int or array_like
-        Assembly mode, broadcast with the design.
     samples : int
         About how many input angles, closer together near toggles, the sign of the curvature is read at; two changes
         within one step are missed.
@@ -892,8 +872,6 @@ def crunodes(design: Any = None, *, tolerance: float = TOLERANCE, **inputs: Any)
 
     Parameters
     ----------
-    design, **inputs
-        As for `cognates`.
     tolerance : float
         Double points within it count as cusps, see `cusps`.
 
@@ -927,8 +905,6 @@ def cusps(design: Any = None, *, tolerance: float = TOLERANCE, **inputs: Any) ->
 
     Parameters
     ----------
-    design, **inputs
-        As for `cognates`.
     tolerance : float
         A double point of the curve is a cusp if its two coupler directions differ by an angle 2 x with 1 - cos x at
         most this. Only designs that satisfy an equation have a cusp; one within the tolerance has a cusp, or a loop
@@ -1250,8 +1226,6 @@ def force_equations(
     design, **inputs : mapping, pandas.DataFrame or xarray.Dataset, or values by name
         Inputs of ``planar_4r`` by name, as in `fastlink.evaluate`: lengths, speed, masses, loads and
         ``theta1``.
-    branch : int or array_like
-        Assembly mode.
     links : Links, optional
         The source of mass data that the design does not give.
 
