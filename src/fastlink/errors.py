@@ -19,6 +19,10 @@ from typing import Any, ParamSpec, Self, TypeAlias, TypeVar, overload
 
 from fastlink._text import counted, joined, short_repr
 
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
 # -- Errors that a user can mend, in the words of each door
 
 
@@ -187,6 +191,14 @@ class Problems:
         """Add a problem."""
         self.noted.append(Problem(what, where, remedy))
 
+    def attempt(self, function: Callable[P, R], *args: P.args, **options: P.kwargs) -> R:
+        """Return what a function returns; note what it refuses, and go on with None, which `stop` lets nobody use."""
+        try:
+            return function(*args, **options)
+        except InputError as error:
+            self.noted += error.problems
+            return None  # type: ignore[return-value]
+
     def at(self, *where: str | int) -> _Collecting:
         """Add the problems of an InputError, at a path unless they have one, and go on."""
         return _Collecting(self, where)
@@ -308,9 +320,6 @@ def listed(options: Sequence[str]) -> str:
 
 # -- Guard public functions: a call that does not fit their parameters is refused with what to write
 
-
-P = ParamSpec("P")
-R = TypeVar("R")
 
 #: Parameters that the form of a call shows.
 MOST_PARAMETERS = 6

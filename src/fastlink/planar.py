@@ -1448,8 +1448,7 @@ def _loads_and_extremes(dataset: xr.Dataset) -> tuple[list[str], list[tuple[str,
         if name not in dataset:
             problems.add(f"{name!r} is missing", WHERE, f"sweep {name!r} too, and {GIVE_ALL}")
             continue
-        with problems.at():
-            check_units(dataset[name], unit, (*WHERE, name))
+        problems.attempt(check_units, dataset[name], unit, (*WHERE, name))
     problems.stop()
     return loads, [(rate, end) for rate in rates for end in ENDS]
 

@@ -1,6 +1,5 @@
 """The tables of quantities: what is in them, and that the documentation is what they say."""
 
-import doctest
 import re
 
 import pytest
@@ -8,7 +7,6 @@ from tests.support.refusals import refused
 from tests.support.registry import ENTRIES
 
 import fastlink as fl
-from fastlink.app import report
 from fastlink.app.report import GROUPS, Quantity, QuantityList, document
 from fastlink.engine.labels import variables
 from fastlink.engine.resolve import resolve
@@ -151,12 +149,6 @@ def test_what_to_list_or_find_is_a_word(options):
 def test_an_unknown_mechanism_is_refused():
     with pytest.raises(fl.InputError, match="mechanism: 'planar_4R' is unknown; did you mean 'planar_4r'"):
         fl.quantities("planar_4R")
-
-
-def test_the_examples_run():
-    result = doctest.testmod(report)
-    assert result.attempted > 0
-    assert result.failed == 0
 
 
 def test_a_word_in_place_of_a_mechanism_may_be_one_to_find():

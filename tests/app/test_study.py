@@ -1,7 +1,5 @@
 """Study files: what they mean."""
 
-import doctest
-import importlib
 import tomllib
 from pathlib import Path
 
@@ -110,10 +108,3 @@ def test_the_main_study_is_as_large_as_promised():
 def test_the_studies_are_toml_that_others_read():
     for path in STUDIES.glob("*.toml"):
         assert tomllib.loads(path.read_text(encoding="utf-8"))["mechanism"] in NAMES
-
-
-@pytest.mark.parametrize("name", ["app.study", "errors", "app.report"])
-def test_the_examples_run(name):
-    result = doctest.testmod(importlib.import_module(f"fastlink.{name}"))
-    assert result.attempted > 0
-    assert result.failed == 0

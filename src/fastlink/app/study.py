@@ -625,8 +625,7 @@ class StudyRequest:
         names = self.tables.get("quantities", REQUIRED["quantities"])
         found = Problems()
         of_driven = ("input",) in {one.where for one in self.problems.noted}
-        with found.at():
-            self._examine(check if self.problems.noted else resolve, names)
+        found.attempt(self._examine, check if self.problems.noted else resolve, names)
         if of_driven:  # whose inputs are unknown
             found.noted = [one for one in found.noted if one.where[:1] != ("design",)]
         self._add(found.noted)
@@ -653,8 +652,7 @@ class StudyRequest:
         cycle = self.raw.get("cycle")
         given = list(cycle) if isinstance(cycle, dict) else []
         lost = [name for name in given if name not in (*self.tables["cycle"], *KEYS["cycle"])]
-        with self.problems.at():
-            check_keywords(self.catalogue.name, self.catalogue, lost, KEYS["cycle"])
+        self.problems.attempt(check_keywords, self.catalogue.name, self.catalogue, lost, KEYS["cycle"])
 
     def _add(self, found: list[Problem]) -> None:
         """Add problems, but those that only follow from others, with the numbers that names have in the file."""
@@ -692,7 +690,7 @@ class StudyRequest:
         entries = {name: value for name, value in design.items() if name not in (*SAMPLES, KEEP)}
         constants = {name: value for name, value in entries.items() if isinstance(value, float)}
         swept = [name for name in entries if name not in constants]
-        kinds, space = [name for name in SAMPLES if name in design], None
+        kinds = [name for name in SAMPLES if name in design]
         if len(kinds) + bool(swept) > 1:
             both = [*kinds, *([f"axes ({', '.join(swept)})"] if swept else [])]
             problems.add(f"has {' and '.join(both)}", ("design",), "write one of them, beside constants")
@@ -700,8 +698,7 @@ class StudyRequest:
             problems.add("names columns of a table", ("design", KEEP), "leave it out, or write table = ...")
         if not design and not self.broken & {"design", "links"}:
             problems.add("is empty", ("design",), "write a number or an axis for each input")
-        with problems.at():
-            space = grid(**entries)
+        space: DesignSpace | None = problems.attempt(grid, **entries)
         if len(kinds) == 1:
             (kind,) = kinds
             with problems.at("design", kind):

@@ -215,9 +215,7 @@ def tolerance(
         if contributions and to is not None:
             remedy = "leave one of them out; derivatives such as d_omega4_max_d_a1 can be swept into a file"
             raise InputError("is given with to", ("contributions",), remedy)
-    names = None
-    with problems.at():
-        names = None if quantities is None else check_names("quantities", quantities)
+    names = None if quantities is None else problems.attempt(check_names, "quantities", quantities)
     with problems.at():
         is_study = (
             isinstance(maps, (str, os.PathLike)) and check_path(("maps",), maps).suffix.lower() == ".toml"

@@ -92,17 +92,14 @@ def best(
     True
     """
     with as_dataset(maps) as dataset:
-        problems, only, choice = Problems(), None, None
-        with problems.at():
-            only = inputs_to_refine(refine)
+        problems = Problems()
+        only = problems.attempt(inputs_to_refine, refine)
         if mechanism is not None and only is None:
             problems.add(
                 "counts for a refinement alone", ("mechanism",), "write refine=True, or leave it out"
             )
-        with problems.at():
-            choice = choice_of(dataset, minimise, maximise, where, top=top, infinite=infinite)
+        choice = problems.attempt(choice_of, dataset, minimise, maximise, where, top=top, infinite=infinite)
         problems.stop()
-        assert choice is not None
         if only is None:
             return chosen(dataset, choice).of(dataset)
         from fastlink.design.refine import Model, Refinement, candidates, spans_of

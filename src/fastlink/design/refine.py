@@ -84,8 +84,7 @@ def spans_of(catalogue: Catalogue, maps: xr.Dataset, only: Sequence[str] = ()) -
     swept, problems = swept_inputs(catalogue, maps), Problems()
     check_only(only, list(swept), problems)
     for name, declared in swept.items():
-        with problems.at():
-            check_units(maps[name], declared.units, ("refine", name))
+        problems.attempt(check_units, maps[name], declared.units, ("refine", name))
     problems.stop()
     ranges = re.findall(r"(\w+)=\(([^,()]+), ([^,()]+)\)", str(maps.attrs.get("design_ranges", "")))
     drawn = {name: (float(low), float(high)) for name, low, high in ranges}

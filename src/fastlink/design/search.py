@@ -32,7 +32,7 @@ from fastlink.engine.resolve import ResolvedSweep, of_request, resolve
 from fastlink.engine.run import default_threads, run
 from fastlink.engine.sinks import ProgressBar, allocated, check_needs, designs_per_block, within
 from fastlink.engine.sweep import sweep
-from fastlink.errors import InputError, Pair, Problems, Setting, check_output, check_switch, door
+from fastlink.errors import InputError, Pair, Problems, Setting, check_switch, door
 from fastlink.facts.catalogue import ELIMINATED, Catalogue
 from fastlink.facts.own import declared_names
 from fastlink.io.checksums import Range, Ranges, joined_ranges, missing
@@ -863,9 +863,8 @@ def request_of(
     mechanism: Any, space: Any, quantities: Any, asked: Mapping[str, Any], **of_sweep: Any
 ) -> SearchRequest:
     """Return the request of a search, or refuse it with all its problems; nothing is compiled."""
-    problems, only = Problems(), None
-    with problems.at():
-        only = inputs_to_refine(asked["refine"])
+    problems = Problems()
+    only = problems.attempt(inputs_to_refine, asked["refine"])
     names = _searched(find_catalogue(mechanism, of_sweep["input"]), asked, problems)
     bounds = _ranges(asked["bounds"], problems)
     resolved, others = None, list[str]()
@@ -1015,15 +1014,11 @@ def join(
     ...         dict(maps.transmission_angle_min.sizes)
     {'a2': 3, 'a4': 2, 'branch': 2}
     """
-    problems, checked, parts = Problems(), dict[str, Any](), list[PartFile]()
+    problems = Problems()
     ways: dict[str, Any] = {"overwrite": overwrite, "restart": restart}
-    with problems.at():
-        check_output(("to",), to)
-        checked = check_options({"overwrite": overwrite, "restart": restart, "progress": progress})
-    with problems.at():
-        check_switch(("copy",), copy)
-    with problems.at():
-        parts = part_files(paths)
+    checked = problems.attempt(check_options, {"to": to, **ways, "progress": progress})
+    problems.attempt(check_switch, ("copy",), copy)
+    parts = problems.attempt(part_files, paths)
     problems.stop()
     if SEARCH in parts[0].whole():
         return _joined_search(parts, mechanism, checked["progress"], Path(to), **ways)

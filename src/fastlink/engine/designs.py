@@ -172,8 +172,7 @@ def _renamed(space: DesignSpace, angles: Mapping[str, str], problems: Problems) 
     axes = converted(space.axes)
     for name in angles:
         if name in space.axes:  # two angles that differ by less than a rounding are one in radians
-            with problems.at():
-                axis_of("design", angles[name], axes[angles[name]])
+            problems.attempt(axis_of, "design", angles[name], axes[angles[name]])
     comments = {angle: COMMENT for angle in angles.values()}
     return replace(
         space,

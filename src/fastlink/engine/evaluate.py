@@ -167,15 +167,10 @@ def evaluate(
     if any(map(angle_of, inputs)):
         inputs = request.radian_keywords(catalogue, "evaluate", inputs, problems, position=True)
     version = catalogue.version
-    names: tuple[str, ...] = ()
-    of_design = False
-    with problems.at():
-        names = check_names("quantities", quantities)
-        of_design = not _check_quantities(catalogue, version, names)
-    with problems.at():
-        request.check_model(catalogue, links, solver)
-    with problems.at():
-        allow_invalid = check_switch(("allow_invalid",), allow_invalid)
+    names = problems.attempt(check_names, "quantities", quantities) or ()
+    of_design = problems.attempt(_check_quantities, catalogue, version, names) is False
+    problems.attempt(request.check_model, catalogue, links, solver)
+    allow_invalid = problems.attempt(check_switch, ("allow_invalid",), allow_invalid)
     of_links = links.values if isinstance(links, Links) else {}
     variants = request.selected_variants(catalogue, links, solver, inputs)
     if of_design and catalogue.position.name not in inputs:
@@ -183,17 +178,12 @@ def evaluate(
     given = _given(catalogue, version, name_of(mechanism), variants, tuple(of_links), tuple(inputs))
     problems.noted += given.problems
     values: dict[str, Any] = dict(given.defaults)
-    with problems.at():
-        values["branch"] = _branches(catalogue, branch, allow_invalid is True)
+    values["branch"] = problems.attempt(_branches, catalogue, branch, allow_invalid is True)
     for name, value in {**of_links, **inputs}.items():
         if name in given.declared:
-            try:  # a context per input takes 1 us each
-                values[name] = _checked(given.declared[name], value, allow_invalid is True)
-            except InputError as error:
-                problems.noted += error.problems
+            values[name] = problems.attempt(_checked, given.declared[name], value, allow_invalid is True)
     if not problems.noted:
-        with problems.at():
-            recipe = _recipe(catalogue, version, names, given)
+        recipe = problems.attempt(_recipe, catalogue, version, names, given)
     problems.stop()
     template, arrays, shape = broadcast_inputs("evaluate", values)
     theta = arrays.pop(catalogue.position.name)
@@ -263,8 +253,7 @@ def _given(
     problems, others = Problems(), [name for name in inputs if name != position.name]
     for name in others:
         if name not in known and any(name in inputs_of(other) for other in NAMES):
-            with problems.at():
-                request.check_keywords(mechanism, catalogue, [name], ())
+            problems.attempt(request.check_keywords, mechanism, catalogue, [name], ())
             others = [other for other in others if other != name]
     problems.noted += request.name_problems(catalogue, others, known, "evaluate", options)
     if position.name not in inputs and not problems.noted:

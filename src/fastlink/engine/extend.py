@@ -47,8 +47,7 @@ class Extension:
         <planar_4r with bearing_load>
         """
         problems = Problems()
-        with problems.at():
-            units = declarations.check_units(("quantity", "units"), units)
+        units = problems.attempt(declarations.check_units, ("quantity", "units"), units)
         texts = [
             _label(problems, "quantity", *one) for one in (("description", description), ("symbol", symbol))
         ]
@@ -60,8 +59,7 @@ class Extension:
             found = Problems()
             with found.at(name):
                 declarations.check_name(name)
-            with found.at():
-                fact = declarations.fact_text(of)
+            fact = found.attempt(declarations.fact_text, of)
             found.stop()
             first = (ast.get_docstring(of.tree) or "").strip().split("\n", 1)[0].rstrip(".")
             own = declarations.OwnQuantity(

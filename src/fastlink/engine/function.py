@@ -253,8 +253,7 @@ def function(
         "companions": False,
     }  # fixed values are checked above, others at each call
     if problems.noted:
-        with problems.at():
-            check(mechanism, None, wanted, **named, **options)
+        problems.attempt(check, mechanism, None, wanted, **named, **options)
     problems.stop()
     columns = {name: np.full(1, np.nan) for name in names}
     varying = DesignSpace("table", (DESIGN,), (1,), fixed_numbers, columns=columns)

@@ -128,21 +128,18 @@ def check_options(call: Mapping[str, Any]) -> dict[str, Any]:
     """Return the options of a call that decide how it runs, after their checks; all problems are raised together."""
     problems, checked = Problems(), {}
     for name, check in ((name, CHECKS[name]) for name in call if name in CHECKS):
-        with problems.at():
-            checked[name] = check((name,), call[name])
+        checked[name] = problems.attempt(check, (name,), call[name])
     problems.stop()
     return checked
 
 
 def checked_call(call: Mapping[str, Any], request_of: Callable[[Any], Any]) -> tuple[dict[str, Any], Any]:
     """Return the checked options of a call, and its request; all problems are raised together."""
-    problems, checked, request = Problems(), dict[str, Any](), None
-    with problems.at():
-        checked = check_options(call)
-    with problems.at():
-        request = request_of({**call, "allow_invalid": checked.get("allow_invalid", False)})
-        if checked.get("part") is not None:
-            check_size(("part",), checked["part"], request.size)
+    problems = Problems()
+    checked = problems.attempt(check_options, call) or {}
+    request = problems.attempt(request_of, {**call, "allow_invalid": checked.get("allow_invalid", False)})
+    if request is not None and checked.get("part") is not None:
+        problems.attempt(check_size, ("part",), checked["part"], request.size)
     if call.get("client") is not None and call.get("threads") is not None:
         remedy = "leave it out: workers have their own number of threads"
         problems.add("is given with client", ("threads",), remedy)

@@ -114,24 +114,19 @@ def check(
         names = check_names(parameter, quantities)
         _check_quantities(catalogue, declared, names, parameter)
         names = names if "status" in names or not companions else (*names, "status")
-    with problems.at():
-        request.check_model(catalogue, links, solver)
+    problems.attempt(request.check_model, catalogue, links, solver)
     variants = request.selected_variants(catalogue, links, solver, () if space is None else space.names)
     if space is not None:
-        with problems.at():
-            request.check_inputs(catalogue, space, variants, allow_invalid)
-    with problems.at():
-        branches = request.check_branches(catalogue, branch)
-    with problems.at():
-        request.check_keywords(mechanism, catalogue, positions or (), options)
+        problems.attempt(request.check_inputs, catalogue, space, variants, allow_invalid)
+    branches = problems.attempt(request.check_branches, catalogue, branch)
+    problems.attempt(request.check_keywords, mechanism, catalogue, positions or (), options)
     with problems.at():
         key, given = request.given_angles(catalogue, angles, positions or {})
         values = request.check_positions(catalogue, given, key)
         if not problems.noted:
             request.check_turn(catalogue, names, given)
         method = request.check_extrema(extrema, catalogue, given)
-    with problems.at():
-        compiler = backend_of(backend)
+    compiler = problems.attempt(backend_of, backend)
     problems.stop()
     parts = catalogue, names, links, solver, variants, branches, values, method, compiler, declared
     return CheckedRequest(*parts, in_degrees=bool(angle_of(key)))
@@ -298,8 +293,8 @@ def resolve(
     with problems.at():
         given = _space_of(space, bool(options.get("allow_invalid")))
         designs = designs_of(catalogue, given, options.get("links"), problems)
-    with problems.at():
-        checked = check(mechanism, designs, quantities, companions=companions, parameter=parameter, **options)
+    named: dict[str, Any] = {"companions": companions, "parameter": parameter, **options}
+    checked = problems.attempt(check, mechanism, designs, quantities, **named)
     problems.stop()
     assert designs is not None
     if checked.in_degrees:

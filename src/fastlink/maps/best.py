@@ -338,13 +338,10 @@ def choice_of(
     maps: xr.Dataset, minimise: Any, maximise: Any, where: Any, *, top: Any = None, infinite: Any = False
 ) -> Choice:
     """Return the choice of rows that a caller asks for, see `fastlink.best`, or refuse it."""
-    problems, wanted, sought = Problems(), list[Condition](), list[Objective]()
-    with problems.at():
-        check_switch(("infinite",), infinite)
-    with problems.at():
-        sought = _objectives(maps, minimise, maximise)
-    with problems.at():
-        wanted = conditions(maps, where)
+    problems = Problems()
+    problems.attempt(check_switch, ("infinite",), infinite)
+    sought = problems.attempt(_objectives, maps, minimise, maximise) or []
+    wanted = problems.attempt(conditions, maps, where)
     with problems.at():
         if top is not None:
             check_whole(("top",), top, 1)

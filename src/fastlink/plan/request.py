@@ -332,8 +332,7 @@ def check_keywords(
             if name == "angles_deg":
                 problems.add("is not an option", (name,), f"write {spaces.degrees_name(position)}")
             else:
-                with problems.at():
-                    spaces.check_angle(name, position, catalogue.position.units, ())
+                problems.attempt(spaces.check_angle, name, position, catalogue.position.units, ())
         elif name in IN_DEGREES and catalogue.position.units == spaces.RADIANS:
             problems.add(
                 "is not an option", (name,), f"write angles in degrees as {spaces.degrees_name(position)}"
