@@ -339,15 +339,8 @@ def _name_points(axes: Any, points: list[tuple[str, float, float]]) -> None:
         taken.append(boxes[best])
         shift = (tried[best][0], tried[best][1] + 0.5 * height)
         arrow = {"arrowstyle": "-", "color": "0.6", "linewidth": 0.5} if best >= len(DIRECTIONS) else None
-        axes.annotate(
-            name,
-            (x, y),
-            xytext=shift,
-            textcoords="offset points",
-            fontsize=SIZE,
-            va="center",
-            arrowprops=arrow,
-        )
+        style = {"textcoords": "offset points", "fontsize": SIZE, "va": "center", "arrowprops": arrow}
+        axes.annotate(name, (x, y), xytext=shift, **style)
 
 
 def _overlap(one: tuple[float, ...], other: tuple[float, ...]) -> float:

@@ -588,13 +588,9 @@ def explain(
 
 def _of_search(read: Study, measure: bool | None) -> Explanation:
     """Return the work of the search of a study: it holds no more than the designs that are found."""
-    search = request_of_search(
-        read.mechanism,
-        read.space,
-        read.quantities,
-        read.tables["search"],
-        **{"positions": {}, **read.options},
-    )
+    of_sweep = {"positions": {}, **read.options}
+    table = read.tables["search"]
+    search = request_of_search(read.mechanism, read.space, read.quantities, table, **of_sweep)
     needs = forecast(search.resolved, measure=measure)
     file = LABEL_BYTES * (len(search.quantities) + len(read.space.names))
     needs = replace(needs, memory=needs.memory_to_file, file=file)

@@ -515,16 +515,8 @@ class SearchRequest:
         aims = [(one.array.name, one.sign) for one in choice.objectives]
         wanted = [(one.array.name, one.codes, one.low, one.high) for one in choice.wanted]
         spans = None if self.refinement is None else self.refinement.spans
-        own = (
-            aims,
-            wanted,
-            choice.top,
-            self.kept.top,
-            choice.infinite,
-            spans,
-            self.quantities,
-            self.options.get("links"),
-        )
+        tops, links = (choice.top, self.kept.top), self.options.get("links")
+        own = aims, wanted, *tops, choice.infinite, spans, self.quantities, links
         attrs = sorted((name, repr(value)) for name, value in plain_attrs(self.attrs).items())
         return hashlib.sha256(repr((self.resolved.fingerprint, own, attrs)).encode()).hexdigest()
 

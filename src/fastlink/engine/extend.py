@@ -62,21 +62,10 @@ class Extension:
             fact = found.attempt(declarations.fact_text, of)
             found.stop()
             first = (ast.get_docstring(of.tree) or "").strip().split("\n", 1)[0].rstrip(".")
-            own = declarations.OwnQuantity(
-                name,
-                units,
-                texts[1] or name,
-                texts[0] or first or name,
-                fact.parameters,
-                fact.text,
-                of.text,
-                fact.imports,
-                fact.jumps,
-                of.file,
-                of.line + of.tree.lineno,
-                fact.lines,
-            )
-            self._add(own)
+            labels = name, units, texts[1] or name, texts[0] or first or name
+            place = of.file, of.line + of.tree.lineno, fact.lines
+            read = fact.parameters, fact.text, of.text, fact.imports, fact.jumps
+            self._add(declarations.OwnQuantity(*labels, *read, *place))
             return function
 
         return declare
