@@ -140,11 +140,8 @@ def cubic(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1) -> Any:
 
 def coefficients(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any) -> Any:
     """Return the equations of focal cubics of positions that are read; see `cubic`."""
-    values = evaluate(
-        "planar_4r",
-        ["A_x", "A_y", "B_x", "B_y", "theta2"],
-        **dict(a1=a, a2=c, a3=b, a4=d, theta1=phi, branch=branch),
-    )
+    four_bar = {"a1": a, "a2": c, "a3": b, "a4": d, "theta1": phi, "branch": branch}
+    values = evaluate("planar_4r", ["A_x", "A_y", "B_x", "B_y", "theta2"], **four_bar)
     A_x, A_y, B_x, B_y, direction = (np.asarray(value) for value in values.values())
     half = np.sin(0.5 * direction)
     AB_x, AB_y = c * np.cos(direction), c * np.sin(direction)
@@ -903,16 +900,8 @@ def five_bar(
     F = u * ((m - p) + 2.0 * p * half * (half - 1j * np.cos(0.5 * omega_angle)))
     longest = np.max([m, p, q, n, d], axis=0)
     reach = np.maximum(np.abs(F), SHORTEST * longest)
-    rest = evaluate(
-        "planar_4r",
-        ["B_x", "B_y", "theta4", "transmission_angle"],
-        a1=reach,
-        a2=q,
-        a3=n,
-        a4=d,
-        theta1=np.angle(F),
-        branch=branch,
-    )
+    four_bar = {"a1": reach, "a2": q, "a3": n, "a4": d, "theta1": np.angle(F), "branch": branch}
+    rest = evaluate("planar_4r", ["B_x", "B_y", "theta4", "transmission_angle"], **four_bar)
     Q_x, Q_y, psi, angle = (np.asarray(value) for value in rest.values())
     joints = {"P_x": P.real, "P_y": P.imag, "F_x": F.real, "F_y": F.imag, "Q_x": Q_x, "Q_y": Q_y}
     return {**joints, "psi": psi, "angle_FQN": angle}

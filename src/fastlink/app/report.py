@@ -240,16 +240,11 @@ def row_of(name: str, catalogue: Catalogue) -> Quantity:
     if request.listed and request.listed != "count":
         axes += (EXTREMUM,)
     fact, labels = catalogue.public_fact(request.quantity), request_labels(catalogue, request)
-    texts = (labels.get("units", "1"), (DESIGN, *axes), labels["long_name"], labels["references"])
+    units, meaning = labels.get("units", "1"), labels["long_name"]
+    texts = units, (DESIGN, *axes), meaning, labels["references"], labels["symbol"]
     needs = _steps_and_needs(request.quantity, catalogue)[1]
-    return Quantity(
-        name,
-        *texts,
-        labels["symbol"],
-        needs,
-        catalogue.name,
-        _group(fact, catalogue.varies(request.quantity)),
-    )
+    group = _group(fact, catalogue.varies(request.quantity))
+    return Quantity(name, *texts, needs, catalogue.name, group)
 
 
 def public_rows(catalogue: Catalogue) -> list[Quantity]:

@@ -95,19 +95,12 @@ def without(space: DesignSpace, names: Iterable[str]) -> DesignSpace:
     gone = set(names)
     dims = [(dim, length) for dim, length in zip(space.dims, space.shape, strict=True) if dim not in gone]
 
-    def rest(values: Mapping[str, Any]) -> dict[str, Any]:
-        return {name: value for name, value in values.items() if name not in gone}
-
-    return replace(
-        space,
-        dims=tuple(dim for dim, _ in dims),
-        shape=tuple(length for _, length in dims),
-        axes=rest(space.axes),
-        constants=rest(space.constants),
-        columns=rest(space.columns),
-        labels=rest(space.labels),
-        doubtful=rest(space.doubtful),
-    )
+    by_name = ("axes", "constants", "columns", "labels", "doubtful")
+    rest: dict[str, Any] = {
+        part: {name: of for name, of in getattr(space, part).items() if name not in gone} for part in by_name
+    }
+    shape = tuple(length for _, length in dims)
+    return replace(space, dims=tuple(dim for dim, _ in dims), shape=shape, **rest)
 
 
 def _inputs_of_labels(space: DesignSpace, known: Mapping[str, Input], problems: Problems) -> DesignSpace:

@@ -359,24 +359,14 @@ def cached_plan(
     companions: bool,
     *,
     given: Iterable[str],
-    branches: tuple[int, ...],
-    variants: tuple[str, ...],
     angles: int,
-    extrema: Extrema,
     declared: tuple[Any, ...] | None = None,
+    **planning: Any,
 ) -> Plan:
     """Return the plan that `make_plan` makes, once; `companions` as in `resolve`."""
-    return _plan(
-        catalogue,
-        declared or all_declared(catalogue),
-        tuple(names),
-        companions,
-        given=tuple(sorted(given)),
-        branches=branches,
-        variants=variants,
-        angles=min(angles, ANGLES_FOR_LANES),  # their number decides no more than what the lanes are
-        extrema=extrema,
-    )
+    # the number of angles decides no more than what the lanes are
+    planning |= {"given": tuple(sorted(given)), "angles": min(angles, ANGLES_FOR_LANES)}
+    return _plan(catalogue, declared or all_declared(catalogue), tuple(names), companions, **planning)
 
 
 @lru_cache(maxsize=256)
