@@ -1012,15 +1012,9 @@ def force_balance(
     check_model(planar_4r, links, ELIMINATED)
     variants = selected_variants(planar_4r, links, ELIMINATED, ())
     needed = [name for name in NEEDED if planar_4r.resolve(name, variants) is None]
-    given = papers.read_design(
-        "force_balance",
-        planar_4r,
-        design,
-        inputs,
-        needed,
-        optional=[*set(NEEDED).difference(needed), *planar_4r.variant_inputs["round_bar"]],
-        further=[*_chosen(1, radius1, mass1), *_chosen(3, radius3, mass3)],
-    )
+    weights: Any = [*_chosen(1, radius1, mass1), *_chosen(3, radius3, mass3)]
+    others = {"optional": [*set(NEEDED).difference(needed), *planar_4r.variant_inputs["round_bar"]]}
+    given = papers.read_design("force_balance", planar_4r, design, inputs, needed, **others, further=weights)
     with np.errstate(over="ignore", invalid="ignore"):  # of masses beyond 1e200, which are refused
         facts = read_facts(planar_4r, NEEDED, constants_of(planar_4r, links, variants) | given, variants)
         g1, g2, g3 = (np.asarray(facts[f"G{i}_u"]) + 1j * np.asarray(facts[f"G{i}_v"]) for i in (1, 2, 3))
@@ -1258,18 +1252,11 @@ def force_equations(
     template = first if isinstance(first, xr.DataArray) else xr.DataArray(np.asarray(first))
     system = stack_rows(reactions(*(np.asarray(found[name]) for name in SYSTEM.depends_on)))
     dims = (*template.dims, "equation")
-    labels = {"references": EQUATION_9}
-    return xr.Dataset(
-        {
-            "A": (
-                (*dims, "unknown"),
-                system[..., :-1],
-                {**labels, "long_name": "Matrix of the joint forces"},
-            ),
-            "b": (dims, system[..., -1], {**labels, "long_name": "Inertia forces and moments"}),
-        },
-        {**template.coords, "equation": list(RIGHT_SIDE), "unknown": list(UNKNOWNS)},
-    )
+    of_matrix = {"references": EQUATION_9, "long_name": "Matrix of the joint forces"}
+    of_vector = {"references": EQUATION_9, "long_name": "Inertia forces and moments"}
+    matrix = (*dims, "unknown"), system[..., :-1], of_matrix
+    coords = {**template.coords, "equation": list(RIGHT_SIDE), "unknown": list(UNKNOWNS)}
+    return xr.Dataset({"A": matrix, "b": (dims, system[..., -1], of_vector)}, coords)
 
 
 @door(hint=papers.BY_NAME)

@@ -544,11 +544,8 @@ def _measurable(plan: Plan) -> tuple[list[str], list[str]]:
     for output in plan.outputs:
         request = output.request
         number = output.dtype == "float64" and "residual" not in request.quantity and not request.listed
-        extreme = (
-            request.can_be_refined
-            and not (request.is_position or request.is_of_gradient)
-            and plan.catalogue.graded is not None
-        )
+        of_value = request.can_be_refined and not (request.is_position or request.is_of_gradient)
+        extreme = of_value and plan.catalogue.graded is not None
         if number and (request.reduction is None or extreme):
             measurable.append(output.name)
     return measurable, [o.name for o in plan.outputs if o.name not in (*measurable, "status")]

@@ -637,16 +637,12 @@ def best(
     from fastlink.space.design_space import angle_of
 
     wanted = _conditions(where or [])
-    options: dict[str, Any] = {
-        "minimise": minimise or (),
-        "maximise": maximise or (),
-        "where": wanted or None,
-    }
+    options: dict[str, Any] = {"minimise": minimise or (), "maximise": maximise or ()}
     for name, given, mend in (("changing", changing, ""), ("mechanism", mechanism, ", or leave it out")):
         if given is not None and not refine:
             raise InputError("is given without --refine", (name,), f"add --refine{mend}")
     options["refine"] = refine if changing is None else _parts(changing)
-    options |= {"top": top, "mechanism": extension_of(file, mechanism, trust_code)}
+    options |= {"where": wanted or None, "top": top, "mechanism": extension_of(file, mechanism, trust_code)}
     with open_map(file) as maps:
         if to is not None:
             check_conversion(maps, to, overwrite)

@@ -143,12 +143,8 @@ def _spread(size: int, count: int) -> list[tuple[int, int]]:
     pieces = min(PIECES, count)
     each = -(-count // pieces)
     starts = np.linspace(0, size - each, pieces).astype(np.int64).tolist()
-    ends = [0, *(start + each for start in starts)]
-    return [
-        (max(start, end), start + each)
-        for start, end in zip(starts, ends, strict=False)
-        if end < start + each
-    ]
+    ranges = zip(starts, [0, *(start + each for start in starts)], strict=False)
+    return [(max(start, end), start + each) for start, end in ranges if end < start + each]
 
 
 class _Scratch:

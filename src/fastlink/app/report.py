@@ -68,12 +68,8 @@ def listed(found: xr.Dataset, names: Sequence[str], *, degrees: bool = False) ->
     inputs = [name for name, array in along if array.dtype.kind in "iuf"]
     texts = [name for name, array in along if name not in inputs]
     shown = [name if name in maps.variables else angle_of(name) for name in names]
-    columns = [
-        _column(maps[name])
-        for name in dict.fromkeys([*inputs, *shown, *texts])
-        if maps[name].dims == (DESIGN,)
-    ]
-    rows = list(zip(*columns, strict=True))
+    arrays = [maps[name] for name in dict.fromkeys([*inputs, *shown, *texts])]
+    rows = list(zip(*(_column(array) for array in arrays if array.dims == (DESIGN,)), strict=True))
     hidden = len(rows) - 2 - MOST_ROWS
     more = f"\n... and {hidden:,} more" if hidden > 0 else ""
     same = [maps[name] for name in maps.coords if not maps[name].dims and "units" in maps[name].attrs]
@@ -87,21 +83,15 @@ def listed(found: xr.Dataset, names: Sequence[str], *, degrees: bool = False) ->
 def refinement_columns(found: xr.Dataset) -> list[str]:
     """Return the columns that a refinement has added: what was gained, how it ended, from how many starts."""
     names = [str(name) for name in found.data_vars]
-    return [
-        *(name for name in names if name.endswith(f"_{GAIN}")),
-        *(name for name in names if name in (REFINEMENT, STARTS)),
-    ]
+    gains = [name for name in names if name.endswith(f"_{GAIN}")]
+    return [*gains, *(name for name in names if name in (REFINEMENT, STARTS))]
 
 
 def _column(array: xr.DataArray) -> list[str]:
     """Return name, units and values of a variable."""
     meanings = {code: meaning for meaning, code in flags_of(array).items()}
-    values: list[Any] = array.values.tolist()
-    return [
-        str(array.name),
-        _units(array),
-        *(str(meanings.get(v, short_number(v))) for v in values),
-    ]
+    values = [str(meanings.get(value, short_number(value))) for value in array.values.tolist()]
+    return [str(array.name), _units(array), *values]
 
 
 def _units(array: xr.DataArray, before: str = "") -> str:
@@ -505,20 +495,15 @@ def _found(phrase: str, catalogues: Sequence[Catalogue]) -> QuantityList:
     if not isinstance(phrase, str) or not phrase.strip():
         raise InputError("is not a word", ("find",), "write a word or a phrase, such as 'torque'")
     ranked = [(one, catalogue) for catalogue in catalogues for one in rank_quantities(phrase, catalogue)]
-    given = [
-        (one, catalogue) for catalogue in catalogues for one in index_of_inputs(catalogue).ranked(phrase)
-    ]
+    given = [(one, of) for of in catalogues for one in index_of_inputs(of).ranked(phrase)]
     best = max((one.score for one, _ in (*ranked, *given)), default=0.0)
     least = max(LEAST, SHARE * best)
-    rows = [
-        row_of(one.name, of) for one, of in sorted(ranked, key=lambda pair: pair[0]) if one.score >= least
-    ]
-    inputs = [
-        (of.name, next(row for row in given_inputs(of) if row.name == one.name))
-        for one, of in sorted(given, key=lambda pair: pair[0])
-        if one.score >= least
-    ]
-    return QuantityList(rows, catalogues, inputs)
+    ranked, given = (
+        [(one, of) for one, of in sorted(found, key=lambda pair: pair[0]) if one.score >= least]
+        for found in (ranked, given)
+    )
+    inputs = [(of.name, {row.name: row for row in given_inputs(of)}[one.name]) for one, of in given]
+    return QuantityList([row_of(one.name, of) for one, of in ranked], catalogues, inputs)
 
 
 def document() -> str:
@@ -543,14 +528,10 @@ def _text_table(header: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str
 
 
 def _markdown_table(header: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
-    quoted = [
-        [
-            f"`{cell}`" if name == "name" else cell.replace("|", "\\|")
-            for name, cell in zip(header, row, strict=True)
-        ]
-        for row in rows
-    ]
-    lines = [list(header), ["---"] * len(header), *quoted]
+    lines = [list(header), ["---"] * len(header)]
+    for row in rows:
+        cells = zip(header, row, strict=True)
+        lines.append([f"`{cell}`" if name == "name" else cell.replace("|", "\\|") for name, cell in cells])
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
@@ -643,23 +624,14 @@ def _searched(dataset: xr.Dataset, figures: _Numbers) -> list[tuple[str, str]]:
     if "search" not in dataset.attrs or not figures.has("searched_designs"):
         return []
     rows = [("searched", f"{figures['searched_designs']:,.0f} designs for {dataset.attrs['search']}")]
-    left_out = [
-        (
-            in_words(name.removeprefix("excluded_")) if name.startswith("excluded_as") else name[9:],
-            count,
-        )
-        for name, count in figures.items()
-        if name.startswith("excluded_") and count
-    ]
-    texts = [f"{count:,.0f} {name.replace('by_', 'by ', 1)}" for name, count in left_out]
-    return [
-        *rows,
-        *(
-            [("excluded", f"{', '.join(texts)}, of {figures.get('searched_rows', 0.0):,.0f} rows")]
-            if texts
-            else []
-        ),
-    ]
+    texts = []
+    for name, why in ((name, name.removeprefix("excluded_")) for name, count in figures.items() if count):
+        if why != name:  # names of results keep their underscores
+            why = in_words(why) if why.startswith("as_") else why.replace("by_", "by ", 1)
+            texts.append(f"{figures[name]:,.0f} {why}")
+    if texts:
+        rows.append(("excluded", f"{', '.join(texts)}, of {figures.get('searched_rows', 0.0):,.0f} rows"))
+    return rows
 
 
 class _Numbers(dict[str, float]):
@@ -757,11 +729,8 @@ def _contents(dataset: xr.Dataset) -> str:
         "constants": constants,
         "variables": variables,
     }
-    blocks = [
-        aligned(head),
-        *(f"{title}\n{aligned(rows, indent='  ')}" for title, rows in titled.items() if rows),
-    ]
-    return "\n\n".join(filter(None, [*blocks, _summary(dataset)]))
+    blocks = [f"{title}\n{aligned(rows, indent='  ')}" for title, rows in titled.items() if rows]
+    return "\n\n".join(filter(None, [aligned(head), *blocks, _summary(dataset)]))
 
 
 def _axis(dataset: xr.Dataset, dim: str, length: int) -> str:

@@ -472,16 +472,11 @@ class Points:
     def _differences(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return quotients of differences at both sides, at an end at one."""
         count, size = points.shape
-        moved = np.concatenate(
-            [
-                np.clip(points + sign * DIFFERENCE * np.eye(size)[j], 0.0, 1.0)
-                for j in range(size)
-                for sign in (1.0, -1.0)
-            ]
-        )
+        steps = [sign * DIFFERENCE * along for along in np.eye(size) for sign in (1.0, -1.0)]
+        moved = np.concatenate([np.clip(points + step, 0.0, 1.0) for step in steps])
         values = self.values(moved)[0].reshape(size, 2, count, -1)
-        steps = moved.reshape(size, 2, count, size)
-        over = np.stack([steps[j, 0, :, j] - steps[j, 1, :, j] for j in range(size)])
+        ends = moved.reshape(size, 2, count, size)
+        over = np.stack([ends[j, 0, :, j] - ends[j, 1, :, j] for j in range(size)])
         with np.errstate(all="ignore"):
             return np.moveaxis((values[:, 0] - values[:, 1]) / over[:, :, None], 0, 2)
 
@@ -1187,11 +1182,8 @@ class Refinement:
         added(REFINEMENT, np.array(outcomes, dtype=np.int8), "How the refinement ended", **flags)
         starts = np.array([one.starts for one in ends], dtype=np.int32)
         added(STARTS, starts, "Number of starts whose refinement ended in this design")
-        added(
-            ACTIVE,
-            np.array([self._active(one.descent) for one in ends], dtype=str),
-            "What holds the design back",
-        )
+        active = np.array([self._active(one.descent) for one in ends], dtype=str)
+        added(ACTIVE, active, "What holds the design back")
         result = result.set_coords(ACTIVE)
         points = np.stack([one.sign * result[one.name].values for one in aims], axis=1)
         order = np.argsort(points[:, 0], kind="stable") if len(aims) == 1 else nondominated(points)

@@ -440,11 +440,8 @@ def _count(ranges: list[Range]) -> int:
 def _nothing(request: SearchRequest, stream: Stream, kept: Kept) -> InputError:
     """Return the error of a search that has found nothing, with what was in the way."""
     size = request.size * stream.rows_of_design
-    reasons = [
-        f"{count:,} fail {one.array.name}"
-        for one, count in zip(request.choice.wanted, kept.failed.tolist(), strict=True)
-        if count
-    ]
+    failed = zip(request.choice.wanted, kept.failed.tolist(), strict=True)
+    reasons = [f"{count:,} fail {one.array.name}" for one, count in failed if count]
     reasons += [f"{kept.not_numbers:,} have no number"] if kept.not_numbers else []
     reasons += [f"{kept.infinite:,} are infinite"] if kept.infinite else []
     what = f"none of {counted(size, 'row')} meets all conditions: {', '.join(reasons)}"
@@ -827,12 +824,9 @@ def request_of_parts(parts: Sequence[PartFile], own: Any = None) -> tuple[Search
     order = np.argsort(every, kind="stable")
     options = dict(about["options"])
     links = options["links"] = None if options["links"] is None else Links(**options["links"])
+    given = {name: of for name, of in columns.items() if links is None or name not in links.values}
     space = table(
-        {
-            name: np.concatenate(values)[order] if np.ndim(values[0]) else values[0].item()
-            for name, values in columns.items()
-            if links is None or name not in links.values
-        },
+        {n: np.concatenate(of)[order] if np.ndim(of[0]) else of[0].item() for n, of in given.items()},
         keep=about["labels"],
     )
     asked = {**about["asked"], "bounds": None, "spans": None}
@@ -1058,12 +1052,5 @@ def _joined_search(
     about = {name: value for name, value in merged([part.attrs for part in parts]).items() if name in OF_RUN}
     about["designs_per_second"] = request.size / about["run_time_s"]
     how: dict[str, Any] = {"verify": DESIGNS if verify is None else verify, "progress": progress}
-    made = f"join {len(parts)} parts of a search"
-    return to_file(
-        to,
-        request,
-        lambda path: (finished(request, stream, kept, about, **how), None),
-        made=made,
-        parts=parts,
-        **ways,
-    )
+    ways |= {"made": f"join {len(parts)} parts of a search", "parts": parts}
+    return to_file(to, request, lambda path: (finished(request, stream, kept, about, **how), None), **ways)

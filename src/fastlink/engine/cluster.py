@@ -297,17 +297,9 @@ class _Tasks:
 
     def submit(self, start: int, stop: int) -> None:
         """Hand out a range of designs."""
-        future = self.client.submit(
-            evaluate_range,
-            self.scattered,
-            self.name,
-            start,
-            stop,
-            block=self.block,
-            same=about(),
-            key=f"fastlink-{self.name}-{next(self.numbers)}",
-            pure=False,
-        )
+        key, how = f"fastlink-{self.name}-{next(self.numbers)}", {"block": self.block, "same": about()}
+        data = self.scattered, self.name, start, stop
+        future = self.client.submit(evaluate_range, *data, **how, key=key, pure=False)
         self.under_way[future] = start, stop
         future.add_done_callback(self.done.put)
 

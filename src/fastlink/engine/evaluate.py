@@ -75,14 +75,11 @@ def broadcast_inputs(function: str, values: Mapping[str, Any]) -> tuple[Any, dic
             if other.sizes[dim] != value.sizes[dim]:
                 lengths_of = f"{counted(value.sizes[dim], 'value')} along {dim!r}, {first} {other.sizes[dim]}"
                 raise InputError(f"has {lengths_of}", (function, name), "give equal lengths")
-            if (
-                dim in other.indexes
-                and dim in value.indexes
-                and not value.indexes[dim].equals(other.indexes[dim])
-            ):
+            index, known = value.indexes.get(dim), other.indexes.get(dim)
+            if index is not None and known is not None and not index.equals(known):
                 what = f"has other coordinates along {dim!r} than {first}"
                 raise InputError(what, (function, name), "select those that both have")
-            if dim in value.indexes and dim not in other.indexes:
+            if index is not None and known is None:
                 lengths[dim] = name, value
     shape = tuple(other.sizes[dim] for dim, (_, other) in lengths.items())
     if math.prod(shape) > MOST_CONFIGURATIONS:

@@ -178,11 +178,8 @@ def _number(value: Any, rule: Rule, units: str) -> float | None:
         return None
     where = ("input", "default")
     number = float(in_unit(where, value, numbers_of(*where, value, 0), units))
-    if (
-        not math.isfinite(number)
-        or (rule != "any" and number < 0.0)
-        or (rule == "positive" and number == 0.0)
-    ):
+    wrong = {"any": False, "positive": number <= 0.0, "non-negative": number < 0.0}[rule]
+    if wrong or not math.isfinite(number):
         least = {"any": "", "positive": " greater than 0", "non-negative": " of at least 0"}[rule]
         raise InputError(f"is {short_repr(value)}", where, f"write a finite number{least}")
     return number

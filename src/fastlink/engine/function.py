@@ -356,10 +356,7 @@ class Function:
 
         bound = self._bind(JITTED_BLOCK)
         jitted = jitted_of(*bound, self._declared, self._shapes, self.shape, self._flag)
-        jitted.__reduce_ex__ = lambda protocol: (
-            getattr,
-            (self, "jitted"),
-        )  # its addresses are of this process
+        jitted.__reduce_ex__ = lambda _: (getattr, (self, "jitted"))  # its addresses are of this process
         return jitted
 
     @door(name="function", hint="x is one array, with a row for each input")

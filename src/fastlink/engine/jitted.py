@@ -81,11 +81,8 @@ def _evaluate(x: Any, y: int, values: int, layout: Any, rules: Any, codes: Any) 
             far[i] |= 0.0 < size < np.inf and not ranges[k, 0] < size < ranges[k, 1]
         for k in range(x.shape[0] if far[i] else 0):
             x[k, i] = np.nan
-    doubles, words, octets = (
-        np.empty(sizes[0] + LINE),
-        np.empty(sizes[1], np.int64),
-        np.empty(sizes[2], np.int8),
-    )
+    doubles, words = np.empty(sizes[0] + LINE), np.empty(sizes[1], np.int64)
+    octets = np.empty(sizes[2], np.int8)
     at_words = np.int64(words.ctypes.data)
     first = (-np.int64(doubles.ctypes.data) % LINE_BYTES) // 8
     bases = np.int64(doubles.ctypes.data) + 8 * first, at_words, np.int64(octets.ctypes.data)

@@ -94,19 +94,14 @@ def _of_gradient(catalogue: Catalogue, request: Request, attrs: Mapping[str, Any
         meaning = f"Status of the derivatives by the inputs of: {attrs['long_name']}"
         return {"long_name": meaning, "symbol": f"status of grad {attrs['symbol']}"}
     if request.change:
-        meaning, symbol = (
-            worded(request.change, attrs["long_name"]),
-            f"{request.change} change {attrs['symbol']}",
-        )
-        return {"long_name": meaning, "symbol": symbol}
-    by = catalogue.variables[request.by]
+        meaning = worded(request.change, attrs["long_name"])
+        return {"long_name": meaning, "symbol": f"{request.change} change {attrs['symbol']}"}
+    by, of = catalogue.variables[request.by], request.quantity if request.is_position else request.bounded
     return {
         "units": units_of(request, catalogue),
         "long_name": f"Derivative with respect to {in_a_sentence(by.meaning)} of: {attrs['long_name']}",
         "symbol": f"d {attrs['symbol']}/d {by.symbol}",
-        "references": catalogue.public_fact(
-            request.bounded if not request.is_position else request.quantity
-        ).source,
+        "references": catalogue.public_fact(of).source,
     }
 
 
@@ -234,11 +229,7 @@ def _blank(
 def global_attrs(resolved: ResolvedSweep, threads: int) -> dict[str, Any]:
     """Return the global attributes that are known before a sweep."""
     plan, catalogue = resolved.plan, resolved.catalogue
-    versions = [
-        f"fastlink {__version__}",
-        *_compiler(resolved.backend),
-        "numpy " + np.__version__,
-    ]
+    versions = [f"fastlink {__version__}", *_compiler(resolved.backend), f"numpy {np.__version__}"]
     attrs: dict[str, Any] = {
         "Conventions": "CF-1.11",
         "title": f"{catalogue.title}: {', '.join(output.name for output in plan.outputs)}",

@@ -176,14 +176,10 @@ def needs_of(resolved: ResolvedSweep, threads: int, block: int | None = None, ve
     of_block = sum(_buffer_bytes(kernel, length, resolved.positions.size) for kernel in resolved.kernels)
     of_block += length * row
     shared = sum(len(kernel.program.tables) for kernel in resolved.kernels) * resolved.positions.nbytes
-    if resolved.layout == MAPS:
-        of_block += (
-            max(row_bytes([of_result]) for of_result in resolved.shapes) * length
-        )  # in their new order
-    if resolved.scaling_axis is not None:
-        of_block += max(
-            bytes_at_once(resolved), length * row
-        )  # a piece of the results at several values of the axis
+    if resolved.layout == MAPS:  # in their new order
+        of_block += max(row_bytes([of_result]) for of_result in resolved.shapes) * length
+    if resolved.scaling_axis is not None:  # a piece of the results at several values of the axis
+        of_block += max(bytes_at_once(resolved), length * row)
         shared += sum(factor.nbytes for factor in resolved.scaling_axis.factors if factor is not None)
     sample = min(verify, space.size) * (2 * row + 8 * len(space.names))
     numbers = 8 * space.shape[space.dims.index(DESIGN)] if DESIGN in space.dims else 0

@@ -29,11 +29,7 @@ T = TypeVar("T", xr.Dataset, xr.DataArray)
 
 def units_of(maps: xr.Dataset) -> dict[str, str]:
     """Return the units of each variable and coordinate that has any; ``1`` for pure numbers."""
-    return {
-        str(name): str(array.attrs["units"])
-        for name, array in maps.variables.items()
-        if "units" in array.attrs
-    }
+    return {str(name): str(of.attrs["units"]) for name, of in maps.variables.items() if "units" in of.attrs}
 
 
 def check_units(array: Any, units: str, where: KeyPath) -> None:

@@ -407,11 +407,8 @@ def units_of(request: Request, catalogue: Catalogue) -> str:
 #: Words that ask for the position of an extreme: before an extreme, and in its place.
 AT, PLACES = frozenset(("at", "where", "when")), {"argmax": "max", "argmin": "min"}
 LISTS = frozenset(("extrema", "extreme", "extremes", "extremum", "maxima", "minima"))
-COUNTS, KINDS, ALL = (
-    frozenset(("number", "count", "many")),
-    frozenset(("kind", "kinds")),
-    frozenset(("all", "list")),
-)
+COUNTS, KINDS = frozenset(("number", "count", "many")), frozenset(("kind", "kinds"))
+ALL = frozenset(("all", "list"))
 #: The share of letters from which a word is that of a reduction.
 MISSPELT = 0.85
 ERRORS = frozenset(("error", "err", "uncertainty", "rounding"))

@@ -238,20 +238,14 @@ def missing_inputs(
     """Return a problem for each input that a quantity depends on and nothing gives."""
     of_links = {name for model in spaces.MODELS for name in catalogue.variant_inputs.get(model, {})}
     known, has = catalogue.known_inputs(variants), set(given)
-    absent = {
-        name
-        for name in known
-        if name not in has and not is_tolerance(name) and catalogue.resolve(name, variants) is None
-    }
+    asked = [name for name in known if name not in has and not is_tolerance(name)]
+    absent = {name for name in asked if catalogue.resolve(name, variants) is None}
     tables = (catalogue.position.name, *catalogue.tables, *catalogue.table_low_parts)
     request = parse_request(name, catalogue)
     steps = catalogue.dependencies([request.quantity], {*has, *absent, *tables, "branch"}, variants)
     needed = absent & {need for step in steps for need in step.depends_on}
-    return [
-        catalogue.missing_problem(known[key], request.name, "links" if key in of_links else parent)
-        for key in known
-        if key in needed
-    ]
+    parents = {key: "links" if key in of_links else parent for key in known if key in needed}
+    return [catalogue.missing_problem(known[key], request.name, where) for key, where in parents.items()]
 
 
 def joined_missing(problems: Iterable[Problem]) -> list[Problem]:
