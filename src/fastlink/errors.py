@@ -225,11 +225,8 @@ def printable(line: str) -> str:
     if not line.isprintable():
         shown = (sign if sign.isprintable() else repr(sign)[1:-1] for sign in line)
         line = "".join(shown)
-    line = re.sub(
-        rf"\S{{{LONGEST_NAME + 1},}}",
-        lambda word: f"{word[0][:FIRST_LETTERS]}...{word[0][-LAST_LETTERS:]}",
-        line,
-    )
+    long_word = rf"\S{{{LONGEST_NAME + 1},}}"
+    line = re.sub(long_word, lambda word: f"{word[0][:FIRST_LETTERS]}...{word[0][-LAST_LETTERS:]}", line)
     if len(line) > LONGEST_LINE:
         line = f"{line[: LONGEST_LINE - LAST_SIGNS - 5]} ... {line[-LAST_SIGNS:]}"
     return line
@@ -401,11 +398,8 @@ def _wrong_call(
     for key in (key for key in given if key in options):
         problems.add("is given both by position and by name", (name, key), f"write it once{also}")
     others = [key for key in options if key not in named]
-    missing = [
-        one.name
-        for one in parameters
-        if one.name in named and one.default is Parameter.empty and one.name not in (*given, *options)
-    ]
+    required = [one.name for one in parameters if one.name in named and one.default is Parameter.empty]
+    missing = [key for key in required if key not in (*given, *options)]
     misspelt = {key: name for key in missing for name in reversed(others) if nearest(name, missing) == key}
     for key, near in misspelt.items():
         problems.add("is missing", (name, key), f"write {key} in place of {near}")

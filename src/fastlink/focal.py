@@ -587,15 +587,10 @@ def _check_choice(t: Any, x: Any, y: Any) -> list[tuple[Input, Any]]:
     """Return the declared coordinates of a focus, none where t is given."""
     missing = [name for name, value in (("x", x), ("y", y)) if value is None]
     if (t is None) == bool(missing) or (t is not None and len(missing) < 2):
-        what = (
-            "are given together"
-            if t is not None
-            else "and t are missing"
-            if len(missing) > 1
-            else "is missing"
-        )
         names = "x and y" if len(missing) != 1 else missing[0]
-        raise InputError(f"{names} {what}", ("inscribed_conics",), "give t=..., or a focus x=..., y=...")
+        lacks = "and t are missing" if len(missing) > 1 else "is missing"
+        what = f"{names} {'are given together' if t is not None else lacks}"
+        raise InputError(what, ("inscribed_conics",), "give t=..., or a focus x=..., y=...")
     return [] if missing else [(point("x"), x), (point("y"), y)]
 
 
@@ -719,11 +714,8 @@ def involution(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1, *, x: 
 
 def _pair(one: Any, other: Any) -> tuple[Any, Any, Any]:
     """Return the quadratic form p x^2 + 2 q x y + r y^2 that vanishes along two vectors."""
-    return (
-        one.imag * other.imag,
-        -0.5 * (one.imag * other.real + one.real * other.imag),
-        one.real * other.real,
-    )
+    middle = -0.5 * (one.imag * other.real + one.real * other.imag)
+    return one.imag * other.imag, middle, one.real * other.real
 
 
 def _rays(p: Any, q: Any, r: Any) -> tuple[Any, Any]:

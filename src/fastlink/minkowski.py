@@ -813,12 +813,9 @@ def _row(key: int, count: int) -> list[Any]:
     signs = {name: rest // 3**k % 3 - 1 for name, k in zip(SUMS, (4, 3, 2, 1, 0), strict=True)}
     paper, relation = KINDS[kind]
     if relation:
-        links = (
-            text
-            for name, (sign, text) in LONG_LINKS.items()
-            if signs[name] == (sign if relation == ">" else 0)
-        )
-        condition = next(links, REMAINING).replace(">", relation)
+        wanted = {name: sign if relation == ">" else 0 for name, (sign, _) in LONG_LINKS.items()}
+        links = [text for name, (_, text) in LONG_LINKS.items() if signs[name] == wanted[name]]
+        condition = (*links, REMAINING)[0].replace(">", relation)
     else:
         equal = {"T1": "b + g = a + h", "T2": "a + b = g + h"}
         condition = ", ".join(text for name, text in equal.items() if signs[name] == 0)

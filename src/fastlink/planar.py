@@ -1012,9 +1012,9 @@ def force_balance(
     check_model(planar_4r, links, ELIMINATED)
     variants = selected_variants(planar_4r, links, ELIMINATED, ())
     needed = [name for name in NEEDED if planar_4r.resolve(name, variants) is None]
-    weights: Any = [*_chosen(1, radius1, mass1), *_chosen(3, radius3, mass3)]
-    others = {"optional": [*set(NEEDED).difference(needed), *planar_4r.variant_inputs["round_bar"]]}
-    given = papers.read_design("force_balance", planar_4r, design, inputs, needed, **others, further=weights)
+    others: dict[str, Any] = {"further": [*_chosen(1, radius1, mass1), *_chosen(3, radius3, mass3)]}
+    others["optional"] = [*set(NEEDED).difference(needed), *planar_4r.variant_inputs["round_bar"]]
+    given = papers.read_design("force_balance", planar_4r, design, inputs, needed, **others)
     with np.errstate(over="ignore", invalid="ignore"):  # of masses beyond 1e200, which are refused
         facts = read_facts(planar_4r, NEEDED, constants_of(planar_4r, links, variants) | given, variants)
         g1, g2, g3 = (np.asarray(facts[f"G{i}_u"]) + 1j * np.asarray(facts[f"G{i}_v"]) for i in (1, 2, 3))
@@ -1047,11 +1047,8 @@ def _counterweight(link: int, product: Any, given: Mapping[str, Any], length: An
     mass = given.get(f"mass{link}")
     chosen = given.get(f"radius{link}", length) if mass is None else mass
     other = np.abs(product) / chosen
-    values = {
-        "mass": other if mass is None else chosen,
-        "radius": chosen if mass is None else other,
-        "direction": np.angle(product),
-    }
+    of_both = (other, chosen) if mass is None else (chosen, other)
+    values = dict(zip(("mass", "radius", "direction"), (*of_both, np.angle(product)), strict=True))
     arrays = dict(zip(values, np.broadcast_arrays(*values.values()), strict=True))
     return {f"counterweight{link}_{key}": value[()] for key, value in arrays.items()}
 

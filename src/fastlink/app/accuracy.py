@@ -170,11 +170,9 @@ def curves_by_numpy(resolved: ResolvedSweep, designs: int) -> NDArray[Any]:
     values["branch"] = np.array(resolved.branches, dtype=float)[:, None]
     plan, positions = resolved.plan, resolved.positions
     output, shape = plan.outputs[0], (designs, len(resolved.branches), positions.size)
-    samples, *counted = (
-        read_curves(resolved.catalogue, name, values, positions, plan.variants)
-        for name in (output.request.quantity, output.counted)
-        if name
-    )
+    names = filter(None, (output.request.quantity, output.counted))
+    curves = (read_curves(resolved.catalogue, name, values, positions, plan.variants) for name in names)
+    samples, *counted = curves
     for numbers in counted:
         samples = np.where(np.isnan(numbers), np.nan, samples)
     return np.broadcast_to(samples, shape)

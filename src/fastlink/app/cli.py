@@ -247,11 +247,8 @@ def by_name(
             raise InputError(f"{text!r} names an option, not an input", (where,), remedy)
         found = read(value) if equals and name else None
         if found is None:
-            what = (
-                f"{name} is {value!r}, not a number"
-                if equals and name and value
-                else f"{text!r} is not {form}"
-            )
+            is_pair = equals and name and value
+            what = f"{name} is {value!r}, not a number" if is_pair else f"{text!r} is not {form}"
             raise InputError(what, (where,), ("write such as ", Setting(where, dict(example))))
         if name in given:
             raise InputError(f"{name} is given twice", (where,), "write it once")

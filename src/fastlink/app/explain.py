@@ -108,14 +108,11 @@ def timing_of(
         axis = request.scaling_axis
         sink = scratch.write if axis is None else axis.over(scratch.write)
         seconds, designs = _evaluated(sample, job, sink, threads, length)
-    growth = total / sample.positions.size if request.plan.uses_position else 1.0
-    return Timing(
-        growth * (tables + seconds / designs * job.size),
-        _verification(request, verify),
-        0.0 if folder is None else FILE_SECONDS * (len(request.plan.outputs) + len(request.space.names)),
-        designs,
-        sample.positions.size if request.plan.uses_position else 0,
-    )
+    positions = sample.positions.size if request.plan.uses_position else 0
+    evaluation = (total / positions if positions else 1.0) * (tables + seconds / designs * job.size)
+    variables = len(request.plan.outputs) + len(request.space.names)
+    file = 0.0 if folder is None else FILE_SECONDS * variables
+    return Timing(evaluation, _verification(request, verify), file, designs, positions)
 
 
 def _evaluated(sample: ResolvedSweep, job: Job, sink: Sink, threads: int, length: int) -> tuple[float, int]:

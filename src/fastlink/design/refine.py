@@ -68,11 +68,8 @@ class Span:
 def swept_inputs(catalogue: Catalogue, maps: xr.Dataset) -> dict[str, Input]:
     """Return the inputs that are not the same for all designs of a map, and are no codes."""
     known = catalogue.known_inputs(catalogue.variant_inputs)
-    return {
-        name: declared
-        for name, declared in known.items()
-        if name in maps.variables and maps[name].ndim == 1 and not declared.choices
-    }
+    swept = [name for name in known if name in maps.variables and maps[name].ndim == 1]
+    return {name: known[name] for name in swept if not known[name].choices}
 
 
 def spans_of(catalogue: Catalogue, maps: xr.Dataset, only: Sequence[str] = ()) -> list[Span]:
@@ -135,12 +132,12 @@ def _spans(ends: Mapping[str, tuple[float, float]], tabled: Mapping[str, Any]) -
 def within(spans: Iterable[Span], wanted: Iterable[Condition]) -> list[Span]:
     """Return inputs with the ends that conditions leave them."""
     ends = {one.array.name: (one.low, one.high) for one in wanted if one.array.dtype.kind == "f"}
-    return [
-        replace(one, low=max(one.low, ends[one.name][0]), high=min(one.high, ends[one.name][1]), period=0.0)
-        if one.name in ends
-        else one
-        for one in spans
-    ]
+    found = []
+    for one in spans:
+        low, high = ends.get(one.name, (-math.inf, math.inf))
+        narrowed = replace(one, low=max(one.low, low), high=min(one.high, high), period=0.0)
+        found.append(narrowed if one.name in ends else one)
+    return found
 
 
 def _pieces(array: xr.DataArray) -> Iterable[NDArray[np.float64]]:

@@ -166,16 +166,12 @@ def _renamed(space: DesignSpace, angles: Mapping[str, str], problems: Problems) 
     for name in angles:
         if name in space.axes:  # two angles that differ by less than a rounding are one in radians
             problems.attempt(axis_of, "design", angles[name], axes[angles[name]])
-    comments = {angle: COMMENT for angle in angles.values()}
-    return replace(
-        space,
-        dims=tuple(angles.get(dim, dim) for dim in space.dims),
-        constants={name: float(value) for name, value in converted(space.constants).items()},
-        axes=axes,
-        columns=converted(space.columns),
-        doubtful={angles.get(name, name): problem for name, problem in space.doubtful.items()},
-        comments=space.comments | comments,
-    )
+    constants = {name: float(value) for name, value in converted(space.constants).items()}
+    doubtful = {angles.get(name, name): problem for name, problem in space.doubtful.items()}
+    parts: Any = {"constants": constants, "columns": converted(space.columns), "doubtful": doubtful}
+    comments = space.comments | dict.fromkeys(angles.values(), COMMENT)
+    dims = tuple(angles.get(dim, dim) for dim in space.dims)
+    return replace(space, dims=dims, axes=axes, comments=comments, **parts)
 
 
 def _in_radians_where_read(degrees: Any) -> Any:

@@ -64,8 +64,8 @@ class Extension:
             first = (ast.get_docstring(of.tree) or "").strip().split("\n", 1)[0].rstrip(".")
             labels = name, units, texts[1] or name, texts[0] or first or name
             place = of.file, of.line + of.tree.lineno, fact.lines
-            read = fact.parameters, fact.text, of.text, fact.imports, fact.jumps
-            self._add(declarations.OwnQuantity(*labels, *read, *place))
+            parts: Any = *labels, fact.parameters, fact.text, of.text, fact.imports, fact.jumps, *place
+            self._add(declarations.OwnQuantity(*parts))
             return function
 
         return declare
@@ -150,11 +150,8 @@ def _in_order(
     left = {one.name: one for one in declared}
     found: dict[str, declarations.OwnInput | declarations.OwnQuantity] = {}
     while left:
-        free = [
-            name
-            for name, one in left.items()
-            if left.keys().isdisjoint(set(getattr(one, "parameters", ())) - {name})
-        ]
+        needs = {name: set(getattr(one, "parameters", ())) - {name} for name, one in left.items()}
+        free = [name for name in left if left.keys().isdisjoint(needs[name])]
         if not free:
             what = f"{', '.join(left)} depend on each other"
             raise InputError(what, (next(iter(left)),), "take parameters that depend on none of them")

@@ -246,18 +246,15 @@ class ResolvedSweep:
     def job(self, runs: float = 1) -> Job:
         """Return the compiled kernels with the designs and positions that they run on."""
         names = [output.name for output in self.plan.outputs]
-        tasks = [
-            KernelTask(
-                kernel.source,
-                kernel.program.inputs,
-                self.backend,
-                kernel.compiled(self.backend, runs * self.places(kernel)),
-                kernel.program.angle_tables(self.positions),
-                tuple(names.index(output.name) for output in kernel.program.outputs),
-                partial(self.evaluated.fill, kernel.program.inputs),
-            )
-            for kernel in self.kernels
-        ]
+
+        def task(kernel: Kernel) -> KernelTask:
+            code = kernel.compiled(self.backend, runs * self.places(kernel))
+            inputs, results = kernel.program.inputs, kernel.program.outputs
+            numbers = tuple(names.index(output.name) for output in results)
+            data = kernel.program.angle_tables(self.positions), numbers, partial(self.evaluated.fill, inputs)
+            return KernelTask(kernel.source, inputs, self.backend, code, *data)
+
+        tasks = [task(kernel) for kernel in self.kernels]
         return Job(tasks, self.shapes, self.evaluated.size, FarDesigns.of(self.plan, self.evaluated))
 
 
@@ -303,13 +300,8 @@ def resolve(
     space = space.with_constants(request.constants_of(catalogue, checked.links, variants))
     for name, codes in request.all_choices(catalogue, space.names, variants).items():
         space = space.with_axis(name, codes)
-    planning: dict[str, Any] = {
-        "given": space.names,
-        "branches": checked.branches,
-        "variants": variants,
-        "angles": checked.positions.size,
-        "extrema": checked.extrema,
-    }
+    planning: dict[str, Any] = {"given": space.names, "branches": checked.branches, "variants": variants}
+    planning |= {"angles": checked.positions.size, "extrema": checked.extrema}
     try:
         plan = cached_plan(catalogue, checked.names, companions, declared=checked.declared, **planning)
     except InputError as error:

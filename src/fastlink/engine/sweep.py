@@ -123,11 +123,7 @@ class Evaluation:
     def finished(self, to: str | Path) -> xr.Dataset | None:
         """Return the map of this request if it is there already, None where no file is; refuse another file."""
         verified = 0 if self.verification is None else self.verification.designs.size
-        about: dict[str, Any] = {
-            "coords": self._coordinates(),
-            "variables": self._written,
-            "attrs": self.attrs,
-        }
+        about: Any = {"coords": self._coordinates(), "variables": self._written, "attrs": self.attrs}
         return finished_map(to, self.fingerprint, verified=verified, **about)
 
     @property

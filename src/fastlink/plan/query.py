@@ -137,15 +137,9 @@ class Reduction:
     def _check_text(self) -> None:
         names = set(self.accumulators)
         finals = ((text, names) for text in (self.finish, self.at_toggle))
-        updates = [
-            (text, names | {"value", "better"}) for pair in self.accumulators.values() for text in pair
-        ]
-        all_names = names | set(self.gradient)
-        slopes = [
-            (text, all_names | {"value", "better", "slope"})
-            for pair in self.gradient.values()
-            for text in pair
-        ]
+        all_names, here = names | set(self.gradient), {"value", "better"}
+        updates = [(text, names | here) for pair in self.accumulators.values() for text in pair]
+        slopes = [(text, all_names | here | {"slope"}) for pair in self.gradient.values() for text in pair]
         for text, known in (*updates, *finals, *slopes, (self.gradient_finish, all_names)):
             read = {name for _, name, _, _ in Formatter().parse(text) if name is not None}
             if unknown := read - known:

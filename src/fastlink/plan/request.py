@@ -126,25 +126,18 @@ def name_problems(
 
     `parent` heads their paths; `options` are what else may be given there by name, for a hint.
     """
-    exclusive = _exclusive(catalogue, catalogue.version, tuple(names))[:1]
-    return [
-        *(
-            Problem(f"{other} and {name} determine each other", (parent,), "leave one of them out")
-            for name, other in exclusive
-        ),
-        *(unknown_input(catalogue, name, known, parent, options) for name in names if name not in known),
-    ]
+    problems = Problems()
+    for name, other in _exclusive(catalogue, catalogue.version, tuple(names))[:1]:
+        problems.add(f"{other} and {name} determine each other", (parent,), "leave one of them out")
+    unknown = [unknown_input(catalogue, name, known, parent, options) for name in names if name not in known]
+    return problems.noted + unknown
 
 
 @lru_cache(maxsize=256)
 def _exclusive(catalogue: Catalogue, version: int, names: tuple[str, ...]) -> list[tuple[str, str]]:
     """Return the pairs of given inputs that determine each other."""
-    return [
-        (name, other)
-        for name in names
-        for other in catalogue.mutually_exclusive_inputs(name)
-        if other in names
-    ]
+    pairs = ((name, other) for name in names for other in catalogue.mutually_exclusive_inputs(name))
+    return [(name, other) for name, other in pairs if other in names]
 
 
 def allowed(declared: Input, value: Any) -> Any:
