@@ -617,7 +617,7 @@ def _conic(A: Any, B: Any, N: Any, t: Any, first: Any = None) -> InscribedConic:
     one = half + np.where((half * np.conj(root)).real < 0.0, -root, root)
     with np.errstate(
         all="ignore"
-    ):  # NaN, where the four-bar does not assemble; infinite, beyond the range of doubles
+    ):  # NaN where the four-bar does not assemble, or beyond the range of doubles
         two = product / np.where(one == 0.0, 1.0, one)
         if first is not None:
             given = np.abs(one - first / size) <= np.abs(two - first) / size
@@ -1123,9 +1123,6 @@ def T_deviation(maps: Any) -> Any:
         path = path.transpose(..., *along)
         values = _fitted_line(path.values, height.transpose(*path.dims).values).deviation
     deviation = path.copy(data=values).rename("T_deviation")
-    deviation.attrs = {
-        "units": units,
-        "long_name": "Distance of T from its straight line",
-        "symbol": "delta_T",
-    }
+    meaning = "Distance of T from its straight line"
+    deviation.attrs = {"units": units, "long_name": meaning, "symbol": "delta_T"}
     return deviation

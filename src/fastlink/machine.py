@@ -51,15 +51,11 @@ except ImportError:  # not POSIX
 
 #: Less is never refused, so that small requests do not pay for the look-up (0.2 to 0.7 ms).
 ALWAYS_FITS = 64 << 20
+FILES, TOTALS = ("inactive_file", "active_file"), ("total_inactive_file", "total_active_file")
 #: Of a control group, by version: the files of its limit and its use, and the kinds of memory that it gives back.
 GROUPS = (
-    ("", "memory.max", "memory.current", ("inactive_file", "active_file")),
-    (
-        "memory",
-        "memory.limit_in_bytes",
-        "memory.usage_in_bytes",
-        ("total_inactive_file", "total_active_file"),
-    ),
+    ("", "memory.max", "memory.current", FILES),
+    ("memory", "memory.limit_in_bytes", "memory.usage_in_bytes", TOTALS),
 )
 
 

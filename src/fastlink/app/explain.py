@@ -621,11 +621,8 @@ def _kernel_work(kernel: Kernel) -> KernelWork:
     program = kernel.program
     names = ", ".join(output.name for output in program.outputs)
     if isinstance(program, ExtremaProgram):
-        how = (
-            "known extremes, which are not searched,"
-            if isinstance(program, KnownProgram)
-            else "every extreme"
-        )
+        is_known = isinstance(program, KnownProgram)
+        how = "known extremes, which are not searched," if is_known else "every extreme"
         found = dict.fromkeys(search.quantity for search in program.searches if not search.splits)
         names += f"; {how} of {', '.join(found)}"
         if splits := [search.quantity for search in program.searches if search.splits]:

@@ -369,10 +369,8 @@ class QuantityList(list[Quantity]):
         named = len(self._catalogues) > 1
         parts = []
         if self:
-            rows = [
-                ((row.mechanism,) if named else ()) + cells
-                for row, cells in zip(self, self._cells(), strict=True)
-            ]
+            pairs = zip(self, self._cells(), strict=True)
+            rows = [((row.mechanism,) if named else ()) + cells for row, cells in pairs]
             parts.append(_text_table(("mechanism", *COLUMNS) if named else COLUMNS, rows))
         if found:
             header = ("mechanism", *_header(GivenInput)) if named else _header(GivenInput)
@@ -723,13 +721,9 @@ def _contents(dataset: xr.Dataset) -> str:
         (str(n), f"({', '.join(map(str, array.dims))})  [{array.attrs.get('units', '1')}]{_meaning(array)}")
         for n, array in dataset.data_vars.items()
     ]
-    titled = {
-        "dimensions": dims,
-        "inputs along them": sampled,
-        "constants": constants,
-        "variables": variables,
-    }
-    blocks = [f"{title}\n{aligned(rows, indent='  ')}" for title, rows in titled.items() if rows]
+    titled = [("dimensions", dims), ("inputs along them", sampled), ("constants", constants)]
+    titled.append(("variables", variables))
+    blocks = [f"{title}\n{aligned(rows, indent='  ')}" for title, rows in titled if rows]
     return "\n\n".join(filter(None, [aligned(head), *blocks, _summary(dataset)]))
 
 

@@ -1172,10 +1172,8 @@ class Refinement:
             meaning = f"Gain by refinement of: {of.get('long_name', one.name)}"
             added(f"{one.name}_{GAIN}", gain, meaning, units=of.get("units", "1"))
         outcomes = [one.descent.outcome for one in ends]
-        flags = {
-            "flag_values": np.array([*Outcome], np.int8),
-            "flag_meanings": " ".join(o.meaning for o in Outcome),
-        }
+        meanings = " ".join(one.meaning for one in Outcome)
+        flags = {"flag_values": np.array([*Outcome], np.int8), "flag_meanings": meanings}
         added(REFINEMENT, np.array(outcomes, dtype=np.int8), "How the refinement ended", **flags)
         starts = np.array([one.starts for one in ends], dtype=np.int32)
         added(STARTS, starts, "Number of starts whose refinement ended in this design")

@@ -238,10 +238,8 @@ class Unfinished:
 
     def read(self) -> tuple[Kept, list[Range]] | None:
         """Return what an earlier run of the same request has left, None where nothing is; refuse that of another."""
-        remedy = (
-            "finish that search, choose another name",
-            (", or write ", Setting("restart", True), " to throw it away"),
-        )
+        throw_away = (", or write ", Setting("restart", True), " to throw it away")
+        remedy = ("finish that search, choose another name", throw_away)
         try:
             with np.load(self.path) as arrays:
                 about = json.loads(str(arrays["about"]))
@@ -426,10 +424,8 @@ class _Gathering(_Gathered):
                 with contextlib.suppress(InputError):
                     self.unfinished.write(*self.report())
                     share = _count(now) / _count(wanted)
-                    error.add_note(
-                        f"{share:.0%} of the designs are searched, as {self.unfinished.path} says; "
-                        "run the same again to go on"
-                    )
+                    searched = f"{share:.0%} of the designs are searched, as {self.unfinished.path} says"
+                    error.add_note(f"{searched}; run the same again to go on")
             raise
 
 
@@ -825,10 +821,8 @@ def request_of_parts(parts: Sequence[PartFile], own: Any = None) -> tuple[Search
     options = dict(about["options"])
     links = options["links"] = None if options["links"] is None else Links(**options["links"])
     given = {name: of for name, of in columns.items() if links is None or name not in links.values}
-    space = table(
-        {n: np.concatenate(of)[order] if np.ndim(of[0]) else of[0].item() for n, of in given.items()},
-        keep=about["labels"],
-    )
+    whole = {n: np.concatenate(of)[order] if np.ndim(of[0]) else of[0].item() for n, of in given.items()}
+    space = table(whole, keep=about["labels"])
     asked = {**about["asked"], "bounds": None, "spans": None}
     if about["spans"] is not None:
         asked["spans"] = [

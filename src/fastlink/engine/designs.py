@@ -189,11 +189,8 @@ def _without_results(
     of_map = space.of_map or bool(values)
     inside = (BRANCH, EXTREMUM, catalogue.position.name)
     cycle = [name for name in others if name in inside and of_map]
-    unknown = [
-        name
-        for name in others
-        if name not in (*results, *cycle, *space.labels) and _no_input(catalogue, name) is None
-    ]
+    rest = [name for name in others if name not in (*results, *cycle, *space.labels)]
+    unknown = [name for name in rest if _no_input(catalogue, name) is None]
     problems.noted += [_unknown(catalogue, name) for name in unknown]
     along = [name for name in cycle if name in space.columns or np.ndim(space.labels.get(name, 0.0))]
     space = without(space, (*results, *cycle, *unknown))

@@ -248,10 +248,8 @@ def function(
         check_inputs(catalogue, DesignSpace("grid", (), (), fixed_numbers), variants, False)
     positions = {name: values for name, values in fixed.items() if name not in (*known, *strange)}
     named: dict[str, Any] = {"positions": positions, "options": [*_OPTIONS, *known], "allow_invalid": True}
-    named |= {
-        "parameter": "outputs",
-        "companions": False,
-    }  # fixed values are checked above, others at each call
+    # fixed values are checked above, others at each call
+    named |= {"parameter": "outputs", "companions": False}
     if problems.noted:
         problems.attempt(check, mechanism, None, wanted, **named, **options)
     problems.stop()

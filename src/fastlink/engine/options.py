@@ -35,27 +35,11 @@ MOST_DESIGNS = 100_000
 #: Global attributes that a sweep writes itself; `title`, `study` and `study_file` are those of a study.
 RESERVED = frozenset(
     (
-        FORMAT,
-        "Conventions",
-        "mechanism",
-        "input",
-        "source",
-        "backend",
-        "solver",
-        "threads",
-        "extrema",
-        "scaling_axis",
-        "designs",
-        "set_up_time_s",
-        "run_time_s",
-        "written_time_ns",
-        "fingerprint",
-        "configurations",
-        "configurations_per_second",
-        "compression",
-        "history",
-        *OF_PARTS,
-        *(JOINED, CORE_TIME),
+        *("Conventions", "mechanism", "input", "source", "backend", "solver", "threads"),
+        *("extrema", "scaling_axis"),
+        *("designs", "configurations", "configurations_per_second", "set_up_time_s", "run_time_s"),
+        *(FORMAT, "written_time_ns", "fingerprint", "compression", "history"),
+        *(*OF_PARTS, JOINED, CORE_TIME),
     )
 )
 #: How others begin: the origin of the designs, counts of each status, the verification.

@@ -43,15 +43,8 @@ if TYPE_CHECKING:
 
 #: The options that decide what is computed, at every door.
 OF_REQUEST = (
-    "links",
-    "input",
-    "angles",
-    "branch",
-    "solver",
-    "extrema",
-    "backend",
-    "allow_invalid",
-    "positions",
+    *("links", "input", "angles", "branch", "positions", "allow_invalid"),
+    *("solver", "extrema", "backend"),
 )
 
 

@@ -197,10 +197,8 @@ def _buffer_bytes(kernel: Kernel, length: int, positions: int) -> int:
     doubles = (
         len(kernel.program.inputs) * -(-length // LANES) * LANES + len(kernel.program.tables) * positions
     )
-    scratch = (
-        math.prod(array.lengths(positions)) * np.dtype(array.dtype).itemsize
-        for array in kernel.source.scratch
-    )
+    arrays = kernel.source.scratch
+    scratch = (math.prod(one.lengths(positions)) * np.dtype(one.dtype).itemsize for one in arrays)
     return 8 * doubles + sum(scratch)
 
 
@@ -210,11 +208,8 @@ def check_needs(resolved: ResolvedSweep, threads: int, block: int | None, verify
     if few and values < ALWAYS_FITS // 2:
         return
     needs = needs_of(resolved, threads, block, verify)
-    check_memory(
-        needs.to_file,
-        "a sweep of so many input positions, designs per block or verified designs",
-        remedy="ask for fewer, or for fewer threads",
-    )
+    what = "a sweep of so many input positions, designs per block or verified designs"
+    check_memory(needs.to_file, what, remedy="ask for fewer, or for fewer threads")
     if values:
         check_memory(needs.in_memory, "the result", remedy=TO_FILE)
 
