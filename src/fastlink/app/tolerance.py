@@ -209,20 +209,17 @@ def tolerance(
     >>> found.transmission_angle_min_contribution.sel(toleranced="a1").values.round(6)
     array([-0.000128, -0.000141])
     """
-    problems, is_study = Problems(), False
-    with problems.at():
-        check_options({"contributions": contributions})
-        if contributions and to is not None:
-            remedy = "leave one of them out; derivatives such as d_omega4_max_d_a1 can be swept into a file"
-            raise InputError("is given with to", ("contributions",), remedy)
+    problems = Problems()
+    checked = problems.attempt(check_options, {"contributions": contributions}) or {}
+    if checked.get("contributions") and to is not None:
+        remedy = "leave one of them out; derivatives such as d_omega4_max_d_a1 can be swept into a file"
+        problems.add("is given with to", ("contributions",), remedy)
     names = None if quantities is None else problems.attempt(check_names, "quantities", quantities)
-    with problems.at():
-        is_study = (
-            isinstance(maps, (str, os.PathLike)) and check_path(("maps",), maps).suffix.lower() == ".toml"
-        )
-        if is_study and mechanism is not None:
-            what = "is for a map: a study names the file of its quantities itself"
-            raise InputError(what, ("mechanism",), "leave it out")
+    path = problems.attempt(check_path, ("maps",), maps) if isinstance(maps, (str, os.PathLike)) else None
+    is_study = path is not None and path.suffix.lower() == ".toml"
+    if is_study and mechanism is not None:
+        what = "is for a map: a study names the file of its quantities itself"
+        problems.add(what, ("mechanism",), "leave it out")
     problems.stop()
     with ExitStack() as stack:
         dataset = None
@@ -245,12 +242,14 @@ def tolerance(
         asked = list(dict.fromkeys([*wanted, *further]))
         found = sweep(subject.mechanism, subject.space, asked, **subject.options, **given)
     found = with_contributions(found, slopes if contributions else {})
-    found = found.drop_vars(
-        [n for of in slopes.values() for n in of.values() if n in found and n not in wanted]
-    )
-    if subject.rows is None or to is not None:
+    read = [name for of in slopes.values() for name in of.values()]
+    found = found.drop_vars([name for name in read if name in found and name not in wanted])
+    if subject.rows is None or to is not None or BRANCH not in found.dims:
         return found
-    return _of_rows(found, subject.rows)
+    import xarray as xr
+
+    at = np.searchsorted(found[BRANCH].values, subject.rows)  # designs that have one assembly mode each
+    return found.isel({BRANCH: xr.DataArray(at, dims=(DESIGN,))})
 
 
 def _with_tolerances(subject: Subject, tolerances: Mapping[str, Any]) -> DesignSpace:
@@ -310,13 +309,3 @@ def _slopes(subject: Subject, names: Sequence[str]) -> dict[str, dict[str, str]]
         terms = output.terms or catalogue.change_terms(of.quantity, plan.variants, request.space.names)
         found[name] = {term.by: derivative_of(of, term.by, catalogue.position.name) for term in terms}
     return found
-
-
-def _of_rows(found: xr.Dataset, modes: Any) -> xr.Dataset:
-    """Return results of designs that have one assembly mode each."""
-    import xarray as xr
-
-    if BRANCH not in found.dims:
-        return found
-    at = np.searchsorted(found[BRANCH].values, modes)
-    return found.isel({BRANCH: xr.DataArray(at, dims=(DESIGN,))})
