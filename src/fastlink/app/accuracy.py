@@ -16,6 +16,7 @@ import xarray as xr
 
 from fastlink._text import aligned, counted, duration, short_repr, writable
 from fastlink.app.study import A_STUDY, Study, read_study
+from fastlink.engine.labels import flag_attrs
 from fastlink.engine.options import check_options
 from fastlink.engine.resolve import ResolvedSweep, resolve
 from fastlink.engine.run import Job, run
@@ -567,10 +568,7 @@ def _labelled(
         data[name] = (("way", "quantity"), np.array(values), {"units": units, "long_name": meaning})
     coords = {"way": ("way", methods), "quantity": ("quantity", quantities)}
     result = xr.Dataset(data, coords=coords, attrs=plain_attrs(attrs))
-    labels = {
-        "long_name": "no other method is faster and more accurate",
-        "flag_values": np.array([0, 1], dtype=np.int8),
-        "flag_meanings": "beaten best",
-    }
+    meaning = {"long_name": "no other method is faster and more accurate"}
+    labels = meaning | flag_attrs({0: "beaten", 1: "best"}, "int8")
     result["pareto"] = (("way", "quantity"), front(result), labels)
     return result

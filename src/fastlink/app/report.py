@@ -767,13 +767,13 @@ CONTRIBUTION, TOLERANCED = "contribution", "toleranced"
 
 def changes_listed(found: xr.Dataset) -> str:
     """Return the changes of each result as a table: those of one design, else medians and the greatest."""
-    names = [str(name) for name in found.data_vars if _change(str(name), "worst") in found.data_vars]
+    names = [str(name) for name in found.data_vars if change_name(str(name)) in found.data_vars]
     inputs = [str(name) for name in found[TOLERANCED].values] if TOLERANCED in found.dims else []
     one = all(found[name].size == 1 for name in names)
     head = ["", "", "value", "worst change", *([] if one else ["greatest"]), "rss change"]
     rows = [[*head, *(f"by {name}" for name in inputs), "flagged"]]
     for name in names:
-        worst, rss = found[_change(name, "worst")], found[_change(name, "rss")]
+        worst, rss = found[change_name(name)], found[change_name(name, "rss")]
         row = [name, found[name].attrs.get("units", ""), _median(found[name]), _median(worst)]
         row += [] if one else [short_number(_greatest(worst.values))]
         row.append(_median(rss))
@@ -786,7 +786,7 @@ def changes_listed(found: xr.Dataset) -> str:
     return about + aligned(rows, right=2)
 
 
-def _change(name: str, how: str) -> str:
+def change_name(name: str, how: str = "worst") -> str:
     """Return the name of the change of a result."""
     return str(Change(NameOf(name), how))
 
@@ -807,9 +807,7 @@ def _flagged(found: xr.Dataset, name: str) -> str:
     """Return how many derivatives of a result are none or one-sided, as text."""
     if (status := str(GradientStatus(NameOf(name)))) not in found.variables:
         return "-"
-    codes = found[status].values
-    flags = found[status].attrs
-    meanings = dict(zip(flags["flag_values"].tolist(), flags["flag_meanings"].split(), strict=True))
+    codes, meanings = found[status].values, {code: of for of, code in flags_of(found[status]).items()}
     bad = codes[codes != 0]
     if codes.size == 1:
         return in_words(meanings[int(codes.ravel()[0])]) if bad.size else "-"

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.app.report import CONTRIBUTION, TOLERANCED
+from fastlink.app.report import CONTRIBUTION, TOLERANCED, change_name
 from fastlink.app.study import read_study
 from fastlink.design.refine import Model
 from fastlink.design.search import labels_of
@@ -24,7 +24,6 @@ from fastlink.engine.resolve import given_tolerances, resolve
 from fastlink.engine.sweep import sweep
 from fastlink.errors import InputError, Problems, check_path, door
 from fastlink.facts.derivative import is_tolerance, tolerance_name, toleranced
-from fastlink.facts.names import Change, Quantity
 from fastlink.io.reader import as_map
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.query import check_names, parse_request
@@ -41,11 +40,6 @@ if TYPE_CHECKING:
 
 
 HOWS = ("worst", "rss")
-
-
-def change_name(name: str, how: str = "worst") -> str:
-    """Return the name of the change of a result."""
-    return str(Change(Quantity(name), how))
 
 
 def from_derivatives(

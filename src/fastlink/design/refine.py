@@ -18,7 +18,7 @@ from fastlink._text import counted, in_words, short_number, short_repr
 from fastlink.engine.evaluate import evaluate
 from fastlink.engine.extend import Extension, check_declared, is_own, own_refused
 from fastlink.engine.function import Function, function
-from fastlink.engine.labels import request_labels
+from fastlink.engine.labels import flag_attrs, request_labels
 from fastlink.errors import InputError, Problems, listed
 from fastlink.facts.catalogue import ELIMINATED, Catalogue
 from fastlink.facts.derivative import NoDependence, NoDerivative, is_tolerance
@@ -1172,8 +1172,7 @@ class Refinement:
             meaning = f"Gain by refinement of: {of.get('long_name', one.name)}"
             added(f"{one.name}_{GAIN}", gain, meaning, units=of.get("units", "1"))
         outcomes = [one.descent.outcome for one in ends]
-        meanings = " ".join(one.meaning for one in Outcome)
-        flags = {"flag_values": np.array([*Outcome], np.int8), "flag_meanings": meanings}
+        flags = flag_attrs({int(one): one.meaning for one in Outcome}, "int8")
         added(REFINEMENT, np.array(outcomes, dtype=np.int8), "How the refinement ended", **flags)
         starts = np.array([one.starts for one in ends], dtype=np.int32)
         added(STARTS, starts, "Number of starts whose refinement ended in this design")

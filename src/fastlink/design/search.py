@@ -821,8 +821,8 @@ def request_of_parts(parts: Sequence[PartFile], own: Any = None) -> tuple[Search
     options = dict(about["options"])
     links = options["links"] = None if options["links"] is None else Links(**options["links"])
     given = {name: of for name, of in columns.items() if links is None or name not in links.values}
-    whole = {n: np.concatenate(of)[order] if np.ndim(of[0]) else of[0].item() for n, of in given.items()}
-    space = table(whole, keep=about["labels"])
+    designs = {n: np.concatenate(of)[order] if np.ndim(of[0]) else of[0].item() for n, of in given.items()}
+    space = table(designs, keep=about["labels"])
     asked = {**about["asked"], "bounds": None, "spans": None}
     if about["spans"] is not None:
         asked["spans"] = [

@@ -114,10 +114,10 @@ def _labels(plan: Plan, output: Output) -> dict[str, Any]:
         attrs["extrema"] = "refined" if output.refined else "sampled"
     if output.request.is_status:
         del attrs["units"]
-        attrs |= _flags(STATUS_FLAGS, output.dtype)
+        attrs |= flag_attrs(STATUS_FLAGS, output.dtype)
     if fact.flags and output.request.is_of_quantity:
         del attrs["units"]
-        attrs |= _flags(fact.flags, output.dtype)
+        attrs |= flag_attrs(fact.flags, output.dtype)
     return attrs
 
 
@@ -135,7 +135,7 @@ def _of_list(part: str, fact: Fact, position: Input) -> dict[str, Any]:
     return {
         "long_name": f"kinds of the extremes of {fact.symbol}",
         "symbol": f"kind of ext {fact.symbol}",
-        **_flags({-1: "minimum", 0: "none", 1: "maximum"}, "int8"),
+        **flag_attrs({-1: "minimum", 0: "none", 1: "maximum"}, "int8"),
     }
 
 
@@ -256,10 +256,10 @@ def _describe(declared: Input, space: DesignSpace) -> dict[str, Any]:
     labels: dict[str, Any] = {"long_name": declared.meaning, "symbol": declared.symbol}
     if declared.name in space.comments:
         labels["comment"] = space.comments[declared.name]
-    return labels | (_flags(declared.choices, "int32") if declared.choices else {"units": declared.units})
+    return labels | (flag_attrs(declared.choices, "int32") if declared.choices else {"units": declared.units})
 
 
-def _flags(meanings: Mapping[int, str], dtype: str) -> dict[str, Any]:
+def flag_attrs(meanings: Mapping[int, str], dtype: str) -> dict[str, Any]:
     """Return CF's labels of a code."""
     words = " ".join(meaning.replace(" ", "_") for meaning in meanings.values())
     return {"flag_values": frozen(np.array(list(meanings), dtype=dtype)), "flag_meanings": words}
