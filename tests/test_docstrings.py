@@ -1,4 +1,4 @@
-"""Docstrings are true: their examples run."""
+"""Docstrings are true: their examples run, with fastlink as fl and numpy as np."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import importlib
 import inspect
 import pkgutil
 
+import numpy
 import pytest
 
 import fastlink
@@ -25,7 +26,9 @@ class Finder(doctest.DocTestFinder):
 
 
 def examples_of(name):
-    return [found for found in Finder().find(importlib.import_module(name), name) if found.examples]
+    known = {"fl": fastlink, "np": numpy}
+    found = Finder().find(importlib.import_module(name), name, extraglobs=known)
+    return [one for one in found if one.examples]
 
 
 @pytest.mark.parametrize("name", modules())

@@ -14,23 +14,6 @@ from functools import cache
 from importlib import metadata
 from typing import Any
 
-__all__ = [
-    "__version__",
-    "aligned",
-    "counted",
-    "duration",
-    "folded",
-    "html_table",
-    "in_words",
-    "scaled",
-    "short_number",
-    "short_repr",
-    "size",
-    "unwritable",
-    "version",
-]
-
-
 BYTES = (" B", " kB", " MB", " GB", " TB")
 
 

@@ -19,34 +19,8 @@ from typing import Any, ParamSpec, Self, TypeAlias, TypeVar, overload
 
 from fastlink._text import counted, joined, short_repr
 
-__all__ = [
-    "MOST_SEED",
-    "CallError",
-    "InputError",
-    "InputWarning",
-    "KeyPath",
-    "Model",
-    "Pair",
-    "Problem",
-    "Problems",
-    "Remedy",
-    "Samples",
-    "Setting",
-    "Wording",
-    "check_choice",
-    "check_output",
-    "check_path",
-    "check_switch",
-    "check_whole",
-    "door",
-    "listed",
-    "nearest",
-    "not_a_file",
-    "path_text",
-    "printable",
-    "remark",
-    "suggest",
-]
+P = ParamSpec("P")
+R = TypeVar("R")
 
 
 # -- Errors that a user can mend, in the words of each door
@@ -163,19 +137,9 @@ class Wording:
 
 
 class InputError(ValueError):
-    """Bad input: one or several problems.
+    """Bad input: one or several problems, each with the path to it from a parameter, and what to write instead."""
 
-    Parameters
-    ----------
-    what : str
-        What is wrong.
-    where : tuple of str and int, optional
-        The path to it, from the parameter of the function that was called.
-    remedy : str or tuple of pieces, optional
-        What to write instead.
-    """
-
-    def __init__(self, what: str, *, where: KeyPath = (), remedy: Remedy = "") -> None:
+    def __init__(self, what: str, where: KeyPath = (), remedy: Remedy = "") -> None:
         super().__init__(what)
         self.problems: tuple[Problem, ...] = (Problem(what, where, remedy),)
         self.wording: Wording | None = None
@@ -227,6 +191,14 @@ class Problems:
         """Add a problem."""
         self.noted.append(Problem(what, where, remedy))
 
+    def attempt(self, function: Callable[P, R], *args: P.args, **options: P.kwargs) -> R:
+        """Return what a function returns; note what it refuses, and go on with None, which `stop` lets nobody use."""
+        try:
+            return function(*args, **options)
+        except InputError as error:
+            self.noted += error.problems
+            return None  # type: ignore[return-value]
+
     def at(self, *where: str | int) -> _Collecting:
         """Add the problems of an InputError, at a path unless they have one, and go on."""
         return _Collecting(self, where)
@@ -253,11 +225,8 @@ def printable(line: str) -> str:
     if not line.isprintable():
         shown = (sign if sign.isprintable() else repr(sign)[1:-1] for sign in line)
         line = "".join(shown)
-    line = re.sub(
-        rf"\S{{{LONGEST_NAME + 1},}}",
-        lambda word: f"{word[0][:FIRST_LETTERS]}...{word[0][-LAST_LETTERS:]}",
-        line,
-    )
+    long_word = rf"\S{{{LONGEST_NAME + 1},}}"
+    line = re.sub(long_word, lambda word: f"{word[0][:FIRST_LETTERS]}...{word[0][-LAST_LETTERS:]}", line)
     if len(line) > LONGEST_LINE:
         line = f"{line[: LONGEST_LINE - LAST_SIGNS - 5]} ... {line[-LAST_SIGNS:]}"
     return line
@@ -349,9 +318,6 @@ def listed(options: Sequence[str]) -> str:
 # -- Guard public functions: a call that does not fit their parameters is refused with what to write
 
 
-P = ParamSpec("P")
-R = TypeVar("R")
-
 #: Parameters that the form of a call shows.
 MOST_PARAMETERS = 6
 BY_POSITION = (Parameter.POSITIONAL_ONLY, Parameter.POSITIONAL_OR_KEYWORD)
@@ -432,11 +398,8 @@ def _wrong_call(
     for key in (key for key in given if key in options):
         problems.add("is given both by position and by name", (name, key), f"write it once{also}")
     others = [key for key in options if key not in named]
-    missing = [
-        one.name
-        for one in parameters
-        if one.name in named and one.default is Parameter.empty and one.name not in (*given, *options)
-    ]
+    required = [one.name for one in parameters if one.name in named and one.default is Parameter.empty]
+    missing = [key for key in required if key not in (*given, *options)]
     misspelt = {key: name for key in missing for name in reversed(others) if nearest(name, missing) == key}
     for key, near in misspelt.items():
         problems.add("is missing", (name, key), f"write {key} in place of {near}")
@@ -484,9 +447,7 @@ def check_whole(
     if whole and type(value).__name__ != "timedelta64" and least <= int(value) <= most:
         return int(value)
     bounds = f"of at least {least}" if most == math.inf else f"from {least} to {most}"
-    raise InputError(
-        f"is {short_repr(value)}", where=where, remedy=remedy or f"write a whole number {bounds}"
-    )
+    raise InputError(f"is {short_repr(value)}", where, remedy or f"write a whole number {bounds}")
 
 
 def check_switch(where: KeyPath, value: Any) -> bool:
@@ -495,7 +456,7 @@ def check_switch(where: KeyPath, value: Any) -> bool:
         return value
     if type(value).__name__ in ("bool", "bool_") and type(value).__module__ == "numpy":
         return bool(value)
-    raise InputError(f"is {short_repr(value)}", where=where, remedy="write True or False")
+    raise InputError(f"is {short_repr(value)}", where, "write True or False")
 
 
 def check_choice(
@@ -511,7 +472,7 @@ def check_choice(
                 return name
     text = value if isinstance(value, str) else short_repr(value)
     remedy = (meant(text) if meant else "") or suggest(text, known)
-    raise InputError(f"{short_repr(value)} is unknown{to}", where=where, remedy=remedy)
+    raise InputError(f"{short_repr(value)} is unknown{to}", where, remedy)
 
 
 def check_path(where: KeyPath, value: Any, example: str = "maps.h5") -> Path:
@@ -521,11 +482,10 @@ def check_path(where: KeyPath, value: Any, example: str = "maps.h5") -> Path:
     except Exception:  # no path, or whatever a class of somebody's does
         text = None
     if not isinstance(text, str):
-        remedy = f"write text, such as {example!r}"
-        raise InputError(f"is {short_repr(value)}, not a path", where=where, remedy=remedy)
+        raise InputError(f"is {short_repr(value)}, not a path", where, f"write text, such as {example!r}")
     text = os.path.expanduser(text)
     if (fault := _fault(text)) is not None:
-        raise InputError(f"{short_repr(text)} {fault}", where=where, remedy=f"write such as {example!r}")
+        raise InputError(f"{short_repr(text)} {fault}", where, f"write such as {example!r}")
     return Path(text)
 
 
@@ -542,10 +502,10 @@ def check_output(where: KeyPath, value: Any) -> Path:
     name = os.fspath(value)
     if name.endswith(os.sep) and not path.is_dir():
         what = f"{short_repr(name)} ends as the name of a folder does"
-        raise InputError(what, where=where, remedy=f"write {str(path)!r}")
+        raise InputError(what, where, f"write {str(path)!r}")
     if path.suffix.lower() in OTHER_FILES:
         what = f"{short_repr(name)} is not the name of an HDF5 file"
-        raise InputError(what, where=where, remedy=f"write {path.with_suffix('.h5').name!r}")
+        raise InputError(what, where, f"write {path.with_suffix('.h5').name!r}")
     return path
 
 

@@ -1,7 +1,7 @@
 """Functions of Burmester's focal mechanism: its cubic, constructions on it, conics, the five-bar, straight lines.
 
-Lengths are 1e-70 to 1e70 m. Others, values that are no finite numbers and shapes that do not broadcast are refused
-with `fastlink.InputError`.
+Positions of the four-bar MABN are given as for `cubic`. Lengths are 1e-70 to 1e70 m. Others, values that are no finite
+numbers and shapes that do not broadcast are refused with `fastlink.InputError`.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from fastlink import papers
 from fastlink.engine.evaluate import evaluate, like
 from fastlink.errors import InputError, Pair, check_choice, door
 from fastlink.facts.fact import Input
@@ -20,14 +21,6 @@ from fastlink.mechanisms.focal import focal
 from fastlink.mechanisms.planar_4r import planar_4r
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.numerics.vectors import cross
-from fastlink.papers import (
-    LEAST_LENGTH,
-    broadcast,
-    broadcast_points,
-    check_lengths,
-    check_samples,
-    read_design,
-)
 from fastlink.plan.request import branch_codes
 from fastlink.space.design_space import ends_of
 
@@ -73,14 +66,14 @@ def read_position(function: str, *numbers: Any, further: Iterable[tuple[Input, A
     mode = Input("branch", "1", "branch", "assembly mode")
     more = [one for one, _ in further]
     given = (*position, like(branch, branch_codes(planar_4r, branch)), *(value for _, value in further))
-    arrays = broadcast(function, [*declared, mode, *more], *given)
+    arrays = papers.broadcast(function, [*declared, mode, *more], *given)
     named = [*declared, *more]
     lengths = [*arrays[: len(declared)], *arrays[len(declared) + 1 :]]
-    check_lengths(function, named, lengths, "four lengths")
+    papers.check_lengths(function, named, lengths, "four lengths")
     bars = np.array(arrays[:4])
-    if (bars.min(axis=0) <= LEAST_LENGTH * bars.max(axis=0)).any():
+    if (bars.min(axis=0) <= papers.LEAST_LENGTH * bars.max(axis=0)).any():
         remedy = "write lengths within a factor of 1e24 of each other"
-        raise InputError("a, b, c and d are too unlike", where=(function,), remedy=remedy)
+        raise InputError("a, b, c and d are too unlike", (function,), remedy)
     return arrays
 
 
@@ -137,8 +130,6 @@ def cubic(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1) -> Any:
 
     Examples
     --------
-    >>> import numpy as np
-    >>> import fastlink as fl
     >>> k = fl.focal.cubic(3.0, 5.0, 4.0, 6.0, 0.0, branch=2)  # A = (3, 0), B = (3, 4)
     >>> on_it = [(0.0, 0.0), (6.0, 0.0), (3.0, 0.0), (3.0, 4.0)]
     >>> [round(abs(float(np.polynomial.polynomial.polyval2d(x, y, k))), 9) for x, y in on_it]
@@ -149,11 +140,8 @@ def cubic(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1) -> Any:
 
 def coefficients(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any) -> Any:
     """Return the equations of focal cubics of positions that are read; see `cubic`."""
-    values = evaluate(
-        "planar_4r",
-        ["A_x", "A_y", "B_x", "B_y", "theta2"],
-        **dict(a1=a, a2=c, a3=b, a4=d, theta1=phi, branch=branch),
-    )
+    four_bar = {"a1": a, "a2": c, "a3": b, "a4": d, "theta1": phi, "branch": branch}
+    values = evaluate("planar_4r", ["A_x", "A_y", "B_x", "B_y", "theta2"], **four_bar)
     A_x, A_y, B_x, B_y, direction = (np.asarray(value) for value in values.values())
     half = np.sin(0.5 * direction)
     AB_x, AB_y = c * np.cos(direction), c * np.sin(direction)
@@ -176,8 +164,6 @@ def cubic_points(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1, *, s
 
     Parameters
     ----------
-    a, b, c, d, phi, branch
-        As for `cubic`.
     samples : int
         Points on each of up to eight arcs, at least 2.
 
@@ -195,13 +181,11 @@ def cubic_points(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1, *, s
 
     Examples
     --------
-    >>> import numpy as np
-    >>> import fastlink as fl
     >>> lines = fl.focal.cubic_points(5.0, 5.0, 2.0, 4.0, np.pi / 3, samples=40)
     >>> lines.shape
     (328, 2)
     """
-    samples = check_samples("cubic_points", samples, 2)
+    samples = papers.check_samples("cubic_points", samples, 2)
     return trace(read_position("cubic_points", a, b, c, d, phi, branch), samples)
 
 
@@ -421,8 +405,6 @@ def from_point(
 
     Parameters
     ----------
-    a, b, c, d, phi, branch
-        As for `cubic`.
     x, y : float or array_like
         F, origin in M and x along MN [m]. Of points off the focal cubic (`cubic_points` traces it) the nearest point
         of the cubic is taken.
@@ -446,8 +428,6 @@ def from_point(
     --------
     The mechanism of Figure 4, from the point in which circles on MA and NB as diameters meet:
 
-    >>> import numpy as np
-    >>> import fastlink as fl
     >>> made = fl.focal.from_point(5.0, 5.0, 2.0, 4.0, np.arccos(0.2), branch=2, x=2.0, y=0.449489742783178)
     >>> {name: round(float(made.values[name]), 4) for name in ("lambda_", "m", "p", "r")}
     {'lambda_': 5.9495, 'm': 0.8404, 'p': 1.8697, 'r': 0.4495}
@@ -572,8 +552,6 @@ def inscribed_conics(
 
     Parameters
     ----------
-    a, b, c, d, phi, branch
-        As for `cubic`.
     t : float or array_like, optional
         Numbers of conics: 0 and 1 are the pairs of points M, B and A, N, and the centre goes in proportion to t from
         the middle of MB to that of AN. Towards infinity the conics become the parabola.
@@ -589,8 +567,6 @@ def inscribed_conics(
     --------
     One of the kite with M = (0, 0), A = (0, 1), B = (3, 3), N = (1, 0):
 
-    >>> import numpy as np
-    >>> import fastlink as fl
     >>> side = np.sqrt(13.0)
     >>> conic = fl.focal.inscribed_conics(1.0, side, side, 1.0, np.pi / 2, branch=2, t=0.75)
     >>> [round(float(value), 4) for value in (conic.x1, conic.y1, conic.x2, conic.y2)]
@@ -611,17 +587,10 @@ def _check_choice(t: Any, x: Any, y: Any) -> list[tuple[Input, Any]]:
     """Return the declared coordinates of a focus, none where t is given."""
     missing = [name for name, value in (("x", x), ("y", y)) if value is None]
     if (t is None) == bool(missing) or (t is not None and len(missing) < 2):
-        what = (
-            "are given together"
-            if t is not None
-            else "and t are missing"
-            if len(missing) > 1
-            else "is missing"
-        )
         names = "x and y" if len(missing) != 1 else missing[0]
-        raise InputError(
-            f"{names} {what}", where=("inscribed_conics",), remedy="give t=..., or a focus x=..., y=..."
-        )
+        lacks = "and t are missing" if len(missing) > 1 else "is missing"
+        what = f"{names} {'are given together' if t is not None else lacks}"
+        raise InputError(what, ("inscribed_conics",), "give t=..., or a focus x=..., y=...")
     return [] if missing else [(point("x"), x), (point("y"), y)]
 
 
@@ -648,7 +617,7 @@ def _conic(A: Any, B: Any, N: Any, t: Any, first: Any = None) -> InscribedConic:
     one = half + np.where((half * np.conj(root)).real < 0.0, -root, root)
     with np.errstate(
         all="ignore"
-    ):  # NaN, where the four-bar does not assemble; infinite, beyond the range of doubles
+    ):  # NaN where the four-bar does not assemble, or beyond the range of doubles
         two = product / np.where(one == 0.0, 1.0, one)
         if first is not None:
             given = np.abs(one - first / size) <= np.abs(two - first) / size
@@ -693,14 +662,14 @@ class Involution:
     def partner(self, direction: Any) -> Any:
         """Return the direction of the ray that is paired with the ray of a direction [rad]."""
         declared = [Input("direction", "rad", "direction", "direction of a ray"), RAY]
-        angle, _ = broadcast("partner", declared, direction, self.first, gaps=True)
+        angle, _ = papers.broadcast("partner", declared, direction, self.first, gaps=True)
         xx, xy, yy = self._double
         x, y = np.cos(angle), np.sin(angle)
         return _direction(-(xy * x + yy * y), xx * x + xy * y)
 
     def tangents(self, t: Any) -> tuple[Any, Any]:
         """Return the directions of both tangents to the conic of number t [rad]; NaN where they are not real."""
-        t, _ = broadcast("tangents", [PARAMETER, RAY], t, self.first, gaps=True)
+        t, _ = papers.broadcast("tangents", [PARAMETER, RAY], t, self.first, gaps=True)
         _, of_one, of_other = _shares(t)
         return _rays(*(of_one * one + of_other * other for one, other in zip(*self._forms, strict=True)))
 
@@ -714,8 +683,6 @@ def involution(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1, *, x: 
 
     Parameters
     ----------
-    a, b, c, d, phi, branch
-        As for `cubic`.
     x, y : float or array_like
         The point [m], origin in M and x along MN.
 
@@ -728,8 +695,6 @@ def involution(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1, *, x: 
     --------
     At F of Figure 4, a point of the focal cubic, pairs have common bisectors, here at 45 degrees:
 
-    >>> import numpy as np
-    >>> import fastlink as fl
     >>> rays = fl.focal.involution(5.0, 5.0, 2.0, 4.0, np.arccos(0.2), branch=2, x=2.0, y=0.449489742783178)
     >>> np.degrees([rays.first, rays.second]).round(9), bool(abs(rays.asymmetry) < 1e-15)
     (array([-45.,  45.]), True)
@@ -749,11 +714,8 @@ def involution(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1, *, x: 
 
 def _pair(one: Any, other: Any) -> tuple[Any, Any, Any]:
     """Return the quadratic form p x^2 + 2 q x y + r y^2 that vanishes along two vectors."""
-    return (
-        one.imag * other.imag,
-        -0.5 * (one.imag * other.real + one.real * other.imag),
-        one.real * other.real,
-    )
+    middle = -0.5 * (one.imag * other.real + one.real * other.imag)
+    return one.imag * other.imag, middle, one.real * other.real
 
 
 def _rays(p: Any, q: Any, r: Any) -> tuple[Any, Any]:
@@ -794,8 +756,6 @@ def best_point(
 
     Parameters
     ----------
-    a, b, c, d, phi, branch
-        As for `cubic`.
     between : (float, float)
         The least and greatest MS over MN: where the support S may stand, M being at 0 and N at 1.
     by : {"rho", "s", "lambda_"}
@@ -814,8 +774,6 @@ def best_point(
 
     Examples
     --------
-    >>> import numpy as np
-    >>> import fastlink as fl
     >>> best = fl.focal.best_point(4.0, 5.0, 2.0, 4.0, 1.2, branch=2)
     >>> {name: round(float(best.values[name]), 3) for name in ("s", "r", "m", "n", "p", "q")}
     {'s': 3.135, 'r': 0.307, 'm': 0.487, 'n': 0.609, 'p': 3.112, 'q': 0.687}
@@ -912,8 +870,6 @@ def five_bar(
     --------
     The five-bar of Figure 4, where omega and the angle at Q are right angles:
 
-    >>> import numpy as np
-    >>> import fastlink as fl
     >>> m, p = 0.8404082057734577, 1.8696938456699069
     >>> at = fl.focal.five_bar(m, p, p, m, 4.0, np.arccos(0.2), omega_angle=np.pi / 2, branch=[1, 2])
     >>> at["F_x"].round(9), at["F_y"].round(9), np.degrees(at["angle_FQN"]).round(9)
@@ -927,8 +883,8 @@ def five_bar(
     mode = Input("branch", "1", "branch", "assembly mode")
     declared = [*_bars(names), *angles, mode]
     given = (m, p, q, n, d, phi, omega_angle, like(branch, branch_codes(planar_4r, branch)))
-    m, p, q, n, d, phi, omega_angle, branch = broadcast("five_bar", declared, *given)
-    check_lengths("five_bar", declared[:5], (m, p, q, n, d), "four lengths")
+    m, p, q, n, d, phi, omega_angle, branch = papers.broadcast("five_bar", declared, *given)
+    papers.check_lengths("five_bar", declared[:5], (m, p, q, n, d), "four lengths")
     u = np.exp(1j * phi)
     P = m * u
     # m - p + p (1 - w), in which the first difference alone cancels
@@ -936,16 +892,8 @@ def five_bar(
     F = u * ((m - p) + 2.0 * p * half * (half - 1j * np.cos(0.5 * omega_angle)))
     longest = np.max([m, p, q, n, d], axis=0)
     reach = np.maximum(np.abs(F), SHORTEST * longest)
-    rest = evaluate(
-        "planar_4r",
-        ["B_x", "B_y", "theta4", "transmission_angle"],
-        a1=reach,
-        a2=q,
-        a3=n,
-        a4=d,
-        theta1=np.angle(F),
-        branch=branch,
-    )
+    four_bar = {"a1": reach, "a2": q, "a3": n, "a4": d, "theta1": np.angle(F), "branch": branch}
+    rest = evaluate("planar_4r", ["B_x", "B_y", "theta4", "transmission_angle"], **four_bar)
     Q_x, Q_y, psi, angle = (np.asarray(value) for value in rest.values())
     joints = {"P_x": P.real, "P_y": P.imag, "F_x": F.real, "F_y": F.imag, "Q_x": Q_x, "Q_y": Q_y}
     return {**joints, "psi": psi, "angle_FQN": angle}
@@ -977,7 +925,6 @@ def from_five_bar(m: Any, n: Any, p: Any, q: Any, d: Any) -> dict[str, Any]:
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> m, p = 0.8404082057734577, 1.8696938456699069
     >>> design = fl.focal.from_five_bar(m, m, p, p, 4.0)
     >>> {name: round(float(value), 9) for name, value in design.items()}
@@ -986,9 +933,9 @@ def from_five_bar(m: Any, n: Any, p: Any, q: Any, d: Any) -> dict[str, Any]:
     0.4495
     """
     declared = _bars("mnpqd", "any")
-    m, n, p, q, d = broadcast("from_five_bar", declared, m, n, p, q, d)
+    m, n, p, q, d = papers.broadcast("from_five_bar", declared, m, n, p, q, d)
     sizes = [np.abs(length) for length in (m, n, p, q, d)]
-    check_lengths("from_five_bar", _bars("mnpqd"), sizes, "four lengths")
+    papers.check_lengths("from_five_bar", _bars("mnpqd"), sizes, "four lengths")
     size = 2.0 ** np.ceil(np.log2(np.max(sizes, axis=0)))
     m, n, p, q, d = (length / size for length in (m, n, p, q, d))
     with np.errstate(all="ignore"):
@@ -1029,7 +976,6 @@ def held_at_AB(design: Any = None, **inputs: Any) -> dict[str, Any]:
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> chebyshev = {"a": 5.0, "b": 5.0, "c": 2.0, "d": 4.0, "rho": 1.0, "completion": 1}
     >>> held = fl.focal.held_at_AB(chebyshev)
     >>> {name: float(value) for name, value in held.items()}
@@ -1039,11 +985,11 @@ def held_at_AB(design: Any = None, **inputs: Any) -> dict[str, Any]:
     True
     """
     bars, optional = ("a", "b", "c", "d"), (*RATIOS, "completion")
-    given = read_design("held_at_AB", focal, design, inputs, bars, optional=optional)
+    given = papers.read_design("held_at_AB", focal, design, inputs, bars, optional=optional)
     by = next((name for name in RATIOS if name in given), "")
     if not by:
         what = f"{', '.join(RATIOS[:-1])} and {RATIOS[-1]} are missing"
-        raise InputError(what, where=("held_at_AB",), remedy="give one of them")
+        raise InputError(what, ("held_at_AB",), "give one of them")
     ratio, completion = given[by], given.get("completion")
     with np.errstate(all="ignore"):
         held = {"rho": ratio, "s": ratio / given["d"] * given["c"], "lambda_": 1.0 + 1.0 / (ratio - 1.0)}[by]
@@ -1122,8 +1068,6 @@ def straight_line(x: Any, y: Any) -> StraightLine:
     --------
     Chebyshev's linkage with the midpoint T of its coupler, over a whole turn of the crank:
 
-    >>> import numpy as np
-    >>> import fastlink as fl
     >>> sigma = np.arange(360) * np.pi / 180.0
     >>> design = {"a": 5.0, "b": 5.0, "c": 2.0, "d": 4.0, "rho": 1.0, "completion": 1}
     >>> path = fl.evaluate("focal", ["T_x", "T_y"], input="sigma", sigma=sigma, **design)
@@ -1131,7 +1075,7 @@ def straight_line(x: Any, y: Any) -> StraightLine:
     >>> round(float(line.y), 4), round(float(np.abs(line.deviation).max()), 4)
     (4.2537, 0.6453)
     """
-    return _fitted_line(*broadcast_points("straight_line", x, y))
+    return _fitted_line(*papers.broadcast_points("straight_line", x, y))
 
 
 @door
@@ -1151,8 +1095,6 @@ def T_deviation(maps: Any) -> Any:
 
     Examples
     --------
-    >>> import numpy as np
-    >>> import fastlink as fl
     >>> part = fl.sweep(
     ...     "focal",
     ...     fl.grid(a=5.0, b=5.0, c=2.0, d=4.0, rho=1.0, completion=1),
@@ -1173,17 +1115,14 @@ def T_deviation(maps: Any) -> Any:
         along = [str(dim) for dim in path.dims if dim in ("phi", "sigma")]
         if len(along) != 1 or set(path.dims) != set(height.dims):
             remedy = "sweep it over phi or sigma, and give the whole result"
-            raise InputError("'T_x' has no positions", where=("T_deviation", "maps"), remedy=remedy)
+            raise InputError("'T_x' has no positions", ("T_deviation", "maps"), remedy)
         units = path.attrs.get("units", "m")
         if height.attrs.get("units", "m") != units:
             what = f"'T_x' is in {units}, 'T_y' in {height.attrs['units']}"
-            raise InputError(what, where=("T_deviation", "maps"), remedy="give both in the same units")
+            raise InputError(what, ("T_deviation", "maps"), "give both in the same units")
         path = path.transpose(..., *along)
         values = _fitted_line(path.values, height.transpose(*path.dims).values).deviation
     deviation = path.copy(data=values).rename("T_deviation")
-    deviation.attrs = {
-        "units": units,
-        "long_name": "Distance of T from its straight line",
-        "symbol": "delta_T",
-    }
+    meaning = "Distance of T from its straight line"
+    deviation.attrs = {"units": units, "long_name": meaning, "symbol": "delta_T"}
     return deviation

@@ -70,7 +70,6 @@ def integer_designs(max_size: int, *, movable: bool = False) -> xr.Dataset:
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> designs = fl.hart.integer_designs(8)
     >>> wunderlich = (designs.n == 8) & (designs.m == 4) & (designs.d == 6)
     >>> {name: int(value) for name, value in designs.isel(design=wunderlich).squeeze().coords.items()}
@@ -142,7 +141,6 @@ def held_at_AB(design: Any = None, **inputs: Any) -> dict[str, Any]:
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> held = fl.hart.held_at_AB(m=4.0, n=8.0, d=6.0, kappa=0.5)
     >>> {name: float(value) for name, value in held.items()}
     {'m': 1.0, 'n': 2.0, 'd': 3.0, 'kappa': 2.0}

@@ -51,15 +51,11 @@ except ImportError:  # not POSIX
 
 #: Less is never refused, so that small requests do not pay for the look-up (0.2 to 0.7 ms).
 ALWAYS_FITS = 64 << 20
+FILES, TOTALS = ("inactive_file", "active_file"), ("total_inactive_file", "total_active_file")
 #: Of a control group, by version: the files of its limit and its use, and the kinds of memory that it gives back.
 GROUPS = (
-    ("", "memory.max", "memory.current", ("inactive_file", "active_file")),
-    (
-        "memory",
-        "memory.limit_in_bytes",
-        "memory.usage_in_bytes",
-        ("total_inactive_file", "total_active_file"),
-    ),
+    ("", "memory.max", "memory.current", FILES),
+    ("memory", "memory.limit_in_bytes", "memory.usage_in_bytes", TOTALS),
 )
 
 
@@ -70,7 +66,7 @@ def check_memory(nbytes: int, what: str, *, where: KeyPath = (), remedy: Remedy 
     available = available_memory()
     if available is not None and nbytes > available:
         needs = f"{what} needs {size(nbytes)} of memory, but {size(available)} are available"
-        raise InputError(needs, where=where, remedy=remedy)
+        raise InputError(needs, where, remedy)
 
 
 def available_memory() -> int | None:

@@ -64,22 +64,15 @@ def all_entries(
     unread: Iterable[str] = (),
 ) -> dict[str, Any]:
     """Return what a design gives of the known names but some, and what is given by name; note what is in both."""
-    given = {name: of for name, of in _entries(function, design, known).items() if name not in unread}
+    entries = {} if design is None else read_or_none(_entries_of, design, known)
+    if entries is None:
+        remedy = "give the inputs by name, such as a1=0.5, or a mapping of them"
+        raise InputError(f"is {short_repr(design)}", (function, "design"), remedy)
+    given = {name: of for name, of in entries.items() if name not in unread}
     for name in inputs:
         if name in given:
             problems.add("is in the design and given by name", (function, name), "leave one out")
     return given | dict(inputs)
-
-
-def _entries(function: str, design: Any, known: Iterable[str]) -> dict[str, Any]:
-    """Return name and values of each input of a design."""
-    if design is None:
-        return {}
-    entries = read_or_none(_entries_of, design, known)
-    if entries is not None:
-        return entries
-    what, remedy = f"is {short_repr(design)}", "give the inputs by name, such as a1=0.5, or a mapping of them"
-    raise InputError(what, where=(function, "design"), remedy=remedy)
 
 
 def _entries_of(design: Any, known: Iterable[str]) -> dict[str, Any] | None:
@@ -94,14 +87,7 @@ def _entries_of(design: Any, known: Iterable[str]) -> dict[str, Any] | None:
 
 
 def broadcast(function: str, declared: Iterable[Input], *numbers: Any, gaps: bool = False) -> list[Any]:
-    """Return numbers as arrays of one shape.
-
-    Examples
-    --------
-    >>> lengths = [Input(name, "m", name, "length", "positive") for name in ("a1", "a2")]
-    >>> broadcast("sextic", lengths, 1.0, [0.5, 2.0])
-    [array([1., 1.]), array([0.5, 2. ])]
-    """
+    """Return numbers as arrays of one shape."""
     named = {one.name: one for one in declared}
     values = dict(zip(named, numbers, strict=True))
     return list(_broadcast(function, named, values, Problems(), gaps=gaps).values())
@@ -112,7 +98,7 @@ def broadcast_points(function: str, x: Any, y: Any) -> list[Any]:
     declared = (Input(name, "m", name, "coordinate of the points") for name in "xy")
     points = broadcast(function, declared, x, y, gaps=True)
     if not points[0].ndim:
-        raise InputError("is one point", where=(function, "x"), remedy="write arrays of points")
+        raise InputError("is one point", (function, "x"), "write arrays of points")
     return points
 
 
@@ -148,12 +134,12 @@ def read_numbers(
             if name in vectors and numbers.shape[-1:] != (2,):
                 what = f"has the shape {numbers.shape}" if numbers.ndim else "is one number"
                 remedy = "write two coordinates, x and y, along the last axis, such as [5.0, 3.0]"
-                raise InputError(what, where=(function, name), remedy=remedy)
+                raise InputError(what, (function, name), remedy)
             checked = np.where(np.isnan(numbers), 1.0, numbers) if gaps else numbers
             problems.noted += value_problems(one, checked, function)
             if one.units == "m" and np.isfinite(checked).all() and (abs(checked) > greatest).any():
                 remedy = f"write at most {greatest:g}, in another unit of length"
-                raise InputError(f"holds {abs(checked).max()}", where=(function, name), remedy=remedy)
+                raise InputError(f"holds {abs(checked).max()}", (function, name), remedy)
             first[name] = like(value, numbers)
             if name in vectors:
                 first[name], second[name] = first[name][..., 0], first[name][..., 1]
@@ -284,17 +270,8 @@ def _product(f: Any, g: Any) -> Any:
 def coupler_sextic(jj: int, lengths: Sequence[Any], point: Sequence[Any]) -> Any:
     """Return the coefficients (..., 7, 7) of the sextic of all coupler points.
 
-    Notes
-    -----
-    With N(z) = z conj(z) and the W and V of `fastlink.planar.sextic` the equation is
-    N(W) + 4 jj V^2 = 0: its elimination depends neither on the sign of j^2 nor on that of N(p).
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> c = coupler_sextic(1, np.array([3.0, 4.0, 5.0, 6.0]), np.zeros(2))  # p = 0: on X^2 - Y^2 = 9
-    >>> float(np.polynomial.polynomial.polyval2d(5.0, 4.0, c))
-    0.0
+    With N(z) = z conj(z) and the W and V of `fastlink.planar.sextic` the equation is N(W) + 4 jj V^2 = 0: its
+    elimination depends neither on the sign of j^2 nor on that of N(p).
     """
     shape = np.shape(lengths[0])
     columns = np.array([np.ravel(number) for number in (*lengths, *point)])

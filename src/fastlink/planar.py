@@ -1,11 +1,13 @@
 """Functions of the planar 4R alone: algebraic equations, coupler curves, balancing.
 
+Designs are given as for `cognates`, assembly modes as numbers or arrays that are broadcast with the designs.
 Lengths are 1e-25 to 1e25 m, coordinates at most 1e25 m: others are refused with `fastlink.InputError`, as their
 products may leave the range of doubles. So is what is missing, is not a finite number, or does not broadcast.
 """
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -15,6 +17,7 @@ import numpy as np
 import xarray as xr
 from scipy.spatial import ConvexHull, QhullError
 
+from fastlink import papers
 from fastlink._text import short_repr
 from fastlink.engine.evaluate import broadcast_inputs, evaluate, like
 from fastlink.engine.sweep import sweep
@@ -29,17 +32,6 @@ from fastlink.mechanisms.planar_4r import planar_4r
 from fastlink.numerics.compensated import UNIT_ROUNDING, sum_of_four
 from fastlink.numerics.elementary import PI
 from fastlink.numerics.vectors import cross
-from fastlink.papers import (
-    BY_NAME,
-    CURVE,
-    all_entries,
-    broadcast,
-    broadcast_points,
-    check_samples,
-    coupler_sextic,
-    integrate,
-    read_design,
-)
 from fastlink.plan.request import branch_codes, check_model, constants_of, selected_variants, value_problems
 from fastlink.space.design_space import (
     MOST_DIMS,
@@ -101,7 +93,7 @@ IO_CROSS = {
 }
 
 
-@door(hint=BY_NAME)
+@door(hint=papers.BY_NAME)
 def io_coefficients(design: Any = None, *, pair: str = "14", **inputs: Any) -> Any:
     """Return the coefficients of an input-output equation, eqs. (1) to (6) of Hayes.
 
@@ -128,14 +120,15 @@ def io_coefficients(design: Any = None, *, pair: str = "14", **inputs: Any) -> A
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> fl.planar.io_coefficients(a1=4.0, a2=12.0, a3=8.0, a4=10.0, pair="14")
     array([-140.,   52., -108., -256.,  340.])
     """
     if not isinstance(pair, str) or pair not in IO_PRODUCTS:
         where, remedy = ("io_coefficients", "pair"), listed(list(IO_PRODUCTS))
-        raise InputError(f"{short_repr(pair)} is unknown", where=where, remedy=remedy)
-    lengths = [*read_design("io_coefficients", planar_4r, design, inputs, ("a1", "a2", "a3", "a4")).values()]
+        raise InputError(f"{short_repr(pair)} is unknown", where, remedy)
+    lengths = [
+        *papers.read_design("io_coefficients", planar_4r, design, inputs, ("a1", "a2", "a3", "a4")).values()
+    ]
     unscaled = {f"s{i}": length for i, length in enumerate(lengths, 1)}
 
     def factor(name: str) -> Any:
@@ -192,7 +185,7 @@ class Cognate:
         directions = (
             Input(name, "rad", name, "direction of a link") for name in ("theta1", "theta2", "theta4")
         )
-        t1, t2, t4 = broadcast("configuration", directions, theta1, theta2, theta4, gaps=True)
+        t1, t2, t4 = papers.broadcast("configuration", directions, theta1, theta2, theta4, gaps=True)
         own = t1 if self.number == 1 else t2
         one, other = {1: (t2, t4), 2: (t1, t4), 3: (t4, t1)}[self.number]
         with np.errstate(over="ignore"):  # of directions beyond 1e308
@@ -202,7 +195,7 @@ class Cognate:
 
     def to_ground(self, x: Any, y: Any) -> tuple[Any, Any]:
         """Return a point (x, y) [m] of the linkage's own ground frame in that of the original."""
-        x, y = broadcast(
+        x, y = papers.broadcast(
             "to_ground", (Input(name, "m", name, "coordinate") for name in "xy"), x, y, gaps=True
         )
         ground = self.design["a4"]
@@ -210,7 +203,7 @@ class Cognate:
         return self.O_x + (cosine * x - sine * y), self.O_y + (sine * x + cosine * y)
 
 
-@door(hint=BY_NAME)
+@door(hint=papers.BY_NAME)
 def cognates(design: Any = None, **inputs: Any) -> tuple[Cognate, Cognate, Cognate]:
     """Return the three linkages that trace one coupler curve (Roberts, Chebyshev).
 
@@ -236,7 +229,6 @@ def cognates(design: Any = None, **inputs: Any) -> tuple[Cognate, Cognate, Cogna
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> design = {"a1": 0.5, "a2": 1.0, "a3": 0.75, "a4": 2.0, "P_u": 0.0, "P_v": 2.0}
     >>> first, second, third = fl.planar.cognates(design)
     >>> [float(second.design[name]) for name in ("a1", "a2", "a3", "a4")]
@@ -244,7 +236,7 @@ def cognates(design: Any = None, **inputs: Any) -> tuple[Cognate, Cognate, Cogna
     >>> float(second.D_x), float(second.D_y)
     (0.0, 4.0)
     """
-    a1, a2, a3, a4, u, v = read_design("cognates", planar_4r, design, inputs, CURVE).values()
+    a1, a2, a3, a4, u, v = papers.read_design("cognates", planar_4r, design, inputs, papers.CURVE).values()
     zero = np.zeros_like(a4)
     along, across = u / a2, v / a2
     E_x, E_y = along * a4, across * a4
@@ -257,7 +249,7 @@ def cognates(design: Any = None, **inputs: Any) -> tuple[Cognate, Cognate, Cogna
     pivots = ((zero, zero, a4, zero), (zero, zero, E_x, E_y), (a4, zero, E_x, E_y))
     numbers = ((a1, a2, a3, a4, u, v), second, third)
     one, two, three = (
-        Cognate(dict(zip(CURVE, own, strict=True)), *pivot, number)
+        Cognate(dict(zip(papers.CURVE, own, strict=True)), *pivot, number)
         for number, (own, pivot) in enumerate(zip(numbers, pivots, strict=True), 1)
     )
     return one, two, three
@@ -269,14 +261,9 @@ def cognates(design: Any = None, **inputs: Any) -> tuple[Cognate, Cognate, Cogna
 # ``P_x_min``, ``P_x_max``, ``P_y_min`` and ``P_y_max`` of a sweep.
 
 
-@door(hint=BY_NAME)
+@door(hint=papers.BY_NAME)
 def sextic(design: Any = None, **inputs: Any) -> Any:
     r"""Return the tricircular sextic that every coupler point of a linkage satisfies.
-
-    Parameters
-    ----------
-    design, **inputs
-        As for `cognates`.
 
     Returns
     -------
@@ -311,19 +298,17 @@ def sextic(design: Any = None, **inputs: Any) -> Any:
 
     Examples
     --------
-    >>> import numpy as np
-    >>> import fastlink as fl
     >>> c = fl.planar.sextic(a1=3.0, a2=4.0, a3=5.0, a4=6.0, P_u=0.0, P_v=0.0)  # P = A, on the circle of radius 3
     >>> float(np.polynomial.polynomial.polyval2d(0.0, 3.0, c))
     0.0
     """
-    numbers = [*read_design("sextic", planar_4r, design, inputs, CURVE).values()]
-    return coupler_sextic(-1, numbers[:4], numbers[4:])
+    numbers = [*papers.read_design("sextic", planar_4r, design, inputs, papers.CURVE).values()]
+    return papers.coupler_sextic(-1, numbers[:4], numbers[4:])
 
 
 def curve_inputs(function: str, design: Any, inputs: Mapping[str, Any], branch: Any) -> dict[str, Any]:
     """Return what determines a coupler curve, with its assembly mode, as arrays of one shape."""
-    read = read_design(function, planar_4r, design, inputs, CURVE)
+    read = papers.read_design(function, planar_4r, design, inputs, papers.CURVE)
     _, arrays, shape = broadcast_inputs(function, read | {"branch": branch_codes(planar_4r, branch)})
     return {name: np.broadcast_to(values, shape) for name, values in arrays.items()}
 
@@ -374,17 +359,16 @@ def straightness(x: Any, y: Any) -> Any:
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> float(fl.planar.straightness([0.0, 2.0, 4.0, 6.0], [1.0, -1.0, -1.0, 1.0]))
     1.0
     """
-    points = np.stack(broadcast_points("straightness", x, y), axis=-1)
+    points = np.stack(papers.broadcast_points("straightness", x, y), axis=-1)
     curves = points.reshape(math.prod(points.shape[:-2]), *points.shape[-2:])
     half_widths = [_half_width(curve[np.isfinite(curve).all(axis=-1)]) for curve in curves]
     return np.array(half_widths).reshape(points.shape[:-2])[()]
 
 
-@door(hint=BY_NAME)
+@door(hint=papers.BY_NAME)
 def curve_straightness(
     design: Any = None,
     *,
@@ -397,12 +381,8 @@ def curve_straightness(
 
     Parameters
     ----------
-    design, **inputs
-        As for `cognates`.
     theta1 : (float, float), optional
         Least and greatest input angle [rad] of the part; the whole curve of the branch unless given.
-    branch : int or array_like
-        Assembly mode, broadcast with the design.
     samples : int
         Input angles.
 
@@ -415,7 +395,6 @@ def curve_straightness(
     --------
     Chebyshev's straight line of the lambda linkage, 1 : 2.5 : 2.5 : 2 with P at 2 a2:
 
-    >>> import fastlink as fl
     >>> design = dict(a1=1.0, a2=2.5, a3=2.5, a4=2.0, P_u=5.0, P_v=0.0)
     >>> part = fl.planar.curve_straightness(design, theta1=(2.1, 4.2), branch=2)
     >>> whole = fl.planar.curve_straightness(design, branch=2)
@@ -424,7 +403,7 @@ def curve_straightness(
     """
     curve = curve_inputs("curve_straightness", design, inputs, branch)
     # half a step off theta1 = 0, where rates may not exist
-    count = check_samples("curve_straightness", samples)
+    count = papers.check_samples("curve_straightness", samples)
     angles = (np.arange(count) + 0.5) * (2.0 * np.pi / count)
     if theta1 is not None:
         ends = ends_of("curve_straightness", "theta1", theta1, RADIANS, "write (least, greatest) in rad")
@@ -593,16 +572,12 @@ def _root(x: Any) -> Any:
 BLOCK = 256
 
 
-@door(hint=BY_NAME)
+@door(hint=papers.BY_NAME)
 def curve_length(design: Any = None, *, branch: Any = 1, error: bool = False, **inputs: Any) -> Any:
     """Return the length of the path of the coupler point in an assembly mode [m].
 
     Parameters
     ----------
-    design, **inputs
-        As for `cognates`.
-    branch : int or array_like
-        Assembly mode, broadcast with the design.
     error : bool
         Whether to return a bound of the error too.
 
@@ -623,7 +598,6 @@ def curve_length(design: Any = None, *, branch: Any = 1, error: bool = False, **
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> design = dict(a1=0.5, a2=1.2, a3=0.8, a4=1.0, P_u=0.0, P_v=0.0)
     >>> length, error = fl.planar.curve_length(design, error=True)
     >>> round(float(length), 12), bool(error < 1e-12)  # P = A: 2 pi a1
@@ -632,16 +606,12 @@ def curve_length(design: Any = None, *, branch: Any = 1, error: bool = False, **
     return _integral("curve_length", (design, branch, error, inputs), 1, _speed)
 
 
-@door(hint=BY_NAME)
+@door(hint=papers.BY_NAME)
 def curve_area(design: Any = None, *, branch: Any = 1, error: bool = False, **inputs: Any) -> Any:
     """Return the area that the coupler curve encloses over one turn of the input [m2].
 
     Parameters
     ----------
-    design, **inputs
-        As for `cognates`.
-    branch : int or array_like
-        Assembly mode, broadcast with the design.
     error : bool
         Whether to return a bound of the error too.
 
@@ -661,7 +631,6 @@ def curve_area(design: Any = None, *, branch: Any = 1, error: bool = False, **in
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> design = dict(a1=0.5, a2=1.2, a3=0.8, a4=1.0, P_u=0.0, P_v=0.0)
     >>> round(float(fl.planar.curve_area(design)), 12)  # P = A: pi a1^2
     0.785398163397
@@ -707,7 +676,7 @@ def _of_block(curve: dict[str, Any], power: int, integrand: Callable[[Any, Any, 
         return integrand(*paths.motion(owner[piece], sign[piece], end[piece], v))
 
     exists = np.isfinite(paths.extent) & ((power == 1) | ~paths.toggles.any(axis=0))
-    sums = np.array(integrate(along, owner, width, layer, exists.size))
+    sums = np.array(papers.integrate(along, owner, width, layer, exists.size))
     return np.where(exists, np.ldexp(sums, power * paths.exponent), np.nan)
 
 
@@ -743,7 +712,7 @@ def _refined(curve: dict[str, Any], low: Any, high: Any, at_low: Any, at_high: A
     return high
 
 
-@door(hint=BY_NAME)
+@door(hint=papers.BY_NAME)
 def inflections(
     design: Any = None, *, branch: Any = 1, samples: int = 720, **inputs: Any
 ) -> tuple[Any, Any, Any, Any]:
@@ -751,10 +720,6 @@ def inflections(
 
     Parameters
     ----------
-    design, **inputs
-        As for `cognates`.
-    branch : int or array_like
-        Assembly mode, broadcast with the design.
     samples : int
         About how many input angles, closer together near toggles, the sign of the curvature is read at; two changes
         within one step are missed.
@@ -774,7 +739,6 @@ def inflections(
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> links = dict(a1=0.4, a2=1.2, a3=0.8, a4=1.0)
     >>> theta1, X, Y, count = fl.planar.inflections(links, P_u=0.7, P_v=0.5)
     >>> int(count), fl.planar.inflections(links, P_u=0.0, P_v=0.0)[3].tolist()  # P = A: a circle
@@ -784,7 +748,7 @@ def inflections(
     shape = arrays["a1"].shape
     columns = {name: value.reshape(-1) for name, value in arrays.items()}
     with np.errstate(all="ignore"):
-        ends, follows = paths_of(columns).samples(check_samples("inflections", samples))
+        ends, follows = paths_of(columns).samples(papers.check_samples("inflections", samples))
     turn = _turn({name: value[:, None] for name, value in columns.items()}, ends)
     changes = np.isfinite(turn[:, :-1] * turn[:, 1:]) & (np.signbit(turn[:, :-1]) != np.signbit(turn[:, 1:]))
     changes &= follows
@@ -872,7 +836,7 @@ def _real_roots(k: Any) -> tuple[Any, Any]:
 
 def _double_points(function: str, design: Any, inputs: Mapping[str, Any]) -> tuple[Any, Any, Any]:
     """Return the real double points X, Y and 1 - |c|, three in the last axis or NaN."""
-    a1, a2, a3, a4, u, v = read_design(function, planar_4r, design, inputs, CURVE).values()
+    a1, a2, a3, a4, u, v = papers.read_design(function, planar_4r, design, inputs, papers.CURVE).values()
     p, q = np.hypot(u, v), np.hypot(u - a2, v)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):  # P is A or B, or nearly
         cosine, sine = (u * (u - a2) + v * v) / (p * q), a2 * v / (p * q)
@@ -914,19 +878,16 @@ def _check_tolerance(function: str, tolerance: Any) -> float:
     where = (function, "tolerance")
     limit = float(in_unit(where, tolerance, np.asarray(constant(*where, tolerance)), "1"))
     if not 0.0 < limit < 0.1:
-        remedy = "write a number between 0 and 0.1, such as 1e-9"
-        raise InputError(f"is {limit}", where=where, remedy=remedy)
+        raise InputError(f"is {limit}", where, "write a number between 0 and 0.1, such as 1e-9")
     return limit
 
 
-@door(hint=BY_NAME)
+@door(hint=papers.BY_NAME)
 def crunodes(design: Any = None, *, tolerance: float = TOLERANCE, **inputs: Any) -> tuple[Any, Any, Any]:
     """Return the points where the coupler curve of a linkage crosses itself.
 
     Parameters
     ----------
-    design, **inputs
-        As for `cognates`.
     tolerance : float
         Double points within it count as cusps, see `cusps`.
 
@@ -947,7 +908,6 @@ def crunodes(design: Any = None, *, tolerance: float = TOLERANCE, **inputs: Any)
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> X, Y, count = fl.planar.crunodes(a1=1.0, a2=2.5, a3=2.5, a4=2.0, P_u=1.25, P_v=1.0)
     >>> int(count), round(float(X[0]), 4), round(float(Y[0]), 4)
     (1, 1.7287, -0.9459)
@@ -955,14 +915,12 @@ def crunodes(design: Any = None, *, tolerance: float = TOLERANCE, **inputs: Any)
     return _nodes("crunodes", design, inputs, tolerance, cusps=False)
 
 
-@door(hint=BY_NAME)
+@door(hint=papers.BY_NAME)
 def cusps(design: Any = None, *, tolerance: float = TOLERANCE, **inputs: Any) -> tuple[Any, Any, Any]:
     """Return the cusps of the coupler curve of a linkage, where P rests.
 
     Parameters
     ----------
-    design, **inputs
-        As for `cognates`.
     tolerance : float
         A double point of the curve is a cusp if its two coupler directions differ by an angle 2 x with 1 - cos x at
         most this. Only designs that satisfy an equation have a cusp; one within the tolerance has a cusp, or a loop
@@ -979,7 +937,6 @@ def cusps(design: Any = None, *, tolerance: float = TOLERANCE, **inputs: Any) ->
     --------
     At theta1 = 90 degrees OA and DB meet in (0, 8), the pole of the coupler, which is its point (0, 6):
 
-    >>> import fastlink as fl
     >>> X, Y, count = fl.planar.cusps(a1=2.0, a2=4.5, a3=2.5, a4=6.0, P_u=0.0, P_v=6.0)
     >>> int(count), round(float(X[0]), 9), round(float(Y[0]), 9)
     (1, 0.0, 8.0)
@@ -987,26 +944,24 @@ def cusps(design: Any = None, *, tolerance: float = TOLERANCE, **inputs: Any) ->
     return _nodes("cusps", design, inputs, tolerance, cusps=True)
 
 
-@door(hint=BY_NAME)
+@door(hint=papers.BY_NAME)
 def crunode_count(design: Any = None, **inputs: Any) -> Any:
     """Return the number of crunodes of the coupler curve of a linkage, 0 to 3: the last of what `crunodes` returns.
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> fl.planar.crunode_count(a1=1.0, a2=2.5, a3=2.5, a4=2.0, P_u=1.25, P_v=[1.0, 9.0])
     array([1, 0])
     """
     return _nodes("crunode_count", design, inputs, TOLERANCE, cusps=False)[2]
 
 
-@door(hint=BY_NAME)
+@door(hint=papers.BY_NAME)
 def cusp_count(design: Any = None, **inputs: Any) -> Any:
     """Return the number of cusps of the coupler curve of a linkage, 0 to 3: the last of what `cusps` returns.
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> fl.planar.cusp_count(a1=2.0, a2=4.5, a3=2.5, a4=6.0, P_u=0.0, P_v=[6.0, 7.0])
     array([1, 0])
     """
@@ -1026,7 +981,7 @@ def cusp_count(design: Any = None, **inputs: Any) -> Any:
 NEEDED = ("a1", "a2", "a3", "m1", "G1_u", "G1_v", "m2", "G2_u", "G2_v", "m3", "G3_u", "G3_v")
 
 
-@door(hint=BY_NAME)
+@door(hint=papers.BY_NAME)
 def force_balance(
     design: Any = None,
     *,
@@ -1061,7 +1016,6 @@ def force_balance(
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> design = dict(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=25.0)
     >>> bars = fl.round_bar(density=7750.0, radius=0.01)
     >>> weights = fl.planar.force_balance(design, links=bars, radius1=0.1, radius3=0.2)
@@ -1074,15 +1028,9 @@ def force_balance(
     check_model(planar_4r, links, ELIMINATED)
     variants = selected_variants(planar_4r, links, ELIMINATED, ())
     needed = [name for name in NEEDED if planar_4r.resolve(name, variants) is None]
-    given = read_design(
-        "force_balance",
-        planar_4r,
-        design,
-        inputs,
-        needed,
-        optional=[*set(NEEDED).difference(needed), *planar_4r.variant_inputs["round_bar"]],
-        further=[*_chosen(1, radius1, mass1), *_chosen(3, radius3, mass3)],
-    )
+    others: dict[str, Any] = {"further": [*_chosen(1, radius1, mass1), *_chosen(3, radius3, mass3)]}
+    others["optional"] = [*set(NEEDED).difference(needed), *planar_4r.variant_inputs["round_bar"]]
+    given = papers.read_design("force_balance", planar_4r, design, inputs, needed, **others)
     with np.errstate(over="ignore", invalid="ignore"):  # of masses beyond 1e200, which are refused
         facts = read_facts(planar_4r, NEEDED, constants_of(planar_4r, links, variants) | given, variants)
         g1, g2, g3 = (np.asarray(facts[f"G{i}_u"]) + 1j * np.asarray(facts[f"G{i}_v"]) for i in (1, 2, 3))
@@ -1104,7 +1052,7 @@ def _chosen(link: int, radius: Any, mass: Any) -> list[tuple[Input, Any]]:
     """Return what is chosen of a counterweight: its radius, its mass or neither."""
     if radius is not None and mass is not None:
         what, where = f"mass{link} is given too", ("force_balance", f"radius{link}")
-        raise InputError(what, where=where, remedy="write one of them, the other follows")
+        raise InputError(what, where, "write one of them, the other follows")
     name, units, value = ("mass", "kg", mass) if mass is not None else ("radius", "m", radius)
     meaning = f"{name} of the counterweight of link {link}"
     return [] if value is None else [(Input(f"{name}{link}", units, name, meaning, "positive"), value)]
@@ -1115,11 +1063,8 @@ def _counterweight(link: int, product: Any, given: Mapping[str, Any], length: An
     mass = given.get(f"mass{link}")
     chosen = given.get(f"radius{link}", length) if mass is None else mass
     other = np.abs(product) / chosen
-    values = {
-        "mass": other if mass is None else chosen,
-        "radius": chosen if mass is None else other,
-        "direction": np.angle(product),
-    }
+    of_both = (other, chosen) if mass is None else (chosen, other)
+    values = dict(zip(("mass", "radius", "direction"), (*of_both, np.angle(product)), strict=True))
     arrays = dict(zip(values, np.broadcast_arrays(*values.values()), strict=True))
     return {f"counterweight{link}_{key}": value[()] for key, value in arrays.items()}
 
@@ -1150,7 +1095,6 @@ def flywheel_inertia(maps: Any, C_s: Any) -> Any:
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> maps = fl.sweep(
     ...     "planar_4r",
     ...     fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=25.0),
@@ -1181,9 +1125,7 @@ def _inertia(maps: Mapping[Any, Any], C_s: Any) -> Any:
     units_of = {"T41_fluctuation": "N m", crank_speed: "rad s-1"}
     for name, units in units_of.items():
         if name not in maps:
-            raise InputError(
-                f"{name!r} is missing", where=where, remedy=f"sweep {name!r} and give the whole result"
-            )
+            raise InputError(f"{name!r} is missing", where, f"sweep {name!r} and give the whole result")
         check_units(maps[name], units, (*where, name))
     swing, speed = (
         like(maps[name], numbers_of(*where[:1], name, maps[name], MOST_DIMS)) for name in units_of
@@ -1195,7 +1137,7 @@ def _inertia(maps: Mapping[Any, Any], C_s: Any) -> Any:
     except ValueError as error:  # arrays of other shapes, or DataArrays of other coordinates
         remedy = "write one number, or one for each value of the maps"
         what = f"does not go with the maps ({error})"
-        raise InputError(what, where=("flywheel_inertia", "C_s"), remedy=remedy) from None
+        raise InputError(what, ("flywheel_inertia", "C_s"), remedy) from None
 
 
 # -- Extremes of the rates of any pair of joints, by the names of the paper's input-output equations
@@ -1234,7 +1176,6 @@ def rate_extrema(space: Any, *, pair: str = "14", **options: Any) -> Any:
     --------
     The example of the paper in mode 2, rates of joint 3 at B over a turn of joint 1 at O:
 
-    >>> import fastlink as fl
     >>> design = dict(a1=0.4, a2=1.2, a3=0.8, a4=1.0, joint_omega_1=25.0)
     >>> found = fl.planar.rate_extrema(design, pair="13", branch=2)
     >>> found.joint_omega_3_extrema.squeeze().dropna("extremum").values.round(3).tolist()
@@ -1245,17 +1186,11 @@ def rate_extrema(space: Any, *, pair: str = "14", **options: Any) -> Any:
         raise InputError(f"{short_repr(pair)} is unknown", where=where, remedy=remedy)
     i, j = pair[0], pair[1]
     names = [str(ListOfExtrema(Quantity(f"{rate}_{j}"))) for rate in ("joint_omega", "joint_alpha")]
-    if i == "1" and isinstance(space := _designs(space, options), DesignSpace) and "omega1" in space.names:
-        space = _renamed(space, {"omega1": "joint_omega_1"})
+    if i == "1":
+        with contextlib.suppress(InputError):  # what is no design space the sweep refuses
+            designs = as_space(space, allow_invalid=bool(options.get("allow_invalid", False)))
+            space = _renamed(designs, {"omega1": "joint_omega_1"})
     return sweep("planar_4r", space, names, input=f"joint_angle_{i}", **options)
-
-
-def _designs(source: Any, options: dict[str, Any]) -> Any:
-    """Return the design space that something stands for, itself if the sweep has to refuse it."""
-    try:
-        return as_space(source, allow_invalid=bool(options.get("allow_invalid", False)))
-    except InputError:
-        return source
 
 
 def _renamed(space: DesignSpace, names: dict[str, str]) -> DesignSpace:
@@ -1294,7 +1229,7 @@ class _Wording(Wording):
         return None if isinstance(piece, Setting) else super().piece(piece)
 
 
-@door(hint=BY_NAME)
+@door(hint=papers.BY_NAME)
 def force_equations(
     design: Any = None, *, branch: Any = 1, links: Links | None = None, **inputs: Any
 ) -> xr.Dataset:
@@ -1305,8 +1240,6 @@ def force_equations(
     design, **inputs : mapping, pandas.DataFrame or xarray.Dataset, or values by name
         Inputs of ``planar_4r`` by name, as in `fastlink.evaluate`: lengths, speed, masses, loads and
         ``theta1``.
-    branch : int or array_like
-        Assembly mode.
     links : Links, optional
         The source of mass data that the design does not give.
 
@@ -1320,8 +1253,6 @@ def force_equations(
 
     Examples
     --------
-    >>> import numpy as np
-    >>> import fastlink as fl
     >>> design = dict(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=25.0, theta1=1.0, links=fl.round_bar(7750.0, 0.01))
     >>> equations = fl.planar.force_equations(**design)
     >>> forces = np.linalg.solve(equations.A, equations.b)
@@ -1331,7 +1262,7 @@ def force_equations(
     """
     problems = Problems()
     known = (*planar_4r.known_inputs(planar_4r.variant_inputs), planar_4r.position.name)
-    given = all_entries("force_equations", design, inputs, known, problems)
+    given = papers.all_entries("force_equations", design, inputs, known, problems)
     problems.stop()
     try:
         found = evaluate(planar_4r.name, SYSTEM.depends_on, branch=branch, links=links, **given)
@@ -1341,21 +1272,15 @@ def force_equations(
     template = first if isinstance(first, xr.DataArray) else xr.DataArray(np.asarray(first))
     system = stack_rows(SYSTEM.formula(*(np.asarray(found[name]) for name in SYSTEM.depends_on)))
     dims = (*template.dims, "equation")
-    labels = {"references": planar_4r.facts["r11_x"].source}
-    return xr.Dataset(
-        {
-            "A": (
-                (*dims, "unknown"),
-                system[..., :-1],
-                {**labels, "long_name": "Matrix of the joint forces"},
-            ),
-            "b": (dims, system[..., -1], {**labels, "long_name": "Inertia forces and moments"}),
-        },
-        {**template.coords, "equation": list(RIGHT_SIDE), "unknown": list(SYSTEM.unknowns)},
-    )
+    source = planar_4r.facts["r11_x"].source
+    of_matrix = {"references": source, "long_name": "Matrix of the joint forces"}
+    of_vector = {"references": source, "long_name": "Inertia forces and moments"}
+    matrix = (*dims, "unknown"), system[..., :-1], of_matrix
+    coords = {**template.coords, "equation": list(RIGHT_SIDE), "unknown": list(SYSTEM.unknowns)}
+    return xr.Dataset({"A": matrix, "b": (dims, system[..., -1], of_vector)}, coords)
 
 
-@door(hint=BY_NAME)
+@door(hint=papers.BY_NAME)
 def bar_properties(design: Any = None, *, links: Links, **inputs: Any) -> dict[str, Any]:
     """Return volumes, masses, moments of inertia and mass centres of links that are round bars.
 
@@ -1376,7 +1301,6 @@ def bar_properties(design: Any = None, *, links: Links, **inputs: Any) -> dict[s
     --------
     Table 1 of Hayes, where the volumes are pi/25000, 3 pi/25000 and pi/12500:
 
-    >>> import fastlink as fl
     >>> bars = fl.planar.bar_properties(a1=0.4, a2=1.2, a3=0.8, links=fl.round_bar(7750.0, 0.01))
     >>> round(float(bars["volume1"]), 9), round(float(bars["m1"]), 6)
     (0.000125664, 0.973894)
@@ -1385,12 +1309,10 @@ def bar_properties(design: Any = None, *, links: Links, **inputs: Any) -> dict[s
     needed = [f"a{i}" for i in LINKS]
     if not isinstance(links, Links):
         raise InputError(
-            "is missing",
-            where=("bar_properties", "links"),
-            remedy="write fl.round_bar(density=..., radius=...)",
+            "is missing", ("bar_properties", "links"), "write fl.round_bar(density=..., radius=...)"
         )
     needed += [name for name in planar_4r.variant_inputs[ROUND_BAR] if name not in links.values]
-    given = read_design("bar_properties", planar_4r, design, inputs, needed)
+    given = papers.read_design("bar_properties", planar_4r, design, inputs, needed)
     values = constants_of(planar_4r, links, (ROUND_BAR,)) | given
     with np.errstate(all="ignore"):  # of bars beyond the range of doubles
         facts = read_facts(planar_4r, BARS, values, (ROUND_BAR,))
@@ -1444,8 +1366,6 @@ def force_hypothesis(maps: Any, **options: Any) -> xr.Dataset:
     The example of the paper: its shaking force is greatest 2.2 degrees from the greatest angular acceleration, but 27
     degrees from the greatest angular velocity.
 
-    >>> import numpy as np
-    >>> import fastlink as fl
     >>> paper, bars = dict(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=25.0), fl.round_bar(density=7750.0, radius=0.01)
     >>> found = fl.planar.force_hypothesis(paper, links=bars, branch=2).sel(load="shaking_force").squeeze()
     >>> np.degrees(found.distance).round(1).to_series().to_dict()
@@ -1457,11 +1377,10 @@ def force_hypothesis(maps: Any, **options: Any) -> xr.Dataset:
         of_all = [each for name in (*LOADS, *RATES) for each in _named(name)]
         maps, options = sweep(planar_4r.name, maps, of_all, **options), {}
     if options:
-        where, remedy = (
-            ("force_hypothesis", next(iter(options))),
-            "leave it out, or give designs instead of a map",
+        remedy = "leave it out, or give designs instead of a map"
+        raise InputError(
+            "is an option of the sweep that made the map", ("force_hypothesis", next(iter(options))), remedy
         )
-        raise InputError("is an option of the sweep that made the map", where=where, remedy=remedy)
     with as_map(maps) as dataset:
         loads, extremes = _loads_and_extremes(dataset)
         inputs = {str(name): dataset[name] for name in dataset.variables if name in _known_inputs()}
@@ -1470,20 +1389,29 @@ def force_hypothesis(maps: Any, **options: Any) -> xr.Dataset:
         read |= {place: dataset[place] for place in (_place(*extreme) for extreme in extremes)}
         arrays = dict(zip([*read, *inputs], xr.broadcast(*read.values(), *inputs.values()), strict=True))
         template = arrays[_place(*extremes[0])]
-        flat = {name: array.values.ravel() for name, array in arrays.items()}
-    shape = (len(loads), len(extremes), template.size)
-    distance, ratio = np.full(shape, np.nan), np.full(shape, np.nan)
-    bounded = np.all([np.isfinite(flat[name]) for name in read], axis=0)  # the others are not evaluated
-    flat = {name: values[bounded] for name, values in flat.items()}
-    greatest = [_greatest(load, flat) for load in loads]
+        bounded = np.all(
+            [np.isfinite(arrays[name].values) for name in read], axis=0
+        )  # others are not evaluated
+        design = {name: array.values[bounded] for name, array in arrays.items()}
+    found = np.full((2, *template.shape, len(loads), len(extremes)), np.nan)
+    greatest = [_greatest(load, design) for load in loads]
     for k, extreme in enumerate(extremes):
-        place = flat[_place(*extreme)]
-        there = _magnitudes(loads, {name: flat[name] for name in inputs}, place)
+        place = design[_place(*extreme)]
+        there = _magnitudes(loads, {name: design[name] for name in inputs}, place)
         for i, (size, at) in enumerate(greatest):
-            distance[i, k, bounded] = _turn_between(at, place)
+            turn = abs(at - place) % (2.0 * np.pi)
+            found[0][bounded, i, k] = np.minimum(turn, 2.0 * np.pi - turn)
             with np.errstate(all="ignore"):  # a load that vanishes everywhere
-                ratio[i, k, bounded] = there[i] / size
-    return _labelled(template, loads, [_extreme(*extreme) for extreme in extremes], distance, ratio)
+                found[1][bounded, i, k] = there[i] / size
+    dims = (*template.dims, "load", "extreme")
+    coords = {**template.coords, "load": loads, "extreme": [_extreme(*extreme) for extreme in extremes]}
+    of_distance = "Angle of the input between the greatest magnitude of the load and the extreme"
+    of_ratio = "Magnitude of the load at the extreme over the greatest"
+    results = {
+        "distance": (dims, found[0], {"units": "rad", "long_name": of_distance}),
+        "ratio": (dims, found[1], {"units": "1", "long_name": of_ratio}),
+    }
+    return xr.Dataset(results, coords)
 
 
 def _extreme(name: str, end: str) -> str:
@@ -1511,7 +1439,7 @@ def _loads_and_extremes(dataset: xr.Dataset) -> tuple[list[str], list[tuple[str,
     mechanism, position = dataset.attrs.get("mechanism"), dataset.attrs.get("input")
     if (mechanism, position) != (planar_4r.name, THETA1):
         what = f"is of {short_repr(mechanism)} by {short_repr(position)}"
-        raise InputError(what, where=WHERE, remedy=f"sweep {planar_4r.name!r} by {THETA1}")
+        raise InputError(what, WHERE, f"sweep {planar_4r.name!r} by {THETA1}")
     trees = (planar_4r.parse(str(name)) for name in dataset.data_vars)
     placed = dict.fromkeys(str(tree.of) for tree in trees if isinstance(tree, Reduced) and tree.position)
     units = {name: planar_4r.public_fact(name).units for name in placed}
@@ -1528,8 +1456,7 @@ def _loads_and_extremes(dataset: xr.Dataset) -> tuple[list[str], list[tuple[str,
         if name not in dataset:
             problems.add(f"{name!r} is missing", WHERE, f"sweep {name!r} too, and {GIVE_ALL}")
             continue
-        with problems.at():
-            check_units(dataset[name], unit, (*WHERE, name))
+        problems.attempt(check_units, dataset[name], unit, (*WHERE, name))
     problems.stop()
     return loads, [(rate, end) for rate in rates for end in ENDS]
 
@@ -1552,28 +1479,3 @@ def _magnitudes(loads: Sequence[str], design: Mapping[str, Any], theta1: Any) ->
         for i, load in enumerate(loads):
             found[i, part] = abs(at[load])
     return found
-
-
-def _turn_between(first: Any, second: Any) -> Any:
-    """Return the angle between two directions, 0 to pi."""
-    turn = abs(first - second) % (2.0 * np.pi)
-    return np.minimum(turn, 2.0 * np.pi - turn)
-
-
-def _labelled(template: Any, loads: list[str], extremes: list[str], distance: Any, ratio: Any) -> xr.Dataset:
-    """Return the comparison with the coordinates of the map."""
-    dims = (*template.dims, "load", "extreme")
-    labels = {
-        "distance": ("rad", "Angle of the input between the greatest magnitude of the load and the extreme"),
-        "ratio": ("1", "Magnitude of the load at the extreme over the greatest"),
-    }
-    values = {"distance": distance, "ratio": ratio}
-    variables = {
-        name: (
-            dims,
-            np.moveaxis(values[name].reshape(*values[name].shape[:2], *template.shape), (0, 1), (-2, -1)),
-            {"units": units, "long_name": meaning},
-        )
-        for name, (units, meaning) in labels.items()
-    }
-    return xr.Dataset(variables, {**template.coords, "load": loads, "extreme": extremes})

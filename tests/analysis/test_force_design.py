@@ -13,7 +13,7 @@ from tests.support.registry import MULTIPLE
 import fastlink as fl
 from fastlink.facts.evaluate import read_facts
 from fastlink.numerics.compensated import UNIT_ROUNDING
-from fastlink.plan.request import variants_of
+from fastlink.plan.request import selected_variants
 
 HAYES = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
 BARS = fl.round_bar(7750.0, 0.01)
@@ -36,7 +36,7 @@ def test_force_balance_leaves_no_shaking_force():
         got = fl.evaluate("planar_4r", [*names, "shaking_force"], **one)
         if np.isnan(got["shaking_force"]):
             continue
-        variants = variants_of(PLANAR, None, "eliminated", one)
+        variants = selected_variants(PLANAR, None, "eliminated", one)
         sums = condition_sums(names, one, variants)
         for name in names:
             # The exact force is zero but for the roundings of the weights, up to 8 of each term that they balance;

@@ -35,7 +35,7 @@ from fastlink.facts.names import (
 from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.programs import make_plan
-from fastlink.plan.query import REDUCTIONS, parse_request, reduced_names
+from fastlink.plan.query import REDUCTIONS, list_names, parse_request
 
 SOURCE = Path(__file__).parents[2] / "src" / "fastlink"
 #: Every mechanism by every input that may drive it.
@@ -105,6 +105,16 @@ def test_what_is_spelt_is_read_again(mechanism, drive, data):
 
 
 @pytest.mark.sample(3)
+def reduced_names(catalogue):
+    """Yield every name of a reduction or list over a mechanism's cycle: of all but the codes of a design."""
+    for quantity in filter(catalogue.varies, catalogue.public):
+        for reduction in REDUCTIONS.values():
+            yield str(Reduced(Quantity(quantity), reduction.suffix))
+            if reduction.has_position:
+                yield str(Reduced(Quantity(quantity), reduction.suffix, catalogue.position.name))
+        yield from list_names(catalogue, quantity)
+
+
 @pytest.mark.parametrize(("mechanism", "drive"), DRIVES)
 def test_every_listed_name_is_read(mechanism, drive):
     catalogue = find_catalogue(mechanism, drive)

@@ -124,7 +124,7 @@ def test_a_file_needs_no_memory_for_them():
     space = fl.grid(a2=axis, a3=axis - 0.3, a4=axis, a1=0.4)
     part = space.consecutive(10**9, 9 * 10**9)
     resolved = resolve("planar_4r", part, ["grashof_class"])
-    evaluation = Evaluation(resolved, 2, None, 0, in_memory=False)
+    evaluation = Evaluation(resolved, {}, 2, None, 0, in_memory=False)
     assert sum(variable.nbytes for variable, _ in evaluation.columns) == 8 * 10**9 * 8 * 4
     assert "a2" not in evaluation._coordinates()
     assert "design" not in evaluation._coordinates()

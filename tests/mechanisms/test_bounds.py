@@ -19,7 +19,7 @@ from fastlink.facts.bounds import SMALL_ANGLE
 from fastlink.facts.derivative import NoDerivative
 from fastlink.facts.powers import limits
 from fastlink.mechanisms import NAMES, catalogue, inputs_of
-from fastlink.plan.request import variants_of
+from fastlink.plan.request import selected_variants
 from fastlink.precision.reference import CONTEXT, HighPrecision
 
 #: A change point but for 1e-16: the gap is within the rounding of the lengths.
@@ -56,7 +56,7 @@ def bounded(of, inputs):
 
 def slopes(of, names, by, inputs):
     """Return the names of the derivatives that there are, each with its quantity."""
-    variants = variants_of(of, None, "eliminated", inputs)
+    variants = selected_variants(of, None, "eliminated", inputs)
     found = {}
     for name in names:
         with contextlib.suppress(NoDerivative):
@@ -91,7 +91,7 @@ def test_bounds_of_derivatives_hold(mechanism, drive, n):
     for by in (drive, BY[mechanism][0]):
         names = list(slopes(of, bounded(of, inputs), by, inputs))
         values, bounds, trusts = evaluated(mechanism, drive, names, inputs)
-        facts = HighPrecision(of, names, inputs, variants_of(of, None, "eliminated", inputs))
+        facts = HighPrecision(of, names, inputs, selected_variants(of, None, "eliminated", inputs))
         for i in np.flatnonzero(np.isfinite(values).any(axis=0)):
             at = {name: float(column[i]) for name, column in inputs.items()}
             exact = facts.at(at)

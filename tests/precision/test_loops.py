@@ -28,7 +28,7 @@ from tests.support.registry import ENTRIES, UNLIKE
 import fastlink as fl
 from fastlink.facts.formula import Formula
 from fastlink.mechanisms import NAMES, catalogue, inputs_of
-from fastlink.plan.request import constants_of, variants_of
+from fastlink.plan.request import constants_of, selected_variants
 from fastlink.precision.errors import unit_of
 from fastlink.precision.independent import TOLERANCE, IndependentValues, model_of
 from fastlink.precision.reference import CONTEXT, HighPrecision
@@ -72,7 +72,10 @@ def compared(entry, kind, n):
     inputs = {position: np.ones_like(next(iter(inputs.values())))} | inputs
     independent = IndependentValues(entry.catalogue, entry.names)
     facts = HighPrecision(
-        entry.catalogue, independent.names, inputs, variants_of(entry.catalogue, None, entry.solver, inputs)
+        entry.catalogue,
+        independent.names,
+        inputs,
+        selected_variants(entry.catalogue, None, entry.solver, inputs),
     )
     numbers = [name for name in inputs if name not in ("branch", "completion")]
     count = 0

@@ -7,7 +7,7 @@ import numpy as np
 
 import fastlink as fl
 from fastlink.facts.evaluate import read_facts
-from fastlink.plan.request import constants_of, variants_of
+from fastlink.plan.request import constants_of, selected_variants
 from tests.support.configurations import LENGTHS, PLANAR, draw, masses_and_points, random_lengths
 
 
@@ -26,7 +26,7 @@ def configuration(seed, loads):
 
 def facts(names, values, solver="eliminated"):
     """The facts on 50-digit numbers, with the sets of facts that the given inputs choose."""
-    variants = variants_of(PLANAR, None, solver, values)
+    variants = selected_variants(PLANAR, None, solver, values)
     values = {name: mp.mpf(value) for name, value in (constants_of(PLANAR, None, variants) | values).items()}
     return read_facts(PLANAR, names, values, variants)
 

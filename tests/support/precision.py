@@ -11,7 +11,7 @@ import fastlink as fl
 from fastlink.facts.derivative import NoDerivative
 from fastlink.facts.formula import parameters
 from fastlink.numerics.compensated import UNIT_ROUNDING
-from fastlink.plan.request import variants_of
+from fastlink.plan.request import selected_variants
 from fastlink.precision.reference import CONTEXT as MP
 from fastlink.precision.reference import HighPrecision
 from tests.support.registry import Entry
@@ -99,7 +99,7 @@ class Truth:
         self.undetermined = entry.undetermined.get(kind, lambda: False)
         self.entry, self.names, self.inputs = entry, names, inputs
         catalogue = entry.catalogue
-        self.variants = variants_of(catalogue, None, entry.solver, inputs)
+        self.variants = selected_variants(catalogue, None, entry.solver, inputs)
         codes = {name for name, one in catalogue.known_inputs(self.variants).items() if one.choices}
         numbers = [name for name in inputs if name != "branch" and name not in codes]
         # Most is due to the position.

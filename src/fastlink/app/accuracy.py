@@ -15,7 +15,8 @@ import numpy as np
 import xarray as xr
 
 from fastlink._text import aligned, counted, duration, short_repr, writable
-from fastlink.app.study import A_STUDY, read_study
+from fastlink.app.study import A_STUDY, Study, read_study
+from fastlink.engine.labels import flag_attrs
 from fastlink.engine.options import check_options
 from fastlink.engine.resolve import ResolvedSweep, resolve
 from fastlink.engine.run import Job, run
@@ -30,35 +31,14 @@ from fastlink.pictures.picture import check_picture, save
 from fastlink.precision.errors import outermost, read_curves
 from fastlink.precision.reference import CONTEXT, HighPrecision
 from fastlink.precision.stationary import Stationary
-from fastlink.space.design_space import sampled
+from fastlink.space.design_space import DesignSpace, sampled
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    import xarray as xr
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from fastlink.app.study import Study
     from fastlink.engine.extend import Extension
     from fastlink.plan.programs import Plan
-    from fastlink.space.design_space import DesignSpace
-
-__all__ = [
-    "USUAL",
-    "Method",
-    "Subject",
-    "Truth",
-    "accuracy",
-    "accuracy_table",
-    "by_numpy",
-    "curves_by_numpy",
-    "draw",
-    "front",
-    "measure",
-    "methods_for",
-    "race",
-]
 
 
 # -- The methods for a quantity, NumPy among them, and their run times
@@ -118,7 +98,9 @@ class Method:
             seconds := min(trial.time() for _ in range(3))
         ) < SECONDS and trial.designs < MOST_TIMED_DESIGNS:
             times = 2 ** math.ceil(math.log2(2 * SECONDS / max(seconds, SECONDS / 64)))
-            subject = replace(subject, space=_repeated(subject.space, times))
+            columns = {name: np.tile(column, times) for name, column in subject.space.columns.items()}
+            space = replace(subject.space, shape=(subject.space.size * times,), columns=columns)
+            subject = replace(subject, space=space)
             trial = self._run_kernels(subject)
         return trial
 
@@ -161,12 +143,6 @@ def race(subject: Subject, methods: Iterable[Method]) -> dict[str, Trial]:
     return trials
 
 
-def _repeated(space: DesignSpace, times: int) -> DesignSpace:
-    """Return the same designs so many times."""
-    columns = {name: np.tile(column, times) for name, column in space.columns.items()}
-    return replace(space, shape=(space.size * times,), columns=columns)
-
-
 def methods_for(subject: Subject, with_numpy: bool) -> list[Method]:
     """Return every method that the mechanism of a quantity offers, and NumPy's if wanted."""
     resolved = subject.resolve()
@@ -195,11 +171,9 @@ def curves_by_numpy(resolved: ResolvedSweep, designs: int) -> NDArray[Any]:
     values["branch"] = np.array(resolved.branches, dtype=float)[:, None]
     plan, positions = resolved.plan, resolved.positions
     output, shape = plan.outputs[0], (designs, len(resolved.branches), positions.size)
-    samples, *counted = (
-        read_curves(resolved.catalogue, name, values, positions, plan.variants)
-        for name in (output.request.quantity, output.counted)
-        if name
-    )
+    names = filter(None, (output.request.quantity, output.counted))
+    curves = (read_curves(resolved.catalogue, name, values, positions, plan.variants) for name in names)
+    samples, *counted = curves
     for numbers in counted:
         samples = np.where(np.isnan(numbers), np.nan, samples)
     return np.broadcast_to(samples, shape)
@@ -264,7 +238,7 @@ def accuracy_table(measured: xr.Dataset) -> str:
         measured.variables
     ):
         what = f"is {short_repr(measured)}, not a result of fastlink.accuracy"
-        raise InputError(what, where=("measured",), remedy="give what fastlink.accuracy(STUDY) returns")
+        raise InputError(what, ("measured",), "give what fastlink.accuracy(STUDY) returns")
     head = ("", "way", "ns/design", "largest", "99 %", "median", "missed")
     blocks = []
     for quantity in measured["quantity"].values:
@@ -364,15 +338,8 @@ def _name_points(axes: Any, points: list[tuple[str, float, float]]) -> None:
         taken.append(boxes[best])
         shift = (tried[best][0], tried[best][1] + 0.5 * height)
         arrow = {"arrowstyle": "-", "color": "0.6", "linewidth": 0.5} if best >= len(DIRECTIONS) else None
-        axes.annotate(
-            name,
-            (x, y),
-            xytext=shift,
-            textcoords="offset points",
-            fontsize=SIZE,
-            va="center",
-            arrowprops=arrow,
-        )
+        style = {"textcoords": "offset points", "fontsize": SIZE, "va": "center", "arrowprops": arrow}
+        axes.annotate(name, (x, y), xytext=shift, **style)
 
 
 def _overlap(one: tuple[float, ...], other: tuple[float, ...]) -> float:
@@ -493,11 +460,6 @@ def accuracy(
         Dimensions ``way`` (the method) and ``quantity``; NaN where a method does not give a quantity. ``pareto`` is 1
         where no other method is both faster and more accurate. Print it with `fastlink.accuracy_table`.
 
-    Raises
-    ------
-    InputError
-        The study has problems (one line for each), or nothing in it can be measured.
-
     Examples
     --------
     >>> import pathlib, tempfile
@@ -513,8 +475,7 @@ def accuracy(
     >>> dict(measured.sizes), bool((measured.error_max < 1e-14).all())
     ({'way': 1, 'quantity': 1}, True)
     """
-    given = {"designs": designs, "outside": outside, "seed": seed, "to": to, "picture": picture}
-    check_options(given | {"overwrite": overwrite, "announce": announce})
+    check_options(locals())
     read = read_study(study, trust_code)
     target = None if to is None else check_made_at_once(to, 0, overwrite, read.sources)
     path = None if picture is None else check_picture(picture, "picture")
@@ -544,7 +505,7 @@ def measure(
     quantities, left_out = _measurable(resolved.plan)
     if not quantities:
         what = "none is a curve, a fact of the design, NAME_max or NAME_min"
-        raise InputError(what, where=("quantities",), remedy="add one of these")
+        raise InputError(what, ("quantities",), "add one of these")
     # each method names its own solver; the others have the closed form
     subjects = [Subject(mechanism, space, name, {**options, "solver": ELIMINATED}) for name in quantities]
     methods = [methods_of(subject) for subject in subjects]
@@ -582,11 +543,8 @@ def _measurable(plan: Plan) -> tuple[list[str], list[str]]:
     for output in plan.outputs:
         request = output.request
         number = output.dtype == "float64" and "residual" not in request.quantity and not request.listed
-        extreme = (
-            request.can_be_refined
-            and not (request.is_position or request.is_of_gradient)
-            and plan.catalogue.graded is not None
-        )
+        of_value = request.can_be_refined and not (request.is_position or request.is_of_gradient)
+        extreme = of_value and plan.catalogue.graded is not None
         if number and (request.reduction is None or extreme):
             measurable.append(output.name)
     return measurable, [o.name for o in plan.outputs if o.name not in (*measurable, "status")]
@@ -610,10 +568,7 @@ def _labelled(
         data[name] = (("way", "quantity"), np.array(values), {"units": units, "long_name": meaning})
     coords = {"way": ("way", methods), "quantity": ("quantity", quantities)}
     result = xr.Dataset(data, coords=coords, attrs=plain_attrs(attrs))
-    labels = {
-        "long_name": "no other method is faster and more accurate",
-        "flag_values": np.array([0, 1], dtype=np.int8),
-        "flag_meanings": "beaten best",
-    }
+    fastest = {"long_name": "no other method is faster and more accurate"}
+    labels = fastest | flag_attrs({0: "beaten", 1: "best"}, "int8")
     result["pareto"] = (("way", "quantity"), front(result), labels)
     return result

@@ -36,32 +36,6 @@ from fastlink.errors import (
 if TYPE_CHECKING:
     from fastlink.engine.extend import Extension
 
-__all__ = [
-    "accuracy",
-    "app",
-    "best",
-    "by_name",
-    "cache",
-    "check",
-    "command",
-    "convert",
-    "draw",
-    "explain",
-    "explore",
-    "info",
-    "join",
-    "main",
-    "mechanisms",
-    "new",
-    "numbers_of",
-    "plot",
-    "print_summary",
-    "quantities",
-    "run",
-    "text_of",
-    "tolerance",
-]
-
 
 # -- The application, and what all its commands share: their wording of problems, their options
 
@@ -247,6 +221,7 @@ def command(function: C) -> C:
     given = [_for_typer(one, hints[name], lines[name]) for name, one in called.parameters.items()]
     guarded.__signature__ = called.replace(parameters=given)  # type: ignore[attr-defined]
     guarded.__doc__ = "\n".join(getdoc(function).splitlines()[: -len(given) or None])  # type: ignore[union-attr]
+    app.command()(guarded)
     return guarded  # type: ignore[return-value]
 
 
@@ -269,18 +244,14 @@ def by_name(
         if equals and (key in options or any(key in signature(one).parameters for one in doors)):
             is_option = options.get(key, "").startswith("-")
             remedy: Remedy = ("write ", Setting(key, value)) if is_option else "leave it out"
-            raise InputError(f"{text!r} names an option, not an input", where=(where,), remedy=remedy)
+            raise InputError(f"{text!r} names an option, not an input", (where,), remedy)
         found = read(value) if equals and name else None
         if found is None:
-            remedy = ("write such as ", Setting(where, dict(example)))
-            what = (
-                f"{name} is {value!r}, not a number"
-                if equals and name and value
-                else f"{text!r} is not {form}"
-            )
-            raise InputError(what, where=(where,), remedy=remedy)
+            is_pair = equals and name and value
+            what = f"{name} is {value!r}, not a number" if is_pair else f"{text!r} is not {form}"
+            raise InputError(what, (where,), ("write such as ", Setting(where, dict(example))))
         if name in given:
-            raise InputError(f"{name} is given twice", where=(where,), remedy="write it once")
+            raise InputError(f"{name} is given twice", (where,), "write it once")
         given[name] = found
     return given
 
@@ -379,10 +350,58 @@ def extension_of(file: Path, own: Path | None, trusted: bool) -> Extension | Non
         return load_extension(Path(), str(own), str(maps.attrs.get("mechanism")), trusted)
 
 
-# -- The command on pictures of mechanisms: draw
+# -- The commands in the order of the help: from a first look at a mechanism to its maps
 
 
 EXAMPLE = {"a1": 0.4}
+CHANGED = 1
+
+
+@command
+def mechanisms() -> None:
+    """List the mechanisms."""
+    from fastlink.mechanisms.listing import mechanisms as list_mechanisms
+
+    typer.echo(str(list_mechanisms()))
+
+
+@command
+def new(
+    mechanism: str,
+) -> None:
+    """Print a commented study that runs as it is.
+
+    For instance: fastlink new planar_4r > study.toml
+
+    MECHANISM  Such as planar_4r.
+    """
+    from importlib.resources import files
+
+    from fastlink.errors import check_choice
+    from fastlink.mechanisms import NAMES
+
+    check_choice(("mechanism",), mechanism, NAMES)
+    template = files("fastlink").joinpath("mechanisms", mechanism, "study.toml")
+    typer.echo(template.read_text(encoding="utf-8"), nl=False)
+
+
+@command
+def quantities(
+    mechanism: str | None = None,
+    every: bool = False,
+    input: str | None = None,
+    find: str | None = None,
+) -> None:
+    """List the quantities and inputs of a mechanism, or find them by what they mean.
+
+    MECHANISM  Such as planar_4r; all with --find.
+    --all  List intermediate facts too, which cannot be requested by name.
+    --input INPUT  The driven input, such as joint_angle_2.
+    --find PHRASE  Only what a phrase means, such as torque.
+    """
+    from fastlink.app.report import quantities as list_quantities
+
+    typer.echo(str(list_quantities(mechanism, internal=every, input=input, find=find)))
 
 
 @command
@@ -438,23 +457,77 @@ def draw(
         typer.echo(str(path))
 
 
-# -- The commands on maps: join, info, check, best, convert, plot, explore
+@command
+def explain(
+    study: Path,
+    text: bool = False,
+    ir: bool = False,
+    asm: bool = False,
+    measure: bool | None = None,
+    *,
+    trust_code: bool = False,
+) -> None:
+    """Explain what a study computes, leaves out and needs: memory, file, time; nothing is compiled.
 
+    STUDY.toml
+    --text  Print the text of the kernels too.
+    --ir  Print their LLVM text too.
+    --asm  Print their assembly language for this processor too.
+    --measure/--no-measure  Run a sample of the designs to say how long all take; by default if all is compiled already.
+    --trust-code
+    """
+    from fastlink.app.explain import explain as explain_study
 
-CHANGED = 1
+    typer.echo(
+        explain_study(study, measure=measure, trust_code=trust_code).text(kernels=text, ir=ir, asm=asm)
+    )
 
 
 @command
-def info(
-    file: Path,
+def run(
+    study: Path,
+    to: Path | None = None,
+    threads: int | None = None,
+    overwrite: bool = False,
+    verify: int | None = None,
+    quiet: bool = False,
+    *,
+    restart: bool = False,
+    part: str | None = None,
+    layout: str | None = None,
+    client: str | None = None,
+    trust_code: bool = False,
 ) -> None:
-    """Print what a map holds, and how it was computed.
+    """Run a study, and write its map; a map that is there and up to date is kept.
 
-    FILE
+    STUDY.toml
+    --to FILE  The HDF5 file to write, instead of the study's.
+    --threads N  Number of threads; one per processor if left out.
+    --overwrite
+    --verify N  Designs to verify with 50 digits; 64 if left out, 0 for none.
+    --quiet
+    --restart  Throw away what an interrupted run has left in FILE.part.
+    --part K/N  Run the K-th of N parts of the designs, to be joined.
+    --layout LAYOUT  How the map is to be read: 'curves' design by design, 'maps' position by position.
+    --dask ADDRESS  Run on a dask.distributed cluster: the address of its scheduler, or its scheduler file.
+    --trust-code
     """
-    from fastlink.app.report import contents
+    from fastlink.app.study import run_study
+    from fastlink.io.finished import WRITTEN
 
-    typer.echo(contents(file))
+    progress, started = False if quiet else None, time.time_ns()
+    options: dict[str, Any] = {"threads": threads, "overwrite": overwrite, "restart": restart, "part": part}
+    options |= {"verify": verify, "layout": layout, "trust_code": trust_code}
+    with contextlib.ExitStack() as stack:
+        if client is not None:
+            from fastlink.engine.cluster import connected
+
+            options["client"] = stack.enter_context(connected(("client",), client))
+        maps = stack.enter_context(run_study(study, to=to, progress=progress, **options))
+        if maps.attrs[WRITTEN] < started:
+            typer.echo(f"{maps.encoding['source']} is up to date")
+        if not quiet:
+            print_summary(maps)
 
 
 @command
@@ -491,6 +564,19 @@ def join(
     with join(paths, to=to, restart=restart, **options) as maps:
         if not quiet:
             print_summary(maps)
+
+
+@command
+def info(
+    file: Path,
+) -> None:
+    """Print what a map holds, and how it was computed.
+
+    FILE
+    """
+    from fastlink.app.report import contents
+
+    typer.echo(contents(file))
 
 
 @command
@@ -548,16 +634,12 @@ def best(
     from fastlink.space.design_space import angle_of
 
     wanted = _conditions(where or [])
-    options: dict[str, Any] = {
-        "minimise": minimise or (),
-        "maximise": maximise or (),
-        "where": wanted or None,
-    }
+    options: dict[str, Any] = {"minimise": minimise or (), "maximise": maximise or ()}
     for name, given, mend in (("changing", changing, ""), ("mechanism", mechanism, ", or leave it out")):
         if given is not None and not refine:
-            raise InputError("is given without --refine", where=(name,), remedy=f"add --refine{mend}")
+            raise InputError("is given without --refine", (name,), f"add --refine{mend}")
     options["refine"] = refine if changing is None else _parts(changing)
-    options |= {"top": top, "mechanism": extension_of(file, mechanism, trust_code)}
+    options |= {"where": wanted or None, "top": top, "mechanism": extension_of(file, mechanism, trust_code)}
     with open_map(file) as maps:
         if to is not None:
             check_conversion(maps, to, overwrite)
@@ -585,7 +667,57 @@ def _end(name: str, text: str) -> float | None:
         return float(text) if text else None
     except ValueError:
         remedy = ("write such as ", Setting("where", {name: "1.1:1.3"}))
-        raise InputError(f"{name} ends at {text!r}", where=("where",), remedy=remedy) from None
+        raise InputError(f"{name} ends at {text!r}", ("where",), remedy) from None
+
+
+@command
+def tolerance(
+    source: Path,
+    tolerances: list[str] | None = None,
+    *,
+    quantities: str | None = None,
+    contributions: bool = False,
+    to: Path | None = None,
+    overwrite: bool = False,
+    mechanism: Path | None = None,
+    trust_code: bool = False,
+) -> None:
+    """Tell what manufacturing tolerances do to the results of a map or a study.
+
+    For instance: fastlink tolerance best.h5 a1=1e-4 a2=0.1% --contributions
+
+    FILE  A map, or a study (.toml).
+    INPUT=T...  Of each input, in its unit or in per cent: a1=1e-4 a2=0.1%.
+    --quantities A,B  Results; all that change if left out.
+    --contributions  Add the change by each input alone.
+    --to FILE  Write a map of it.
+    --overwrite
+    --quantities-file FILE.py
+    --trust-code
+    """
+    from fastlink.app.report import changes_listed
+    from fastlink.app.tolerance import tolerance as found_by
+
+    given = by_name(
+        tolerances or [], "tolerances", "INPUT=T", {"a1": 1e-4}, _number_or_text, (tolerance, found_by)
+    )
+    names = None if quantities is None else _parts(quantities)
+    options: dict[str, Any] = {"contributions": contributions, "to": to, "overwrite": overwrite}
+    options["trust_code"] = trust_code
+    if mechanism is not None and source.suffix.lower() == ".toml":
+        what = "is for a map: a study names the file of its quantities itself"
+        raise InputError(what, ("mechanism",), "leave it out")
+    options["mechanism"] = extension_of(source, mechanism, trust_code)
+    with found_by(source, names, **options, **given) as found:
+        typer.echo(changes_listed(found))
+
+
+def _number_or_text(text: str) -> float | str | None:
+    """Return a value that is a number as one."""
+    try:
+        return float(text)
+    except ValueError:
+        return text_of(text)
 
 
 @command
@@ -664,16 +796,16 @@ def plot(
     options = [one for one in given if one.find("=") > 0]
     for dim, value in by_name(options, "names", "NAME", {}, str, (plot, plot_map)).items():
         at_it = ("write ", Setting("at", {dim: value}))
-        raise InputError(f"{dim}={value} is no variable", where=("names",), remedy=at_it)
+        raise InputError(f"{dim}={value} is no variable", ("names",), at_it)
     of_front, of_rows = bool(minimise or maximise), kind is not None or len(given) > 1 or bool(where)
     if of_front and (given or kind is not None):
         remedy = "leave out the names and --kind, or --minimise and --maximise"
-        raise InputError("is given beside objectives", where=("names" if given else "kind",), remedy=remedy)
+        raise InputError("is given beside objectives", ("names" if given else "kind",), remedy)
     if (of_front or of_rows) and (at or panels or lines):
         option = "at" if at else "panels" if panels else "lines"
-        raise InputError("is of a map of one variable", where=(option,), remedy="choose rows by --where")
+        raise InputError("is of a map of one variable", (option,), "choose rows by --where")
     if not (of_front or given):
-        raise InputError("is missing", where=("names",), remedy="write a variable, such as omega4_max")
+        raise InputError("is missing", ("names",), "write a variable, such as omega4_max")
     picture = to if to is not None else Path(f"{'-'.join(given) or 'front'}.png")
     own: dict[str, Any] = {"branch": branch, "degrees": degrees, "to": picture}
     conditions = _conditions(where or []) or None
@@ -715,155 +847,6 @@ def explore(
             threading.Event().wait()
 
 
-# -- The commands on mechanisms and their kernels: mechanisms, quantities, new, cache
-
-
-@command
-def mechanisms() -> None:
-    """List the mechanisms."""
-    from fastlink.mechanisms.listing import mechanisms as list_mechanisms
-
-    typer.echo(str(list_mechanisms()))
-
-
-@command
-def quantities(
-    mechanism: str | None = None,
-    every: bool = False,
-    input: str | None = None,
-    find: str | None = None,
-) -> None:
-    """List the quantities and inputs of a mechanism, or find them by what they mean.
-
-    MECHANISM  Such as planar_4r; all with --find.
-    --all  List intermediate facts too, which cannot be requested by name.
-    --input INPUT  The driven input, such as joint_angle_2.
-    --find PHRASE  Only what a phrase means, such as torque.
-    """
-    from fastlink.app.report import quantities as list_quantities
-
-    typer.echo(str(list_quantities(mechanism, internal=every, input=input, find=find)))
-
-
-@command
-def new(
-    mechanism: str,
-) -> None:
-    """Print a commented study that runs as it is.
-
-    For instance: fastlink new planar_4r > study.toml
-
-    MECHANISM  Such as planar_4r.
-    """
-    from importlib.resources import files
-
-    from fastlink.errors import check_choice
-    from fastlink.mechanisms import NAMES
-
-    check_choice(("mechanism",), mechanism, NAMES)
-    template = files("fastlink").joinpath("mechanisms", mechanism, "study.toml")
-    typer.echo(template.read_text(encoding="utf-8"), nl=False)
-
-
-@command
-def cache(
-    clear: bool = False,
-) -> None:
-    """Print where compiled kernels are kept and how large they are, or remove them.
-
-    The environment variables FASTLINK_CACHE_DIR and FASTLINK_CACHE_BYTES set another folder and another limit.
-
-    --clear  Remove all compiled kernels.
-    """
-    from fastlink._text import counted, size
-    from fastlink.codegen import cache as kernel_cache
-
-    state = kernel_cache.clear() if clear else kernel_cache.contents()
-    kernels = f"{counted(state.kernels, 'kernel')} of {size(state.size)}"
-    if clear:
-        left = kernel_cache.contents().size
-        remark = f"; {size(left)} could not be removed" if left else ""
-        typer.echo(f"{state.folder}: {kernels} removed{remark}")
-    else:
-        typer.echo(f"{state.folder}: {kernels}; beyond {size(state.limit)} the oldest are removed")
-
-
-# -- The commands on studies: run, explain, accuracy, tolerance
-
-
-@command
-def run(
-    study: Path,
-    to: Path | None = None,
-    threads: int | None = None,
-    overwrite: bool = False,
-    verify: int | None = None,
-    quiet: bool = False,
-    *,
-    restart: bool = False,
-    part: str | None = None,
-    layout: str | None = None,
-    client: str | None = None,
-    trust_code: bool = False,
-) -> None:
-    """Run a study, and write its map; a map that is there and up to date is kept.
-
-    STUDY.toml
-    --to FILE  The HDF5 file to write, instead of the study's.
-    --threads N  Number of threads; one per processor if left out.
-    --overwrite
-    --verify N  Designs to verify with 50 digits; 64 if left out, 0 for none.
-    --quiet
-    --restart  Throw away what an interrupted run has left in FILE.part.
-    --part K/N  Run the K-th of N parts of the designs, to be joined.
-    --layout LAYOUT  How the map is to be read: 'curves' design by design, 'maps' position by position.
-    --dask ADDRESS  Run on a dask.distributed cluster: the address of its scheduler, or its scheduler file.
-    --trust-code
-    """
-    from fastlink.app.study import run_study
-    from fastlink.io.finished import WRITTEN
-
-    progress, started = False if quiet else None, time.time_ns()
-    options: dict[str, Any] = {"threads": threads, "overwrite": overwrite, "restart": restart, "part": part}
-    options |= {"verify": verify, "layout": layout, "trust_code": trust_code}
-    with contextlib.ExitStack() as stack:
-        if client is not None:
-            from fastlink.engine.cluster import connected
-
-            options["client"] = stack.enter_context(connected(("client",), client))
-        maps = stack.enter_context(run_study(study, to=to, progress=progress, **options))
-        if maps.attrs[WRITTEN] < started:
-            typer.echo(f"{maps.encoding['source']} is up to date")
-        if not quiet:
-            print_summary(maps)
-
-
-@command
-def explain(
-    study: Path,
-    text: bool = False,
-    ir: bool = False,
-    asm: bool = False,
-    measure: bool | None = None,
-    *,
-    trust_code: bool = False,
-) -> None:
-    """Explain what a study computes, leaves out and needs: memory, file, time; nothing is compiled.
-
-    STUDY.toml
-    --text  Print the text of the kernels too.
-    --ir  Print their LLVM text too.
-    --asm  Print their assembly language for this processor too.
-    --measure/--no-measure  Run a sample of the designs to say how long all take; by default if all is compiled already.
-    --trust-code
-    """
-    from fastlink.app.explain import explain as explain_study
-
-    typer.echo(
-        explain_study(study, measure=measure, trust_code=trust_code).text(kernels=text, ir=ir, asm=asm)
-    )
-
-
 @command
 def accuracy(
     study: Path,
@@ -895,75 +878,26 @@ def accuracy(
 
 
 @command
-def tolerance(
-    source: Path,
-    tolerances: list[str] | None = None,
-    *,
-    quantities: str | None = None,
-    contributions: bool = False,
-    to: Path | None = None,
-    overwrite: bool = False,
-    mechanism: Path | None = None,
-    trust_code: bool = False,
+def cache(
+    clear: bool = False,
 ) -> None:
-    """Tell what manufacturing tolerances do to the results of a map or a study.
+    """Print where compiled kernels are kept and how large they are, or remove them.
 
-    For instance: fastlink tolerance best.h5 a1=1e-4 a2=0.1% --contributions
+    The environment variables FASTLINK_CACHE_DIR and FASTLINK_CACHE_BYTES set another folder and another limit.
 
-    FILE  A map, or a study (.toml).
-    INPUT=T...  Of each input, in its unit or in per cent: a1=1e-4 a2=0.1%.
-    --quantities A,B  Results; all that change if left out.
-    --contributions  Add the change by each input alone.
-    --to FILE  Write a map of it.
-    --overwrite
-    --quantities-file FILE.py
-    --trust-code
+    --clear  Remove all compiled kernels.
     """
-    from fastlink.app.report import changes_listed
-    from fastlink.app.tolerance import tolerance as found_by
+    from fastlink._text import counted, size
+    from fastlink.codegen import cache as kernel_cache
 
-    given = by_name(
-        tolerances or [], "tolerances", "INPUT=T", {"a1": 1e-4}, _number_or_text, (tolerance, found_by)
-    )
-    names = None if quantities is None else _parts(quantities)
-    options: dict[str, Any] = {"contributions": contributions, "to": to, "overwrite": overwrite}
-    options["trust_code"] = trust_code
-    if mechanism is not None and source.suffix.lower() == ".toml":
-        what = "is for a map: a study names the file of its quantities itself"
-        raise InputError(what, where=("mechanism",), remedy="leave it out")
-    options["mechanism"] = extension_of(source, mechanism, trust_code)
-    with found_by(source, names, **options, **given) as found:
-        typer.echo(changes_listed(found))
-
-
-def _number_or_text(text: str) -> float | str | None:
-    """Return a value that is a number as one."""
-    try:
-        return float(text)
-    except ValueError:
-        return text_of(text)
-
-
-# -- The commands in the order of the help: from a first look at a mechanism to its maps
-for function in (
-    mechanisms,
-    new,
-    quantities,
-    draw,
-    explain,
-    run,
-    join,
-    info,
-    check,
-    best,
-    tolerance,
-    convert,
-    plot,
-    explore,
-    accuracy,
-    cache,
-):
-    app.command()(function)
+    state = kernel_cache.clear() if clear else kernel_cache.contents()
+    kernels = f"{counted(state.kernels, 'kernel')} of {size(state.size)}"
+    if clear:
+        left = kernel_cache.contents().size
+        remark = f"; {size(left)} could not be removed" if left else ""
+        typer.echo(f"{state.folder}: {kernels} removed{remark}")
+    else:
+        typer.echo(f"{state.folder}: {kernels}; beyond {size(state.limit)} the oldest are removed")
 
 
 def main() -> None:

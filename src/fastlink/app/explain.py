@@ -23,17 +23,17 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from fastlink._text import aligned, counted, duration, size
-from fastlink.app.study import A_STUDY, read_study, request_of_search
-from fastlink.codegen.kernel import SOON, llvm_text
+from fastlink.app.study import A_STUDY, Study, read_study, request_of_search
+from fastlink.codegen.kernel import SOON, Kernel, llvm_text
 from fastlink.codegen.machine import assembly
 from fastlink.codegen.runtime import cells, results
 from fastlink.codegen.translate import Refused
-from fastlink.engine.options import check_options
-from fastlink.engine.resolve import ResolvedSweep, resolve
+from fastlink.engine.options import check_options, checked_call
+from fastlink.engine.resolve import ResolvedSweep, of_request, resolve
 from fastlink.engine.run import Job, Sink, default_threads, row_bytes, run
 from fastlink.engine.sinks import designs_per_block, needs_of
 from fastlink.engine.sweep import sweep
-from fastlink.errors import InputError, Problems, door
+from fastlink.errors import InputError, door
 from fastlink.facts.own import OwnInput, OwnQuantity
 from fastlink.io.partial_file import check_target, write_all
 from fastlink.machine import available_memory
@@ -41,18 +41,12 @@ from fastlink.numerics import compensated, vectors
 from fastlink.numerics.compiler import COMPILED_AS, INLINED, parsed, syntax
 from fastlink.plan.programs import ExtremaProgram, KnownProgram
 from fastlink.precision import DESIGNS, Verification
-from fastlink.space.design_space import sampled
+from fastlink.space.design_space import DesignSpace, sampled
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from fastlink.app.study import Study
-    from fastlink.codegen.kernel import Kernel
     from fastlink.codegen.source import Source
-    from fastlink.engine.resolve import ResolvedSweep
-    from fastlink.space.design_space import DesignSpace
-
-__all__ = ["HELPERS", "KINDS", "explain", "forecast", "request_of", "timing_of"]
 
 
 # -- Time a request on a sample of its designs, to say beforehand how long all of them take
@@ -114,14 +108,11 @@ def timing_of(
         axis = request.scaling_axis
         sink = scratch.write if axis is None else axis.over(scratch.write)
         seconds, designs = _evaluated(sample, job, sink, threads, length)
-    growth = total / sample.positions.size if request.plan.uses_position else 1.0
-    return Timing(
-        growth * (tables + seconds / designs * job.size),
-        _verification(request, verify),
-        0.0 if folder is None else FILE_SECONDS * (len(request.plan.outputs) + len(request.space.names)),
-        designs,
-        sample.positions.size if request.plan.uses_position else 0,
-    )
+    positions = sample.positions.size if request.plan.uses_position else 0
+    evaluation = (total / positions if positions else 1.0) * (tables + seconds / designs * job.size)
+    variables = len(request.plan.outputs) + len(request.space.names)
+    file = 0.0 if folder is None else FILE_SECONDS * variables
+    return Timing(evaluation, _verification(request, verify), file, designs, positions)
 
 
 def _evaluated(sample: ResolvedSweep, job: Job, sink: Sink, threads: int, length: int) -> tuple[float, int]:
@@ -149,12 +140,8 @@ def _spread(size: int, count: int) -> list[tuple[int, int]]:
     pieces = min(PIECES, count)
     each = -(-count // pieces)
     starts = np.linspace(0, size - each, pieces).astype(np.int64).tolist()
-    ends = [0, *(start + each for start in starts)]
-    return [
-        (max(start, end), start + each)
-        for start, end in zip(starts, ends, strict=False)
-        if end < start + each
-    ]
+    ranges = zip(starts, [0, *(start + each for start in starts)], strict=False)
+    return [(max(start, end), start + each) for start, end in ranges if end < start + each]
 
 
 class _Scratch:
@@ -203,9 +190,6 @@ def _verification(request: ResolvedSweep, verify: int) -> float:
 
 # -- Say before a request runs what memory and disk it takes, and how long it takes
 
-
-#: The options of a sweep that change how it runs, not what it computes.
-OF_RUN = ("verify", "to", "overwrite", "restart", "layout", "threads", "progress", "attrs", "block")
 
 #: Seconds to compile a character of a kernel's LLVM text, by backend: measured over 32 kernels of 22 to 335 thousand
 #: characters (0.9 to 2.1 us by our own translation) and over 5 by numba (20 to 72 us), on a core
@@ -279,21 +263,15 @@ def request_of(
     mechanism: Any, space: Any, quantities: Any, options: Mapping[str, Any]
 ) -> tuple[ResolvedSweep, dict[str, Any]]:
     """Return the request of a call of `fastlink.sweep`, and what a forecast takes of its other options."""
-    known = signature(sweep).parameters
-    missing = [name for name, value in (("space", space), ("quantities", quantities)) if value is None]
-    if missing:
-        raise InputError(
-            "is missing", where=(missing[0],), remedy="write explain(mechanism, space, quantities)"
-        )
-    positions = {name: value for name, value in options.items() if name not in known or name == "positions"}
-    of_request = {name: value for name, value in options.items() if name not in (*positions, *OF_RUN)}
-    problems, checked = Problems(), dict[str, Any]()
-    with problems.at():
-        checked = check_options({name: options[name] for name in OF_RUN if name in options})
-    with problems.at():
-        names = tuple(known)[:-1]
-        resolved = resolve(mechanism, space, quantities, positions=positions, options=names, **of_request)
-    problems.stop()
+    for name, value in (("space", space), ("quantities", quantities)):
+        if value is None:
+            raise InputError("is missing", (name,), "write explain(mechanism, space, quantities)")
+    known = tuple(signature(sweep).parameters)[:-1]
+    positions = {name: value for name, value in options.items() if name not in known}
+    call = {**options, "positions": positions}
+    checked, resolved = checked_call(
+        call, lambda given: resolve(mechanism, space, quantities, options=known, **of_request(given))
+    )
     to, verify = checked.get("to"), checked.get("verify")
     folder = None if to is None else check_target(to, 0, True).parent
     verify = (0 if to is None else DESIGNS) if verify is None else verify
@@ -562,11 +540,6 @@ def explain(
     Explanation
         Prints as text. Its `forecast` has the expected memory, file, compile time and run time.
 
-    Raises
-    ------
-    InputError
-        One line for each problem of the study.
-
     Examples
     --------
     >>> import pathlib, tempfile
@@ -584,8 +557,6 @@ def explain(
 
     The same of a sweep:
 
-    >>> import numpy as np
-    >>> import fastlink as fl
     >>> designs = fl.grid(a1=np.linspace(0.1, 0.5, 40_000), a2=np.linspace(1.0, 1.4, 40_000), a3=0.8, a4=1.0)
     >>> needs = fl.explain("planar_4r", designs, ["theta4"], measure=False).forecast
     >>> needs.memory > 8 * 2 * 360 * 40_000**2  # 9 TB: write it to a file, if there is a disk for it
@@ -595,9 +566,7 @@ def explain(
     if space is None and quantities is None:
         for name in options:
             what = "is an option of a sweep, not of a study"
-            raise InputError(
-                what, where=(name,), remedy="write it in the study, or give space and quantities"
-            )
+            raise InputError(what, (name,), "write it in the study, or give space and quantities")
         read = read_study(study, trust_code)
         if read.search is not None:
             return _of_search(read, measure)
@@ -612,13 +581,9 @@ def explain(
 
 def _of_search(read: Study, measure: bool | None) -> Explanation:
     """Return the work of the search of a study: it holds no more than the designs that are found."""
-    search = request_of_search(
-        read.mechanism,
-        read.space,
-        read.quantities,
-        read.tables["search"],
-        **{"positions": {}, **read.options},
-    )
+    of_sweep = {"positions": {}, **read.options}
+    table = read.tables["search"]
+    search = request_of_search(read.mechanism, read.space, read.quantities, table, **of_sweep)
     needs = forecast(search.resolved, measure=measure)
     file = LABEL_BYTES * (len(search.quantities) + len(read.space.names))
     needs = replace(needs, memory=needs.memory_to_file, file=file)
@@ -656,11 +621,8 @@ def _kernel_work(kernel: Kernel) -> KernelWork:
     program = kernel.program
     names = ", ".join(output.name for output in program.outputs)
     if isinstance(program, ExtremaProgram):
-        how = (
-            "known extremes, which are not searched,"
-            if isinstance(program, KnownProgram)
-            else "every extreme"
-        )
+        is_known = isinstance(program, KnownProgram)
+        how = "known extremes, which are not searched," if is_known else "every extreme"
         found = dict.fromkeys(search.quantity for search in program.searches if not search.splits)
         names += f"; {how} of {', '.join(found)}"
         if splits := [search.quantity for search in program.searches if search.splits]:

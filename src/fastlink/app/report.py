@@ -51,22 +51,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from fastlink.engine.extend import Extension
-    from fastlink.facts.catalogue import Catalogue
-
-__all__ = [
-    "CONTRIBUTION",
-    "GROUPS",
-    "TOLERANCED",
-    "Quantity",
-    "QuantityList",
-    "changes_listed",
-    "contents",
-    "listed",
-    "quantities",
-    "refinement_columns",
-    "row_of",
-    "summary",
-]
 
 
 # -- List designs that were selected from a map, a row each
@@ -84,12 +68,8 @@ def listed(found: xr.Dataset, names: Sequence[str], *, degrees: bool = False) ->
     inputs = [name for name, array in along if array.dtype.kind in "iuf"]
     texts = [name for name, array in along if name not in inputs]
     shown = [name if name in maps.variables else angle_of(name) for name in names]
-    columns = [
-        _column(maps[name])
-        for name in dict.fromkeys([*inputs, *shown, *texts])
-        if maps[name].dims == (DESIGN,)
-    ]
-    rows = list(zip(*columns, strict=True))
+    arrays = [maps[name] for name in dict.fromkeys([*inputs, *shown, *texts])]
+    rows = list(zip(*(_column(array) for array in arrays if array.dims == (DESIGN,)), strict=True))
     hidden = len(rows) - 2 - MOST_ROWS
     more = f"\n... and {hidden:,} more" if hidden > 0 else ""
     same = [maps[name] for name in maps.coords if not maps[name].dims and "units" in maps[name].attrs]
@@ -103,21 +83,15 @@ def listed(found: xr.Dataset, names: Sequence[str], *, degrees: bool = False) ->
 def refinement_columns(found: xr.Dataset) -> list[str]:
     """Return the columns that a refinement has added: what was gained, how it ended, from how many starts."""
     names = [str(name) for name in found.data_vars]
-    return [
-        *(name for name in names if name.endswith(f"_{GAIN}")),
-        *(name for name in names if name in (REFINEMENT, STARTS)),
-    ]
+    gains = [name for name in names if name.endswith(f"_{GAIN}")]
+    return [*gains, *(name for name in names if name in (REFINEMENT, STARTS))]
 
 
 def _column(array: xr.DataArray) -> list[str]:
     """Return name, units and values of a variable."""
     meanings = {code: meaning for meaning, code in flags_of(array).items()}
-    values: list[Any] = array.values.tolist()
-    return [
-        str(array.name),
-        _units(array),
-        *(str(meanings.get(v, short_number(v))) for v in values),
-    ]
+    values = [str(meanings.get(value, short_number(value))) for value in array.values.tolist()]
+    return [str(array.name), _units(array), *values]
 
 
 def _units(array: xr.DataArray, before: str = "") -> str:
@@ -256,16 +230,11 @@ def row_of(name: str, catalogue: Catalogue) -> Quantity:
     if request.listed and request.listed != "count":
         axes += (EXTREMUM,)
     fact, labels = catalogue.public_fact(request.quantity), request_labels(catalogue, request)
-    texts = (labels.get("units", "1"), (DESIGN, *axes), labels["long_name"], labels["references"])
+    units, meaning = labels.get("units", "1"), labels["long_name"]
+    texts = units, (DESIGN, *axes), meaning, labels["references"], labels["symbol"]
     needs = _steps_and_needs(request.quantity, catalogue)[1]
-    return Quantity(
-        name,
-        *texts,
-        labels["symbol"],
-        needs,
-        catalogue.name,
-        _group(fact, catalogue.varies(request.quantity)),
-    )
+    group = _group(fact, catalogue.varies(request.quantity))
+    return Quantity(name, *texts, needs, catalogue.name, group)
 
 
 def public_rows(catalogue: Catalogue) -> list[Quantity]:
@@ -284,13 +253,6 @@ def public_rows(catalogue: Catalogue) -> list[Quantity]:
         return GROUPS.index(row.group), effort[vector], vector, row.name
 
     return sorted(rows, key=order)
-
-
-def step_row(fact: Fact, dims: Iterable[str], mechanism: str) -> Quantity:
-    """Return the row of an intermediate fact."""
-    return Quantity(
-        fact.name, fact.units, tuple(dims), fact.meaning, fact.source, fact.symbol, (), mechanism, "Steps"
-    )
 
 
 def _axes(name: str, catalogue: Catalogue) -> tuple[str, ...]:
@@ -407,10 +369,8 @@ class QuantityList(list[Quantity]):
         named = len(self._catalogues) > 1
         parts = []
         if self:
-            rows = [
-                ((row.mechanism,) if named else ()) + cells
-                for row, cells in zip(self, self._cells(), strict=True)
-            ]
+            pairs = zip(self, self._cells(), strict=True)
+            rows = [((row.mechanism,) if named else ()) + cells for row, cells in pairs]
             parts.append(_text_table(("mechanism", *COLUMNS) if named else COLUMNS, rows))
         if found:
             header = ("mechanism", *_header(GivenInput)) if named else _header(GivenInput)
@@ -485,14 +445,8 @@ def quantities(
     QuantityList
         A list of `Quantity` that prints as a table; ``quantities("planar_4r")["T41_max"]`` is one row.
 
-    Raises
-    ------
-    InputError
-        The mechanism or the input is unknown.
-
     Examples
     --------
-    >>> import fastlink as fl
     >>> row = fl.quantities("planar_4r")["omega4"]
     >>> row.units, row.dims, row.needs
     ('rad s-1', ('design', 'branch', 'theta1'), ('a1', 'a2', 'a3', 'a4', 'omega1'))
@@ -503,7 +457,7 @@ def quantities(
     if mechanism is None and find is None:
         known = ", ".join(map(repr, NAMES))
         remedy = (f"write one of {known}", (", or ", Setting("find", "torque"), " to search them all"))
-        raise InputError("is missing", where=("mechanism",), remedy=remedy)
+        raise InputError("is missing", ("mechanism",), remedy)
     if find is not None:
         return _found(
             find, [find_catalogue(name, input) for name in (NAMES if mechanism is None else [mechanism])]
@@ -519,8 +473,9 @@ def quantities(
         plan = make_program(catalogue, catalogue.public, given=catalogue.inputs)
         for name, fact in (*catalogue.tables.items(), *catalogue.facts.items()):
             if fact.internal and name in plan.axes and name == fact.name:
-                dims = [axis for axis in every if axis in plan.axes[name]]
-                rows.append(step_row(fact, dims, catalogue.name))
+                dims = tuple(axis for axis in every if axis in plan.axes[name])
+                texts = fact.name, fact.units, dims, fact.meaning, fact.source, fact.symbol
+                rows.append(Quantity(*texts, (), catalogue.name, "Steps"))
     return QuantityList(rows, [catalogue])
 
 
@@ -529,31 +484,24 @@ def _or_find(mechanism: object, error: InputError) -> InputError:
     if isinstance(mechanism, str) and mechanism not in NAMES and str(error.remedy).startswith("known"):
         known = ", ".join(map(repr, NAMES))
         remedy = (f"write one of {known}", (", or ", Setting("find", mechanism)))
-        return InputError(error.what, where=error.where, remedy=remedy)
+        return InputError(error.what, error.where, remedy)
     return error
 
 
 def _found(phrase: str, catalogues: Sequence[Catalogue]) -> QuantityList:
     """Return the quantities and inputs that a phrase may mean, the best first."""
     if not isinstance(phrase, str) or not phrase.strip():
-        raise InputError(
-            "is not a word", where=("find",), remedy="write a word or a phrase, such as 'torque'"
-        )
+        raise InputError("is not a word", ("find",), "write a word or a phrase, such as 'torque'")
     ranked = [(one, catalogue) for catalogue in catalogues for one in rank_quantities(phrase, catalogue)]
-    given = [
-        (one, catalogue) for catalogue in catalogues for one in index_of_inputs(catalogue).ranked(phrase)
-    ]
+    given = [(one, of) for of in catalogues for one in index_of_inputs(of).ranked(phrase)]
     best = max((one.score for one, _ in (*ranked, *given)), default=0.0)
     least = max(LEAST, SHARE * best)
-    rows = [
-        row_of(one.name, of) for one, of in sorted(ranked, key=lambda pair: pair[0]) if one.score >= least
-    ]
-    inputs = [
-        (of.name, next(row for row in given_inputs(of) if row.name == one.name))
-        for one, of in sorted(given, key=lambda pair: pair[0])
-        if one.score >= least
-    ]
-    return QuantityList(rows, catalogues, inputs)
+    ranked, given = (
+        [(one, of) for one, of in sorted(found, key=lambda pair: pair[0]) if one.score >= least]
+        for found in (ranked, given)
+    )
+    inputs = [(of.name, {row.name: row for row in given_inputs(of)}[one.name]) for one, of in given]
+    return QuantityList([row_of(one.name, of) for one, of in ranked], catalogues, inputs)
 
 
 def document() -> str:
@@ -578,14 +526,10 @@ def _text_table(header: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str
 
 
 def _markdown_table(header: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
-    quoted = [
-        [
-            f"`{cell}`" if name == "name" else cell.replace("|", "\\|")
-            for name, cell in zip(header, row, strict=True)
-        ]
-        for row in rows
-    ]
-    lines = [list(header), ["---"] * len(header), *quoted]
+    lines = [list(header), ["---"] * len(header)]
+    for row in rows:
+        cells = zip(header, row, strict=True)
+        lines.append([f"`{cell}`" if name == "name" else cell.replace("|", "\\|") for name, cell in cells])
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
@@ -611,14 +555,8 @@ def summary(maps: Any) -> str:
         speed, the largest errors that were measured; and the file with its size, for a map that is opened from one. Of
         a part of a map, the designs of that part.
 
-    Raises
-    ------
-    InputError
-        Neither a map nor its path.
-
     Examples
     --------
-    >>> import fastlink as fl
     >>> space = fl.grid(a1=[0.4, 0.6], a2=1.2, a3=0.8, a4=1.0)
     >>> print(summary(fl.sweep("planar_4r", space, ["transmission_angle"])).partition("run time")[0])
     designs         2
@@ -684,23 +622,14 @@ def _searched(dataset: xr.Dataset, figures: _Numbers) -> list[tuple[str, str]]:
     if "search" not in dataset.attrs or not figures.has("searched_designs"):
         return []
     rows = [("searched", f"{figures['searched_designs']:,.0f} designs for {dataset.attrs['search']}")]
-    left_out = [
-        (
-            in_words(name.removeprefix("excluded_")) if name.startswith("excluded_as") else name[9:],
-            count,
-        )
-        for name, count in figures.items()
-        if name.startswith("excluded_") and count
-    ]
-    texts = [f"{count:,.0f} {name.replace('by_', 'by ', 1)}" for name, count in left_out]
-    return [
-        *rows,
-        *(
-            [("excluded", f"{', '.join(texts)}, of {figures.get('searched_rows', 0.0):,.0f} rows")]
-            if texts
-            else []
-        ),
-    ]
+    texts = []
+    for name, why in ((name, name.removeprefix("excluded_")) for name, count in figures.items() if count):
+        if why != name:  # names of results keep their underscores
+            why = in_words(why) if why.startswith("as_") else why.replace("by_", "by ", 1)
+            texts.append(f"{figures[name]:,.0f} {why}")
+    if texts:
+        rows.append(("excluded", f"{', '.join(texts)}, of {figures.get('searched_rows', 0.0):,.0f} rows"))
+    return rows
 
 
 class _Numbers(dict[str, float]):
@@ -792,17 +721,10 @@ def _contents(dataset: xr.Dataset) -> str:
         (str(n), f"({', '.join(map(str, array.dims))})  [{array.attrs.get('units', '1')}]{_meaning(array)}")
         for n, array in dataset.data_vars.items()
     ]
-    titled = {
-        "dimensions": dims,
-        "inputs along them": sampled,
-        "constants": constants,
-        "variables": variables,
-    }
-    blocks = [
-        aligned(head),
-        *(f"{title}\n{aligned(rows, indent='  ')}" for title, rows in titled.items() if rows),
-    ]
-    return "\n\n".join(filter(None, [*blocks, _summary(dataset)]))
+    titled = [("dimensions", dims), ("inputs along them", sampled), ("constants", constants)]
+    titled.append(("variables", variables))
+    blocks = [f"{title}\n{aligned(rows, indent='  ')}" for title, rows in titled if rows]
+    return "\n\n".join(filter(None, [aligned(head), *blocks, _summary(dataset)]))
 
 
 def _axis(dataset: xr.Dataset, dim: str, length: int) -> str:
@@ -845,13 +767,13 @@ CONTRIBUTION, TOLERANCED = "contribution", "toleranced"
 
 def changes_listed(found: xr.Dataset) -> str:
     """Return the changes of each result as a table: those of one design, else medians and the greatest."""
-    names = [str(name) for name in found.data_vars if _change(str(name), "worst") in found.data_vars]
+    names = [str(name) for name in found.data_vars if change_name(str(name)) in found.data_vars]
     inputs = [str(name) for name in found[TOLERANCED].values] if TOLERANCED in found.dims else []
     one = all(found[name].size == 1 for name in names)
     head = ["", "", "value", "worst change", *([] if one else ["greatest"]), "rss change"]
     rows = [[*head, *(f"by {name}" for name in inputs), "flagged"]]
     for name in names:
-        worst, rss = found[_change(name, "worst")], found[_change(name, "rss")]
+        worst, rss = found[change_name(name)], found[change_name(name, "rss")]
         row = [name, found[name].attrs.get("units", ""), _median(found[name]), _median(worst)]
         row += [] if one else [short_number(_greatest(worst.values))]
         row.append(_median(rss))
@@ -864,7 +786,7 @@ def changes_listed(found: xr.Dataset) -> str:
     return about + aligned(rows, right=2)
 
 
-def _change(name: str, how: str) -> str:
+def change_name(name: str, how: str = "worst") -> str:
     """Return the name of the change of a result."""
     return str(Change(NameOf(name), how))
 
@@ -885,9 +807,7 @@ def _flagged(found: xr.Dataset, name: str) -> str:
     """Return how many derivatives of a result are none or one-sided, as text."""
     if (status := str(GradientStatus(NameOf(name)))) not in found.variables:
         return "-"
-    codes = found[status].values
-    flags = found[status].attrs
-    meanings = dict(zip(flags["flag_values"].tolist(), flags["flag_meanings"].split(), strict=True))
+    codes, meanings = found[status].values, {code: of for of, code in flags_of(found[status]).items()}
     bad = codes[codes != 0]
     if codes.size == 1:
         return in_words(meanings[int(codes.ravel()[0])]) if bad.size else "-"

@@ -11,6 +11,7 @@ import traceback
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.resources import files
+from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
@@ -19,7 +20,7 @@ from pydantic import BaseModel, Discriminator, Field, Tag, ValidationError, mode
 from pydantic_core import PydanticCustomError, core_schema
 
 from fastlink._text import short_repr, size, writable
-from fastlink.design.search import request_of, search
+from fastlink.design.search import SearchRequest, request_of, search
 from fastlink.engine.extend import Extension
 from fastlink.engine.options import check_options
 from fastlink.engine.resolve import check, given_tolerances, resolve
@@ -46,7 +47,7 @@ from fastlink.facts.derivative import toleranced
 from fastlink.facts.own import TOO_LONG
 from fastlink.io.output_path import existing_file, exists_error
 from fastlink.io.partial_file import check_target
-from fastlink.io.reader import is_hdf5, open_map
+from fastlink.io.reader import Part, is_hdf5, open_map
 from fastlink.mechanisms import NAMES, SHEET, is_extension, name_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.mechanisms import mechanism as read_mechanism
@@ -59,30 +60,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from distributed import Client
 
-    from fastlink.design.search import Request as SearchRequest
-    from fastlink.engine.extend import Extension
-    from fastlink.errors import Problem
     from fastlink.facts.catalogue import Catalogue
-    from fastlink.io.reader import Part
-    from fastlink.space.design_space import DesignSpace
-
-__all__ = [
-    "A_STUDY",
-    "KEEP",
-    "KEY",
-    "KEYS",
-    "SAMPLES",
-    "TOLERANCES",
-    "TRUST",
-    "Request",
-    "Study",
-    "load_extension",
-    "read_study",
-    "read_tables",
-    "request_of_search",
-    "run_study",
-    "text_of",
-]
 
 
 # -- Quantities of one's own beside a study: the Python file that declares them, run only by who trusts it
@@ -97,15 +75,14 @@ def load_extension(study: Path, name: Any, mechanism: str, trusted: bool) -> Ext
     path = study.parent / check_path((KEY,), name, "mine.py")
     if not trusted:
         what = f"names {str(name)!r}, Python code that is run to declare quantities, by who has read it alone"
-        remedy = (f"read {path}, and if you trust it write ", Setting(TRUST, True))
-        raise InputError(what, where=(KEY,), remedy=remedy)
+        raise InputError(what, (KEY,), (f"read {path}, and if you trust it write ", Setting(TRUST, True)))
     scope = _run(path)
     found = {id(one): (key, one) for key, one in scope.items() if isinstance(one, Extension)}
     fitting = [(key, one) for key, one in found.values() if one.mechanism == mechanism]
     if len(fitting) != 1:
         others = ", ".join(f"{key} of {one.mechanism}" for key, one in found.values())
         what = f"{str(name)!r} declares {others or 'no extension of a mechanism'}"
-        raise InputError(what, where=(KEY,), remedy=f'write one: mine = fl.extend("{mechanism}")')
+        raise InputError(what, (KEY,), f'write one: mine = fl.extend("{mechanism}")')
     return fitting[0][1]
 
 
@@ -119,9 +96,9 @@ def _run(path: Path) -> dict[str, Any]:
     except (OSError, SyntaxError, ValueError) as error:
         why = f"line {error.lineno}: {error.msg}" if isinstance(error, SyntaxError) else str(error)
         what = f"{str(path)!r} cannot be read ({why})"
-        raise InputError(what, where=(KEY,), remedy="name a file of Python code beside the study") from None
+        raise InputError(what, (KEY,), "name a file of Python code beside the study") from None
     except (RecursionError, MemoryError):
-        raise InputError(f"{str(path)!r} has {TOO_LONG[0]}", where=(KEY,), remedy=TOO_LONG[1]) from None
+        raise InputError(f"{str(path)!r} has {TOO_LONG[0]}", (KEY,), TOO_LONG[1]) from None
     linecache.checkcache(str(path))
     scope: dict[str, Any] = {"__name__": path.stem, "__file__": str(path)}
     try:
@@ -132,7 +109,7 @@ def _run(path: Path) -> dict[str, Any]:
         lines = [one.lineno for one in traceback.extract_tb(error.__traceback__) if one.filename == str(path)]
         line = f"line {lines[-1]}: " if lines else ""
         what = f"{path.name} fails with {type(error).__name__} ({line}{error})"
-        raise InputError(what, where=(KEY,), remedy="mend it, and run it by itself: `python FILE`") from None
+        raise InputError(what, (KEY,), "mend it, and run it by itself: `python FILE`") from None
     return scope
 
 
@@ -479,37 +456,25 @@ def in_own_tables(
             value = given.pop(key)
             if home[0] != "links" or "links" in tables or key == "model":  # without a model they say nothing
                 tables.setdefault(home[0], {}).setdefault(key, value)
-            problems.append(_problem(key, place, home[0]))
+            what = f"{key} stands {f'under [{place}]' if place else 'outside of every table'}"
+            remedy = f"write it under [{home[0]}]" if home[0] else WRITE_ABOVE
+            problems.append(Problem(what, ("study", key), remedy))
     top = tables.pop("")
     return {**top, **tables}, problems
-
-
-def _problem(key: str, place: str, home: str) -> Problem:
-    what = f"stands under [{place}]" if place else "stands outside of every table"
-    remedy = f"write it under [{home}]" if home else WRITE_ABOVE
-    return Problem(f"{key} {what}", ("study", key), remedy)
 
 
 # -- The table [search] of a study: the designs that it searches, and what for
 
 
 #: The options of a search, and what they are unless a study gives them.
-DEFAULTS: dict[str, Any] = {
-    "minimise": (),
-    "maximise": (),
-    "where": None,
-    "top": None,
-    "infinite": False,
-    "refine": True,
-    "bounds": None,
-}
+DEFAULTS = {name: one.default for name, one in signature(search).parameters.items() if name in KEYS["search"]}
 
 
 def searched_space(space: DesignSpace, table: Mapping[str, Any]) -> DesignSpace:
     """Return the designs of a search: those of the study, or a sample of their ranges, or of other ones."""
     if "samples" not in table:
         if "seed" in table:
-            raise InputError("is given without samples", where=("seed",), remedy="write samples = 1_000_000")
+            raise InputError("is given without samples", ("seed",), "write samples = 1_000_000")
         return space
     given = {**space.axes, **space.columns}
     ranges: dict[str, Any] = {name: bounds_of(values) for name, values in given.items()}
@@ -546,17 +511,11 @@ def request_of_search(
     **options: Any,
 ) -> SearchRequest:
     """Return the request of the search of a study, or refuse it with all its problems; nothing is compiled."""
-    of_sweep = {"branch": 1, "input": None, **options}
-    if "options" not in of_sweep:
-        of_sweep["options"] = KEYS["cycle"]
+    of_sweep = {"branch": 1, "input": None, "options": KEYS["cycle"], **options}
     return request_of(mechanism, space, names, search_options(table), **of_sweep)
 
 
 # -- The wording of problems for the author of a study
-
-
-#: Parameters of `fastlink.sweep` with another name in a study.
-PARAMETERS = {"to": "file"}
 
 
 class StudyWording(Wording):
@@ -589,7 +548,7 @@ class StudyWording(Wording):
             return ("design", *where)
         if head in ("grid", "design"):
             return ("design", *self._sample(rest), *rest)
-        key = PARAMETERS.get(str(head), head)
+        key = "file" if head == "to" else head
         for name, keys in KEYS.items():
             if key in keys or key in self._table(name):
                 return (name, key, *rest)
@@ -626,18 +585,8 @@ class StudyWording(Wording):
 # -- The request of a study, from its tables: checked as far as they are without problems
 
 
-class Request:
-    """The request of a study.
-
-    Attributes
-    ----------
-    space : DesignSpace or None
-        The designs, as soon as they are read.
-    options : dict
-        The options of a sweep.
-    positions : dict
-        Input positions by the name of the input.
-    """
+class StudyRequest:
+    """The request of a study: its designs as soon as they are read, options of a sweep, input positions by name."""
 
     def __init__(
         self,
@@ -653,6 +602,7 @@ class Request:
         self.positions = {name: values for name, values in cycle.items() if name not in KEYS["cycle"]}
         own = {**cycle, **tables["run"]}
         self.options = {name: value for name, value in own.items() if name not in self.positions}
+        self.of_cycle = {"positions": self.positions, "options": KEYS["cycle"]}
         self.raw = raw
         self.space: DesignSpace | None = None
         #: Tables with problems: what follows from their absence is not a problem of its own.
@@ -676,8 +626,7 @@ class Request:
         names = self.tables.get("quantities", REQUIRED["quantities"])
         found = Problems()
         of_driven = ("input",) in {one.where for one in self.problems.noted}
-        with found.at():
-            self._examine(check if self.problems.noted else resolve, names)
+        found.attempt(self._examine, check if self.problems.noted else resolve, names)
         if of_driven:  # whose inputs are unknown
             found.noted = [one for one in found.noted if one.where[:1] != ("design",)]
         self._add(found.noted)
@@ -686,29 +635,25 @@ class Request:
             self._add_missing(names, found.noted)
 
     def _examine(self, function: Any, names: list[str]) -> None:
-        named = {"positions": self.positions, "options": KEYS["cycle"]}
-        mechanism = self.mechanism
-        if ("mechanism",) in [one.where for one in self.problems.noted]:
-            mechanism = self.catalogue.name  # the nearest
-        function(mechanism, self.space, names, **named, **self.options)
+        misspelt = ("mechanism",) in [one.where for one in self.problems.noted]
+        mechanism = self.catalogue.name if misspelt else self.mechanism
+        function(mechanism, self.space, names, **self.of_cycle, **self.options)
 
     def _check_search(self, names: list[str]) -> None:
         """Check the table [search], once all else is known to be right."""
         others = any(one.where[:1] != ("search",) for one in self.problems.noted)
         if others or self.space is None or "search" not in self.tables:
             return
-        named = {"positions": self.positions, "options": KEYS["cycle"]}
-        of_run = {name: value for name, value in self.options.items() if name not in KEYS["output"]}
         with self.problems.at("search"):
-            request_of_search(self.mechanism, self.space, names, self.tables["search"], **named, **of_run)
+            options = {**self.of_cycle, **self.options}
+            request_of_search(self.mechanism, self.space, names, self.tables["search"], **options)
 
     def _check_names_of_cycle(self) -> None:
         """Refuse unknown keys of [cycle] whose values were refused already."""
         cycle = self.raw.get("cycle")
         given = list(cycle) if isinstance(cycle, dict) else []
         lost = [name for name in given if name not in (*self.tables["cycle"], *KEYS["cycle"])]
-        with self.problems.at():
-            check_keywords(self.catalogue.name, self.catalogue, lost, KEYS["cycle"])
+        self.problems.attempt(check_keywords, self.catalogue.name, self.catalogue, lost, KEYS["cycle"])
 
     def _add(self, found: list[Problem]) -> None:
         """Add problems, but those that only follow from others, with the numbers that names have in the file."""
@@ -746,7 +691,7 @@ class Request:
         entries = {name: value for name, value in design.items() if name not in (*SAMPLES, KEEP)}
         constants = {name: value for name, value in entries.items() if isinstance(value, float)}
         swept = [name for name in entries if name not in constants]
-        kinds, space = [name for name in SAMPLES if name in design], None
+        kinds = [name for name in SAMPLES if name in design]
         if len(kinds) + bool(swept) > 1:
             both = [*kinds, *([f"axes ({', '.join(swept)})"] if swept else [])]
             problems.add(f"has {' and '.join(both)}", ("design",), "write one of them, beside constants")
@@ -754,8 +699,7 @@ class Request:
             problems.add("names columns of a table", ("design", KEEP), "leave it out, or write table = ...")
         if not design and not self.broken & {"design", "links"}:
             problems.add("is empty", ("design",), "write a number or an axis for each input")
-        with problems.at():
-            space = grid(**entries)
+        space: DesignSpace | None = problems.attempt(grid, **entries)
         if len(kinds) == 1:
             (kind,) = kinds
             with problems.at("design", kind):
@@ -877,10 +821,7 @@ class Study:
         return dict(self.tables["output"])
 
     def target(self, to: str | Path | None = None, part: Part | None = None) -> Path:
-        """Return the file to write: a given one, else its own, else one of its name in the current folder.
-
-        Unless given, the file of a part has it in its name.
-        """
+        """Return the file to write: a given one, else its own or one of its name here, with the part in its name."""
         target = Path(os.path.expanduser(to or self.output.get("file") or f"{self.path.stem}.h5"))
         return target if to or part is None else part.path(target)
 
@@ -939,11 +880,6 @@ def run_study(
     xarray.Dataset
         Opened lazily from the file. The text of the study is in its attribute ``study``.
 
-    Raises
-    ------
-    InputError
-        One line for each problem: the file, the key, what was found, what is allowed.
-
     Examples
     --------
     >>> import tempfile, pathlib
@@ -963,9 +899,8 @@ def run_study(
     ...         dict(maps.transmission_angle_min.sizes)
     {'a2': 5, 'branch': 2}
     """
-    given: dict[str, Any] = {"to": to, "threads": threads, "overwrite": overwrite, "verify": verify}
-    given |= {"progress": progress, "part": part, "layout": layout, "client": client}
-    checked = check_options(given | {"restart": restart, "layout": CURVES if layout is None else layout})
+    call = dict(locals())
+    checked = check_options(call | {"layout": CURVES if layout is None else layout})
     study = read_study(path, trust_code)
     target = study.target(to, checked["part"])
     title = {name: study.tables[name] for name in ("title",) if name in study.tables}
@@ -977,24 +912,18 @@ def run_study(
             overwrite = True
         attrs = {**title, "study_file": writable(study.path.name), "study": study.text}
         verify = study.output.get("verify") if verify is None else verify
-        run: dict[str, Any] = {
-            "verify": verify,
-            "to": target,
-            "overwrite": overwrite,
-            "restart": restart,
-            "part": part,
-        }
-        run |= {"threads": threads, "client": client, "progress": progress, "attrs": attrs}
+        run = {name: call[name] for name in ("restart", "part", "threads", "client", "progress")}
+        run |= {"verify": verify, "to": target, "overwrite": overwrite, "attrs": attrs}
         if study.search is None:
             run["layout"] = layout or study.output.get("layout") or CURVES
             return sweep(study.mechanism, study.space, study.quantities, **study.options, **run)
         if layout is not None:
             remedy = "leave it out: a search keeps the best of all designs alone"
-            raise InputError("is for maps, not for a search", where=("layout",), remedy=remedy)
+            raise InputError("is for maps, not for a search", ("layout",), remedy)
         run |= {"branch": 1, **study.options}
         return search(study.mechanism, study.space, study.quantities, **study.search, **run)
     except InputError as error:
-        if given.get(str(error.where[0]) if error.where else "") is not None:
+        if call.get(str(error.where[0]) if error.where else "") is not None:
             raise  # the caller's own, not the study's
         raise InputError.of(error.problems, StudyWording(study.path, study.tables, study.space)) from None
 
@@ -1027,7 +956,7 @@ def read_study(path: str | Path, trust_code: bool = False) -> Study:
     if driven is None or "mechanism" not in tables:
         problems.stop()
     assert driven is not None
-    request = Request(path, raw, tables, driven, problems, mechanism)
+    request = StudyRequest(path, raw, tables, driven, problems, mechanism)
     request.check()
     problems.stop()
     assert request.space is not None

@@ -12,44 +12,34 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.app.report import CONTRIBUTION, TOLERANCED
+from fastlink.app.report import CONTRIBUTION, TOLERANCED, change_name
 from fastlink.app.study import read_study
 from fastlink.design.refine import Model
 from fastlink.design.search import labels_of
 from fastlink.engine.designs import without
-from fastlink.engine.extend import is_own, own_refused
+from fastlink.engine.extend import Extension, is_own, own_refused
 from fastlink.engine.function import derivative_of
 from fastlink.engine.options import check_options
 from fastlink.engine.resolve import given_tolerances, resolve
 from fastlink.engine.sweep import sweep
 from fastlink.errors import InputError, Problems, check_path, door
 from fastlink.facts.derivative import is_tolerance, tolerance_name, toleranced
-from fastlink.facts.names import Change, Quantity
 from fastlink.io.reader import as_map
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.query import check_names, parse_request
-from fastlink.space.design_space import BRANCH, DESIGN, MODELS
+from fastlink.space.design_space import BRANCH, DESIGN, MODELS, DesignSpace
 from fastlink.space.tables import as_space
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from fastlink.engine.extend import Extension
     from fastlink.facts.catalogue import Catalogue
-    from fastlink.space.design_space import DesignSpace
-
-__all__ = ["tolerance"]
 
 
 # -- Changes by tolerances from derivatives that are known, and the share of each input in them
 
 
 HOWS = ("worst", "rss")
-
-
-def change_name(name: str, how: str = "worst") -> str:
-    """Return the name of the change of a result."""
-    return str(Change(Quantity(name), how))
 
 
 def from_derivatives(
@@ -152,12 +142,6 @@ class Subject:
         space = as_space(maps.drop_vars([*map(str, maps.data_vars), *cycle, *of_links]))
         return cls(model.mechanism, space, model.options | options, list(map(str, maps.data_vars)), rows)
 
-    @classmethod
-    def of_study(cls, path: Any, trust_code: bool) -> Subject:
-        """Return that of a study."""
-        study = read_study(path, trust_code)
-        return cls(study.mechanism, study.space, dict(study.options), study.quantities)
-
 
 @door(hint="write the tolerances of inputs by name, such as a1=1e-4")
 def tolerance(
@@ -207,14 +191,8 @@ def tolerance(
         ``NAME_rss_change``, the root of the sum of the squares of the changes by each: the standard deviation, if the
         tolerances are standard deviations of independent inputs. The tolerances are coordinates.
 
-    Raises
-    ------
-    InputError
-        Bad input; the message says what, where, and what to write instead.
-
     Examples
     --------
-    >>> import fastlink as fl
     >>> space = fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0)
     >>> maps = fl.sweep("planar_4r", space, ["transmission_angle_min"], branch=1)
     >>> found = fl.tolerance(maps, a1=1e-4, a2=1e-4, a3="0.05 %", contributions=True)
@@ -225,27 +203,23 @@ def tolerance(
     >>> found.transmission_angle_min_contribution.sel(toleranced="a1").values.round(6)
     array([-0.000128, -0.000141])
     """
-    problems, is_study = Problems(), False
-    with problems.at():
-        check_options({"contributions": contributions})
-        if contributions and to is not None:
-            remedy = "leave one of them out; derivatives such as d_omega4_max_d_a1 can be swept into a file"
-            raise InputError("is given with to", where=("contributions",), remedy=remedy)
-    names = None
-    with problems.at():
-        names = None if quantities is None else check_names("quantities", quantities)
-    with problems.at():
-        is_study = (
-            isinstance(maps, (str, os.PathLike)) and check_path(("maps",), maps).suffix.lower() == ".toml"
-        )
-        if is_study and mechanism is not None:
-            what = "is for a map: a study names the file of its quantities itself"
-            raise InputError(what, where=("mechanism",), remedy="leave it out")
+    problems = Problems()
+    checked = problems.attempt(check_options, {"contributions": contributions}) or {}
+    if checked.get("contributions") and to is not None:
+        remedy = "leave one of them out; derivatives such as d_omega4_max_d_a1 can be swept into a file"
+        problems.add("is given with to", ("contributions",), remedy)
+    names = None if quantities is None else problems.attempt(check_names, "quantities", quantities)
+    path = problems.attempt(check_path, ("maps",), maps) if isinstance(maps, (str, os.PathLike)) else None
+    is_study = path is not None and path.suffix.lower() == ".toml"
+    if is_study and mechanism is not None:
+        what = "is for a map: a study names the file of its quantities itself"
+        problems.add(what, ("mechanism",), "leave it out")
     problems.stop()
     with ExitStack() as stack:
         dataset = None
         if is_study:
-            subject = Subject.of_study(maps, trust_code)
+            study = read_study(maps, trust_code)
+            subject = Subject(study.mechanism, study.space, dict(study.options), study.quantities)
         else:
             dataset = stack.enter_context(as_map(maps))
             subject = Subject.of_map(dataset, mechanism, names)
@@ -262,12 +236,14 @@ def tolerance(
         asked = list(dict.fromkeys([*wanted, *further]))
         found = sweep(subject.mechanism, subject.space, asked, **subject.options, **given)
     found = with_contributions(found, slopes if contributions else {})
-    found = found.drop_vars(
-        [n for of in slopes.values() for n in of.values() if n in found and n not in wanted]
-    )
-    if subject.rows is None or to is not None:
+    read = [name for of in slopes.values() for name in of.values()]
+    found = found.drop_vars([name for name in read if name in found and name not in wanted])
+    if subject.rows is None or to is not None or BRANCH not in found.dims:
         return found
-    return _of_rows(found, subject.rows)
+    import xarray as xr
+
+    at = np.searchsorted(found[BRANCH].values, subject.rows)  # designs that have one assembly mode each
+    return found.isel({BRANCH: xr.DataArray(at, dims=(DESIGN,))})
 
 
 def _with_tolerances(subject: Subject, tolerances: Mapping[str, Any]) -> DesignSpace:
@@ -281,7 +257,7 @@ def _with_tolerances(subject: Subject, tolerances: Mapping[str, Any]) -> DesignS
     )
     if not given and not any(map(is_tolerance, space.names)):
         remedy = f"write such as {next(iter(subject.catalogue.inputs))}=1e-4, in the unit of the input"
-        raise InputError("no tolerance is given", where=("tolerance",), remedy=remedy)
+        raise InputError("no tolerance is given", ("tolerance",), remedy)
     return space.with_constants(given)
 
 
@@ -310,7 +286,7 @@ def _that_change(subject: Subject) -> tuple[str, ...]:
     if not found:
         what = f"none of {', '.join(subject.names)} changes with these tolerances"
         remedy = "name quantities that do, or give the tolerance of an input on which these depend"
-        raise InputError(what, where=("quantities",), remedy=remedy)
+        raise InputError(what, ("quantities",), remedy)
     return tuple(found)
 
 
@@ -327,13 +303,3 @@ def _slopes(subject: Subject, names: Sequence[str]) -> dict[str, dict[str, str]]
         terms = output.terms or catalogue.change_terms(of.quantity, plan.variants, request.space.names)
         found[name] = {term.by: derivative_of(of, term.by, catalogue.position.name) for term in terms}
     return found
-
-
-def _of_rows(found: xr.Dataset, modes: Any) -> xr.Dataset:
-    """Return results of designs that have one assembly mode each."""
-    import xarray as xr
-
-    if BRANCH not in found.dims:
-        return found
-    at = np.searchsorted(found[BRANCH].values, modes)
-    return found.isel({BRANCH: xr.DataArray(at, dims=(DESIGN,))})

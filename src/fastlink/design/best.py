@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     from fastlink.engine.extend import Extension
 
-__all__ = ["best", "inputs_to_refine"]
-
 
 @door
 def best(
@@ -81,8 +79,6 @@ def best(
 
     Examples
     --------
-    >>> import numpy as np
-    >>> import fastlink as fl
     >>> space = fl.grid(a1=np.linspace(0.1, 0.5, 9), a2=np.linspace(0.9, 1.3, 9), a3=0.8, a4=1.0, omega1=25.0)
     >>> maps = fl.sweep("planar_4r", space, ["omega4_max", "transmission_angle_min"], branch=1)
     >>> found = fl.best(maps, minimise="omega4_max", where={"a1": (0.2, None), "status": "rotates_fully"}, top=1)
@@ -96,17 +92,14 @@ def best(
     True
     """
     with as_dataset(maps) as dataset:
-        problems, only, choice = Problems(), None, None
-        with problems.at():
-            only = inputs_to_refine(refine)
+        problems = Problems()
+        only = problems.attempt(inputs_to_refine, refine)
         if mechanism is not None and only is None:
             problems.add(
                 "counts for a refinement alone", ("mechanism",), "write refine=True, or leave it out"
             )
-        with problems.at():
-            choice = choice_of(dataset, minimise, maximise, where, top=top, infinite=infinite)
+        choice = problems.attempt(choice_of, dataset, minimise, maximise, where, top=top, infinite=infinite)
         problems.stop()
-        assert choice is not None
         if only is None:
             return chosen(dataset, choice).of(dataset)
         from fastlink.design.refine import Model, Refinement, candidates, spans_of

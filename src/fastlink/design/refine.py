@@ -16,48 +16,25 @@ from numpy.typing import NDArray
 
 from fastlink._text import counted, in_words, short_number, short_repr
 from fastlink.engine.evaluate import evaluate
-from fastlink.engine.extend import check_declared, is_own, own_refused
-from fastlink.engine.function import function
-from fastlink.engine.labels import request_labels
+from fastlink.engine.extend import Extension, check_declared, is_own, own_refused
+from fastlink.engine.function import Function, function
+from fastlink.engine.labels import flag_attrs, request_labels
 from fastlink.errors import InputError, Problems, listed
-from fastlink.facts.catalogue import ELIMINATED
+from fastlink.facts.catalogue import ELIMINATED, Catalogue
 from fastlink.facts.derivative import NoDependence, NoDerivative, is_tolerance
 from fastlink.facts.names import derivative_name
-from fastlink.maps.best import ACTIVE, GAIN, REFINEMENT, STARTS, nondominated
+from fastlink.maps.best import ACTIVE, GAIN, REFINEMENT, STARTS, Condition, Objective, nondominated
 from fastlink.maps.units import check_units, units_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.mechanisms import mechanism_of_map
 from fastlink.plan.query import Request, parse_request
 from fastlink.plan.request import check_positions, selected_variants
-from fastlink.space.design_space import BRANCH, DESIGN, EXTREMUM, MODELS, Links, bounds_of, steps
+from fastlink.space.design_space import BRANCH, DESIGN, EXTREMUM, MODELS, DesignSpace, Links, bounds_of, steps
 
 if TYPE_CHECKING:
     import xarray as xr
-    from numpy.typing import NDArray
 
-    from fastlink.engine.extend import Extension
-    from fastlink.engine.function import Function
-    from fastlink.facts.catalogue import Catalogue
     from fastlink.facts.fact import Input
-    from fastlink.maps.best import Condition, Objective
-    from fastlink.space.design_space import DesignSpace
-
-__all__ = [
-    "Descent",
-    "Model",
-    "Outcome",
-    "Points",
-    "Refinement",
-    "Span",
-    "Starts",
-    "Task",
-    "angles_of",
-    "candidates",
-    "descend",
-    "is_one_design",
-    "spans_of",
-    "spans_of_space",
-]
 
 
 # -- The inputs that a refinement may change: their ranges in a map, and those that follow others
@@ -92,11 +69,8 @@ class Span:
 def swept_inputs(catalogue: Catalogue, maps: xr.Dataset) -> dict[str, Input]:
     """Return the inputs that are not the same for all designs of a map, and are no codes."""
     known = catalogue.known_inputs(catalogue.variant_inputs)
-    return {
-        name: declared
-        for name, declared in known.items()
-        if name in maps.variables and maps[name].ndim == 1 and not declared.choices
-    }
+    swept = [name for name in known if name in maps.variables and maps[name].ndim == 1]
+    return {name: known[name] for name in swept if not known[name].choices}
 
 
 def spans_of(catalogue: Catalogue, maps: xr.Dataset, only: Sequence[str] = ()) -> list[Span]:
@@ -108,10 +82,10 @@ def spans_of(catalogue: Catalogue, maps: xr.Dataset, only: Sequence[str] = ()) -
     swept, problems = swept_inputs(catalogue, maps), Problems()
     check_only(only, list(swept), problems)
     for name, declared in swept.items():
-        with problems.at():
-            check_units(maps[name], declared.units, ("refine", name))
+        problems.attempt(check_units, maps[name], declared.units, ("refine", name))
     problems.stop()
-    drawn = dict(_drawn(str(maps.attrs.get("design_ranges", ""))))
+    ranges = re.findall(r"(\w+)=\(([^,()]+), ([^,()]+)\)", str(maps.attrs.get("design_ranges", "")))
+    drawn = {name: (float(low), float(high)) for name, low, high in ranges}
     ends = {}
     for name in only or swept:
         low, high = _ends(maps[name])
@@ -152,25 +126,19 @@ def _spans(ends: Mapping[str, tuple[float, float]], tabled: Mapping[str, Any]) -
     )
     if not spans:
         remedy = "sweep the inputs that may change, such as a2=(1.0, 1.4) of fl.sobol"
-        raise InputError("there is no input that may change", where=("refine",), remedy=remedy)
+        raise InputError("there is no input that may change", ("refine",), remedy)
     return spans
 
 
 def within(spans: Iterable[Span], wanted: Iterable[Condition]) -> list[Span]:
     """Return inputs with the ends that conditions leave them."""
     ends = {one.array.name: (one.low, one.high) for one in wanted if one.array.dtype.kind == "f"}
-    return [
-        replace(one, low=max(one.low, ends[one.name][0]), high=min(one.high, ends[one.name][1]), period=0.0)
-        if one.name in ends
-        else one
-        for one in spans
-    ]
-
-
-def _drawn(text: str) -> Iterable[tuple[str, tuple[float, float]]]:
-    """Yield the ranges that a sample was drawn from, of the attribute ``design_ranges`` of its map."""
-    for name, low, high in re.findall(r"(\w+)=\(([^,()]+), ([^,()]+)\)", text):
-        yield name, (float(low), float(high))
+    found = []
+    for one in spans:
+        low, high = ends.get(one.name, (-math.inf, math.inf))
+        narrowed = replace(one, low=max(one.low, low), high=min(one.high, high), period=0.0)
+        found.append(narrowed if one.name in ends else one)
+    return found
 
 
 def _pieces(array: xr.DataArray) -> Iterable[NDArray[np.float64]]:
@@ -259,11 +227,6 @@ class Model:
     def catalogue(self) -> Catalogue:
         """The mechanism, as it is driven."""
         return find_catalogue(self.mechanism, self.options.get("input"))
-
-    @property
-    def of_point(self) -> dict[str, Any]:
-        """The options of an evaluation at single positions."""
-        return {name: self.options.get(name) for name in ("links", "input", "solver") if name in self.options}
 
 
 def _positions(catalogue: Catalogue, maps: xr.Dataset) -> dict[str, Any]:
@@ -369,10 +332,10 @@ class Results:
         """Return quantities at single input positions."""
         if not names:
             return {}
-        inputs = {**self.codes, **dict(zip(self.inputs, designs, strict=True))}
-        options: dict[str, Any] = {**self.model.of_point, **inputs}
+        given: dict[str, Any] = {**self.codes, **dict(zip(self.inputs, designs, strict=True))}
+        given |= {name: of for name, of in self.model.options.items() if name in ("links", "input", "solver")}
         names = list(dict.fromkeys(names))
-        return evaluate(self.model.mechanism, names, branch=self.branch, allow_invalid=True, **options)
+        return evaluate(self.model.mechanism, names, branch=self.branch, allow_invalid=True, **given)
 
     @cached_property
     def _slopes_at_points(self) -> dict[tuple[int, int], str]:
@@ -507,16 +470,11 @@ class Points:
     def _differences(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return quotients of differences at both sides, at an end at one."""
         count, size = points.shape
-        moved = np.concatenate(
-            [
-                np.clip(points + sign * DIFFERENCE * np.eye(size)[j], 0.0, 1.0)
-                for j in range(size)
-                for sign in (1.0, -1.0)
-            ]
-        )
+        steps = [sign * DIFFERENCE * along for along in np.eye(size) for sign in (1.0, -1.0)]
+        moved = np.concatenate([np.clip(points + step, 0.0, 1.0) for step in steps])
         values = self.values(moved)[0].reshape(size, 2, count, -1)
-        steps = moved.reshape(size, 2, count, size)
-        over = np.stack([steps[j, 0, :, j] - steps[j, 1, :, j] for j in range(size)])
+        ends = moved.reshape(size, 2, count, size)
+        over = np.stack([ends[j, 0, :, j] - ends[j, 1, :, j] for j in range(size)])
         with np.errstate(all="ignore"):
             return np.moveaxis((values[:, 0] - values[:, 1]) / over[:, :, None], 0, 2)
 
@@ -685,7 +643,6 @@ def descend(task: Task, start: Floats) -> Descent:
 
     Examples
     --------
-    >>> import numpy as np
     >>> def values(x):
     ...     return np.maximum(x[:, :1], 1.0 - 2.0 * x[:, :1]), np.ones(len(x), bool)
     >>> def slopes(x):
@@ -771,7 +728,7 @@ class _Walk:
         up = np.eye(len(start))[-1]
         try:
             minimize(
-                (lambda z: z[-1]) if joint else self._objective,
+                (lambda z: z[-1]) if joint else (lambda z: float(self.height(self._at(z)[0]))),
                 start,
                 jac=(lambda z: up) if joint else self._objective_slopes,
                 method="SLSQP",
@@ -795,9 +752,6 @@ class _Walk:
             value = values[0] if known else self.first + above
             self._last = key, value, np.nan_to_num(slopes[0], nan=0.0, posinf=0.0, neginf=0.0)
         return self._last[1], self._last[2]
-
-    def _objective(self, z: Floats) -> float:
-        return float(self.height(self._at(z)[0]))
 
     def _objective_slopes(self, z: Floats) -> Floats:
         (k,) = self.aims
@@ -1052,7 +1006,7 @@ class Refinement:
             return name
         if array.name is None or array.dtype.kind == "b":
             what = "is a mask, which is known for the designs of the map alone"
-            raise InputError(what, where=(where,), remedy="write ranges such as {'a1': (None, 0.5)}")
+            raise InputError(what, (where,), "write ranges such as {'a1': (None, 0.5)}")
         request = self._request(name)
         if request is None and is_own(name, str(maps.attrs.get("own_quantities", ""))):
             raise own_refused((where,), name)
@@ -1060,7 +1014,7 @@ class Refinement:
             what = (
                 f"{name!r} is not a quantity of {catalogue.name}, and unknown between the designs of the map"
             )
-            raise InputError(what, where=(where,), remedy=remedy)
+            raise InputError(what, (where,), remedy)
         if request.reduction is not None and not self.model.knows_positions:
             what = f"{name!r} is of the values of {self.position} of the sweep, which the map does not hold"
             remedy = f"ask for a quantity along {self.position} too, or search by fl.search"
@@ -1071,7 +1025,7 @@ class Refinement:
             )
             raise InputError(what, where=(where,), remedy=remedy)
         if array.dtype.kind != "f" and where != "where":
-            raise InputError(f"{name!r} is a whole number", where=(where,), remedy=remedy)
+            raise InputError(f"{name!r} is a whole number", (where,), remedy)
         if array.dtype.kind == "f":
             check_units(array, str(request_labels(catalogue, request).get("units", "1")), (where, name))
         return name
@@ -1135,18 +1089,13 @@ class Refinement:
         for k, old in enumerate(ends):
             if old.reader is not new.reader:
                 continue
-            worse, better = (old, new) if self._is_better(new, old) else (new, old)
+            heights = [self.results[0].sign * one.descent.values[0] for one in (new, old)]
+            worse, better = (old, new) if heights[0] < heights[1] else (new, old)
             if is_one_design(worse.points, worse.descent, better.design):
                 ends[k] = replace(better, starts=old.starts + 1)
                 return False
         ends.append(new)
         return True
-
-    def _is_better(self, one: End, other: End) -> bool:
-        """Tell whether an end is better in the first objective."""
-        return bool(
-            one.descent.values[0] * self.results[0].sign < other.descent.values[0] * self.results[0].sign
-        )
 
     def _ended(self, row: xr.Dataset, number: int) -> End:
         """Return the end of the descent from one design."""
@@ -1224,18 +1173,12 @@ class Refinement:
             meaning = f"Gain by refinement of: {of.get('long_name', one.name)}"
             added(f"{one.name}_{GAIN}", gain, meaning, units=of.get("units", "1"))
         outcomes = [one.descent.outcome for one in ends]
-        flags = {
-            "flag_values": np.array([*Outcome], np.int8),
-            "flag_meanings": " ".join(o.meaning for o in Outcome),
-        }
+        flags = flag_attrs({int(one): one.meaning for one in Outcome}, "int8")
         added(REFINEMENT, np.array(outcomes, dtype=np.int8), "How the refinement ended", **flags)
         starts = np.array([one.starts for one in ends], dtype=np.int32)
         added(STARTS, starts, "Number of starts whose refinement ended in this design")
-        added(
-            ACTIVE,
-            np.array([self._active(one.descent) for one in ends], dtype=str),
-            "What holds the design back",
-        )
+        active = np.array([self._active(one.descent) for one in ends], dtype=str)
+        added(ACTIVE, active, "What holds the design back")
         result = result.set_coords(ACTIVE)
         points = np.stack([one.sign * result[one.name].values for one in aims], axis=1)
         order = np.argsort(points[:, 0], kind="stable") if len(aims) == 1 else nondominated(points)

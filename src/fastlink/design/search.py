@@ -19,21 +19,21 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from fastlink._text import counted, joined
 from fastlink.codegen.cache import environment
 from fastlink.design.best import inputs_to_refine
 from fastlink.design.refine import Model, Refinement, Span, angles_of, candidates, spans_of_space
 from fastlink.engine import labels
-from fastlink.engine.extend import check_declared, own_refused
-from fastlink.engine.options import check_options, check_workers
-from fastlink.engine.resolve import resolve
+from fastlink.engine.extend import Extension, check_declared, own_refused
+from fastlink.engine.options import check_options, checked_call
+from fastlink.engine.resolve import ResolvedSweep, of_request, resolve
 from fastlink.engine.run import default_threads, run
 from fastlink.engine.sinks import ProgressBar, allocated, check_needs, designs_per_block, within
 from fastlink.engine.sweep import sweep
-from fastlink.errors import InputError, Pair, Problems, Setting, check_output, check_switch, door
-from fastlink.facts.catalogue import ELIMINATED
+from fastlink.errors import InputError, Pair, Problems, Setting, check_switch, door
+from fastlink.facts.catalogue import ELIMINATED, Catalogue
 from fastlink.facts.own import declared_names
 from fastlink.io.checksums import Range, Ranges, joined_ranges, missing
 from fastlink.io.finished import finished_map
@@ -41,7 +41,7 @@ from fastlink.io.joining import CORE_TIME, JOINED, RUN_AGAIN, JoinedMap, PartFil
 from fastlink.io.layout import HISTORY, Variable, history, plain_attrs
 from fastlink.io.output_path import exists_error, not_writable, progress_bar, reason, refused, search_of
 from fastlink.io.partial_file import check_left, check_target
-from fastlink.io.reader import PartOfMap, check_size, shown_parts
+from fastlink.io.reader import PartOfMap, shown_parts
 from fastlink.io.writer import Writer
 from fastlink.maps import open as open_map
 from fastlink.maps.best import (
@@ -63,38 +63,13 @@ from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.mechanisms import mechanism_of_map
 from fastlink.plan.query import check_names, parse_request
 from fastlink.precision import DESIGNS
-from fastlink.space.design_space import BRANCH, DESIGN, Links, angle_of
+from fastlink.space.design_space import BRANCH, DESIGN, DesignSpace, Links, angle_of
 from fastlink.space.tables import FORMAT, STATUS, table
 
 if TYPE_CHECKING:
-    import xarray as xr
     from distributed import Client
-    from numpy.typing import ArrayLike, NDArray
 
-    from fastlink.design.refine import Span
     from fastlink.engine.cluster import Cluster
-    from fastlink.engine.extend import Extension
-    from fastlink.engine.resolve import ResolvedSweep
-    from fastlink.facts.catalogue import Catalogue
-    from fastlink.io.joining import PartFile
-    from fastlink.io.reader import PartOfMap
-    from fastlink.maps.best import Choice
-    from fastlink.space.design_space import DesignSpace
-
-__all__ = [
-    "Request",
-    "Rows",
-    "Stream",
-    "Unfinished",
-    "finished",
-    "found_by",
-    "join",
-    "labels_of",
-    "request_of",
-    "search",
-    "to_file",
-    "write",
-]
 
 
 # -- Keep the best rows of a sweep that goes by block by block: memory does not grow with the number of
@@ -134,25 +109,6 @@ class Kept(Tally):
         return cls(**given)
 
 
-@dataclass(frozen=True)
-class Rows:
-    """The rows of a search: places along the designs and further dimensions, numbered in C order."""
-
-    #: The further dimensions of objectives and conditions, and their lengths.
-    sizes: dict[str, int] = field(default_factory=dict)
-
-    @property
-    def of_design(self) -> int:
-        """The rows of one design."""
-        return math.prod(self.sizes.values())
-
-    def places(self, rows: NDArray[np.int64]) -> tuple[NDArray[np.int64], dict[str, NDArray[np.int64]]]:
-        """Return the designs of rows, and their places along each further dimension."""
-        designs, inside = np.divmod(rows, self.of_design)
-        along = np.unravel_index(inside, tuple(self.sizes.values())) if self.sizes else ()
-        return designs, dict(zip(self.sizes, along, strict=True))
-
-
 class Stream:
     """The reading of the blocks of a sweep."""
 
@@ -162,7 +118,9 @@ class Stream:
         dims = dict.fromkeys(str(dim) for array in arrays for dim in array.dims if dim != DESIGN)
         self.lengths = resolved.lengths
         order = [dim for dim in (BRANCH, *along) if dim in dims]
-        self.rows = Rows({dim: self.lengths[dim] for dim in order})
+        #: The dimensions of objectives and conditions besides the design, and their lengths; rows are in C order.
+        self.sizes = {dim: self.lengths[dim] for dim in order}
+        self.rows_of_design = math.prod(self.sizes.values())
         self.names = list(dict.fromkeys(str(array.name) for array in arrays))
         outputs = {output.name: k for k, output in enumerate(resolved.plan.outputs)}
         self.outputs = {name: outputs[name] for name in self.names if name in outputs}
@@ -173,6 +131,12 @@ class Stream:
         self.waiting: list[tuple[NDArray[np.int64], NDArray[np.float64]]] = []
         self.count, self.strongest = 0, np.empty((0, len(choice.objectives)))
         self.codes = max(resolved.catalogue.facts["status"].flags) + 1
+
+    def places(self, rows: NDArray[np.int64]) -> tuple[NDArray[np.int64], dict[str, NDArray[np.int64]]]:
+        """Return the designs of rows, and their places along each further dimension."""
+        designs, inside = np.divmod(rows, self.rows_of_design)
+        along = np.unravel_index(inside, tuple(self.sizes.values())) if self.sizes else ()
+        return designs, dict(zip(self.sizes, along, strict=True))
 
     @property
     def searched(self) -> list[str]:
@@ -189,26 +153,26 @@ class Stream:
         """Add the results of consecutive designs to what is kept of a block; `known` is kept of others already."""
         values = self._values(start, stop, arrays)
         into.designs += np.bincount(arrays[self.status].reshape(-1), minlength=self.codes)
-        shape = (stop - start, *self.rows.sizes.values())
+        shape = (stop - start, *self.sizes.values())
         places, points = into.usable(self.choice, shape, lambda array: values[str(array.name)])
         if len(places):
-            self._add(into, start * self.rows.of_design + places, points, known)
+            self._add(into, start * self.rows_of_design + places, points, known)
 
     def _values(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> dict[str, NDArray[Any]]:
         """Return what is looked at, with a length or 1 along each dimension of the rows."""
         lengths, found = self.lengths, dict[str, NDArray[Any]]()
         for name, k in self.outputs.items():
             axes = self.resolved.plan.outputs[k].axes
-            shape = [lengths[dim] if dim in axes else 1 for dim in self.rows.sizes]
+            shape = [lengths[dim] if dim in axes else 1 for dim in self.sizes]
             found[name] = arrays[k].reshape(stop - start, *shape)
         if self.inputs:
             read = np.empty((len(self.inputs), stop - start))
             self.resolved.space.fill(self.inputs, start, stop, read)
             for name, row in zip(self.inputs, read, strict=True):
-                found[name] = row.reshape(-1, *(1 for _ in self.rows.sizes))
+                found[name] = row.reshape(-1, *(1 for _ in self.sizes))
         for name in self.names:
             if name not in found:
-                shape = [lengths[dim] if dim == name else 1 for dim in self.rows.sizes]
+                shape = [lengths[dim] if dim == name else 1 for dim in self.sizes]
                 found[name] = self.along[name].reshape(1, *shape)
         return found
 
@@ -271,14 +235,12 @@ class Unfinished:
 
     def __init__(self, path: Path, fingerprint: str) -> None:
         self.path, self.fingerprint = search_of(path), fingerprint
-        self._next = time.monotonic() + STEP_SECONDS
+        self.due = time.monotonic() + STEP_SECONDS
 
     def read(self) -> tuple[Kept, list[Range]] | None:
         """Return what an earlier run of the same request has left, None where nothing is; refuse that of another."""
-        remedy = (
-            "finish that search, choose another name",
-            (", or write ", Setting("restart", True), " to throw it away"),
-        )
+        throw_away = (", or write ", Setting("restart", True), " to throw it away")
+        remedy = ("finish that search, choose another name", throw_away)
         try:
             with np.load(self.path) as arrays:
                 about = json.loads(str(arrays["about"]))
@@ -290,10 +252,6 @@ class Unfinished:
         except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
             raise refused(f"{self.path} cannot be read ({error})", remedy) from error
         raise refused(f"{self.path} is of another search, or by another version", remedy)
-
-    def is_due(self) -> bool:
-        """Tell whether it is time to keep the state."""
-        return time.monotonic() >= self._next
 
     def write(self, kept: Kept, done: Sequence[Range]) -> None:
         """Keep a state."""
@@ -310,7 +268,7 @@ class Unfinished:
         except OSError as error:
             fresh.unlink(missing_ok=True)
             raise not_writable(self.path, error) from error
-        self._next = time.monotonic() + STEP_SECONDS
+        self.due = time.monotonic() + STEP_SECONDS
 
     def remove(self) -> None:
         """Remove it: the search has its file, or is to begin anew."""
@@ -324,7 +282,7 @@ class Unfinished:
 
 
 def found_by(
-    request: Request,
+    request: SearchRequest,
     *,
     threads: int,
     block: int | None,
@@ -370,7 +328,7 @@ def found_by(
 
 
 def finished(
-    request: Request,
+    request: SearchRequest,
     stream: Stream,
     kept: Kept,
     about: Mapping[str, Any],
@@ -442,7 +400,7 @@ class _Gathering(_Gathered):
         """Add what is kept of further designs, also by a worker; thread-safe."""
         with self.lock:
             super().merge(report)
-            if self.unfinished is not None and self.unfinished.is_due():
+            if self.unfinished is not None and time.monotonic() >= self.unfinished.due:
                 self.unfinished.write(*self.report())
         self.bar.merge(int(report[0].designs.sum()))
 
@@ -467,10 +425,8 @@ class _Gathering(_Gathered):
                 with contextlib.suppress(InputError):
                     self.unfinished.write(*self.report())
                     share = _count(now) / _count(wanted)
-                    error.add_note(
-                        f"{share:.0%} of the designs are searched, as {self.unfinished.path} says; "
-                        "run the same again to go on"
-                    )
+                    searched = f"{share:.0%} of the designs are searched, as {self.unfinished.path} says"
+                    error.add_note(f"{searched}; run the same again to go on")
             raise
 
 
@@ -478,20 +434,15 @@ def _count(ranges: list[Range]) -> int:
     return sum(stop - start for start, stop in ranges)
 
 
-def _nothing(request: Request, stream: Stream, kept: Kept) -> InputError:
+def _nothing(request: SearchRequest, stream: Stream, kept: Kept) -> InputError:
     """Return the error of a search that has found nothing, with what was in the way."""
-    size = request.size * stream.rows.of_design
-    reasons = [
-        f"{count:,} fail {one.array.name}"
-        for one, count in zip(request.choice.wanted, kept.failed.tolist(), strict=True)
-        if count
-    ]
+    size = request.size * stream.rows_of_design
+    failed = zip(request.choice.wanted, kept.failed.tolist(), strict=True)
+    reasons = [f"{count:,} fail {one.array.name}" for one, count in failed if count]
     reasons += [f"{kept.not_numbers:,} have no number"] if kept.not_numbers else []
     reasons += [f"{kept.infinite:,} are infinite"] if kept.infinite else []
     what = f"none of {counted(size, 'row')} meets all conditions: {', '.join(reasons)}"
-    return InputError(
-        what, where=("where",), remedy="widen the conditions or the ranges, or search more designs"
-    )
+    return InputError(what, ("where",), "widen the conditions or the ranges, or search more designs")
 
 
 # -- The request of a search, and its result as a map of the designs that were found
@@ -505,7 +456,7 @@ SEARCHED = "searched_"
 
 
 @dataclass
-class Request:
+class SearchRequest:
     """A search whose parts were checked."""
 
     #: The mechanism, as it was given.
@@ -558,16 +509,8 @@ class Request:
         aims = [(one.array.name, one.sign) for one in choice.objectives]
         wanted = [(one.array.name, one.codes, one.low, one.high) for one in choice.wanted]
         spans = None if self.refinement is None else self.refinement.spans
-        own = (
-            aims,
-            wanted,
-            choice.top,
-            self.kept.top,
-            choice.infinite,
-            spans,
-            self.quantities,
-            self.options.get("links"),
-        )
+        tops, links = (choice.top, self.kept.top), self.options.get("links")
+        own = aims, wanted, *tops, choice.infinite, spans, self.quantities, links
         attrs = sorted((name, repr(value)) for name, value in plain_attrs(self.attrs).items())
         return hashlib.sha256(repr((self.resolved.fingerprint, own, attrs)).encode()).hexdigest()
 
@@ -595,7 +538,7 @@ class Request:
         self, stream: Stream, rows: NDArray[np.int64]
     ) -> tuple[dict[str, Any], dict[str, NDArray[np.int64]]]:
         """Return the inputs and labels of the designs of some rows, and their places along further dimensions."""
-        designs, places = stream.rows.places(rows)
+        designs, places = stream.places(rows)
         space = self.resolved.space
         inside = designs if self.numbers is None else np.searchsorted(self.numbers, designs)
         columns: dict[str, Any] = {DESIGN: designs, **space.at(inside)}
@@ -613,7 +556,7 @@ class Request:
             return self.rows(columns, places, names, verify)
         top = None if stream.several else self.choice.top
         starts = self.rows(columns, places, stream.searched)
-        refined = self.refinement.of(starts, searched=self.size * stream.rows.of_design, top=top, show=show)
+        refined = self.refinement.of(starts, searched=self.size * stream.rows_of_design, top=top, show=show)
         if self.refinement.at_position:
             return refined
         moved = {name: refined[name].values if name in refined else given for name, given in columns.items()}
@@ -630,7 +573,7 @@ class Request:
     def of_part(self, stream: Stream, kept: Kept, of: PartOfMap, about: Mapping[str, Any]) -> xr.Dataset:
         """Return the rows that a part keeps as a map, not refined; where there is none its first row stands there."""
         rows = (
-            stream.ordered(kept).rows if len(kept.rows) else np.array([of.range[0] * stream.rows.of_design])
+            stream.ordered(kept).rows if len(kept.rows) else np.array([of.range[0] * stream.rows_of_design])
         )
         result = self.rows(*self.columns(stream, rows), stream.searched)
         start, stop = of.range
@@ -654,7 +597,7 @@ class Request:
             "asked": self.asked | {"refine": self.only if self.only else self.only is not None},
             "options": options,
             "columns": list(columns),
-            "rows_of_design": stream.rows.of_design,
+            "rows_of_design": stream.rows_of_design,
             "labels": list(self.resolved.space.labels),
             "spans": None if self.spans is None else [astuple(one) for one in self.spans],
             "size": self.size,
@@ -674,7 +617,7 @@ class Request:
     def counts(self, stream: Stream, kept: Kept, size: int) -> dict[str, Any]:
         """Return how many designs were searched, and why others were left out, as attributes."""
         attrs: dict[str, Any] = {f"{SEARCHED}{name}": value for name, value in self.origin.items()}
-        attrs |= {f"{SEARCHED}designs": size, f"{SEARCHED}rows": size * stream.rows.of_design}
+        attrs |= {f"{SEARCHED}designs": size, f"{SEARCHED}rows": size * stream.rows_of_design}
         flags = self.resolved.catalogue.facts["status"].flags
         attrs |= {f"{SEARCHED}designs_{meaning}": int(kept.designs[code]) for code, meaning in flags.items()}
         for one, count in zip(self.choice.wanted, kept.failed.tolist(), strict=True):
@@ -792,7 +735,6 @@ def search(
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> space = fl.sobol(4096, a1=(0.1, 0.5), a2=(0.8, 1.3), a3=(0.5, 1.2), a4=1.0, omega1=1.0)
     >>> where = {"status": "rotates_fully", "transmission_angle_min_deg": (40, None), "swing_deg": (60, None)}
     >>> found = fl.search("planar_4r", space, minimise="omega4_max", where=where, top=2)
@@ -801,42 +743,29 @@ def search(
     >>> found.attrs["searched_designs"], found.attrs["excluded_by_swing"] > 1000
     (4096, True)
     """
-    problems, checked = Problems(), dict[str, Any]()
-    with problems.at():
-        given: dict[str, Any] = {"verify": verify, "to": to, "threads": threads, "overwrite": overwrite}
-        given |= {"restart": restart, "progress": progress, "attrs": attrs, "block": block}
-        checked = check_options(given | {"part": part, "client": client})
-    asked: dict[str, Any] = {"minimise": minimise, "maximise": maximise, "where": where, "top": top}
-    asked |= {"infinite": infinite, "refine": refine, "bounds": bounds}
-    of_sweep: dict[str, Any] = {"links": links, "input": input, "angles": angles, "positions": positions}
-    of_sweep |= {"branch": branch, "solver": solver, "extrema": extrema, "backend": backend}
-    with problems.at():
-        request = request_of(mechanism, space, quantities, asked, **of_sweep, options=_OPTIONS)
-        if checked.get("part") is not None:
-            check_size(("part",), checked["part"], request.size)
-    check_workers(client, threads, problems)
-    problems.stop()
+    call = dict(locals())
+    checked, request = checked_call(
+        call,
+        lambda given: request_of(mechanism, space, quantities, given, **of_request(given), options=_OPTIONS),
+    )
     request.options["threads"], request.attrs = checked["threads"], checked["attrs"] or {}
     of = None if part is None else PartOfMap(checked["part"], request.fingerprint, request.size)
     run: dict[str, Any] = {name: checked[name] for name in ("block", "progress", "verify")}
-    run |= {"threads": checked["threads"] or default_threads(), "of": of}
-    if client is not None:
-        from fastlink.engine.cluster import Cluster  # 25 ms of imports, for clusters alone
-
-        run |= {"cluster": Cluster(client), "threads": 1}
+    threads = 1 if client is not None else checked["threads"] or default_threads()
+    run |= {"threads": threads, "cluster": checked["client"], "of": of}
     if to is None:
         return found_by(request, **run)[0]
-    run |= {"restart": restart}
-    ways: dict[str, Any] = {"overwrite": overwrite, "restart": restart, "of": of}
-    made = f"search {request.resolved.mechanism}"
-    return to_file(
-        checked["to"], request, lambda path: found_by(request, path=path, **run), made=made, **ways
-    )
+    ways: dict[str, Any] = {"overwrite": overwrite, "of": of, "made": f"search {request.resolved.mechanism}"}
+
+    def found(path: Path) -> tuple[xr.Dataset, xr.Dataset | None]:
+        return found_by(request, path=path, restart=restart, **run)
+
+    return to_file(checked["to"], request, found, restart=restart, **ways)
 
 
 def to_file(
     to: Path,
-    request: Request,
+    request: SearchRequest,
     found: Callable[[Path], tuple[xr.Dataset, xr.Dataset | None]],
     *,
     made: str,
@@ -863,7 +792,7 @@ def to_file(
     return open_map(path)
 
 
-def request_of_parts(parts: Sequence[PartFile], own: Any = None) -> tuple[Request, list[Kept], Any]:
+def request_of_parts(parts: Sequence[PartFile], own: Any = None) -> tuple[SearchRequest, list[Kept], Any]:
     """Return the search that parts make together, what each has kept, and how many designs are verified.
 
     Its designs are those that were kept, which know their numbers among all.
@@ -874,7 +803,7 @@ def request_of_parts(parts: Sequence[PartFile], own: Any = None) -> tuple[Reques
     about = json.loads(wholes[0][SEARCH].item())
     if about["environment"] != environment().hex():
         what = f"{parts[0].path} is by another version ({attrs.get('source')})"
-        raise InputError(what, where=("paths",), remedy="join with the version that has searched the parts")
+        raise InputError(what, ("paths",), "join with the version that has searched the parts")
     mechanism, text = mechanism_of_map(attrs), str(attrs.get("own_quantities", ""))
     if own is not None:
         mechanism = check_declared(("mechanism",), own, mechanism, text)  # type: ignore[assignment]
@@ -892,14 +821,9 @@ def request_of_parts(parts: Sequence[PartFile], own: Any = None) -> tuple[Reques
     order = np.argsort(every, kind="stable")
     options = dict(about["options"])
     links = options["links"] = None if options["links"] is None else Links(**options["links"])
-    space = table(
-        {
-            name: np.concatenate(values)[order] if np.ndim(values[0]) else values[0].item()
-            for name, values in columns.items()
-            if links is None or name not in links.values
-        },
-        keep=about["labels"],
-    )
+    given = {name: of for name, of in columns.items() if links is None or name not in links.values}
+    designs = {n: np.concatenate(of)[order] if np.ndim(of[0]) else of[0].item() for n, of in given.items()}
+    space = table(designs, keep=about["labels"])
     asked = {**about["asked"], "bounds": None, "spans": None}
     if about["spans"] is not None:
         asked["spans"] = [
@@ -918,16 +842,16 @@ _OPTIONS = tuple(name for name in signature(search).parameters if name != "posit
 
 def request_of(
     mechanism: Any, space: Any, quantities: Any, asked: Mapping[str, Any], **of_sweep: Any
-) -> Request:
+) -> SearchRequest:
     """Return the request of a search, or refuse it with all its problems; nothing is compiled."""
-    problems, only = Problems(), None
-    with problems.at():
-        only = inputs_to_refine(asked["refine"])
+    problems = Problems()
+    only = problems.attempt(inputs_to_refine, asked["refine"])
     names = _searched(find_catalogue(mechanism, of_sweep["input"]), asked, problems)
     bounds = _ranges(asked["bounds"], problems)
     resolved, others = None, list[str]()
     with problems.at():
-        others = [] if _is_empty_list(quantities) else list(check_names("quantities", quantities))
+        if not isinstance(quantities, (list, tuple)) or quantities:
+            others = list(check_names("quantities", quantities))
         resolve(mechanism, space, [*others, *(n for n in names if n not in others)] or [STATUS], **of_sweep)
         resolved = resolve(mechanism, space, names or [STATUS], **of_sweep)
     problems.stop()
@@ -937,14 +861,14 @@ def request_of(
     choice = choice_of(labels, **choice_asked)
     if any(one.array.dtype.kind == "b" for one in choice.wanted):
         remedy = "write conditions by name, such as {'a1': (None, 0.5)}"
-        raise InputError("is a mask of one map", where=("where",), remedy=remedy)
+        raise InputError("is a mask of one map", ("where",), remedy)
     taken = ("links", "input", "solver", "backend", "branch")
     options = {name: of_sweep[name] for name in taken if name in of_sweep}
     options |= {"extrema": resolved.plan.extrema or None, "threads": None}
     options |= angles_of(resolved.catalogue, resolved.positions)
     wanted = tuple(dict.fromkeys([*others, *names]))
     about = choice_asked, choice, labels, space.size, space.attrs
-    request = Request(mechanism, resolved, options, wanted, only, *about)
+    request = SearchRequest(mechanism, resolved, options, wanted, only, *about)
     if only is not None:
         spans = asked.get("spans")
         request.spans = spans or spans_of_space(resolved.catalogue, space, bounds, only)
@@ -952,10 +876,6 @@ def request_of(
         model = Model(mechanism, of_model)
         request.refinement = Refinement(labels, model, request.spans, choice.objectives, choice.wanted)
     return request
-
-
-def _is_empty_list(names: Any) -> bool:
-    return isinstance(names, (list, tuple)) and not names
 
 
 def _searched(catalogue: Catalogue, asked: Mapping[str, Any], problems: Problems) -> list[str]:
@@ -1067,7 +987,6 @@ def join(
     Examples
     --------
     >>> import pathlib, tempfile
-    >>> import fastlink as fl
     >>> request = "planar_4r", fl.grid(a1=0.4, a2=[1.1, 1.2, 1.3], a3=0.8, a4=[1.0, 1.1]), ["transmission_angle_min"]
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     for k in (1, 2, 3):
@@ -1076,21 +995,17 @@ def join(
     ...         dict(maps.transmission_angle_min.sizes)
     {'a2': 3, 'a4': 2, 'branch': 2}
     """
-    problems, checked, parts = Problems(), dict[str, Any](), list[PartFile]()
+    problems = Problems()
     ways: dict[str, Any] = {"overwrite": overwrite, "restart": restart}
-    with problems.at():
-        check_output(("to",), to)
-        checked = check_options({"overwrite": overwrite, "restart": restart, "progress": progress})
-    with problems.at():
-        check_switch(("copy",), copy)
-    with problems.at():
-        parts = part_files(paths)
+    checked = problems.attempt(check_options, {"to": to, **ways, "progress": progress})
+    problems.attempt(check_switch, ("copy",), copy)
+    parts = problems.attempt(part_files, paths)
     problems.stop()
     if SEARCH in parts[0].whole():
         return _joined_search(parts, mechanism, checked["progress"], Path(to), **ways)
     if mechanism is not None:
         remedy = "leave it out: maps are joined as they are"
-        raise InputError("counts for the parts of a search alone", where=("mechanism",), remedy=remedy)
+        raise InputError("counts for the parts of a search alone", ("mechanism",), remedy)
     joined = JoinedMap(parts)
     about: dict[str, Any] = {"coords": joined.coords, "variables": joined.variables, "attrs": {}}
     if not overwrite:
@@ -1123,7 +1038,7 @@ def _joined_search(
         if isinstance(error, InputError):
             raise
         what = f"{parts[0].path}: what it says of its search cannot be read ({reason(error)})"
-        raise InputError(what, where=("paths",), remedy=RUN_AGAIN) from error
+        raise InputError(what, ("paths",), RUN_AGAIN) from error
     stream = Stream(request.resolved, request.kept, request.along)
     kept = stream.nothing()
     for one in found:
@@ -1132,12 +1047,5 @@ def _joined_search(
     about = {name: value for name, value in merged([part.attrs for part in parts]).items() if name in OF_RUN}
     about["designs_per_second"] = request.size / about["run_time_s"]
     how: dict[str, Any] = {"verify": DESIGNS if verify is None else verify, "progress": progress}
-    made = f"join {len(parts)} parts of a search"
-    return to_file(
-        to,
-        request,
-        lambda path: (finished(request, stream, kept, about, **how), None),
-        made=made,
-        parts=parts,
-        **ways,
-    )
+    ways |= {"made": f"join {len(parts)} parts of a search", "parts": parts}
+    return to_file(to, request, lambda path: (finished(request, stream, kept, about, **how), None), **ways)

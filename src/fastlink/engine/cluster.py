@@ -86,7 +86,7 @@ def evaluate_range(
 ) -> Report:
     """Evaluate designs on a worker."""
     if about() != same:
-        raise InputError(f"a worker {difference(about(), same)}", where=("client",), remedy=SAME_VERSION)
+        raise InputError(f"a worker {difference(about(), same)}", ("client",), SAME_VERSION)
     job = _job(data[0], name)
     length = min(block or block_length(job.shapes, job.size, 1), stop - start)
     options: dict[str, Any] = {"block": length, "pending": [(start, stop)]}
@@ -154,7 +154,7 @@ def connected(where: KeyPath, address: str) -> Client:
         from distributed import Client
         from distributed.comm import get_address_host_port
     except ModuleNotFoundError:
-        raise InputError("distributed is not installed", where=where, remedy=INSTALL) from None
+        raise InputError("distributed is not installed", where, INSTALL) from None
     try:
         if Path(address).is_file():
             address = json.loads(Path(address).read_text())["address"]
@@ -164,7 +164,7 @@ def connected(where: KeyPath, address: str) -> Client:
     except Exception as error:  # of all kinds, by what is wrong with the text
         what = f"no scheduler answers at {short_repr(address)} ({reason(error) or type(error).__name__})"
         remedy = "write the address that `dask scheduler` prints, such as tcp://10.0.0.1:8786, or its scheduler file"
-        raise InputError(what, where=where, remedy=remedy) from None
+        raise InputError(what, where, remedy) from None
 
 
 class Cluster:
@@ -297,17 +297,9 @@ class _Tasks:
 
     def submit(self, start: int, stop: int) -> None:
         """Hand out a range of designs."""
-        future = self.client.submit(
-            evaluate_range,
-            self.scattered,
-            self.name,
-            start,
-            stop,
-            block=self.block,
-            same=about(),
-            key=f"fastlink-{self.name}-{next(self.numbers)}",
-            pure=False,
-        )
+        key, how = f"fastlink-{self.name}-{next(self.numbers)}", {"block": self.block, "same": about()}
+        data = self.scattered, self.name, start, stop
+        future = self.client.submit(evaluate_range, *data, **how, key=key, pure=False)
         self.under_way[future] = start, stop
         future.add_done_callback(self.done.put)
 
@@ -329,7 +321,7 @@ class _Tasks:
     def _again(self, start: int, stop: int) -> None:
         """Hand out designs again whose task or data the cluster has lost."""
         if self.client.status != "running" or self.losses >= LOSSES:
-            raise InputError("the cluster has lost its tasks", where=("client",), remedy="look at its log")
+            raise InputError("the cluster has lost its tasks", ("client",), "look at its log")
         if self.scattered.status != "finished":
             self.losses += 1
             self._scatter()
@@ -340,17 +332,12 @@ class _Tasks:
         if isinstance(error, InputError):
             return error
         if isinstance(error, ImportError):
-            return InputError(
-                f"a worker {difference(error, about())}", where=("client",), remedy=SAME_VERSION
-            )
+            return InputError(f"a worker {difference(error, about())}", ("client",), SAME_VERSION)
         if type(error).__name__ == "KilledWorker":
             what = f"workers die of designs {start} to {stop - 1}: {error}"
-            return InputError(
-                what, where=("client",), remedy="give workers more memory, or look at their log"
-            )
+            return InputError(what, ("client",), "give workers more memory, or look at their log")
         if isinstance(error, OSError):
-            what = f"a worker cannot write the file ({error})"
-            return InputError(what, where=("to",), remedy="choose another place")
+            return InputError(f"a worker cannot write the file ({error})", ("to",), "choose another place")
         return error or RuntimeError(f"designs {start} to {stop - 1} have failed on a worker")
 
     def cancel(self) -> None:

@@ -95,19 +95,12 @@ def without(space: DesignSpace, names: Iterable[str]) -> DesignSpace:
     gone = set(names)
     dims = [(dim, length) for dim, length in zip(space.dims, space.shape, strict=True) if dim not in gone]
 
-    def rest(values: Mapping[str, Any]) -> dict[str, Any]:
-        return {name: value for name, value in values.items() if name not in gone}
-
-    return replace(
-        space,
-        dims=tuple(dim for dim, _ in dims),
-        shape=tuple(length for _, length in dims),
-        axes=rest(space.axes),
-        constants=rest(space.constants),
-        columns=rest(space.columns),
-        labels=rest(space.labels),
-        doubtful=rest(space.doubtful),
-    )
+    by_name = ("axes", "constants", "columns", "labels", "doubtful")
+    rest: dict[str, Any] = {
+        part: {name: of for name, of in getattr(space, part).items() if name not in gone} for part in by_name
+    }
+    shape = tuple(length for _, length in dims)
+    return replace(space, dims=tuple(dim for dim, _ in dims), shape=shape, **rest)
 
 
 def _inputs_of_labels(space: DesignSpace, known: Mapping[str, Input], problems: Problems) -> DesignSpace:
@@ -172,18 +165,13 @@ def _renamed(space: DesignSpace, angles: Mapping[str, str], problems: Problems) 
     axes = converted(space.axes)
     for name in angles:
         if name in space.axes:  # two angles that differ by less than a rounding are one in radians
-            with problems.at():
-                axis_of("design", angles[name], axes[angles[name]])
-    comments = {angle: COMMENT for angle in angles.values()}
-    return replace(
-        space,
-        dims=tuple(angles.get(dim, dim) for dim in space.dims),
-        constants={name: float(value) for name, value in converted(space.constants).items()},
-        axes=axes,
-        columns=converted(space.columns),
-        doubtful={angles.get(name, name): problem for name, problem in space.doubtful.items()},
-        comments=space.comments | comments,
-    )
+            problems.attempt(axis_of, "design", angles[name], axes[angles[name]])
+    constants = {name: float(value) for name, value in converted(space.constants).items()}
+    doubtful = {angles.get(name, name): problem for name, problem in space.doubtful.items()}
+    parts: Any = {"constants": constants, "columns": converted(space.columns), "doubtful": doubtful}
+    comments = space.comments | dict.fromkeys(angles.values(), COMMENT)
+    dims = tuple(angles.get(dim, dim) for dim in space.dims)
+    return replace(space, dims=dims, axes=axes, comments=comments, **parts)
 
 
 def _in_radians_where_read(degrees: Any) -> Any:
@@ -201,11 +189,8 @@ def _without_results(
     of_map = space.of_map or bool(values)
     inside = (BRANCH, EXTREMUM, catalogue.position.name)
     cycle = [name for name in others if name in inside and of_map]
-    unknown = [
-        name
-        for name in others
-        if name not in (*results, *cycle, *space.labels) and _no_input(catalogue, name) is None
-    ]
+    rest = [name for name in others if name not in (*results, *cycle, *space.labels)]
+    unknown = [name for name in rest if _no_input(catalogue, name) is None]
     problems.noted += [_unknown(catalogue, name) for name in unknown]
     along = [name for name in cycle if name in space.columns or np.ndim(space.labels.get(name, 0.0))]
     space = without(space, (*results, *cycle, *unknown))
@@ -227,9 +212,8 @@ def _no_input(catalogue: Catalogue, name: str) -> Problem | None:
     if name == BRANCH:
         return Problem("is not an input", ("design", name), "write assembly modes as an option of the sweep")
     if name in (catalogue.position.name, degrees_name(catalogue.position.name)):
-        what = "is the input position, which each design runs through"
         remedy = "write it as an option of the sweep; fastlink.evaluate takes one for each row"
-        return Problem(what, ("design", name), remedy)
+        return Problem("is the input position, which each design runs through", ("design", name), remedy)
     return None
 
 

@@ -21,22 +21,8 @@ from fastlink.facts.powers import any_beyond_range
 from fastlink.facts.tables import angle_tables
 from fastlink.mechanisms import NAMES, inputs_of, name_of
 from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.plan import request
 from fastlink.plan.query import check_names, parse_request, require_quantity
-from fastlink.plan.request import (
-    all_choices,
-    branch_codes,
-    check_keywords,
-    check_model,
-    constants_of,
-    flag_beyond_range,
-    in_range,
-    joined_missing,
-    missing_inputs,
-    name_problems,
-    radian_keywords,
-    selected_variants,
-    value_problems,
-)
 from fastlink.space.design_space import (
     MOST_DIMS,
     RADIANS,
@@ -72,8 +58,7 @@ def like(value: Any, numbers: NDArray[np.float64]) -> Any:
 def too_many(count: int, *inside: str) -> InputError:
     """Return the error of so many configurations that their arrays would fill the memory."""
     what = f"{counted(count, 'configuration')} are too many at once"
-    remedy = f"write at most {MOST_CONFIGURATIONS}, or sweep them by fastlink.sweep"
-    return InputError(what, where=inside, remedy=remedy)
+    return InputError(what, inside, f"write at most {MOST_CONFIGURATIONS}, or sweep them by fastlink.sweep")
 
 
 def broadcast_inputs(function: str, values: Mapping[str, Any]) -> tuple[Any, dict[str, Any], tuple[int, ...]]:
@@ -89,15 +74,12 @@ def broadcast_inputs(function: str, values: Mapping[str, Any]) -> tuple[Any, dic
             first, other = lengths.setdefault(dim, (name, value))
             if other.sizes[dim] != value.sizes[dim]:
                 lengths_of = f"{counted(value.sizes[dim], 'value')} along {dim!r}, {first} {other.sizes[dim]}"
-                raise InputError(f"has {lengths_of}", where=(function, name), remedy="give equal lengths")
-            if (
-                dim in other.indexes
-                and dim in value.indexes
-                and not value.indexes[dim].equals(other.indexes[dim])
-            ):
+                raise InputError(f"has {lengths_of}", (function, name), "give equal lengths")
+            index, known = value.indexes.get(dim), other.indexes.get(dim)
+            if index is not None and known is not None and not index.equals(known):
                 what = f"has other coordinates along {dim!r} than {first}"
-                raise InputError(what, where=(function, name), remedy="select those that both have")
-            if dim in value.indexes and dim not in other.indexes:
+                raise InputError(what, (function, name), "select those that both have")
+            if index is not None and known is None:
                 lengths[dim] = name, value
     shape = tuple(other.sizes[dim] for dim, (_, other) in lengths.items())
     if math.prod(shape) > MOST_CONFIGURATIONS:
@@ -121,7 +103,7 @@ def _shape(function: str, shapes: Mapping[str, tuple[int, ...]]) -> tuple[int, .
                 except ValueError:
                     what = f"has the shape {shapes[name]}, which does not broadcast with {shapes[other]} of {other}"
                     remedy = "give equal lengths, or 1, along each axis"
-                    raise InputError(what, where=(function, name), remedy=remedy) from None
+                    raise InputError(what, (function, name), remedy) from None
         raise
     if shape and math.prod(shape) > MOST_CONFIGURATIONS:
         raise too_many(math.prod(shape), function)
@@ -173,48 +155,32 @@ def evaluate(
         Name to float, array or DataArray; a DataArray has the attributes ``units``, ``long_name``, ``symbol`` and
         ``references``, as in a map.
 
-    Raises
-    ------
-    InputError
-        What a sweep of the same design would refuse; or the shapes do not broadcast.
-
     Examples
     --------
-    >>> import fastlink as fl
     >>> fl.evaluate("planar_4r", ["B_y"], a1=3.0, a2=4.0, a3=5.0, a4=6.0, theta1=0.0, branch=2)["B_y"]
     4.0
     """
     catalogue, problems = find_catalogue(mechanism, input), Problems()
     if any(map(angle_of, inputs)):
-        inputs = radian_keywords(catalogue, "evaluate", inputs, problems, position=True)
+        inputs = request.radian_keywords(catalogue, "evaluate", inputs, problems, position=True)
     version = catalogue.version
-    names: tuple[str, ...] = ()
-    of_design = False
-    with problems.at():
-        names = check_names("quantities", quantities)
-        of_design = not _check_quantities(catalogue, version, names)
-    with problems.at():
-        check_model(catalogue, links, solver)
-    with problems.at():
-        allow_invalid = check_switch(("allow_invalid",), allow_invalid)
+    names = problems.attempt(check_names, "quantities", quantities) or ()
+    of_design = problems.attempt(_check_quantities, catalogue, version, names) is False
+    problems.attempt(request.check_model, catalogue, links, solver)
+    allow_invalid = problems.attempt(check_switch, ("allow_invalid",), allow_invalid)
     of_links = links.values if isinstance(links, Links) else {}
-    variants = selected_variants(catalogue, links, solver, inputs)
+    variants = request.selected_variants(catalogue, links, solver, inputs)
     if of_design and catalogue.position.name not in inputs:
         inputs = {**inputs, catalogue.position.name: 0.0}  # which nothing depends on
     given = _given(catalogue, version, name_of(mechanism), variants, tuple(of_links), tuple(inputs))
     problems.noted += given.problems
     values: dict[str, Any] = dict(given.defaults)
-    with problems.at():
-        values["branch"] = _branches(catalogue, branch, allow_invalid is True)
+    values["branch"] = problems.attempt(_branches, catalogue, branch, allow_invalid is True)
     for name, value in {**of_links, **inputs}.items():
         if name in given.declared:
-            try:  # a context per input takes 1 us each
-                values[name] = _checked(given.declared[name], value, allow_invalid is True)
-            except InputError as error:
-                problems.noted += error.problems
+            values[name] = problems.attempt(_checked, given.declared[name], value, allow_invalid is True)
     if not problems.noted:
-        with problems.at():
-            recipe = _recipe(catalogue, version, names, given)
+        recipe = problems.attempt(_recipe, catalogue, version, names, given)
     problems.stop()
     template, arrays, shape = broadcast_inputs("evaluate", values)
     theta = arrays.pop(catalogue.position.name)
@@ -230,7 +196,7 @@ def evaluate(
     evaluate_on_doubles(recipe.steps, arrays)
     if allow_invalid:
         _leave_gaps(recipe.steps, arrays)
-    if far.any() and (flag := flag_beyond_range(catalogue, names)):
+    if far.any() and (flag := request.flag_beyond_range(catalogue, names)):
         arrays["status"] = np.where(far, flag[1], arrays["status"])
     if template is None and not shape:
         return {name: float(arrays[name]) for name in names}
@@ -284,16 +250,15 @@ def _given(
     problems, others = Problems(), [name for name in inputs if name != position.name]
     for name in others:
         if name not in known and any(name in inputs_of(other) for other in NAMES):
-            with problems.at():
-                check_keywords(mechanism, catalogue, [name], ())
+            problems.attempt(request.check_keywords, mechanism, catalogue, [name], ())
             others = [other for other in others if other != name]
-    problems.noted += name_problems(catalogue, others, known, "evaluate", options)
+    problems.noted += request.name_problems(catalogue, others, known, "evaluate", options)
     if position.name not in inputs and not problems.noted:
         unit = "" if position.units == "1" else f" in {position.units}"
         problems.add(f"is missing ({position.meaning})", ("evaluate", position.name), f"give it{unit}")
     given = {*inputs, *of_links}
-    codes = all_choices(catalogue, inputs, variants)
-    numbers = constants_of(catalogue, None, variants) | {name: of[0] for name, of in codes.items()}
+    codes = request.all_choices(catalogue, inputs, variants)
+    numbers = request.constants_of(catalogue, None, variants) | {name: of[0] for name, of in codes.items()}
     defaults = {name: np.float64(value) for name, value in numbers.items() if name not in given}
     names = (*defaults, *given, "branch")
     return _Given(names, variants, {**known, position.name: position}, defaults, problems.noted)
@@ -319,9 +284,9 @@ def _recipe(catalogue: Catalogue, version: int, names: tuple[str, ...], given: _
     except InputError as error:
         missing: dict[KeyPath, Problem] = {}
         for name in names:
-            absent = missing_inputs(catalogue, name, given.variants, given.names, "evaluate")
+            absent = request.missing_inputs(catalogue, name, given.variants, given.names, "evaluate")
             missing |= {one.where: one for one in absent if one.where not in missing}
-        raise InputError.of(joined_missing(missing.values())) if missing else error from None
+        raise InputError.of(request.joined_missing(missing.values())) if missing else error from None
     read = {*names, *(need for step in steps for need in step.depends_on)}
     return _Recipe(tuple(name for name in tables if name in read), steps)
 
@@ -349,7 +314,7 @@ def _branches(catalogue: Catalogue, branch: Any, allow_invalid: bool) -> Any:
     """Return assembly modes as doubles of any shape, labelled if they are."""
     if type(branch) is int and branch in catalogue.branches:  # 2 us less than by an array
         return np.float64(branch)
-    return like(branch, branch_codes(catalogue, branch, gaps=allow_invalid))
+    return like(branch, request.branch_codes(catalogue, branch, gaps=allow_invalid))
 
 
 def _leave_gaps(steps: Iterable[Fact | System], arrays: dict[str, Any]) -> None:
@@ -366,14 +331,16 @@ def _leave_gaps(steps: Iterable[Fact | System], arrays: dict[str, Any]) -> None:
 
 def _checked(declared: Input, value: Any, allow_invalid: bool) -> Any:
     """Return the values of an input as doubles of any shape, labelled if they are, or refuse them."""
-    if type(value) is float and (allow_invalid or in_range(declared, value)):
+    if type(value) is float and (allow_invalid or request.in_range(declared, value)):
         return np.float64(value)  # 5 us less than by an array
     size = value.size if has(value, "dtype") else 0
     if isinstance(size, int) and size > MOST_CONFIGURATIONS:
         raise too_many(size, "evaluate", declared.name)
     path = ("evaluate", declared.name)
     numbers = in_unit(path, value, numbers_of(*path, value, MOST_DIMS), declared.units)[()]
-    if not allow_invalid and not np.all(in_range(declared, numbers)):
+    if not allow_invalid and not np.all(request.in_range(declared, numbers)):
         keep = ((", or pass ", Setting("allow_invalid", True), " to get NaN there"),)
-        raise InputError.of(value_problems(declared, np.asarray(numbers), "evaluate", keep, in_range))
+        raise InputError.of(
+            request.value_problems(declared, np.asarray(numbers), "evaluate", keep, request.in_range)
+        )
     return like(value, numbers)

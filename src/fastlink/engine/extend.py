@@ -10,21 +10,9 @@ from typing import Any, TypeVar
 
 from fastlink._text import short_repr
 from fastlink.errors import InputError, KeyPath, Problems, Setting, check_choice, door
+from fastlink.facts import own as declarations
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.fact import Rule
-from fastlink.facts.own import (
-    Definition,
-    OwnInput,
-    OwnQuantity,
-    check_name,
-    check_units,
-    declared_names,
-    definition_text,
-    extended,
-    fact_text,
-    function_text,
-    used,
-)
 from fastlink.mechanisms import base_catalogue
 from fastlink.space.design_space import in_unit, numbers_of
 
@@ -37,15 +25,10 @@ class Extension:
 
     Every function that takes the name of a mechanism takes it: `fastlink.sweep`, `fastlink.function`,
     `fastlink.evaluate`, `fastlink.explain`, `fastlink.quantities`, `fastlink.draw`. It can be pickled, and holds texts
-    alone: what another process runs is compiled from these.
-
-    Attributes
-    ----------
-    mechanism : str
-        The name of the mechanism.
+    alone: what another process runs is compiled from these. Its attribute `mechanism` is the name of the mechanism.
     """
 
-    def __init__(self, mechanism: str, definition: Definition = ()) -> None:
+    def __init__(self, mechanism: str, definition: declarations.Definition = ()) -> None:
         self.mechanism, self._definition = mechanism, definition
 
     @door
@@ -56,7 +39,6 @@ class Extension:
 
         Examples
         --------
-        >>> import fastlink as fl
         >>> mine = fl.extend("planar_4r")
         >>> @mine.quantity(units="N", description="Larger of the forces on the crank's bearings")
         ... def bearing_load(F21, F41):
@@ -65,38 +47,25 @@ class Extension:
         <planar_4r with bearing_load>
         """
         problems = Problems()
-        with problems.at():
-            units = check_units(("quantity", "units"), units)
+        units = problems.attempt(declarations.check_units, ("quantity", "units"), units)
         texts = [
             _label(problems, "quantity", *one) for one in (("description", description), ("symbol", symbol))
         ]
         problems.stop()
 
         def declare(function: F) -> F:
-            of = function_text(function)
+            of = declarations.function_text(function)
             name = of.tree.name
             found = Problems()
             with found.at(name):
-                check_name(name)
-            with found.at():
-                fact = fact_text(of)
+                declarations.check_name(name)
+            fact = found.attempt(declarations.fact_text, of)
             found.stop()
             first = (ast.get_docstring(of.tree) or "").strip().split("\n", 1)[0].rstrip(".")
-            own = OwnQuantity(
-                name,
-                units,
-                texts[1] or name,
-                texts[0] or first or name,
-                fact.parameters,
-                fact.text,
-                of.text,
-                fact.imports,
-                fact.jumps,
-                of.file,
-                of.line + of.tree.lineno,
-                fact.lines,
-            )
-            self._add(own)
+            labels = name, units, texts[1] or name, texts[0] or first or name
+            place = of.file, of.line + of.tree.lineno, fact.lines
+            parts: Any = *labels, fact.parameters, fact.text, of.text, fact.imports, fact.jumps, *place
+            self._add(declarations.OwnQuantity(*parts))
             return function
 
         return declare
@@ -116,15 +85,14 @@ class Extension:
 
         Examples
         --------
-        >>> import fastlink as fl
         >>> mine = fl.extend("planar_4r")
         >>> mine.input("F_allowed", units="N", default=500.0, rule="positive")
         """
         problems = Problems()
         with problems.at("input", "name"):
-            check_name(name)
+            declarations.check_name(name)
         with problems.at():
-            units = check_units(("input", "units"), units)
+            units = declarations.check_units(("input", "units"), units)
         with problems.at():
             check_choice(("input", "rule"), rule, RULES)
             number = _number(default, rule, units)
@@ -132,33 +100,33 @@ class Extension:
             _label(problems, "input", *one) for one in (("description", description), ("symbol", symbol))
         ]
         problems.stop()
-        self._add(OwnInput(name, units, texts[1] or name, texts[0] or name, rule, number))
+        self._add(declarations.OwnInput(name, units, texts[1] or name, texts[0] or name, rule, number))
 
     @property
     def text(self) -> str:
         """The declarations as Python code that makes them again; maps have it in their attribute ``own_quantities``."""
-        return definition_text(self.mechanism, self._definition)
+        return declarations.definition_text(self.mechanism, self._definition)
 
     def catalogue(self, input: str | None = None) -> Catalogue:
         """Return the catalogue with the declarations, by the named input."""
         first = base_catalogue(self.mechanism)
-        own = extended(first, first.version, self._definition)
+        own = declarations.extended(first, first.version, self._definition)
         base = base_catalogue(self.mechanism, input)
-        return own if base is first else extended(base, base.version, self._definition, own)
+        return own if base is first else declarations.extended(base, base.version, self._definition, own)
 
     def copy(self) -> Extension:
         """Return an extension with the same declarations, to which others can be added."""
         return type(self)(self.mechanism, self._definition)
 
-    def _add(self, declared: OwnInput | OwnQuantity) -> None:
+    def _add(self, declared: declarations.OwnInput | declarations.OwnQuantity) -> None:
         """Add a declaration; one of its name gives way to it unless both stand in one file, line below line."""
         others = [one for one in self._definition if one.name != declared.name]
         before = next((one for one in self._definition if one.name == declared.name), None)
-        both = isinstance(before, OwnQuantity) and isinstance(declared, OwnQuantity)
+        both = isinstance(before, declarations.OwnQuantity) and isinstance(declared, declarations.OwnQuantity)
         (file, line), (own_file, own_line) = _place(before), _place(declared)
         if both and file == own_file and line != own_line:
             what = f"is declared in line {line} of {file} already"
-            raise InputError(what, where=(declared.name,), remedy="call one of them otherwise")
+            raise InputError(what, (declared.name,), "call one of them otherwise")
         definition = _in_order([*others, declared]) if before else (*self._definition, declared)
         type(self)(self.mechanism, definition).catalogue()
         self._definition = definition
@@ -171,25 +139,22 @@ class Extension:
         return f"<{self.mechanism} with {names or 'nothing of its own yet'}>"
 
 
-def _place(one: OwnInput | OwnQuantity | None) -> tuple[str, int]:
-    return (one.file, one.line) if isinstance(one, OwnQuantity) else ("", 0)
+def _place(one: declarations.OwnInput | declarations.OwnQuantity | None) -> tuple[str, int]:
+    return (one.file, one.line) if isinstance(one, declarations.OwnQuantity) else ("", 0)
 
 
-def _in_order(declared: Iterable[OwnInput | OwnQuantity]) -> Definition:
+def _in_order(
+    declared: Iterable[declarations.OwnInput | declarations.OwnQuantity],
+) -> declarations.Definition:
     """Return declarations, each after those on which it depends."""
     left = {one.name: one for one in declared}
-    found: dict[str, OwnInput | OwnQuantity] = {}
+    found: dict[str, declarations.OwnInput | declarations.OwnQuantity] = {}
     while left:
-        free = [
-            name
-            for name, one in left.items()
-            if left.keys().isdisjoint(set(getattr(one, "parameters", ())) - {name})
-        ]
+        needs = {name: set(getattr(one, "parameters", ())) - {name} for name, one in left.items()}
+        free = [name for name in left if left.keys().isdisjoint(needs[name])]
         if not free:
             what = f"{', '.join(left)} depend on each other"
-            raise InputError(
-                what, where=(next(iter(left)),), remedy="take parameters that depend on none of them"
-            )
+            raise InputError(what, (next(iter(left)),), "take parameters that depend on none of them")
         found[free[0]] = left.pop(free[0])
     return tuple(found.values())
 
@@ -210,13 +175,10 @@ def _number(value: Any, rule: Rule, units: str) -> float | None:
         return None
     where = ("input", "default")
     number = float(in_unit(where, value, numbers_of(*where, value, 0), units))
-    if (
-        not math.isfinite(number)
-        or (rule != "any" and number < 0.0)
-        or (rule == "positive" and number == 0.0)
-    ):
+    wrong = {"any": False, "positive": number <= 0.0, "non-negative": number < 0.0}[rule]
+    if wrong or not math.isfinite(number):
         least = {"any": "", "positive": " greater than 0", "non-negative": " of at least 0"}[rule]
-        raise InputError(f"is {short_repr(value)}", where=where, remedy=f"write a finite number{least}")
+        raise InputError(f"is {short_repr(value)}", where, f"write a finite number{least}")
     return number
 
 
@@ -238,7 +200,6 @@ def extend(mechanism: str | Extension) -> Extension:
 
     Examples
     --------
-    >>> import fastlink as fl
     >>> mine = fl.extend("planar_4r")
     >>> mine.input("weight", units="1", default=0.5)
     >>> @mine.quantity(units="1")
@@ -276,26 +237,25 @@ def is_own(name: str, text: str) -> bool:
     >>> is_own("cost_max", "def cost(F21):"), is_own("omega4_max", "def cost(F21):")
     (True, False)
     """
-    return any(re.search(rf"(^|_){re.escape(own)}(_|$)", name) for own in declared_names(text))
+    return any(re.search(rf"(^|_){re.escape(own)}(_|$)", name) for own in declarations.declared_names(text))
 
 
 def own_refused(where: KeyPath, name: str) -> InputError:
     """Return the error of a result of a map that a user has declared, where the declarations are not given."""
     what = f"{name!r} is of quantities of a user's own, of which a map has the text and runs none"
-    remedy = ("write ", Setting("mechanism", _Mine()), ", with which the map was made")
-    return InputError(what, where=where, remedy=remedy)
+    return InputError(what, where, ("write ", Setting("mechanism", _Mine()), ", with which the map was made"))
 
 
 def check_declared(where: KeyPath, given: Any, mechanism: str, text: str) -> Extension:
     """Return the extension by which a map was made, or refuse another one."""
     if not isinstance(given, Extension):
         remedy = "give what fastlink.extend returned"
-        raise InputError(f"is {short_repr(given)}, not an extended mechanism", where=where, remedy=remedy)
+        raise InputError(f"is {short_repr(given)}, not an extended mechanism", where, remedy)
     catalogue = given.catalogue()
-    names = declared_names(text)
+    names = declarations.declared_names(text)
     if given.mechanism != mechanism or (
-        text and definition_text(mechanism, used(catalogue, (), names)) != text
+        text and declarations.definition_text(mechanism, declarations.used(catalogue, (), names)) != text
     ):
         what = f"is {short_repr(given)}, and the map is of {mechanism} with other declarations"
-        raise InputError(what, where=where, remedy="give the extension by which it was made")
+        raise InputError(what, where, "give the extension by which it was made")
     return given

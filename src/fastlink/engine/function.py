@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink._text import counted, short_repr
-from fastlink.engine.resolve import ResolvedSweep, check, resolve
+from fastlink.engine.resolve import ResolvedSweep, check, of_request, resolve
 from fastlink.engine.run import VECTOR, Runner
 from fastlink.errors import InputError, Problem, Problems, door
-from fastlink.facts.catalogue import ELIMINATED
+from fastlink.facts.catalogue import ELIMINATED, Catalogue
 from fastlink.facts.derivative import NoDependence, is_tolerance
 from fastlink.facts.names import Derivative, GradientStatus, Quantity, Reduced, derivative_name
 from fastlink.facts.powers import beyond_range
@@ -24,7 +24,7 @@ from fastlink.machine import check_memory
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.numerics.compiler import MOVING, NOTHING
-from fastlink.plan.query import check_names, parse_request
+from fastlink.plan.query import Request, check_names, parse_request
 from fastlink.plan.request import (
     allowed,
     check_inputs,
@@ -48,12 +48,9 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from fastlink.engine.extend import Extension
-    from fastlink.engine.resolve import ResolvedSweep
-    from fastlink.facts.catalogue import Catalogue
     from fastlink.facts.fact import Input
     from fastlink.plan.programs import Output
-    from fastlink.plan.query import Request
-    from fastlink.space.design_space import DesignSpace, Links
+    from fastlink.space.design_space import Links
 
 
 # -- Check the request of `fastlink.function`: inputs that vary, numbers that stay, outputs that go together
@@ -84,18 +81,8 @@ def constants(fixed: Mapping[str, Any], known: Mapping[str, Input]) -> dict[str,
     if space.dims:
         name = space.dims[0]
         what = f"is given {counted(space.shape[0], 'value')}"
-        remedy = "write one number, or name it among the inputs"
-        raise InputError(what, where=("function", name), remedy=remedy)
+        raise InputError(what, ("function", name), "write one number, or name it among the inputs")
     return space.constants
-
-
-def refuse_choices(resolved: ResolvedSweep, varying: DesignSpace) -> None:
-    """Refuse a missing code, of which a sweep would evaluate every choice."""
-    known = resolved.catalogue.known_inputs(resolved.plan.variants)
-    for name in resolved.space.axes:
-        if name not in varying.names:
-            codes = ", ".join(f"{code} ({meaning})" for code, meaning in known[name].choices.items())
-            raise InputError("is missing", where=("function", name), remedy=f"give it, one of {codes}")
 
 
 def axes_of(outputs: Sequence[Output]) -> tuple[str, ...]:
@@ -104,7 +91,7 @@ def axes_of(outputs: Sequence[Output]) -> tuple[str, ...]:
     for other in others:
         if set(other.axes) - set(first.axes):
             what = f"{first.name} is along {first.axes[-1]}, {other.name} along {other.axes[-1]}"
-            raise InputError(what, where=("function",), remedy="make a function of each")
+            raise InputError(what, ("function",), "make a function of each")
     return first.axes
 
 
@@ -226,34 +213,20 @@ def function(
         and so is all of a design with a value that the sweep would refuse, but for codes such as ``status``.
         It may be called from several threads at once, and pickled.
 
-    Raises
-    ------
-    InputError
-        Bad input; the message says what, where, and what to write instead.
-
     Examples
     --------
-    >>> import fastlink as fl
     >>> speed = fl.function("planar_4r", ["a2", "a3"], ["omega4_max"], a1=0.4, a4=1.0, omega1=25.0)
     >>> speed([1.2, 0.8]).round(6)
     array([13.513437])
     >>> speed([[1.2, 1.3, 9.0], [0.8, 0.8, 0.8]]).round(6)
     array([[13.513437, 14.583591,       nan]])
     """
-    options: dict[str, Any] = {
-        "links": links,
-        "input": input,
-        "angles": angles,
-        "branch": branch,
-        "solver": solver,
-        "extrema": extrema,
-        "backend": backend,
-    }
+    options = of_request(locals())
     names, wanted = list(check_names("inputs", inputs)), check_names("outputs", outputs)
     for name in names:
         if name in fixed:
             what = f"is among the inputs and given as {short_repr(fixed[name])}"
-            raise InputError(what, where=("function", name), remedy="leave one out")
+            raise InputError(what, ("function", name), "leave one out")
     catalogue, problems = find_catalogue(mechanism, input), Problems()
     known = catalogue.all_inputs
     if any(map(angle_of, (*fixed, *names))):
@@ -273,28 +246,21 @@ def function(
         fixed_numbers = constants({name: value for name, value in fixed.items() if name in known}, known)
         variants = selected_variants(catalogue, links, solver, [*names, *fixed_numbers])
         check_inputs(catalogue, DesignSpace("grid", (), (), fixed_numbers), variants, False)
-    named: dict[str, Any] = {
-        "positions": {name: values for name, values in fixed.items() if name not in (*known, *strange)},
-        "options": [*_OPTIONS, *known],
-        "parameter": "outputs",
-        "companions": False,
-    }
+    positions = {name: values for name, values in fixed.items() if name not in (*known, *strange)}
+    named: dict[str, Any] = {"positions": positions, "options": [*_OPTIONS, *known], "allow_invalid": True}
+    # fixed values are checked above, others at each call
+    named |= {"parameter": "outputs", "companions": False}
     if problems.noted:
-        with problems.at():
-            check(mechanism, None, wanted, **named, **options)
+        problems.attempt(check, mechanism, None, wanted, **named, **options)
     problems.stop()
-    varying = DesignSpace(
-        "table", (DESIGN,), (1,), fixed_numbers, columns={name: np.full(1, np.nan) for name in names}
-    )
-    resolved = resolve(
-        mechanism,
-        varying,
-        wanted,
-        allow_invalid=True,  # the fixed values are checked above, the others at each call
-        **named,
-        **options,
-    )
-    refuse_choices(resolved, varying)
+    columns = {name: np.full(1, np.nan) for name in names}
+    varying = DesignSpace("table", (DESIGN,), (1,), fixed_numbers, columns=columns)
+    resolved = resolve(mechanism, varying, wanted, **named, **options)
+    for name in resolved.space.axes:  # a sweep evaluates every choice
+        if name not in varying.names:
+            choices = resolved.catalogue.known_inputs(resolved.plan.variants)[name].choices
+            codes = ", ".join(f"{code} ({meaning})" for code, meaning in choices.items())
+            raise InputError("is missing", ("function", name), f"give it, one of {codes}")
     function_again: Any = function
     recipe = partial(function_again, mechanism, names, **options, **fixed)
     return Function(resolved, names, resolved.one_branch, recipe)
@@ -388,10 +354,7 @@ class Function:
 
         bound = self._bind(JITTED_BLOCK)
         jitted = jitted_of(*bound, self._declared, self._shapes, self.shape, self._flag)
-        jitted.__reduce_ex__ = lambda protocol: (
-            getattr,
-            (self, "jitted"),
-        )  # its addresses are of this process
+        jitted.__reduce_ex__ = lambda _: (getattr, (self, "jitted"))  # its addresses are of this process
         return jitted
 
     @door(name="function", hint="x is one array, with a row for each input")
@@ -403,7 +366,6 @@ class Function:
 
         Examples
         --------
-        >>> import fastlink as fl
         >>> speed = fl.function("planar_4r", ["a2", "a3"], ["omega4_max"], a1=0.4, a4=1.0, omega1=25.0)
         >>> speed.gradient([1.2, 0.8]).round(6)
         array([[  7.846495, -17.870504]])
@@ -442,7 +404,7 @@ class Function:
         given: NDArray[np.float64] = numbers
         if given.shape[:1] != (len(self.inputs),):
             remedy = f"its first axis has {len(self.inputs)} rows: {', '.join(self.inputs)}"
-            raise InputError(f"has the shape {given.shape}", where=("function", "x"), remedy=remedy)
+            raise InputError(f"has the shape {given.shape}", ("function", "x"), remedy)
         return given
 
     def _bind(self, block: int) -> tuple[Runner, Rows]:

@@ -13,7 +13,7 @@ from numba.extending import intrinsic
 
 from fastlink.codegen.kernel import MachineCode
 from fastlink.codegen.numba_backend import OPTIONS
-from fastlink.engine.run import COUNT, VECTOR
+from fastlink.engine.run import COUNT, VECTOR, Runner
 from fastlink.errors import InputError, Setting
 from fastlink.facts.powers import limits
 
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fastlink.engine.function import Rows
-    from fastlink.engine.run import Runner
     from fastlink.facts.fact import Input
 
 
@@ -82,11 +81,8 @@ def _evaluate(x: Any, y: int, values: int, layout: Any, rules: Any, codes: Any) 
             far[i] |= 0.0 < size < np.inf and not ranges[k, 0] < size < ranges[k, 1]
         for k in range(x.shape[0] if far[i] else 0):
             x[k, i] = np.nan
-    doubles, words, octets = (
-        np.empty(sizes[0] + LINE),
-        np.empty(sizes[1], np.int64),
-        np.empty(sizes[2], np.int8),
-    )
+    doubles, words = np.empty(sizes[0] + LINE), np.empty(sizes[1], np.int64)
+    octets = np.empty(sizes[2], np.int8)
     at_words = np.int64(words.ctypes.data)
     first = (-np.int64(doubles.ctypes.data) % LINE_BYTES) // 8
     bases = np.int64(doubles.ctypes.data) + 8 * first, at_words, np.int64(octets.ctypes.data)
@@ -189,7 +185,7 @@ def jitted_of(
     """Return a function of arrays (inputs,) or (inputs, n) for callers in numba."""
     if not all(isinstance(kernel.task.code, MachineCode) for kernel in runner.kernels):
         what = "jitted calls kernels by address, which those of backend 'numba' do not have"
-        raise InputError(what, where=("function",), remedy=("write ", Setting("backend", "llvm")))
+        raise InputError(what, ("function",), ("write ", Setting("backend", "llvm")))
     layout = _Layout(runner, rows)
     codes = [result.dtype == np.int8 for result in runner.results]
     picked = [np.broadcast_to(np.arange(math.prod(s)).reshape(s), trailing).ravel() for s in shapes]

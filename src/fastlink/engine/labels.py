@@ -26,14 +26,12 @@ from fastlink.io.layout import (
 from fastlink.mechanisms import sheet_of
 from fastlink.plan.programs import Output, Plan
 from fastlink.plan.query import STATUS_FLAGS, Request, units_of
-from fastlink.space.design_space import BRANCH, EXTREMUM, DesignSpace, frozen
+from fastlink.space.design_space import BRANCH, EXTREMUM, Column, DesignSpace, frozen
 from fastlink.space.tables import CURVES, MAPS
 
 if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
-
-    from fastlink.space.design_space import Column
 
 
 def variables(
@@ -97,19 +95,14 @@ def _of_gradient(catalogue: Catalogue, request: Request, attrs: Mapping[str, Any
         meaning = f"Status of the derivatives by the inputs of: {attrs['long_name']}"
         return {"long_name": meaning, "symbol": f"status of grad {attrs['symbol']}"}
     if request.change:
-        meaning, symbol = (
-            worded(request.change, attrs["long_name"]),
-            f"{request.change} change {attrs['symbol']}",
-        )
-        return {"long_name": meaning, "symbol": symbol}
-    by = catalogue.variables[request.by]
+        meaning = worded(request.change, attrs["long_name"])
+        return {"long_name": meaning, "symbol": f"{request.change} change {attrs['symbol']}"}
+    by, of = catalogue.variables[request.by], request.quantity if request.is_position else request.bounded
     return {
         "units": units_of(request, catalogue),
         "long_name": f"Derivative with respect to {in_a_sentence(by.meaning)} of: {attrs['long_name']}",
         "symbol": f"d {attrs['symbol']}/d {by.symbol}",
-        "references": catalogue.public_fact(
-            request.bounded if not request.is_position else request.quantity
-        ).source,
+        "references": catalogue.public_fact(of).source,
     }
 
 
@@ -122,10 +115,10 @@ def _labels(plan: Plan, output: Output) -> dict[str, Any]:
         attrs["extrema"] = "refined" if output.refined else "sampled"
     if output.request.is_status:
         del attrs["units"]
-        attrs |= _flags(STATUS_FLAGS, output.dtype)
+        attrs |= flag_attrs(STATUS_FLAGS, output.dtype)
     if fact.flags and output.request.is_of_quantity:
         del attrs["units"]
-        attrs |= _flags(fact.flags, output.dtype)
+        attrs |= flag_attrs(fact.flags, output.dtype)
     return attrs
 
 
@@ -143,7 +136,7 @@ def _of_list(part: str, fact: Fact, position: Input) -> dict[str, Any]:
     return {
         "long_name": f"kinds of the extremes of {fact.symbol}",
         "symbol": f"kind of ext {fact.symbol}",
-        **_flags({-1: "minimum", 0: "none", 1: "maximum"}, "int8"),
+        **flag_attrs({-1: "minimum", 0: "none", 1: "maximum"}, "int8"),
     }
 
 
@@ -237,11 +230,7 @@ def _blank(
 def global_attrs(resolved: ResolvedSweep, threads: int) -> dict[str, Any]:
     """Return the global attributes that are known before a sweep."""
     plan, catalogue = resolved.plan, resolved.catalogue
-    versions = [
-        f"fastlink {__version__}",
-        *_compiler(resolved.backend),
-        "numpy " + np.__version__,
-    ]
+    versions = [f"fastlink {__version__}", *_compiler(resolved.backend), f"numpy {np.__version__}"]
     attrs: dict[str, Any] = {
         "Conventions": "CF-1.11",
         "title": f"{catalogue.title}: {', '.join(output.name for output in plan.outputs)}",
@@ -270,10 +259,10 @@ def _describe(declared: Input, space: DesignSpace) -> dict[str, Any]:
     labels: dict[str, Any] = {"long_name": declared.meaning, "symbol": declared.symbol}
     if declared.name in space.comments:
         labels["comment"] = space.comments[declared.name]
-    return labels | (_flags(declared.choices, "int32") if declared.choices else {"units": declared.units})
+    return labels | (flag_attrs(declared.choices, "int32") if declared.choices else {"units": declared.units})
 
 
-def _flags(meanings: Mapping[int, str], dtype: str) -> dict[str, Any]:
+def flag_attrs(meanings: Mapping[int, str], dtype: str) -> dict[str, Any]:
     """Return CF's labels of a code."""
     words = " ".join(meaning.replace(" ", "_") for meaning in meanings.values())
     return {"flag_values": frozen(np.array(list(meanings), dtype=dtype)), "flag_meanings": words}

@@ -21,13 +21,10 @@ from fastlink.errors import (
 )
 from fastlink.io.joining import CORE_TIME, JOINED
 from fastlink.io.layout import check_attrs
-from fastlink.io.reader import OF_PARTS, check_part
+from fastlink.io.reader import OF_PARTS, check_part, check_size
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.precision import check_verify
 from fastlink.space.tables import FORMAT, LAYOUTS
-
-__all__ = ["check_options", "check_workers", "is_reserved"]
-
 
 Check = Callable[[KeyPath, Any], Any]
 
@@ -38,27 +35,11 @@ MOST_DESIGNS = 100_000
 #: Global attributes that a sweep writes itself; `title`, `study` and `study_file` are those of a study.
 RESERVED = frozenset(
     (
-        FORMAT,
-        "Conventions",
-        "mechanism",
-        "input",
-        "source",
-        "backend",
-        "solver",
-        "threads",
-        "extrema",
-        "scaling_axis",
-        "designs",
-        "set_up_time_s",
-        "run_time_s",
-        "written_time_ns",
-        "fingerprint",
-        "configurations",
-        "configurations_per_second",
-        "compression",
-        "history",
-        *OF_PARTS,
-        *(JOINED, CORE_TIME),
+        *("Conventions", "mechanism", "input", "source", "backend", "solver", "threads"),
+        *("extrema", "scaling_axis"),
+        *("designs", "configurations", "configurations_per_second", "set_up_time_s", "run_time_s"),
+        *(FORMAT, "written_time_ns", "fingerprint", "compression", "history"),
+        *(*OF_PARTS, JOINED, CORE_TIME),
     )
 )
 #: How others begin: the origin of the designs, counts of each status, the verification.
@@ -79,30 +60,25 @@ def optional(check: Check) -> Check:
 
 
 def check_client(where: KeyPath, value: Any) -> Any:
-    """Return a client of dask.distributed, or refuse what is none or cannot be used from here."""
+    """Return the workers of a client of dask.distributed, or refuse what is none or cannot be used from here."""
     distributed = sys.modules.get("distributed")  # who has a client has imported it
     write = "write a dask.distributed.Client, such as Client('tcp://127.0.0.1:8786')"
     if distributed is None or not isinstance(value, distributed.Client):
-        raise InputError(f"is {short_repr(value)}", where=where, remedy=write)
+        raise InputError(f"is {short_repr(value)}", where, write)
     if value.asynchronous:
-        raise InputError("is asynchronous", where=where, remedy="write Client(..., asynchronous=False)")
+        raise InputError("is asynchronous", where, "write Client(..., asynchronous=False)")
     if value.status != "running":
-        raise InputError(f"is {value.status}", where=where, remedy="make it anew")
-    return value
+        raise InputError(f"is {value.status}", where, "make it anew")
+    from fastlink.engine.cluster import Cluster  # 25 ms of imports, for clusters alone
 
-
-def check_workers(client: Any, threads: Any, problems: Problems) -> None:
-    """Note a number of threads that is given with a client."""
-    if client is not None and threads is not None:
-        remedy = "leave it out: workers have their own number of threads"
-        problems.add("is given with client", ("threads",), remedy)
+    return Cluster(value)
 
 
 def check_announce(where: KeyPath, announce: Any) -> Any:
     """Return a function, or refuse what cannot be called."""
     if not callable(announce):
         remedy = "write a function that takes a line of text, such as print"
-        raise InputError(f"is {short_repr(announce)}", where=where, remedy=remedy)
+        raise InputError(f"is {short_repr(announce)}", where, remedy)
     return announce
 
 
@@ -132,13 +108,24 @@ CHECKS: dict[str, Check] = {
 }
 
 
-def check_options(given: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the options of a call after their checks; all problems are raised together."""
+def check_options(call: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the options of a call that decide how it runs, after their checks; all problems are raised together."""
     problems, checked = Problems(), {}
-    for name, value in given.items():
-        try:
-            checked[name] = CHECKS[name]((name,), value)
-        except InputError as error:
-            problems.noted += error.problems
+    for name, check in ((name, CHECKS[name]) for name in call if name in CHECKS):
+        checked[name] = problems.attempt(check, (name,), call[name])
     problems.stop()
     return checked
+
+
+def checked_call(call: Mapping[str, Any], request_of: Callable[[Any], Any]) -> tuple[dict[str, Any], Any]:
+    """Return the checked options of a call, and its request; all problems are raised together."""
+    problems = Problems()
+    checked = problems.attempt(check_options, call) or {}
+    request = problems.attempt(request_of, {**call, "allow_invalid": checked.get("allow_invalid", False)})
+    if request is not None and checked.get("part") is not None:
+        problems.attempt(check_size, ("part",), checked["part"], request.size)
+    if call.get("client") is not None and call.get("threads") is not None:
+        remedy = "leave it out: workers have their own number of threads"
+        problems.add("is given with client", ("threads",), remedy)
+    problems.stop()
+    return checked, request

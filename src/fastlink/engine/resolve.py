@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
 from typing import TYPE_CHECKING, Any
@@ -19,46 +19,38 @@ from fastlink.engine.designs import designs_of, without
 from fastlink.engine.run import Job, KernelTask, Shapes
 from fastlink.engine.scaling import FarDesigns, ScalingAxis, find_scaling_axis
 from fastlink.errors import InputError, KeyPath, Problem, Problems, check_path
-from fastlink.facts.catalogue import ELIMINATED
+from fastlink.facts.catalogue import ELIMINATED, Catalogue
 from fastlink.facts.derivative import is_tolerance, tolerance_name
-from fastlink.facts.own import used
+from fastlink.facts.own import Definition, used
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.mechanisms import name_of
+from fastlink.plan import request
 from fastlink.plan.programs import ANGLES_FOR_LANES, Plan, all_declared, make_plan
 from fastlink.plan.query import Extrema, check_names, parse_request, with_companions
-from fastlink.plan.request import (
-    all_choices,
-    check_branches,
-    check_extrema,
-    check_inputs,
-    check_keywords,
-    check_model,
-    check_positions,
-    check_turn,
-    constants_of,
-    given_angles,
-    in_degrees,
-    joined_missing,
-    missing_inputs,
-    selected_variants,
-    unknown_input,
-)
 from fastlink.space.design_space import COMMENT, EXTREMUM, angle_of, definition_of, in_unit, numbers_of
 from fastlink.space.tables import CURVES, as_space
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-
     from numpy.typing import NDArray
 
     from fastlink.engine.extend import Extension
-    from fastlink.facts.catalogue import Catalogue
     from fastlink.facts.fact import Input
-    from fastlink.facts.own import Definition
     from fastlink.space.design_space import DesignSpace, Links
 
 
 # -- Check a request part by part, so that all its problems are reported together
+
+
+#: The options that decide what is computed, at every door.
+OF_REQUEST = (
+    *("links", "input", "angles", "branch", "positions", "allow_invalid"),
+    *("solver", "extrema", "backend"),
+)
+
+
+def of_request(call: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the options of a call that decide what is computed."""
+    return {name: call[name] for name in OF_REQUEST if name in call}
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,6 +77,8 @@ class CheckedRequest:
     backend: str
     #: See `all_declared`.
     declared: tuple[Any, ...]
+    #: Whether the input positions were given in degrees.
+    in_degrees: bool
 
 
 def check(
@@ -113,28 +107,22 @@ def check(
         names = check_names(parameter, quantities)
         _check_quantities(catalogue, declared, names, parameter)
         names = names if "status" in names or not companions else (*names, "status")
-    with problems.at():
-        check_model(catalogue, links, solver)
-    variants = selected_variants(catalogue, links, solver, () if space is None else space.names)
+    problems.attempt(request.check_model, catalogue, links, solver)
+    variants = request.selected_variants(catalogue, links, solver, () if space is None else space.names)
     if space is not None:
-        with problems.at():
-            check_inputs(catalogue, space, variants, allow_invalid)
+        problems.attempt(request.check_inputs, catalogue, space, variants, allow_invalid)
+    branches = problems.attempt(request.check_branches, catalogue, branch)
+    problems.attempt(request.check_keywords, mechanism, catalogue, positions or (), options)
     with problems.at():
-        branches = check_branches(catalogue, branch)
-    with problems.at():
-        check_keywords(mechanism, catalogue, positions or (), options)
-    with problems.at():
-        key, given = given_angles(catalogue, angles, positions or {})
-        values = check_positions(catalogue, given, key)
+        key, given = request.given_angles(catalogue, angles, positions or {})
+        values = request.check_positions(catalogue, given, key)
         if not problems.noted:
-            check_turn(catalogue, names, given)
-        method = check_extrema(extrema, catalogue, given)
-    with problems.at():
-        compiler = backend_of(backend)
+            request.check_turn(catalogue, names, given)
+        method = request.check_extrema(extrema, catalogue, given)
+    compiler = problems.attempt(backend_of, backend)
     problems.stop()
-    return CheckedRequest(
-        catalogue, names, links, solver, variants, branches, values, method, compiler, declared
-    )
+    parts = catalogue, names, links, solver, variants, branches, values, method, compiler, declared
+    return CheckedRequest(*parts, in_degrees=bool(angle_of(key)))
 
 
 @lru_cache(maxsize=256)
@@ -171,6 +159,11 @@ class ResolvedSweep:
     one_branch: bool
     #: How the results lie in a file, one of `fastlink.io.layout.LAYOUTS`.
     layout: str = CURVES
+
+    @property
+    def size(self) -> int:
+        """The number of designs."""
+        return self.space.size
 
     @property
     def catalogue(self) -> Catalogue:
@@ -246,18 +239,15 @@ class ResolvedSweep:
     def job(self, runs: float = 1) -> Job:
         """Return the compiled kernels with the designs and positions that they run on."""
         names = [output.name for output in self.plan.outputs]
-        tasks = [
-            KernelTask(
-                kernel.source,
-                kernel.program.inputs,
-                self.backend,
-                kernel.compiled(self.backend, runs * self.places(kernel)),
-                kernel.program.angle_tables(self.positions),
-                tuple(names.index(output.name) for output in kernel.program.outputs),
-                partial(self.evaluated.fill, kernel.program.inputs),
-            )
-            for kernel in self.kernels
-        ]
+
+        def task(kernel: Kernel) -> KernelTask:
+            code = kernel.compiled(self.backend, runs * self.places(kernel))
+            inputs, results = kernel.program.inputs, kernel.program.outputs
+            numbers = tuple(names.index(output.name) for output in results)
+            data = kernel.program.angle_tables(self.positions), numbers, partial(self.evaluated.fill, inputs)
+            return KernelTask(kernel.source, inputs, self.backend, code, *data)
+
+        tasks = [task(kernel) for kernel in self.kernels]
         return Job(tasks, self.shapes, self.evaluated.size, FarDesigns.of(self.plan, self.evaluated))
 
 
@@ -293,42 +283,31 @@ def resolve(
     with problems.at():
         given = _space_of(space, bool(options.get("allow_invalid")))
         designs = designs_of(catalogue, given, options.get("links"), problems)
-    with problems.at():
-        checked = check(mechanism, designs, quantities, companions=companions, parameter=parameter, **options)
+    named: dict[str, Any] = {"companions": companions, "parameter": parameter, **options}
+    checked = problems.attempt(check, mechanism, designs, quantities, **named)
     problems.stop()
     assert designs is not None
-    if in_degrees(catalogue, options.get("angles"), options.get("positions") or {}):
+    if checked.in_degrees:
         designs = replace(designs, comments={**designs.comments, catalogue.position.name: COMMENT})
     space, variants = designs, checked.variants
-    space = space.with_constants(constants_of(catalogue, checked.links, variants))
-    for name, codes in all_choices(catalogue, space.names, variants).items():
+    space = space.with_constants(request.constants_of(catalogue, checked.links, variants))
+    for name, codes in request.all_choices(catalogue, space.names, variants).items():
         space = space.with_axis(name, codes)
-    planning: dict[str, Any] = {
-        "given": space.names,
-        "branches": checked.branches,
-        "variants": variants,
-        "angles": checked.positions.size,
-        "extrema": checked.extrema,
-    }
+    planning: dict[str, Any] = {"given": space.names, "branches": checked.branches, "variants": variants}
+    planning |= {"angles": checked.positions.size, "extrema": checked.extrema}
     try:
         plan = cached_plan(catalogue, checked.names, companions, declared=checked.declared, **planning)
     except InputError as error:
         raise (_problem_of_each(checked, planning, parameter) or error) from None
-    space = _without_unread(space, plan)
+    if catalogue.definition:  # default values of a user's inputs that nothing computed depends on
+        own = {one.name for one in catalogue.definition if getattr(one, "default", None) is not None}
+        read = {name for program in plan.programs for name in program.inputs}
+        space = without(space, own.intersection(space.constants) - read)
     axis = find_scaling_axis(plan, space)
     solver = checked.solver if plan.depends_on_solver else ""
     one_branch = np.ndim(options.get("branch", checked.branches)) == 0
     mechanism, ways = name_of(mechanism), (checked.backend, one_branch)
     return ResolvedSweep(mechanism, space, plan, checked.positions, solver, axis, *ways)
-
-
-def _without_unread(space: DesignSpace, plan: Plan) -> DesignSpace:
-    """Return designs without the default values of a user's inputs that nothing computed depends on."""
-    if not plan.catalogue.definition:
-        return space
-    own = {one.name for one in plan.catalogue.definition if getattr(one, "default", None) is not None}
-    read = {name for program in plan.programs for name in program.inputs}
-    return without(space, own.intersection(space.constants) - read)
 
 
 def _space_of(space: Any, allow_invalid: bool) -> DesignSpace:
@@ -351,11 +330,11 @@ def _problem_of_each(
     missing: dict[KeyPath, Problem] = {}
     for k, name in enumerate(checked.names):
         with problems.at(parameter, k):
-            absent = missing_inputs(catalogue, name, checked.variants, planning["given"])
+            absent = request.missing_inputs(catalogue, name, checked.variants, planning["given"])
             missing |= {one.where: one for one in absent if one.where not in missing}
             if not absent:
                 make_plan(catalogue, [name], **planning)
-    noted = [*joined_missing(missing.values()), *problems.noted]
+    noted = [*request.joined_missing(missing.values()), *problems.noted]
     return InputError.of(noted) if noted else None
 
 
@@ -365,24 +344,14 @@ def cached_plan(
     companions: bool,
     *,
     given: Iterable[str],
-    branches: tuple[int, ...],
-    variants: tuple[str, ...],
     angles: int,
-    extrema: Extrema,
     declared: tuple[Any, ...] | None = None,
+    **planning: Any,
 ) -> Plan:
     """Return the plan that `make_plan` makes, once; `companions` as in `resolve`."""
-    return _plan(
-        catalogue,
-        declared or all_declared(catalogue),
-        tuple(names),
-        companions,
-        given=tuple(sorted(given)),
-        branches=branches,
-        variants=variants,
-        angles=min(angles, ANGLES_FOR_LANES),  # their number decides no more than what the lanes are
-        extrema=extrema,
-    )
+    # the number of angles decides no more than what the lanes are
+    planning |= {"given": tuple(sorted(given)), "angles": min(angles, ANGLES_FOR_LANES)}
+    return _plan(catalogue, declared or all_declared(catalogue), tuple(names), companions, **planning)
 
 
 @lru_cache(maxsize=256)
@@ -405,7 +374,7 @@ def given_tolerances(
     for name, value in tolerances.items():
         of = name if name in known else angle_of(name)
         if of not in known:
-            problems.noted.append(unknown_input(catalogue, name, known, parent))
+            problems.noted.append(request.unknown_input(catalogue, name, known, parent))
         elif known[of].choices:
             problems.add("is a code, which has no tolerance", (parent, name), "leave it out")
         else:
@@ -428,7 +397,7 @@ def _tolerance(name: str, of: str, value: Any, declared: Input, parent: str) -> 
         )
         number = float(numbers) if numbers.ndim == 0 else None
     if number is None or not 0.0 <= number < math.inf:
-        raise InputError(f"is {short_repr(value)}", where=(parent, name), remedy=remedy)
+        raise InputError(f"is {short_repr(value)}", (parent, name), remedy)
     own = tolerance_name(of, relative=share)
     return own if name == of else f"{own}_deg", number
 

@@ -12,18 +12,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink.engine.run import BLOCK_BYTES, Sink
-from fastlink.facts.fact import System
+from fastlink.facts.fact import Fact, Input, System
 from fastlink.facts.names import ErrorBound, Trust
 from fastlink.facts.powers import Powers, UnlikePowers, any_beyond_range, beyond_range, limits
 from fastlink.plan.request import flag_beyond_range
-from fastlink.space.design_space import Column
+from fastlink.space.design_space import Column, DesignSpace
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from fastlink.facts.fact import Fact, Input
     from fastlink.plan.programs import Output, Plan
-    from fastlink.space.design_space import DesignSpace
 
 
 # -- Evaluate one value of an axis that only scales results, and multiply
@@ -81,11 +79,8 @@ class ScalingAxis:
                 start = begin * self.length + k * self.inner
                 stop = start + slabs_at_once * self.inner * (values.stop - k)
                 # without a name: those before would stay until these are computed
-                sink(
-                    start,
-                    stop,
-                    [self._scaled(*pair, values) for pair in zip(pieces, self.factors, strict=True)],
-                )
+                pairs = zip(pieces, self.factors, strict=True)
+                sink(start, stop, [self._scaled(*pair, values) for pair in pairs])
 
     def ranges(self, start: int, stop: int) -> Iterator[tuple[int, int]]:
         """Yield the ranges of all designs that follow from a range of evaluated ones."""
@@ -181,10 +176,8 @@ def _power_of(output: Output, degrees: Mapping[str, float | None], name: str) ->
     of_terms = set[float | None]()
     for slope, term in zip(output.slopes, output.terms, strict=True):
         one = replace(output.request, by=term.by, change="")
-        degree, of_tolerance = (
-            _power(replace(output, request=one), degrees.get(slope), name),
-            degrees.get(term.tolerance),
-        )
+        degree = _power(replace(output, request=one), degrees.get(slope), name)
+        of_tolerance = degrees.get(term.tolerance)
         of_terms.add(None if degree is None or of_tolerance is None else degree + of_tolerance)
     return of_terms.pop() if len(of_terms) == 1 else None
 
@@ -243,15 +236,9 @@ class FarDesigns:
     def of(cls, plan: Plan, space: DesignSpace) -> FarDesigns:
         """Return those of a plan."""
         known, fixed = plan.catalogue.known_inputs(plan.variants), space.constants | space.axes
-        inputs = {
-            name: known[name]
-            for name in space.names
-            if (
-                np.any(beyond_range(known[name], fixed[name]))
-                if name in fixed
-                else _may_be_beyond(known[name], space.columns[name])
-            )
-        }
+        far = [name for name in fixed if np.any(beyond_range(known[name], fixed[name]))]
+        far += [name for name, values in space.columns.items() if _may_be_beyond(known[name], values)]
+        inputs = {name: known[name] for name in space.names if name in far}
         names = [output.name for output in plan.outputs]
         return cls(space, inputs, flag_beyond_range(plan.catalogue, names))
 

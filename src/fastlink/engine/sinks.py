@@ -13,9 +13,9 @@ import numpy as np
 
 from fastlink._text import size as human_size
 from fastlink.codegen.runtime.cells import LANES
-from fastlink.engine.run import BLOCK_BYTES, block_length, row_bytes
+from fastlink.engine.run import BLOCK_BYTES, Shapes, Sink, block_length, row_bytes
 from fastlink.errors import InputError, Remedy, Setting
-from fastlink.io.checksums import joined_ranges
+from fastlink.io.checksums import Range, joined_ranges
 from fastlink.io.output_path import progress_bar
 from fastlink.machine import ALWAYS_FITS, check_memory
 from fastlink.space.design_space import DESIGN, Column
@@ -26,8 +26,6 @@ if TYPE_CHECKING:
 
     from fastlink.codegen.kernel import Kernel
     from fastlink.engine.resolve import ResolvedSweep
-    from fastlink.engine.run import Shapes, Sink
-    from fastlink.io.checksums import Range
     from fastlink.plan.programs import Plan
 
 
@@ -178,14 +176,10 @@ def needs_of(resolved: ResolvedSweep, threads: int, block: int | None = None, ve
     of_block = sum(_buffer_bytes(kernel, length, resolved.positions.size) for kernel in resolved.kernels)
     of_block += length * row
     shared = sum(len(kernel.program.tables) for kernel in resolved.kernels) * resolved.positions.nbytes
-    if resolved.layout == MAPS:
-        of_block += (
-            max(row_bytes([of_result]) for of_result in resolved.shapes) * length
-        )  # in their new order
-    if resolved.scaling_axis is not None:
-        of_block += max(
-            bytes_at_once(resolved), length * row
-        )  # a piece of the results at several values of the axis
+    if resolved.layout == MAPS:  # in their new order
+        of_block += max(row_bytes([of_result]) for of_result in resolved.shapes) * length
+    if resolved.scaling_axis is not None:  # a piece of the results at several values of the axis
+        of_block += max(bytes_at_once(resolved), length * row)
         shared += sum(factor.nbytes for factor in resolved.scaling_axis.factors if factor is not None)
     sample = min(verify, space.size) * (2 * row + 8 * len(space.names))
     numbers = 8 * space.shape[space.dims.index(DESIGN)] if DESIGN in space.dims else 0
@@ -203,10 +197,8 @@ def _buffer_bytes(kernel: Kernel, length: int, positions: int) -> int:
     doubles = (
         len(kernel.program.inputs) * -(-length // LANES) * LANES + len(kernel.program.tables) * positions
     )
-    scratch = (
-        math.prod(array.lengths(positions)) * np.dtype(array.dtype).itemsize
-        for array in kernel.source.scratch
-    )
+    arrays = kernel.source.scratch
+    scratch = (math.prod(one.lengths(positions)) * np.dtype(one.dtype).itemsize for one in arrays)
     return 8 * doubles + sum(scratch)
 
 
@@ -216,11 +208,8 @@ def check_needs(resolved: ResolvedSweep, threads: int, block: int | None, verify
     if few and values < ALWAYS_FITS // 2:
         return
     needs = needs_of(resolved, threads, block, verify)
-    check_memory(
-        needs.to_file,
-        "a sweep of so many input positions, designs per block or verified designs",
-        remedy="ask for fewer, or for fewer threads",
-    )
+    what = "a sweep of so many input positions, designs per block or verified designs"
+    check_memory(needs.to_file, what, remedy="ask for fewer, or for fewer threads")
     if values:
         check_memory(needs.in_memory, "the result", remedy=TO_FILE)
 

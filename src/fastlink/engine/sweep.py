@@ -12,32 +12,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.engine import labels
-from fastlink.engine.options import check_options, check_workers
-from fastlink.engine.resolve import resolve
+from fastlink.engine import labels, sinks
+from fastlink.engine.options import checked_call
+from fastlink.engine.resolve import ResolvedSweep, of_request, resolve
 from fastlink.engine.run import BLOCK_BYTES, Sink, default_threads, row_bytes, run
-from fastlink.engine.sinks import (
-    ProgressBar,
-    StatusCounts,
-    allocated,
-    bytes_at_once,
-    check_needs,
-    designs_per_block,
-    into,
-    tee,
-    within,
-)
-from fastlink.errors import Problems, door
+from fastlink.engine.sinks import into
+from fastlink.errors import door
 from fastlink.facts.catalogue import ELIMINATED
-from fastlink.io.checksums import joined_ranges
+from fastlink.io.checksums import Range, joined_ranges
 from fastlink.io.finished import finished_map
-from fastlink.io.layout import HISTORY, history, plain_attrs
+from fastlink.io.layout import HISTORY, Variable, history, plain_attrs
 from fastlink.io.partial_file import check_target
-from fastlink.io.reader import Part, PartOfMap, check_size
+from fastlink.io.reader import Part, PartOfMap
 from fastlink.io.writer import RemoteWriter, Writer, Written
 from fastlink.maps import open as open_map
 from fastlink.precision import DESIGNS, Verification
-from fastlink.space.design_space import DESIGN, Counted, held, part_of
+from fastlink.space.design_space import DESIGN, Counted, DesignSpace, Links, held, part_of
 from fastlink.space.tables import CURVES, MAPS
 
 if TYPE_CHECKING:
@@ -47,10 +37,6 @@ if TYPE_CHECKING:
 
     from fastlink.engine.cluster import Cluster
     from fastlink.engine.extend import Extension
-    from fastlink.engine.resolve import ResolvedSweep
-    from fastlink.io.checksums import Range
-    from fastlink.io.layout import Variable
-    from fastlink.space.design_space import DesignSpace, Links
 
 
 # -- The designs of a part of a sweep, and what it keeps of the whole
@@ -91,6 +77,7 @@ class Evaluation:
     def __init__(
         self,
         resolved: ResolvedSweep,
+        attrs: Mapping[str, Any],
         threads: int,
         block: int | None,
         verify: int | None,
@@ -100,10 +87,12 @@ class Evaluation:
         cluster: Cluster | None = None,
     ) -> None:
         verify = (0 if in_memory else DESIGNS) if verify is None else verify
-        #: The request, whose kernels run.
-        self.whole, self.part, self.cluster = resolved, part, cluster
-        self.range = (0, resolved.space.size) if part is None else part.range(resolved.space.size)
+        #: The request, whose kernels run; the global attributes that are known before.
+        self.whole, self.part, self.cluster, self.attrs = resolved, None, cluster, dict(attrs)
+        self.range = (0, resolved.space.size)
         if part is not None:
+            self.part = PartOfMap(part, self.fingerprint, resolved.space.size)
+            self.range, self.attrs = self.part.range, self.attrs | self.part.attrs()
             resolved = replace(resolved, space=consecutive(resolved.space, *self.range))
         plan, space, positions = resolved.plan, resolved.space, resolved.positions
         self.variables = labels.variables_of(resolved)
@@ -114,21 +103,28 @@ class Evaluation:
         #: Coordinates that are computed block by block, beside the results.
         self.columns = labels.computed(plan, space)
         self.nbytes = sum(variable.nbytes for variable in (self.variables if in_memory else self._written))
-        check_needs(resolved, threads, block, verify, self.nbytes if in_memory else 0)
-        self.counts = StatusCounts(plan)
+        sinks.check_needs(resolved, threads, block, verify, self.nbytes if in_memory else 0)
+        self.counts = sinks.StatusCounts(plan)
         self.verification = Verification(plan, space, positions, verify) if verify else None
 
-    def finished(self, to: str | Path, attrs: Mapping[str, Any]) -> xr.Dataset | None:
+    @property
+    def fingerprint(self) -> str:
+        """A hash that no other sweep's file has, however many threads write it."""
+        if self.part is not None:
+            return self.part.fingerprint
+        rest = {
+            name: value.tolist() if isinstance(value, np.ndarray) else value  # whose repr leaves values out
+            for name, value in plain_attrs(self.attrs).items()
+            if name != "threads"
+        }
+        about = self.whole.fingerprint, rest, labels.variables_of(self.whole)
+        return hashlib.sha256(repr(about).encode()).hexdigest()
+
+    def finished(self, to: str | Path) -> xr.Dataset | None:
         """Return the map of this request if it is there already, None where no file is; refuse another file."""
         verified = 0 if self.verification is None else self.verification.designs.size
-        return finished_map(
-            to,
-            self._fingerprint(attrs),
-            verified=verified,
-            coords=self._coordinates(),
-            variables=self._written,
-            attrs=self._labelled(attrs),
-        )
+        about: Any = {"coords": self._coordinates(), "variables": self._written, "attrs": self.attrs}
+        return finished_map(to, self.fingerprint, verified=verified, **about)
 
     @property
     def _written(self) -> list[Variable]:
@@ -143,44 +139,40 @@ class Evaluation:
         self.job = self.whole.job()
         resolved = self.resolved
         if resolved.scaling_axis is not None or self.part is not None or resolved.layout == MAPS:
-            self.block = designs_per_block(resolved, self.threads, self.block)
+            self.block = sinks.designs_per_block(resolved, self.threads, self.block)
         self.loaded = time.perf_counter()
         self.set_up_time = self.loaded - started
 
-    def in_memory(self, show: Sink, attrs: Mapping[str, Any]) -> xr.Dataset:
+    def in_memory(self, show: Sink) -> xr.Dataset:
         """Evaluate all designs, and return the labelled results."""
-        arrays = allocated(self.job.shapes, self.resolved.space.size)
+        arrays = sinks.allocated(self.job.shapes, self.resolved.space.size)
         sink, axis = self._sink(show), self.resolved.scaling_axis
         columns = {variable.name: np.empty(variable.shape, variable.dtype) for variable, _ in self.columns}
 
         def hold(name: str, start: int, values: NDArray[Any]) -> None:
             columns[name][start : start + len(values)] = values
 
-        sink = tee(self._of_columns(hold), sink) if columns else sink
+        sink = sinks.tee(self._of_columns(hold), sink) if columns else sink
         if axis is None and self.part is None and self.cluster is None:
             run(self.job, targets=arrays, sink=sink, threads=self.threads, block=self.block)
         else:
-            self._run(tee(into(arrays), sink))
+            self._run(sinks.tee(into(arrays), sink))
         statistics = self._statistics()
         measured, errors = self._errors()
         variables = [replace(v, attrs=v.attrs | errors.get(v.name, {})) for v in self.variables]
-        attrs = {**self._labelled(attrs), **statistics, **measured}
-        resolved = self.resolved
+        attrs, resolved = {**self.attrs, **statistics, **measured}, self.resolved
         if columns:
             resolved = replace(resolved, space=held(resolved.space, columns))
         return labels.labelled(resolved, variables, arrays, attrs)
 
-    def to_file(
-        self, path: Path, show: Sink, attrs: Mapping[str, Any], *, overwrite: bool, restart: bool
-    ) -> None:
+    def to_file(self, path: Path, show: Sink, **options: Any) -> None:
         """Evaluate all designs into a file, or the rest of a killed run."""
-        options: dict[str, Any] = {"overwrite": overwrite, "restart": restart}
         if self.part is None:
-            options |= {"run": (self._fingerprint(attrs), self.job.size), "rows": self.resolved.scaling_axis}
+            options |= {"run": (self.fingerprint, self.job.size), "rows": self.resolved.scaling_axis}
         else:
-            options |= {"run": (self._fingerprint(attrs), self.resolved.space.size)}
+            options |= {"run": (self.fingerprint, self.resolved.space.size)}
             options |= {"whole": whole_coordinates(self.whole, *self.range)}
-        with Writer(path, self._coordinates(), self._written, self._labelled(attrs), **options) as writer:
+        with Writer(path, self._coordinates(), self._written, self.attrs, **options) as writer:
             sink = self._sink(show)
             remote: list[Range] = []
             resumed = self._replay(writer, writer.written, sink)
@@ -208,7 +200,7 @@ class Evaluation:
             for (name, row), array in zip(rows, arrays, strict=True):
                 file.write(name, start, array.reshape(len(array), *row))
 
-        return tee(write, self._of_columns(file.write))
+        return sinks.tee(write, self._of_columns(file.write))
 
     def _of_columns(self, write: Callable[[str, int, NDArray[Any]], None]) -> Sink:
         """Return a sink that writes the coordinates which are computed with some designs."""
@@ -234,7 +226,7 @@ class Evaluation:
             evaluated = (
                 joined_ranges([piece for of in pending for piece in axis.evaluated(*of)]) if axis else pending
             )
-        into = sink if writer is None else tee(self._into(writer), sink)
+        into = sink if writer is None else sinks.tee(self._into(writer), sink)
         placed = self._placed(into, writer, pending)
         if self.cluster is None:
             how: dict[str, Any] = {"threads": self.threads, "block": self.block, "apart": writer is not None}
@@ -253,16 +245,16 @@ class Evaluation:
             if file is not None:
                 file.record(start, stop)
 
-        axis, at_once = self.resolved.scaling_axis, bytes_at_once(self.resolved)
+        axis, at_once = self.resolved.scaling_axis, sinks.bytes_at_once(self.resolved)
         if self.part is not None:
-            sink = within(pending, tee(sink, record), self.range[0])
+            sink = sinks.within(pending, sinks.tee(sink, record), self.range[0])
             return axis.over(sink, at_once) if axis else sink
-        return tee(axis.over(sink, at_once) if axis else sink, record)
+        return sinks.tee(axis.over(sink, at_once) if axis else sink, record)
 
     def _sink(self, *show: Sink) -> Sink:
         """Return the sink of the results besides the file or the arrays."""
         verified = [] if self.verification is None else [self.verification.collect]
-        return tee(self.counts.take, *verified, *show)
+        return sinks.tee(self.counts.take, *verified, *show)
 
     def _rows(self, ranges: list[Range]) -> Iterator[Range]:
         """Yield the ranges of the file's designs that follow from recorded ones."""
@@ -287,29 +279,6 @@ class Evaluation:
     def _errors(self) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
         """Return the measured errors as global attributes, and as those of each variable."""
         return ({}, {}) if self.verification is None else self.verification.measure()
-
-    def _labelled(self, attrs: Mapping[str, Any]) -> dict[str, Any]:
-        """Return global attributes, of a part with those that tell which."""
-        return {**attrs, **({} if self.part is None else self._of_map(attrs).attrs())}
-
-    def _of_map(self, attrs: Mapping[str, Any]) -> PartOfMap:
-        assert self.part is not None
-        return PartOfMap(self.part, self._whole_fingerprint(attrs), self.whole.space.size)
-
-    def _fingerprint(self, attrs: Mapping[str, Any]) -> str:
-        """Return a hash that no other sweep's file has, however many threads write it."""
-        return self._whole_fingerprint(attrs) if self.part is None else self._of_map(attrs).fingerprint
-
-    def _whole_fingerprint(self, attrs: Mapping[str, Any]) -> str:
-        """Return the hash of the request of all designs, the same in each part."""
-        whole = self.whole
-        variables = labels.variables_of(whole)
-        rest = {
-            name: value.tolist() if isinstance(value, np.ndarray) else value  # whose repr leaves values out
-            for name, value in plain_attrs(attrs).items()
-            if name != "threads"
-        }
-        return hashlib.sha256(repr((whole.fingerprint, rest, variables)).encode()).hexdigest()
 
     def _replay(self, writer: Writer, written: list[Range], sink: Sink) -> int:
         """Pass on the results of designs that the file holds, and return the number of all that follow from them."""
@@ -437,14 +406,8 @@ def sweep(
         open, such as ``completion``), then ``branch``, then the input; the swept ones last with ``layout="maps"``.
         A configuration that does not assemble is NaN; ``status`` tells why.
 
-    Raises
-    ------
-    InputError
-        Bad input; the message says what, where, and what to write instead.
-
     Examples
     --------
-    >>> import fastlink as fl
     >>> maps = fl.sweep(
     ...     "planar_4r",
     ...     fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0, omega1=25.0),
@@ -453,44 +416,26 @@ def sweep(
     >>> maps.omega4_max.dims
     ('a2', 'branch')
     """
-    started = time.perf_counter()
-    problems, checked = Problems(), dict[str, Any]()
-    with problems.at():
-        given: dict[str, Any] = {"verify": verify, "to": to, "part": part, "threads": threads}
-        given |= {"overwrite": overwrite, "restart": restart, "progress": progress, "layout": layout}
-        given |= {"client": client}
-        checked = check_options(given | {"allow_invalid": allow_invalid, "attrs": attrs, "block": block})
-    with problems.at():
-        asked: dict[str, Any] = {"links": links, "input": input, "angles": angles, "positions": positions}
-        asked |= {"branch": branch, "solver": solver, "extrema": extrema, "backend": backend}
-        asked |= {"options": _OPTIONS, "allow_invalid": checked.get("allow_invalid", False)}
-        resolved = resolve(mechanism, space, quantities, **asked)
-        if checked.get("part") is not None:
-            check_size(("part",), checked["part"], resolved.space.size)
-    check_workers(client, threads, problems)
-    problems.stop()
+    call, started = dict(locals()), time.perf_counter()
+    checked, resolved = checked_call(
+        call, lambda given: resolve(mechanism, space, quantities, options=_OPTIONS, **of_request(given))
+    )
     resolved = replace(resolved, layout=checked["layout"])
-    threads, target = checked["threads"] or default_threads(), checked["to"]
-    cluster = None
-    if checked["client"] is not None:
-        from fastlink.engine.cluster import Cluster  # 25 ms of imports, for clusters alone
-
-        cluster = Cluster(checked["client"])
+    threads, target, cluster = checked["threads"] or default_threads(), checked["to"], checked["client"]
+    attrs = labels.global_attrs(resolved, cluster.threads if cluster else threads) | (checked["attrs"] or {})
     options = 1 if cluster else threads, checked["block"], checked["verify"], target is None
-    evaluation = Evaluation(resolved, *options, part=checked["part"], cluster=cluster)
-    threads = cluster.threads if cluster else threads
-    before = labels.global_attrs(resolved, threads) | (checked["attrs"] or {})
+    evaluation = Evaluation(resolved, attrs, *options, part=checked["part"], cluster=cluster)
     is_new = target is None or overwrite
-    if not is_new and (finished := evaluation.finished(target, before)) is not None:
+    if not is_new and (finished := evaluation.finished(target)) is not None:
         return finished
     path = None if target is None else check_target(target, evaluation.nbytes, overwrite)
     if cluster is not None:
         cluster.check()
     evaluation.load(started)
-    with ProgressBar(evaluation.resolved.space.size, progress) as bar:
+    with sinks.ProgressBar(evaluation.resolved.space.size, progress) as bar:
         if path is None:
-            return evaluation.in_memory(bar.take, before)
-        evaluation.to_file(path, bar.take, before, overwrite=overwrite, restart=restart)
+            return evaluation.in_memory(bar.take)
+        evaluation.to_file(path, bar.take, overwrite=overwrite, restart=restart)
     return open_map(path)
 
 

@@ -1,11 +1,236 @@
 """Functions of labelled maps: masks by status, infinite values, units, best designs.
 
-They know a map by its labels alone, no mechanism. `accessor` gives xarray objects the attribute ``fastlink``; it is
-registered when a map is opened or computed, and xarray is not imported before that.
+They know a map by its labels alone, no mechanism. xarray objects have the attribute ``fastlink`` as soon as a map is
+opened or computed, and xarray is not imported before that.
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import xarray as xr
+
+from fastlink._text import short_repr
+from fastlink.errors import InputError, check_choice, door
+from fastlink.io.reader import as_dataset
 from fastlink.io.reader import open_map as open
-from fastlink.maps.accessor import MapAccessor, VariableAccessor
-from fastlink.maps.units import finite
+from fastlink.maps.units import (
+    check_flags,
+    convert,
+    converted,
+    degrees,
+    finite,
+    flag_counts,
+    flags_of,
+    has_flag,
+    units_of,
+)
+from fastlink.space.tables import STATUS
+
+if TYPE_CHECKING:
+    from fastlink.pictures.designs import MapPlots
+    from fastlink.pictures.explore import Page
 
 __all__ = ["MapAccessor", "VariableAccessor", "finite", "open"]
+
+
+@xr.register_dataset_accessor("fastlink")  # type: ignore[no-untyped-call]
+class MapAccessor:
+    """The attribute ``fastlink`` of a map.
+
+    Examples
+    --------
+    >>> space = fl.grid(a1=[0.4, 0.5, 1.5], a2=1.2, a3=0.8, a4=1.0, omega1=25.0)
+    >>> maps = fl.sweep("planar_4r", space, ["omega4_max", "theta4_max"], branch=1)
+    >>> maps.fastlink.counts()["rotates_fully"]
+    2
+    >>> maps.fastlink.top(1, "omega4_max", largest=False).a1.values
+    array([0.4])
+    """
+
+    def __init__(self, maps: xr.Dataset) -> None:
+        self._maps = maps
+
+    @door
+    def status_is(self, *meanings: str, of: str = STATUS) -> xr.DataArray:
+        """Return where a code has one of some meanings, as a mask.
+
+        Parameters
+        ----------
+        *meanings : str
+            Of the variable's ``flag_meanings``, such as ``"rotates_fully"`` or ``"rotates fully"``.
+        of : str, default "status"
+            The variable, such as ``"grashof_class"``.
+        """
+        array = self._coded(of)
+        return has_flag(array, check_flags(array, "of", meanings))
+
+    @door
+    def where_status(self, *meanings: str, of: str = STATUS) -> xr.Dataset:
+        """Return a copy with NaN where a code has none of some meanings; codes and counts stay.
+
+        Parameters
+        ----------
+        *meanings, of : str
+            As in `status_is`.
+        """
+        mask = self.status_is(*meanings, of=of)
+        numbers = {
+            name: array.where(mask).transpose(*array.dims, ...).assign_attrs(array.attrs).variable
+            for name, array in self._maps.data_vars.items()
+            if array.dtype.kind == "f" and set(mask.dims) <= set(array.dims)
+        }
+        return self._maps.assign(numbers)
+
+    @door
+    def counts(self, of: str = STATUS) -> dict[str, int]:
+        """Return how many values of a code have each of its meanings.
+
+        Parameters
+        ----------
+        of : str, default "status"
+            The variable.
+        """
+        with as_dataset(self._maps):
+            counted = flag_counts(self._coded(of))
+        if counted is None:
+            what = f"{short_repr(of)} holds values that are not codes"
+            raise InputError(what, ("of",), "count before averaging or masking")
+        return counted
+
+    @door
+    def finite(self) -> xr.Dataset:
+        """Replace infinite values by NaN, and note how many there were; see `fastlink.finite`."""
+        result: xr.Dataset = finite(self._maps)
+        return result
+
+    @door
+    def degrees(self) -> xr.Dataset:
+        """Return a copy whose angles, in radians, are in degrees, coordinates too.
+
+        Rates, such as rad s-1, stay as they are: see `convert`.
+        """
+        with as_dataset(self._maps) as maps:
+            return degrees(maps)
+
+    @property
+    def designs(self) -> xr.Dataset:
+        """The inputs of the map without its results, to be swept again."""
+        return self._maps.drop_vars(list(self._maps.data_vars))
+
+    @property
+    def plot(self) -> MapPlots:
+        """Pictures: ``plot("omega4_max")``, ``plot.designs([...])``, ``plot.front(minimise=...)``."""
+        from fastlink.pictures.designs import MapPlots  # pictures stand above maps; this is their door
+
+        return MapPlots(self._maps)
+
+    @door
+    def explore(self, *, to: Any = None, port: int = 0, browser: bool = True) -> Page:
+        """Show this map in a browser, see `fastlink.explore`."""
+        from fastlink.pictures.explore import explore
+
+        return explore(self._maps, to=to, port=port, browser=browser)
+
+    @property
+    def units(self) -> dict[str, str]:
+        """The units of each variable and coordinate, in the spelling of CF; ``1`` for pure numbers."""
+        return units_of(self._maps)
+
+    @door
+    def convert(self, **units: str) -> xr.Dataset:
+        """Return a copy with some variables or coordinates in other units.
+
+        Parameters
+        ----------
+        **units : str
+            Such as ``omega4_max="rpm", a1="mm"``; read by pint, the optional dependency ``units``.
+
+        Raises
+        ------
+        InputError
+            A name or unit is unknown, a unit is of another kind, or pint is missing.
+        """
+        with as_dataset(self._maps) as maps:
+            return convert(maps, units)
+
+    @door
+    def top(
+        self, n: int, by: str, *, largest: bool = True, where: Any = None, infinite: bool = False
+    ) -> xr.Dataset:
+        """Return the best designs: those with the greatest or least values of a variable.
+
+        The map is read block by block and may be larger than memory.
+
+        Parameters
+        ----------
+        n : int
+            How many rows; there are fewer where the map has fewer.
+        by : str
+            The variable. A row is one of its values: a design in an assembly mode, and at one input position if the
+            variable has them.
+        largest : bool, default True
+            The greatest values; False for the least.
+        where : xarray.DataArray, str, list of str or mapping, optional
+            A mask, such as ``maps.transmission_angle_min > 0.7``; meanings of ``status``; or ranges, see
+            `fastlink.best`, which takes several objectives too.
+        infinite : bool, default False
+            Consider infinite values too.
+
+        Returns
+        -------
+        xarray.Dataset
+            Along ``design``, the best first, equal ones in the order of the map: all inputs (those that are the same
+            for all designs as scalars), the assembly mode, and all results of that place. ``.to_dataframe()`` is the
+            table of pandas. The attribute ``selection`` says how many values were considered and left out.
+        """
+        from fastlink.maps.best import top  # not whenever a map is opened
+
+        with as_dataset(self._maps) as maps:
+            return top(maps, n, by, largest=largest, where=where, infinite=infinite)
+
+    def _coded(self, of: str) -> xr.DataArray:
+        if not isinstance(of, str) or of not in self._maps.variables:
+            check_choice(
+                ("of",), of, [str(name) for name, one in self._maps.data_vars.items() if flags_of(one)]
+            )
+        return self._maps[of]
+
+
+@xr.register_dataarray_accessor("fastlink")  # type: ignore[no-untyped-call]
+class VariableAccessor:
+    """The attribute ``fastlink`` of a variable of a map.
+
+    Examples
+    --------
+    >>> space = fl.grid(a1=[0.5, 1.5], a2=1.2, a3=0.8, a4=1.0, omega1=25.0)
+    >>> maps = fl.sweep("planar_4r", space, ["omega4_max"], branch=1)
+    >>> maps.omega4_max.fastlink.finite().max().round(2).item()
+    16.91
+    >>> maps.status.fastlink.status_is("rotates fully").values
+    array([ True, False])
+    """
+
+    def __init__(self, array: xr.DataArray) -> None:
+        self._array = array
+
+    @door
+    def status_is(self, *meanings: str) -> xr.DataArray:
+        """Return where this code has one of some meanings, as a mask."""
+        return has_flag(self._array, check_flags(self._array, "meanings", meanings))
+
+    @door
+    def finite(self) -> xr.DataArray:
+        """Replace infinite values by NaN, and note how many there were; see `fastlink.finite`."""
+        result: xr.DataArray = finite(self._array)
+        return result
+
+    @door
+    def degrees(self) -> xr.DataArray:
+        """Return a copy in degrees, if this is an angle in radians; its coordinates too."""
+        return degrees(self._array)
+
+    @door
+    def convert(self, units: str) -> xr.DataArray:
+        """Return a copy in other units, such as ``"rpm"``, by pint."""
+        return converted(self._array, units)

@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -21,38 +21,6 @@ from fastlink.io.where import Range, in_units, named
 from fastlink.maps.units import check_flags, flags_of
 from fastlink.space.design_space import DESIGN, as_real
 from fastlink.space.tables import STATUS
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from numpy.typing import NDArray
-
-__all__ = [
-    "ACTIVE",
-    "GAIN",
-    "REFINEMENT",
-    "STARTS",
-    "Choice",
-    "Condition",
-    "Objective",
-    "Reading",
-    "Rows",
-    "Selection",
-    "Tally",
-    "choice_of",
-    "chosen",
-    "conditions",
-    "kept_of",
-    "least",
-    "listed",
-    "nondominated",
-    "numeric",
-    "objective",
-    "strongest",
-    "top",
-    "unbeaten",
-    "undominated",
-]
-
 
 # -- Conditions on the rows of a map: masks, meanings of a code, ranges of values
 
@@ -95,7 +63,7 @@ def conditions(maps: xr.Dataset, where: Any) -> list[Condition]:
     if isinstance(where, str) or (isinstance(where, (list, tuple)) and where):
         if STATUS not in maps:
             what = "the map has no variable 'status'"
-            raise InputError(what, where=("where",), remedy="give a mask, such as maps.a1 < 0.5")
+            raise InputError(what, ("where",), "give a mask, such as maps.a1 < 0.5")
         return [_of_code(maps[STATUS], "where", where)]
     if isinstance(where, Mapping) and not hasattr(where, "data_vars"):
         problems, made = Problems(), list[Condition]()
@@ -108,7 +76,7 @@ def conditions(maps: xr.Dataset, where: Any) -> list[Condition]:
         remedy = (
             "write ranges such as {'a1': (None, 0.5)}, a meaning of status, or a mask such as maps.a1 < 0.5"
         )
-        raise InputError(f"is {short_repr(where)}, not a mask", where=("where",), remedy=remedy)
+        raise InputError(f"is {short_repr(where)}, not a mask", ("where",), remedy)
     for dim, length in where.sizes.items():
         check_along(where.name, str(dim), length, maps.sizes)
     return [Condition(where)]
@@ -118,7 +86,7 @@ def check_along(name: Any, dim: str, length: int, sizes: Mapping[Any, int]) -> N
     """Refuse a condition that does not have the rows of a map along a dimension."""
     if sizes.get(dim) != length:
         what = f"{name or 'the mask'} has {length} along {dim!r}, the rows have {sizes.get(dim, 'no such dimension')}"
-        raise InputError(what, where=("where",), remedy="give a mask made from the same map")
+        raise InputError(what, ("where",), "give a mask made from the same map")
 
 
 def _of_code(array: xr.DataArray, where: str, meanings: Any) -> Condition:
@@ -136,13 +104,12 @@ def _of_name(maps: xr.Dataset, name: Any, given: Any) -> Condition:
     where, remedy = ("where", name), ("write ", Pair(unlimited=True))
     if flags_of(array):
         what = f"{array.name} is a code, and given {short_repr(given)}"
-        raise InputError(what, where=where, remedy=f"write one of its meanings, {', '.join(flags_of(array))}")
+        raise InputError(what, where, f"write one of its meanings, {', '.join(flags_of(array))}")
     if not isinstance(given, (list, tuple)) or len(given) != 2:
-        raise InputError(f"is {short_repr(given)}", where=where, remedy=remedy)
+        raise InputError(f"is {short_repr(given)}", where, remedy)
     limits = Range(*(_limit(name, *end) for end in zip(given, (-math.inf, math.inf), strict=True)))
     if not limits.low <= limits.high:
-        what = f"runs from {limits.low:g} to {limits.high:g}"
-        raise InputError(what, where=where, remedy="exchange the ends")
+        raise InputError(f"runs from {limits.low:g} to {limits.high:g}", where, "exchange the ends")
     limits = in_units(array, limits, "where", in_degrees=in_degrees)
     return Condition(array, None, limits.low, limits.high)
 
@@ -152,7 +119,7 @@ def _limit(name: str, end: Any, otherwise: float) -> float:
     number = otherwise if end is None else as_real(end)
     if number is None:
         what, remedy = f"ends at {short_repr(end)}", "write a number, or None for no limit"
-        raise InputError(what, where=("where", name), remedy=remedy)
+        raise InputError(what, ("where", name), remedy)
     return number
 
 
@@ -371,19 +338,16 @@ def choice_of(
     maps: xr.Dataset, minimise: Any, maximise: Any, where: Any, *, top: Any = None, infinite: Any = False
 ) -> Choice:
     """Return the choice of rows that a caller asks for, see `fastlink.best`, or refuse it."""
-    problems, wanted, sought = Problems(), list[Condition](), list[Objective]()
-    with problems.at():
-        check_switch(("infinite",), infinite)
-    with problems.at():
-        sought = _objectives(maps, minimise, maximise)
-    with problems.at():
-        wanted = conditions(maps, where)
+    problems = Problems()
+    problems.attempt(check_switch, ("infinite",), infinite)
+    sought = problems.attempt(_objectives, maps, minimise, maximise) or []
+    wanted = problems.attempt(conditions, maps, where)
     with problems.at():
         if top is not None:
             check_whole(("top",), top, 1)
             if len(sought) > 1:
                 what = f"is {top}, and the front of several objectives is whole"
-                raise InputError(what, where=("top",), remedy="leave it out, or name one objective")
+                raise InputError(what, ("top",), "leave it out, or name one objective")
     problems.stop()
     return Choice(sought, wanted, top or DEFAULT_TOP, bool(infinite))
 
@@ -429,7 +393,7 @@ def _objectives(maps: xr.Dataset, minimise: Any, maximise: Any) -> list[Objectiv
     problems.stop()
     if not found:
         remedy = ("write ", Setting("minimise", "NAME"), " or ", Setting("maximise", "NAME"))
-        raise InputError("there is no objective", where=("best",), remedy=remedy)
+        raise InputError("there is no objective", ("best",), remedy)
     return found
 
 
@@ -449,11 +413,11 @@ def objective(maps: xr.Dataset, where: str, name: Any, sign: float) -> Objective
     own = [key for key in usable if key in maps.data_vars]
     if not isinstance(name, str):
         remedy = "write the name of a variable; a new one is maps.assign(NAME=...)"
-        raise InputError(f"is {short_repr(name)}", where=(where,), remedy=remedy)
+        raise InputError(f"is {short_repr(name)}", (where,), remedy)
     if name in maps.variables and name not in usable:
         what = f"{short_repr(name)} is {'a code' if flags_of(maps[name]) else 'not a number for each design'}"
         remedy = f"select by where='MEANING', and rank by a number: {', '.join(own[:8])}"
-        raise InputError(what, where=(where,), remedy=remedy)
+        raise InputError(what, (where,), remedy)
     return Objective(maps[name if name in usable else check_choice((where,), name, own)], sign)
 
 

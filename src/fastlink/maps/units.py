@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 import xarray as xr
@@ -14,27 +14,6 @@ import xarray as xr
 from fastlink._text import short_repr
 from fastlink.errors import InputError, KeyPath, check_choice, door, suggest
 from fastlink.io.reader import as_dataset
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = [
-    "DEGREE",
-    "RADIAN",
-    "check_flags",
-    "check_units",
-    "convert",
-    "converted",
-    "degrees",
-    "degrees_along",
-    "finite",
-    "flag_counts",
-    "flags_of",
-    "half_turn",
-    "has_flag",
-    "units_of",
-]
-
 
 # -- Convert the units of maps: radians to degrees, and others by pint
 
@@ -50,11 +29,7 @@ T = TypeVar("T", xr.Dataset, xr.DataArray)
 
 def units_of(maps: xr.Dataset) -> dict[str, str]:
     """Return the units of each variable and coordinate that has any; ``1`` for pure numbers."""
-    return {
-        str(name): str(array.attrs["units"])
-        for name, array in maps.variables.items()
-        if "units" in array.attrs
-    }
+    return {str(name): str(of.attrs["units"]) for name, of in maps.variables.items() if "units" in of.attrs}
 
 
 def check_units(array: Any, units: str, where: KeyPath) -> None:
@@ -62,7 +37,7 @@ def check_units(array: Any, units: str, where: KeyPath) -> None:
     own = getattr(array, "attrs", {}).get("units", units)
     if own != units:
         remedy = f"give the map as it was before it was converted, in {units}"
-        raise InputError(f"is in {short_repr(own)}", where=where, remedy=remedy)
+        raise InputError(f"is in {short_repr(own)}", where, remedy)
 
 
 def half_turn(units: object) -> float | None:
@@ -75,17 +50,18 @@ def degrees(maps: T) -> T:
     result = degrees_along(maps)
     if isinstance(result, xr.DataArray):
         return _scaled(result, np.rad2deg, DEGREE) if _is_angle(result) else result
-    angles = {name: array for name, array in result.data_vars.items() if _is_angle(array)}
-    return result.assign(
-        {name: _scaled(array, np.rad2deg, DEGREE).variable for name, array in angles.items()}
-    )
+    return result.assign(_in_degrees(result.data_vars))
 
 
 def degrees_along(maps: T) -> T:
     """Return a copy whose coordinates in radians are in degrees."""
-    angles = {name: array for name, array in maps.coords.items() if _is_angle(array)}
-    changed = {name: _scaled(array, np.rad2deg, DEGREE).variable for name, array in angles.items()}
-    return _along(maps, changed)
+    return _along(maps, _in_degrees(maps.coords))
+
+
+def _in_degrees(arrays: Mapping[Any, xr.DataArray]) -> dict[Any, xr.Variable]:
+    """Return those of some variables that are angles in radians, in degrees."""
+    angles = {name: array for name, array in arrays.items() if _is_angle(array)}
+    return {name: _scaled(array, np.rad2deg, DEGREE).variable for name, array in angles.items()}
 
 
 def convert(maps: xr.Dataset, given: dict[str, Any]) -> xr.Dataset:
@@ -94,7 +70,7 @@ def convert(maps: xr.Dataset, given: dict[str, Any]) -> xr.Dataset:
     for name in given:
         if name not in known:
             what = f"{name!r} is not a variable with units" if name in maps.variables else "is unknown"
-            raise InputError(what, where=(name,), remedy=suggest(name, known))
+            raise InputError(what, (name,), suggest(name, known))
     changed = {name: converted(maps[name], units, name) for name, units in given.items()}
     along = {name: array.variable for name, array in changed.items() if name in maps.coords}
     results = {name: array.variable for name, array in changed.items() if name not in along}
@@ -106,7 +82,7 @@ def converted(array: xr.DataArray, units: Any, name: str = "units") -> xr.DataAr
     own = array.attrs.get("units")
     if own is None or array.dtype.kind not in "iuf":
         what = f"{array.name!r} has no units to convert"
-        raise InputError(what, where=(name,), remedy="give numbers with the attribute 'units'")
+        raise InputError(what, (name,), "give numbers with the attribute 'units'")
     factor = _factor(str(own), units, name)
     return _scaled(array, lambda values: values * factor, units)
 
@@ -116,7 +92,7 @@ def _along(maps: T, changed: dict[Any, xr.Variable]) -> T:
     for name in changed:
         index = maps.indexes.get(name)
         if index is not None and index.nlevels + (name not in maps.dims) > 1:
-            raise InputError("is of a stacked dimension", where=(str(name),), remedy="unstack the map first")
+            raise InputError("is of a stacked dimension", (str(name),), "unstack the map first")
     return maps.assign_coords(changed)
 
 
@@ -136,7 +112,7 @@ def _registry() -> Any:
     try:
         import pint
     except ModuleNotFoundError:
-        raise InputError("pint is not installed", where=("convert",), remedy=INSTALL) from None
+        raise InputError("pint is not installed", ("convert",), INSTALL) from None
     return pint.UnitRegistry()
 
 
@@ -149,7 +125,7 @@ def _parsed(text: Any, name: str) -> Any:
         return registry.parse_units(POWER.sub(r"**\1", text) if text.strip() != "1" else "")
     except Exception as error:  # pint's parser raises whatever its tokens run into
         what = f"{short_repr(text)} is not a unit"
-        raise InputError(what, where=(name,), remedy="write such as 'rpm', 'degree' or 'N mm'") from error
+        raise InputError(what, (name,), "write such as 'rpm', 'degree' or 'N mm'") from error
 
 
 def _factor(own: str, units: Any, name: str) -> float:
@@ -159,7 +135,7 @@ def _factor(own: str, units: Any, name: str) -> float:
     if dict(roots[0][1]._units) != dict(roots[1][1]._units):
         what = f"{short_repr(units)} is not of the kind of {own!r}"
         similar = ", ".join(sorted(map(repr, _EXAMPLES.get(own, (own,)))))
-        raise InputError(what, where=(name,), remedy=f"write such as {similar}")
+        raise InputError(what, (name,), f"write such as {similar}")
     return float(roots[0][0] / roots[1][0])
 
 
@@ -198,12 +174,12 @@ def check_flags(array: xr.DataArray, where: str, meanings: Sequence[Any]) -> lis
     flags = flags_of(array)
     if not flags:
         what = f"{array.name!r} has no codes with meanings"
-        raise InputError(what, where=(where,), remedy="give a variable with flag_values and flag_meanings")
+        raise InputError(what, (where,), "give a variable with flag_values and flag_meanings")
     if array.dtype.kind not in "iu":
         what = f"{array.name!r} holds values that are not codes"
-        raise InputError(what, where=(where,), remedy="make masks before averaging, and before masking codes")
+        raise InputError(what, (where,), "make masks before averaging, and before masking codes")
     if not meanings:
-        raise InputError("is empty", where=("meanings",), remedy=f"write one of {', '.join(flags)}")
+        raise InputError("is empty", ("meanings",), f"write one of {', '.join(flags)}")
     spelt = [one.strip().replace(" ", "_") if isinstance(one, str) else one for one in meanings]
     return [flags[check_choice(("meanings",), one, list(flags), f" to {array.name}")] for one in spelt]
 
@@ -249,14 +225,8 @@ def finite(maps: Any) -> Any:
         A copy in memory, in which each variable that had infinite values has their number as attribute
         ``infinite_values``. Variables in dask chunks stay so, and are not counted.
 
-    Raises
-    ------
-    InputError
-        Neither a map nor its path.
-
     Examples
     --------
-    >>> import fastlink as fl
     >>> space = fl.grid(a1=[0.5, 1.5], a2=1.2, a3=0.8, a4=1.0, omega1=25.0)
     >>> maps = fl.sweep("planar_4r", space, ["omega4_max"], branch=1)
     >>> maps.omega4_max.values.ravel().round(2), fl.finite(maps).omega4_max.values.ravel().round(2)

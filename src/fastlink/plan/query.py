@@ -13,19 +13,10 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from fastlink._text import short_repr
 from fastlink.errors import InputError, Problems, Remedy, listed
+from fastlink.facts import find
 from fastlink.facts.derivative import units_per
 from fastlink.facts.fact import CatalogueError
-from fastlink.facts.find import (
-    LEAST,
-    Ranked,
-    best_names,
-    canonical,
-    did_you_mean,
-    index_of_inputs,
-    index_of_quantities,
-    parts,
-    squeezed,
-)
+from fastlink.facts.find import parts
 from fastlink.facts.names import (
     Change,
     Derivative,
@@ -43,47 +34,11 @@ from fastlink.facts.names import (
 )
 from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
-from fastlink.numerics.compiler import (
-    AT_CHANGE_POINT,
-    AT_LIMIT,
-    CONSTANT,
-    INFINITE,
-    JUMP,
-    KINK,
-    MOVING,
-    NOTHING,
-    OF_SAMPLES,
-    SMOOTH,
-    TIED,
-)
+from fastlink.numerics import compiler
 from fastlink.numerics.elementary import sqrt
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from fastlink.facts.catalogue import Catalogue
-    from fastlink.facts.names import Name
-
-__all__ = [
-    "COUNT",
-    "REDUCTIONS",
-    "STATUS_FLAGS",
-    "Extrema",
-    "Reduction",
-    "Request",
-    "check_names",
-    "check_sampled",
-    "input_remedy",
-    "parse_request",
-    "rank_quantities",
-    "register",
-    "require_quantity",
-    "status_text",
-    "suggest_input",
-    "suggest_quantity",
-    "units_of",
-    "unregister",
-]
 
 
 # -- Reductions over the input cycle: greatest, least, mean, root mean square, fluctuation
@@ -182,15 +137,9 @@ class Reduction:
     def _check_text(self) -> None:
         names = set(self.accumulators)
         finals = ((text, names) for text in (self.finish, self.at_toggle))
-        updates = [
-            (text, names | {"value", "better"}) for pair in self.accumulators.values() for text in pair
-        ]
-        all_names = names | set(self.gradient)
-        slopes = [
-            (text, all_names | {"value", "better", "slope"})
-            for pair in self.gradient.values()
-            for text in pair
-        ]
+        all_names, here = names | set(self.gradient), {"value", "better"}
+        updates = [(text, names | here) for pair in self.accumulators.values() for text in pair]
+        slopes = [(text, all_names | here | {"slope"}) for pair in self.gradient.values() for text in pair]
         for text, known in (*updates, *finals, *slopes, (self.gradient_finish, all_names)):
             read = {name for _, name, _, _ in Formatter().parse(text) if name is not None}
             if unknown := read - known:
@@ -362,17 +311,17 @@ register(
 
 #: The codes of ``NAME_max_gradient_status``.
 STATUS_FLAGS = {
-    SMOOTH: "derivative",
-    AT_LIMIT: "at a limit of motion that moves",
-    TIED: "one-sided as two places tie",
-    INFINITE: "none as the value is infinite",
-    AT_CHANGE_POINT: "none at the fold of a change point",
-    NOTHING: "no value",
-    KINK: "none at a kink or next to a pole",
-    OF_SAMPLES: "of the sampled positions that assemble",
-    CONSTANT: "one-sided as nothing changes over the cycle",
-    JUMP: "zero where an angle jumps by a full turn or folds at pi or 0",
-    MOVING: "none as limits of motion move",
+    compiler.SMOOTH: "derivative",
+    compiler.AT_LIMIT: "at a limit of motion that moves",
+    compiler.TIED: "one-sided as two places tie",
+    compiler.INFINITE: "none as the value is infinite",
+    compiler.AT_CHANGE_POINT: "none at the fold of a change point",
+    compiler.NOTHING: "no value",
+    compiler.KINK: "none at a kink or next to a pole",
+    compiler.OF_SAMPLES: "of the sampled positions that assemble",
+    compiler.CONSTANT: "one-sided as nothing changes over the cycle",
+    compiler.JUMP: "zero where an angle jumps by a full turn or folds at pi or 0",
+    compiler.MOVING: "none as limits of motion move",
 }
 
 
@@ -418,13 +367,13 @@ def gradient_refusal(name: str, tree: Name, of: Reduced, catalogue: Catalogue) -
 
 def status_text(reduction: Reduction, value: str, over_all: bool) -> tuple[str, str]:
     """Return kernel text of the status of derivatives of a reduction of samples, and that at a limit of motion."""
-    code = SMOOTH if over_all else OF_SAMPLES
+    code = compiler.SMOOTH if over_all else compiler.OF_SAMPLES
     if reduction.has_kink:
-        value, text = f"({value})", f"select({value} == 0.0, {KINK}.0, {code}.0)"
+        value, text = f"({value})", f"select({value} == 0.0, {compiler.KINK}.0, {code}.0)"
     else:
         text = f"{code}.0"
-    found = f"select({value} == {value}, {{}}, {NOTHING}.0)"
-    return found.format(text), found.format(f"{MOVING}.0")
+    found = f"select({value} == {value}, {{}}, {compiler.NOTHING}.0)"
+    return found.format(text), found.format(f"{compiler.MOVING}.0")
 
 
 def check_sampled(requests: Iterable[Request], catalogue: Catalogue) -> None:
@@ -452,11 +401,8 @@ def units_of(request: Request, catalogue: Catalogue) -> str:
 #: Words that ask for the position of an extreme: before an extreme, and in its place.
 AT, PLACES = frozenset(("at", "where", "when")), {"argmax": "max", "argmin": "min"}
 LISTS = frozenset(("extrema", "extreme", "extremes", "extremum", "maxima", "minima"))
-COUNTS, KINDS, ALL = (
-    frozenset(("number", "count", "many")),
-    frozenset(("kind", "kinds")),
-    frozenset(("all", "list")),
-)
+COUNTS, KINDS = frozenset(("number", "count", "many")), frozenset(("kind", "kinds"))
+ALL = frozenset(("all", "list"))
 #: The share of letters from which a word is that of a reduction.
 MISSPELT = 0.85
 ERRORS = frozenset(("error", "err", "uncertainty", "rounding"))
@@ -544,12 +490,12 @@ def _after_position(spelt: Sequence[str], position: str) -> tuple[str, ...] | No
     if list(spelt[: len(own) + 1]) in ([*own, "at"], [*own, "where"]):
         return tuple(spelt[len(own) + 1 :])
     for k, word in enumerate(spelt[1:4], 1):
-        if word in (*AT, "of") and canonical((spelt[k - 1],))[0] in ("angle", "position"):
+        if word in (*AT, "of") and find.canonical((spelt[k - 1],))[0] in ("angle", "position"):
             return tuple(spelt[k + 1 :])
     return None
 
 
-def rank_quantities(text: str, catalogue: Catalogue, over_cycle: bool = True) -> list[Ranked]:
+def rank_quantities(text: str, catalogue: Catalogue, over_cycle: bool = True) -> list[find.Ranked]:
     """Return the names of quantities, their reductions and derivatives that a phrase may mean, the best first."""
     found = {one.name: one for one in _ranked(tuple(parts(text)), catalogue, over_cycle)}
     for of, by, tail in _derivatives(text, catalogue):
@@ -558,13 +504,15 @@ def rank_quantities(text: str, catalogue: Catalogue, over_cycle: bool = True) ->
     return sorted(found.values())
 
 
-def _ranked(spelt: tuple[str, ...], catalogue: Catalogue, over_cycle: bool, by: str = "") -> list[Ranked]:
+def _ranked(
+    spelt: tuple[str, ...], catalogue: Catalogue, over_cycle: bool, by: str = ""
+) -> list[find.Ranked]:
     """Return the names that words may mean; of derivatives with respect to `by`, where that is given."""
-    found: dict[str, Ranked] = {}
+    found: dict[str, find.Ranked] = {}
     position = catalogue.position.name
     for form in _forms(spelt, position):
-        for one in index_of_quantities(catalogue).ranked_parts(form.rest):
-            if one.score < LEAST:
+        for one in find.index_of_quantities(catalogue).ranked_parts(form.rest):
+            if one.score < find.LEAST:
                 break
             tree = catalogue.parse(one.name)
             of_cycle = bool(form.how or form.listed or form.of_extreme)
@@ -578,7 +526,7 @@ def _ranked(spelt: tuple[str, ...], catalogue: Catalogue, over_cycle: bool, by: 
                 continue
             name = str(form.of(Derivative(tree, by) if by else tree, position))
             if name not in found or found[name].score < one.score:
-                found[name] = Ranked.of(one.score, name)
+                found[name] = find.Ranked.of(one.score, name)
     return list(found.values())
 
 
@@ -592,7 +540,7 @@ def _derivatives(text: str, catalogue: Catalogue) -> Iterable[tuple[tuple[str, .
     if not spelt.startswith("d"):
         return
     for name in catalogue.variables:
-        sought = squeezed(name)
+        sought = find.squeezed(name)
         # d, the quantity, d and the variable, then nothing or the words of a reduction
         pattern = f"^d ?(.+?) ?(?<![a-z])d ?{' ?'.join(sought)}( .*)?$"
         if read := re.match(pattern, spelt):
@@ -601,21 +549,21 @@ def _derivatives(text: str, catalogue: Catalogue) -> Iterable[tuple[tuple[str, .
 
 def suggest_quantity(text: str, catalogue: Catalogue, over_cycle: bool = True) -> list[str]:
     """Return the names to suggest for an unknown quantity: three at most."""
-    return best_names(rank_quantities(text, catalogue, over_cycle))
+    return find.best_names(rank_quantities(text, catalogue, over_cycle))
 
 
 def suggest_input(text: str, catalogue: Catalogue) -> list[str]:
     """Return the names to suggest for an unknown input: three at most."""
-    return best_names(index_of_inputs(catalogue).ranked(text))
+    return find.best_names(find.index_of_inputs(catalogue).ranked(text))
 
 
 def unknown_quantity(name: str, catalogue: Catalogue, over_cycle: bool = True) -> InputError:
     """Return the error for a name that is no quantity: why there is none, or what it may mean."""
     if absent := catalogue.absence(name):
         return absent
-    same = squeezed(name)
+    same = find.squeezed(name)
     for known in catalogue.all_inputs.values():
-        if squeezed(known.name) == same:
+        if find.squeezed(known.name) == same:
             of = "" if known.name == name else f" {known.name!r}"
             what = f"quantity {name!r} is the input{of}, a coordinate of the result ({known.meaning})"
             return InputError(what, remedy="leave it out")
@@ -627,7 +575,7 @@ def unknown_quantity(name: str, catalogue: Catalogue, over_cycle: bool = True) -
         return InputError(what, remedy=input_remedy(wrong, catalogue))
     near = suggest_quantity(name, catalogue, over_cycle) or suggest_quantity(wrong, catalogue, over_cycle)
     lists = f"`fastlink quantities {getattr(catalogue, 'first', catalogue).name}` lists all"
-    return InputError(what, remedy=did_you_mean(near) if near else lists)
+    return InputError(what, remedy=find.did_you_mean(near) if near else lists)
 
 
 def require_quantity(name: str, catalogue: Catalogue) -> None:
@@ -648,7 +596,7 @@ def require_quantity(name: str, catalogue: Catalogue) -> None:
 def input_remedy(name: str, catalogue: Catalogue, known: Iterable[str] = ()) -> Remedy:
     """Return the remedy for an unknown input: what it may mean, or the known ones."""
     near = suggest_input(name, catalogue)
-    return did_you_mean(near) if near else listed(list(known or catalogue.variables))
+    return find.did_you_mean(near) if near else listed(list(known or catalogue.variables))
 
 
 #: Most names in one list; more come from an iterator without end.
@@ -770,9 +718,7 @@ def check_names(parameter: str, given: Iterable[str]) -> tuple[str, ...]:
     """Return the names of a list, each of which must stand in it once."""
     where = (parameter,)
     if isinstance(given, str):
-        raise InputError(
-            f"is one text, {short_repr(given)}", where=where, remedy=f"write a list: [{short_repr(given)}]"
-        )
+        raise InputError(f"is one text, {short_repr(given)}", where, f"write a list: [{short_repr(given)}]")
     names: list[str] = []
     try:
         if not isinstance(given, (bytes, bytearray, set, frozenset, Mapping)):
@@ -780,11 +726,11 @@ def check_names(parameter: str, given: Iterable[str]) -> tuple[str, ...]:
         elif given:
             raise TypeError
     except Exception:  # no list, or whatever a class of somebody's does
-        raise InputError(f"is {short_repr(given)}", where=where, remedy="write a list of names") from None
+        raise InputError(f"is {short_repr(given)}", where, "write a list of names") from None
     if not names:
-        raise InputError("is empty", where=where, remedy="write at least one name")
+        raise InputError("is empty", where, "write at least one name")
     if len(names) > MOST_NAMES:
-        raise InputError(f"holds more than {MOST_NAMES} names", where=where, remedy="write fewer")
+        raise InputError(f"holds more than {MOST_NAMES} names", where, "write fewer")
     problems, known = Problems(), set()
     for k, name in enumerate(names):
         if not isinstance(name, str):
@@ -795,16 +741,6 @@ def check_names(parameter: str, given: Iterable[str]) -> tuple[str, ...]:
             known.add(name)
     problems.stop()
     return tuple(map(str, names))
-
-
-def reduced_names(catalogue: Catalogue) -> Iterable[str]:
-    """Yield every name of a reduction or list over a mechanism's cycle: of all but the codes of a design."""
-    for quantity in filter(catalogue.varies, catalogue.public):
-        for reduction in REDUCTIONS.values():
-            yield str(Reduced(Quantity(quantity), reduction.suffix))
-            if reduction.has_position:
-                yield str(Reduced(Quantity(quantity), reduction.suffix, catalogue.position.name))
-        yield from list_names(catalogue, quantity)
 
 
 def list_names(catalogue: Catalogue, quantity: str) -> tuple[str, ...]:

@@ -33,67 +33,14 @@ from fastlink.facts.find import did_you_mean
 from fastlink.facts.powers import beyond_range, limits
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.plan.query import Extrema, input_remedy, parse_request, suggest_input
-from fastlink.space.design_space import (
-    DEGREE_UNIT,
-    DEGREES,
-    MODELS,
-    MOST_DIMS,
-    MOST_LISTED,
-    RADIANS,
-    Column,
-    Degrees,
-    Links,
-    angle_of,
-    as_floats,
-    cells_of,
-    check_angle,
-    check_length,
-    degrees_name,
-    first_invalid,
-    has_unit,
-    in_unit,
-    is_number,
-    listed,
-    numbers_of,
-    radians,
-    remark_on_angles,
-    steps,
-    unit_remedy,
-    units_of,
-    unmasked,
-)
+from fastlink.space import design_space as spaces
+from fastlink.space.design_space import steps
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from fastlink.engine.extend import Extension
     from fastlink.space.design_space import DesignSpace
-
-__all__ = [
-    "all_choices",
-    "allowed",
-    "branch_codes",
-    "check_branches",
-    "check_extrema",
-    "check_inputs",
-    "check_keywords",
-    "check_model",
-    "check_positions",
-    "check_turn",
-    "constants_of",
-    "flag_beyond_range",
-    "given_angles",
-    "in_degrees",
-    "in_range",
-    "joined_missing",
-    "missing_inputs",
-    "name_problems",
-    "radian_keywords",
-    "selected_variants",
-    "unknown_input",
-    "value_problems",
-    "variants_of",
-]
 
 
 # -- Checks of a request: inputs and their values, branches, links and solver
@@ -102,18 +49,7 @@ __all__ = [
 RULES = {"positive": "greater than 0", "non-negative": "at least 0"}
 
 
-def variants_of(
-    catalogue: Catalogue, links: Links | None, solver: str, given: Iterable[str] = ()
-) -> tuple[str, ...]:
-    """Return the selected variants, each before the variants that it replaces facts of.
-
-    Giving an input of a load selects its variant, see `Catalogue.variants_selected_by`.
-    """
-    check_model(catalogue, links, solver)
-    return selected_variants(catalogue, links, solver, given)
-
-
-def check_model(catalogue: Catalogue, links: Links | None, solver: str) -> None:
+def check_model(catalogue: Catalogue, links: spaces.Links | None, solver: str) -> None:
     """Refuse a solver and a model of the links that the mechanism does not have."""
     problems = Problems()
     with problems.at():
@@ -121,7 +57,7 @@ def check_model(catalogue: Catalogue, links: Links | None, solver: str) -> None:
             what = f"{short_repr(solver)} is not a solver of {catalogue.name}, which has no linear system"
             raise InputError(what, where=("solver",), remedy="leave solver out")
         check_choice(("solver",), solver, catalogue.solvers)
-    if links is not None and not isinstance(links, Links):
+    if links is not None and not isinstance(links, spaces.Links):
         remedy = "write fastlink.round_bar(density=..., radius=...), or leave links out"
         problems.add(f"is {short_repr(links)}, not a model of the links", ("links",), remedy)
     elif links is not None and links.model not in catalogue.variant_inputs:
@@ -134,15 +70,17 @@ def check_model(catalogue: Catalogue, links: Links | None, solver: str) -> None:
 
 
 def selected_variants(
-    catalogue: Catalogue, links: Links | None, solver: str, given: Iterable[str]
+    catalogue: Catalogue, links: spaces.Links | None, solver: str, given: Iterable[str] = ()
 ) -> tuple[str, ...]:
-    """Return the selected variants, see `variants_of`; what `check_model` refuses selects none."""
+    """Return the selected variants, each before those that it replaces facts of; what is refused selects none."""
     solved = (solver,) if isinstance(solver, str) and solver != ELIMINATED else ()
-    model = (links.model,) if isinstance(links, Links) else ()
+    model = (links.model,) if isinstance(links, spaces.Links) else ()
     return (*solved, *catalogue.variants_selected_by(given), *model)
 
 
-def constants_of(catalogue: Catalogue, links: Links | None, variants: Iterable[str]) -> dict[str, float]:
+def constants_of(
+    catalogue: Catalogue, links: spaces.Links | None, variants: Iterable[str]
+) -> dict[str, float]:
     """Return the inputs that a design need not give: those of the links, and the defaults of the variants."""
     inputs = catalogue.known_inputs(variants).values()
     defaults = {known.name: known.default for known in inputs if known.default is not None}
@@ -169,7 +107,7 @@ def check_inputs(
         value = space.constants.get(name)
         if not allow_invalid and (value is None or not in_range(known[name], value)):
             column = space.columns.get(name)
-            if isinstance(column, Column):
+            if isinstance(column, spaces.Column):
                 problems.noted += _column_problems(known[name], column)
             else:  # designs of a space beyond the range are flagged, as those that never assemble are
                 values, check = space.values(name), allowed if value is None else in_range
@@ -188,25 +126,18 @@ def name_problems(
 
     `parent` heads their paths; `options` are what else may be given there by name, for a hint.
     """
-    exclusive = _exclusive(catalogue, catalogue.version, tuple(names))[:1]
-    return [
-        *(
-            Problem(f"{other} and {name} determine each other", (parent,), "leave one of them out")
-            for name, other in exclusive
-        ),
-        *(unknown_input(catalogue, name, known, parent, options) for name in names if name not in known),
-    ]
+    problems = Problems()
+    for name, other in _exclusive(catalogue, catalogue.version, tuple(names))[:1]:
+        problems.add(f"{other} and {name} determine each other", (parent,), "leave one of them out")
+    unknown = [unknown_input(catalogue, name, known, parent, options) for name in names if name not in known]
+    return problems.noted + unknown
 
 
 @lru_cache(maxsize=256)
 def _exclusive(catalogue: Catalogue, version: int, names: tuple[str, ...]) -> list[tuple[str, str]]:
     """Return the pairs of given inputs that determine each other."""
-    return [
-        (name, other)
-        for name in names
-        for other in catalogue.mutually_exclusive_inputs(name)
-        if other in names
-    ]
+    pairs = ((name, other) for name in names for other in catalogue.mutually_exclusive_inputs(name))
+    return [(name, other) for name, other in pairs if other in names]
 
 
 def allowed(declared: Input, value: Any) -> Any:
@@ -282,7 +213,7 @@ def value_problems(
     return [Problem(f"is {value} ({declared.meaning})", where, (mend, *remedy) if remedy else mend)]
 
 
-def _column_problems(declared: Input, column: Column) -> list[Problem]:
+def _column_problems(declared: Input, column: spaces.Column) -> list[Problem]:
     """Return the first value of a column that an input cannot have, if its bounds do not rule it out."""
     if not declared.choices and all(allowed(declared, end) for end in column.bounds):
         return []
@@ -298,22 +229,16 @@ def missing_inputs(
     catalogue: Catalogue, name: str, variants: Sequence[str], given: Iterable[str], parent: str = "design"
 ) -> list[Problem]:
     """Return a problem for each input that a quantity depends on and nothing gives."""
-    of_links = {name for model in MODELS for name in catalogue.variant_inputs.get(model, {})}
+    of_links = {name for model in spaces.MODELS for name in catalogue.variant_inputs.get(model, {})}
     known, has = catalogue.known_inputs(variants), set(given)
-    absent = {
-        name
-        for name in known
-        if name not in has and not is_tolerance(name) and catalogue.resolve(name, variants) is None
-    }
+    asked = [name for name in known if name not in has and not is_tolerance(name)]
+    absent = {name for name in asked if catalogue.resolve(name, variants) is None}
     tables = (catalogue.position.name, *catalogue.tables, *catalogue.table_low_parts)
     request = parse_request(name, catalogue)
     steps = catalogue.dependencies([request.quantity], {*has, *absent, *tables, "branch"}, variants)
     needed = absent & {need for step in steps for need in step.depends_on}
-    return [
-        catalogue.missing_problem(known[key], request.name, "links" if key in of_links else parent)
-        for key in known
-        if key in needed
-    ]
+    parents = {key: "links" if key in of_links else parent for key in known if key in needed}
+    return [catalogue.missing_problem(known[key], request.name, where) for key, where in parents.items()]
 
 
 def joined_missing(problems: Iterable[Problem]) -> list[Problem]:
@@ -335,43 +260,38 @@ def _joined(group: Sequence[Problem]) -> Problem:
 def branch_codes(catalogue: Catalogue, branch: Any, *, gaps: bool = False) -> NDArray[np.float64]:
     """Return assembly modes as numbers of the same shape, among which NaN may stand if there may be gaps."""
     if isinstance(branch, np.ma.MaskedArray):
-        branch = unmasked(branch)
+        branch = spaces.unmasked(branch)
     remedy = f"write some of {', '.join(map(str, catalogue.branches))}"
-    check_length(("branch",), branch, remedy)
-    values = cells_of(branch)
+    spaces.check_length(("branch",), branch, remedy)
+    values = spaces.cells_of(branch)
     if values.dtype.kind in "iuf":
         known = np.isin(values, tuple(catalogue.branches))
         bad = values[~(known | np.isnan(values) if gaps else known)].ravel()[:1].tolist()
     else:
         cells = values.ravel().tolist()
-        bad = [cell for cell in cells if not (_is_branch(catalogue, cell) or (gaps and _is_gap(cell)))][:1]
+        bad = [cell for cell in cells if not _is_branch(catalogue, cell, gaps)][:1]
     for value in bad:
         what = f"{short_repr(value)} is not an assembly mode of {catalogue.name}"
-        raise InputError(what, where=("branch",), remedy=remedy)
+        raise InputError(what, ("branch",), remedy)
     return values.astype(np.float64)
 
 
-def _is_branch(catalogue: Catalogue, value: object) -> bool:
-    return is_number(value) and isinstance(value, Real) and value in catalogue.branches
-
-
-def _is_gap(value: object) -> bool:
-    return isinstance(value, float) and math.isnan(value)
+def _is_branch(catalogue: Catalogue, value: object, gaps: bool) -> bool:
+    is_gap = gaps and isinstance(value, float) and math.isnan(value)
+    return is_gap or (spaces.is_number(value) and isinstance(value, Real) and value in catalogue.branches)
 
 
 def check_branches(catalogue: Catalogue, branch: Any) -> tuple[int, ...]:
     """Return the assembly modes as a tuple."""
     where, codes = ("branch",), branch_codes(catalogue, branch)
     if codes.ndim > 1:
-        what, remedy = f"has {codes.ndim} dimensions", "write one number or a flat list of numbers"
-        raise InputError(what, where=where, remedy=remedy)
+        raise InputError(f"has {codes.ndim} dimensions", where, "write one number or a flat list of numbers")
     if not codes.size:
-        remedy = f"write some of {', '.join(map(str, catalogue.branches))}"
-        raise InputError("none is given", where=where, remedy=remedy)
+        raise InputError("none is given", where, f"write some of {', '.join(map(str, catalogue.branches))}")
     given = tuple(int(code) for code in codes.ravel()[: len(catalogue.branches) + 1])
     for k, value in enumerate(given):
         if value in given[:k]:
-            raise InputError(f"{value} is given twice", where=where, remedy="write each once")
+            raise InputError(f"{value} is given twice", where, "write each once")
     return given
 
 
@@ -395,14 +315,15 @@ def check_keywords(
     for name in names:
         if name == position:
             continue
-        if name in (degrees_name(position), "angles_deg"):
+        if name in (spaces.degrees_name(position), "angles_deg"):
             if name == "angles_deg":
-                problems.add("is not an option", (name,), f"write {degrees_name(position)}")
+                problems.add("is not an option", (name,), f"write {spaces.degrees_name(position)}")
             else:
-                with problems.at():
-                    check_angle(name, position, catalogue.position.units, ())
-        elif name in IN_DEGREES and catalogue.position.units == RADIANS:
-            problems.add("is not an option", (name,), f"write angles in degrees as {degrees_name(position)}")
+                problems.attempt(spaces.check_angle, name, position, catalogue.position.units, ())
+        elif name in IN_DEGREES and catalogue.position.units == spaces.RADIANS:
+            problems.add(
+                "is not an option", (name,), f"write angles in degrees as {spaces.degrees_name(position)}"
+            )
         elif any(name in inputs_of(other) for other in NAMES):
             own = name in inputs_of(mechanism)
             other = (f", or, to drive {name}, write ", Setting("input", name)) if own else ()
@@ -431,54 +352,46 @@ def given_angles(catalogue: Catalogue, angles: Any, positions: Mapping[str, Any]
     given = {
         "angles": angles,
         name: positions.get(name),
-        degrees_name(name): positions.get(degrees_name(name)),
+        spaces.degrees_name(name): positions.get(spaces.degrees_name(name)),
     }
     given = {key: values for key, values in given.items() if values is not None}
     if len(given) > 1:
         first, second, *_ = given
         are = "angles are" if first == "angles" else f"{first} is"
-        raise InputError(f"{are} given too", where=(second,), remedy="write one of them")
-    if catalogue.position.units != RADIANS:
-        given.pop(degrees_name(name), None)  # see `check_keywords`
+        raise InputError(f"{are} given too", (second,), "write one of them")
+    if catalogue.position.units != spaces.RADIANS:
+        given.pop(spaces.degrees_name(name), None)  # see `check_keywords`
     for key, values in given.items():
-        check_length((key,), values)
+        spaces.check_length((key,), values)
         try:
             if not isinstance(values, (list, tuple, range)):
                 np.ndim(values)
         except Exception:  # whatever a class of somebody's does when it is converted
-            remedy = "write a flat array of numbers"
-            raise InputError(f"is {short_repr(values)}", where=(key,), remedy=remedy) from None
-        if isinstance(values, Degrees):
-            return degrees_name(name), _from_degrees(catalogue, values.values)
-        unit = units_of(key, values).get(key, "")
-        expected = DEGREE_UNIT if key == degrees_name(name) else catalogue.position.units
-        if unit in DEGREES and expected == RADIANS:
+            raise InputError(f"is {short_repr(values)}", (key,), "write a flat array of numbers") from None
+        if isinstance(values, spaces.Degrees):
+            return spaces.degrees_name(name), _from_degrees(catalogue, values.values)
+        unit = spaces.units_of(key, values).get(key, "")
+        expected = spaces.DEGREE_UNIT if key == spaces.degrees_name(name) else catalogue.position.units
+        if unit in spaces.DEGREES and expected == spaces.RADIANS:
             return key, _from_degrees(catalogue, values)
-        if unit and not has_unit(unit, expected):
-            raise InputError(f"has the unit {unit!r}", where=(key,), remedy=unit_remedy(expected))
-        if key == degrees_name(name):
+        if unit and not spaces.has_unit(unit, expected):
+            raise InputError(f"has the unit {unit!r}", (key,), spaces.unit_remedy(expected))
+        if key == spaces.degrees_name(name):
             return key, _from_degrees(catalogue, values)
-        if catalogue.position.units == RADIANS and _are_several(values):
-            remark_on_angles(name, values)
+        if catalogue.position.units == spaces.RADIANS and _are_several(values):
+            spaces.remark_on_angles(name, values)
         return key, values
     return name, ANGLES if catalogue.positions is None else np.linspace(*catalogue.positions)
-
-
-def in_degrees(catalogue: Catalogue, angles: Any, positions: Mapping[str, Any]) -> bool:
-    """Tell whether input positions are given in degrees."""
-    return isinstance(angles, Degrees) or positions.get(degrees_name(catalogue.position.name)) is not None
 
 
 def _from_degrees(catalogue: Catalogue, values: Any) -> NDArray[Any]:
     """Return input positions in radians, or refuse what is no array of degrees."""
     name = catalogue.position.name
-    key = degrees_name(name)
-    if listed(values) == 0 or not _are_several(values):
+    key = spaces.degrees_name(name)
+    if spaces.listed(values) == 0 or not _are_several(values):
         other = f"; {name} may be a number of angles" if catalogue.positions is None else ""
-        raise InputError(
-            f"is {short_repr(values)}", where=(key,), remedy=f"write a flat array of degrees{other}"
-        )
-    return as_floats(check_positions(catalogue, values, key))
+        raise InputError(f"is {short_repr(values)}", (key,), f"write a flat array of degrees{other}")
+    return spaces.as_floats(check_positions(catalogue, values, key))
 
 
 def radian_keywords(
@@ -490,14 +403,14 @@ def radian_keywords(
         declared[catalogue.position.name] = catalogue.position
     result: dict[str, Any] = {}
     for name, value in given.items():
-        angle = "" if name in declared else angle_of(name)
+        angle = "" if name in declared else spaces.angle_of(name)
         if angle not in declared:
             result[name] = value
             continue
         try:
-            check_angle(name, angle, declared[angle].units, given)
-            numbers = numbers_of(door, name, value, MOST_DIMS)
-            plain = radians(in_unit((door, name), value, numbers, DEGREE_UNIT))
+            spaces.check_angle(name, angle, declared[angle].units, given)
+            numbers = spaces.numbers_of(door, name, value, spaces.MOST_DIMS)
+            plain = spaces.radians(spaces.in_unit((door, name), value, numbers, spaces.DEGREE_UNIT))
             result[angle] = _relabelled(value, plain) if hasattr(value, "dims") else plain
         except InputError as error:
             problems.noted += [replace(one, where=(door, name, *one.where[2:])) for one in error.problems]
@@ -522,8 +435,7 @@ def check_extrema(extrema: str | None, catalogue: Catalogue, angles: Any) -> Ext
         name = catalogue.position.name
         what = f"'refined' is over the whole turn of {name}, but {name} is an array"
         other = ", or a number of angles" if catalogue.positions is None else ""
-        remedy = ("write ", Setting("extrema", "sampled"), other)
-        raise InputError(what, where=("extrema",), remedy=remedy)
+        raise InputError(what, ("extrema",), ("write ", Setting("extrema", "sampled"), other))
     return "refined" if extrema == "refined" else "sampled"
 
 
@@ -543,33 +455,33 @@ def check_turn(catalogue: Catalogue, names: Iterable[str], angles: Any) -> None:
 def check_positions(catalogue: Catalogue, given: int | ArrayLike, key: str = "angles") -> NDArray[Any]:
     """Return the input positions: a number of equal steps over one turn, or the positions themselves."""
     name, noun = catalogue.position.name, "angles in rad" if catalogue.positions is None else "numbers"
-    noun = "angles in degrees" if angle_of(key) else noun
+    noun = "angles in degrees" if spaces.angle_of(key) else noun
     if catalogue.positions is not None and not _are_several(given):
         what = f"{short_repr(given)} is not an array, and {name} has no bounds"
         remedies = ("write them all, such as ", Samples(*catalogue.positions))
-        raise InputError(what, where=(key,), remedy=remedies)
+        raise InputError(what, (key,), remedies)
     if isinstance(given, (int, np.integer)) and not isinstance(given, (bool, np.timedelta64)):
-        if not 1 <= given <= MOST_LISTED:
+        if not 1 <= given <= spaces.MOST_LISTED:
             what = f"{short_repr(given)} input angles"
-            remedy = f"write a number from 1 to {MOST_LISTED}, or an array in rad"
+            remedy = f"write a number from 1 to {spaces.MOST_LISTED}, or an array in rad"
             raise InputError(what, where=(key,), remedy=remedy)
         return np.arange(int(given)) * (2.0 * np.pi / int(given))
     turning = "a number of angles, or " if catalogue.positions is None else ""
     remedy = f"write {turning}a flat array of {noun}"
     try:
-        values = numbers_of("", key, given)
+        values = spaces.numbers_of("", key, given)
     except InputError as error:
-        raise InputError(error.what, where=error.where[1:], remedy=remedy) from None
+        raise InputError(error.what, error.where[1:], remedy) from None
     if values.ndim != 1:
-        raise InputError(f"is {short_repr(given)}", where=(key,), remedy=remedy)
+        raise InputError(f"is {short_repr(given)}", (key,), remedy)
     if values.size == 0:
-        raise InputError("the array of input positions is empty", where=(key,), remedy="give at least one")
-    if (bad := first_invalid(values)) is not None:
-        raise InputError(f"is {values[bad]}", where=(key, bad), remedy=f"write finite {noun}")
+        raise InputError("the array of input positions is empty", (key,), "give at least one")
+    if (bad := spaces.first_invalid(values)) is not None:
+        raise InputError(f"is {values[bad]}", (key, bad), f"write finite {noun}")
     order = np.argsort(values, kind="stable")
     twice = np.flatnonzero(np.diff(values[order]) == 0.0)
     if twice.size:
         first, second = sorted(order[twice[0] : twice[0] + 2].tolist())
         what = f"{values[first]} stands twice (at {first} and {second})"
-        raise InputError(what, where=(key,), remedy="give each position once")
+        raise InputError(what, (key,), "give each position once")
     return np.array(values)

@@ -28,7 +28,7 @@ import fastlink as fl
 from fastlink.codegen.kernel import kernel_of
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.plan.programs import make_program
-from fastlink.plan.request import variants_of
+from fastlink.plan.request import selected_variants
 from fastlink.precision.reference import CONTEXT, HighPrecision
 
 FORCES = ("F41", "F21", "F32", "F43")
@@ -147,7 +147,7 @@ def test_a_load_of_nothing_changes_nothing_but_roundings_and_a_load_not_given_is
     inputs = {name: float(value[0]) for name, value in inputs.items()}
     names = [*REACTIONS, *SHAKING, "alpha4", "jerk4"]
     nothing = dict.fromkeys(PLANAR.variant_inputs[load], 0.0)
-    chosen = variants_of(PLANAR, None, "eliminated", nothing)
+    chosen = selected_variants(PLANAR, None, "eliminated", nothing)
     assert chosen == (load,)
     bare = kernel_of(make_program(PLANAR, names, given=tuple(inputs)))
     assert not any(name in bare.text for other in LOADS for name in PLANAR.variant_inputs[other])
