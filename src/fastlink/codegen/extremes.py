@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from fastlink.codegen.runtime import beside, cells, results, subdivision, undecided
+from fastlink.codegen.runtime import beside, cells, results, undecided
 from fastlink.codegen.runtime.beside import MOST_SPLITS, OCTAVES, SPLIT_ROWS
 from fastlink.codegen.runtime.cells import ITEM_ROWS, LANES, MOST_LANES, STATE_ROWS
 from fastlink.codegen.runtime.results import WINNER_ROWS
@@ -22,8 +22,6 @@ from fastlink.facts.names import error_name
 
 if TYPE_CHECKING:
     from fastlink.plan.programs import ExtremaProgram, ExtremumSearch, Gradient, Output
-
-__all__ = ["write_extrema"]
 
 
 #: The functions that evaluate derivatives by inputs: at one input position, and at limits of motion.
@@ -748,13 +746,13 @@ class _ExtremaWriter:
             if split:
                 text.call(beside.mark_splits, f"samples, marks, {part}, splits")
             if search.divided:
-                text.call(subdivision.mark_unresolved, f"samples, marks, {part}, width")
+                text.call(beside.mark_unresolved, f"samples, marks, {part}, width")
         if search.divided or not search.parity:  # else its extremes are counted: none hides
             self.write_octaves(number, parts[0])
         for part in parts:
             if search.divided:
                 arguments = f"samples, marks, {part}, counts, unresolved, splits"
-                text.call(subdivision.collect_unresolved, arguments)
+                text.call(beside.collect_unresolved, arguments)
                 if split:
                     text.call(beside.collect_jumps, f"{part}, splits, counts, roots")
             text.call(cells.collect, f"samples, marks, {part}, counts, roots, valleys")
@@ -785,12 +783,12 @@ class _ExtremaWriter:
             text.call(cells.gather, f"{items}, w, rows_{number}, state", "filled")
             text.call(cells.every_vector, "vectors, filled", "n_open")
             with text.block(f"for k in range({cells.FINE_SAMPLES}):"):
-                text.call(subdivision.place_fine, "state, filled, k")
+                text.call(beside.place_fine, "state, filled, k")
                 text.add(f"slope_{number}(state, vectors, n_open)")
-                text.call(subdivision.keep_fine, "state, filled, k")
-            text.call(subdivision.mark_fine, "state, filled, fine_marks")
-            text.call(subdivision.divide, "state, filled, fine_marks, counts, unresolved")
-            text.call(subdivision.collect_fine, "state, filled, fine_marks, counts, roots, valleys")
+                text.call(beside.keep_fine, "state, filled, k")
+            text.call(beside.mark_fine, "state, filled, fine_marks")
+            text.call(beside.divide, "state, filled, fine_marks, counts, unresolved")
+            text.call(beside.collect_fine, "state, filled, fine_marks, counts, roots, valleys")
             text.add("divided = divided + filled")
 
     def write_steps(self, number: int, advance: Callable[..., Any]) -> None:

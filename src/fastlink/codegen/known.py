@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from fastlink.facts.fact import KnownExtremes
     from fastlink.plan.programs import ExtremumSearch, KnownProgram, Output
 
-__all__ = ["write_gradients", "write_known"]
-
 
 # -- The text of derivatives by inputs of extremes that are known: where the greatest or the least of the
 #    candidates is

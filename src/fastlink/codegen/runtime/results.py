@@ -57,42 +57,6 @@ from fastlink.numerics.compiler import (
 from fastlink.numerics.elementary import ANGLE_ROUNDING, INFINITY, NOT_A_NUMBER, PI, TWO_PI
 from fastlink.numerics.vectors import magnitude
 
-__all__ = [
-    "ALONG",
-    "CODE",
-    "HELD",
-    "MARGIN",
-    "OF_PI",
-    "WINNER_ROWS",
-    "bound_at_zero",
-    "bound_ends",
-    "bound_zeros",
-    "clear",
-    "doubt",
-    "drop_folds",
-    "extrema_at_zeros",
-    "forget_winners",
-    "has_no_bound",
-    "is_certain",
-    "judge_winners",
-    "known",
-    "mirror_image",
-    "note_kinks",
-    "note_winners",
-    "of_better",
-    "off_at_end",
-    "settle_jumps",
-    "store_best",
-    "store_bound",
-    "store_change",
-    "store_counts",
-    "store_extrema",
-    "store_gradient",
-    "store_list",
-    "store_status",
-]
-
-
 # -- Error bounds of extrema, where they are requested
 
 # Every position x of the graded range is one of the reachable range. So the exact quantity at an x that was
