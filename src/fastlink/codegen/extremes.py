@@ -30,7 +30,7 @@ FUNCTIONS = ("gradient", "limit")
 MOST_STEPS = 200
 
 
-class _ExtremaWriter:
+class ExtremaWriter:
     """One kernel while it is written: the steps of a search by loop, and the rows of lane values."""
 
     def __init__(self, program: ExtremaProgram) -> None:
@@ -38,6 +38,7 @@ class _ExtremaWriter:
         self.text = Text()
         self.cells = program.searches[0].cells
         self.samples = 2 * self.cells + 1
+        self.searched_branches, self.sides = program.searched_branches, program.sides
         steps = [step for step in program.steps if isinstance(step, Fact)]
         self.design_steps = [step for step in steps if program.axes[step.name] <= {"design"}]
         self.lane_steps = [step for step in steps if step not in self.design_steps]
@@ -146,10 +147,14 @@ class _ExtremaWriter:
             Array("flags", "int8", (LANES,)),
             Array("vectors", "int64", (LANES // MOST_LANES,)),
             Array("counts", "int64", (cells.COUNTS,)),
-            Array("best", "float64", (results.BEST_ROWS + 3 * self.program.has_bounds, columns)),
+            self.best(columns),
             Array("lists", "float64", (results.LIST_ROWS + self.program.has_bounds, columns, kept)),
             *self.places(columns),
         )
+
+    def best(self, columns: int) -> Array:
+        """Return the array of greatest and least values."""
+        return Array("best", "float64", (results.BEST_ROWS + 3 * self.program.has_bounds, columns))
 
     @property
     def n_splits(self) -> int:
@@ -244,11 +249,11 @@ class _ExtremaWriter:
     @property
     def halves(self) -> int:
         """Number of halves of the range that are searched: branches and sides of the ground line."""
-        return len(self.program.searched_branches) * self.program.sides
+        return len(self.searched_branches) * self.sides
 
     def half_beyond(self, half: int) -> int:
         """Return the half that continues a half beyond the ground line."""
-        sides = self.program.sides
+        sides = self.sides
         if self.program.mirrored:
             return 1 - half
         return half // sides * sides + (1 - half % sides) % sides
@@ -343,8 +348,8 @@ class _ExtremaWriter:
 
     def write_half(self, half: str) -> None:
         """Write branch and side of a half: halves are numbered branch by branch, both sides of each."""
-        side, (first, *others) = self.program.graded.coordinates[2], self.program.searched_branches
-        sides = self.program.sides
+        side, (first, *others) = self.program.graded.coordinates[2], self.searched_branches
+        sides = self.sides
         above = f"1.0 if ({half} == 0.0) | ({half} == 2.0) else -1.0"
         self.text.add(f"{side} = {above if sides == 2 else '1.0'}")
         former = f"{first}.0 if {half} <= {sides - 1.0} else " if others else ""
@@ -357,13 +362,13 @@ class _ExtremaWriter:
         own = [output for output in own if output.request.is_of_gradient]
         if not own:
             return
-        asked = [int(sign in self.gradient_signs) for sign in (1, -1)]
+        asked = [int(sign in map(sign_of, own)) for sign in (1, -1)]
         text.add(f"asked_{number} = array({[*asked, int(search.magnitude), int(search.folds)]})")
         columns = len(self.program.branches) * LANES
         text.add(f"columns_{number} = array({[number * columns, (number + 1) * columns]})")
         judged = f"winners, w, n_here, table, search_{number}, asked_{number}"
         text.call(results.judge_winners, judged, "n_moving")
-        signs = sorted({_sign(output) for output in own if output.inputs})
+        signs = sorted({sign_of(output) for output in own if output.inputs})
         calls = {sign: self.gradient_arguments(number, sign) for sign in signs}
         for arguments in calls.values():
             text.add(f"gradient_{number}({arguments})")
@@ -372,7 +377,8 @@ class _ExtremaWriter:
                 self.write_late(search)
                 for arguments in calls.values():
                     text.add(f"limit_{number}({arguments})")
-        if search.folds or any(o.jumps and o.onto == search.quantity for o in self.program.searches):
+        jumps = bool(search.known and search.known.jumps)
+        if search.folds or jumps or any(o.jumps and o.onto == search.quantity for o in self.program.searches):
             values = sum(not gradient.is_position for gradient in search.gradients)
             for sign in signs:
                 row, base = results.WINNER_ROWS * (sign < 0), self.gradient_base(sign)
@@ -383,7 +389,7 @@ class _ExtremaWriter:
     @property
     def gradient_signs(self) -> set[int]:
         """The signs of the extremes whose derivatives or status are requested."""
-        return {_sign(output) for output in self.program.outputs if output.request.is_of_gradient}
+        return {sign_of(output) for output in self.program.outputs if output.request.is_of_gradient}
 
     def gradient_arguments(self, number: int, sign: int) -> str:
         """Return what a function of derivatives is called with: arrays, first rows and columns, the width."""
@@ -454,11 +460,11 @@ class _ExtremaWriter:
         request, search = output.request, self.program.searches[number]
         target, first = f"out_{output.name}, i0, n_here", number * len(self.program.branches) * LANES
         if request.is_status:
-            row = results.WINNER_ROWS * (_sign(output) < 0) + results.CODE
+            row = results.WINNER_ROWS * (sign_of(output) < 0) + results.CODE
             self.text.call(results.store_status, f"{target}, {first}, winners, {row}")
             return
         kinds = [(one.by, one.is_position) for one in search.gradients]
-        base = self.gradient_base(_sign(output))
+        base = self.gradient_base(sign_of(output))
         rows = [base + kinds.index((by, request.is_position)) for by in output.inputs]
         if not request.change:
             self.text.call(results.store_gradient, f"{target}, {first}, gradients, {rows[0]}")
@@ -619,15 +625,19 @@ class _ExtremaWriter:
                 self.write_gradients(number)
             for output in self.program.outputs:
                 self.write_result(output)
-        kernel, text.lines = text.lines, text.functions
-        for number, search in enumerate(searches):
-            self.write_evaluations(number, search)
-        text.lines = kernel
+        self.write_functions(self.write_evaluations)
         return text.source(self.program, self.scratch())
+
+    def write_functions(self, write: Callable[[int, ExtremumSearch], None]) -> None:
+        """Write the functions of each search, which the kernel calls."""
+        kernel, self.text.lines = self.text.lines, self.text.functions
+        for number, search in enumerate(self.program.searches):
+            write(number, search)
+        self.text.lines = kernel
 
     def write_tables(self) -> None:
         """Write the tables of whole numbers that tell the searches, branches and halves apart, see `runtime.cells`."""
-        program, searched = self.program, self.program.searched_branches
+        program, searched = self.program, self.searched_branches
         _, start, toggle = map(self.row, program.graded.ends[0])
         none = [-1] * (2 - len(searched))
         own, mirror = ([*map(column, searched), *none] for column in (self.own_column, self.mirror_column))
@@ -652,19 +662,22 @@ class _ExtremaWriter:
 
     def write_designs(self) -> None:
         """Write the values that depend on the design alone."""
-        text = self.text
-        with text.block("for i in lanes(width):", "design"):
-            for k, name in enumerate(self.program.inputs):
-                text.add(f"{name} = designs[{k}, i0 + i]")
-            early = [name for name in self.rows if name not in self.late]
-            for step in needed_steps(self.design_steps, early):
-                paste_fact(step, step.depends_on, "", text)
-            for name in early:
-                text.add(f"w[{self.row(name)}, i] = {name}")
+        with self.text.block("for i in lanes(width):", "design"):
+            self.write_design_values()
+
+    def write_design_values(self, further: Sequence[str] = ()) -> None:
+        """Write the values of the design that the rows hold, and further ones."""
+        for k, name in enumerate(self.program.inputs):
+            self.text.add(f"{name} = designs[{k}, i0 + i]")
+        early = [name for name in self.rows if name not in self.late]
+        for step in needed_steps(self.design_steps, [*early, *further]):
+            paste_fact(step, step.depends_on, "", self.text)
+        for name in early:
+            self.text.add(f"w[{self.row(name)}, i] = {name}")
 
     def write_samples(self) -> None:
         """Write the derivatives at all samples of the graded range, on both sides: both branches side by side."""
-        text, sides = self.text, self.program.sides
+        text, sides = self.text, self.sides
         scale, start, _ = map(self.row, self.program.graded.ends[0])
         text.call(cells.place_samples, f"w, samples, {scale}, {start}, {self.cells}, width")
         often = f"{self.samples} samples of the graded range" + (f", on {sides} sides" if sides > 1 else "")
@@ -717,13 +730,13 @@ class _ExtremaWriter:
 
     def sample(self, number: int, k: int, j: str) -> str:
         """Return the entry of a sample of a function in one branch."""
-        return f"samples[{self.sample_row(number, k * self.program.sides)} + turn * {self.samples} + {j}, i]"
+        return f"samples[{self.sample_row(number, k * self.sides)} + turn * {self.samples} + {j}, i]"
 
     def write_marks(self) -> None:
         """Mark the samples before those at hand, of all functions in all branches."""
         self.text.use("codegen.runtime.cells", "mark")
         for number, search in enumerate(self.program.searches):
-            for k in range(len(self.program.searched_branches)):
+            for k in range(len(self.searched_branches)):
                 before, here, now = (self.sample(number, k, j) for j in ("j2", "j1", "j"))
                 mark = f"mark({before}, {here}, {now}, {self.sign_of(search, k)}.0)"
                 self.text.add(f"{self.sample(number, k, 'j1').replace('samples', 'marks')} = {mark}")
@@ -876,7 +889,7 @@ def _text(gradient: Gradient, at_limit: bool) -> str:
     return f"-({' / '.join(gradient.held)})" if gradient.is_position else gradient.held[0]
 
 
-def _sign(output: Output) -> int:
+def sign_of(output: Output) -> int:
     """Return 1 for greatest values, -1 for least ones, 0 for a list."""
     reduction = output.request.reduction
     return reduction.sign if reduction is not None else 0
@@ -884,4 +897,4 @@ def _sign(output: Output) -> int:
 
 def write_extrema(program: ExtremaProgram) -> Source:
     """Return the text of the kernel, and what it is called with."""
-    return _ExtremaWriter(program).write()
+    return ExtremaWriter(program).write()
