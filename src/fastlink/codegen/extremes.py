@@ -21,11 +21,9 @@ from fastlink.facts.fact import Fact
 from fastlink.facts.names import error_name
 
 if TYPE_CHECKING:
-    from fastlink.plan.programs import ExtremaProgram, ExtremumSearch, Gradient, Output
+    from fastlink.plan.programs import ExtremaProgram, ExtremumSearch, Output
 
 
-#: The functions that evaluate derivatives by inputs: at one input position, and at limits of motion.
-FUNCTIONS = ("gradient", "limit")
 # Bisection alone halves a cell to nothing in half as many; values that are no numbers must not go on for ever.
 MOST_STEPS = 200
 
@@ -43,8 +41,6 @@ class ExtremaWriter:
         self.design_steps = [step for step in steps if program.axes[step.name] <= {"design"}]
         self.lane_steps = [step for step in steps if step not in self.design_steps]
         self.rows: dict[str, int] = {}
-        #: Those that are written where a greatest or least value is at a limit of motion, and only there.
-        self.late: set[str] = set()
         # Both ends of each: kernels know the row of the lower end.
         for ends in zip(*program.graded.ends, strict=True):
             for name in ends:
@@ -80,26 +76,21 @@ class ExtremaWriter:
         wanted = any(r.is_position or r.listed or r.is_of_gradient for r in requests)
         return [self.program.catalogue.position.name] if wanted else []
 
-    def gradient_names(self, search: ExtremumSearch, *, moving: bool) -> list[str]:
+    def gradient_names(self, search: ExtremumSearch) -> list[str]:
         """Return the derivatives by inputs that are evaluated at the extremes of a search."""
-        if moving:
-            return list(dict.fromkeys(gradient.moving for gradient in search.gradients if gradient.moving))
-        return list(dict.fromkeys(name for gradient in search.gradients for name in gradient.held))
+        return list(dict.fromkeys(name for gradient in search.gradients for name in gradient.names))
 
-    def gradient_needs(self, search: ExtremumSearch, *, moving: bool) -> list[str]:
+    def gradient_needs(self, search: ExtremumSearch) -> list[str]:
         """Return the design values that are read where derivatives by inputs are evaluated."""
-        names = self.gradient_names(search, moving=moving)
+        names = self.gradient_names(search)
         own = [name for name in names if self.program.axes[name] <= {"design"}]
         return list(dict.fromkeys([*self.design_needs(self.needed_for(names)), *own]))
 
     def reserve_for_gradients(self) -> None:
-        """Reserve the rows that derivatives by inputs read; what only those at limits of motion do is written late."""
-        for moving in (False, True):
-            early = set(self.rows)
-            for search in self.program.searches:
-                for name in self.gradient_needs(search, moving=moving):
-                    self.row(name)
-        self.late = set(self.rows) - early
+        """Reserve the rows that derivatives by inputs read."""
+        for search in self.program.searches:
+            for name in self.gradient_needs(search):
+                self.row(name)
 
     def gradient_base(self, sign: int) -> int:
         """Return the first row of the derivatives of the greatest or least values among the results."""
@@ -318,7 +309,7 @@ class ExtremaWriter:
                 stores |= {cells.BOUND: bound, cells.SLOPE_BOUND: slope_bound}
                 stores |= {cells.BEND: f"abs({bend})", cells.SLOPE: f"abs({slope})"}
             self.write_values(names, stores, self.item_needs(search))
-        self.write_gradient_functions(number, search)
+        self.write_gradient_function(number, search)
 
     @contextmanager
     def evaluation(self, name: str, per: str, times: str) -> Iterator[None]:
@@ -366,17 +357,11 @@ class ExtremaWriter:
         text.add(f"asked_{number} = array({[*asked, int(search.magnitude), int(search.folds)]})")
         columns = len(self.program.branches) * LANES
         text.add(f"columns_{number} = array({[number * columns, (number + 1) * columns]})")
-        judged = f"winners, w, n_here, table, search_{number}, asked_{number}"
-        text.call(results.judge_winners, judged, "n_moving")
+        text.call(results.judge_winners, f"winners, w, n_here, table, search_{number}, asked_{number}")
         signs = sorted({sign_of(output) for output in own if output.inputs})
-        calls = {sign: self.gradient_arguments(number, sign) for sign in signs}
-        for arguments in calls.values():
-            text.add(f"gradient_{number}({arguments})")
-        if any(gradient.moving for gradient in search.gradients):
-            with text.block("if n_moving > 0:"):
-                self.write_late(search)
-                for arguments in calls.values():
-                    text.add(f"limit_{number}({arguments})")
+        for sign in signs:
+            row, base = results.WINNER_ROWS * (sign < 0), self.gradient_base(sign)
+            text.add(f"gradient_{number}(w, winners, gradients, {row}, {base}, columns_{number}, width)")
         jumps = bool(search.known and search.known.jumps)
         if search.folds or jumps or any(o.jumps and o.onto == search.quantity for o in self.program.searches):
             values = sum(not gradient.is_position for gradient in search.gradients)
@@ -391,68 +376,36 @@ class ExtremaWriter:
         """The signs of the extremes whose derivatives or status are requested."""
         return {sign_of(output) for output in self.program.outputs if output.request.is_of_gradient}
 
-    def gradient_arguments(self, number: int, sign: int) -> str:
-        """Return what a function of derivatives is called with: arrays, first rows and columns, the width."""
-        row, base = results.WINNER_ROWS * (sign < 0), self.gradient_base(sign)
-        return f"w, winners, gradients, {row}, {base}, columns_{number}, width"
-
-    def write_late(self, search: ExtremumSearch) -> None:
-        """Write the design values that only derivatives along with limits of motion need."""
+    def write_gradient_function(self, number: int, search: ExtremumSearch) -> None:
+        """Write the function of its own that evaluates derivatives at greatest or least values, lanes being designs."""
+        if not search.gradients:
+            return
         text = self.text
-        late = [name for name in self.gradient_needs(search, moving=True) if name in self.late]
-        early = self.rows.keys() - self.late
-        steps, needed = [], set(late)
-        for step in reversed(self.design_steps):
-            if needed.intersection(step.names) - early:
-                steps.append(step)
-                needed.update(step.depends_on)
-        with text.block("for i in lanes(width):", "design", f"for {search.quantity} at limits of motion"):
-            read = {name for step in steps for name in step.depends_on}
-            for k, name in enumerate(self.program.inputs):
-                if name in read | set(late) and name not in early:
-                    text.add(f"{name} = designs[{k}, i0 + i]")
-            for name in sorted(read & early):
-                text.add(f"{name} = w[{self.row(name)}, i]")
-            for step in reversed(steps):
-                paste_fact(step, step.depends_on, "", text)
-            for name in late:
-                text.add(f"w[{self.row(name)}, i] = {name}")
-
-    def write_gradient_functions(self, number: int, search: ExtremumSearch) -> None:
-        """Write the functions of their own that evaluate derivatives, lanes being designs."""
-        for at_limit, function in enumerate(FUNCTIONS):
-            if search.gradients and (not at_limit or any(one.moving for one in search.gradients)):
-                self.write_gradient_function(f"{function}_{number}", search, at_limit > 0)
-
-    def write_gradient_function(self, name: str, search: ExtremumSearch, at_limit: bool) -> None:
-        """Write the function that evaluates derivatives at one input position, or along with limits of motion."""
-        text, wanted = self.text, results.ALONG if at_limit else results.HELD
-        needs = self.gradient_needs(search, moving=at_limit)
-        times = f"for derivatives of {search.quantity}" + (" at limits of motion" if at_limit else "")
         text.add("@outlined")
         with (
-            text.block(f"def {name}(w, winners, gradients, row__0, base__0, columns__of, width):"),
+            text.block(f"def gradient_{number}(w, winners, gradients, row__0, base__0, columns__of, width):"),
             text.block(f"for column__0 in range(columns__of[0], columns__of[1], {LANES}):"),
-            text.block("for i in lanes(width):", "extreme", times),
+            text.block("for i in lanes(width):", "extreme", f"for derivatives of {search.quantity}"),
         ):
             text.add(f"x__of = winners[row__0 + {results.AT_X}, column__0 + i]")
             text.add(f"upper = winners[row__0 + {results.IN_UPPER}, column__0 + i] > 0.0")
             self.write_position("x__of", "upper")
             text.add(f"half__of = winners[row__0 + {results.IN_HALF}, column__0 + i]")
             self.write_half("half__of")
-            for need in needs:
+            for need in self.gradient_needs(search):
                 text.add(f"{need} = w[{self.row(need)}, i]")
-            for step in self.needed_for(self.gradient_names(search, moving=at_limit)):
+            for step in self.needed_for(self.gradient_names(search)):
                 self.paste(step)
             text.add(f"mirrored__of = winners[row__0 + {results.MIRRORED}, column__0 + i] > 0.0")
-            text.add(f"counts__of = winners[row__0 + {results.WHERE}, column__0 + i] == {wanted}")
+            text.add(f"where__of = winners[row__0 + {results.WHERE}, column__0 + i]")
             for k, gradient in enumerate(search.gradients):
-                target = f"gradients[base__0 + {k}, column__0 + i]"
-                text.add(f"slope__{k} = {_text(gradient, at_limit)}")
+                held = " / ".join(gradient.held) or "0.0"
+                held = f"-({held})" if gradient.is_position and gradient.held else held
+                moving = gradient.moving or "0.0"
+                text.add(f"slope__{k} = {moving} if where__of == {results.ALONG} else {held}")
                 if gradient.is_position or search.parity < 0:
                     text.add(f"slope__{k} = -slope__{k} if mirrored__of else slope__{k}")
-                otherwise = target if at_limit else "nan"
-                text.add(f"{target} = slope__{k} if counts__of else {otherwise}")
+                text.add(f"gradients[base__0 + {k}, column__0 + i] = slope__{k} if where__of > 0.0 else nan")
         text.lines += ["", ""]
 
     def write_gradient_result(self, output: Output, number: int) -> None:
@@ -654,9 +607,9 @@ class ExtremaWriter:
                 first, beyond = self.sample_row(k, half), self.sample_row(k, self.half_beyond(half))
                 sign, along = self.sign_of(search, half), self.continued(search)
                 tables[f"part_{k}_{half}"] = [first, beyond, half, sign, self.cells, along]
+        self.reserve_for_gradients()
         if self.program.has_gradients:
             tables["signs"] = [int(sign in self.gradient_signs) for sign in (1, -1)]
-        self.reserve_for_gradients()
         for name, numbers in tables.items():
             self.text.add(f"{name} = array({numbers})")
 
@@ -669,10 +622,9 @@ class ExtremaWriter:
         """Write the values of the design that the rows hold, and further ones."""
         for k, name in enumerate(self.program.inputs):
             self.text.add(f"{name} = designs[{k}, i0 + i]")
-        early = [name for name in self.rows if name not in self.late]
-        for step in needed_steps(self.design_steps, [*early, *further]):
+        for step in needed_steps(self.design_steps, [*self.rows, *further]):
             paste_fact(step, step.depends_on, "", self.text)
-        for name in early:
+        for name in self.rows:
             self.text.add(f"w[{self.row(name)}, i] = {name}")
 
     def write_samples(self) -> None:
@@ -878,15 +830,6 @@ class ExtremaWriter:
         else:
             row = results.LIST_ROW_OF[request.listed]
             self.text.call(results.store_list, f"{target}, lists, {row}")
-
-
-def _text(gradient: Gradient, at_limit: bool) -> str:
-    """Return the kernel text of a derivative."""
-    if at_limit:
-        return gradient.moving or "0.0"
-    if not gradient.held:
-        return "0.0"
-    return f"-({' / '.join(gradient.held)})" if gradient.is_position else gradient.held[0]
 
 
 def sign_of(output: Output) -> int:

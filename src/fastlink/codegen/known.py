@@ -85,7 +85,7 @@ class KnownWriter(ExtremaWriter):
                 self.write_gradients(number)
             for output in self.program.outputs:
                 self.write_result(output)
-        self.write_functions(self.write_gradient_functions)
+        self.write_functions(self.write_gradient_function)
         columns = len(searches) * len(self.program.branches) * LANES
         rows = Array("w", "float64", (max(len(self.rows), 1), LANES))
         return text.source(self.program, [rows, self.best(columns), *self.places(columns)])
@@ -299,19 +299,24 @@ class KnownWriter(ExtremaWriter):
         """Write which of the candidates is the greatest or the least, with its place and bound."""
         text, better = self.text, ">" if sign > 0 else "<"
         text.add(f"extreme = {'-inf' if sign > 0 else 'inf'}")
-        text.add("place = nan")
         text.add("bound = 0.0")
+        if self.places_wanted:
+            text.add("place = nan")
         for candidate in candidates:
             value = candidate.greatest if sign > 0 else candidate.least
             if bounded:
                 text.use("codegen.runtime.results", "of_better")
                 ahead = f"extreme, bound, {value}" if sign > 0 else f"-extreme, bound, -({value})"
                 text.add(f"bound = of_better({ahead}, {candidate.bound})")
-            text.add(f"place = {candidate.place} if {value} {better} extreme else place")
+            if self.places_wanted:
+                text.add(f"place = {candidate.place} if {value} {better} extreme else place")
             text.add(f"extreme = {value} if {value} {better} extreme else extreme")
         row = results.GREATEST if sign > 0 else results.LEAST
         text.add(f"best[{row}, {column} + i] = extreme")
-        text.add(f"best[{row | 1}, {column} + i] = place")
+        place = (
+            "place" if self.places_wanted else f"nan if extreme == {'-inf' if sign > 0 else 'inf'} else 0.0"
+        )
+        text.add(f"best[{row | 1}, {column} + i] = {place}")
         if bounded:
             doubt = " | ".join(f"({error_name(end[2])} > 0.0)" for end in self.program.graded.ends)
             row = results.GREATEST_BOUND if sign > 0 else results.LEAST_BOUND

@@ -488,9 +488,9 @@ def note_kinks(s: Any, count: int, table: Any, search: Any, winners: Any, signs:
 
 
 @outlined
-def judge_winners(winners: Any, w: Any, count: int, table: Any, search: Any, asked: Any) -> int:
-    """Find what derivatives of greatest and least values are worth; return how many are at limits of motion."""
-    moving, start, end = 0, table[START], table[TOGGLE]
+def judge_winners(winners: Any, w: Any, count: int, table: Any, search: Any, asked: Any) -> None:
+    """Find what derivatives of greatest and least values are worth."""
+    start, end = table[START], table[TOGGLE]
     for least in range(1 - asked[0], 1 + asked[1]):
         row = least * WINNER_ROWS
         for branch in range(table[BRANCHES]):
@@ -513,9 +513,6 @@ def judge_winners(winners: Any, w: Any, count: int, table: Any, search: Any, ask
                 winners[row + CODE, column + i] = 1.0 * code
                 winners[row + WHERE, column + i] = ALONG if along else (HELD if held else 0.0)
                 winners[row + AT_X, column + i] = first if along & (x < first) else x
-            for i in range(count):
-                moving = moving + (1 if winners[row + WHERE, column + i] == ALONG else 0)
-    return moving
 
 
 @outlined
