@@ -347,7 +347,8 @@ HELPERS = {
     name: COMPILED_AS.get(function, function)
     for module in (compensated, vectors, cells, results)
     for name, function in vars(module).items()
-    if name in module.__all__ and COMPILED_AS.get(function, function) in INLINED
+    if getattr(function, "__module__", "") == module.__name__
+    and COMPILED_AS.get(function, function) in INLINED
 }
 KINDS = ("+ -", "*", "/", "sqrt", "choices", "atan2, log, cos", "loads", "stores")
 

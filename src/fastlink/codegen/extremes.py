@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from fastlink.codegen.runtime import beside, cells, results, subdivision, undecided
+from fastlink.codegen.runtime import beside, cells, results, undecided
 from fastlink.codegen.runtime.beside import MOST_SPLITS, OCTAVES, SPLIT_ROWS
 from fastlink.codegen.runtime.cells import ITEM_ROWS, LANES, MOST_LANES, STATE_ROWS
 from fastlink.codegen.runtime.results import WINNER_ROWS
@@ -21,18 +21,14 @@ from fastlink.facts.fact import Fact
 from fastlink.facts.names import error_name
 
 if TYPE_CHECKING:
-    from fastlink.plan.programs import ExtremaProgram, ExtremumSearch, Gradient, Output
-
-__all__ = ["write_extrema"]
+    from fastlink.plan.programs import ExtremaProgram, ExtremumSearch, Output
 
 
-#: The functions that evaluate derivatives by inputs: at one input position, and at limits of motion.
-FUNCTIONS = ("gradient", "limit")
 # Bisection alone halves a cell to nothing in half as many; values that are no numbers must not go on for ever.
 MOST_STEPS = 200
 
 
-class _ExtremaWriter:
+class ExtremaWriter:
     """One kernel while it is written: the steps of a search by loop, and the rows of lane values."""
 
     def __init__(self, program: ExtremaProgram) -> None:
@@ -40,12 +36,11 @@ class _ExtremaWriter:
         self.text = Text()
         self.cells = program.searches[0].cells
         self.samples = 2 * self.cells + 1
+        self.searched_branches, self.sides = program.searched_branches, program.sides
         steps = [step for step in program.steps if isinstance(step, Fact)]
         self.design_steps = [step for step in steps if program.axes[step.name] <= {"design"}]
         self.lane_steps = [step for step in steps if step not in self.design_steps]
         self.rows: dict[str, int] = {}
-        #: Those that are written where a greatest or least value is at a limit of motion, and only there.
-        self.late: set[str] = set()
         # Both ends of each: kernels know the row of the lower end.
         for ends in zip(*program.graded.ends, strict=True):
             for name in ends:
@@ -81,26 +76,21 @@ class _ExtremaWriter:
         wanted = any(r.is_position or r.listed or r.is_of_gradient for r in requests)
         return [self.program.catalogue.position.name] if wanted else []
 
-    def gradient_names(self, search: ExtremumSearch, *, moving: bool) -> list[str]:
+    def gradient_names(self, search: ExtremumSearch) -> list[str]:
         """Return the derivatives by inputs that are evaluated at the extremes of a search."""
-        if moving:
-            return list(dict.fromkeys(gradient.moving for gradient in search.gradients if gradient.moving))
-        return list(dict.fromkeys(name for gradient in search.gradients for name in gradient.held))
+        return list(dict.fromkeys(name for gradient in search.gradients for name in gradient.names))
 
-    def gradient_needs(self, search: ExtremumSearch, *, moving: bool) -> list[str]:
+    def gradient_needs(self, search: ExtremumSearch) -> list[str]:
         """Return the design values that are read where derivatives by inputs are evaluated."""
-        names = self.gradient_names(search, moving=moving)
+        names = self.gradient_names(search)
         own = [name for name in names if self.program.axes[name] <= {"design"}]
         return list(dict.fromkeys([*self.design_needs(self.needed_for(names)), *own]))
 
     def reserve_for_gradients(self) -> None:
-        """Reserve the rows that derivatives by inputs read; what only those at limits of motion do is written late."""
-        for moving in (False, True):
-            early = set(self.rows)
-            for search in self.program.searches:
-                for name in self.gradient_needs(search, moving=moving):
-                    self.row(name)
-        self.late = set(self.rows) - early
+        """Reserve the rows that derivatives by inputs read."""
+        for search in self.program.searches:
+            for name in self.gradient_needs(search):
+                self.row(name)
 
     def gradient_base(self, sign: int) -> int:
         """Return the first row of the derivatives of the greatest or least values among the results."""
@@ -148,10 +138,14 @@ class _ExtremaWriter:
             Array("flags", "int8", (LANES,)),
             Array("vectors", "int64", (LANES // MOST_LANES,)),
             Array("counts", "int64", (cells.COUNTS,)),
-            Array("best", "float64", (results.BEST_ROWS + 3 * self.program.has_bounds, columns)),
+            self.best(columns),
             Array("lists", "float64", (results.LIST_ROWS + self.program.has_bounds, columns, kept)),
             *self.places(columns),
         )
+
+    def best(self, columns: int) -> Array:
+        """Return the array of greatest and least values."""
+        return Array("best", "float64", (results.BEST_ROWS + 3 * self.program.has_bounds, columns))
 
     @property
     def n_splits(self) -> int:
@@ -246,11 +240,11 @@ class _ExtremaWriter:
     @property
     def halves(self) -> int:
         """Number of halves of the range that are searched: branches and sides of the ground line."""
-        return len(self.program.searched_branches) * self.program.sides
+        return len(self.searched_branches) * self.sides
 
     def half_beyond(self, half: int) -> int:
         """Return the half that continues a half beyond the ground line."""
-        sides = self.program.sides
+        sides = self.sides
         if self.program.mirrored:
             return 1 - half
         return half // sides * sides + (1 - half % sides) % sides
@@ -315,7 +309,7 @@ class _ExtremaWriter:
                 stores |= {cells.BOUND: bound, cells.SLOPE_BOUND: slope_bound}
                 stores |= {cells.BEND: f"abs({bend})", cells.SLOPE: f"abs({slope})"}
             self.write_values(names, stores, self.item_needs(search))
-        self.write_gradient_functions(number, search)
+        self.write_gradient_function(number, search)
 
     @contextmanager
     def evaluation(self, name: str, per: str, times: str) -> Iterator[None]:
@@ -345,8 +339,8 @@ class _ExtremaWriter:
 
     def write_half(self, half: str) -> None:
         """Write branch and side of a half: halves are numbered branch by branch, both sides of each."""
-        side, (first, *others) = self.program.graded.coordinates[2], self.program.searched_branches
-        sides = self.program.sides
+        side, (first, *others) = self.program.graded.coordinates[2], self.searched_branches
+        sides = self.sides
         above = f"1.0 if ({half} == 0.0) | ({half} == 2.0) else -1.0"
         self.text.add(f"{side} = {above if sides == 2 else '1.0'}")
         former = f"{first}.0 if {half} <= {sides - 1.0} else " if others else ""
@@ -359,22 +353,17 @@ class _ExtremaWriter:
         own = [output for output in own if output.request.is_of_gradient]
         if not own:
             return
-        asked = [int(sign in self.gradient_signs) for sign in (1, -1)]
+        asked = [int(sign in map(sign_of, own)) for sign in (1, -1)]
         text.add(f"asked_{number} = array({[*asked, int(search.magnitude), int(search.folds)]})")
         columns = len(self.program.branches) * LANES
         text.add(f"columns_{number} = array({[number * columns, (number + 1) * columns]})")
-        judged = f"winners, w, n_here, table, search_{number}, asked_{number}"
-        text.call(results.judge_winners, judged, "n_moving")
-        signs = sorted({_sign(output) for output in own if output.inputs})
-        calls = {sign: self.gradient_arguments(number, sign) for sign in signs}
-        for arguments in calls.values():
-            text.add(f"gradient_{number}({arguments})")
-        if any(gradient.moving for gradient in search.gradients):
-            with text.block("if n_moving > 0:"):
-                self.write_late(search)
-                for arguments in calls.values():
-                    text.add(f"limit_{number}({arguments})")
-        if search.folds or any(o.jumps and o.onto == search.quantity for o in self.program.searches):
+        text.call(results.judge_winners, f"winners, w, n_here, table, search_{number}, asked_{number}")
+        signs = sorted({sign_of(output) for output in own if output.inputs})
+        for sign in signs:
+            row, base = results.WINNER_ROWS * (sign < 0), self.gradient_base(sign)
+            text.add(f"gradient_{number}(w, winners, gradients, {row}, {base}, columns_{number}, width)")
+        jumps = bool(search.known and search.known.jumps)
+        if search.folds or jumps or any(o.jumps and o.onto == search.quantity for o in self.program.searches):
             values = sum(not gradient.is_position for gradient in search.gradients)
             for sign in signs:
                 row, base = results.WINNER_ROWS * (sign < 0), self.gradient_base(sign)
@@ -385,70 +374,38 @@ class _ExtremaWriter:
     @property
     def gradient_signs(self) -> set[int]:
         """The signs of the extremes whose derivatives or status are requested."""
-        return {_sign(output) for output in self.program.outputs if output.request.is_of_gradient}
+        return {sign_of(output) for output in self.program.outputs if output.request.is_of_gradient}
 
-    def gradient_arguments(self, number: int, sign: int) -> str:
-        """Return what a function of derivatives is called with: arrays, first rows and columns, the width."""
-        row, base = results.WINNER_ROWS * (sign < 0), self.gradient_base(sign)
-        return f"w, winners, gradients, {row}, {base}, columns_{number}, width"
-
-    def write_late(self, search: ExtremumSearch) -> None:
-        """Write the design values that only derivatives along with limits of motion need."""
+    def write_gradient_function(self, number: int, search: ExtremumSearch) -> None:
+        """Write the function of its own that evaluates derivatives at greatest or least values, lanes being designs."""
+        if not search.gradients:
+            return
         text = self.text
-        late = [name for name in self.gradient_needs(search, moving=True) if name in self.late]
-        early = self.rows.keys() - self.late
-        steps, needed = [], set(late)
-        for step in reversed(self.design_steps):
-            if needed.intersection(step.names) - early:
-                steps.append(step)
-                needed.update(step.depends_on)
-        with text.block("for i in lanes(width):", "design", f"for {search.quantity} at limits of motion"):
-            read = {name for step in steps for name in step.depends_on}
-            for k, name in enumerate(self.program.inputs):
-                if name in read | set(late) and name not in early:
-                    text.add(f"{name} = designs[{k}, i0 + i]")
-            for name in sorted(read & early):
-                text.add(f"{name} = w[{self.row(name)}, i]")
-            for step in reversed(steps):
-                paste_fact(step, step.depends_on, "", text)
-            for name in late:
-                text.add(f"w[{self.row(name)}, i] = {name}")
-
-    def write_gradient_functions(self, number: int, search: ExtremumSearch) -> None:
-        """Write the functions of their own that evaluate derivatives, lanes being designs."""
-        for at_limit, function in enumerate(FUNCTIONS):
-            if search.gradients and (not at_limit or any(one.moving for one in search.gradients)):
-                self.write_gradient_function(f"{function}_{number}", search, at_limit > 0)
-
-    def write_gradient_function(self, name: str, search: ExtremumSearch, at_limit: bool) -> None:
-        """Write the function that evaluates derivatives at one input position, or along with limits of motion."""
-        text, wanted = self.text, results.ALONG if at_limit else results.HELD
-        needs = self.gradient_needs(search, moving=at_limit)
-        times = f"for derivatives of {search.quantity}" + (" at limits of motion" if at_limit else "")
         text.add("@outlined")
         with (
-            text.block(f"def {name}(w, winners, gradients, row__0, base__0, columns__of, width):"),
+            text.block(f"def gradient_{number}(w, winners, gradients, row__0, base__0, columns__of, width):"),
             text.block(f"for column__0 in range(columns__of[0], columns__of[1], {LANES}):"),
-            text.block("for i in lanes(width):", "extreme", times),
+            text.block("for i in lanes(width):", "extreme", f"for derivatives of {search.quantity}"),
         ):
             text.add(f"x__of = winners[row__0 + {results.AT_X}, column__0 + i]")
             text.add(f"upper = winners[row__0 + {results.IN_UPPER}, column__0 + i] > 0.0")
             self.write_position("x__of", "upper")
             text.add(f"half__of = winners[row__0 + {results.IN_HALF}, column__0 + i]")
             self.write_half("half__of")
-            for need in needs:
+            for need in self.gradient_needs(search):
                 text.add(f"{need} = w[{self.row(need)}, i]")
-            for step in self.needed_for(self.gradient_names(search, moving=at_limit)):
+            for step in self.needed_for(self.gradient_names(search)):
                 self.paste(step)
             text.add(f"mirrored__of = winners[row__0 + {results.MIRRORED}, column__0 + i] > 0.0")
-            text.add(f"counts__of = winners[row__0 + {results.WHERE}, column__0 + i] == {wanted}")
+            text.add(f"where__of = winners[row__0 + {results.WHERE}, column__0 + i]")
             for k, gradient in enumerate(search.gradients):
-                target = f"gradients[base__0 + {k}, column__0 + i]"
-                text.add(f"slope__{k} = {_text(gradient, at_limit)}")
+                held = " / ".join(gradient.held) or "0.0"
+                held = f"-({held})" if gradient.is_position and gradient.held else held
+                moving = gradient.moving or "0.0"
+                text.add(f"slope__{k} = {moving} if where__of == {results.ALONG} else {held}")
                 if gradient.is_position or search.parity < 0:
                     text.add(f"slope__{k} = -slope__{k} if mirrored__of else slope__{k}")
-                otherwise = target if at_limit else "nan"
-                text.add(f"{target} = slope__{k} if counts__of else {otherwise}")
+                text.add(f"gradients[base__0 + {k}, column__0 + i] = slope__{k} if where__of > 0.0 else nan")
         text.lines += ["", ""]
 
     def write_gradient_result(self, output: Output, number: int) -> None:
@@ -456,11 +413,11 @@ class _ExtremaWriter:
         request, search = output.request, self.program.searches[number]
         target, first = f"out_{output.name}, i0, n_here", number * len(self.program.branches) * LANES
         if request.is_status:
-            row = results.WINNER_ROWS * (_sign(output) < 0) + results.CODE
+            row = results.WINNER_ROWS * (sign_of(output) < 0) + results.CODE
             self.text.call(results.store_status, f"{target}, {first}, winners, {row}")
             return
         kinds = [(one.by, one.is_position) for one in search.gradients]
-        base = self.gradient_base(_sign(output))
+        base = self.gradient_base(sign_of(output))
         rows = [base + kinds.index((by, request.is_position)) for by in output.inputs]
         if not request.change:
             self.text.call(results.store_gradient, f"{target}, {first}, gradients, {rows[0]}")
@@ -621,15 +578,19 @@ class _ExtremaWriter:
                 self.write_gradients(number)
             for output in self.program.outputs:
                 self.write_result(output)
-        kernel, text.lines = text.lines, text.functions
-        for number, search in enumerate(searches):
-            self.write_evaluations(number, search)
-        text.lines = kernel
+        self.write_functions(self.write_evaluations)
         return text.source(self.program, self.scratch())
+
+    def write_functions(self, write: Callable[[int, ExtremumSearch], None]) -> None:
+        """Write the functions of each search, which the kernel calls."""
+        kernel, self.text.lines = self.text.lines, self.text.functions
+        for number, search in enumerate(self.program.searches):
+            write(number, search)
+        self.text.lines = kernel
 
     def write_tables(self) -> None:
         """Write the tables of whole numbers that tell the searches, branches and halves apart, see `runtime.cells`."""
-        program, searched = self.program, self.program.searched_branches
+        program, searched = self.program, self.searched_branches
         _, start, toggle = map(self.row, program.graded.ends[0])
         none = [-1] * (2 - len(searched))
         own, mirror = ([*map(column, searched), *none] for column in (self.own_column, self.mirror_column))
@@ -646,27 +607,29 @@ class _ExtremaWriter:
                 first, beyond = self.sample_row(k, half), self.sample_row(k, self.half_beyond(half))
                 sign, along = self.sign_of(search, half), self.continued(search)
                 tables[f"part_{k}_{half}"] = [first, beyond, half, sign, self.cells, along]
+        self.reserve_for_gradients()
         if self.program.has_gradients:
             tables["signs"] = [int(sign in self.gradient_signs) for sign in (1, -1)]
-        self.reserve_for_gradients()
         for name, numbers in tables.items():
             self.text.add(f"{name} = array({numbers})")
 
     def write_designs(self) -> None:
         """Write the values that depend on the design alone."""
-        text = self.text
-        with text.block("for i in lanes(width):", "design"):
-            for k, name in enumerate(self.program.inputs):
-                text.add(f"{name} = designs[{k}, i0 + i]")
-            early = [name for name in self.rows if name not in self.late]
-            for step in needed_steps(self.design_steps, early):
-                paste_fact(step, step.depends_on, "", text)
-            for name in early:
-                text.add(f"w[{self.row(name)}, i] = {name}")
+        with self.text.block("for i in lanes(width):", "design"):
+            self.write_design_values()
+
+    def write_design_values(self, further: Sequence[str] = ()) -> None:
+        """Write the values of the design that the rows hold, and further ones."""
+        for k, name in enumerate(self.program.inputs):
+            self.text.add(f"{name} = designs[{k}, i0 + i]")
+        for step in needed_steps(self.design_steps, [*self.rows, *further]):
+            paste_fact(step, step.depends_on, "", self.text)
+        for name in self.rows:
+            self.text.add(f"w[{self.row(name)}, i] = {name}")
 
     def write_samples(self) -> None:
         """Write the derivatives at all samples of the graded range, on both sides: both branches side by side."""
-        text, sides = self.text, self.program.sides
+        text, sides = self.text, self.sides
         scale, start, _ = map(self.row, self.program.graded.ends[0])
         text.call(cells.place_samples, f"w, samples, {scale}, {start}, {self.cells}, width")
         often = f"{self.samples} samples of the graded range" + (f", on {sides} sides" if sides > 1 else "")
@@ -719,13 +682,13 @@ class _ExtremaWriter:
 
     def sample(self, number: int, k: int, j: str) -> str:
         """Return the entry of a sample of a function in one branch."""
-        return f"samples[{self.sample_row(number, k * self.program.sides)} + turn * {self.samples} + {j}, i]"
+        return f"samples[{self.sample_row(number, k * self.sides)} + turn * {self.samples} + {j}, i]"
 
     def write_marks(self) -> None:
         """Mark the samples before those at hand, of all functions in all branches."""
         self.text.use("codegen.runtime.cells", "mark")
         for number, search in enumerate(self.program.searches):
-            for k in range(len(self.program.searched_branches)):
+            for k in range(len(self.searched_branches)):
                 before, here, now = (self.sample(number, k, j) for j in ("j2", "j1", "j"))
                 mark = f"mark({before}, {here}, {now}, {self.sign_of(search, k)}.0)"
                 self.text.add(f"{self.sample(number, k, 'j1').replace('samples', 'marks')} = {mark}")
@@ -748,13 +711,13 @@ class _ExtremaWriter:
             if split:
                 text.call(beside.mark_splits, f"samples, marks, {part}, splits")
             if search.divided:
-                text.call(subdivision.mark_unresolved, f"samples, marks, {part}, width")
+                text.call(beside.mark_unresolved, f"samples, marks, {part}, width")
         if search.divided or not search.parity:  # else its extremes are counted: none hides
             self.write_octaves(number, parts[0])
         for part in parts:
             if search.divided:
                 arguments = f"samples, marks, {part}, counts, unresolved, splits"
-                text.call(subdivision.collect_unresolved, arguments)
+                text.call(beside.collect_unresolved, arguments)
                 if split:
                     text.call(beside.collect_jumps, f"{part}, splits, counts, roots")
             text.call(cells.collect, f"samples, marks, {part}, counts, roots, valleys")
@@ -785,12 +748,12 @@ class _ExtremaWriter:
             text.call(cells.gather, f"{items}, w, rows_{number}, state", "filled")
             text.call(cells.every_vector, "vectors, filled", "n_open")
             with text.block(f"for k in range({cells.FINE_SAMPLES}):"):
-                text.call(subdivision.place_fine, "state, filled, k")
+                text.call(beside.place_fine, "state, filled, k")
                 text.add(f"slope_{number}(state, vectors, n_open)")
-                text.call(subdivision.keep_fine, "state, filled, k")
-            text.call(subdivision.mark_fine, "state, filled, fine_marks")
-            text.call(subdivision.divide, "state, filled, fine_marks, counts, unresolved")
-            text.call(subdivision.collect_fine, "state, filled, fine_marks, counts, roots, valleys")
+                text.call(beside.keep_fine, "state, filled, k")
+            text.call(beside.mark_fine, "state, filled, fine_marks")
+            text.call(beside.divide, "state, filled, fine_marks, counts, unresolved")
+            text.call(beside.collect_fine, "state, filled, fine_marks, counts, roots, valleys")
             text.add("divided = divided + filled")
 
     def write_steps(self, number: int, advance: Callable[..., Any]) -> None:
@@ -869,16 +832,7 @@ class _ExtremaWriter:
             self.text.call(results.store_list, f"{target}, lists, {row}")
 
 
-def _text(gradient: Gradient, at_limit: bool) -> str:
-    """Return the kernel text of a derivative."""
-    if at_limit:
-        return gradient.moving or "0.0"
-    if not gradient.held:
-        return "0.0"
-    return f"-({' / '.join(gradient.held)})" if gradient.is_position else gradient.held[0]
-
-
-def _sign(output: Output) -> int:
+def sign_of(output: Output) -> int:
     """Return 1 for greatest values, -1 for least ones, 0 for a list."""
     reduction = output.request.reduction
     return reduction.sign if reduction is not None else 0
@@ -886,4 +840,4 @@ def _sign(output: Output) -> int:
 
 def write_extrema(program: ExtremaProgram) -> Source:
     """Return the text of the kernel, and what it is called with."""
-    return _ExtremaWriter(program).write()
+    return ExtremaWriter(program).write()

@@ -2,7 +2,8 @@
 
 One loop over lanes that are designs, without any branch. The places are the ends of the range, and those that facts of
 the design give (`fastlink.facts.fact.KnownExtremes`); what counts of them is what a search would have found there, in
-its order, so that values, places and bounds are the same, see `fastlink.codegen.extremes`.
+its order. From there on they are as extremes that are searched: their bounds, their derivatives and the results are
+written by `fastlink.codegen.extremes`.
 """
 
 from __future__ import annotations
@@ -11,136 +12,15 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from fastlink.codegen.extremes import ExtremaWriter, sign_of
+from fastlink.codegen.runtime import results
 from fastlink.codegen.runtime.cells import LANES
-from fastlink.codegen.source import Array, Source, Text, needed_steps, paste_fact
-from fastlink.facts.fact import Fact
+from fastlink.codegen.source import Array, Source, paste_fact
 from fastlink.facts.names import error_name
 
 if TYPE_CHECKING:
     from fastlink.facts.fact import KnownExtremes
-    from fastlink.plan.programs import ExtremumSearch, KnownProgram, Output
-
-__all__ = ["write_gradients", "write_known"]
-
-
-# -- The text of derivatives by inputs of extremes that are known: where the greatest or the least of the
-#    candidates is
-
-# Which of them that is, how near the next best comes and what derivatives are worth there is as in a
-# search, see `fastlink.codegen.runtime.results`. They are evaluated once, at the place of the best in each
-# lane.
-
-
-#: What is known of the best candidate: its value, input position, place and kind, where that is, and the next best.
-FIRST = {"best": "-inf", "place": "nan", "x": "nan", "upper": "0.0", "kind": "nan", "mirrored": "0.0"}
-FIRST |= {"branch": "1.0", "side": "1.0", "second": "-inf"}
-
-
-def kind_at_end(writer: KnownWriter, search: ExtremumSearch, value: str, rests: str) -> str:
-    """Return the kind of an extreme at an end of the range: 0 at limits of motion, else 1 or, where an angle folds, 2.
-
-    Driven past 0 or pi an angle from 0 to pi turns back there, whatever the lengths: its extreme is one or the other.
-    """
-    if not search.folds:
-        return f"(1.0 if {rests} else 0.0)"
-    writer.text.use("codegen.runtime.results", "FOLD")
-    writer.text.use("numerics.elementary", "PI")
-    folded = f"({value} < FOLD) | ({value} > PI - FOLD)"
-    return f"(2.0 if {folded} else (1.0 if {rests} else 0.0))"
-
-
-def write_gradients(
-    writer: KnownWriter, search: ExtremumSearch, candidates: Sequence[Candidate], sign: int, label: str
-) -> dict[tuple[str, bool] | str, str]:
-    """Write the derivatives of a greatest or least value and of its place."""
-    best = {key: f"{key}__of__{label}" for key in FIRST}
-    for key, name in best.items():
-        writer.text.add(f"{name} = {FIRST[key]}")
-    for candidate in candidates:
-        _write_candidate(writer, candidate, sign, best)
-    code, at_limit = _write_code(writer, best, label)
-    endings = _write_place(writer, best, at_limit, label)
-    found: dict[tuple[str, bool] | str, str] = {"": code}
-    known = f"(({code} <= TIED) | ({code} == CONSTANT))"
-    for gradient in search.gradients:
-        *held, moving = [*writer.values_at(gradient.held, label, endings), "0.0"]
-        if gradient.moving:
-            (moving,) = writer.values_at((gradient.moving,), label, endings)
-        quotient = gradient.is_position and bool(held)
-        still = f"-({held[0]} / {held[1]})" if quotient else (held or ["0.0"])[0]
-        turned = gradient.is_position or search.parity < 0
-        name = f"slope_{'of_place' if gradient.is_position else 'of_value'}_{gradient.by}__{label}"
-        writer.text.add(f"{name} = {moving} if {at_limit} else {still}")
-        if turned:
-            writer.text.add(f"{name} = -{name} if {best['mirrored']} > 0.0 else {name}")
-        none = "nan" if gradient.is_position else f"(0.0 if {code} == JUMP else nan)"
-        writer.text.add(f"{name} = {name} if {known} else {none}")
-        found[gradient.by, gradient.is_position] = name
-    return found
-
-
-def _write_candidate(writer: KnownWriter, candidate: Candidate, sign: int, best: dict[str, str]) -> None:
-    """Write whether a candidate is better than the best so far, and what is kept then."""
-    text, at, half = writer.text, candidate.at, candidate.half
-    text.use("codegen.runtime.results", "SAME")
-    text.use("numerics.elementary", "TWO_PI")
-    text.add(f"high = {candidate.greatest}" if sign > 0 else f"high = -({candidate.least})")
-    text.add(f"apart = abs({candidate.place} - {best['place']})")
-    text.add("same = (apart < SAME) | (abs(apart - TWO_PI) < SAME)")
-    text.add("differs = (apart >= SAME) & (abs(apart - TWO_PI) >= SAME)")
-    text.add(f"better = high > {best['best']}")
-    second = best["second"]
-    other = f"(high if (high > {second}) & differs else {second})"
-    text.add(f"{second} = ({second} if same else {best['best']}) if better else {other}")
-    writer.write_place(at)
-    values = {
-        "best": "high",
-        "place": candidate.place,
-        "x": f"x__{at}",
-        "upper": writer.is_upper(at),
-        "kind": candidate.kind,
-        "mirrored": f"{int(half.mirrored)}.0",
-        "branch": f"{half.branch}.0",
-        "side": f"{half.side}.0",
-    }
-    for key, value in values.items():
-        text.add(f"{best[key]} = {value} if better else {best[key]}")
-
-
-def _write_code(writer: KnownWriter, best: dict[str, str], label: str) -> tuple[str, str]:
-    """Write what derivatives are worth, and whether they are those at a limit of motion; return their names."""
-    text, code, at_limit = writer.text, f"code__{label}", f"at_limit__{label}"
-    codes = ("AT_CHANGE_POINT", "AT_LIMIT", "CONSTANT", "JUMP", "NOTHING", "SMOOTH", "TIED")
-    text.use("numerics.compiler", *codes)
-    text.use("codegen.runtime.results", "TIE")
-    text.use("codegen.runtime.results", "FOLDED")
-    (_, low, toggle_low), (_, high, toggle_high) = writer.program.graded.ends
-    text.add(f"first__{label} = abs({high} if {best['upper']} > 0.0 else {low})")
-    text.add(f"toggle__{label} = ({toggle_high} if {best['upper']} > 0.0 else {toggle_low}) > 0.0")
-    text.add(f"no_toggle__{label} = ({toggle_high} if {best['upper']} > 0.0 else {toggle_low}) == 0.0")
-    kind, value = best["kind"], best["best"]
-    beside = f"(({kind} == 0.0) | ({best['x']} < FOLDED * first__{label}))"
-    text.add(f"{code} = 1.0 * AT_LIMIT if {kind} == 0.0 else 1.0 * SMOOTH")
-    text.add(f"{code} = 1.0 * TIED if {best['second']} >= {value} - TIE * abs({value}) else {code}")
-    text.add(f"{code} = 1.0 * CONSTANT if ({kind} == 0.0) & no_toggle__{label} else {code}")
-    text.add(
-        f"{code} = 1.0 * AT_CHANGE_POINT if (first__{label} > 0.0) & no_toggle__{label} & {beside} else {code}"
-    )
-    text.add(f"{code} = 1.0 * JUMP if {kind} == 2.0 else {code}")
-    text.add(f"{code} = {code} if {kind} == {kind} else 1.0 * NOTHING")
-    text.add(f"{at_limit} = ({kind} == 0.0) & (({code} < CONSTANT) | ({code} > CONSTANT))")
-    return code, at_limit
-
-
-def _write_place(writer: KnownWriter, best: dict[str, str], at_limit: str, label: str) -> dict[str, str]:
-    """Write the place of the best in each lane, at limits beside them; return the endings of names there."""
-    text, (low, high, side), first = writer.text, writer.program.coordinates, f"first__{label}"
-    x = best["x"]
-    text.add(f"x__{label} = {first} if {at_limit} & ({x} < {first}) else {x}")
-    writer.write_parts(label, f"{best['upper']} > 0.0", (low, high))
-    text.add(f"{side}__{label} = {best['side']}")
-    text.add(f"branch__{label} = {best['branch']}")
-    return {"branch": label, "side": label}
+    from fastlink.plan.programs import ExtremumSearch, KnownProgram
 
 
 #: The labels of the ends of the range, the lower one first.
@@ -177,44 +57,59 @@ class Candidate:
     kind: str
 
 
-class KnownWriter:
+class KnownWriter(ExtremaWriter):
     """One kernel while it is written."""
 
     def __init__(self, program: KnownProgram) -> None:
-        self.program, self.text = program, Text()
-        self.position = program.catalogue.position.name
-        self.steps = [step for step in program.steps if isinstance(step, Fact)]
-        self.rows: dict[str, int] = {}
+        super().__init__(program)
         self.written: set[str] = set()
+        # no sample is placed: only what derivatives hang on is kept
+        kept = list(zip(*program.graded.ends, strict=True))[1:] if program.has_gradients else []
+        self.rows = {name: row for row, name in enumerate(name for ends in kept for name in ends)}
+        # quantities of both symmetries are in one kernel
+        self.searched_branches, self.sides = tuple(program.catalogue.branches), 2
 
     def write(self) -> Source:
         """Return the kernel."""
-        text = self.text
-        text.use("numerics.compiler", "lanes")
+        text, searches = self.text, self.program.searches
+        text.use("numerics.compiler", "lanes", "outlined")
+        if self.program.has_gradients:
+            self.write_tables()
         with text.blocks_of_designs():
             with text.block("for i in lanes(width):", "design"):
-                self.write_designs()
-                for search in self.program.searches:
-                    for branch in self.program.branches:
-                        self.write_extremes(search, branch)
-            with text.block("for i in range(n_here):"):
-                for output in self.program.outputs:
+                self.write_places()
+                for number, search in enumerate(searches):
                     for k, branch in enumerate(self.program.branches):
-                        row = self.rows[f"{output.name}__{branch}"]
-                        value = f"int(w[{row}, i])" if output.request.is_status else f"w[{row}, i]"
-                        text.add(f"out_{output.name}[i0 + i, {k}] = {value}")
-        return text.source(self.program, [Array("w", "float64", (len(self.rows), LANES))])
+                        self.write_extremes(search, branch, (number * len(self.program.branches) + k) * LANES)
+            for number in range(len(searches)):
+                self.write_gradients(number)
+            for output in self.program.outputs:
+                self.write_result(output)
+        self.write_functions(self.write_gradient_function)
+        columns = len(searches) * len(self.program.branches) * LANES
+        rows = Array("w", "float64", (max(len(self.rows), 1), LANES))
+        return text.source(self.program, [rows, self.best(columns), *self.places(columns)])
+
+    def write_tables(self) -> None:
+        """Write those parts of the tables of a search that tell where derivatives are evaluated."""
+        _, start, toggle = self.program.graded.ends[0]
+        table = [self.row(start), self.row(toggle), self.sides, 0, len(self.program.branches)]
+        self.text.add(f"table = array({table})")
+        for number in range(len(self.program.searches)):
+            self.text.add(f"search_{number} = array({[number]})")
+        self.reserve_for_gradients()
 
     # -- values at places --------------------------------------------------------------------------
 
-    def write_designs(self) -> None:
+    def write_places(self) -> None:
         """Write the values that depend on the design alone, the sides and the branches."""
-        text, side = self.text, self.program.coordinates[2]
-        for k, name in enumerate(self.program.inputs):
-            text.add(f"{name} = designs[{k}, i0 + i]")
-        for step in self.steps:
-            if self.program.axes[step.name] <= {"design"}:
-                paste_fact(step, step.depends_on, "", text)
+        text, side = self.text, self.program.graded.coordinates[2]
+        names = [*(name for end in self.program.graded.ends for name in end[1:]), *self.places_wanted]
+        for search in self.program.searches:
+            assert search.known is not None
+            names += [search.quantity, search.slope, *search.known.facts, *search.bounded_by]
+            names += [error_name(end[2]) for end in self.program.graded.ends if search.bounded_by]
+        self.write_design_values([*names, *self.design_needs(self.needed_for(names))])
         text.add(f"{side}__1 = 1.0")
         text.add(f"{side}__0 = -1.0")
         for branch in self.program.catalogue.branches:
@@ -232,8 +127,7 @@ class KnownWriter:
 
     def values_at(self, names: Sequence[str], place: str, endings: Mapping[str, str]) -> Iterator[str]:
         """Write values at a place that is written, and yield their names."""
-        lane_steps = [step for step in self.steps if not self.program.axes[step.name] <= {"design"}]
-        for step in needed_steps(lane_steps, names):
+        for step in self.needed_for(names):
             suffix = self.suffix(step.name, place, endings)
             if step.name + suffix not in self.written:
                 self.written.add(step.name + suffix)
@@ -246,7 +140,7 @@ class KnownWriter:
         if place in self.written:
             return
         self.written.add(place)
-        text, (low, high, _) = self.text, self.program.coordinates
+        text, (low, high, _) = self.text, self.program.graded.coordinates
         end = place.removesuffix("_beside")
         upper = f"{place} > 1.0"
         if end in ENDS:
@@ -277,7 +171,7 @@ class KnownWriter:
 
     # -- what may be extreme -----------------------------------------------------------------------
 
-    def halves(self, search: ExtremumSearch, branch: int) -> list[Half]:
+    def halves_of(self, search: ExtremumSearch, branch: int) -> list[Half]:
         """Return the halves of the range that a branch has, in the order of a search."""
         if search.mirrored:
             return [Half(other, 1, other != branch) for other in self.program.catalogue.branches]
@@ -293,7 +187,7 @@ class KnownWriter:
         """Write and yield what may be extreme in a branch: zeros of the slope, jumps by a full turn, ends."""
         known = search.known
         assert known is not None
-        halves, found = self.halves(search, branch), []
+        halves, found = self.halves_of(search, branch), []
         for half in halves:
             for place in self.of_half(known, known.places, half):
                 candidate = self.candidate(search, place, half, self.apart_from_folds(place))
@@ -326,7 +220,7 @@ class KnownWriter:
             kind = "0.0"
             if self.program.has_gradients and search.known is not None and not search.known.places:
                 (slope,) = self.values([search.slope], place, half)  # not a number where nothing can move
-                kind = kind_at_end(self, search, value, f"({first} == 0.0) & ({slope} == {slope})")
+                kind = f"(1.0 if ({first} == 0.0) & ({slope} == {slope}) else 0.0)"
         bound = self.bound(search, place, half, label)
         return Candidate(name, name, self.place(place, half), bound, place, half, kind)
 
@@ -348,9 +242,9 @@ class KnownWriter:
 
     def place(self, place: str, half: Half) -> str:
         """Write the input position of a place of a half, or of its mirror image, if positions are requested."""
-        if self.position not in (name for step in self.steps for name in step.names):
-            return "nan"
-        (found,) = self.values([self.position], place, half)
+        if not self.places_wanted:
+            return "0.0"
+        (found,) = self.values(self.places_wanted, place, half)
         if not half.mirrored:
             return found
         self.text.use("codegen.runtime.results", "mirror_image")
@@ -388,59 +282,68 @@ class KnownWriter:
 
     # -- results -----------------------------------------------------------------------------------
 
-    def write_extremes(self, search: ExtremumSearch, branch: int) -> None:
-        """Write the results of a quantity in one branch."""
+    def write_extremes(self, search: ExtremumSearch, branch: int, column: int) -> None:
+        """Write the greatest and the least value of a quantity in one branch into their column of the results."""
         own = [output for output in self.program.outputs if output.request.quantity == search.quantity]
         candidates = list(self.candidates(search, branch))
         for sign in (1, -1):
-            outputs = [o for o in own if o.request.reduction is not None and o.request.reduction.sign == sign]
-            if values := [output for output in outputs if not output.request.is_of_gradient]:
-                self.write_extreme(candidates, values, sign)
-                for output in values:
-                    self.store(output, branch)
-            if gradients := [output for output in outputs if output.request.is_of_gradient]:
-                found = write_gradients(
-                    self, search, candidates, sign, f"{search.quantity}__{branch}__{sign > 0:d}"
-                )
-                for output in gradients:
-                    request = output.request
-                    key = (request.by, request.is_position)
-                    self.keep(output, branch, found["" if request.is_status else key])
+            outputs = [output for output in own if sign_of(output) == sign]
+            if any(not output.request.is_of_gradient for output in outputs):
+                self.write_extreme(candidates, sign, column, bounded=bool(search.bounded_by))
+            if any(output.request.is_of_gradient for output in outputs):
+                self.write_winner(candidates, sign, column)
 
-    def write_extreme(self, candidates: Iterable[Candidate], outputs: Sequence[Output], sign: int) -> None:
-        """Write which of the candidates is the greatest or the least, with what is requested of it."""
+    def write_extreme(
+        self, candidates: Iterable[Candidate], sign: int, column: int, *, bounded: bool
+    ) -> None:
+        """Write which of the candidates is the greatest or the least, with its place and bound."""
         text, better = self.text, ">" if sign > 0 else "<"
-        placed, bounded = (
-            any(getattr(o.request, f"is_{of}") for o in outputs) for of in ("position", "error")
-        )
-        text.add(f"best = {'-inf' if sign > 0 else 'inf'}")
-        text.add("place = nan")
+        text.add(f"extreme = {'-inf' if sign > 0 else 'inf'}")
         text.add("bound = 0.0")
+        if self.places_wanted:
+            text.add("place = nan")
         for candidate in candidates:
             value = candidate.greatest if sign > 0 else candidate.least
             if bounded:
                 text.use("codegen.runtime.results", "of_better")
-                ahead = f"best, bound, {value}" if sign > 0 else f"-best, bound, -({value})"
+                ahead = f"extreme, bound, {value}" if sign > 0 else f"-extreme, bound, -({value})"
                 text.add(f"bound = of_better({ahead}, {candidate.bound})")
-            if placed:
-                text.add(f"place = {candidate.place} if {value} {better} best else place")
-            text.add(f"best = {value} if {value} {better} best else best")
-        text.add("none = (best == inf) | (best == -inf)")
+            if self.places_wanted:
+                text.add(f"place = {candidate.place} if {value} {better} extreme else place")
+            text.add(f"extreme = {value} if {value} {better} extreme else extreme")
+        row = results.GREATEST if sign > 0 else results.LEAST
+        text.add(f"best[{row}, {column} + i] = extreme")
+        place = (
+            "place" if self.places_wanted else f"nan if extreme == {'-inf' if sign > 0 else 'inf'} else 0.0"
+        )
+        text.add(f"best[{row | 1}, {column} + i] = {place}")
         if bounded:
-            errors = [error_name(end[2]) for end in self.program.graded.ends]
-            doubt = " | ".join(f"({error} > 0.0)" for error in errors)
-            text.add(f"bound = inf if {doubt} else bound")
+            doubt = " | ".join(f"({error_name(end[2])} > 0.0)" for end in self.program.graded.ends)
+            row = results.GREATEST_BOUND if sign > 0 else results.LEAST_BOUND
+            text.add(f"best[{row}, {column} + i] = inf if {doubt} else bound")
 
-    def store(self, output: Output, branch: int) -> None:
-        """Write one result into its row."""
-        request = output.request
-        value = "place" if request.is_position else "bound" if request.is_error else "best"
-        self.keep(output, branch, f"nan if none else {value}")
-
-    def keep(self, output: Output, branch: int, value: str) -> None:
-        """Write a value into the row of a result."""
-        row = self.rows.setdefault(f"{output.name}__{branch}", len(self.rows))
-        self.text.add(f"w[{row}, i] = {value}")
+    def write_winner(self, candidates: Iterable[Candidate], sign: int, column: int) -> None:
+        """Write where the greatest or least of the candidates is, for its derivatives: see `results.note_winners`."""
+        text, kept = self.text, {"BEST": "-inf", "SECOND": "-inf", "PLACE": "nan", "OF_KIND": "nan"}
+        kept |= dict.fromkeys(("AT_X", "IN_HALF", "IN_UPPER", "MIRRORED"), "0.0")
+        for name, value in kept.items():
+            text.add(f"{name}__ = {value}")
+        text.use("codegen.runtime.results", "next_best")
+        for candidate in candidates:
+            at, half = candidate.at, candidate.half
+            self.write_place(at)
+            number = self.sides * self.searched_branches.index(half.branch) + int(half.side < 0)
+            values = {"BEST": "high", "PLACE": candidate.place, "OF_KIND": candidate.kind, "AT_X": f"x__{at}"}
+            values |= {"IN_HALF": f"{number}.0", "IN_UPPER": self.is_upper(at)}
+            values |= {"MIRRORED": f"{int(half.mirrored)}.0"}
+            text.add(f"high = {candidate.greatest if sign > 0 else f'-({candidate.least})'}")
+            text.add("better = high > BEST__")
+            text.add(f"SECOND__ = next_best(BEST__, SECOND__, PLACE__, high, {candidate.place})")
+            for name, value in values.items():
+                text.add(f"{name}__ = {value} if better else {name}__")
+        for name in kept:
+            row = results.WINNER_ROWS * (sign < 0) + getattr(results, name)
+            text.add(f"winners[{row}, {column} + i] = {name}__")
 
 
 def write_known(program: KnownProgram) -> Source:

@@ -12,37 +12,6 @@ import numpy as np
 from fastlink.numerics.compiler import inlined, lanes, merged, outlined
 from fastlink.numerics.elementary import sqrt, trailing_zeros
 
-__all__ = [
-    "ITEM_ROWS",
-    "LANES",
-    "MOST_LANES",
-    "ROOT",
-    "STATE_ROWS",
-    "UNRESOLVED_CELL",
-    "VALLEY",
-    "advance_roots",
-    "advance_valleys",
-    "append_item",
-    "append_of_lane",
-    "append_unresolved",
-    "begin_roots",
-    "begin_valleys",
-    "collect",
-    "every_vector",
-    "gather",
-    "is_unresolved",
-    "mark",
-    "mark_ends",
-    "nothing_yet",
-    "padded",
-    "place_samples",
-    "position_of",
-    "set_bracket",
-    "silenced",
-    "split",
-]
-
-
 LANES = 64
 #: Doubles in the widest vectors: loops over lanes run over whole numbers of these.
 MOST_LANES = 8

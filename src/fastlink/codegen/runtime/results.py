@@ -57,42 +57,6 @@ from fastlink.numerics.compiler import (
 from fastlink.numerics.elementary import ANGLE_ROUNDING, INFINITY, NOT_A_NUMBER, PI, TWO_PI
 from fastlink.numerics.vectors import magnitude
 
-__all__ = [
-    "ALONG",
-    "CODE",
-    "HELD",
-    "MARGIN",
-    "OF_PI",
-    "WINNER_ROWS",
-    "bound_at_zero",
-    "bound_ends",
-    "bound_zeros",
-    "clear",
-    "doubt",
-    "drop_folds",
-    "extrema_at_zeros",
-    "forget_winners",
-    "has_no_bound",
-    "is_certain",
-    "judge_winners",
-    "known",
-    "mirror_image",
-    "note_kinks",
-    "note_winners",
-    "of_better",
-    "off_at_end",
-    "settle_jumps",
-    "store_best",
-    "store_bound",
-    "store_change",
-    "store_counts",
-    "store_extrema",
-    "store_gradient",
-    "store_list",
-    "store_status",
-]
-
-
 # -- Error bounds of extrema, where they are requested
 
 # Every position x of the graded range is one of the reachable range. So the exact quantity at an x that was
@@ -453,6 +417,15 @@ def forget_winners(winners: Any, gradients: Any) -> None:
             gradients[r, i] = NOT_A_NUMBER
 
 
+@inlined
+def next_best(best: Any, second: Any, place: Any, value: Any, theta: Any) -> Any:
+    """Return the next best value at another place than the best, once one more value counts."""
+    apart = abs(theta - place)
+    same = (apart < SAME) | (abs(apart - TWO_PI) < SAME)
+    ahead, behind = (second if same else best), (second if same else value)
+    return ahead if value > best else (behind if value > second else second)
+
+
 @outlined
 def note_winners(s: Any, count: int, table: Any, search: Any, winners: Any, signs: Any) -> None:
     """Keep the places of the extrema at items that are the greatest or least so far, see `results.store_extrema`.
@@ -475,13 +448,12 @@ def note_winners(s: Any, count: int, table: Any, search: Any, winners: Any, sign
             for least in range(1 - signs[0], 1 + signs[1]):
                 high = PI if jumps else (-value if least == 1 else value)
                 row = least * WINNER_ROWS
-                if not high > winners[row + SECOND, column]:
-                    continue
-                apart = abs(theta - winners[row + PLACE, column])
-                same = (apart < SAME) | (abs(apart - TWO_PI) < SAME)
-                if high > winners[row + BEST, column]:
-                    if not same:
-                        winners[row + SECOND, column] = winners[row + BEST, column]
+                best = winners[row + BEST, column]
+                second = next_best(
+                    best, winners[row + SECOND, column], winners[row + PLACE, column], high, theta
+                )
+                winners[row + SECOND, column] = second
+                if high > best:
                     winners[row + BEST, column] = high
                     winners[row + PLACE, column] = theta
                     winners[row + AT_X, column] = s[X, i]
@@ -491,8 +463,6 @@ def note_winners(s: Any, count: int, table: Any, search: Any, winners: Any, sign
                     winners[row + OF_KIND, column] = (
                         TURN if jumps else (1.0 if piece else (NEARLY_POLE if beside else s[KIND, i]))
                     )
-                elif not same:
-                    winners[row + SECOND, column] = high
 
 
 @outlined
@@ -518,43 +488,31 @@ def note_kinks(s: Any, count: int, table: Any, search: Any, winners: Any, signs:
 
 
 @outlined
-def judge_winners(winners: Any, w: Any, count: int, table: Any, search: Any, asked: Any) -> int:
-    """Find what derivatives of greatest and least values are worth; return how many are at limits of motion."""
-    moving = 0
+def judge_winners(winners: Any, w: Any, count: int, table: Any, search: Any, asked: Any) -> None:
+    """Find what derivatives of greatest and least values are worth."""
+    start, end = table[START], table[TOGGLE]
     for least in range(1 - asked[0], 1 + asked[1]):
         row = least * WINNER_ROWS
         for branch in range(table[BRANCHES]):
-            for i in range(count):
-                column = (search[NUMBER] * table[BRANCHES] + branch) * LANES + i
-                best, kind = winners[row + BEST, column], winners[row + OF_KIND, column]
+            column = (search[NUMBER] * table[BRANCHES] + branch) * LANES
+            for i in lanes(padded(count)):
+                best, kind = winners[row + BEST, column + i], winners[row + OF_KIND, column + i]
+                x, upper = winners[row + AT_X, column + i], winners[row + IN_UPPER, column + i] > 0.0
+                first = abs(w[start + 1, i] if upper else w[start, i])
+                toggle = (w[end + 1, i] if upper else w[end, i]) > 0.0
+                at_end, tied = kind == 0.0, winners[row + SECOND, column + i] >= best - TIE * abs(best)
+                fold = (first > 0.0) & (at_end | (x < FOLDED * first))
                 folded = (asked[3] > 0) & ((abs(best) < FOLD) | (abs(abs(best) - PI) < FOLD))
-                code = NOTHING
-                if (kind == TURN) | (folded & (kind == kind)):
-                    code = JUMP
-                elif kind == kind and abs(best) == INFINITY:
-                    code = INFINITE
-                elif kind == kind:
-                    upper = int(winners[row + IN_UPPER, column])
-                    first, toggle = abs(w[table[START] + upper, i]), w[table[TOGGLE] + upper, i] > 0.0
-                    beside = (kind == 0.0) | (winners[row + AT_X, column] < FOLDED * first)
-                    code = AT_LIMIT if kind == 0.0 else SMOOTH
-                    code = TIED if winners[row + SECOND, column] >= best - TIE * abs(best) else code
-                    code = KINK if (kind == NEARLY_POLE) | ((asked[2] > 0) & (best == 0.0)) else code
-                    code = CONSTANT if (kind == 0.0) & (not toggle) else code
-                    code = AT_CHANGE_POINT if (first > 0.0) & (not toggle) & beside else code
-                winners[row + CODE, column] = float(code)
-                where = 0.0
-                if (code == SMOOTH) | (code == TIED) | (code == AT_LIMIT) | (code == CONSTANT):
-                    where = HELD
-                    if kind == 0.0 and code != CONSTANT:
-                        where = ALONG
-                        moving = moving + 1
-                        upper = int(winners[row + IN_UPPER, column])
-                        first = abs(w[table[START] + upper, i])
-                        if winners[row + AT_X, column] < first:
-                            winners[row + AT_X, column] = first
-                winners[row + WHERE, column] = where
-    return moving
+                code = TIED if tied else (AT_LIMIT if at_end else SMOOTH)
+                code = KINK if (kind == NEARLY_POLE) | ((asked[2] > 0) & (best == 0.0)) else code
+                code = code if toggle else (AT_CHANGE_POINT if fold else (CONSTANT if at_end else code))
+                code = INFINITE if abs(best) == INFINITY else code
+                code = JUMP if (kind == TURN) | folded else code
+                code = code if kind == kind else NOTHING
+                along, held = at_end & (code <= TIED), (code <= TIED) | (code == CONSTANT)
+                winners[row + CODE, column + i] = 1.0 * code
+                winners[row + WHERE, column + i] = ALONG if along else (HELD if held else 0.0)
+                winners[row + AT_X, column + i] = first if along & (x < first) else x
 
 
 @outlined

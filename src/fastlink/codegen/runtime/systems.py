@@ -7,9 +7,6 @@ from typing import Any
 from fastlink.numerics.compiler import lanes, outlined
 from fastlink.numerics.elementary import TWO_PI
 
-__all__ = ["fluctuation_lanes", "solve_lanes"]
-
-
 # -- Dense linear systems in the lanes: LU with partial pivoting, one system per lane
 
 # The matrices stand as a structure of arrays, entry (r, c) of all lanes side by side, so that elimination

@@ -60,27 +60,6 @@ from fastlink.codegen.runtime.results import (
 from fastlink.numerics.compiler import lanes, merged, outlined
 from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER
 
-__all__ = [
-    "SLOPES",
-    "TRIALS",
-    "begin_certain",
-    "collect_rest",
-    "count_folded",
-    "flag_undecided",
-    "keep_beside_fold",
-    "keep_certain",
-    "keep_slope",
-    "note_hidden",
-    "note_uncertain",
-    "place_beside_fold",
-    "place_slope",
-    "settle_noise",
-    "settle_slopes",
-    "silence_rest",
-    "thin",
-]
-
-
 # -- Entries of the lists that are nothing but rounding, next to folds
 
 # At a fold a quantity may be a small difference of great numbers: its slope changes its sign with every
