@@ -1,12 +1,15 @@
 """The tables of quantities: what is in them, and that the documentation is what they say."""
 
 import re
+from importlib.resources import files
 
 import pytest
 from tests.support.refusals import refused
 from tests.support.registry import ENTRIES
+from typer.testing import CliRunner
 
 import fastlink as fl
+from fastlink.app.cli import app
 from fastlink.app.report import GROUPS, Quantity, QuantityList, document
 from fastlink.engine.labels import variables
 from fastlink.engine.resolve import resolve
@@ -151,3 +154,15 @@ def test_a_word_in_place_of_a_mechanism_may_be_one_to_find():
         fl.quantities("torque")
     with refused("'planar4r'", "'planar_4r'"):
         fl.quantities("planar4r")
+
+
+def test_the_source_of_a_quantity_is_its_formula_and_where_it_stands():
+    done = CliRunner().invoke(app, ["quantities", "planar_4r", "--find", "omega4", "--source"])
+    place, head, formula, *_ = done.output.splitlines()
+    sheet, line = re.fullmatch(r"(\w+\.facts), line (\d+):", place).groups()
+    text = (
+        files("fastlink").joinpath("mechanisms", "planar_4r", sheet).read_text(encoding="utf-8").splitlines()
+    )
+    assert text[int(line) - 1] == head
+    assert formula in text[int(line) :][:4]
+    assert fl.quantities("planar_4r", internal=True).formulas().count(".facts, line") > 300

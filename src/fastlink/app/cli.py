@@ -391,6 +391,7 @@ def quantities(
     every: bool = False,
     input: str | None = None,
     find: str | None = None,
+    source: bool = False,
 ) -> None:
     """List the quantities and inputs of a mechanism, or find them by what they mean.
 
@@ -398,10 +399,12 @@ def quantities(
     --all  List intermediate facts too, which cannot be requested by name.
     --input INPUT  The driven input, such as joint_angle_2.
     --find PHRASE  Only what a phrase means, such as torque.
+    --source  Show the formula of each, and the sheet and the line where it stands.
     """
     from fastlink.app.report import quantities as list_quantities
 
-    typer.echo(str(list_quantities(mechanism, internal=every, input=input, find=find)))
+    found = list_quantities(mechanism, internal=every, input=input, find=find)
+    typer.echo(found.formulas() if source else str(found))
 
 
 @command

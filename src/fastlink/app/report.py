@@ -383,6 +383,20 @@ class QuantityList(list[Quantity]):
         rows = [(row.mechanism, *cells) for row, cells in zip(self, self._cells(), strict=True)]
         return html_table(("mechanism", *COLUMNS), rows)
 
+    def formulas(self) -> str:
+        """Return the formula of each quantity as text, with the sheet and the line where it stands."""
+        known = {catalogue.name: catalogue for catalogue in self._catalogues}
+        parts = []
+        for row in self:
+            fact = known[row.mechanism].facts.get(row.name) or known[row.mechanism].tables[row.name]
+            *assignments, last = fact.formula.lines
+            lines = (*assignments, last.replace("return", "=", 1))
+            head = f"{row.name} [{row.units}] {fact.symbol}: {row.meaning}"
+            parts.append(
+                "\n".join([f"{fact.formula.place or fact.source}:", head, *(f"    {line}" for line in lines)])
+            )
+        return "\n\n".join(parts)
+
     def markdown(self) -> str:
         """Return the list as Markdown, as it stands in the documentation."""
         (catalogue,) = self._catalogues
