@@ -568,7 +568,7 @@ def _labelled(
         data[name] = (("way", "quantity"), np.array(values), {"units": units, "long_name": meaning})
     coords = {"way": ("way", methods), "quantity": ("quantity", quantities)}
     result = xr.Dataset(data, coords=coords, attrs=plain_attrs(attrs))
-    meaning = {"long_name": "no other method is faster and more accurate"}
-    labels = meaning | flag_attrs({0: "beaten", 1: "best"}, "int8")
+    labels = {"long_name": "no other method is faster and more accurate"}
+    labels |= flag_attrs({0: "beaten", 1: "best"}, "int8")
     result["pareto"] = (("way", "quantity"), front(result), labels)
     return result
