@@ -742,27 +742,26 @@ def _contents(dataset: xr.Dataset) -> str:
 
 
 def _axis(dataset: xr.Dataset, dim: str, length: int) -> str:
-    if dim not in dataset.coords:
-        return f"{length:,}"
-    text = f"{length:,}: {_span(dataset[dim])}"
-    return f"{text}; {dataset[dim].attrs['comment']}" if "comment" in dataset[dim].attrs else text
+    known = dim in dataset.coords
+    return f"{length:,}: {_span(dataset[dim])}{_comment(dataset[dim])}" if known else f"{length:,}"
 
 
 def _of_all(coord: xr.DataArray) -> str:
     """Return the value that a scalar coordinate has for all designs, with what its number stands for."""
-    text = f"{short_number(coord.values[()])} {coord.attrs.get('units', '')}{_meaning(coord)}"
-    return f"{text}; {coord.attrs['comment']}" if "comment" in coord.attrs else text
+    value = short_number(coord.values[()])
+    return f"{value} {coord.attrs.get('units', '')}{_meaning(coord)}{_comment(coord)}"
+
+
+def _comment(array: xr.DataArray) -> str:
+    return f"; {array.attrs['comment']}" if "comment" in array.attrs else ""
 
 
 def _span(coord: xr.DataArray) -> str:
     values = coord.values
     if not values.size:
         return "no values"
-    if values.dtype.kind in "iuf":
-        ends = (values[0],) if len(values) == 1 else (values.min(), values.max())
-    else:
-        ends = (values[0],) if len(values) == 1 else (values[0], values[-1])
-    units = coord.attrs.get("units", "")
+    ends = (values.min(), values.max()) if values.dtype.kind in "iuf" else (values[0], values[-1])
+    ends, units = ends if len(values) > 1 else ends[:1], coord.attrs.get("units", "")
     return f"{' to '.join(map(short_number, ends))} {'' if units == '1' else units}".rstrip() + _meaning(
         coord
     )

@@ -165,7 +165,7 @@ def evaluate(
         inputs = request.radian_keywords(catalogue, "evaluate", inputs, problems, position=True)
     version = catalogue.version
     names = problems.attempt(check_names, "quantities", quantities) or ()
-    of_design = problems.attempt(_check_quantities, catalogue, version, names) is False
+    of_design = bool(names) and problems.attempt(_check_quantities, catalogue, version, names) is False
     problems.attempt(request.check_model, catalogue, links, solver)
     allow_invalid = problems.attempt(check_switch, ("allow_invalid",), allow_invalid)
     of_links = links.values if isinstance(links, Links) else {}
