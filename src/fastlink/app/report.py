@@ -760,7 +760,9 @@ def _span(coord: xr.DataArray) -> str:
     values = coord.values
     if not values.size:
         return "no values"
-    ends = (values.min(), values.max()) if values.dtype.kind in "iuf" else (values[0], values[-1])
+    ends: tuple[Any, ...] = (values[0], values[-1])
+    if values.dtype.kind in "iuf":
+        ends = values.min(), values.max()
     ends, units = ends if len(values) > 1 else ends[:1], coord.attrs.get("units", "")
     return f"{' to '.join(map(short_number, ends))} {'' if units == '1' else units}".rstrip() + _meaning(
         coord
