@@ -277,7 +277,7 @@ def differing(entry, designs, requests):
         maps = fl.sweep(entry.mechanism, fl.table(designs), names, input=entry.input, **QUIET)
         return {name: maps[name].values for name in names}
 
-    together = found([name for names in requests for name in names])
+    together = found(list(dict.fromkeys(name for names in requests for name in names)))
     return {
         name: of for names in requests for name, of in found(names).items() if not same(together[name], of)
     }
