@@ -1182,8 +1182,7 @@ def rate_extrema(space: Any, *, pair: str = "14", **options: Any) -> Any:
     [-12.506, 12.506]
     """
     if not isinstance(pair, str) or pair not in PAIRS:
-        where, remedy = ("rate_extrema", "pair"), listed(PAIRS)
-        raise InputError(f"{short_repr(pair)} is unknown", where=where, remedy=remedy)
+        raise InputError(f"{short_repr(pair)} is unknown", ("rate_extrema", "pair"), listed(PAIRS))
     i, j = pair[0], pair[1]
     names = [str(ListOfExtrema(Quantity(f"{rate}_{j}"))) for rate in ("joint_omega", "joint_alpha")]
     if i == "1":

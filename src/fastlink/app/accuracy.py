@@ -278,10 +278,8 @@ def draw(measured: xr.Dataset) -> Figure:
     lines = -(-len(quantities) // columns)
     figure = NotebookFigure(figsize=(5.6 * columns, 4.2 * lines), dpi=160)
     panels = [figure.add_subplot(lines, columns, k + 1) for k in range(len(quantities))]
-    points = [
-        _draw_panel(axes, measured.sel(quantity=quantity), quantity)
-        for axes, quantity in zip(panels, quantities, strict=True)
-    ]
+    pairs = zip(panels, quantities, strict=True)
+    points = [_draw_panel(axes, measured.sel(quantity=name), name) for axes, name in pairs]
     figure.draw_without_rendering()  # which settles where the panels are
     figure.set_layout_engine("none")
     for axes, named in zip(panels, points, strict=True):

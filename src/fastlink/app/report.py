@@ -760,13 +760,10 @@ def _span(coord: xr.DataArray) -> str:
     values = coord.values
     if not values.size:
         return "no values"
-    ends: tuple[Any, ...] = (values[0], values[-1])
-    if values.dtype.kind in "iuf":
-        ends = values.min(), values.max()
-    ends, units = ends if len(values) > 1 else ends[:1], coord.attrs.get("units", "")
-    return f"{' to '.join(map(short_number, ends))} {'' if units == '1' else units}".rstrip() + _meaning(
-        coord
-    )
+    ends = [values.min(), values.max()] if values.dtype.kind in "iuf" else [values[0], values[-1]]
+    units = coord.attrs.get("units", "")
+    text = f"{' to '.join(map(short_number, ends[: len(values)]))} {'' if units == '1' else units}"
+    return text.rstrip() + _meaning(coord)
 
 
 def _meaning(array: xr.DataArray) -> str:

@@ -115,10 +115,8 @@ def _run(path: Path) -> dict[str, Any]:
 
 def _within(error: InputError) -> list[Problem]:
     """Return the problems of a declaration, at the key of the study."""
-    return [
-        replace(one, where=(KEY,), what=f"{path_text(one.where)}: {one.what}".removeprefix(": "))
-        for one in error.problems
-    ]
+    named = [(one, f"{path_text(one.where)}: {one.what}".removeprefix(": ")) for one in error.problems]
+    return [replace(one, where=(KEY,), what=what) for one, what in named]
 
 
 # -- The keys of a study file and the values that they may have, as models of pydantic

@@ -1018,7 +1018,7 @@ class Refinement:
         if request.reduction is not None and not self.model.knows_positions:
             what = f"{name!r} is of the values of {self.position} of the sweep, which the map does not hold"
             remedy = f"ask for a quantity along {self.position} too, or search by fl.search"
-            raise InputError(what, where=(where,), remedy=remedy)
+            raise InputError(what, (where,), remedy)
         if EXTREMUM in array.dims or (where != "where" and (request.listed or request.is_error)):
             what = (
                 f"{name!r} is {'one of a list' if request.listed else 'an error bound'}, which has no slope"

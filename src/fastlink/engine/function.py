@@ -237,10 +237,8 @@ def function(
             )
     drives = {name for other in NAMES for name in inputs_of(other)} - known.keys()
     strange = [name for name in fixed if not {name, angle_of(name)} & {*known, *drives}]
-    problems.noted += [
-        unknown_input(catalogue, name, known, "function", (*_OPTIONS, catalogue.position.name))
-        for name in strange
-    ]
+    keywords = (*_OPTIONS, catalogue.position.name)
+    problems.noted += [unknown_input(catalogue, name, known, "function", keywords) for name in strange]
     problems.noted += wrong_inputs(catalogue, names)
     with problems.at():
         fixed_numbers = constants({name: value for name, value in fixed.items() if name in known}, known)

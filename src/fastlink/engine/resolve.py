@@ -261,11 +261,8 @@ def _of_kernels(kernels: Iterable[Kernel]) -> hashlib._Hash:
 
 def axis_lengths(plan: Plan, positions: int) -> dict[str, int]:
     """Return the length of each axis that a result may have besides the design."""
-    return {
-        "branch": len(plan.branches),
-        plan.catalogue.position.name: positions,
-        EXTREMUM: plan.extrema_kept,
-    }
+    position = plan.catalogue.position.name
+    return {"branch": len(plan.branches), position: positions, EXTREMUM: plan.extrema_kept}
 
 
 def resolve(

@@ -56,10 +56,8 @@ class ScalingAxis:
                     self._pass_slabs(sink, first, last, pieces, most)
                     continue
                 for k, begin in enumerate(self._starts(first)):
-                    scaled = [
-                        piece if factor is None else piece * factor[k]
-                        for piece, factor in zip(pieces, self.factors, strict=True)
-                    ]
+                    pairs = zip(pieces, self.factors, strict=True)
+                    scaled = [piece if factor is None else piece * factor[k] for piece, factor in pairs]
                     sink(begin, begin + last - first, scaled)
 
         return scale

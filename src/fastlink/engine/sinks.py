@@ -194,9 +194,8 @@ def needs_of(resolved: ResolvedSweep, threads: int, block: int | None = None, ve
 
 def _buffer_bytes(kernel: Kernel, length: int, positions: int) -> int:
     """Return the bytes of a kernel's designs, its table of angles and its scratch, of one thread."""
-    doubles = (
-        len(kernel.program.inputs) * -(-length // LANES) * LANES + len(kernel.program.tables) * positions
-    )
+    lanes = -(-length // LANES) * LANES
+    doubles = len(kernel.program.inputs) * lanes + len(kernel.program.tables) * positions
     arrays = kernel.source.scratch
     scratch = (math.prod(one.lengths(positions)) * np.dtype(one.dtype).itemsize for one in arrays)
     return 8 * doubles + sum(scratch)

@@ -34,13 +34,12 @@ from fastlink.facts.powers import beyond_range, limits
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.plan.query import Extrema, input_remedy, parse_request, suggest_input
 from fastlink.space import design_space as spaces
-from fastlink.space.design_space import steps
+from fastlink.space.design_space import DesignSpace, steps
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from fastlink.engine.extend import Extension
-    from fastlink.space.design_space import DesignSpace
 
 
 # -- Checks of a request: inputs and their values, branches, links and solver
