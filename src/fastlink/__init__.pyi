@@ -32,6 +32,7 @@ from fastlink.io.convert import convert as convert
 from fastlink.io.reader import check as check
 from fastlink.maps import finite as finite
 from fastlink.maps import open as open
+from fastlink.mechanisms import mechanism as mechanism
 from fastlink.mechanisms.listing import mechanisms as mechanisms
 from fastlink.pictures.designs import plot_designs as plot_designs
 from fastlink.pictures.designs import plot_front as plot_front
@@ -88,6 +89,7 @@ __all__ = [
     "hart",
     "join",
     "latin_hypercube",
+    "mechanism",
     "mechanisms",
     "minkowski",
     "open",

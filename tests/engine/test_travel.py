@@ -10,6 +10,7 @@ import pytest
 from tests.support.elsewhere import other_process
 from tests.support.refusals import assert_refusal, refused
 from tests.support.registry import ENTRIES
+from tests.support.toys import add
 
 import fastlink as fl
 from fastlink.engine.resolve import resolve
@@ -124,23 +125,9 @@ def test_every_public_name_travels():
 
 
 def test_a_quantity_that_is_declared_otherwise_there_is_refused(elsewhere):
-    def declare(law):
+    def declare(sign):
         planar_4r.facts.pop("some_length", None)
-        planar_4r.quantity(units="m", symbol="s_a", source="test")(law)
-
-    def first():
-        def some_length(a1, a2):
-            """Some length."""
-            return a1 + a2
-
-        return some_length
-
-    def second():
-        def some_length(a1, a2):
-            """Some length."""
-            return a1 - a2
-
-        return some_length
+        add(planar_4r, f"## test\nsome_length [m] s_a: Some length\n    = a1 {sign} a2")
 
     def refusal(data):
         import pickle
@@ -153,10 +140,10 @@ def test_a_quantity_that_is_declared_otherwise_there_is_refused(elsewhere):
             return error
 
     try:
-        declare(first())
+        declare("+")
         resolved = resolve("planar_4r", fl.grid(**LENGTHS), ["some_length"])
         data, job, expected = pickle.dumps(resolved), pickle.dumps(resolved.job()), results(resolved)
-        declare(second())
+        declare("-")
         with refused("planar_4r", "import the modules that declare"):
             pickle.loads(data)
     finally:

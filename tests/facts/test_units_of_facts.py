@@ -12,7 +12,6 @@ from fastlink.mechanisms import NAMES, catalogue, inputs_of
 
 #: Texts that mix units on purpose, and why.
 MIXED = {
-    "lift": "compares a length with powers of two beyond which products of any numbers overflow",
     **dict.fromkeys(("per_mass1", "per_mass3"), "divides by 1 without a mass, where it selects 0"),
     **dict.fromkeys(("r_AX", "s_BX"), "are divided by a power of two near their size, but never by 0"),
     **dict.fromkeys(

@@ -216,7 +216,7 @@ def _package(mechanism: str | None) -> tuple[Catalogue, dict[str, Callable[[], C
     """Return the catalogue of a mechanism, and factories of those by its other inputs, by name."""
     if isinstance(mechanism, str) and mechanism.endswith(SHEET):
         mechanism = _mechanism_of_file(mechanism)
-    if mechanism in _sheets:
+    if isinstance(mechanism, str) and mechanism in _sheets:
         return _travelling(_sheets[mechanism].known, _sheets[mechanism]), {}
     mechanism = check_choice(("mechanism",), mechanism, NAMES, meant=_meant)
     package = import_module(f"fastlink.mechanisms.{mechanism}")

@@ -63,7 +63,7 @@ borrow_tables(by_crank, planar_4r, TABLES)
 LENGTHS = {"a1": "a", "a2": "c", "a3": "b", "a4": "d"}
 SCALED = {f"s{length[1]}": f"s_{name}" for length, name in LENGTHS.items()}
 FOUR_BAR = {**LENGTHS, **SCALED, "theta1": "phi", "theta4": "psi", "omega1": "omega"}
-FOUR_BAR |= {name: name for name in ("valid", "lift", "unit", "assembles", "grashof_class", "grashof_excess")}
+FOUR_BAR |= {name: name for name in ("valid", "unit", "assembles", "grashof_class", "grashof_excess")}
 FOUR_BAR |= {
     "theta1_low": "phi_low",
     "theta1_high": "phi_high",
