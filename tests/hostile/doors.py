@@ -224,7 +224,7 @@ DOORS = [
     _door("SPEED.gradient(x=[1.2, 0.8])", x="matrix", more=False),
     _door("fl.quantities(mechanism='planar_4r', internal=False, input=None, find=None)"),
     _door("fl.mechanisms()"),
-    _door("fl.mechanism(file='nowhere.facts')", opens=False),
+    _door("fl.mechanism(file='nowhere.facts')", opens=False, more=False, file="path"),
     _door(
         "fl.join(paths='part.h5', to='joined.h5', copy=False, overwrite=True, restart=False, progress=False)"
     ),
