@@ -42,7 +42,7 @@ focal = Catalogue(
 focal.closes = ("bar_sigma", "bar_p", "bar_q")
 read_sheets(__file__, ("inputs",), focal)
 
-# -- driven by the crank SF, a catalogue beside the one by the rocker MA: sheets `_both` hold for both
+# -- driven by the crank SF, a catalogue beside the one by the rocker MA: the sheet `both` holds for both
 
 by_crank = ByOtherInput(
     focal,
@@ -134,9 +134,8 @@ POLES = (
 )
 
 read_sheets(__file__, ("design_facts", "motion"), focal)
-read_sheets(__file__, ("motion_both", "curves_both"), focal, by_crank)
-read_sheets(__file__, ("curves",), focal)
-read_sheets(__file__, ("motion_by_sigma", "curves_by_sigma"), by_crank)
+read_sheets(__file__, ("both",), focal, by_crank)
+read_sheets(__file__, ("by_sigma",), by_crank)
 borrow(focal, planar_4r, FOUR_BAR, PREFIX, OF_DESIGN | {name: {} for name in FACTORS} | OF_CLASS)
 borrow(focal, planar_4r, NAMES, PREFIX, LABELS)
 borrow_range(

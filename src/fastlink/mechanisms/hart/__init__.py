@@ -62,7 +62,7 @@ NAMES |= {"kappa": "squares_excess", "AD_x": "AN_x", "assembles": "assembles", "
 NAMES |= {name: name for name in ("A_x", "A_y", "AB_x", "AB_y", "grashof_class")}
 
 borrow_tables(hart, planar_4r, NAMES)
-read_sheets(__file__, ("motion", "by_line_too"), hart)
+read_sheets(__file__, ("motion",), hart)
 LABELS: dict[str, dict[str, Any]] = {
     "A_x": {"source": POSITION},
     "A_y": {"source": POSITION},

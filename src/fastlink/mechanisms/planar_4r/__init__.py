@@ -19,7 +19,7 @@ planar_4r = Catalogue(
 planar_4r.closes = ("sigma", "p", "q")
 read_sheets(
     __file__,
-    ("inputs", "classes", "position", "rates", "dense", "forces", "graded", "round_bar"),
+    ("inputs", "classes", "position", "rates", "dense", "forces", "graded"),
     planar_4r,
 )
 

@@ -32,7 +32,7 @@ slider_crank = Catalogue(
     position=Input("theta", "rad", "theta", "crank angle: direction of OA, from the line of the slider"),
 )
 slider_crank.closes = ("sigma", "p", "q")
-read_sheets(__file__, ("inputs", "motion", "strokes", "forces", "round_bar"), slider_crank)
+read_sheets(__file__, ("inputs", "motion", "strokes", "forces"), slider_crank)
 
 # What the planar 4R says of its crank, its coupler and their joints holds here, too; the coupler is the rod.
 
