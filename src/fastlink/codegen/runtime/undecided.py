@@ -65,10 +65,23 @@ from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER
 #: Slopes are evaluated on both sides at so many distances from an extreme: 2^-1, 2^-7, ... of the position itself.
 DISTANCES, FIRST_DISTANCE, NEXT_DISTANCE = 6, 0.5, 2.0**-6
 SLOPES = 2 * DISTANCES
-# How near a fold, in x, that is done: farther away quantities are no small differences of great numbers.
-NEAR = 2.0**-10
-# And within how many distances of the first sample from a toggle: within 2^-20 of the scale.
-NEAR_TOGGLE = 2.0**40
+# The scale of a toggle, beside which the first sample stands.
+PER_FIRST = 2.0**60
+# As near to a toggle rounding may make extremes up; next to a fold it may everywhere.
+BESIDE = 2.0**-20
+
+
+@merged
+def _distance(w: Any, table: Any, upper: int, lane: int, x: float) -> Any:
+    """Return how far a position is from a fold, 1 at most, or from a toggle next to it; NaN where there is neither.
+
+    Far from a toggle a bound as great as the slope is that of a kink, whose place is certain.
+    """
+    first, is_toggle = abs(w[table[START] + upper, lane]), w[table[TOGGLE] + upper, lane] != 0.0
+    # the input angle goes with x beside a fold, with its square beside a toggle, up to its scale
+    from_toggle = x * (x / (x + PER_FIRST * first))
+    distance = from_toggle if from_toggle < BESIDE else NOT_A_NUMBER
+    return (distance if is_toggle else min(x, 1.0)) if first > 0.0 else NOT_A_NUMBER
 
 
 @outlined
@@ -77,8 +90,8 @@ def count_near(s: Any, count: int, w: Any, table: Any) -> int:
     near = 0
     for i in range(count):
         lane, upper = int(s[LANE, i]), int(s[UPPER, i])
-        first, toggle = abs(w[table[START] + upper, lane]), w[table[TOGGLE] + upper, lane]
-        is_near = (first != 0.0) & (s[X, i] < NEAR) if toggle == 0.0 else s[X, i] < NEAR_TOGGLE * first
+        distance = _distance(w, table, upper, lane, s[X, i])
+        is_near = distance == distance
         rises, turned = (s[FA, i] > 0.0) | (s[FB, i] < 0.0), s[XA, i] > s[XB, i]
         s[EXPECTED, i] = 1.0 if rises != turned else -1.0
         s[SAVED, i] = s[X, i]
@@ -135,10 +148,6 @@ FALLING = 0.75
 # A peak that may be off by so much of its height: what it is in the middle of is as uncertain. Of the three extremes of
 # a curvature within a peak above 1e15 two were lost, and the third was so.
 PEAK = 2.0**-16
-# The scale of a toggle, beside which the first sample stands.
-PER_FIRST = 2.0**60
-# As near to a toggle rounding may make extremes up.
-BESIDE = 2.0**-20
 # While that is found: the slope at the place before that was certain, 0 before there is one; and whether it falls.
 LAST_TOLERANCE, FALLS = TOLERANCE, STEPS
 
@@ -181,19 +190,6 @@ def note_hidden(s: Any, count: int, table: Any, search: Any, best: Any) -> None:
             _undecided(best, table, search, int(s[LANE, i]), int(s[HALF, i]))
 
 
-@merged
-def _distance(w: Any, table: Any, upper: int, lane: int, x: float) -> Any:
-    """Return how far a position is from a fold, 1 at most, or from a toggle next to it; NaN where there is neither.
-
-    Far from a toggle a bound as great as the slope is that of a kink, whose place is certain.
-    """
-    first, is_toggle = abs(w[table[START] + upper, lane]), w[table[TOGGLE] + upper, lane] != 0.0
-    # the input angle goes with x beside a fold, with its square beside a toggle, up to its scale
-    from_toggle = x * (x / (x + PER_FIRST * first))
-    distance = from_toggle if from_toggle < BESIDE else NOT_A_NUMBER
-    return (distance if is_toggle else min(x, 1.0)) if first > 0.0 else NOT_A_NUMBER
-
-
 @outlined
 def note_uncertain(s: Any, count: int, w: Any, table: Any, search: Any, best: Any) -> None:
     """Mark lists of extremes whose side of a fold or toggle rounding hides, and of those with few certain digits."""
@@ -213,10 +209,10 @@ def note_uncertain(s: Any, count: int, w: Any, table: Any, search: Any, best: An
 
 @outlined
 def flag_undecided(lists: Any, best: Any, first: int, last: int, room: int) -> None:
-    """Make the bounds of all places of undecided lists infinite; the parameters are those of `noise.thin`."""
+    """Make the bounds of all places of undecided lists infinite."""
     for column in range(first, last):
         if (best[UNDECIDED, column] > 0.0) | (best[COUNT, column] > room):
-            for k in range(room):
+            for k in range(lists.shape[2]):
                 lists[LIST_BOUND, column, k] = INFINITY
 
 
