@@ -12,7 +12,6 @@ from fastlink.minkowski import sextic
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.papers import BLOCK
 
-DESIGN = ("a", "b", "g", "h", "x", "y")
 #: Causal types of a vector: the sign of its square.
 SPACELIKE, LIGHTLIKE, TIMELIKE = 1, 0, -1
 TYPES = (SPACELIKE, LIGHTLIKE, TIMELIKE)

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from itertools import combinations
 from typing import Any
 
 import numpy as np
 from benchmarks.cases import near_change_point as near_change_point
 from benchmarks.cases import near_toggle as near_toggle
 
-import fastlink as fl
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.fact import Input
 from fastlink.mechanisms import catalogue
@@ -63,39 +61,6 @@ def lengths_and_angles(kind: str, rng: np.random.Generator, n: int) -> tuple[np.
     return {"gap": near_change_point, "toggle": near_toggle}[name](rng, n, float(size))
 
 
-#: Families of unequal lengths: one of them short, of any size; one or two as short as the number says.
-UNEQUAL = ("random", "one short 1e-12", "two short 1e-4", "two short 1e-8")
-
-
-def unequal(kind: str, rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
-    """Return configurations of short links, each in turn, where they assemble; some masses are next to nothing."""
-    count, _, least = ("one", "short", "1e-12") if kind == "random" else kind.split()
-    sets = [which for k in ((1,) if count == "one" else (2,)) for which in combinations(range(4), k)]
-    found: list[np.ndarray] = []
-    while len(found) < n:
-        short = list(sets[len(found) % len(sets)])
-        lengths = random_lengths(rng, 1)[:, 0]
-        lengths[short] *= float(least) * 10.0 ** rng.uniform(0.0, 10.0 if kind == "random" else 1.0)
-        if count == "two":
-            one, other = (i for i in range(4) if i not in short)
-            lengths[other] = lengths[one] + rng.uniform(-1.0, 1.0) * sum(lengths[short])
-        a, b, c, d = lengths
-        # |AD| anywhere between its limits, of one of both angles
-        low, high = max((a - d) ** 2, (b - c) ** 2), min((a + d) ** 2, (b + c) ** 2)
-        square = low + (high - low) * rng.uniform()
-        half_sine = np.sqrt(max(0.0, square - (a - d) ** 2) / (4.0 * a * d))
-        theta = 2.0 * np.arcsin(min(1.0, half_sine)) * rng.choice([-1.0, 1.0])
-        given = {name: float(x) for name, x in zip(LENGTHS, lengths, strict=True)} | {"theta1": theta}
-        if low < high and np.isfinite(fl.evaluate("planar_4r", ["theta4"], branch=1, **given)["theta4"]):
-            found.append(np.array([*lengths, theta]))
-    columns = np.array(found).T
-    masses = masses_and_points(rng, n)
-    masses |= {
-        name: masses[name] * rng.choice([1e-9, 1.0], n) for name in ("m2", "I2", "G2_v", "m3", "I3", "G3_v")
-    }
-    return dict(zip((*LENGTHS, "theta1"), columns, strict=True)) | masses
-
-
 def family(kind: str, rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
     """Return configurations driven at O, without loads."""
     lengths, theta = lengths_and_angles(kind, rng, n)
@@ -117,10 +82,6 @@ def driven(joint: int, kind: str, rng: np.random.Generator, n: int) -> dict[str,
         "P_u": rng.uniform(-1.0, 2.0, n),
         "P_v": rng.uniform(-1.0, 1.0, n),
     }
-
-
-#: Families of designs.
-CLASSES = ("random", "wide", "gap")
 
 
 def designs(kind: str, rng: np.random.Generator, n: int) -> np.ndarray:

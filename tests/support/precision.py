@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -149,10 +149,12 @@ def wrong(
     inputs: dict[str, np.ndarray],
     computed: dict[str, np.ndarray],
     kind: str = "random",
+    known: Mapping[str, np.ndarray] | None = None,
 ) -> tuple[list[tuple[str, float, dict[str, float]]], int]:
     """Return what breaks the rule of precision, its error and its configuration; and how many numbers were tested.
 
-    Where the family says that nothing is determined, nothing is tested. A code that is another one, and a number where
+    Where the family says that nothing is determined, nothing is tested, and no value but where it is `known`.
+    A code that is another one, and a number where
     there is none (or none where there is one), is infinitely wrong.
     """
     catalogue, truth, tested = entry.catalogue, Truth(entry, names, inputs, kind), 0
@@ -162,6 +164,8 @@ def wrong(
         numbers = {}
         for name in names:
             value, exact = float(computed[name][i]), true[name]
+            if known is not None and not known[name][i]:
+                continue
             if bool(MP.isnan(exact)) != np.isnan(value):
                 found.append((name, np.inf, one))
             elif np.isnan(value) or value == exact or (np.isinf(value) and value * exact > LARGEST):

@@ -8,12 +8,11 @@ from __future__ import annotations
 import re
 from fractions import Fraction
 from itertools import product
-from pathlib import Path
 
 import mpmath as mp
 import numpy as np
 import pytest
-from tests.support.slider_crank_configurations import MASSES, PUMP, SLIDER_CRANK, lengths
+from tests.support.slider_crank_configurations import PUMP, SLIDER_CRANK
 
 import fastlink as fl
 from fastlink.errors import InputError
