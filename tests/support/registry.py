@@ -20,8 +20,6 @@ from tests.support import (
     configurations,
     focal_configurations,
     hart_configurations,
-    minkowski_configurations,
-    slider_crank_configurations,
 )
 
 #: Draw some configurations, or fewer: the inputs, the input position and the modes (``branch`` and inputs with choices)
@@ -101,6 +99,16 @@ def families(draw: Callable[..., Any], kinds: Iterable[str], *first: Any) -> dic
     return {kind: partial(draw, *first, kind) for kind in kinds}
 
 
+def anywhere(mechanism: str, input: str, most: float = np.pi) -> dict[str, Family]:
+    """Return the family of all inputs of about one size, at positions up to one of either sign."""
+
+    def draw(rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
+        drawn = configurations.draw(catalogue(mechanism, input).inputs, rng, n)
+        return drawn | {input: rng.uniform(-most, most, n)}
+
+    return {"random": draw}
+
+
 # -- planar 4R --------------------------------------------------------------------------------------------------
 
 #: Terms of at most 1, each right to some ten roundings times the amplification of the lengths and the angle.
@@ -170,7 +178,7 @@ COSINES = dict.fromkeys(
 MINKOWSKI_4R = (
     Entry(
         *("minkowski_4r", "theta"),
-        families=families(minkowski_configurations.family, minkowski_configurations.FAMILIES),
+        families=anywhere("minkowski_4r", "theta", 4.0),
         looseness=10.0,
         few=12,
         many=300,
@@ -267,7 +275,7 @@ SLIDER_CRANK = (
     # 3.2 is the worst seen in 10^4 configurations, but for the forces at A across the line.
     Entry(
         *("slider_crank", "theta"),
-        families=families(slider_crank_configurations.family, slider_crank_configurations.FAMILIES),
+        families=anywhere("slider_crank", "theta"),
         few=6,
         many=600,
         # Where crank and rod are nearly alike and fold, the slider rests at O and terms undo each other: 8.7. Of 1200

@@ -12,14 +12,16 @@ from itertools import product
 import mpmath as mp
 import numpy as np
 import pytest
-from tests.support.slider_crank_configurations import PUMP, SLIDER_CRANK
 
 import fastlink as fl
 from fastlink.errors import InputError
 from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
 
-CLASS_FLAGS = catalogue("slider_crank").facts["grashof_class"].flags
+SLIDER_CRANK = catalogue("slider_crank")
+#: A pump of a crank of 50 mm.
+PUMP = {"r": 0.05, "l": 0.17, "e": 0.02, "omega": 100.0}
+CLASS_FLAGS = SLIDER_CRANK.facts["grashof_class"].flags
 
 STATUS_FLAGS = SLIDER_CRANK.facts["status"].flags
 
