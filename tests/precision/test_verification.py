@@ -62,24 +62,6 @@ def test_forces_by_every_solver(options):
     assert max(errors(maps).values()) <= 4 * ROUNDINGS
 
 
-def test_other_inputs_and_mechanisms():
-    space = fl.sobol(16, seed=1, a=(0.3, 2.0), b=(0.3, 2.0), g=(0.3, 2.0), h=(0.3, 2.0))
-    names = ["psi", "CB_orientation", "psi_max", "theta_at_psi_max"]
-    maps = fl.sweep("minkowski_4r", space, names, verify=8)
-    assert_right(maps, ["psi", "psi_max"])
-    assert maps.theta_at_psi_max.attrs["error_max_relative"] == 0.0
-    driven = fl.sobol(16, seed=1, **LENGTHS, joint_omega_2=3.0)
-    maps = fl.sweep(
-        "planar_4r",
-        driven,
-        ["joint_angle_3", "joint_omega_4_max"],
-        input="joint_angle_2",
-        angles=12,
-        verify=8,
-    )
-    assert_right(maps, ["joint_angle_3", "joint_omega_4_max"])
-
-
 def test_a_file_states_its_errors_and_the_summary_shows_them(tmp_path):
     """All designs of a small sweep, those in memory on request; without a warning where a bound divides by zero."""
     maps = fl.sweep("planar_4r", fl.grid(**CRANK), ["theta4"], theta1=8)
