@@ -143,6 +143,7 @@ LOADS = {
     "gravity": ("gravity_x", "gravity_y"),
     "load": ("FP_x", "FP_y"),
     "torque": ("T_load", "T_load_linear", "T_load_quadratic"),
+    "moment point": ("M_x", "M_y"),
     "acceleration": ("alpha1",),
 }
 
@@ -161,13 +162,13 @@ def planar_4r(rng, n, joint=0):
     toggles = four_bar_toggles(*a)
     size = a.max(axis=0)
     points = ["P_u", "P_v", *(f"G{i}_{axis}" for i in (1, 2, 3) for axis in "uv")]
-    points += ["M_x", "M_y"]
+    points += [name for name in ("M_x", "M_y") if "moment point" in (chosen := _loads(rng))]
     design |= {name: size * factors(rng, n) for name in points}
     long = tuple(design)
     design |= {f"{name}{i}": masses(rng, n) for i in (1, 2, 3) for name in "mI"}
     design = scaled(rng, design, long, ("I1", "I2", "I3"))
     design["omega1"] = factors(rng, n)
-    design |= {name: factors(rng, n) for load in LOADS if rng.random() < 0.3 for name in LOADS[load]}
+    design |= {name: factors(rng, n) for load in chosen if load != "moment point" for name in LOADS[load]}
     return design | {"theta1": angles(rng, n, *toggles)}
 
 
@@ -181,6 +182,10 @@ def folded_planar_4r(rng, n):
         (kept,) = np.nonzero(folds & (a.max(axis=0) < 1e6 * a.min(axis=0)))
         if kept.size >= n:
             return {name: values[kept[:n]] for name, values in design.items() if name != "theta1"}
+
+
+def _loads(rng):
+    return [load for load in LOADS if rng.random() < 0.3]
 
 
 def slider_crank(rng, n):

@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 from tests.mechanisms.test_extremes import near_cusps
-from tests.support.configurations import LENGTHS, LINKAGES
+from tests.support.configurations import LENGTHS
 from tests.support.exact_extrema import LISTED, exact_extrema
 from tests.support.neighbourhoods import folded_planar_4r
 
@@ -163,13 +163,26 @@ CLOSE_PAIRS = {
 }
 
 
-@pytest.mark.parametrize(("few", "part"), [(3, 12), pytest.param(150, 1, marks=pytest.mark.stress)])
+def of_all_sizes(rng, n):
+    """Return lengths (4, n) that assemble: of about one size, of a million, with gaps of 1e-2 to 1e-12, near kites."""
+    found = [rng.uniform(0.05, 1.0, (4, n)), 10.0 ** rng.uniform(-3.0, 3.0, (4, 4 * n))]
+    gap = rng.choice([-1.0, 1.0], n) * 10.0 ** rng.uniform(-12.0, -2.0, n)
+    b, c, d = rng.uniform(0.3, 1.0, (3, n))
+    found.append(np.array([abs(b + d - c) + gap, b, c, d]))
+    near = 1.0 + rng.choice([-1.0, 1.0], (2, n)) * 10.0 ** rng.uniform(-8.0, -2.0, (2, n))
+    pairs = np.array([b, c, c * near[0], b * near[1]])
+    found += [pairs, pairs[[0, 1, 3, 2]]]  # kites and parallelograms
+    lengths = np.concatenate(found, axis=1)
+    return lengths[:, (2.0 * lengths.max(axis=0) < lengths.sum(axis=0)) & (lengths.min(axis=0) > 0.0)]
+
+
+@pytest.mark.parametrize(("few", "part"), [(5, 12), pytest.param(250, 1, marks=pytest.mark.stress)])
 @pytest.mark.parametrize("rate", RATES)
 def test_lists_of_rates_hold_the_exact_extremes(rate, few, part):
     """Of linkages of every class and near change points, of whole lengths, and of close pairs."""
     close = [[float.fromhex(length) for length in text.split()] for text in CLOSE_PAIRS[rate]]
-    drawn = [LINKAGES[family](np.random.default_rng(few + k), few) for k, family in enumerate(LINKAGES)]
-    lengths = np.concatenate([*drawn, whole(5)[:, ::part], np.array(close).T], axis=1)
+    drawn = of_all_sizes(np.random.default_rng(few), few)
+    lengths = np.concatenate([drawn, whole(5)[:, ::part], np.array(close).T], axis=1)
     differ, silent, _ = differing(by_lengths(lengths), rate)
     assert (differ, silent) == (0, 0)
 
