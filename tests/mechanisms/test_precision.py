@@ -54,7 +54,7 @@ def held(entry, kind, n):
     if entry.solver == "eliminated":  # NumPy's LU is another than that of the kernels
         for name, values in plain(entry, entry.names, inputs).items():
             np.testing.assert_array_equal(found[name], values, err_msg=name)
-    too_far_off, numbers = wrong(entry, entry.names, inputs, found, kind)
+    too_far_off, numbers = wrong(entry, entry.names, inputs, found)
     assert not too_far_off
     return numbers
 
@@ -123,7 +123,7 @@ def limits_of_differences(entry, kind, n):
     numbers, variants = variables(entry)
     for by in numbers:
         made = derivatives(entry, names, by, variants)
-        truth = Truth(entry, (*names, *made.values()), inputs, kind)
+        truth = Truth(entry, (*names, *made.values()), inputs)
         for _, one, true in truth.rows():
             step = abs(true[by]) * MP.mpf(10) ** -18
             ends = {k: truth.facts.moved(true, {by: true[by] + k * step}) for k in (-2, -1, 1, 2)}
@@ -144,16 +144,14 @@ def limits_of_differences(entry, kind, n):
 @pytest.mark.sample(5)
 @pytest.mark.parametrize("entry", [entry for entry in DIFFERENTIATED if not entry.about], ids=str)
 def test_every_derivative_is_the_limit_of_differences(entry):
-    kinds = [kind for kind in list(entry.families)[::12] if kind not in entry.kinks]
-    assert sum(limits_of_differences(entry, kind, 1) for kind in kinds) > len(entry.names)
+    assert limits_of_differences(entry, "random", 1) > len(entry.names)
 
 
 @pytest.mark.stress
 @pytest.mark.parametrize("entry", DIFFERENTIATED, ids=str)
 def test_every_derivative_is_the_limit_of_differences_in_all_families(entry):
     for kind in entry.families:
-        if kind not in entry.kinks:
-            limits_of_differences(entry, kind, 4)
+        limits_of_differences(entry, kind, 4)
 
 
 SLOPES = [
@@ -179,7 +177,7 @@ def test_derivatives_are_a_few_roundings_off(entry, kind, by):
     if not made:
         return
     names, inputs = tuple(quantities), in_every_mode(entry, entry.drawn(kind, 31, 8))
-    beyond, numbers = wrong(entry, names, inputs, plain(entry, names, inputs), kind)
+    beyond, numbers = wrong(entry, names, inputs, plain(entry, names, inputs))
     assert len(beyond) <= 0.05 * numbers, beyond
     often = Counter(name for name, *_ in beyond)
     assert all(count <= len(inputs[by]) / 4 for count in often.values()), often

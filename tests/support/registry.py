@@ -64,10 +64,6 @@ class Entry:
     sharing_errors: tuple[str, ...] = ()
     #: Families where derivatives keep to the multiple, too.
     slopes: tuple[str, ...] = ("random",)
-    #: Families with designs where something has no derivative, or none that differences show.
-    kinks: tuple[str, ...] = ()
-    #: Of a family, what tells by facts, which are its parameters, whether nothing is determined there.
-    undetermined: Mapping[str, Callable[..., bool]] = field(default_factory=dict)
 
     def __str__(self) -> str:
         return " ".join(filter(None, (self.mechanism, self.about, self.input)))
@@ -246,14 +242,11 @@ HART = (
         errors={"F_deviation": 6.0, "closure_residual": 32 * UNIT_ROUNDING},
         # The direction of AB is a quotient by its size, 5 roundings, and the place in its frame takes 3: 5.9.
         long_chains={"N_across_AB": 8.0},
-        # What rounding the lengths of a kite hides counts as nothing, and so do the steps of differences.
-        kinks=("kite 0",),
-        undetermined=dict.fromkeys(("kite 0", "kite 1e-9", "kite 1e-13"), hart_configurations.folded),
     ),
     # 2.2 is the worst seen in 2000 configurations.
     Entry(
         *("hart", "F_y"),
-        families=families(hart_configurations.along_line, hart_configurations.FAMILIES),
+        families={"random": hart_configurations.along_line},
         # The rates by F_y are quotients of sums with common factors, each term of which is bounded on its own.
         near_bounds=0.85,
         few=3,
@@ -264,7 +257,6 @@ HART = (
         # N take 8 roundings, the product 4; their changes with the lengths may undo each other, their roundings do not
         # (13.4 of one in 2400). The rate of psi is a quotient of two such sums (4.5).
         long_chains={"M_across_AB": 8.0, "N_across_AB": 20.0, "dpsi_dF_y": 8.0},
-        kinks=("kite 0",),
     ),
 )
 
