@@ -59,16 +59,12 @@ def held(entry, kind, n):
     return numbers
 
 
-@pytest.mark.sample(47)
+@pytest.mark.sample(60)
+@pytest.mark.parametrize("count", ["few", pytest.param("many", marks=pytest.mark.stress)])
 @pytest.mark.parametrize(("entry", "kind"), FAMILIES)
-def test_every_quantity_is_a_few_roundings_off(entry, kind):
-    assert held(entry, kind, entry.few) >= entry.few * len(entry.names) // 8
-
-
-@pytest.mark.stress
-@pytest.mark.parametrize(("entry", "kind"), FAMILIES)
-def test_every_quantity_is_a_few_roundings_off_in_many_configurations(entry, kind):
-    assert held(entry, kind, entry.many) >= entry.many * len(entry.names) // 8
+def test_every_quantity_is_a_few_roundings_off(entry, kind, count):
+    n = getattr(entry, count)
+    assert held(entry, kind, n) >= n * len(entry.names) // 8
 
 
 @pytest.mark.sample(6)
