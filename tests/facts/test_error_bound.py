@@ -160,7 +160,7 @@ def bounds_over_errors(entry, names, kind, n):
     units = {name: entry.catalogue.public_fact(name).units for name in names}
     found = plain(entry, (*names, *(f"{name}_error" for name in names)), inputs)
     ratios = []
-    for i, one, exact in Truth(entry, names, inputs, kind, zeroes=False).rows():
+    for i, one, exact in Truth(entry, names, inputs, zeroes=False).rows():
         for name in names:
             value, bound = float(found[name][i]), float(found[f"{name}_error"][i])
             if not np.isfinite(value):

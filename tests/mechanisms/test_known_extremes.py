@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.support.extremes import SEARCHED, assert_none_beyond, designs_of
+from tests.support.extremes import SEARCHED, designs_of
 from tests.support.registry import Entry
 
 import fastlink as fl
@@ -89,17 +89,6 @@ def test_known_extremes_of_linkages_that_fold(longest):
     if longest:
         lengths = np.stack(np.meshgrid(*[np.arange(1.0, longest + 1.0)] * 4), axis=-1).reshape(-1, 4).T
     assert_alike("planar_4r", None, dict(zip(LENGTHS, lengths, strict=True)))
-
-
-def test_nothing_in_the_motion_is_beyond_known_extremes():
-    """By 360 positions of other facts: those of the input angle, not of the range in which extremes are known."""
-    designs = dict(zip(LENGTHS, np.random.default_rng(2).uniform(0.2, 2.0, (4, 300)), strict=True))
-    graded = catalogue("planar_4r").graded
-    assert graded is not None
-    # where the crank is says nothing of the loop
-    names = [name for name in graded.known if not name.startswith("A_")]
-    positions = np.linspace(0.0, 2.0 * np.pi, 360)[None]
-    assert_none_beyond("planar_4r", "theta1", designs, names, positions)
 
 
 def test_places_are_those_of_a_search_and_hold_the_extreme():

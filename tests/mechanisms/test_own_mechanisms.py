@@ -83,7 +83,8 @@ def test_extremes_of_a_sheet_are_those_of_the_mechanism_that_is_built_in(tmp_pat
 def test_a_sheet_stands_for_a_mechanism_at_every_door(tmp_path, monkeypatch, quick_return):
     monkeypatch.chdir(tmp_path)
     design = {"r": [0.1, 0.12], "d": 0.2, "e": 0.02, "omega": 1.0}
-    maps = fl.sweep(quick_return, design, ["psi_rate_max", "psi_rate_extrema", "psi_error_max"], to="m.h5")
+    names = ["psi_rate_max", "psi_rate_extrema", "psi_error_max"]
+    maps = fl.sweep(quick_return, design, names, to="m.h5")
     assert maps.attrs["mechanism_sheet"] == QUICK_RETURN
     assert maps.attrs["verify_mismatches"] == 0
     assert maps.psi_rate_max.attrs["independent_max_difference"] < 1e-40
@@ -91,7 +92,7 @@ def test_a_sheet_stands_for_a_mechanism_at_every_door(tmp_path, monkeypatch, qui
     assert pickle.loads(pickle.dumps(quick_return)).text == quick_return.text
     assert len(fl.best("m.h5", maximise="psi_rate_max", refine=True).psi_rate_max) == 2
     Path("study.toml").write_text(
-        'mechanism = "quick_return.facts"\nquantities = ["psi_rate_max"]\n'
+        f'mechanism = "quick_return.facts"\nquantities = {names}\n'
         '[design]\nr = { values = [0.1, 0.12] }\nd = 0.2\ne = 0.02\nomega = 1.0\n[output]\nfile = "s.h5"\n'
     )
     for line in (

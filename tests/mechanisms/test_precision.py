@@ -13,6 +13,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
+from tests.support.neighbourhoods import DRAWN
 from tests.support.precision import (
     Truth,
     compiled,
@@ -23,16 +24,13 @@ from tests.support.precision import (
     plain,
     wrong,
 )
-from tests.support.registry import ENTRIES, UNLIKE
+from tests.support.registry import ENTRIES
 
+from fastlink.facts.powers import any_beyond_range
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.precision.reference import CONTEXT as MP
 
-FAMILIES = [
-    pytest.param(entry, kind, id=f"{entry}-{kind}")
-    for entry in (*ENTRIES, *UNLIKE)
-    for kind in entry.families
-]
+FAMILIES = [pytest.param(entry, kind, id=f"{entry}-{kind}") for entry in ENTRIES for kind in entry.families]
 #: Gaussian elimination has no derivatives, and chooses its pivots by the sizes of forces and moments.
 DIFFERENTIATED = [entry for entry in ENTRIES if entry.solver == "eliminated"]
 DIGITS_LEFT = MP.mpf(10) ** -44
@@ -56,21 +54,44 @@ def held(entry, kind, n):
     if entry.solver == "eliminated":  # NumPy's LU is another than that of the kernels
         for name, values in plain(entry, entry.names, inputs).items():
             np.testing.assert_array_equal(found[name], values, err_msg=name)
-    too_far_off, numbers = wrong(entry, entry.names, inputs, found, kind)
+    too_far_off, numbers = wrong(entry, entry.names, inputs, found)
     assert not too_far_off
     return numbers
 
 
-@pytest.mark.sample(47)
+@pytest.mark.sample(60)
+@pytest.mark.parametrize("count", ["few", pytest.param("many", marks=pytest.mark.stress)])
 @pytest.mark.parametrize(("entry", "kind"), FAMILIES)
-def test_every_quantity_is_a_few_roundings_off(entry, kind):
-    assert held(entry, kind, entry.few) >= entry.few * len(entry.names) // 8
+def test_every_quantity_is_a_few_roundings_off(entry, kind, count):
+    n = getattr(entry, count)
+    assert held(entry, kind, n) >= n * len(entry.names) // 8
 
 
-@pytest.mark.stress
-@pytest.mark.parametrize(("entry", "kind"), FAMILIES)
-def test_every_quantity_is_a_few_roundings_off_in_many_configurations(entry, kind):
-    assert held(entry, kind, entry.many) >= entry.many * len(entry.names) // 8
+@pytest.mark.sample(6)
+@pytest.mark.parametrize("n", [40, pytest.param(400, marks=pytest.mark.stress)])
+@pytest.mark.parametrize(("mechanism", "drive"), DRAWN)
+def test_quantities_are_a_few_roundings_off_beside_what_is_degenerate(mechanism, drive, n):
+    """Wherever their bound is finite, but for chance: a formula that cancels does so in most of some neighbourhood."""
+    entry = next(one for one in ENTRIES if (one.mechanism, one.input) == (mechanism, drive))
+    rng, tested, often = np.random.default_rng(n), 0, Counter()
+    for _ in range(4):  # of each set of inputs and loads by chance
+        drawn = DRAWN[mechanism, drive](rng, n // 4)
+        far = any_beyond_range(
+            entry.catalogue.known_inputs(entry.catalogue.variants_selected_by(drawn)), drawn
+        )
+        inputs = in_every_mode(entry, {name: values[~far] for name, values in drawn.items()})
+        left_out = {*inputs, *({"shaking_moment_at"} if not {"M_x", "M_y"} <= set(inputs) else ())}
+        names = tuple(name for name in numbers_of(entry) if name not in left_out)
+        bounds = plain(entry, tuple(f"{name}_error" for name in names), inputs)
+        rows = len(inputs[drive])
+        known = {name: np.broadcast_to(bounds[f"{name}_error"] < np.inf, (rows,)) for name in names}
+        values = {name: np.broadcast_to(of, (rows,)) for name, of in plain(entry, names, inputs).items()}
+        beyond, numbers = wrong(entry, names, inputs, values, known=known)
+        often.update(name for name, *_ in beyond)
+        tested += numbers
+    assert tested > 5 * n
+    assert often.total() <= 0.03 * tested, often
+    assert all(count <= n / 8 for count in often.values()), often
 
 
 @pytest.mark.parametrize("mechanism", NAMES)
@@ -98,7 +119,7 @@ def limits_of_differences(entry, kind, n):
     numbers, variants = variables(entry)
     for by in numbers:
         made = derivatives(entry, names, by, variants)
-        truth = Truth(entry, (*names, *made.values()), inputs, kind)
+        truth = Truth(entry, (*names, *made.values()), inputs)
         for _, one, true in truth.rows():
             step = abs(true[by]) * MP.mpf(10) ** -18
             ends = {k: truth.facts.moved(true, {by: true[by] + k * step}) for k in (-2, -1, 1, 2)}
@@ -117,18 +138,16 @@ def limits_of_differences(entry, kind, n):
 
 
 @pytest.mark.sample(5)
-@pytest.mark.parametrize("entry", DIFFERENTIATED, ids=str)
+@pytest.mark.parametrize("entry", [entry for entry in DIFFERENTIATED if not entry.about], ids=str)
 def test_every_derivative_is_the_limit_of_differences(entry):
-    kinds = [kind for kind in list(entry.families)[::12] if kind not in entry.kinks]
-    assert sum(limits_of_differences(entry, kind, 1) for kind in kinds) > len(entry.names)
+    assert limits_of_differences(entry, "random", 1) > len(entry.names)
 
 
 @pytest.mark.stress
 @pytest.mark.parametrize("entry", DIFFERENTIATED, ids=str)
 def test_every_derivative_is_the_limit_of_differences_in_all_families(entry):
     for kind in entry.families:
-        if kind not in entry.kinks:
-            limits_of_differences(entry, kind, 4)
+        limits_of_differences(entry, kind, 4)
 
 
 SLOPES = [
@@ -154,13 +173,12 @@ def test_derivatives_are_a_few_roundings_off(entry, kind, by):
     if not made:
         return
     names, inputs = tuple(quantities), in_every_mode(entry, entry.drawn(kind, 31, 8))
-    beyond, numbers = wrong(entry, names, inputs, plain(entry, names, inputs), kind)
+    beyond, numbers = wrong(entry, names, inputs, plain(entry, names, inputs))
     assert len(beyond) <= 0.05 * numbers, beyond
     often = Counter(name for name, *_ in beyond)
     assert all(count <= len(inputs[by]) / 4 for count in often.values()), often
-    if kind not in entry.cancelling:
-        errors = {name: error_by_quantity(entry, quantities[name], by, one) for name, _, one in beyond}
-        assert all(error <= entry.multiple for error in errors.values()), errors
+    errors = {name: error_by_quantity(entry, quantities[name], by, one) for name, _, one in beyond}
+    assert all(error <= entry.multiple for error in errors.values()), errors
 
 
 # -- units of length ----------------------------------------------------------------------------------------------

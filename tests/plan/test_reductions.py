@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -249,30 +248,6 @@ def test_means_and_places_of_codes_are_numbers():
         assert "flag_meanings" not in maps[name].attrs
     assert maps.configuration_status_max.dtype == np.int8
     assert "flag_meanings" in maps.configuration_status_max.attrs
-
-
-@pytest.mark.parametrize("reduction", [*REDUCTIONS.values(), *OWN], ids=lambda reduction: reduction.suffix)
-def test_references_work_with_many_digits(reduction):
-    from fastlink.precision.reference import CONTEXT
-
-    samples = [CONTEXT.mpf(k * k - 7) / 3 for k in range(9)]
-    exact, size = reduction.reference(samples)
-    doubled, _ = reduction.reference([2 * sample for sample in samples])
-    if reduction.power is not None:
-        # 50 digits, a few of which sums may cost
-        assert abs(doubled - 2**reduction.power * exact) <= CONTEXT.mpf(10) ** -45 * size
-
-
-def test_the_fluctuations_reference_is_that_of_a_sine():
-    """The integral of cos(t) is sin(t): greatest minus least 2, by the cubic rule to within the fourth order."""
-    errors = []
-    for count in (40, 80, 160):
-        samples = np.cos(np.arange(count) * (2 * np.pi / count) + 0.1).tolist()
-        value, _ = REDUCTIONS["fluctuation"].reference(samples)
-        errors.append(abs(value - 2.0))
-    # the turns between samples are of the third order at least
-    assert all(later < earlier / 4 for earlier, later in pairwise(errors))
-    assert errors[-1] < (2 * np.pi / 160) ** 3
 
 
 def test_a_reduction_without_a_reference_is_refused():

@@ -1,8 +1,8 @@
-"""Facts, error bounds and extremes against the loops themselves, a reference that shares no formula with them.
+"""Facts and error bounds against the loops themselves, a reference that shares no formula with them.
 
 Facts agree with loops to 50 digits in configurations of all families. Designs from the neighbourhoods of every
-degenerate set have no value beyond its bound, no finite number where there is none, none that exceeds the greatest of
-its cycle; an infinite bound claims nothing. And a wrong formula does not escape: a file says that it is wrong.
+degenerate set have no value beyond its bound and no finite number where there is none; an infinite bound claims
+nothing. And a wrong formula does not escape: a file says that it is wrong.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from tests.support.against_loops import (
 )
 from tests.support.neighbourhoods import DRAWN, ULP
 from tests.support.precision import in_every_mode
-from tests.support.registry import ENTRIES, UNLIKE
+from tests.support.registry import ENTRIES
 
 import fastlink as fl
 from fastlink.facts.formula import Formula
@@ -33,7 +33,7 @@ from fastlink.precision.errors import unit_of
 from fastlink.precision.independent import TOLERANCE, IndependentValues, model_of
 from fastlink.precision.reference import CONTEXT, HighPrecision
 
-ENTRY = {str(entry): entry for entry in (*ENTRIES, *UNLIKE) if entry.solver == "eliminated"}
+ENTRY = {str(entry): entry for entry in ENTRIES if entry.solver == "eliminated"}
 CRANK = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
 
 # -- what the loops confirm ---------------------------------------------------------------------------------------
@@ -138,7 +138,7 @@ FEW = 40
 @pytest.mark.sample(6)
 @pytest.mark.parametrize(("mechanism", "drive"), DRAWN)
 def test_values_are_within_their_bounds(mechanism, drive):
-    tally = campaign(mechanism, drive, FEW, extremes=False)
+    tally = campaign(mechanism, drive, FEW)
     assert tally.failures == {}
     # more than a few values of each design, where it assembles or does not
     assert tally.counts["values"] > 5 * FEW
@@ -176,7 +176,7 @@ def kites_with_a_pivot_on_the_circle_of_F(rng, n, first, second, s, fold):
 )
 def test_the_last_bits_of_a_near_kite_decide_on_which_side_F_passes_a_pivot(kite):
     tally, rng = Tally("focal", "sigma"), np.random.default_rng(4)
-    compare(tally, kites_with_a_pivot_on_the_circle_of_F(rng, 150, *kite), rng, extremes=False)
+    compare(tally, kites_with_a_pivot_on_the_circle_of_F(rng, 150, *kite))
     assert tally.failures == {}
     # of 17 by 17 near kites 17 have one equal pair, whose F may pass the pivot itself: nothing is known there
     assert tally.counts["values"] > 6 * tally.counts["flagged"] > 0
@@ -215,21 +215,10 @@ def nearly(right):
 #: A mechanism, a fact on the way, a quantity that it makes wrong, and inputs of a sweep.
 WRONG = [
     ("planar_4r", "torque2", "T41", CRANK, {"links": fl.round_bar(density=7750.0, radius=0.01)}),
-    ("planar_4r", "joint_angle_3", "joint_angle_3", CRANK, {}),
-    (
-        "slider_crank",
-        "slider_acceleration",
-        "slider_acceleration",
-        {"r": 1.0, "l": 2.5, "e": 0.3, "omega": 2.0},
-        {},
-    ),
-    ("minkowski_4r", "dpsi_dtheta", "dpsi_dtheta", {"a": 0.6, "b": 1.0, "g": 0.7, "h": 0.5}, {}),
     ("focal", "lambda_", "F_x", {"a": 4.0, "b": 5.0, "c": 2.0, "d": 4.0, "s": 1.5, "completion": 1}, {}),
-    ("hart", "PF_across", "F_y", {"m": 4.0, "n": 7.0, "d": 6.0, "kappa": 0.5}, {}),
 ]
 
 
-@pytest.mark.sample(2)
 @pytest.mark.parametrize(("mechanism", "fact", "quantity", "design", "options"), WRONG)
 def test_a_wrong_formula_is_a_mismatch_in_the_file(
     monkeypatch, tmp_path, mechanism, fact, quantity, design, options

@@ -10,15 +10,11 @@ import fastlink as fl
 from fastlink.mechanisms import catalogue
 from fastlink.precision.errors import outermost
 from fastlink.precision.reference import CONTEXT
-from fastlink.precision.stationary import END, Stationary, side_of, turning_cells
+from fastlink.precision.stationary import Stationary, side_of, turning_cells
 
 LENGTHS = ("a1", "a2", "a3", "a4")
 PLANAR = catalogue("planar_4r")
 BARS = fl.round_bar(density=7750.0, radius=0.01)
-#: Change points of whole lengths, so that their gap is exactly zero.
-CHANGE_POINTS = np.array(
-    [(4, 4, 6, 2), (8, 7, 5, 6), (12, 9, 4, 7), (2, 8, 7, 1), (12, 4, 4, 12), (1, 5, 6, 2)], float
-)
 
 
 def inner(quantity, designs, branch, variants=()):
@@ -86,22 +82,6 @@ def test_lists_leave_out_rounding_errors_where_a_kite_or_parallelogram_rests():
             np.testing.assert_array_equal(count, [len(each) for each in exact])
     listed = found["T41_extrema"].values
     assert (abs(listed[np.isfinite(listed)]) > 1e-3).all()
-
-
-def test_no_extreme_is_listed_beside_the_pole_of_a_fold():
-    """With mass centres anywhere forces are infinite at folds; the sampled slope, scaled for toggles, falls to zero."""
-    rng = np.random.default_rng(7)
-    n = len(CHANGE_POINTS)
-    designs = dict(zip(LENGTHS, CHANGE_POINTS.T, strict=True)) | masses_and_points(rng, n)
-    found = fl.sweep("planar_4r", fl.table(designs), ["F21_extrema_count", "F21_max"])
-    for branch in (1, 2):
-        exact, reference = inner("F21", designs, branch)
-        ends = [[one for one in each if one.kind == END] for each in reference.candidates]
-        at = found.sel(branch=branch)
-        for k in range(n):
-            infinite = any(CONTEXT.isinf(reference.extreme(k, one).value) for one in ends[k])
-            assert np.isinf(at["F21_max"][k]) == infinite
-            assert at["F21_extrema_count"][k] == len(exact[k]), (CHANGE_POINTS[k], branch)
 
 
 def test_an_end_of_the_range_is_a_limit_to_more_digits_than_doubles_have():

@@ -11,9 +11,7 @@ from tests.support.configurations import PLANAR
 import fastlink as fl
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.precision import Verification
-from fastlink.precision.errors import outermost
 from fastlink.precision.reference import CONTEXT, HighPrecision
-from fastlink.precision.stationary import Stationary
 
 # What tests/mechanisms/test_precision.py allows of every quantity.
 ROUNDINGS = 4
@@ -62,24 +60,6 @@ def test_forces_by_every_solver(options):
     assert maps.attrs["verify_mismatches"] == 0
     assert set(names) <= set(errors(maps))
     assert max(errors(maps).values()) <= 4 * ROUNDINGS
-
-
-def test_other_inputs_and_mechanisms():
-    space = fl.sobol(16, seed=1, a=(0.3, 2.0), b=(0.3, 2.0), g=(0.3, 2.0), h=(0.3, 2.0))
-    names = ["psi", "CB_orientation", "psi_max", "theta_at_psi_max"]
-    maps = fl.sweep("minkowski_4r", space, names, verify=8)
-    assert_right(maps, ["psi", "psi_max"])
-    assert maps.theta_at_psi_max.attrs["error_max_relative"] == 0.0
-    driven = fl.sobol(16, seed=1, **LENGTHS, joint_omega_2=3.0)
-    maps = fl.sweep(
-        "planar_4r",
-        driven,
-        ["joint_angle_3", "joint_omega_4_max"],
-        input="joint_angle_2",
-        angles=12,
-        verify=8,
-    )
-    assert_right(maps, ["joint_angle_3", "joint_omega_4_max"])
 
 
 def test_a_file_states_its_errors_and_the_summary_shows_them(tmp_path):
@@ -198,32 +178,6 @@ def test_bad_numbers_of_designs(verify):
         match=r"^verify is .*; write how many designs to compute again, from 0 for none to 200000$",
     ):
         fl.sweep("planar_4r", fl.grid(**CRANK), ["theta4"], verify=verify)
-
-
-def test_exact_extremes_are_those_of_a_dense_scan():
-    """The reference finds extremes by another method than the kernels; this is a third one."""
-    lengths = {"a1": [0.4, 1.0], "a2": [1.2, 1.1], "a3": [0.8, 0.9], "a4": [1.0, 0.7]}
-    inputs = {name: np.array(values) for name, values in lengths.items()} | {"omega1": np.array([25.0, 25.0])}
-    stationary = Stationary(PLANAR, "omega4", inputs, np.array([2.0, 2.0]))
-    theta1 = np.linspace(0.0, 2 * np.pi, 20001)
-    for design in range(2):
-        one = {name: float(values[design]) for name, values in inputs.items()}
-        curve = fl.evaluate("planar_4r", ["omega4"], **one, branch=2, theta1=theta1)["omega4"]
-        for sign, value in ((1, np.max(curve)), (-1, np.min(curve))):
-            exact = outermost(stationary, design, sign)
-            # between samples a curve changes by its second derivative, of the size of itself here, times h^2/8
-            assert 0 <= sign * (float(exact.value) - value) <= 20 * abs(value) * (theta1[1] ** 2) / 8
-            at = HighPrecision(PLANAR, ["d_omega4_d_theta1"], [*one, "theta1", "branch"])
-            slope = at.at({**one, "branch": 2, "theta1": exact.position})["d_omega4_d_theta1"]
-            assert abs(slope) < 1e-12  # theta1 of the graded range has the rounding of 2 pi
-
-
-def test_toggles_are_infinite_and_bounded_quantities_have_their_limits():
-    inputs = {name: np.array([value]) for name, value in {"a1": 1.0, "a2": 0.7, "a3": 0.6, "a4": 1.1}.items()}
-    rates = Stationary(PLANAR, "omega4", inputs | {"omega1": np.array([1.0])}, np.array([1.0]))
-    assert [outermost(rates, 0, sign).value for sign in (1, -1)] == [CONTEXT.inf, -CONTEXT.inf]
-    angle = Stationary(PLANAR, "transmission_angle", inputs, np.array([1.0]))
-    assert abs(outermost(angle, 0, 1).value - CONTEXT.pi) < 1e-20
 
 
 def test_division_by_zero_and_choices_are_as_in_doubles():

@@ -1,4 +1,4 @@
-"""Values, bounds and extremes of many designs against the loops.
+"""Values and bounds of many designs against the loops.
 
 The reference shares no formula with the facts: `fastlink.precision.independent` on balls of python-flint, with as many
 bits as it takes.
@@ -27,24 +27,6 @@ BLOCK = 4096
 TURN, TURN_LOW = 6.283185307179586, 2.4492935982947064e-16
 #: What a value of the reference is.
 NUMBER, OPEN, UNKNOWN = 0, 1, 2
-#: Quantities whose greatest and least values are compared, in a share of the blocks.
-EXTREMES = {
-    ("planar_4r", "theta1"): (
-        "omega4",
-        "alpha4",
-        "P_speed",
-        "transmission_angle",
-        "F41",
-        "T41",
-        "shaking_force",
-    ),
-    ("planar_4r", "joint_angle_2"): ("joint_omega_4",),
-    ("slider_crank", "theta"): ("slider_velocity", "slider_acceleration", "F41", "T41"),
-    ("focal", "phi"): ("F_y", "dpsi_dphi", "dsigma_dphi"),
-    ("focal", "sigma"): ("T_y", "dphi_dsigma"),
-    ("hart", "phi"): ("F_y", "dpsi_dphi"),
-}
-SHARE = 0.5
 #: The share of a bound that a ball may have.
 SHARP = 2.0**-20
 
@@ -162,7 +144,7 @@ def errors_of(values, high, low, turning):
         return abs((((values - high) - turns * TURN) - low) - turns * TURN_LOW)
 
 
-def compare(tally, design, rng, extremes):
+def compare(tally, design):
     """Compare one block of designs."""
     model = model_of(catalogue(tally.mechanism, tally.input))
     known = catalogue(tally.mechanism, tally.input)
@@ -184,28 +166,6 @@ def compare(tally, design, rng, extremes):
         for whole, part in zip((high, low, radius, kinds), found, strict=True):
             whole[:, again] = part
     count(tally, names, rows, values, bounds, errors_of(values, high, low, turning), radius, kinds, high)
-    for name in EXTREMES.get((tally.mechanism, tally.input), ()) if extremes else ():
-        if name in index and rng.random() < SHARE:
-            k = index[name]
-            told = (kinds[k] == NUMBER) & np.isfinite(bounds[k]) & np.isfinite(high[k])
-            compare_extremes(tally, design, rows, name, np.where(told, high[k], np.nan))
-
-
-def compare_extremes(tally, design, rows, name, exact):
-    """Compare the greatest and least values of a block with exact ones at the drawn positions: none is beyond them."""
-    columns = {key: values for key, values in design.items() if key not in (tally.input, "branch")}
-    ends = [f"{name}_{end}" for end in ("max", "min")]
-    asked = [*ends, *(f"{end}_error" for end in ends)]
-    maps = fl.sweep(tally.mechanism, fl.table(columns), asked, input=tally.input, angles=8, threads=1)
-    each, branch = np.arange(len(rows)), design["branch"].astype(int) - 1
-    most, least, above, below = (maps[one].values[each, branch] for one in asked)
-    told = np.isfinite(exact) & (above < np.inf) & (below < np.inf)
-    tally.counts["extremes"] += 2 * int(told.sum())
-    with np.errstate(all="ignore"):
-        inside = (exact <= most + above) & (exact >= least - below)
-    for i in np.flatnonzero(told & ~inside):
-        about = f"exact {float(exact[i])!r}, found from {float(least[i])!r} to {float(most[i])!r}"
-        tally.fail("missed", name, rows[i], about)
 
 
 def suspicious(values, bounds, errors, radius, kinds):
@@ -245,7 +205,7 @@ def count(tally, names, rows, values, bounds, errors, radius, kinds, high):
             tally.fail(kind, names[k], rows[i], about)
 
 
-def campaign(mechanism, drive, designs, seed=0, extremes=True):
+def campaign(mechanism, drive, designs, seed=0):
     """Return the tally of so many designs."""
     tally = Tally(mechanism, drive)
     rng = np.random.default_rng([seed, *map(ord, mechanism + drive)])
@@ -254,5 +214,5 @@ def campaign(mechanism, drive, designs, seed=0, extremes=True):
         design = DRAWN[mechanism, drive](rng, n) | {"branch": rng.integers(1, 3, n).astype(float)}
         known = catalogue(mechanism, drive)
         far = any_beyond_range(known.known_inputs(known.variants_selected_by(design)), design)
-        compare(tally, {name: values[~far] for name, values in design.items()}, rng, extremes)
+        compare(tally, {name: values[~far] for name, values in design.items()})
     return tally

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from itertools import combinations
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from benchmarks.cases import near_change_point as near_change_point
 from benchmarks.cases import near_toggle as near_toggle
 
-import fastlink as fl
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.fact import Input
 from fastlink.mechanisms import catalogue
@@ -63,39 +61,6 @@ def lengths_and_angles(kind: str, rng: np.random.Generator, n: int) -> tuple[np.
     return {"gap": near_change_point, "toggle": near_toggle}[name](rng, n, float(size))
 
 
-#: Families of unequal lengths: one of them short, of any size; one or two as short as the number says.
-UNEQUAL = ("random", "one short 1e-12", "two short 1e-4", "two short 1e-8")
-
-
-def unequal(kind: str, rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
-    """Return configurations of short links, each in turn, where they assemble; some masses are next to nothing."""
-    count, _, least = ("one", "short", "1e-12") if kind == "random" else kind.split()
-    sets = [which for k in ((1,) if count == "one" else (2,)) for which in combinations(range(4), k)]
-    found: list[np.ndarray] = []
-    while len(found) < n:
-        short = list(sets[len(found) % len(sets)])
-        lengths = random_lengths(rng, 1)[:, 0]
-        lengths[short] *= float(least) * 10.0 ** rng.uniform(0.0, 10.0 if kind == "random" else 1.0)
-        if count == "two":
-            one, other = (i for i in range(4) if i not in short)
-            lengths[other] = lengths[one] + rng.uniform(-1.0, 1.0) * sum(lengths[short])
-        a, b, c, d = lengths
-        # |AD| anywhere between its limits, of one of both angles
-        low, high = max((a - d) ** 2, (b - c) ** 2), min((a + d) ** 2, (b + c) ** 2)
-        square = low + (high - low) * rng.uniform()
-        half_sine = np.sqrt(max(0.0, square - (a - d) ** 2) / (4.0 * a * d))
-        theta = 2.0 * np.arcsin(min(1.0, half_sine)) * rng.choice([-1.0, 1.0])
-        given = {name: float(x) for name, x in zip(LENGTHS, lengths, strict=True)} | {"theta1": theta}
-        if low < high and np.isfinite(fl.evaluate("planar_4r", ["theta4"], branch=1, **given)["theta4"]):
-            found.append(np.array([*lengths, theta]))
-    columns = np.array(found).T
-    masses = masses_and_points(rng, n)
-    masses |= {
-        name: masses[name] * rng.choice([1e-9, 1.0], n) for name in ("m2", "I2", "G2_v", "m3", "I3", "G3_v")
-    }
-    return dict(zip((*LENGTHS, "theta1"), columns, strict=True)) | masses
-
-
 def family(kind: str, rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
     """Return configurations driven at O, without loads."""
     lengths, theta = lengths_and_angles(kind, rng, n)
@@ -117,10 +82,6 @@ def driven(joint: int, kind: str, rng: np.random.Generator, n: int) -> dict[str,
         "P_u": rng.uniform(-1.0, 2.0, n),
         "P_v": rng.uniform(-1.0, 1.0, n),
     }
-
-
-#: Families of designs.
-CLASSES = ("random", "wide", "gap")
 
 
 def designs(kind: str, rng: np.random.Generator, n: int) -> np.ndarray:
@@ -159,84 +120,3 @@ def condition_sums(
     """Return sum over the inputs of |x df/dx|: what one rounding of each input does to each quantity."""
     facts = HighPrecision(catalogue, names, inputs, variants)
     return facts.condition(facts.at(inputs), [name for name in inputs if name != "branch"])
-
-
-# -- Families of linkages whose extremes are counted
-
-Rng = np.random.Generator
-
-
-def uniform(rng: Rng, n: int) -> np.ndarray:
-    return rng.uniform(0.05, 1.0, (4, n))
-
-
-def grashof(lengths: np.ndarray) -> np.ndarray:
-    return 2 * (lengths.min(axis=0) + lengths.max(axis=0)) < lengths.sum(axis=0)
-
-
-def shortest(lengths: np.ndarray, links: tuple[int, ...]) -> np.ndarray:
-    return np.isin(lengths.argmin(axis=0), [link - 1 for link in links])
-
-
-def assembles(lengths: np.ndarray) -> np.ndarray:
-    return 2 * lengths.max(axis=0) < lengths.sum(axis=0)
-
-
-def kept(draw: Callable[[Rng, int], np.ndarray], keep: Callable[[np.ndarray], np.ndarray]) -> Callable:
-    """Return a family: what is drawn and can move, and is of the kind wanted."""
-
-    def family(rng: Rng, n: int) -> np.ndarray:
-        found = np.empty((4, 0))
-        while found.shape[1] < n:
-            lengths = draw(rng, 2 * n + 100)
-            found = np.hstack([found, lengths[:, assembles(lengths) & keep(lengths)]])
-        return found[:, :n]
-
-    return family
-
-
-def log_uniform(rng: Rng, n: int) -> np.ndarray:
-    return 10.0 ** rng.uniform(-3, 3, (4, n))
-
-
-def small(rng: Rng, n: int, least: float) -> np.ndarray:
-    """Return numbers of either sign and every size from `least` to 0.01."""
-    return rng.choice([-1.0, 1.0], n) * 10.0 ** rng.uniform(np.log10(least), -2, n)
-
-
-def change_point_gap(rng: Rng, n: int) -> np.ndarray:
-    """Return a crank such that a gap of 1e-2 ... 1e-12, of either sign, is left to a change point of each type."""
-    b, c, d = rng.uniform(0.3, 1.0, (3, n))
-    partner = rng.integers(3, size=n)
-    others = np.choose(partner, [b + d - c, c + d - b, b + c - d])
-    return np.array([np.maximum(others + small(rng, n, 1e-12), 0.0), b, c, d])
-
-
-def near_kite(rng: Rng, n: int) -> np.ndarray:
-    """Two pairs of neighbours are nearly alike."""
-    one, two = rng.uniform(0.3, 1.0, (2, n))
-    near_one, near_two = one * (1 + small(rng, n, 1e-8)), two * (1 + small(rng, n, 1e-8))
-    turned = rng.random(n) < 0.5
-    return np.where(turned, [one, near_one, two, near_two], [one, two, near_two, near_one])
-
-
-def near_parallelogram(rng: Rng, n: int) -> np.ndarray:
-    """Opposite links are nearly alike."""
-    one, two = rng.uniform(0.3, 1.0, (2, n))
-    return np.array([one, two, one * (1 + small(rng, n, 1e-8)), two * (1 + small(rng, n, 1e-8))])
-
-
-def everything(lengths: np.ndarray) -> np.ndarray:
-    return lengths.min(axis=0) > 0
-
-
-LINKAGES: dict[str, Callable[[Rng, int], np.ndarray]] = {
-    "crank": kept(uniform, lambda x: grashof(x) & shortest(x, (1,))),
-    "drag-link": kept(uniform, lambda x: grashof(x) & shortest(x, (4,))),
-    "rocker input": kept(uniform, lambda x: grashof(x) & shortest(x, (2, 3))),
-    "non-Grashof": kept(uniform, lambda x: ~grashof(x)),
-    "log-uniform": kept(log_uniform, everything),
-    "change-point gap": kept(change_point_gap, everything),
-    "near kite": kept(near_kite, everything),
-    "near parallelogram": kept(near_parallelogram, everything),
-}

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
 import fastlink as fl
 from fastlink.facts.derivative import NoDerivative
-from fastlink.facts.formula import parameters
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.plan.request import selected_variants
 from fastlink.precision.reference import CONTEXT as MP
@@ -92,11 +91,9 @@ class Truth:
         entry: Entry,
         names: tuple[str, ...],
         inputs: dict[str, np.ndarray],
-        kind: str = "random",
         *,
         zeroes: bool = True,
     ) -> None:
-        self.undetermined = entry.undetermined.get(kind, lambda: False)
         self.entry, self.names, self.inputs = entry, names, inputs
         catalogue = entry.catalogue
         self.variants = selected_variants(catalogue, None, entry.solver, inputs)
@@ -104,16 +101,13 @@ class Truth:
         numbers = [name for name in inputs if name != "branch" and name not in codes]
         # Most is due to the position.
         self.numbers = sorted(numbers, key=lambda name: name != entry.input)
-        needed = (*names, *parameters(self.undetermined))
-        self.facts = HighPrecision(catalogue, needed, inputs, self.variants, zeroes=zeroes)
+        self.facts = HighPrecision(catalogue, names, inputs, self.variants, zeroes=zeroes)
 
     def rows(self) -> Iterator[tuple[int, dict[str, float], dict[str, Any]]]:
-        """Yield each configuration with its number and its facts, but where nothing is determined."""
+        """Yield each configuration with its number and its facts."""
         for i in range(len(next(iter(self.inputs.values())))):
             one = {name: float(values[i]) for name, values in self.inputs.items()}
-            true = self.facts.at(one)
-            if not self.undetermined(*(true[name] for name in parameters(self.undetermined))):
-                yield i, one, true
+            yield i, one, self.facts.at(one)
 
     def beyond(self, true: dict[str, Any], values: dict[str, float]) -> dict[str, float]:
         """Return the quantities of one configuration whose errors are too great, with these in their units.
@@ -148,20 +142,22 @@ def wrong(
     names: tuple[str, ...],
     inputs: dict[str, np.ndarray],
     computed: dict[str, np.ndarray],
-    kind: str = "random",
+    known: Mapping[str, np.ndarray] | None = None,
 ) -> tuple[list[tuple[str, float, dict[str, float]]], int]:
     """Return what breaks the rule of precision, its error and its configuration; and how many numbers were tested.
 
-    Where the family says that nothing is determined, nothing is tested. A code that is another one, and a number where
-    there is none (or none where there is one), is infinitely wrong.
+    Only values that are `known` are tested. A code that is another one, and a number where there is none (or none where
+    there is one), is infinitely wrong.
     """
-    catalogue, truth, tested = entry.catalogue, Truth(entry, names, inputs, kind), 0
+    catalogue, truth, tested = entry.catalogue, Truth(entry, names, inputs), 0
     codes = {name for name in names if catalogue.public_fact(name).flags}
     found = []
     for i, one, true in truth.rows():
         numbers = {}
         for name in names:
             value, exact = float(computed[name][i]), true[name]
+            if known is not None and not known[name][i]:
+                continue
             if bool(MP.isnan(exact)) != np.isnan(value):
                 found.append((name, np.inf, one))
             elif np.isnan(value) or value == exact or (np.isinf(value) and value * exact > LARGEST):

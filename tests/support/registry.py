@@ -19,11 +19,7 @@ from fastlink.numerics.compensated import UNIT_ROUNDING
 from tests.support import (
     configurations,
     focal_configurations,
-    focal_designs,
     hart_configurations,
-    minkowski_configurations,
-    minkowski_designs,
-    slider_crank_configurations,
 )
 
 #: Draw some configurations, or fewer: the inputs, the input position and the modes (``branch`` and inputs with choices)
@@ -68,12 +64,6 @@ class Entry:
     sharing_errors: tuple[str, ...] = ()
     #: Families where derivatives keep to the multiple, too.
     slopes: tuple[str, ...] = ("random",)
-    #: Those of them where terms of derivatives may be far greater than those of what they are derivatives of.
-    cancelling: tuple[str, ...] = ()
-    #: Families with designs where something has no derivative, or none that differences show.
-    kinks: tuple[str, ...] = ()
-    #: Of a family, what tells by facts, which are its parameters, whether nothing is determined there.
-    undetermined: Mapping[str, Callable[..., bool]] = field(default_factory=dict)
 
     def __str__(self) -> str:
         return " ".join(filter(None, (self.mechanism, self.about, self.input)))
@@ -105,11 +95,14 @@ def families(draw: Callable[..., Any], kinds: Iterable[str], *first: Any) -> dic
     return {kind: partial(draw, *first, kind) for kind in kinds}
 
 
-def by_name(
-    names: Iterable[str], draw: Callable[..., Any], kind: str, rng: np.random.Generator, n: int
-) -> Any:
-    """Return what is drawn as an array by the names of its rows."""
-    return dict(zip(names, draw(kind, rng, n), strict=True))
+def anywhere(mechanism: str, input: str, most: float = np.pi) -> dict[str, Family]:
+    """Return the family of all inputs of about one size, at positions up to one of either sign."""
+
+    def draw(rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
+        drawn = configurations.draw(catalogue(mechanism, input).inputs, rng, n)
+        return drawn | {input: rng.uniform(-most, most, n)}
+
+    return {"random": draw}
 
 
 # -- planar 4R --------------------------------------------------------------------------------------------------
@@ -126,9 +119,6 @@ REACTIONS = (
     *("T41", "shaking_moment"),
 )
 
-#: Where links turn nearly as one, the crank is loaded along itself; a difference of vectors does not know it.
-ACROSS = ("F41_x", "F41_y", "F21_x", "F21_y")
-
 PLANAR_4R = (
     # The longest chain (T41) has about 40 operations: 1.9 is the worst seen.
     Entry(
@@ -138,20 +128,6 @@ PLANAR_4R = (
         many=600,
         errors=CLOSURE,
         slopes=SLOPES,
-    ),
-    Entry(
-        *("planar_4r", "theta1"),
-        about="of unequal lengths",
-        families=families(configurations.unequal, configurations.UNEQUAL),
-        few=12,
-        many=600,
-        errors=CLOSURE,
-        # Of 10^6 values a few are beyond 4, sums of vectors that happen to turn little with what is rounded: 4.7.
-        multiple=16.0,
-        slopes=("two short 1e-4", "two short 1e-8"),
-        # All by what short links have turned, which derivatives by the long ones, and of the curvature, forget.
-        cancelling=("two short 1e-4", "two short 1e-8"),
-        left_out=dict.fromkeys(ACROSS, "is right to roundings of the force: test_planar_4r.py"),
     ),
     Entry(
         *("planar_4r", "theta1"),
@@ -173,15 +149,6 @@ PLANAR_4R = (
         # LU of the 9x9 is backward stable, with a growth factor below 4: the worst seen is 4.6.
         multiple=16.0,
     ),
-    Entry(
-        *("planar_4r", "theta1"),
-        about="designs of",
-        families=families(by_name, configurations.CLASSES, configurations.LENGTHS, configurations.designs),
-        # 0 N m of lengths alone: its units of mass and time are of no input.
-        left_out={"inertia_moment1": "is the number 0 unless alpha1 is given"},
-        few=12,
-        many=600,
-    ),
     *(
         Entry(
             *("planar_4r", f"joint_angle_{joint}"),
@@ -199,12 +166,6 @@ PLANAR_4R = (
 # -- Minkowskian 4R ---------------------------------------------------------------------------------------------
 
 
-def minkowskian_designs(kind: str, rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
-    """Return designs of the families where signs and digits may get lost."""
-    lengths = minkowski_designs.FAMILIES[kind](rng, n)
-    return dict(zip(minkowski_designs.LENGTHS, lengths, strict=True))
-
-
 #: 1 + w, w being right to 6 units of 2^-53: two sums, two quotients, two products.
 COSINES = dict.fromkeys(
     ("cosh_theta_min", "cosh_theta_max", "cosh_psi_min", "cosh_psi_max", "cosh_theta_branching"), 7.0
@@ -213,7 +174,7 @@ COSINES = dict.fromkeys(
 MINKOWSKI_4R = (
     Entry(
         *("minkowski_4r", "theta"),
-        families=families(minkowski_configurations.family, minkowski_configurations.FAMILIES),
+        families=anywhere("minkowski_4r", "theta", 4.0),
         looseness=10.0,
         few=12,
         many=300,
@@ -221,16 +182,6 @@ MINKOWSKI_4R = (
         errors={"loop_residual": 8 * UNIT_ROUNDING, "sextic_residual": 16 * UNIT_ROUNDING},
         # Of 110,000 values one of the second derivative is beyond 4, where lengths are very unequal: 4.2.
         long_chains=COSINES | {"d2psi_dtheta2": 6.0},
-    ),
-    Entry(
-        *("minkowski_4r", "theta"),
-        about="designs of",
-        families=families(minkowskian_designs, minkowski_designs.FAMILIES),
-        left_out=dict.fromkeys(("r_AX", "s_BX", "gamma"), "of the coupler point, which configurations have"),
-        long_chains=COSINES,
-        looseness=10.0,
-        few=12,
-        many=600,
     ),
 )
 
@@ -274,52 +225,6 @@ FOCAL = (
         )
         for drive in focal_configurations.DRIVES
     ),
-    *(
-        Entry(
-            *("focal", "phi"),
-            about=f"designs by {given} of",
-            # An s of some 1e16 is rounded to where rho is farther from -1 than one double.
-            families=families(
-                focal_designs.drawn,
-                [kind for kind in focal_designs.FAMILIES if (kind, given) != ("rho next to -1", "s")],
-                given,
-            ),
-            few=8,
-            many=300,
-            left_out={given: "is an input"},
-            kinks=("a = b, c = d", "a = c, b = d", "a = d, b = c", "rho near -1"),
-        )
-        for given in focal_designs.GIVEN
-    ),
-)
-
-
-#: What the figure has of a position but rates by time, which are only a multiple. Left out is what is within its bound
-#: but may lose more: a circle where P and Q are next to M and N, and by sigma what the direction of NB decides.
-FIGURE = (
-    *(f"{joint}_{xy}" for joint in "ABFPQT" for xy in "xy"),
-    *("alpha", "beta", "chi", "omega_angle", "psi", "X_x", "X_y", "Y_x"),
-    *(f"transmission_angle_{joint}" for joint in "PQF"),
-    *("PSQT_y", "PSQT_radius", *(f"SFTY_{of}" for of in ("x", "y", "radius")), "F_along_AB", "F_across_AB"),
-)
-OF_DRIVE = {
-    "phi": ("sigma", "dpsi_dphi", "dsigma_dphi", "PFQX_x", "PFQX_y", "PFQX_radius", *PIVOTS_SEEN_FROM_AB),
-    "sigma": ("phi", "dphi_dsigma", "dpsi_dsigma"),
-}
-
-#: Where numbers are unlike each other by up to 1e10: held to their digits, not to how loose their bounds are.
-UNLIKE = tuple(
-    Entry(
-        *("focal", drive),
-        about="of unlike numbers",
-        families=families(focal_configurations.unlike, focal_configurations.UNLIKE, drive),
-        quantities=(*FIGURE, *OF_DRIVE[drive]),
-        few=12,
-        many=1000,
-        # The longest chain has some 60 operations that do not cancel, of one rounding each.
-        multiple=64.0,
-    )
-    for drive in focal_configurations.DRIVES
 )
 
 
@@ -337,14 +242,11 @@ HART = (
         errors={"F_deviation": 6.0, "closure_residual": 32 * UNIT_ROUNDING},
         # The direction of AB is a quotient by its size, 5 roundings, and the place in its frame takes 3: 5.9.
         long_chains={"N_across_AB": 8.0},
-        # What rounding the lengths of a kite hides counts as nothing, and so do the steps of differences.
-        kinks=("kite 0",),
-        undetermined=dict.fromkeys(("kite 0", "kite 1e-9", "kite 1e-13"), hart_configurations.folded),
     ),
     # 2.2 is the worst seen in 2000 configurations.
     Entry(
         *("hart", "F_y"),
-        families=families(hart_configurations.along_line, hart_configurations.FAMILIES),
+        families={"random": hart_configurations.along_line},
         # The rates by F_y are quotients of sums with common factors, each term of which is bounded on its own.
         near_bounds=0.85,
         few=3,
@@ -355,7 +257,6 @@ HART = (
         # N take 8 roundings, the product 4; their changes with the lengths may undo each other, their roundings do not
         # (13.4 of one in 2400). The rate of psi is a quotient of two such sums (4.5).
         long_chains={"M_across_AB": 8.0, "N_across_AB": 20.0, "dpsi_dF_y": 8.0},
-        kinks=("kite 0",),
     ),
 )
 
@@ -366,7 +267,7 @@ SLIDER_CRANK = (
     # 3.2 is the worst seen in 10^4 configurations, but for the forces at A across the line.
     Entry(
         *("slider_crank", "theta"),
-        families=families(slider_crank_configurations.family, slider_crank_configurations.FAMILIES),
+        families=anywhere("slider_crank", "theta"),
         few=6,
         many=600,
         # Where crank and rod are nearly alike and fold, the slider rests at O and terms undo each other: 8.7. Of 1200

@@ -69,17 +69,6 @@ def test_the_equations_of_sections_1_to_3(given):
     assert count > 150
 
 
-def test_both_completions_exchange_r_and_FT():
-    designs = random_designs(np.random.default_rng(2), 60)
-    found = exact((*BARS, "x"))
-    for i in range(60):
-        first, second = (found.at(one(designs, i, completion)) for completion in (1.0, 2.0))
-        if not MP.isnan(first["r"]):
-            assert same(first["r"], second["FT"])
-            assert same(first["FT"], second["r"])
-            assert abs(first["x"]) >= abs(second["x"]) > 0
-
-
 def test_the_chebyshev_linkage_to_every_digit():
     maps = fl.sweep(
         "focal", fl.grid(**CHEBYSHEV), ["m", "n", "p", "q", "r", "FT", "h1", "h2", "S_x", "T_ratio"]

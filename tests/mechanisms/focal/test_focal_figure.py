@@ -8,12 +8,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from tests.support.focal_configurations import DRIVES, family, random_designs
-from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
-from fastlink.precision.independent import IndependentValues
 
 CIRCLES = ("PFQX", "SFTY", "PSQT")
 JOINTS = "ABPQFTX"
@@ -242,54 +239,7 @@ def test_the_crank_turns_without_a_jump_of_branch():
         assert (np.abs(np.exp(1j * first) - np.exp(1j * last)) <= allowed).all()
 
 
-def test_where_the_dyads_do_not_close_there_is_no_frame_of_AB():
-    """By the crank MPF and NQF must reach the end of the crank, in a triangle each; else F and AB have no place."""
-    seen = [f"{joint}_{way}_AB" for joint in "MNSF" for way in ("along", "across")]
-    design = {"a": 1.3757, "b": 1.7453, "c": 0.6526, "d": 1.1454, "rho": -0.7693, "completion": 2}
-    sigma = np.linspace(-3.0, 3.0, 50)
-    bars = fl.evaluate("focal", ["S_x", *"rmnpq"], input="sigma", sigma=sigma, **design)
-    end = bars["S_x"] + bars["r"] * np.exp(1j * sigma)
-    closes = np.ones(50, dtype=bool)
-    for pivot, one, other in ((0.0, "m", "p"), (design["d"], "n", "q")):
-        one, other = abs(bars[one]), abs(bars[other])
-        closes &= (abs(one - other) <= abs(end - pivot)) & (abs(end - pivot) <= one + other)
-    assert 0 < closes.sum() < 50
-    found = fl.evaluate("focal", ["F_x", "F_y", "B_x", *seen], input="sigma", sigma=sigma, **design)
-    for name, values in found.items():
-        np.testing.assert_array_equal(np.isfinite(values), closes, err_msg=name)
-
-
-def test_the_circle_through_F_is_nowhere_without_F():
-    """Where p and q are imaginary S and Y have places, but the circle through S, F, T and Y has none."""
-    design = {"a": 0.956, "b": 0.341, "c": 0.395, "d": 0.354, "s": 0.578, "completion": 2, "branch": 1}
-    found = fl.evaluate("focal", ["S_x", "Y_x", "SFTY_x", "SFTY_y"], phi=1e-3, **design)
-    assert np.isfinite([found["S_x"], found["Y_x"]]).all()
-    assert np.isnan([found["SFTY_x"], found["SFTY_y"]]).all()
-
-
-def test_F_is_where_a_crank_far_away_puts_it():
-    """In doubles s + r is 0 here: which side of M the crank reaches is told by the power of M."""
-    design = {"a": 7.0, "b": 5.0, "c": 6.0, "d": 5.0, "rho": -0.9999999999999993, "completion": 1}
-    at = design | {"sigma": 0.0, "branch": 1}
-    independent = IndependentValues(catalogue("focal", "sigma"), ["F_x"]).values(at)["F_x"]
-    found = fl.evaluate("focal", ["F_x", "F_x_error"], input="sigma", branch=1, sigma=0.0, **design)
-    assert abs(found["F_x"] - float(independent)) <= found["F_x_error"] < 1e-12
-
-
 # -- sweeps -------------------------------------------------------------------------------------------------------
-
-CHEBYSHEV = {"a": 5.0, "b": 5.0, "c": 2.0, "d": 4.0, "rho": 1.0, "omega": 1.0}
-
-
-def test_the_coupler_is_farthest_where_it_is_parallel():
-    """Chebyshev's linkage: T is at the distance h1 = 2 sqrt(6) of MN (6.4) there; at F the angle is least."""
-    space = fl.grid(**CHEBYSHEV, completion=[1.0])
-    found = fl.sweep("focal", space, ["T_y_max", "transmission_angle_F_min"], branch=2)
-    # a value whose slope is zero: the roundings of T alone
-    assert found["T_y_max"].item() == pytest.approx(2.0 * np.sqrt(6.0), rel=10 * UNIT_ROUNDING)
-    # AB the other way round is parallel there: of the triangle with the sides 5, 5 and 4 + 2
-    least = np.pi - 2.0 * np.arcsin(3.0 / 5.0)
-    assert found["transmission_angle_F_min"].item() == pytest.approx(least, rel=100 * UNIT_ROUNDING)
 
 
 def test_extremes_of_what_passes_infinity_are_those_of_the_given_positions():
@@ -300,43 +250,4 @@ def test_extremes_of_what_passes_infinity_are_those_of_the_given_positions():
     np.testing.assert_array_equal(maps.Y_x_min, maps.Y_x.min("phi"))
 
 
-@pytest.mark.parametrize(
-    ("name", "options", "key", "remedy"),
-    [
-        ("sigma", {"input": "sigma"}, "quantity 'sigma' is the input position", "leave it out"),
-        ("dsigma_dphi", {"input": "sigma"}, "defined for input 'phi' alone", "ask for such as 'dphi_dsigma'"),
-        ("F_x", {"input": "psi"}, "input: 'psi' is unknown to focal", ""),
-        ("F_x", {"sigma": 36}, "sigma: the input is phi", "write its positions as phi"),
-        ("F_x", {"branch": 3}, "branch: 3 is not an assembly mode of focal", "write some of 1, 2"),
-    ],
-)
-def test_what_the_other_drive_has_is_told(name, options, key, remedy):
-    with refused(key, remedy):
-        fl.sweep("focal", fl.grid(**CHEBYSHEV), [name], **options)
-
-
 # -- the line that fits a path best -------------------------------------------------------------------------------
-
-
-def test_the_straight_line_has_the_least_sum_of_squares():
-    x = np.linspace(-1.0, 2.0, 50)
-    line = fl.focal.straight_line(np.append(3.0 + 2.0 * x, np.nan), np.append(1.0 - x, 0.0))
-    assert np.abs(line.deviation[:-1]).max() <= 10 * UNIT_ROUNDING * 7.0
-    assert np.isnan(line.deviation[-1])
-    assert line.direction == pytest.approx(np.arctan2(-1.0, 2.0), abs=10 * UNIT_ROUNDING)
-    x, y = np.random.default_rng(8).normal(size=(2, 20, 40)) * np.array([[[2.0]], [[1.0]]])
-    line = fl.focal.straight_line(x, y)
-    least = (line.deviation**2).sum(axis=-1)
-    for turn in np.linspace(-1.5, 1.5, 31):
-        for shift in (-0.1, 0.0, 0.1):
-            angle = (line.direction + turn)[:, None]
-            off = (y - line.y[:, None]) * np.cos(angle) - (x - line.x[:, None]) * np.sin(angle) + shift
-            assert ((off**2).sum(axis=-1) >= least * (1 - 100 * UNIT_ROUNDING)).all()
-
-
-@pytest.mark.parametrize("power", [-900, 500])
-def test_the_straight_line_has_the_same_bits_in_any_units(power):
-    x, y = np.random.default_rng(11).normal(size=(2, 5, 40)) * np.array([[[1.0]], [[1e-9]]])
-    plain, scaled = (fl.focal.straight_line(np.ldexp(x, k), np.ldexp(y, k)) for k in (0, power))
-    np.testing.assert_array_equal(scaled.direction, plain.direction)
-    np.testing.assert_array_equal(scaled.deviation, np.ldexp(plain.deviation, power))

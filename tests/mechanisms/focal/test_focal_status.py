@@ -9,7 +9,6 @@ import mpmath as mp
 import numpy as np
 import pytest
 from tests.support.focal_designs import FACTS, FOCAL, GIVEN, LENGTHS, NUMBERS, facts, random_designs
-from tests.support.refusals import refused
 
 import fastlink as fl
 from fastlink.app.study import run_study
@@ -109,27 +108,6 @@ def test_change_points_are_told_as_such():
     assert [flags[int(code)] for code in found] == ["change_point_kite_a_d", "change_point_kite_a_c"]
 
 
-@pytest.mark.parametrize(
-    ("design", "key", "remedy"),
-    [
-        ({"rho": 1.0, "s": 2.0}, "s", "leave one of them out"),
-        ({"s": 1.0, "lambda_": 2.0}, "lambda_", "leave one of them out"),
-        ({}, "rho", ""),
-        ({"rho": 1.0, "completion": 3}, "completion", ""),
-        (
-            {"rho": 1.0, "a": -1.0},
-            "a",
-            "greater than 0",
-        ),
-        ({"rho": np.nan}, "rho", "a finite number"),
-        ({"s": 1.0}, "quantity 's'", "leave it out"),
-    ],
-)
-def test_bad_designs_are_refused_in_a_line(design, key, remedy):
-    with refused(key, remedy):
-        fl.sweep("focal", fl.grid(**FOUR_BAR | design), ["s"])
-
-
 # -- where both completions meet: the last bit of the inputs decides whether there is one -------------------------
 
 
@@ -196,31 +174,6 @@ def test_the_last_bit_decides_whether_there_is_a_completion(given):
 
 
 # -- studies --------------------------------------------------------------------------------------------------
-
-
-def test_the_study_of_drives_finds_every_double_rocker(tmp_path):
-    text = (STUDIES / "crank_driven_rockers.toml").read_text(encoding="utf-8")
-    assert "21 x 21 x 64 x 41 = 1,157,184" in text
-    assert 21 * 21 * 64 * 41 == 1_157_184
-    for large, fewer in ((", 21]", ", 9]"), (", 64]", ", 8]"), (", 41]", ", 5]")):
-        text = text.replace(large, fewer)
-    study = tmp_path / "drives.toml"
-    study.write_text(text, encoding="utf-8")
-    with run_study(study, to=tmp_path / "drives.h5") as maps:
-        found = maps.load()
-    assert dict(found.sizes) == {"a": 9, "b": 9, "c": 8, "rho": 5, "completion": 2}
-    rockers = (found.grashof_class == 2).broadcast_like(found.crank_type)
-    assert int(rockers.sum()) > 200
-    first, second = (found.crank_type.sel(completion=k).values for k in (1, 2))
-    rockers = rockers.sel(completion=1).values
-    assert (first[rockers] == 0).all()
-    assert (second[rockers] == 3).all()
-    # the crank is shorter than every other bar of M S F P
-    for name in ("m", "p", "s"):
-        lengths = found[name]
-        lengths = lengths.sel(completion=1) if "completion" in lengths.dims else lengths
-        shorter = abs(lengths) - found.r.sel(completion=1)
-        assert (shorter.broadcast_like(found.r.sel(completion=1)).values[rockers] > 0.0).all()
 
 
 def test_the_study_of_chebyshev_s_linkage(tmp_path):

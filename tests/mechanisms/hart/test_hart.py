@@ -11,15 +11,12 @@ from tests.support.configurations import DIGITS
 from tests.support.hart_configurations import (
     HART,
     INPUTS,
-    MEASURES,
     OF_THE_CRANK,
     QUANTITIES,
     WUNDERLICH,
     at,
     family,
-    folded,
 )
-from tests.support.refusals import refused
 
 import fastlink as fl
 from fastlink.app.study import run_study
@@ -29,12 +26,6 @@ from fastlink.precision.reference import HighPrecision
 
 KITE_FLAGS = catalogue("hart").facts["is_kite"].flags
 STATUS_FLAGS = catalogue("hart").facts["status"].flags
-
-
-def assembled(rng, n):
-    """Return designs that assemble, as inputs by name."""
-    found = family("random", rng, n)
-    return {name: found[name] for name in INPUTS[:-1]}
 
 
 # -- the equations of the paper -------------------------------------------------------------------------------
@@ -80,18 +71,6 @@ def test_the_equations_of_the_paper_hold():
     assert tested > 20
 
 
-def test_the_sign_of_kappa_is_that_of_p_q_and_c_alone():
-    design = {"m": 0.9, "n": 1.2, "d": 1.5, "phi": np.linspace(-3.0, 3.0, 13)}
-    plus, minus = (at(list(HART.public), kappa=kappa, **design) for kappa in (0.7, -0.7))
-    for name in HART.public:
-        if name == "omega_angle":
-            turned = np.abs(plus[name] - minus[name])
-            # two arctangents of 2 units in the last place of pi each
-            np.testing.assert_allclose(turned[np.isfinite(turned)], np.pi, atol=16 * UNIT_ROUNDING)
-        else:
-            np.testing.assert_array_equal(minus[name], plus[name] * (-1.0 if name in "pqc" else 1.0))
-
-
 # -- the stroke, and F as the driven joint ---------------------------------------------------------------------
 
 
@@ -120,43 +99,6 @@ def test_F_traces_its_stroke_and_assembles_along_it_alone(design):
     for name in ("phi", "F_x", "P_y"):
         np.testing.assert_array_equal(np.isfinite(maps[name]), [inside, inside])
     assert maps.phi.dims == ("branch", "F_y")
-
-
-@pytest.mark.parametrize("kind", ["random", "near 1 1e-3", "gap 1e-4", "great"])
-def test_driven_by_F_it_is_where_MA_puts_it(kind):
-    by_line = catalogue("hart", "F_y")
-    shared = [
-        name
-        for name in by_line.public
-        if by_line.varies(name) and name in HART.public and name not in MEASURES
-    ]
-    facts = HighPrecision(HART, ["sigma", "sine_part", "F_y", "stroke", *shared], [*INPUTS, "branch"])
-    driven = HighPrecision(by_line, ["phi", *shared], [*INPUTS[:-1], "F_y", "branch"])
-    drawn, compared = family(kind, np.random.default_rng(12), 12), 0
-    for i in range(24):
-        found = facts.at(
-            {name: float(values[i // 2]) for name, values in drawn.items()} | {"branch": 1 + i % 2}
-        )
-        if mp.isnan(found["sigma"]) or folded(found["F_y"], found["stroke"]):  # where phi is undetermined
-            continue
-        place = {name: float(drawn[name][i // 2]) for name in INPUTS[:-1]} | {"F_y": found["F_y"]}
-        here = driven.at(place | {"branch": 1 if found["sine_part"] > 0 else 2})
-        size = max(place[name] for name in "mnd") * max(1.0, place["kappa"] ** 2)
-        for name in ("phi", *shared):
-            assert abs(here[name] - found[name]) <= 1e-40 * (1 + size), name
-            compared += 1
-    assert compared > 100
-
-
-def test_the_greatest_height_over_phi_is_the_end_of_the_stroke():
-    """By the search of extremes over the whole range of phi, which knows nothing of the stroke."""
-    designs = assembled(np.random.default_rng(7), 200)
-    maps = fl.sweep("hart", fl.table(designs), ["F_y_max", "F_y_min", "F_y_outer"], threads=1)
-    assert maps.F_y_max.attrs["extrema"] == "refined"
-    # F_y is flat there; its few roundings are of lengths up to some ten times as great as the height.
-    for name, sign in (("F_y_max", 1.0), ("F_y_min", -1.0)):
-        reached = (sign * maps[name]).max("branch")
-        np.testing.assert_allclose(reached, maps.F_y_outer, rtol=64 * UNIT_ROUNDING)
 
 
 # -- the example of the paper, kites, codes --------------------------------------------------------------------
@@ -267,27 +209,3 @@ def test_status_agrees_with_the_four_bar():
 
 
 # -- bad input ------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("names", "changes", "options", "key", "remedy"),
-    [
-        (["stroke"], {"m": -4.0}, {}, "design: m", "greater than 0"),
-        (["stroke"], {"d": 0.0}, {}, "design: d", "greater than 0"),
-        (["stroke"], {"k": 0.5}, {}, "design: k", ""),
-        (["phi"], {}, {}, "'phi' is the input position", "leave it out"),
-        (["phi_max"], {}, {}, "'phi_max': phi is the input position", "leave it out"),
-        (["phi_error"], {}, {}, "'phi_error': phi is the input position", "leave it out"),
-        (["d_phi_d_m"], {}, {}, "'d_phi_d_m': phi is the input position", "leave it out"),
-        (["strok"], {}, {}, "'strok'", "did you mean 'stroke'?"),
-        (["F_y"], {}, {"branch": 3}, "branch", ""),
-        (["F_y"], {}, {"theta1": [1.0]}, "theta1", "phi"),
-        (["dF_y_dphi"], {}, {"input": "F_y"}, "'dF_y_dphi'", "'dphi_dF_y'"),
-        (["phi"], {}, {"input": "F_y", "F_y": [[0.1]]}, "F_y", "write a flat array of numbers"),
-        (["psi"], {}, {"input": "F_x"}, "input", "did you mean 'F_y'?"),
-        (["psi"], {}, {"input": "F_y", "angles": 12}, "angles", "numpy.linspace"),
-    ],
-)
-def test_what_is_wrong_is_told(names, changes, options, key, remedy):
-    with refused(key, remedy):
-        fl.sweep("hart", fl.grid(**WUNDERLICH | changes), names, **options)

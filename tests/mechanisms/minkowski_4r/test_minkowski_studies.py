@@ -15,7 +15,6 @@ from tests.support.refusals import refused
 import fastlink as fl
 from fastlink.app.study import run_study
 from fastlink.mechanisms import catalogue
-from fastlink.numerics.compensated import UNIT_ROUNDING
 
 LINKAGE_FLAGS = catalogue("minkowski_4r").facts["linkage_type"].flags
 
@@ -57,46 +56,6 @@ def test_the_curves_of_the_examples_are_where_the_paper_says(examples):
     found = np.isfinite(examples.psi).all("branch")
     assert bool((found == closes).where(sure, True).all())
     assert 0 < int(closes[:, 0].sum()) < 401
-
-
-def test_the_middle_of_the_coupler_traces_the_coupler_curve(examples):
-    size = abs(examples.A_x) + abs(examples.B_x) + examples.g
-    for name in ("x", "y"):
-        middle = (examples[f"A_{name}"] + examples[f"B_{name}"]) / 2
-        # Each of the points is some ten roundings off the size of its null coordinates.
-        assert float((abs(examples[f"X_{name}"] - middle) / size).max()) <= 32 * UNIT_ROUNDING
-    c = fl.minkowski.sextic(*(examples[name].values for name in "abghxy"))
-    X, Y = examples.X_x.values, examples.X_y.values
-    terms = np.array([c[:, i, j, None, None] * X**i * Y**j for i in range(7) for j in range(7 - i)])
-    there = np.isfinite(X)
-    assert there.sum() > 2500
-    # X and Y are some ten roundings off, and their powers six times that at most.
-    assert np.all(np.abs(terms.sum(axis=0))[there] <= 64 * UNIT_ROUNDING * np.abs(terms).sum(axis=0)[there])
-
-
-def test_the_atlas(tmp_path):
-    text = (STUDIES / "minkowski_atlas.toml").read_text(encoding="utf-8")
-    assert "128 x 128 x 128" in text
-    study = tmp_path / "atlas.toml"
-    study.write_text(
-        text.replace("linspace = [0.03125, 4.0, 128]", "linspace = [0.25, 4.0, 16]"), encoding="utf-8"
-    )
-    with run_study(study, to=tmp_path / "atlas.h5") as maps:
-        found = maps.load()
-    assert found.linkage_type.shape == (16, 16, 16)
-    # Multiples of 1/4 are exact: all kinds are there, rigid and reducible ones among them.
-    kinds = {LINKAGE_FLAGS[int(code)].partition("_")[0] for code in np.unique(found.linkage_type)}
-    assert kinds == {"strange", "rigid", "reducible", "irreducible"}
-    a, b, h = np.meshgrid(found.a, found.b, found.h, indexing="ij")
-    sides = np.array([a, b, np.ones_like(a), h])
-    excess = 2.0 * sides.max(axis=0) - sides.sum(axis=0)
-    code = found.linkage_type.values
-    np.testing.assert_array_equal(code < 4, excess > 0.0)
-    np.testing.assert_array_equal((code >= 4) & (code < 8), excess == 0.0)
-    np.testing.assert_array_equal(
-        np.isfinite(found.theta_max.values), (1 + b - h - a) * (a + b - 1 - h) < 0.0
-    )
-    assert set(np.unique(found.assembly_count_future)) == {1, 2, 3}
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,6 @@ from tests.support.minkowski_designs import (
     SUMS,
     THEOREMS,
     all_kinds,
-    decoded,
     facts,
     random_lengths,
     reducible,
@@ -113,28 +112,6 @@ def test_theorem_3_22_and_table_3():
 
 
 # -- where the words of the theorems need CB of either orientation --------------------------------------------
-
-
-def test_how_many_ranges_have_CB_ahead(theorem):
-    """The table of docs/minkowski_theorems.md."""
-    name, (a, b, g, h), got = theorem
-    if name == "3.22":
-        positive = got["T1"] > 0.0
-        crank = positive == (got["T2"] > 0.0)
-        through = crank & np.where(positive, a > g, g > a)
-    else:
-        # A crank goes through theta = 0 only if the right one of a and g is the longer.
-        through = {"3.14": g > a, "3.18": g > a, "3.15": a > g, "3.19": a > g, "3.21": g == a}.get(
-            name, np.full(MANY, name == "3.20")
-        )
-    inner = (got["T4"] < 0.0) if name == "3.22" else np.full(MANY, name == "3.13")
-    np.testing.assert_array_equal(got["assembly_count_future"], np.where(through, 1, 2 + inner))
-    np.testing.assert_array_equal(np.isnan(got["theta_min_future"]), ~inner)
-    np.testing.assert_array_equal(np.isnan(got["psi_min_future"]), ~inner)
-    # An outer range starts at the paper's limit, or where CB comes back from infinity.
-    ahead = (g > a) == (h > b)
-    expected = np.where(ahead & (g != a) & (h != b), got["theta_max"], got["theta_escape"])
-    np.testing.assert_array_equal(got["theta_max_future"], np.where(through, np.nan, expected))
 
 
 @pytest.mark.parametrize(
@@ -344,15 +321,3 @@ def test_impossible_lengths_are_flagged():
             assert set(got[name]) == {"invalid_input"}, name
         else:
             assert np.all(np.isnan(got[name])), name
-
-
-def test_a_classification_is_compiled_without_theta_and_has_the_same_bits():
-    near = FAMILIES["near 0"](np.random.default_rng(19), 500)
-    lengths = np.concatenate([near, [[1.0], [2.0], [-1.0], [1.0]]], 1)
-    space = fl.table(dict(zip(LENGTHS, lengths, strict=True)), allow_invalid=True)
-    names = [name for name in FACTS if name in minkowski_4r.public]
-    found = fl.sweep("minkowski_4r", space, names, allow_invalid=True)
-    expected = facts(lengths)
-    assert "theta" not in found.dims
-    for name in names:
-        np.testing.assert_array_equal(decoded(name, found[name].values), expected[name], err_msg=name)

@@ -6,7 +6,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 from tests.support.configurations import LOADS
-from tests.support.newton import Bodies, configuration, cross, facts, newton_euler
+from tests.support.newton import Bodies, configuration, facts
 
 import fastlink as fl
 
@@ -47,25 +47,6 @@ def test_mass_centres_and_joints_from_them(loads):
                     assert abs(vector(found, f"r{i}{j}_") - (joints[j] - centre)) <= RELATIVE
                 acceleration = (future - 2 * centre + past) / STEP**2
                 assert abs(vector(found, f"G{i}_a") - acceleration) <= RELATIVE * (1 + abs(acceleration)) * 10
-
-
-@pytest.mark.parametrize(
-    "loads", [(), ("gravity",), ("acceleration", "counterweight3"), tuple(LOADS)], ids="+".join
-)
-def test_inertia_forces_and_moments_are_what_newton_and_euler_ask_of_the_joints(loads):
-    """The joints supply the rate of momentum less the loads: b of eq. (9), moments about the mass centres."""
-    names = [f"inertia_force{i}_{xy}" for i in LINKS for xy in "xy"] + [f"inertia_moment{i}" for i in LINKS]
-    with mp.workdps(50):
-        for seed in range(3):
-            one = configuration(seed, loads)
-            force, moment, (*_, frames) = newton_euler(one)
-            found, bodies = facts(names, one), Bodies(one)
-            for i in LINKS:
-                size = 10 * (1 + abs(force[i]) + abs(moment[i]))
-                assert abs(vector(found, f"inertia_force{i}_") - force[i]) <= RELATIVE * size
-                centre = whole_centre(bodies, i, frames)
-                about_centre = moment[i] - cross(centre, force[i])
-                assert abs(found[f"inertia_moment{i}"] - about_centre) <= RELATIVE * size
 
 
 def test_the_printed_second_derivative_of_v_is_another():

@@ -1,4 +1,4 @@
-"""Circuits: linkages of every class are moved along their configuration curve to see what they reach."""
+"""Circuits: which configurations a linkage of any class moves through without being taken apart."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections import Counter
 import numpy as np
 import pytest
 from tests.support.configurations import LENGTHS, random_lengths
-from tests.support.curve_designs import ANGLES, apart_from_change_points, motions
+from tests.support.curve_designs import apart_from_change_points
 
 import fastlink as fl
 from fastlink.mechanisms import catalogue
@@ -15,27 +15,35 @@ from fastlink.mechanisms import catalogue
 CLASS_FLAGS = catalogue("planar_4r").facts["grashof_class"].flags
 
 
-def test_a_moved_linkage_reaches_its_circuit_and_no_other():
+def test_a_circuit_is_a_branch_of_a_full_turn_or_both_over_one_range_of_the_angle():
+    """Over a range that ends at toggles the branches meet there; apart from change points nothing else joins them."""
     lengths = random_lengths(np.random.default_rng(51), 400)
-    # At a change point two circuits touch; a gap g parts them by about sqrt(g/length), here 0.2 rad, ten steps.
     lengths = lengths[:, apart_from_change_points(lengths)]
     space = fl.table(dict(zip(LENGTHS, lengths, strict=True)))
-    got = fl.sweep("planar_4r", space, ["grashof_class", "circuit_count", "circuit", "theta2"], theta1=ANGLES)
-    circuit = got.circuit.values
-    np.testing.assert_array_equal(np.isfinite(circuit), np.isfinite(got.theta2.values))
-    count = np.zeros(lengths.shape[1])
-    for i, _path, reached in motions(lengths):
-        (own,) = np.unique(circuit[i][reached])
-        np.testing.assert_array_equal(reached, circuit[i] == own, err_msg=str(lengths[:, i]))
-        count[i] += 1
-    names = [CLASS_FLAGS[int(code)] for code in got.grashof_class.values]
-    # A range narrower than the distance of the angles may be missed.
-    asked = (count > 0) | (np.array(names) == "never_assembles")
-    np.testing.assert_array_equal(count[asked], got.circuit_count.values[asked])
-    assert asked.mean() > 0.95
-    seen = Counter(names)
-    assert len(seen) == 9
-    assert min(seen.values()) >= 4
+    names = ["grashof_class", "circuit_count", "circuit", "theta2"]
+    got = fl.sweep("planar_4r", space, names, theta1=np.linspace(-np.pi, np.pi, 721)[:-1] + 0.003)
+    circuit, closes = got.circuit.values, np.isfinite(got.theta2.values)
+    np.testing.assert_array_equal(np.isfinite(circuit), closes)
+    turns = closes.all(axis=(1, 2))
+    assert (circuit[turns] == circuit[turns, :, :1]).all()
+    assert (circuit[turns, 0] != circuit[turns, 1]).all()
+    # elsewhere both branches are of one circuit, which changes from one range to the next alone
+    rocking, there = circuit[~turns], closes[~turns, 0]
+    np.testing.assert_array_equal(rocking[:, 0], rocking[:, 1])
+    following, both = np.roll(rocking[:, 0], 1, axis=-1), there & np.roll(there, 1, axis=-1)
+    np.testing.assert_array_equal(rocking[:, 0][both], following[both])
+    ranges = (there & ~np.roll(there, 1, axis=-1)).sum(axis=-1)
+    count = got.circuit_count.values
+    # a range narrower than the distance of the angles may be missed
+    seen = (ranges > 0) | (count[~turns] == 0)
+    assert seen.mean() > 0.95
+    np.testing.assert_array_equal(count[~turns][seen], ranges[seen])
+    assert (count[turns] == 2).all()
+    last = np.nanmax(np.where(there, rocking[:, 0], 0.0), axis=-1)
+    np.testing.assert_array_equal(last[seen], ranges[seen])
+    kinds = Counter(CLASS_FLAGS[int(code)] for code in got.grashof_class.values)
+    assert len(kinds) == 9
+    assert min(kinds.values()) >= 4
 
 
 @pytest.mark.parametrize(
@@ -55,7 +63,14 @@ def test_a_moved_linkage_reaches_its_circuit_and_no_other():
 def test_counts(lengths, count):
     given = dict(zip(LENGTHS, lengths, strict=True))
     names, modes = ["circuit_count", "circuit"], [[1], [2]]
-    got = fl.evaluate("planar_4r", names, branch=modes, theta1=ANGLES, allow_invalid=True, **given)
+    got = fl.evaluate(
+        "planar_4r",
+        names,
+        branch=modes,
+        theta1=np.linspace(-np.pi, np.pi, 37)[:-1] + 0.03,
+        allow_invalid=True,
+        **given,
+    )
     np.testing.assert_array_equal(got["circuit_count"], count)
     assert set(got["circuit"][np.isfinite(got["circuit"])]) <= {1.0, 2.0}
     assert np.all((got["circuit"] == 1) | np.isnan(got["circuit"])) or count == 2

@@ -8,7 +8,7 @@ from fractions import Fraction
 import mpmath as mp
 import numpy as np
 import pytest
-from tests.support.configurations import DIGITS, LENGTHS, PLANAR, designs, reference
+from tests.support.configurations import DIGITS, LENGTHS, designs, reference
 
 import fastlink as fl
 from fastlink.mechanisms import catalogue
@@ -158,24 +158,3 @@ def test_table_1():
     ):
         assert got[name] == pytest.approx(math.acos(cosine), rel=1e-14), name
     assert got["swing"] == pytest.approx(math.acos(-0.625) - math.acos(0.575), rel=1e-14)
-
-
-def test_textbook_linkages():
-    # Centric (a1^2 + a4^2 = a2^2 + a3^2), Watt's, Chebyshev's, Hoeken's, a drag link.
-    lengths = (
-        (1.0, 5.0, 5.0, 7.0),
-        (5.0, 2.0, 5.0, 7.5),
-        (5.0, 2.0, 5.0, 4.0),
-        (1.0, 2.5, 2.5, 2.0),
-        (2.0, 2.0, 2.5, 1.0),
-    )
-    got = facts(*lengths)
-    kinds = ["crank_rocker", "double_rocker", "double_rocker", "crank_rocker", "double_crank"]
-    assert got["grashof_class"].tolist() == kinds
-    assert got["time_ratio"][0] == pytest.approx(1.0, abs=1e-15)  # both strokes are equal
-    assert got["swing"][0] == pytest.approx(2 * math.asin(1 / 5), rel=1e-14)  # 2 arcsin(a1/a3)
-    assert got["swing"][4] == 2 * np.pi
-
-
-def test_facts_of_the_design_have_no_angle():
-    assert not any(PLANAR.varies(name) for name in FACTS)

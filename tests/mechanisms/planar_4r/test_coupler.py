@@ -8,7 +8,6 @@ import pytest
 from tests.support.configurations import LENGTHS
 from tests.support.curve_designs import CURVE, design_of, evaluate, random_designs, traced
 
-import fastlink as fl
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.planar import (
     cognates,
@@ -100,31 +99,6 @@ def test_cognates_trace_the_same_points(branch):
         assert np.all(np.hypot(X - got["P_x"], Y - got["P_y"])[good] <= allowed[good]), cognate.number
 
 
-def test_cognates_share_the_sextic_and_the_third_pivot():
-    inputs, _ = random_designs(36, 200)
-    first, second, third = cognates(inputs)
-    np.testing.assert_array_equal([second.O_x, second.O_y], np.zeros((2, 200)))
-    np.testing.assert_array_equal([second.D_x, second.D_y], [third.D_x, third.D_y])
-    # Each of the ground triangle's sides is the ground link of one linkage, up to roundings of its coordinates.
-    for cognate in (first, second, third):
-        side = np.hypot(cognate.D_x - cognate.O_x, cognate.D_y - cognate.O_y)
-        scale = np.abs(cognate.D_x) + np.abs(cognate.O_x) + np.abs(cognate.D_y)
-        assert np.all(np.abs(side - cognate.design["a4"]) <= 16 * UNIT_ROUNDING * scale)
-    # The cognates of a cognate are the same three.
-    again = cognates(second.design)
-    for name in CURVE:
-        # Its own second is similar by the inverse ratio: a dozen roundings of what is divided by |P|/a2.
-        size = 1.0 + np.abs(inputs["P_u"]) + np.abs(inputs["P_v"])
-        assert np.all(
-            np.abs(again[1].design[name] - inputs[name]) <= 64 * UNIT_ROUNDING * size * inputs["a2"]
-        ), name
-    # A circle is traced by P = A: the second linkage has shrunk to nothing there.
-    _, shrunk, whole = cognates(design_of(0.4, 1.2, 0.8, 1.0, 0.0, 0.0))
-    assert shrunk.design["a1"] == shrunk.design["a4"] == 0.0
-    assert np.isnan(shrunk.design["P_u"])
-    assert np.isfinite(whole.design["P_u"])
-
-
 # -- length, area, straightness ----------------------------------------------------------------------
 
 
@@ -161,27 +135,6 @@ def test_straightness_of_curves():
     ends = {"theta1": (np.pi - 1.2, np.pi + 1.2), "branch": 2}
     assert curve_straightness(**lambda_linkage, **ends, samples=201) == part
     assert curve_straightness(**lambda_linkage, branch=2) > 50 * part
-
-
-def test_what_is_of_no_use_is_said_in_one_line():
-    design = dict(zip(CURVE, (0.4, 1.2, 0.8, 1.0, 0.3, 0.2), strict=True))
-    for given, message in (
-        ({"a2": -1.0}, "sextic: a2 is -1.0 .*; write a finite number greater than 0"),
-        ({"P_v": "high"}, "sextic: P_v is 'high', not a number; write a number"),
-        (
-            {"a1": [0.4, 0.5], "P_u": [1.0, 2.0, 3.0]},
-            r"P_u has the shape \(3,\), .* broadcast with \(2,\) of a1; give",
-        ),
-    ):
-        with pytest.raises(fl.InputError, match=message):
-            sextic(**design | given)
-    with pytest.raises(fl.InputError, match=r"(?s)a4 is missing.*P_v is missing"):
-        cognates({name: design[name] for name in ("a1", "a2", "a3", "P_u")})
-    for part in ((2.0, 1.0), (0.0, np.inf)):
-        with pytest.raises(fl.InputError, match="write \\(least, greatest\\) in rad"):
-            curve_straightness(**design, theta1=part)
-    with pytest.raises(fl.InputError, match="samples is 0"):
-        inflections(**design, samples=0)
 
 
 # -- inflections -------------------------------------------------------------------------------------

@@ -9,11 +9,8 @@ import numpy as np
 import pytest
 from tests.support.configurations import DIGITS, LENGTHS, near_change_point, random_lengths
 from tests.support.curve_designs import design_of
-from tests.support.refusals import refused
-from tests.support.study_files import written
 
 import fastlink as fl
-from fastlink.app.study import read_study
 from fastlink.facts.evaluate import read_facts
 from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
@@ -132,16 +129,6 @@ def test_status_tells_whether_the_driven_joint_turns(k):
     np.testing.assert_array_equal(driven["grashof_class"][:, :1], at_o["grashof_class"])
 
 
-@pytest.mark.parametrize("k", JOINTS)
-def test_the_half_tangent_of_the_driven_joint_is_that_of_its_angle(k):
-    """tan(0) = 0 exactly: once it was infinite there, as at half a turn, where the sine is 0, too."""
-    angles = np.array([0.0, -0.0, 1e-8, 1.0, np.pi])
-    given = dict.fromkeys(LENGTHS, 1.0) | {f"joint_angle_{k}": angles}
-    found = fl.evaluate("planar_4r", [f"v{k}"], input=f"joint_angle_{k}", **given)
-    # -C/(sin/2) with C and sin right to a rounding each, and the division
-    np.testing.assert_allclose(found[f"v{k}"], np.tan(0.5 * angles), rtol=8 * UNIT_ROUNDING, atol=0.0)
-
-
 def test_straight_joints_are_pi_and_infinite():
     """Folded and stretched positions whose figures are exact: no -pi, no NaN."""
     names = [name for k in JOINTS for name in (f"joint_angle_{k}", f"v{k}")]
@@ -237,93 +224,3 @@ def test_io_coefficients_say_what_is_wrong(arguments, message):
 
 
 # -- sweeps, studies, listings ------------------------------------------------------------------------------------
-
-SPACE = {"a1": 0.4, "a2": [1.1, 1.2], "a3": 0.8, "a4": 1.0, "joint_omega_2": 2.0}
-
-
-def test_a_sweep_has_the_labels_of_its_input():
-    names = ["joint_omega_4", "joint_omega_4_max", "joint_angle_2_at_joint_omega_4_max"]
-    options = {"input": "joint_angle_2", "angles": 40, "extrema": "sampled"}
-    maps = fl.sweep("planar_4r", fl.grid(**SPACE), names, **options)
-    assert maps.joint_omega_4.dims == ("a2", "branch", "joint_angle_2")
-    np.testing.assert_array_equal(maps.joint_angle_2, np.arange(40) * (2 * np.pi / 40))
-    assert maps.joint_angle_2.attrs["units"] == "rad"
-    assert (maps.attrs["mechanism"], maps.attrs["input"]) == ("planar_4r", "joint_angle_2")
-    assert "driven at A" in maps.attrs["title"]
-    assert "1: joint_angle_4 from 0 to pi: D to the right" in maps.branch.attrs["comment"]
-    at = maps.joint_omega_4.sel(joint_angle_2=maps.joint_angle_2_at_joint_omega_4_max)
-    np.testing.assert_array_equal(at, maps.joint_omega_4_max)
-
-
-@pytest.mark.parametrize(
-    ("quantity", "options", "key", "remedy"),
-    [
-        ("theta2", {}, "quantity 'theta2'", "with input='joint_angle_2' ask for"),
-        ("shaking_force_max", {}, "'shaking_force_max'", ""),
-        ("theta1_at_v1_max", {}, "'theta1_at_v1_max'", ""),
-        ("joint_angle_2", {}, "'joint_angle_2'", "leave it out"),
-        ("joint_omega_2", {}, "'joint_omega_2'", "leave it out"),
-        ("joint_omga_3", {}, "'joint_omga_3'", "did you mean 'joint_omega_3'?"),
-        ("v1", {"theta1": 8}, "theta1", "joint_angle_2"),
-        ("v1", {"angles": 0}, "angles", "a number from 1 to"),
-        ("v1", {"angles": 5, "joint_angle_2": 5}, "joint_angle_2: angles are given too", "one of them"),
-        ("v1", {"links": fl.round_bar(1.0, 1.0)}, "links", ""),
-        ("v1", {"input": "joint_angle_5"}, "input: 'joint_angle_5'", "did you mean"),
-        ("v1", {"input": "theta1"}, "design: joint_omega_2", ""),
-        ("joint_omega_1", {"input": "joint_angle_3"}, "joint_omega_2", ""),
-    ],
-)
-def test_a_sweep_says_what_is_wrong(quantity, options, key, remedy):
-    with refused(key, remedy):
-        fl.sweep("planar_4r", fl.grid(**SPACE), [quantity], **{"input": "joint_angle_2"} | options)
-
-
-STUDY = """
-mechanism = "planar_4r"
-quantities = ["joint_angle_1", "joint_omega_4_rms"]
-[design]
-a1 = 0.4
-a2 = {values = [1.1, 1.2]}
-a3 = 0.8
-a4 = 1.0
-joint_omega_2 = 2.0
-[cycle]
-input = "joint_angle_2"
-angles = 12
-"""
-
-
-def test_a_study_names_its_input(folder):
-    with fl.run_study(written(STUDY)) as maps:
-        names = ["joint_angle_1", "joint_omega_4_rms"]
-        expected = fl.sweep("planar_4r", fl.grid(**SPACE), names, input="joint_angle_2", angles=12)
-        for name in names:
-            np.testing.assert_array_equal(maps[name], expected[name])
-        assert maps.attrs["input"] == "joint_angle_2"
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "key", "remedy"),
-    [
-        ("joint_angle_2", "joint_angle_9", "cycle.input", "did you mean"),
-        ("angles", "theta1", "cycle.theta1", "joint_angle_2"),
-        ("12", "{values = [1.0, 1.0]}", "cycle.angles", "once"),
-        ("12", "0", "cycle.angles", "from 1"),
-        ("joint_omega_2", "omega1", "design.omega1", "did you mean"),
-        ('"joint_angle_1"', '"theta4"', "quantities[0]", "joint_angle_2"),
-        ("[cycle]", "[links]\nmodel = 'round_bar'\n[cycle]", "links", "leave"),
-    ],
-)
-def test_a_study_says_what_is_wrong_with_its_input(folder, old, new, key, remedy):
-    with refused(key, remedy):
-        read_study(written(STUDY.replace(old, new, 1)))
-
-
-def test_the_listing_is_of_the_input():
-    listed = fl.quantities("planar_4r", input="joint_angle_3")
-    rows = {row.name: row for row in listed}
-    assert rows["joint_omega_1"].dims == ("design", "branch", "joint_angle_3")
-    assert rows["joint_omega_1"].meaning == "Rate of the first joint angle"
-    assert "joint_angle_3" not in rows
-    assert "joint_omega_3" in {given.name for given in listed.inputs}
-    assert "joint_angle_3_at_NAME_max" in str(listed)

@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 from tests.mechanisms.test_extremes import near_cusps
-from tests.support.configurations import LENGTHS, LINKAGES
+from tests.support.configurations import LENGTHS
 from tests.support.exact_extrema import LISTED, exact_extrema
 from tests.support.neighbourhoods import folded_planar_4r
 
@@ -150,13 +150,26 @@ CLOSE_PAIRS = {
 }
 
 
-@pytest.mark.parametrize(("few", "part"), [(3, 12), pytest.param(150, 1, marks=pytest.mark.stress)])
+def of_all_sizes(rng, n):
+    """Return lengths (4, n) that assemble: of about one size, of a million, with gaps of 1e-2 to 1e-12, near kites."""
+    found = [rng.uniform(0.05, 1.0, (4, n)), 10.0 ** rng.uniform(-3.0, 3.0, (4, 4 * n))]
+    gap = rng.choice([-1.0, 1.0], n) * 10.0 ** rng.uniform(-12.0, -2.0, n)
+    b, c, d = rng.uniform(0.3, 1.0, (3, n))
+    found.append(np.array([abs(b + d - c) + gap, b, c, d]))
+    near = 1.0 + rng.choice([-1.0, 1.0], (2, n)) * 10.0 ** rng.uniform(-8.0, -2.0, (2, n))
+    pairs = np.array([b, c, c * near[0], b * near[1]])
+    found += [pairs, pairs[[0, 1, 3, 2]]]  # kites and parallelograms
+    lengths = np.concatenate(found, axis=1)
+    return lengths[:, (2.0 * lengths.max(axis=0) < lengths.sum(axis=0)) & (lengths.min(axis=0) > 0.0)]
+
+
+@pytest.mark.parametrize(("few", "part"), [(5, 12), pytest.param(250, 1, marks=pytest.mark.stress)])
 @pytest.mark.parametrize("rate", RATES)
 def test_lists_of_rates_hold_the_exact_extremes(rate, few, part):
     """Of linkages of every class and near change points, of whole lengths, and of close pairs."""
     close = [[float.fromhex(length) for length in text.split()] for text in CLOSE_PAIRS[rate]]
-    drawn = [LINKAGES[family](np.random.default_rng(few + k), few) for k, family in enumerate(LINKAGES)]
-    lengths = np.concatenate([*drawn, whole(5)[:, ::part], np.array(close).T], axis=1)
+    drawn = of_all_sizes(np.random.default_rng(few), few)
+    lengths = np.concatenate([drawn, whole(5)[:, ::part], np.array(close).T], axis=1)
     differ, silent, _ = differing(by_lengths(lengths), rate)
     assert (differ, silent) == (0, 0)
 
@@ -202,22 +215,6 @@ def test_lists_hold_the_extremes_on_both_sides_of_a_kink_of_the_slope():
     """Some of these lists lacked a pair: within 1e-5 rad the slope dips below zero as a load turns with a rate."""
     designs = with_turning_load(np.random.default_rng(5), 20)
     assert differing({name: values[:10] for name, values in designs.items()}, "F32_y") == (0, 0, 20)
-
-
-@pytest.mark.stress
-@pytest.mark.parametrize("name", LISTED)
-def test_many_lists_hold_the_exact_extremes(name):
-    designs = ordinary(np.random.default_rng(4), 60, masses=name in FORCES)
-    assert differing(designs, name) == (0, 0, 120)
-
-
-@pytest.mark.stress
-@pytest.mark.parametrize("name", FORCES)
-def test_many_lists_hold_the_extremes_on_both_sides_of_a_kink_of_the_slope(name):
-    differ, silent, of = differing(with_turning_load(np.random.default_rng(6), 120), name)
-    assert silent == 0
-    # sizes of forces have two extremes next to each toggle, where loads are great too close to tell
-    assert differ < 0.2 * of
 
 
 # -- or has no bound -------------------------------------------------------------------------------------------------
@@ -286,27 +283,32 @@ def test_a_list_that_lacks_extremes_within_a_peak_has_no_bound():
     assert differing({name: np.array([value]) for name, value in CUSP.items()}, "curvature") == (1, 0, 2)
 
 
+#: Many designs, by what is hard about them: how they are drawn and of which quantities. Exact algebra of forces takes
+#: half a second for most designs, and minutes for some with loads of all sizes.
+MANY = {
+    "ordinary": (lambda name: ordinary(np.random.default_rng(4), 60, masses=name in FORCES), LISTED),
+    "turning load": (lambda name: with_turning_load(np.random.default_rng(6), 120), FORCES),
+    "peaks": (lambda name: near_cusps(6, 600)[0], ("curvature",)),
+    "folds": (
+        lambda name: folded_planar_4r(np.random.default_rng(12), 120 if name in FORCES else 1000),
+        LISTED,
+    ),
+}
+#: Which share of lists may lack what rounding hides, or hold what it makes up, all of them flagged. Sizes of forces
+#: have two extremes next to each toggle, where loads are great too close to tell. Poles of curvatures at folds hide more
+#: than those of others (217 of 2,000), and so does a component of a force with loads of all sizes (79 of 600).
+MOST = {"ordinary": 0.0, "turning load": 0.2, "peaks": 0.02, "folds": 0.1}
+MOST |= {("folds", "curvature"): 0.12, ("folds", "F32_y"): 0.14}
+
+
 @pytest.mark.stress
-def test_many_lists_with_peaks_hold_the_exact_extremes_or_have_no_bound():
-    differ, silent, of = differing(near_cusps(6, 600)[0], "curvature")
+@pytest.mark.parametrize(
+    ("kind", "name"), [(kind, name) for kind, (_, names) in MANY.items() for name in names]
+)
+def test_many_lists_hold_the_exact_extremes_or_have_no_bound(kind, name):
+    differ, silent, of = differing(MANY[kind][0](name), name)
     assert silent == 0
-    assert differ < 0.02 * of
-
-
-#: Which share of lists beside folds may lack what rounding hides, or hold what it makes up, all of them flagged: a
-#: tenth, but of curvatures, whose poles at folds hide more (217 of 2,000), and of a component of a force with loads of
-#: all sizes (79 of 600).
-MOST = {"curvature": 0.12, "F32_y": 0.14}
-
-
-@pytest.mark.stress
-@pytest.mark.parametrize("name", LISTED)
-def test_many_lists_beside_folds_hold_the_exact_extremes_or_have_no_bound(name):
-    # exact algebra of forces takes half a second for most designs, and minutes for some with loads of all sizes
-    designs = folded_planar_4r(np.random.default_rng(12), 120 if name in FORCES else 1000)
-    differ, silent, of = differing(designs, name)
-    assert silent == 0
-    assert differ < MOST.get(name, 0.1) * of
+    assert differ == 0 or differ < MOST.get((kind, name), MOST[kind]) * of
 
 
 # -- what a list is --------------------------------------------------------------------------------------------------
@@ -317,18 +319,6 @@ def listed(designs, names, **options):
     parts = ("{}_extrema", "theta1_at_{}_extrema", "{}_extrema_count", "{}_extrema_kind")
     maps = fl.sweep("planar_4r", fl.table(designs), [f"{name}_extrema" for name in names], **options)
     return {name: [maps[part.format(name)] for part in parts] for name in names}
-
-
-def test_the_input_speed_scales_and_turns_the_extrema_round():
-    lengths = LINKAGES["crank"](np.random.default_rng(96), 50)
-    one, other = (listed(by_lengths(lengths, omega1), RATES) for omega1 in (1.0, -4.0))
-    for rate in RATES:
-        factor = -4.0 if rate.startswith("omega") else 16.0
-        (value, theta1, count, kind), scaled = one[rate], other[rate]
-        for found, expected in zip(
-            scaled, (factor * value, theta1, count, np.sign(factor) * kind), strict=True
-        ):
-            np.testing.assert_array_equal(found, expected)
 
 
 @pytest.mark.parametrize(
@@ -344,25 +334,6 @@ def test_what_is_constant_or_never_assembles_has_no_extremum(lengths, omega1, mo
     ends = [f"{rate}_{end}" for rate in RATES for end in ("max", "min")]
     maps = fl.sweep("planar_4r", fl.table(designs), ends)
     assert all(np.array_equal(maps[end], [[most, most]], equal_nan=True) for end in ends)
-
-
-@pytest.mark.parametrize(
-    ("lengths", "greatest", "least"),
-    [
-        ((0.5, 1.0, 0.5, 1.0), 1.0, -3.0),
-        ((0.5, 1.0, 1.0, 0.5), 0.75, 0.25),
-        ((0.5, 0.5, 1.0, 1.0), 2.0 / 3.0, -2.0),
-        ((1.0, 1.0, 1.0, 1.0), 1.0, 0.0),
-    ],
-)
-def test_at_a_change_point_limits_count_and_errors_are_no_extrema(lengths, greatest, least):
-    """Both modes meet at folds, where omega4 has its limits; where it is constant there is no extreme."""
-    space = fl.table(by_lengths(np.array([lengths]).T))
-    result = fl.sweep("planar_4r", space, ["omega4_max", "omega4_min", "omega4_extrema_count"])
-    # Ten roundings of terms of a size of 4.
-    np.testing.assert_allclose(result.omega4_max, greatest, rtol=0, atol=40 * 2.0**-53)
-    np.testing.assert_allclose(result.omega4_min, least, rtol=0, atol=40 * 2.0**-53)
-    assert (result.omega4_extrema_count == 0).all()
 
 
 def test_angles_of_a_kite_come_to_their_limits_at_the_fold():
@@ -404,28 +375,3 @@ def test_table_2_of_the_paper():
     assert count.dims == ("design", "branch")
     assert count.dtype == kind.dtype == np.int8
     assert (value.attrs["units"], place.attrs["units"]) == ("rad s-1", "rad")
-
-
-def test_the_greatest_shaking_force_of_table_1():
-    """2512.318 N at 0.1096 rad (docs/errata.md), not the printed 56.9764 N."""
-    names = ["shaking_force_max", "theta1_at_shaking_force_max", "alpha4_max"]
-    space = fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=25.0)
-    result = fl.sweep("planar_4r", space, names, links=fl.round_bar(7750.0, 0.01), branch=2).squeeze()
-    assert float(result.shaking_force_max) == pytest.approx(2512.318, abs=5e-4)
-    assert float(result.theta1_at_shaking_force_max) == pytest.approx(0.1096, abs=5e-5)
-    # The bound that needs no solve: the output link's mass centre alone.
-    assert 0.62 * np.pi * 0.4 * float(result.alpha4_max) == pytest.approx(828, abs=1)
-
-
-@pytest.mark.parametrize(
-    ("quantities", "options", "message"),
-    [
-        (["omega4_max"], {"extrema": "foo"}, "extrema: 'foo'.*refined"),
-        (["omega4_max"], {"extrema": "refined", "theta1": [0.1, 0.2]}, "extrema.*sampled"),
-        (["status_extrema"], {}, "status_extrema"),
-    ],
-)
-def test_bad_input_is_one_clear_line(quantities, options, message):
-    with pytest.raises(fl.InputError, match=message) as error:
-        fl.sweep("planar_4r", fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=25.0), quantities, **options)
-    assert "\n" not in str(error.value)

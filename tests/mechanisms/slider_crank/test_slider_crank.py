@@ -8,23 +8,22 @@ from __future__ import annotations
 import re
 from fractions import Fraction
 from itertools import product
-from pathlib import Path
 
 import mpmath as mp
 import numpy as np
 import pytest
-from tests.support.slider_crank_configurations import MASSES, PUMP, SLIDER_CRANK, lengths
 
 import fastlink as fl
-from fastlink.app.study import run_study
 from fastlink.errors import InputError
 from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
 
-CLASS_FLAGS = catalogue("slider_crank").facts["grashof_class"].flags
+SLIDER_CRANK = catalogue("slider_crank")
+#: A pump of a crank of 50 mm.
+PUMP = {"r": 0.05, "l": 0.17, "e": 0.02, "omega": 100.0}
+CLASS_FLAGS = SLIDER_CRANK.facts["grashof_class"].flags
 
 STATUS_FLAGS = SLIDER_CRANK.facts["status"].flags
-STUDY = Path(__file__).parents[3] / "data" / "studies" / "slider_crank_press.toml"
 
 
 def at(names, **given):
@@ -128,69 +127,6 @@ def swept(names, designs, **options):
     return fl.sweep("slider_crank", fl.table(designs), names, threads=1, **options)
 
 
-def random_designs(n):
-    drawn = dict(zip("rle", lengths("random", np.random.default_rng(3), n), strict=True))
-    return drawn | {"omega": np.full(n, 1.5)} | {name: np.full(n, value) for name, value in MASSES.items()}
-
-
-def test_the_extremes_of_the_position_are_the_dead_centres():
-    ends = ["slider_position_max", "slider_position_min"]
-    places = [f"theta_at_{name}" for name in ends]
-    facts = ["theta_outer", "theta_inner", "stroke", "outer_dead_centre", "inner_dead_centre"]
-    found = swept([*ends, *places, *facts, "grashof_class"], random_designs(300))
-    turns = found.grashof_class.values == 0
-    assert np.count_nonzero(turns) > 30
-    of = {name: found[name].values[turns] for name in (*ends, *places, *facts)}
-    greatest, least = of["slider_position_max"], of["slider_position_min"]
-    size = 16 * UNIT_ROUNDING * of["outer_dead_centre"]
-    for one, other in (
-        (greatest[:, 0], of["outer_dead_centre"]),
-        (least[:, 0], of["inner_dead_centre"]),
-        (greatest[:, 1], -of["inner_dead_centre"]),
-        (least[:, 1], -of["outer_dead_centre"]),
-        (greatest[:, 0] - least[:, 0], of["stroke"]),
-    ):
-        assert np.all(abs(one - other) <= size)
-    # Two units in the last place of the place in the range, whose angle is its arctangent, and roundings of pi.
-    for name, angle in (
-        ("slider_position_max", [of["theta_outer"], np.pi - of["theta_inner"]]),
-        ("slider_position_min", [of["theta_inner"], np.pi - of["theta_outer"]]),
-    ):
-        off = of[f"theta_at_{name}"] - np.transpose(angle)
-        assert np.all(abs(off - 2 * np.pi * np.rint(off / (2 * np.pi))) < 1e-13)
-
-
-def test_least_and_greatest_transmission_angle_are_those_of_the_turn():
-    designs = {name: values for name, values in random_designs(200).items() if name in "rle"}
-    ends = {"least": "min", "greatest": "max"}
-    names = [f"transmission_angle_{end}" for pair in ends.items() for end in pair]
-    found = swept(names, designs, branch=1)
-    for of_design, of_turn in ends.items():
-        one, other = (found[f"transmission_angle_{end}"].values for end in (of_design, of_turn))
-        assert np.count_nonzero(np.isfinite(one)) > 100
-        # Near 0 and pi as the root of a gap that is right to a few roundings.
-        np.testing.assert_allclose(one, other, rtol=16 * UNIT_ROUNDING, atol=0)
-
-
-def test_rates_of_the_rod_have_one_maximum_and_one_minimum_where_the_polynomial_says():
-    """omega2' = 0 is (l^2 - r^2 - e^2) s + e r (1 + s^2) = 0 in s = sin(theta): two angles of a turning crank."""
-    designs = random_designs(400)
-    found = swept(["omega2_extrema", "grashof_class"], designs)
-    turning = np.flatnonzero(found.grashof_class.values == 0)
-    assert turning.size > 30
-    for i in turning:
-        r, l, e = (designs[name][i] for name in "rle")
-        np.testing.assert_array_equal(found.omega2_extrema_count.values[i], 2)
-        roots = np.roots([e * r, l * l - r * r - e * e, e * r])
-        (sine,) = roots[abs(roots) < 1.0]
-        for k in range(2):
-            places = found.theta_at_omega2_extrema.values[i, k]
-            assert sorted(np.sign(found.omega2_extrema_kind.values[i, k])) == [-1, 1]
-            # a root of a quadratic equation of coefficients right to a rounding
-            np.testing.assert_allclose(np.sin(places), sine, rtol=1e-10, atol=1e-13)
-            np.testing.assert_allclose(np.sum(np.cos(places)), 0.0, atol=1e-10)
-
-
 def test_beyond_a_toggle_rates_grow_without_bound():
     designs = {"r": [2.0], "l": [1.0], "e": [0.25], "omega": [1.0]}
     found = swept(["slider_velocity_max", "slider_position_max", "omega2_max", "omega2_min"], designs)
@@ -206,88 +142,7 @@ def test_beyond_a_toggle_rates_grow_without_bound():
     assert np.isfinite(there["A_x"][1])
 
 
-def test_where_the_rod_passes_pi_its_direction_reaches_both():
-    found = swept(["theta2_max", "theta2_min"], {name: [PUMP[name]] for name in "rle"})
-    assert (found.theta2_max.values[0, 1], found.theta2_min.values[0, 1]) == (np.pi, -np.pi)
-    # sin(theta2) = (e - r sin(theta))/l is extreme where the crank is square to the line
-    r, l, e = (PUMP[name] for name in "rle")
-    np.testing.assert_allclose(found.theta2_max.values[0, 0], np.arcsin((e + r) / l), rtol=8 * UNIT_ROUNDING)
-    np.testing.assert_allclose(found.theta2_min.values[0, 0], np.arcsin((e - r) / l), rtol=16 * UNIT_ROUNDING)
-
-
-def test_mirrored_searches_are_those_of_each_branch():
-    """What the mirror theta to pi - theta says of the other branch is what a search of that branch says."""
-    designs = random_designs(50)
-    names = ["slider_velocity_max", "slider_acceleration_min", "theta_at_slider_acceleration_max"]
-    both = swept(names, designs)
-    for k, branch in enumerate((1, 2)):
-        alone = swept(names, designs, branch=branch)
-        for name in names:
-            one, other = both[name].values[:, k], alone[name].values
-            np.testing.assert_allclose(one, other, rtol=1e-13, atol=1e-13, err_msg=name)
-    assert catalogue("slider_crank").graded.axis == np.pi / 2
-
-
 # -- textbooks, limits, studies -----------------------------------------------------------------------------------
-
-
-def test_the_series_of_textbooks_for_no_offset():
-    """x = l + r cos(theta) - r (lambda/2 sin^2 + lambda^3/8 sin^4 + lambda^5/16 sin^6) - ..., lambda = r/l."""
-    r, l, theta = 0.03, 1.0, np.linspace(-3.0, 3.0, 25)
-    ratio, s2 = r / l, np.sin(theta) ** 2
-    found = at(["slider_position", "slider_acceleration"], r=r, l=l, e=0.0, omega=2.0, theta=theta, branch=1)
-    series = l + r * np.cos(theta) - r * (ratio / 2 * s2 + ratio**3 / 8 * s2**2 + ratio**5 / 16 * s2**3)
-    # What is left out is below 5/128 lambda^7 r/(1 - lambda^2), 3e-14; both sides take a few roundings of l.
-    left_out = 0.05 * ratio**7 * r + 4 * UNIT_ROUNDING * l
-    np.testing.assert_allclose(found["slider_position"], series, rtol=0, atol=left_out)
-    A2, A4 = ratio + ratio**3 / 4 + 15 * ratio**5 / 128, ratio**3 / 4 + 3 * ratio**5 / 16
-    harmonics = np.cos(theta) + A2 * np.cos(2 * theta) - A4 * np.cos(4 * theta)
-    harmonics += 9 * ratio**5 / 128 * np.cos(6 * theta)
-    # The second derivative of what is left out: at most 64 times as much.
-    left_out = 4 * r * (3 * ratio**7 + 16 * UNIT_ROUNDING)
-    np.testing.assert_allclose(found["slider_acceleration"], -r * 4.0 * harmonics, rtol=0, atol=left_out)
-
-
-@pytest.mark.parametrize("branch", [1, 2])
-def test_a_planar_4r_with_ground_and_output_link_ever_longer(branch):
-    """D goes to infinity across the line: what is left of the difference halves when the lengths double.
-
-    The slider is a point mass at B: the output link with its mass centre there.
-    """
-    theta, (r, l, e) = np.array([-2.0, -0.7, 0.4, 1.2, 2.6]), (0.25, 1.0, 0.125)
-    bars = {name: value for name, value in MASSES.items() if name != "m3"} | {"m3": 0.5}
-    names = ["omega2", "alpha2", "jerk2", "transmission_angle", "T41", "F21", "F41"]
-    here = at(names, r=r, l=l, e=e, omega=2.0, theta=theta, branch=branch, **bars)
-    left = []
-    for far in (2.0**12, 2.0**13):
-        four_bar = {"a1": r, "a2": l, "a3": far, "a4": far + e, "omega1": 2.0, "theta1": theta - np.pi / 2}
-        output = {"I3": 0.0, "G3_u": far, "G3_v": 0.0}
-        there = fl.evaluate("planar_4r", names, **four_bar, **bars, **output, branch=branch)
-        left.append({name: there[name] - here[name] for name in names})
-    for name in names:
-        # (l + r)^2/(2 far) is how far B is off the line; the next term is as much smaller again, and (e/far).
-        np.testing.assert_allclose(left[0][name], 2.0 * left[1][name], rtol=0.01, atol=1e-9, err_msg=name)
-        assert 0.0 < np.max(abs(left[0][name])) < 1e-2
-
-
-def test_the_mirror_image_at_the_line_through_O_has_the_same_bits():
-    """theta to -theta and e to -e: every operation has its mirror image."""
-    rng = np.random.default_rng(11)
-    r, l, e, theta = (
-        *rng.uniform(0.2, 2.0, (2, 500)),
-        rng.uniform(0.01, 1.5, 500),
-        rng.uniform(-3.1, 3.1, 500),
-    )
-    along, across = (
-        ["slider_position", "slider_velocity", "slider_jerk"],
-        ["theta2", "A_y", "omega2", "jerk2"],
-    )
-    for branch in (1, 2):
-        one = at([*along, *across], r=r, l=l, e=e, omega=1.3, theta=theta, branch=branch)
-        other = at([*along, *across], r=r, l=l, e=-e, omega=-1.3, theta=-theta, branch=branch)
-        for name in one:
-            sign = -1.0 if name in across else 1.0
-            np.testing.assert_array_equal(other[name], sign * one[name], err_msg=name)
 
 
 def test_links_of_a_round_bar_are_those_of_the_planar_4r_and_the_slider_s_mass_is_asked_for():
@@ -311,23 +166,3 @@ def test_links_of_a_round_bar_are_those_of_the_planar_4r_and_the_slider_s_mass_i
     np.testing.assert_allclose(found, same, rtol=32 * UNIT_ROUNDING)
     with pytest.raises(InputError, match="m3"):
         at(["T41"], **PUMP, branch=1, links=links)
-
-
-def test_the_study_of_quick_return(folder):
-    path = Path(STUDY.name)
-    text = STUDY.read_text(encoding="utf-8").replace(", 31]", ", 7]")
-    path.write_text(text, encoding="utf-8")
-    with run_study(path) as maps:
-        maps = maps.load()
-    assert maps.sizes["l"] == maps.sizes["e"] == 7
-    turns = maps.l > 0.1 + maps.e + 1e-12  # tenths are not doubles
-    np.testing.assert_array_equal(np.isfinite(maps.time_ratio), turns)
-    np.testing.assert_array_equal(maps.time_ratio.sel(e=0.0), 1.0)
-    # The farther the line is off, the quicker the return and the worse the transmission.
-    for name in ("time_ratio", "transmission_angle_greatest"):
-        steps = np.diff(maps[name].where(turns).values, axis=maps[name].dims.index("e"))
-        assert np.nanmin(steps) > 0.0, name
-    # of a whole turn: both ends of the stroke are extremes of the position
-    way = 4.0 * 0.1 * maps.l / (maps.outer_dead_centre + maps.inner_dead_centre)
-    np.testing.assert_allclose(maps.stroke.where(turns), way.where(turns), rtol=16 * UNIT_ROUNDING)
-    assert np.all(maps.T41_fluctuation.where(turns).fillna(1.0) > 0.0)
