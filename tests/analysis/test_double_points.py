@@ -1,4 +1,4 @@
-"""Crunodes and cusps of coupler curves against polylines and motions followed step by step."""
+"""Crunodes and cusps of coupler curves against polylines and the instant centre."""
 
 from __future__ import annotations
 

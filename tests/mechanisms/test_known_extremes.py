@@ -1,4 +1,4 @@
-"""Extremes that are known in closed form: what a search finds, and nothing beyond them in the motion."""
+"""Extremes that are known in closed form: what a search finds."""
 
 from __future__ import annotations
 

@@ -89,6 +89,3 @@ def family(drive, kind, rng, n):
     if name == "scale":
         designs |= {length: designs[length] * float(size) for length in LENGTHS}
     return designs | {drive: angles}
-
-
-# -- unlike numbers -----------------------------------------------------------------------------------------------

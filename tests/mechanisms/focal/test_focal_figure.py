@@ -248,6 +248,3 @@ def test_extremes_of_what_passes_infinity_are_those_of_the_given_positions():
     maps = fl.sweep("focal", space, ["X_x", "X_x_max", "Y_x", "Y_x_min"])
     np.testing.assert_array_equal(maps.X_x_max, maps.X_x.max("phi"))
     np.testing.assert_array_equal(maps.Y_x_min, maps.Y_x.min("phi"))
-
-
-# -- the line that fits a path best -------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""Status of focal mechanisms at and next to every boundary, bad input, and the studies at reduced size."""
+"""Status of focal mechanisms at and next to every boundary, and a study at reduced size."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Hart's linkage: the line, the loop of the paper's equations, the stroke by brute force, the kite, what is refused."""
+"""Hart's linkage: the line, the loop of the paper's equations, the stroke by brute force, the kite, status."""
 
 from __future__ import annotations
 
@@ -206,6 +206,3 @@ def test_status_agrees_with_the_four_bar():
     np.testing.assert_array_equal(told["grashof_class"], bars["grashof_class"])
     lengths = np.sort([*four.values()], axis=0)
     np.testing.assert_array_equal(told["status"] == 3, lengths[3] == lengths[:3].sum(axis=0))
-
-
-# -- bad input ------------------------------------------------------------------------------------------------

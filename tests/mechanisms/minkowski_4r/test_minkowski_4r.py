@@ -218,6 +218,3 @@ def test_what_is_no_finite_number_has_a_flag_and_each_flag_a_cause(seed):
     np.testing.assert_array_equal(np.isnan(found["zeta"][closed]), inside[closed])
     assert (found["cosh_zeta"][inside] <= -1.0).all()
     assert (found["half_angle_root"][code >= 8] == np.inf).all()
-
-
-# -- the door -----------------------------------------------------------------------------------------------------

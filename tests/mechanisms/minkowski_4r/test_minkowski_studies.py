@@ -1,4 +1,4 @@
-"""The studies of the Minkowskian 4R: every number of section 3.7 of the paper, and the atlas at reduced size."""
+"""The studies of the Minkowskian 4R: every number of section 3.7 of the paper, and the tables at reduced size."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Mass centres, the vectors r_ij of eq. (9) and inertias against differences of positions; what is printed of v."""
+"""Mass centres, and the vectors r_ij of eq. (9) against differences of positions; what is printed of v."""
 
 from __future__ import annotations
 

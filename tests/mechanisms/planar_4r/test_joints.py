@@ -1,4 +1,4 @@
-"""Joint angles and half-angle tangents driven by theta1 or any joint: the six equations, and what sweeps say."""
+"""Joint angles and half-angle tangents driven by theta1 or any joint: the six equations, and what the joints do."""
 
 from __future__ import annotations
 
@@ -221,6 +221,3 @@ def test_io_coefficients_broadcast_and_keep_their_digits_near_change_points():
 def test_io_coefficients_say_what_is_wrong(arguments, message):
     with pytest.raises(fl.InputError, match=message):
         fl.planar.io_coefficients(**{"a1": 1.0, "a2": 2.0, "a3": 2.5, "a4": 2.0} | arguments)
-
-
-# -- sweeps, studies, listings ------------------------------------------------------------------------------------

@@ -296,7 +296,7 @@ MANY = {
 }
 #: Which share of lists may lack what rounding hides, or hold what it makes up, all of them flagged. Sizes of forces
 #: have two extremes next to each toggle, where loads are great too close to tell. Poles of curvatures at folds hide
-#: more than those of others (217 of 2,000), and so does a component of a force with loads of all sizes (79 of 600).
+#: more than others do (217 of 2,000), and so does a component of a force with loads of all sizes (79 of 600).
 MOST = {"ordinary": 0.0, "turning load": 0.2, "peaks": 0.02, "folds": 0.1}
 MOST |= {("folds", "curvature"): 0.12, ("folds", "F32_y"): 0.14}
 

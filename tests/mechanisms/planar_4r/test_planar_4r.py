@@ -1,4 +1,4 @@
-"""The planar 4R: digits at toggles and of unequal lengths, both solvers, loads, and mirror and reversal of the motion.
+"""The planar 4R: both solvers, the mirror image of the motion, and loads of nothing.
 
 Its formulas are held by the loops (tests/precision/test_loops.py).
 """

@@ -1,4 +1,4 @@
-"""The slider-crank: classes and dead centres by exact arithmetic, textbooks, extremes, the planar 4R as a limit.
+"""The slider-crank: classes and dead centres by exact arithmetic, toggles, and links of round bars.
 
 Its formulas are held by the loops (tests/precision/test_loops.py).
 """
