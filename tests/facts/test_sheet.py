@@ -254,7 +254,7 @@ REFUSED = {
         "mend it",
     ),
     "bracket": (HEAD + "    d = (a\n    = d)", 5, "formula of c, line '= d)', is no expression", "mend it"),
-    "power": (HEAD + "    = a**2", 5, "line '= a ** 2', has Pow", "write operators"),
+    "power": (HEAD + "    = a**2", 5, "line '= a ** 2', has Pow", "write powers"),
     "choice": (HEAD + "    = a if a < b else b", 5, "has IfExp", "select(condition, a, b)"),
     "attribute": (HEAD + "    = a.real", 5, "has Attribute", "write operators"),
     "lambda": (HEAD + "    = (lambda: a)", 5, "has Lambda", "write operators"),
@@ -275,7 +275,7 @@ REFUSED = {
     ),
     "function": (HEAD + "    = 2.0 * sqrt", 5, "has the function sqrt without arguments", "write sqrt(...)"),
     "of a table": ("[tables]\nc [1] x: Something\n    = sin(theta", 6, "is no expression", "mend it"),
-    "of a variant": ("[variant v]\na [m] x: Something\n    = b**2", 6, "has Pow", "write operators"),
+    "of a variant": ("[variant v]\na [m] x: Something\n    = b**2", 6, "has Pow", "write powers"),
     "a row": ("[variant v]\nsystem s: a, b\n    | 1.0, 0.0, a", 6, "2 unknowns has rows of 3", "2 rows of 3"),
     "a row without a right-hand side": (
         "[variant v]\nsystem s: a, b\n    | 1.0, 0.0, a\n    | b, 1.0",

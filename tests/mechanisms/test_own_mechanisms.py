@@ -23,7 +23,7 @@ SLIDER = """
 [mechanism]
 slider: Offset slider-crank
 [position]
-turn [rad] t: crank angle from the downward normal of the line of the slider
+tilt [rad] t: crank angle from the downward normal of the line of the slider
 [branches]
 1: to the right
 2: to the left
@@ -41,9 +41,9 @@ step Z0 [1] Z_0: upper toggle
 step {0} [1] C_0: lower toggle
     = -0.5 * (l - r - e) / r
 x [m] x: Slider
-    = r * sin_turn + branch_sign * (2.0 * (r * sigma))
-v [m s-1] v: Velocity
-    = -(omega * d_x_d_turn)
+    = r * sin_tilt + branch_sign * (2.0 * (r * sigma))
+velocity [m s-1] v: Velocity
+    = -(omega * d_x_d_tilt)
 """
 
 
@@ -60,13 +60,17 @@ def quick_return(tmp_path):
 
 def test_extremes_of_a_sheet_are_those_of_the_mechanism_that_is_built_in(tmp_path):
     """Cranks that turn fully, and such that stop at one toggle or at both; the angle is half a turn on."""
-    # (l + u) / (2 r) with u = -r cos(turn) - e is C - C0: heights are measured downwards
+    # (l + u) / (2 r) with u = -r cos(tilt) - e is C - C0: heights are measured downwards
     mine = fl.mechanism(written(tmp_path, SLIDER.replace("{0}", "C0")))
     rng = np.random.default_rng(11)
     design = {"r": rng.uniform(0.5, 1.5, 40), "l": rng.uniform(0.5, 3.0, 40), "e": rng.uniform(-0.6, 0.6, 40)}
     space = fl.table({**design, "omega": np.full(40, 2.0)})
-    own = fl.sweep(mine, space, ["x_max", "x_min", "v_max"])
-    theirs = {"slider_position_max": "x_max", "slider_position_min": "x_min", "slider_velocity_max": "v_max"}
+    own = fl.sweep(mine, space, ["x_max", "x_min", "velocity_max"])
+    theirs = {
+        "slider_position_max": "x_max",
+        "slider_position_min": "x_min",
+        "slider_velocity_max": "velocity_max",
+    }
     known = fl.sweep("slider_crank", fl.table({**design, "omega": np.full(40, 2.0)}), list(theirs))
     differ = 0
     for name, other in theirs.items():
@@ -136,6 +140,19 @@ REFUSED = {
     "another unknown": ("slide by omega", "side by omega", "side is none of the unknowns"),
     "units": (r"psi_rate \[rad s-1\]", "psi_rate [m s-1]", "psi_rate declares m s-1 and s-1"),
     "a sum of units": (r"= r \* sin_theta", "= r + sin_theta", "CA_y adds m and a number"),
+    "a word of kernels": (r"step CA_y \[m\]", "step width [m]", "width is a word of fastlink's own"),
+    "a function of tables": (
+        r"= r \* sin_theta",
+        "= r * sin(theta)",
+        "CA_y calls sin, which kernels do not have",
+    ),
+    "unknown units": (r"e \[m\]", "e [metre]", "e has the units 'metre'"),
+    "a name in loops": (r"r \* cos\(theta\)", "rr * cos(theta)", "rr of the loops is none of their unknowns"),
+    "a speed": ("slide by omega:", "slide by omegaa:", "omegaa of the loops is none of their unknowns"),
+    "a tab": ("    rule: positive", "\trule: positive", "line 16: the line has a tab"),
+    "no number": (r"= r \* sin_theta", "= r * (1.0 / 0.0)", "CA_y cannot be computed"),
+    "status without codes": ("psi_acceleration ", "status ", "status has no code beyond_range"),
+    "too long": (r"= r \* sin_theta", "= r" + " + r" * 5000, "too many terms"),
     "a rule": ("rule: positive", "rule: great", "'great' is no rule"),
 }
 
@@ -153,3 +170,21 @@ def test_wrong_sheets_are_refused_with_their_line(tmp_path, kind):
 def test_what_is_no_sheet_is_refused(file):
     with pytest.raises(InputError, match="mechanism"):
         fl.mechanism(file)
+
+
+def test_a_fact_may_be_made_of_a_derivative_of_the_input_angle_alone(tmp_path):
+    height = "h [m] h: Height\n    = r * cos_tilt\nh_rate [m s-1] h: Rate\n    = omega * d_h_d_tilt\n"
+    mine = fl.mechanism(written(tmp_path, SLIDER.replace("{0}", "C0") + height))
+    found = fl.evaluate(mine, ["h_rate"], r=0.5, l=1.0, e=0.1, omega=2.0, tilt=0.3, branch=1)["h_rate"]
+    assert found == pytest.approx(-np.sin(0.3), rel=1e-15)
+
+
+def test_what_may_end_within_the_range_has_the_extremes_of_samples(tmp_path):
+    """A second dyad ends where its own root does, which Z0 and C0 do not know."""
+    dyad = "y [m] y: A second dyad\n    square = 4.0 * r * r - x * x\n    = sqrt(square)\n"
+    mine = fl.mechanism(written(tmp_path, SLIDER.replace("{0}", "C0") + dyad))
+    maps = fl.sweep(
+        mine, {"r": 0.5, "l": 0.9, "e": 0.1, "omega": 2.0}, ["y", "y_min", "x_min"], tilt=64, branch=1
+    )
+    assert 0 < np.isnan(maps.y.values).sum() < 64
+    assert float(maps.y_min.squeeze()) == np.nanmin(maps.y.values)

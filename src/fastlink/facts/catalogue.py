@@ -622,7 +622,7 @@ class Catalogue:
             leaves |= set(self.graded.coordinates)
         for option in ((), *((name,) for name in {*self.variants, *self.variant_inputs})):
             replaced = {name for key in option for name in self.variants.get(key, {})}
-            known = leaves | (set(self.known_inputs(option)) - replaced)
+            known = (leaves | set(self.known_inputs(option))) - replaced
             for _ in self.dependencies(sorted(names), known, option):
                 pass
 

@@ -145,6 +145,8 @@ class Formula:
                 if not isinstance(node, ALLOWED_NODES):
                     what = f"has {type(node).__name__}, which is not in the grammar of formulas"
                     remedy = "write operators, comparisons and calls: select(condition, a, b) for a choice"
+                    if isinstance(node, ast.Pow):
+                        remedy = "write powers as products, x * x"
                     raise self._refused(statement, what, remedy)
         return tuple(self.body)
 

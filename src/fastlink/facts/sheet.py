@@ -39,16 +39,17 @@ from __future__ import annotations
 import ast
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from keyword import kwlist
 from pathlib import Path
 from typing import Any, get_args
 
-from fastlink.errors import suggest
+from fastlink.errors import InputError, suggest
 from fastlink.facts.catalogue import Catalogue, plain_and_above
 from fastlink.facts.fact import Fact, GradedRange, Input, Loops, Rule, System
 from fastlink.facts.formula import NAMESPACE, WORD, CatalogueError, Formula, SheetError
+from fastlink.facts.names import root_of
 from fastlink.facts.powers import Powers, UnlikePowers, dimensions
 
 __all__ = ["Entry", "SheetError", "entries_of", "mechanism_of", "read_sheet", "read_sheets", "wrong_units"]
@@ -107,6 +108,9 @@ def entries_of(text: str, file: str) -> Iterator[Entry]:
         line = (REMARK.sub("", written) if "#" in written else written).rstrip()
         if not line:
             continue
+        if "\t" in line or not line.isprintable():
+            what = "the line has a tab or a sign that does not print"
+            raise SheetError(place, what, "indent by spaces, and leave such signs out")
         if line.startswith(" "):
             if entry is None:
                 raise SheetError(place, "an indented line without an entry before", "write its head first")
@@ -125,7 +129,9 @@ def entries_of(text: str, file: str) -> Iterator[Entry]:
             section = found[2] or found[1]
         elif line.startswith("["):
             raise SheetError(
-                place, f"{line} is no section", "write [inputs], [tables], [facts] or [variant NAME]"
+                place,
+                f"{line} is no section",
+                "write [inputs], [tables], [facts], [variant NAME], [mechanism], [position], [branches] or [loops]",
             )
         else:
             entry = Entry(place, line, section, source)
@@ -197,6 +203,8 @@ def _declare(
         return
     formula = _formula(entry, name, lines, names)
     if entry.section == "loops":
+        if catalogue.loops is not None:
+            raise SheetError(entry.place, "there are two loops", "write all equations below one head")
         catalogue.loops = _loops(entry, tuple(re.split(r",\s*", head["unknowns"] or "")), said, formula)
         return
     if head["unknowns"]:
@@ -313,6 +321,7 @@ def mechanism_of(text: str, file: str) -> Catalogue:
     SheetError
         The sheet cannot be read, or what it declares is incomplete.
     """
+    text = text.removeprefix("\ufeff")
     entries = [*entries_of(text, file)]
     title, position = _only_head(entries, "mechanism", file), _only_head(entries, "position", file)
     if not title["unknowns"]:
@@ -329,8 +338,10 @@ def mechanism_of(text: str, file: str) -> Catalogue:
     found = Catalogue(
         str(title["name"]), str(title["unknowns"]), branches, Input(name, "rad", symbol, meaning)
     )
-    read_sheet(TURN.read_text(encoding="utf-8").replace("POSITION", name), TURN.name, found)
+    _check_names(entries, found.name, name)
+    read_sheet(TURN.read_text(encoding="utf-8").replace("POSITION", name), "what every sheet gets", found)
     read_sheet(text, file, found)
+    _check_facts(found, file)
     conditions = (
         VALID.get(one.rule, "(abs({0}) < INFINITY)").format(one.name) for one in found.inputs.values()
     )
@@ -350,7 +361,67 @@ def mechanism_of(text: str, file: str) -> Catalogue:
     for name, problem in wrong_units(found).items():
         place = found.facts[name].formula.place if name in found.facts else file
         raise SheetError(place, f"{name} {problem}", "mend its units, or its formula")
+    if found.loops is not None:
+        _check_loops(found, found.loops)
     return found
+
+
+#: Functions of formulas that tables alone may call, and what facts have in their place.
+OF_TABLES = {"sin": "sine", "cos": "cosine"} | dict.fromkeys(
+    ("exp", "sinh", "cosh", "binary_exponent", "ldexp"), ""
+)
+
+
+def _check_names(entries: Iterable[Entry], *names: str) -> None:
+    """Refuse names that no file or kernel could have, and units that are none."""
+    from fastlink.facts.own import MADE, TAKEN, check_units
+
+    for entry in entries:
+        head = HEAD.fullmatch(entry.head)
+        name = str(head["name"]) if head is not None else ""
+        is_declared = head is not None and entry.section != "branches" and head["kind"] != "also "
+        if not is_declared or (entry.section == "facts" and name == "status"):
+            continue
+        if not re.fullmatch("[A-Za-z](_?[A-Za-z0-9])*_?", name) or name in TAKEN or re.match(MADE, name):
+            what = (
+                f"{name} is a word of fastlink's own, or has other letters than a to z, digits and single _"
+            )
+            raise SheetError(entry.place, what, f"call it otherwise, such as my_{name}")
+        if head is not None and head["units"] is not None:
+            try:
+                check_units(("units",), head["units"])
+            except InputError as error:
+                raise SheetError(
+                    entry.place, f"{name} has the units {head['units']!r}", str(error.remedy)
+                ) from None
+
+
+def _check_facts(found: Catalogue, file: str) -> None:
+    """Refuse facts that call functions of tables, and a status without codes."""
+    for name, fact in found.facts.items():
+        for called in sorted(fact.formula.uses & OF_TABLES.keys()):
+            position = found.position.name
+            other = f"{called}_{position} for that of {position}, or {OF_TABLES[called]}(...)"
+            remedy = f"write {other}" if OF_TABLES[called] else "write what is made of + - * / and sqrt"
+            raise SheetError(fact.formula.place, f"{name} calls {called}, which kernels do not have", remedy)
+        if name == "status" and (fact.internal or "beyond_range" not in fact.flags.values()):
+            remedy = "write a line CODE: meaning for each code, one of them beyond_range, or leave status out"
+            raise SheetError(fact.formula.place, "status has no code beyond_range", remedy)
+
+
+def _check_loops(known: Catalogue, loops: Loops) -> None:
+    """Refuse equations with other names than unknowns, inputs and the position, and names that are no quantities."""
+    place, inputs = loops.formula.place, {*known.inputs, known.position.name, "branch"}
+    for name in (*loops.unknowns, *loops.rates):
+        if name not in known.public:
+            raise SheetError(place, f"{name} of the loops is no quantity", suggest(name, known.public))
+    for name in (*loops.formula.parameters, *(speed for _, speed, _ in loops.rates.values())):
+        if name not in inputs.union(loops.unknowns):
+            what = f"{name} of the loops is none of their unknowns, and no input"
+            raise SheetError(place, what, suggest(name, [*loops.unknowns, *inputs]))
+    others = loops.formula.uses - {"cos", "sin", "cosine", "sine", "PI", "TWO_PI"}
+    if others:
+        raise SheetError(place, f"the loops call {', '.join(sorted(others))}", "write + - * /, cos and sin")
 
 
 def wrong_units(known: Catalogue) -> dict[str, str]:
@@ -376,6 +447,8 @@ def wrong_units(known: Catalogue) -> dict[str, str]:
                 _check_units(step, [number(need) for need in step.depends_on], number)
             except UnlikePowers as error:
                 problems[name] = str(error)
+            except ArithmeticError as error:
+                problems[name] = f"cannot be computed ({error})"
     return problems
 
 
@@ -413,6 +486,7 @@ def _graded_range(known: Catalogue) -> GradedRange:
     """Return how extremes are searched, and of which quantities they are those of samples."""
     wraps: dict[str, str] = {}
     sampled = []
+    open_ends = _with_roots(known)
     for name, fact in known.public.items():
         result = fact.formula.result
         is_angle = isinstance(result, ast.Call) and ast.unparse(result.func) == "atan2"
@@ -422,6 +496,8 @@ def _graded_range(known: Catalogue) -> GradedRange:
             wraps[name] = sine.id
         elif is_angle or not fact.formula.uses.isdisjoint(JUMPS):
             sampled.append(name)
+    sampled += [name for name in known.public if name in open_ends and name not in sampled]
+    wraps = {name: zero for name, zero in wraps.items() if name not in open_ends}
     return GradedRange(
         antisymmetric=("side", "branch_sign"),
         vanishes_at_toggle="sigma",
@@ -432,6 +508,31 @@ def _graded_range(known: Catalogue) -> GradedRange:
         not_differentiable=tuple(sampled),
         wraps_at=wraps,
     )
+
+
+def _with_roots(known: Catalogue) -> set[str]:
+    """Return the facts that may be no number where the loop closes by Z0 and C0: roots of what else varies."""
+    found: set[str] = set()
+    given = {*known.inputs, *known.tables, *known.table_low_parts, known.position.name, "branch"}
+    closes = {*known.tables, "p", "q", "sigma"}
+    for step in known.dependencies(sorted(known.public), given):
+        reads = {name: {need} for name, need in zip(step.formula.parameters, step.depends_on, strict=True)}
+
+        def needs(node: ast.AST, reads: Mapping[str, set[str]] = reads) -> set[str]:
+            words = (one.id for one in ast.walk(node) if isinstance(one, ast.Name))
+            return set().union(*(reads.get(word, set()) for word in words))
+
+        for statement in step.formula.statements:
+            calls = [node for node in ast.walk(statement) if isinstance(node, ast.Call)]
+            roots = [node.args[0] for node in calls if ast.unparse(node.func) == "sqrt"]
+            if any(known.varies(name) for root in roots for name in needs(root) - closes):
+                found.update(step.names)
+            if isinstance(statement, ast.Assign):
+                own = needs(statement.value)
+                reads |= {one.id: own for one in ast.walk(statement.targets[0]) if isinstance(one, ast.Name)}
+        if not found.isdisjoint(root_of(known.parse(need)) for need in step.depends_on):
+            found.update(step.names)
+    return found
 
 
 def _loops(entry: Entry, unknowns: tuple[str, ...], said: Mapping[str, str], formula: Formula) -> Loops:

@@ -62,6 +62,12 @@ class Mechanism(str):
 
         try:
             known = mechanism_of(text, file)
+        except RecursionError:
+            what, remedy = (
+                "has an expression of too many terms",
+                "write it in several lines: y = ..., y = y + ...",
+            )
+            raise InputError(f"{file} {what}", where=("mechanism",), remedy=remedy) from None
         except SheetError as error:
             raise InputError(error.what, where=("mechanism", error.place), remedy=error.remedy) from None
         own = super().__new__(cls, f"{known.name}@{sha256(text.encode()).hexdigest()[:8]}")
