@@ -14,7 +14,7 @@ from fastlink.numerics.compensated import UNIT_ROUNDING
 
 STUDY = """
 mechanism = "planar_4r"
-quantities = ["omega4_max", "transmission_angle", "status"]
+quantities = ["omega4_max", "transmission_angle", "omega4_max_error", "status"]
 [design]
 a1 = {linspace = [0.3, 0.5, 40]}
 a2 = 1.2
@@ -83,6 +83,11 @@ def test_what_is_written_of_each(measured, folder_of_study):
     with xr.open_dataset(folder_of_study / "accuracy.h5", engine="h5netcdf") as written:
         xr.testing.assert_equal(written, measured)
     assert (folder_of_study / "accuracy.png").stat().st_size > 10_000
+
+
+def test_bounds_of_extremes_are_left_out(measured):
+    """Samples have none, so that a study with them could not be measured at all."""
+    assert "omega4_max_error" in measured.attrs["left_out"]
 
 
 def test_the_table_marks_the_front(measured):

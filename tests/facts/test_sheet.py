@@ -225,6 +225,18 @@ REFUSED = {
         "'negative' is no rule",
         "did you mean 'non-negative'",
     ),
+    "default against its rule": (
+        "[inputs]\nc [m] x: a length\n    rule: positive\n    default: -1.0",
+        6,
+        "-1.0 of c is not positive",
+        "another",
+    ),
+    "rule of a fact": (
+        HEAD + "    rule: positive\n    = a",
+        5,
+        "c has a formula, and a rule",
+        "leave them out",
+    ),
     "default": ("[inputs]\nc [m] x: a length\n    default: much", 6, "'much' is no number", "2.0**-500"),
     "constant": ("let C = sin(1.0)", 5, "'sin(1.0)' is no number", "write such as 2.0**-500"),
     "constant of nothing": ("let C", 5, "'' is no number", "write such as"),

@@ -536,12 +536,14 @@ def _expected(methods: int, quantities: int, designs: int) -> str:
 
 
 def _measurable(plan: Plan) -> tuple[list[str], list[str]]:
-    """Return the names that are measured, and the others: codes, means, lists, residuals."""
+    """Return the names that are measured, and the others: codes, means, lists, residuals, bounds of extremes."""
     measurable = []
     for output in plan.outputs:
         request = output.request
         number = output.dtype == "float64" and "residual" not in request.quantity and not request.listed
-        of_value = request.can_be_refined and not (request.is_position or request.is_of_gradient)
+        of_value = request.can_be_refined and not (
+            request.is_position or request.is_of_gradient or request.is_error
+        )
         extreme = of_value and plan.catalogue.graded is not None
         if number and (request.reduction is None or extreme):
             measurable.append(output.name)

@@ -217,6 +217,9 @@ def _declare(
     if head["units"] is None:
         catalogue.declare_derivative(name, formula, formula.parameters, variant)
         return
+    if said.keys() & {"rule", "default"}:
+        what, remedy = f"{name} has a formula, and a rule or a default", "leave them out: they are of inputs"
+        raise SheetError(entry.place, what, remedy)
     internal = head["kind"] == "step " or entry.section == "tables"
     fact = Fact(name, formula, formula.parameters, units, symbol, meaning, entry.source, internal, codes)
     if "low" in said:
@@ -235,6 +238,10 @@ def _input(entry: Entry, declared: Input, said: Mapping[str, str]) -> Input:
     if rule not in RULES:
         raise SheetError(entry.place, f"{rule!r} is no rule", suggest(rule, RULES))
     default = _number(entry, said["default"], {}) if "default" in said else None
+    if default is not None and rule != "any" and (default < 0.0 or (rule == "positive" and default == 0.0)):
+        raise SheetError(
+            entry.place, f"the default {default} of {declared.name} is not {rule}", "write another one"
+        )
     return replace(declared, rule=rule, default=default)
 
 
