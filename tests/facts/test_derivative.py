@@ -299,7 +299,7 @@ def test_texts_of_any_length_are_derived():
     value = graph.name("x")
     for _ in range(CHAIN):
         value = graph.add(graph.mul(value, graph.name("y")), graph.name("y"))
-    formula, depends_on = generate_formula("f", graph, value, {})
+    formula = generate_formula("f", graph, value, {})
     mechanism = toy(INPUTS)
-    mechanism.declare(Fact("f", formula, depends_on, "1", "f", "the end of the text", "tests"))
+    mechanism.declare(Fact("f", formula, formula.parameters, "1", "f", "the end of the text", "tests"))
     assert_held_to_the_end(mechanism, "f", 0.3, 0.5)

@@ -540,11 +540,10 @@ def _is_slow(step: Step) -> bool:
 
 def _calls(step: Step, *functions: str, divides: bool = False) -> bool:
     """Tell whether the text of a fact names one of these functions, or divides."""
-    return isinstance(step, Fact) and any(
-        (isinstance(node, ast.Name) and node.id in functions) or (divides and isinstance(node, ast.Div))
-        for statement in step.formula.statements
-        for node in ast.walk(statement)
-    )
+    if not isinstance(step, Fact):
+        return False
+    named = not step.formula.uses.isdisjoint(functions)
+    return named or (divides and any(isinstance(node, ast.Div) for node in step.formula.nodes))
 
 
 def write_kernel(program: Program) -> Source:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import math
 import re
 from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
@@ -12,7 +11,7 @@ from fastlink._text import short_repr
 from fastlink.errors import InputError, KeyPath, Problems, Setting, check_choice, door
 from fastlink.facts import own as declarations
 from fastlink.facts.catalogue import Catalogue
-from fastlink.facts.fact import Rule
+from fastlink.facts.fact import Input, Rule
 from fastlink.mechanisms import base_catalogue
 from fastlink.space.design_space import in_unit, numbers_of
 
@@ -175,8 +174,7 @@ def _number(value: Any, rule: Rule, units: str) -> float | None:
         return None
     where = ("input", "default")
     number = float(in_unit(where, value, numbers_of(*where, value, 0), units))
-    wrong = {"any": False, "positive": number <= 0.0, "non-negative": number < 0.0}[rule]
-    if wrong or not math.isfinite(number):
+    if not Input("default", units, "", "", rule).allows(number):
         least = {"any": "", "positive": " greater than 0", "non-negative": " of at least 0"}[rule]
         raise InputError(f"is {short_repr(value)}", where, f"write a finite number{least}")
     return number

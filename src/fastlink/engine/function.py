@@ -18,6 +18,7 @@ from fastlink.engine.run import VECTOR, Runner
 from fastlink.errors import InputError, Problem, Problems, door
 from fastlink.facts.catalogue import ELIMINATED, Catalogue
 from fastlink.facts.derivative import NoDependence, is_tolerance
+from fastlink.facts.fact import Input
 from fastlink.facts.names import Derivative, GradientStatus, Quantity, Reduced, derivative_name
 from fastlink.facts.powers import beyond_range
 from fastlink.machine import check_memory
@@ -26,7 +27,6 @@ from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.numerics.compiler import MOVING, NOTHING
 from fastlink.plan.query import Request, check_names, parse_request
 from fastlink.plan.request import (
-    allowed,
     check_inputs,
     flag_beyond_range,
     radian_keywords,
@@ -48,7 +48,6 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from fastlink.engine.extend import Extension
-    from fastlink.facts.fact import Input
     from fastlink.plan.programs import Output
     from fastlink.space.design_space import Links
 
@@ -330,7 +329,7 @@ class Function:
             self._evaluate_block(flat[:, block], result[:, block], *bound)
         bad = np.zeros(flat.shape[1], dtype=bool)
         for declared, row in zip(self._declared, flat, strict=True):
-            bad |= ~allowed(declared, row)
+            bad |= ~declared.allows(row)
         if bad.any():
             for k in self._numbers:
                 result[k, bad] = np.nan
@@ -428,7 +427,7 @@ class Function:
         runner.run(1)
         for k, result in enumerate(runner.results):
             outputs[k] = result[0].reshape(self._shapes[k])
-        if not all(map(allowed, self._declared, values)):
+        if not all(map(Input.allows, self._declared, values)):
             outputs[self._numbers] = np.nan
         if far and self._flag is not None:
             outputs[self._flag[0]] = self._flag[1]

@@ -629,8 +629,10 @@ class ErrorBounds:
         if name not in self._facts:
             fact = self.bounded_fact(name)
             root, own = self._expression(name)
-            formula, depends_on = generate_formula(error_name(name), self.graph, root, own)
-            self._facts[name] = replace(with_error_labels(fact), formula=formula, depends_on=depends_on)
+            formula = generate_formula(error_name(name), self.graph, root, own)
+            self._facts[name] = replace(
+                with_error_labels(fact), formula=formula, depends_on=formula.parameters
+            )
         return self._facts[name]
 
     def bounded_fact(self, name: str) -> Fact:

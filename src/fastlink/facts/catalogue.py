@@ -348,9 +348,7 @@ class Catalogue:
             self.variants.setdefault(variant, {})[unknown] = declared
         self._check_variant(variant)
 
-    def declare_derivative(
-        self, name: str, formula: Formula, depends_on: tuple[str, ...], variant: str | None = None
-    ) -> None:
+    def declare_derivative(self, name: str, formula: Formula, variant: str | None = None) -> None:
         """Declare the derivative of a fact or table by an input or the position, by its name.
 
         Others are generated, see `fastlink.facts.derivative`: declare one where a closed form is better. It holds
@@ -363,7 +361,7 @@ class Catalogue:
             what = f"{name} is no derivative of a fact by an input"
             raise CatalogueError(f"{self.name}: {what}; write NAME [units] symbol: meaning, as of a fact")
         labelled = with_derivative_labels(fact, self.variables[tree.by])
-        declared = replace(labelled, formula=formula, depends_on=depends_on, internal=True)
+        declared = replace(labelled, formula=formula, depends_on=formula.parameters, internal=True)
         self._check_new(declared.name, variant)
         facts = self.facts if variant is None else self.variants.setdefault(variant, {})
         facts[declared.name] = declared

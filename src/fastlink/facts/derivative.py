@@ -251,8 +251,8 @@ class Derivation:
         guarded = self._existence.guarded(name, root, value)
         if guarded is root:
             return labelled
-        formula, depends_on = generate_formula(derivative, self.graph, guarded, {})
-        return replace(labelled, formula=formula, depends_on=depends_on, flags={})
+        formula = generate_formula(derivative, self.graph, guarded, {})
+        return replace(labelled, formula=formula, depends_on=formula.parameters, flags={})
 
     def slope(self, name: str) -> Node:
         """Return the derivative of a name as a number, a name, or minus a name."""
@@ -382,9 +382,9 @@ class Derivation:
     def _written(self, step: Fact, root: Node, value: Node) -> Fact:
         own = {} if value.kind in ("name", "number", "neg") else {value: step.name}
         name = derivative_name(step.name, self.by.name, self.moving)
-        formula, depends_on = generate_formula(name, self.graph, root, own)
+        formula = generate_formula(name, self.graph, root, own)
         labelled = with_derivative_labels(step, self.by)
-        return replace(labelled, name=name, formula=formula, depends_on=depends_on, flags={})
+        return replace(labelled, name=name, formula=formula, depends_on=formula.parameters, flags={})
 
 
 # -- Changes by tolerances, to first order: of a value, from its derivatives by the inputs that have
@@ -506,5 +506,5 @@ def change_fact(labelled: Fact, how: str, derivatives: Sequence[tuple[str, str]]
         else:
             found = graph.add(found, change) if how == "worst" else graph.call(magnitude, found, change)
     assert found is not None
-    formula, depends_on = generate_formula(labelled.name, graph, found, {})
-    return replace(labelled, formula=formula, depends_on=depends_on)
+    formula = generate_formula(labelled.name, graph, found, {})
+    return replace(labelled, formula=formula, depends_on=formula.parameters)

@@ -374,9 +374,6 @@ SLOPES = {vectors.choice: _of_choice, vectors.absolute: _of_size}
 # -- Formulas made of expressions
 
 
-def generate_formula(
-    name: str, graph: ExpressionGraph, root: Node, given: Mapping[Node, str]
-) -> tuple[Formula, tuple[str, ...]]:
-    """Return a formula that returns a value, and the names that it depends on."""
-    depends_on, lines = graph.write(root, given)
-    return Formula(name, depends_on, lines), depends_on
+def generate_formula(name: str, graph: ExpressionGraph, root: Node, given: Mapping[Node, str]) -> Formula:
+    """Return a formula that returns a value; its parameters are the names that it depends on."""
+    return Formula(name, *graph.write(root, given))

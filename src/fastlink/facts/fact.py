@@ -5,8 +5,11 @@ A *fact* states one physical statement for one design at one input position: a f
 
 from __future__ import annotations
 
+import math
+import operator
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import reduce
 from typing import Any, Literal
 
 from fastlink.facts.formula import CatalogueError, Formula
@@ -40,6 +43,15 @@ class Input:
     rule: Rule = "any"
     default: float | None = None
     choices: Mapping[int, str] = field(default_factory=dict)
+
+    def allows(self, value: Any) -> Any:
+        """Tell whether it may have a value; for an array, each of its values."""
+        finite = abs(value) < math.inf
+        if self.choices:
+            return finite & reduce(operator.or_, (value == code for code in self.choices))
+        if self.rule == "positive":
+            return finite & (value > 0)
+        return finite & (value >= 0) if self.rule == "non-negative" else finite
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cache, cached_property
 from typing import Any
 
@@ -168,6 +168,11 @@ class Formula:
         text = f"= {text.removeprefix('return ')}" if text.startswith("return ") else text
         where = f"formula of {self.name}" + (f", line {text!r}," if text else "")
         return SheetError(self.place or self.file, f"{where} {what}", remedy)
+
+    @property
+    def nodes(self) -> Iterator[ast.AST]:
+        """The nodes of all statements."""
+        return (node for statement in self.statements for node in ast.walk(statement))
 
     @property
     def result(self) -> ast.expr:

@@ -215,7 +215,7 @@ def _declare(
         catalogue.declare_system(System(name, unknowns, formula, formula.parameters), variant)
         return
     if head["units"] is None:
-        catalogue.declare_derivative(name, formula, formula.parameters, variant)
+        catalogue.declare_derivative(name, formula, variant)
         return
     if said.keys() & {"rule", "default"}:
         what, remedy = f"{name} has a formula, and a rule or a default", "leave them out: they are of inputs"
@@ -238,7 +238,7 @@ def _input(entry: Entry, declared: Input, said: Mapping[str, str]) -> Input:
     if rule not in RULES:
         raise SheetError(entry.place, f"{rule!r} is no rule", suggest(rule, RULES))
     default = _number(entry, said["default"], {}) if "default" in said else None
-    if default is not None and rule != "any" and (default < 0.0 or (rule == "positive" and default == 0.0)):
+    if default is not None and not replace(declared, rule=rule, choices={}).allows(default):
         raise SheetError(
             entry.place, f"the default {default} of {declared.name} is not {rule}", "write another one"
         )
@@ -345,10 +345,10 @@ def mechanism_of(text: str, file: str) -> Catalogue:
     found = Catalogue(
         str(title["name"]), str(title["unknowns"]), branches, Input(name, "rad", symbol, meaning)
     )
-    _check_names(entries, found.name, name)
+    _check_names(entries)
     read_sheet(TURN.read_text(encoding="utf-8").replace("POSITION", name), "what every sheet gets", found)
     read_sheet(text, file, found)
-    _check_facts(found, file)
+    _check_facts(found)
     conditions = (
         VALID.get(one.rule, "(abs({0}) < INFINITY)").format(one.name) for one in found.inputs.values()
     )
@@ -379,7 +379,7 @@ OF_TABLES = {"sin": "sine", "cos": "cosine"} | dict.fromkeys(
 )
 
 
-def _check_names(entries: Iterable[Entry], *names: str) -> None:
+def _check_names(entries: Iterable[Entry]) -> None:
     """Refuse names that no file or kernel could have, and units that are none."""
     from fastlink.facts.own import MADE, TAKEN, check_units
 
@@ -403,7 +403,7 @@ def _check_names(entries: Iterable[Entry], *names: str) -> None:
                 ) from None
 
 
-def _check_facts(found: Catalogue, file: str) -> None:
+def _check_facts(found: Catalogue) -> None:
     """Refuse facts that call functions of tables, and a status without codes."""
     for name, fact in found.facts.items():
         for called in sorted(fact.formula.uses & OF_TABLES.keys()):
@@ -499,12 +499,10 @@ def _graded_range(known: Catalogue) -> GradedRange:
         is_angle = isinstance(result, ast.Call) and ast.unparse(result.func) == "atan2"
         sine = result.args[0] if isinstance(result, ast.Call) and is_angle else result
         sine = sine.left if isinstance(sine, ast.BinOp) else sine
-        if is_angle and isinstance(sine, ast.Name) and sine.id in known.facts:
+        if is_angle and isinstance(sine, ast.Name) and sine.id in known.facts and name not in open_ends:
             wraps[name] = sine.id
-        elif is_angle or not fact.formula.uses.isdisjoint(JUMPS):
+        elif is_angle or name in open_ends or not fact.formula.uses.isdisjoint(JUMPS):
             sampled.append(name)
-    sampled += [name for name in known.public if name in open_ends and name not in sampled]
-    wraps = {name: zero for name, zero in wraps.items() if name not in open_ends}
     return GradedRange(
         antisymmetric=("side", "branch_sign"),
         vanishes_at_toggle="sigma",

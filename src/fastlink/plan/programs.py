@@ -310,8 +310,7 @@ def has_sharp_terms(steps: Sequence[Fact | System]) -> bool:
 
 def _calls_of_magnitude(step: Fact) -> int:
     """Return how many magnitudes a user's fact computes itself."""
-    nodes = (node for statement in step.formula.statements for node in ast.walk(statement))
-    calls = (node for node in nodes if isinstance(node, ast.Call))
+    calls = (node for node in step.formula.nodes if isinstance(node, ast.Call))
     return sum(_called(step, call) is magnitude for call in calls)
 
 

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-import operator
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from functools import lru_cache, reduce
+from functools import lru_cache
 from numbers import Real
 from typing import TYPE_CHECKING, Any
 
@@ -109,7 +108,7 @@ def check_inputs(
             if isinstance(column, spaces.Column):
                 problems.noted += _column_problems(known[name], column)
             else:  # designs of a space beyond the range are flagged, as those that never assemble are
-                values, check = space.values(name), allowed if value is None else in_range
+                values, check = space.values(name), Input.allows if value is None else in_range
                 problems.noted += value_problems(known[name], values, "design", check=check)
     problems.stop()
 
@@ -139,19 +138,9 @@ def _exclusive(catalogue: Catalogue, version: int, names: tuple[str, ...]) -> li
     return [(name, other) for name, other in pairs if other in names]
 
 
-def allowed(declared: Input, value: Any) -> Any:
-    """Tell whether an input may have a value; for an array, each of its values."""
-    finite = abs(value) < math.inf
-    if declared.choices:
-        return finite & reduce(operator.or_, (value == code for code in declared.choices))
-    if declared.rule == "positive":
-        return finite & (value > 0)
-    return finite & (value >= 0) if declared.rule == "non-negative" else finite
-
-
 def in_range(declared: Input, value: Any) -> Any:
     """Tell whether an input may have a value, and all steps with it stay within the range of doubles."""
-    return allowed(declared, value) & ~np.bool_(beyond_range(declared, value))
+    return declared.allows(value) & ~np.bool_(beyond_range(declared, value))
 
 
 def flag_beyond_range(catalogue: Catalogue, names: Sequence[str]) -> tuple[int, int] | None:
@@ -189,7 +178,7 @@ def value_problems(
     values: NDArray[np.float64],
     parent: str,
     remedy: Remedy = "",
-    check: Callable[[Input, Any], Any] = allowed,
+    check: Callable[[Input, Any], Any] = Input.allows,
 ) -> list[Problem]:
     """Return the first value that an input cannot have, if there is one; a further remedy may be given."""
     bad = np.flatnonzero(~check(declared, values))[:1]
@@ -203,7 +192,7 @@ def value_problems(
         mend = "write one of " + ", ".join(
             f"{code} ({meaning})" for code, meaning in declared.choices.items()
         )
-    if allowed(declared, value):
+    if declared.allows(value):
         least, most = limits(declared.units, declared.rule)
         zero = "" if declared.rule == "positive" else "0 or "
         sizes = f"of {least:.1e} to {most:.1e}" if least else f"below {most:.1e}"
@@ -214,11 +203,11 @@ def value_problems(
 
 def _column_problems(declared: Input, column: spaces.Column) -> list[Problem]:
     """Return the first value of a column that an input cannot have, if its bounds do not rule it out."""
-    if not declared.choices and all(allowed(declared, end) for end in column.bounds):
+    if not declared.choices and all(declared.allows(end) for end in column.bounds):
         return []
     for start, stop in steps(0, len(column)):
         values = column.piece(start, stop)
-        for row in np.flatnonzero(~allowed(declared, values))[:1].tolist():
+        for row in np.flatnonzero(~declared.allows(values))[:1].tolist():
             (problem,) = value_problems(declared, values[row : row + 1], "design")
             return [replace(problem, where=(*problem.where, start + row))]
     return []

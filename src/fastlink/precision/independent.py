@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 from fastlink.facts.evaluate import read_facts
@@ -874,14 +874,17 @@ def _of_loops(catalogue: Catalogue, loops: Loops) -> Model:
     """Return the model of a mechanism whose sheet has the equations of its loops: their root nearest to its facts."""
     law, position = loops.formula, catalogue.position.name
 
-    def configuration(ctx: Any, at: Mapping[str, Any], order: int, _: bool, values: Values) -> None:
+    @cache
+    def equation_in(ctx: Any) -> Formula:
         of_series = _OfSeries(ctx)
         functions = dict.fromkeys(("cos", "cosine"), of_series.cos)
         functions |= dict.fromkeys(("sin", "sine"), of_series.sin)
         constants = {name: ctx.mpf(x) for name, x in law.names.items() if isinstance(x, float)}
         turns = {"PI": ctx.pi, "TWO_PI": 2 * ctx.pi}
-        equation = Formula(law.name, law.parameters, law.lines, {**constants, **turns, **functions})
-        zero = 0 * ctx.mpf(1)
+        return Formula(law.name, law.parameters, law.lines, {**constants, **turns, **functions})
+
+    def configuration(ctx: Any, at: Mapping[str, Any], order: int, _: bool, values: Values) -> None:
+        equation, zero = equation_in(ctx), 0 * ctx.mpf(1)
 
         def equations(unknowns: list[Series], drive: Series) -> list[Series]:
             known = {**at, position: drive, **dict(zip(loops.unknowns, unknowns, strict=True))}

@@ -134,6 +134,9 @@ class ExactFormula(Formula):
 def _exact_turns(step: Fact | System) -> Fact | System:
     """Return a step in whose formula pi stands for all its digits."""
     law = step.formula
+    named = any(law.names.get(name) in TURNS for name in law.uses)
+    if not named and not any(repr(turn) in line for turn in TURNS for line in law.lines):
+        return step
     return replace(step, formula=ExactFormula(law.name, law.parameters, law.lines, law.names))
 
 

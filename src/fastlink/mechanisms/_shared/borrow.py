@@ -27,6 +27,8 @@ KNOWN_OF_MABN = {
     "B_x": "B_x",
     "Q_x": "B_x",
 }
+#: And those of the planar 4R whose searches theirs are as long as.
+SEARCHED_OF_MABN = {"psi": "theta4", "dpsi_dphi": "omega4"}
 
 
 def facts_of(lender: Catalogue, names: Iterable[str], known: Iterable[str] = ()) -> list[Fact]:
@@ -108,11 +110,13 @@ def borrow_range(
     names: Mapping[str, str],
     prefix: str,
     known: Mapping[str, str],
+    searched: Mapping[str, str],
     **fields: Any,
 ) -> None:
     """Declare the graded range of one mechanism in another, with all that it needs, see `borrow`.
 
-    `known` has for quantities of the borrower those of the lender with extremes at the same places.
+    `known` has for quantities of the borrower those of the lender with extremes at the same places, `searched` those
+    with as many cells and extremes.
     """
     graded = lender.graded
     assert graded is not None
@@ -135,6 +139,8 @@ def borrow_range(
         vanishes_at_toggle=rename(graded.vanishes_at_toggle),
         reciprocal=rename(graded.reciprocal),
         bounded_factor=rename(graded.bounded_factor),
+        cells={name: graded.cells[lent] for name, lent in searched.items()},
+        max_extrema={name: graded.max_extrema[lent] for name, lent in searched.items()},
         known={name: of.renamed(rename) for name, of in at.items()},
         **fields,
     )

@@ -14,6 +14,7 @@ from fastlink.facts.fact import GradedRange, Input, KnownExtremes
 from fastlink.facts.sheet import read_sheets
 from fastlink.mechanisms._shared.borrow import (
     KNOWN_OF_MABN,
+    SEARCHED_OF_MABN,
     ByOtherInput,
     borrow,
     borrow_range,
@@ -126,8 +127,6 @@ OF_CLASS: dict[str, dict[str, Any]] = {
     },
 }
 
-_lent = planar_4r.graded
-assert _lent is not None
 POLES = (
     *("X_x", "X_y", "Y_x"),
     *(f"{points}_{part}" for points in ("PFQX", "SFTY", "PSQT") for part in ("x", "y", "radius")),
@@ -143,9 +142,8 @@ borrow_range(
     planar_4r,
     NAMES,
     PREFIX,
-    cells={"psi": _lent.cells["theta4"], "dpsi_dphi": _lent.cells["omega4"]},
-    max_extrema={"psi": _lent.max_extrema["theta4"], "dpsi_dphi": _lent.max_extrema["omega4"]},
     known=KNOWN_OF_MABN,
+    searched=SEARCHED_OF_MABN,
     not_differentiable=("closure_residual", "F_path_residual", *POLES),
     wraps_at={
         "psi": "NB_y",

@@ -14,6 +14,7 @@ from fastlink.facts.fact import Input
 from fastlink.facts.sheet import read_sheets
 from fastlink.mechanisms._shared.borrow import (
     KNOWN_OF_MABN,
+    SEARCHED_OF_MABN,
     ByOtherInput,
     borrow,
     borrow_range,
@@ -82,18 +83,13 @@ LABELS: dict[str, dict[str, Any]] = {
 }
 borrow(hart, planar_4r, NAMES, PREFIX, LABELS)
 
-assert planar_4r.graded is not None
 borrow_range(
     hart,
     planar_4r,
     NAMES,
     PREFIX,
-    cells={"psi": planar_4r.graded.cells["theta4"], "dpsi_dphi": planar_4r.graded.cells["omega4"]},
-    max_extrema={
-        "psi": planar_4r.graded.max_extrema["theta4"],
-        "dpsi_dphi": planar_4r.graded.max_extrema["omega4"],
-    },
     known=KNOWN_OF_MABN,
+    searched=SEARCHED_OF_MABN,
     not_differentiable=("F_x", "F_along_AB", "F_deviation", "closure_residual"),
     wraps_at={"psi": "B_y", "omega_angle": "sine_part"},
 )

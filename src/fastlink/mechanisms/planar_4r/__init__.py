@@ -27,6 +27,8 @@ read_sheets(
 # than one maximum and one minimum by branch; that of an acceleration is of degree 11: at most 5 were found.
 MONOTONE = ("omega2", "omega4", "theta2", "theta4", "transmission_angle")
 ACCELERATIONS = ("alpha2", "alpha4")
+#: The pairs of joints of which the input-output equations are.
+PAIRS = ("12", "13", "14", "23", "24", "34")
 
 REST_OF_OUTPUT = {1: ("place_folded",), 2: ("place_stretched",)}
 OUTPUT = KnownExtremes(REST_OF_OUTPUT, {1: ("place_output_back",)})
@@ -47,7 +49,7 @@ planar_4r.graded = GradedRange(
     not_differentiable=(
         "loop_residual",
         "joint_angle_1",
-        *(f"io_residual_{pair}" for pair in ("12", "13", "14", "23", "24", "34")),
+        *(f"io_residual_{pair}" for pair in PAIRS),
         *(f"v{k}{of}" for k in range(1, 5) for of in ("", "_dot", "_ddot")),
     ),
     wraps_at={"theta2": "AB_y", "theta4": "DB_y", "joint_angle_2": "AB_v", "joint_angle_4": "DB_y"},

@@ -24,7 +24,7 @@ from fastlink.facts.formula import Formula
 from fastlink.facts.names import Derivative, Quantity
 from fastlink.facts.sheet import read_sheets
 from fastlink.mechanisms._shared.borrow import ByOtherInput, facts_of, with_derivatives
-from fastlink.mechanisms.planar_4r import AT_ENDS, planar_4r
+from fastlink.mechanisms.planar_4r import AT_ENDS, PAIRS, planar_4r
 
 __all__ = ["driven_by", "driven_catalogues"]
 
@@ -59,7 +59,7 @@ HALF_ANGLES = tuple(f"joint_{letter}{i}" for letter in "SCY" for i in (1, 2, 3, 
 KEPT = (
     "grashof_class",
     "grashof_excess",
-    *(f"io_residual_{pair}" for pair in ("12", "13", "14", "23", "24", "34")),
+    *(f"io_residual_{pair}" for pair in PAIRS),
 )
 
 
