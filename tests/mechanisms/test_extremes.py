@@ -177,7 +177,7 @@ def test_the_bound_of_the_best_counts_that_another_one_may_be_it(best, bound, va
 
 
 def test_a_kernel_computes_errors_and_keeps_places_on_request_alone():
-    names = ("omega4_max", "alpha4_extrema", "omega4_rms")
+    names = ("omega4_max", "alpha4_max", "omega4_rms")
     plan = make_plan(catalogue("planar_4r"), names, given=(*LENGTHS, "omega1"))
     texts = [kernel_of(program).text for program in plan.programs]
     assert not any("error" in text or "winners" in text for text in texts)

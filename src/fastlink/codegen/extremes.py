@@ -67,7 +67,7 @@ class ExtremaWriter:
     def item_needs(self, search: ExtremumSearch) -> list[str]:
         """Return the design values that an item of a search carries."""
         names = [*self.slope_names(search), search.quantity, *self.places_wanted]
-        return self.design_needs(self.needed_for([*names, *search.bounded_by]))
+        return self.design_needs(self.needed_for([*names, *search.bounded_by, *search.certain_by]))
 
     @property
     def places_wanted(self) -> list[str]:
@@ -183,7 +183,7 @@ class ExtremaWriter:
 
     def room(self, search: ExtremumSearch) -> int:
         """Return how many entries a list of extremes has room for, 0 where none is requested."""
-        return search.most + results.MORE if self.kept else 0
+        return search.most if search.certain_by else 0
 
     def most_items(self, search: ExtremumSearch) -> tuple[int, ...]:
         """Return how many valleys, roots and unresolved cells a design may have; a smooth function has few.
@@ -294,6 +294,11 @@ class ExtremaWriter:
             )
         if search.splits:
             return
+        if search.certain_by:
+            (bound,) = search.certain_by
+            with self.evaluation(f"certain_{number}", "place", f"for extremes of {quantity} next to limits"):
+                stores = {cells.F: search.slope, cells.SLOPE_BOUND: bound}
+                self.write_values([search.slope, bound], stores, self.item_needs(search))
         with self.evaluation(f"value_{number}", "extreme", f"once, of {quantity}"):
             stores, names = {cells.VALUE: quantity}, [quantity, *self.places_wanted]
             # any number will do where places are not wanted: an arc tangent is half of a function such as omega4
@@ -525,21 +530,17 @@ class ExtremaWriter:
             text.call(undecided.keep_certain, "state, filled")
         text.call(undecided.note_hidden, f"state, filled, table, search_{number}, best")
 
-    def write_noise(self, number: int) -> None:
-        """Write the quantity's evaluation beside items that are next to a fold."""
+    def write_certain(self, number: int) -> None:
+        """Write at which items next to folds and toggles the slope changes its sign beyond its error bound."""
         text = self.text
-        text.call(undecided.count_folded, "state, filled, w, table", "n_near")
+        text.call(undecided.count_near, "state, filled, w, table", "n_near")
         with text.block("if n_near > 0:"):
             text.call(cells.every_vector, "vectors, filled", "n_open")
             with text.block(f"for k in range({undecided.SLOPES}):"):
                 text.call(undecided.place_slope, "state, filled, k")
-                text.add(f"slope_{number}(state, vectors, n_open)")
+                text.add(f"certain_{number}(state, vectors, n_open)")
                 text.call(undecided.keep_slope, "state, filled, k")
             text.call(undecided.settle_slopes, "state, filled")
-            with text.block(f"for trial in range({undecided.TRIALS}):"):
-                text.call(undecided.place_beside_fold, "state, filled, trial")
-                self.write_value(number)
-                text.call(undecided.keep_beside_fold, "state, filled")
 
     def write_lists(self, function: Callable[..., Any]) -> None:
         """Write the call of a function for the lists of the extremes of each quantity."""
@@ -568,8 +569,6 @@ class ExtremaWriter:
                 self.write_search(number)
             for search in filter(self.needs_ends, searches):
                 self.write_ends(searches.index(search))
-            if self.kept:
-                self.write_lists(undecided.thin)
             for row in self.doubts:
                 text.call(results.doubt, f"w, {row}, n_here, lists, best")
             if self.flagged:
@@ -766,12 +765,10 @@ class ExtremaWriter:
     def write_extrema(self, number: int, classify: Callable[..., Any], state: str) -> None:
         """Write the quantity's evaluation at items of a search, what is extreme there, and its storing."""
         text, search = self.text, self.program.searches[number]
-        listed = bool(self.kept) and classify is results.extrema_at_zeros
+        listed = bool(search.certain_by) and classify is results.extrema_at_zeros
         if listed:
-            self.write_noise(number)
+            self.write_certain(number)
         self.write_value(number)
-        if listed:
-            text.call(undecided.settle_noise, "state, filled")
         if classify is beside.end_values and search.at_limit:
             text.call(beside.place_lost, f"state, filled, w, table, {beside.FARTHER}", "n_lost")
             with text.block("if n_lost > 0:"):

@@ -180,6 +180,8 @@ class ExtremumSearch:
     #: Where error bounds of the extremes are requested: those of quantity and slope, the slope's derivative, and
     #: the slope.
     bounded_by: tuple[str, ...] = ()
+    #: Where a list of its extremes is requested: the error bound of the slope, by which an entry is certain.
+    certain_by: tuple[str, ...] = ()
     #: The derivatives of the extremes by inputs that are requested, of the values before those of the places.
     gradients: tuple[Gradient, ...] = ()
     #: Where its extremes are, if that is known in closed form.
@@ -589,6 +591,7 @@ class Planner:
             magnitude=False,
             kinked=False,
             turns=() if slope == name else turns_of(graded, name, steps),
+            certain_by=(),
             gradients=(),
         )
 
@@ -630,7 +633,7 @@ class Planner:
         searches = [search for search in searches if search.quantity in bounded]
         # The fact that vanishes there is the sine of the angle times a length: odd where the angle is.
         jump: dict[str, Any] = {"slope_order": 0, "magnitude": False, "divisors": (), "jumps": True}
-        jump |= {"turns": (), "bounded_by": (), "gradients": ()}
+        jump |= {"turns": (), "bounded_by": (), "certain_by": (), "gradients": ()}
         jumps = [
             replace(s, slope=wraps_at[s.quantity], slope_parity=s.parity, onto=s.quantity, **jump)
             for s in searches
@@ -645,6 +648,7 @@ class Planner:
                 divided=False,
                 turns=(),
                 onto=s.quantity,
+                certain_by=(),
                 gradients=(),
             )
             for s in (*searches, *kinks)
@@ -656,6 +660,8 @@ class Planner:
         """Return a search with the error bounds and derivatives that are requested of its extremes."""
         own = [output for output in outputs if output.request.quantity == search.quantity]
         search = replace(search, gradients=self.gradients(search, own))
+        if any(output.request.listed for output in own):
+            search = replace(search, certain_by=(error_name(search.slope),))
         if not any(output.request.is_error for output in own):
             return search
         bend = derivative_name(search.slope, self.catalogue.position.name)
@@ -705,7 +711,11 @@ class Planner:
         for group in groups.values():
             group += self.searches_for_splits(group)
             names = [position, self.graded.bounded_factor, *(name for end in ends for name in end)]
-            names += [name for s in group for name in (s.slope, s.quantity, *s.divisors, *s.bounded_by)]
+            names += [
+                name
+                for s in group
+                for name in (s.slope, s.quantity, *s.divisors, *s.bounded_by, *s.certain_by)
+            ]
             names += [name for s in group for gradient in s.gradients for name in gradient.names]
             of_group = [o for s in group for o in outputs if o.request.quantity == s.quantity and not s.onto]
             names += [term.tolerance for o in of_group for term in o.terms]

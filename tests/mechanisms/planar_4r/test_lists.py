@@ -13,19 +13,6 @@ from tests.support.exact_extrema import LISTED, exact_extrema
 from tests.support.neighbourhoods import folded_planar_4r
 
 import fastlink as fl
-from fastlink.codegen.runtime.results import (
-    BEST_ROWS,
-    COUNT,
-    DOUBTFUL,
-    GREATEST,
-    LEAST,
-    LIST_KIND,
-    LIST_NOISE,
-    LIST_ROWS,
-    LIST_THETA,
-    LIST_VALUE,
-)
-from fastlink.codegen.runtime.undecided import thin
 
 RATES = ("omega4", "omega2", "alpha4", "alpha2")
 #: Quantities that need masses.
@@ -322,30 +309,6 @@ def test_many_lists_hold_the_exact_extremes_or_have_no_bound(kind, name):
     differ, silent, of = differing(MANY[kind][0](name), name)
     assert silent == 0
     assert differ == 0 or differ < MOST.get((kind, name), MOST[kind]) * of
-
-
-@pytest.mark.parametrize(
-    ("entries", "stay"),
-    [
-        ("+5 -1 +5 -1", [0, 1, 2, 3]),  # all are certain
-        ("+5 -1? +3? -1", [0, 3]),  # none between a maximum and a minimum
-        ("+5 -1? +3? -0? +5 -2", [0, 3, 4, 5]),  # one between two maxima, the least
-        ("-1? +5 -2 +5 -0?", [1, 2, 3, 4]),  # the turn goes on
-        ("+5? -1? +5?", []),  # nothing but rounding
-        ("+5? -1 +4?", [0, 1]),  # one of each kind: a turn ends where it begins
-    ],
-)
-def test_of_doubtful_entries_one_stays_between_two_of_a_kind(entries, stay):
-    lists, best = np.full((LIST_ROWS, 1, 8), np.nan), np.zeros((BEST_ROWS, 1))
-    entries = entries.split()
-    for k, entry in enumerate(entries):
-        doubt, kind = (DOUBTFUL if "?" in entry else 0.0), {"+": 1.0, "-": -1.0}[entry[0]]
-        lists[[LIST_THETA, LIST_VALUE, LIST_KIND, LIST_NOISE], 0, k] = k, float(entry[1]), kind, doubt
-    best[[GREATEST, LEAST, COUNT], 0] = 100.0, -100.0, len(entries)
-    thin(lists, best, 0, 1, 8)
-    assert lists[LIST_THETA, 0, : len(stay)].tolist() == stay
-    assert np.isnan(lists[LIST_THETA, 0, len(stay) :]).all()
-    assert best[COUNT, 0] == len(stay)
 
 
 # -- what a list is --------------------------------------------------------------------------------------------------

@@ -25,13 +25,9 @@ VALUE, THETA, IMAGE, KIND = range(ITEM_ROWS + 9, ITEM_ROWS + 13)
 # Where error bounds are requested, in rows that the iteration has left: those of the value and of the slope at the
 # position, and the sizes of the slope and of the second derivative.
 BOUND, SLOPE, SLOPE_BOUND, BEND = X1, F1, X2, F2
-# What rounding does to the value, in rows of the bracket: first the position and what values beside are, at folds.
-SAVED, NOISE_FLAG, LOWEST, HIGHEST = XA, XB, XC, FC
-# Whether the slope changes its sign there, and while that is sought one slope, whether others of its side agree, and
-# that of the other side, 0 where they do not; in rows that the iteration has left.
-CERTAIN, BEFORE, AGREES, ONE_SIDE = STEPS, F1, TOLERANCE, OPEN
-# What the slope was at the end of the iteration, until values beside are evaluated.
-FOUND = X2
+# Whether the slope changes its sign there beyond its error, and while that is sought the position, the slope, that of
+# the side nearer to the end and the sign that is expected of it; in rows that the iteration has left.
+CERTAIN, SAVED, FOUND, ONE_SIDE, EXPECTED = STEPS, XA, TOLERANCE, OPEN, XC
 # Of a cell that is divided: the fine samples' positions, negative beyond an end of the range, and values there.
 PARTS = 8
 FINE_SAMPLES = PARTS + 3

@@ -12,6 +12,7 @@ from fastlink.codegen.runtime.cells import (
     BEND,
     BOUND,
     BRANCHES,
+    CERTAIN,
     FA,
     FB,
     HALF,
@@ -21,7 +22,6 @@ from fastlink.codegen.runtime.cells import (
     LANE,
     LANES,
     MIRROR,
-    NOISE_FLAG,
     NUMBER,
     ONTO,
     ORDER,
@@ -176,17 +176,10 @@ def of_better(best: Any, best_bound: Any, value: Any, bound: Any) -> Any:
     return reach if reach > own else own
 
 
-# Rows of the lists: an extremum's position, value and kind, and what rounding does to the value at a fold; where error
-# bounds are requested, that of the value.
-LIST_THETA, LIST_VALUE, LIST_KIND, LIST_NOISE, LIST_BOUND = range(5)
-LIST_ROWS = 4
-#: So many more entries than are returned are kept until those that are rounding have left.
-MORE = 27
+# Rows of the lists: an extremum's position, value and kind; where error bounds are requested, that of the value.
+LIST_THETA, LIST_VALUE, LIST_KIND, LIST_BOUND = range(4)
+LIST_ROWS = 3
 LIST_ROW_OF = {"position": LIST_THETA, "value": LIST_VALUE, "kind": LIST_KIND, "error": LIST_BOUND}
-#: What stands for the rounding of a value that may be no extreme: its slope is certain on neither side.
-DOUBTFUL = -1.0
-#: And for that of one next to a toggle, where there is none: no list holds it.
-SPURIOUS = -2.0
 # Rows of the best: greatest and least value with their positions, and how many extrema there are; where error bounds
 # are requested, those of both, and whether the list of extremes is undecided.
 GREATEST, AT_GREATEST, LEAST, AT_LEAST, COUNT, GREATEST_BOUND, LEAST_BOUND, UNDECIDED = range(8)
@@ -294,20 +287,18 @@ def store_extrema(s: Any, count: int, table: Any, search: Any, lists: Any, best:
                     value = parity * value
                 kind = parity * kind
             column = (onto * branches + target) * LANES + lane
-            # a function that is nothing but rounding would leave no room for extremes
-            doubtful = (room > 0) & (s[NOISE_FLAG, i] == DOUBTFUL)
-            spurious = (room > 0) & (s[NOISE_FLAG, i] == SPURIOUS)
-            if (kind != 0.0) & (not spurious) & ((not doubtful) | (best[COUNT, column] < (room >> 1))):
-                if room > 0:
+            if (kind != 0.0) & (room > 0):
+                if s[CERTAIN, i] > 0.0:
                     k = _insert(lists, column, int(best[COUNT, column]), theta, room)
                     if k < room:
                         lists[LIST_THETA, column, k] = theta
                         lists[LIST_VALUE, column, k] = value
                         lists[LIST_KIND, column, k] = kind
-                        lists[LIST_NOISE, column, k] = s[NOISE_FLAG, i]
                         if lists.shape[0] > LIST_BOUND:
                             lists[LIST_BOUND, column, k] = bound
-                best[COUNT, column] += 1.0
+                    best[COUNT, column] += 1.0
+                elif best.shape[0] > BEST_ROWS:
+                    best[UNDECIDED, column] = 1.0
             least = -PI if jumps else value
             if best.shape[0] > BEST_ROWS:
                 high, low = best[GREATEST_BOUND, column], best[LEAST_BOUND, column]
@@ -341,7 +332,7 @@ def store_list(result: Any, first: int, count: int, base: int, lists: Any, row: 
     for i in range(count):
         for branch in range(result.shape[1]):
             for k in range(result.shape[2]):
-                value = lists[row, base + branch * LANES + i, k] if k < lists.shape[2] - MORE else beyond
+                value = lists[row, base + branch * LANES + i, k] if k < lists.shape[2] else beyond
                 result[first + i, branch, k] = value
 
 

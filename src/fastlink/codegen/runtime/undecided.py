@@ -5,25 +5,22 @@ from __future__ import annotations
 from typing import Any
 
 from fastlink.codegen.runtime.cells import (
-    AGREES,
-    BEFORE,
     BEND,
     BEYOND,
     BOUND,
     BRANCHES,
     CELLS,
     CERTAIN,
+    EXPECTED,
     FA,
+    FB,
     FIRST,
     FOUND,
     HALF,
-    HIGHEST,
     KIND,
     LANE,
     LANES,
-    LOWEST,
     MIRROR,
-    NOISE_FLAG,
     NUMBER,
     ONE_SIDE,
     OWN,
@@ -38,6 +35,8 @@ from fastlink.codegen.runtime.cells import (
     TOLERANCE,
     UPPER,
     VALUE,
+    XA,
+    XB,
     F,
     X,
     append_item,
@@ -45,112 +44,70 @@ from fastlink.codegen.runtime.cells import (
     set_bracket,
 )
 from fastlink.codegen.runtime.results import (
-    BEST_ROWS,
     COUNT,
-    DOUBTFUL,
     LIST_BOUND,
-    LIST_KIND,
-    LIST_NOISE,
-    LIST_THETA,
-    LIST_VALUE,
-    SPURIOUS,
     UNDECIDED,
     is_certain,
 )
 from fastlink.numerics.compiler import lanes, merged, outlined
 from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER
 
-# -- Entries of the lists that are nothing but rounding, next to folds
+# -- Entries of the lists that are nothing but rounding, next to folds and toggles
 
 # At a fold a quantity may be a small difference of great numbers: its slope changes its sign with every
-# last bit, and each change looks like an extreme. So an extreme is listed only if its slope has one sign on
-# its one side and the other on the other, at some distance at which a slight change of the position leaves
-# the slope what it is: rounding errors do as they like. Of others between two maxima, or two minima, one is
-# left, as there is one; else all leave. They still count for the greatest and the least value, within whose
-# bounds they are.
-#
-# At a toggle a curvature goes on in the other branch, and its slope in the input position is infinite: a
-# small difference of great numbers there. An entry within 2^-20 of the scale from a toggle is listed only
-# if its slope is certain, too.
-#
-# Where a slope has three zeros in place of one, two of these are rounding. What that does to the value is
-# measured, too: it is evaluated at positions beside, which differ by so little that an extreme would not
-# change in its last digits. A maximum and the minimum next to it whose values differ by less than rounding
-# does to each of them leave the list together; the nearest values first. The greatest and the least of all
-# stay. Where more entries are certain than the lists have room for, all stay. A list from which uncertain
-# ones were taken, or that has no room for all, is undecided: it may lack an extreme, or hold one too many,
-# see `hidden`.
+# last bit, and each change looks like an extreme. At a toggle a curvature goes on in the other branch, and
+# its slope in the input position is infinite: a small difference of great numbers there, too. So an entry
+# there is certain only if at some distance the slope is beyond its error bound on both sides, with the
+# signs of that extreme. Others leave the list, which is undecided then: it may lack an extreme. They still
+# count for the greatest and the least value, within whose bounds they are.
 
 
-#: Positions are moved by 2^-20 of themselves, then 2^-28, 2^-36, 2^-44; rounding is at most so many times as great as
-#: these show.
-TRIALS, FIRST_STEP, NEXT_STEP, MARGIN = 4, 2.0**-20, 2.0**-8, 8.0
-#: Slopes are compared at so many distances from an extreme, on both sides at so many positions each; the distances
-#: are 2^-1, 2^-7, ... of the position itself, and positions 2^-4 of the distance apart, by which the slope there may
-#: change by so much.
-DISTANCES, POSITIONS, FIRST_DISTANCE, NEXT_DISTANCE, APART, CHANGE = 6, 4, 0.5, 2.0**-6, 2.0**-4, 0.3125
-SLOPES = DISTANCES * 2 * POSITIONS
-#: Whose number is one of so many bits, then comes that of the side, as kernels divide by powers of two alone.
-BITS, LAST = 2, POSITIONS - 1
-# How near a fold, in x, rounding is measured: farther away quantities are no small differences of great numbers.
+#: Slopes are evaluated on both sides at so many distances from an extreme: 2^-1, 2^-7, ... of the position itself.
+DISTANCES, FIRST_DISTANCE, NEXT_DISTANCE = 6, 0.5, 2.0**-6
+SLOPES = 2 * DISTANCES
+# How near a fold, in x, that is done: farther away quantities are no small differences of great numbers.
 NEAR = 2.0**-10
-# So many distances of the first sample from a toggle its slope is looked at: within 2^-20 of the scale.
+# And within how many distances of the first sample from a toggle: within 2^-20 of the scale.
 NEAR_TOGGLE = 2.0**40
-#: What marks items next to a fold, and those next to a toggle.
-FOLDED, TOGGLED = 1.0, 2.0
 
 
 @outlined
-def count_folded(s: Any, count: int, w: Any, table: Any) -> int:
-    """Return how many items are near a fold or toggle; mark these, and keep all positions and slopes."""
+def count_near(s: Any, count: int, w: Any, table: Any) -> int:
+    """Return how many items are near a fold or toggle, and not certain yet; keep all positions and slopes."""
     near = 0
     for i in range(count):
         lane, upper = int(s[LANE, i]), int(s[UPPER, i])
-        fold = (w[table[START] + upper, lane] != 0.0) & (w[table[TOGGLE] + upper, lane] == 0.0)
+        first, toggle = abs(w[table[START] + upper, lane]), w[table[TOGGLE] + upper, lane]
+        is_near = (first != 0.0) & (s[X, i] < NEAR) if toggle == 0.0 else s[X, i] < NEAR_TOGGLE * first
+        rises, turned = (s[FA, i] > 0.0) | (s[FB, i] < 0.0), s[XA, i] > s[XB, i]
+        s[EXPECTED, i] = 1.0 if rises != turned else -1.0
         s[SAVED, i] = s[X, i]
         s[FOUND, i] = s[F, i]
-        s[NOISE_FLAG, i] = 0.0
-        s[CERTAIN, i] = 1.0
-        s[LOWEST, i] = INFINITY
-        s[HIGHEST, i] = -INFINITY
-        beside = (not fold) & (s[X, i] < NEAR_TOGGLE * abs(w[table[START] + upper, lane]))
-        if beside | (fold & (abs(s[X, i]) < NEAR)):
-            s[NOISE_FLAG, i] = TOGGLED if beside else FOLDED
-            s[CERTAIN, i] = 0.0
-            near = near + 1
+        s[CERTAIN, i] = 0.0 if is_near else 1.0
+        near = near + (1 if is_near else 0)
     return near
 
 
 @outlined
 def place_slope(s: Any, count: int, k: int) -> None:
-    """Put items near a fold at the k-th position at which the slope is compared."""
+    """Put items at the k-th place where the slope is evaluated: nearer to the end and farther from it in turns."""
     distance = FIRST_DISTANCE
-    for _ in range(k >> (BITS + 1)):
+    for _ in range(k >> 1):
         distance = NEXT_DISTANCE * distance
-    away = distance * (1.0 + APART * (k & LAST))
-    times = 1.0 + away if (k >> BITS) & 1 == 1 else 1.0 / (1.0 + away)
+    times = 1.0 / (1.0 + distance) if k & 1 == 0 else 1.0 + distance
     for i in lanes(padded(count)):
-        s[X, i] = s[SAVED, i] * times if s[NOISE_FLAG, i] > 0.0 else s[SAVED, i]
+        s[X, i] = s[SAVED, i] * times
 
 
 @outlined
 def keep_slope(s: Any, count: int, k: int) -> None:
-    """Compare the slope at the k-th position with that at the first one of its side, and that with the other side's."""
-    position, side = k & LAST, (k >> BITS) & 1
-    if position == 0:
-        for i in lanes(padded(count)):
-            s[BEFORE, i] = s[F, i]
-            s[AGREES, i] = 1.0
-    else:
-        for i in lanes(padded(count)):
-            before = s[BEFORE, i]
-            s[AGREES, i] = s[AGREES, i] if abs(s[F, i] - before) <= CHANGE * abs(before) else 0.0
-    if position == POSITIONS - 1:
-        for i in lanes(padded(count)):
-            before = s[BEFORE, i] if s[AGREES, i] > 0.0 else 0.0
-            turns = ((before > 0.0) & (s[ONE_SIDE, i] < 0.0)) | ((before < 0.0) & (s[ONE_SIDE, i] > 0.0))
-            s[CERTAIN, i] = 1.0 if turns & (side == 1) else s[CERTAIN, i]
-            s[ONE_SIDE, i] = before
+    """Keep the slope nearer to the end if its sign is certain, or compare that with the one on the other side."""
+    for i in lanes(padded(count)):
+        f = s[F, i] * s[EXPECTED, i]
+        f = f if abs(f) > s[SLOPE_BOUND, i] else 0.0
+        turns = (s[ONE_SIDE, i] > 0.0) & (f < 0.0) & (k & 1 == 1)
+        s[CERTAIN, i] = 1.0 if turns else s[CERTAIN, i]
+        s[ONE_SIDE, i] = f
 
 
 @outlined
@@ -159,110 +116,6 @@ def settle_slopes(s: Any, count: int) -> None:
     for i in lanes(padded(count)):
         s[X, i] = s[SAVED, i]
         s[F, i] = s[FOUND, i]
-
-
-@outlined
-def place_beside_fold(s: Any, count: int, trial: int) -> None:
-    """Put items near a fold beside their positions."""
-    step = FIRST_STEP
-    for _ in range(trial):
-        step = NEXT_STEP * step
-    for i in lanes(padded(count)):
-        s[X, i] = s[SAVED, i] * (1.0 + step) if s[NOISE_FLAG, i] > 0.0 else s[SAVED, i]
-
-
-@outlined
-def keep_beside_fold(s: Any, count: int) -> None:
-    """Keep the least and the greatest of the values beside; put items back."""
-    for i in lanes(padded(count)):
-        value = s[VALUE, i]
-        s[LOWEST, i] = value if value < s[LOWEST, i] else s[LOWEST, i]
-        s[HIGHEST, i] = value if value > s[HIGHEST, i] else s[HIGHEST, i]
-        s[X, i] = s[SAVED, i]
-
-
-@outlined
-def settle_noise(s: Any, count: int) -> None:
-    """Make what rounding does to values of what was seen beside them; 0 far from folds, `DOUBTFUL` of no extreme."""
-    for i in lanes(padded(count)):
-        value = s[VALUE, i]
-        above, below = s[HIGHEST, i] - value, value - s[LOWEST, i]
-        beside = s[NOISE_FLAG, i] == TOGGLED
-        noise = MARGIN * (above if above > below else below) if s[NOISE_FLAG, i] == FOLDED else 0.0
-        s[NOISE_FLAG, i] = noise if s[CERTAIN, i] > 0.0 else (SPURIOUS if beside else DOUBTFUL)
-
-
-@outlined
-def _drop(lists: Any, best: Any, column: int, k: int, many: int) -> None:
-    """Take so many entries out of a list, from the k-th on."""
-    best[COUNT, column] -= float(many)
-    for j in range(k, int(best[COUNT, column])):
-        for r in range(lists.shape[0]):
-            lists[r, column, j] = lists[r, column, j + many]
-
-
-@outlined
-def _drop_doubtful(lists: Any, best: Any, column: int) -> None:
-    """Take entries that may be no extremes out of a list, but for one between two of one kind."""
-    n, last = int(best[COUNT, column]), -1
-    for k in range(n):
-        last = k if lists[LIST_NOISE, column, k] != DOUBTFUL else last
-    before, extreme = lists[LIST_KIND, column, max(last, 0)], -1
-    for step in range(1, n + 1 if last >= 0 else 1):
-        beyond = last + step - n
-        at = beyond if beyond >= 0 else last + step  # the turn goes on from the last entry to the first one
-        kind, value = lists[LIST_KIND, column, at], lists[LIST_VALUE, column, at]
-        if lists[LIST_NOISE, column, at] != DOUBTFUL:
-            if extreme >= 0 and kind == before:
-                lists[LIST_NOISE, column, extreme] = 0.0
-            before, extreme = kind, -1
-        elif kind == -before:
-            other = lists[LIST_VALUE, column, max(extreme, 0)]
-            extreme = at if extreme < 0 or kind * (value - other) > 0.0 else extreme
-    for j in range(n - 1, -1, -1):
-        if lists[LIST_NOISE, column, j] == DOUBTFUL:
-            _drop(lists, best, column, j, 1)
-
-
-@outlined
-def thin(lists: Any, best: Any, first: int, last: int, room: int) -> None:
-    """Take pairs of extremes out of the lists of a search that differ by rounding alone."""
-    for column in range(first, last):
-        n, noisy, doubtful = int(best[COUNT, column]), 0, 0
-        for k in range(min(n, room)):
-            noisy = noisy + (1 if lists[LIST_NOISE, column, k] > 0.0 else 0)
-            doubtful = doubtful + (1 if lists[LIST_NOISE, column, k] == DOUBTFUL else 0)
-        if ((doubtful > 0) | (n > room)) & (best.shape[0] > BEST_ROWS):
-            best[UNDECIDED, column] = 1.0
-        if (noisy + doubtful == 0) | (n > room):
-            continue
-        before = n
-        if doubtful > 0:
-            _drop_doubtful(lists, best, column)
-        n = int(best[COUNT, column])
-        # of the list: whether ends of the range count, too, hangs on what else is requested
-        greatest, lowest = -INFINITY, INFINITY
-        for k in range(n):
-            greatest = max(greatest, lists[LIST_VALUE, column, k])
-            lowest = min(lowest, lists[LIST_VALUE, column, k])
-        pair = 0
-        while pair >= 0:
-            pair, least = -1, INFINITY
-            for k in range(n - 1):
-                value, after = lists[LIST_VALUE, column, k], lists[LIST_VALUE, column, k + 1]
-                low, high = min(value, after), max(value, after)
-                turns = lists[LIST_KIND, column, k] != lists[LIST_KIND, column, k + 1]
-                one, other = lists[LIST_NOISE, column, k], lists[LIST_NOISE, column, k + 1]
-                inner = (high < greatest) & (low > lowest)
-                if turns & inner & (high - low <= min(one, other)) & (high - low < least):
-                    pair, least = k, high - low
-            if pair >= 0:
-                n = n - 2
-                _drop(lists, best, column, pair, 2)
-        for k in range(n, before):
-            lists[LIST_THETA, column, k] = NOT_A_NUMBER
-            for r in range(LIST_VALUE, lists.shape[0]):
-                lists[r, column, k] = 0.0 if r == LIST_KIND else NOT_A_NUMBER
 
 
 # -- Lists that may lack an extreme, or hold one too many: those that doubles do not decide
@@ -362,7 +215,7 @@ def note_uncertain(s: Any, count: int, w: Any, table: Any, search: Any, best: An
 def flag_undecided(lists: Any, best: Any, first: int, last: int, room: int) -> None:
     """Make the bounds of all places of undecided lists infinite; the parameters are those of `noise.thin`."""
     for column in range(first, last):
-        if best[UNDECIDED, column] > 0.0:
+        if (best[UNDECIDED, column] > 0.0) | (best[COUNT, column] > room):
             for k in range(room):
                 lists[LIST_BOUND, column, k] = INFINITY
 
