@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from fastlink.codegen.runtime import beside, cells, results, undecided
+from fastlink.codegen.runtime import beside, cells, results
 from fastlink.codegen.runtime.beside import MOST_SPLITS, OCTAVES, SPLIT_ROWS
 from fastlink.codegen.runtime.cells import ITEM_ROWS, LANES, MOST_LANES, STATE_ROWS
 from fastlink.codegen.runtime.results import WINNER_ROWS
@@ -437,7 +437,7 @@ class ExtremaWriter:
 
     @property
     def flagged(self) -> bool:
-        """Whether lists of extremes have error bounds, which tell where a list is undecided."""
+        """Whether lists of extremes have error bounds, which tell where a list is results."""
         return bool(self.kept) and self.program.has_bounds
 
     def write_value(self, number: int) -> None:
@@ -523,24 +523,24 @@ class ExtremaWriter:
     def write_certainty(self, number: int) -> None:
         """Write how far towards the fold the slope is certain, and that the lists of those that fall are marked."""
         text = self.text
-        text.call(undecided.begin_certain, "state, filled")
+        text.call(results.begin_certain, "state, filled")
         with text.block(f"for k in range({beside.OCTAVES}):"):
             text.call(beside.place_octave, "state, filled, k, 0")
             self.write_value(number)
-            text.call(undecided.keep_certain, "state, filled")
-        text.call(undecided.note_hidden, f"state, filled, table, search_{number}, best")
+            text.call(results.keep_certain, "state, filled")
+        text.call(results.note_hidden, f"state, filled, table, search_{number}, best")
 
     def write_certain(self, number: int) -> None:
         """Write at which items next to folds and toggles the slope changes its sign beyond its error bound."""
         text = self.text
-        text.call(undecided.count_near, "state, filled, w, table", "n_near")
+        text.call(results.count_near, "state, filled, w, table", "n_near")
         with text.block("if n_near > 0:"):
             text.call(cells.every_vector, "vectors, filled", "n_open")
-            with text.block(f"for k in range({undecided.SLOPES}):"):
-                text.call(undecided.place_slope, "state, filled, k")
+            with text.block(f"for k in range({results.SLOPES}):"):
+                text.call(results.place_slope, "state, filled, k")
                 text.add(f"certain_{number}(state, vectors, n_open)")
-                text.call(undecided.keep_slope, "state, filled, k")
-            text.call(undecided.settle_slopes, "state, filled")
+                text.call(results.keep_slope, "state, filled, k")
+            text.call(results.settle_slopes, "state, filled")
 
     def write_lists(self, function: Callable[..., Any]) -> None:
         """Write the call of a function for the lists of the extremes of each quantity."""
@@ -572,7 +572,7 @@ class ExtremaWriter:
             for row in self.doubts:
                 text.call(results.doubt, f"w, {row}, n_here, lists, best")
             if self.flagged:
-                self.write_lists(undecided.flag_undecided)
+                self.write_lists(results.flag_undecided)
             for number in range(len(searches)):
                 self.write_gradients(number)
             for output in self.program.outputs:
@@ -698,7 +698,7 @@ class ExtremaWriter:
         text.call(cells.nothing_yet, f"counts, search_{number}")
         parts, split = self.parts_of(number), bool(self.split_by(search))
         for part in self.parts_that_may_rest(number):
-            text.call(undecided.silence_rest, f"w, table, samples, marks, {part}, n_here")
+            text.call(results.silence_rest, f"w, table, samples, marks, {part}, n_here")
         if self.looks_away(number):
             self.write_toggles(number, parts[0])
         if split:
@@ -779,7 +779,7 @@ class ExtremaWriter:
         if self.program.has_bounds and classify is results.extrema_at_zeros:
             text.call(results.bound_zeros, f"state, filled, search_{number}, {int(search.magnitude)}")
             if listed and not search.onto:
-                text.call(undecided.note_uncertain, f"state, filled, w, table, search_{number}, best")
+                text.call(results.note_uncertain, f"state, filled, w, table, search_{number}, best")
         elif self.program.has_bounds:
             text.call(results.bound_ends, "state, filled, w, table")
             if self.bounds_hidden(number):
@@ -796,7 +796,7 @@ class ExtremaWriter:
         text, search = self.text, self.program.searches[number]
         text.call(beside.collect_ends, f"w, n_here, table, search_{number}, best, ends", "n_ends")
         for part in self.parts_that_may_rest(number):
-            text.call(undecided.collect_rest, f"samples, {part}, n_here, ends, n_ends", "n_ends")
+            text.call(results.collect_rest, f"samples, {part}, n_here, ends, n_ends", "n_ends")
         with text.block(f"for start in range(0, n_ends, {LANES}):"):
             text.call(cells.gather, f"ends, start, n_ends, w, rows_{number}, state", "filled")
             if search.order > 0:
