@@ -119,6 +119,8 @@ FAMILIES: dict[str, Family] = {
     "extremes of forces": Family("planar_4r", ["T41_max", "F32_max"]),
     "extremes of one branch": Family("planar_4r", ["omega4_min"], 9, {"branch": 1}),
     "lists of extremes": Family("planar_4r", ["alpha4_extrema", "T41_extrema"]),
+    # A list, and in its kernel a quantity with more extremes than that has room for.
+    "a list beside other extremes": Family("planar_4r", ["alpha4_extrema", "joint_omega_2_max"]),
     "lists of extremes with toggles": Family("planar_4r", ["curvature_extrema_error", "P_x_max_error"]),
     "lists of extremes with folds": Family(
         "planar_4r", ["F41_extrema_error"], more={"a1": 1.0, "a2": 2.0, "a3": 3.0, "a4": 2.0}

@@ -125,7 +125,6 @@ class ExtremaWriter:
         searches, samples = self.program.searches, self.sample_row(len(self.program.searches), 0)
         columns = len(searches) * len(self.program.branches) * LANES
         room = LANES * self.halves
-        kept = max(map(self.room, searches))
         return (
             Array("w", "float64", (len(self.rows), LANES)),
             Array("samples", "float64", (samples, LANES)),
@@ -139,7 +138,7 @@ class ExtremaWriter:
             Array("vectors", "int64", (LANES // MOST_LANES,)),
             Array("counts", "int64", (cells.COUNTS,)),
             self.best(columns),
-            Array("lists", "float64", (results.LIST_ROWS + self.program.has_bounds, columns, kept)),
+            Array("lists", "float64", (results.LIST_ROWS + self.program.has_bounds, columns, self.kept)),
             *self.places(columns),
         )
 
@@ -177,9 +176,8 @@ class ExtremaWriter:
 
     @property
     def kept(self) -> int:
-        """The length of the lists that are returned, 0 where none is."""
-        has_lists = any(output.request.listed for output in self.program.outputs)
-        return max(search.most for search in self.program.searches) if has_lists else 0
+        """The length of the longest list of extremes, 0 where none is requested."""
+        return max(map(self.room, self.program.searches))
 
     def room(self, search: ExtremumSearch) -> int:
         """Return how many entries a list of extremes has room for, 0 where none is requested."""
@@ -437,7 +435,7 @@ class ExtremaWriter:
 
     @property
     def flagged(self) -> bool:
-        """Whether lists of extremes have error bounds, which tell where a list is results."""
+        """Whether lists of extremes have error bounds, which tell where a list is undecided."""
         return bool(self.kept) and self.program.has_bounds
 
     def write_value(self, number: int) -> None:
@@ -542,14 +540,6 @@ class ExtremaWriter:
                 text.call(results.keep_slope, "state, filled, k")
             text.call(results.settle_slopes, "state, filled")
 
-    def write_lists(self, function: Callable[..., Any]) -> None:
-        """Write the call of a function for the lists of the extremes of each quantity."""
-        columns = len(self.program.branches) * LANES
-        for number, search in enumerate(self.program.searches):
-            if not search.onto:
-                own = f"{number * columns}, {(number + 1) * columns}, {self.room(search)}"
-                self.text.call(function, f"lists, best, {own}")
-
     # -- the kernel ------------------------------------------------------------------------------------
 
     def write(self) -> Source:
@@ -572,7 +562,11 @@ class ExtremaWriter:
             for row in self.doubts:
                 text.call(results.doubt, f"w, {row}, n_here, lists, best")
             if self.flagged:
-                self.write_lists(results.flag_undecided)
+                columns = len(self.program.branches) * LANES
+                for number, search in enumerate(searches):
+                    if room := self.room(search):
+                        span = f"{number * columns}, {(number + 1) * columns}, {room}"
+                        text.call(results.flag_undecided, f"lists, best, {span}")
             for number in range(len(searches)):
                 self.write_gradients(number)
             for output in self.program.outputs:
