@@ -131,7 +131,7 @@ def test_quantities_are_found_by_what_they_mean():
     assert found[0].name == "T41"
     assert found.inputs[0].name == "T_load"
     assert "Driving torque" in str(found)
-    assert fl.quantities("planar_4r", find="peak torque")[0].name == "T41_max"
+    assert fl.quantities("planar_4r", find="peak torque")[0].name == "T41_peak"
 
 
 def test_all_mechanisms_are_searched():

@@ -26,7 +26,10 @@ REDUCED = {
     "rms": lambda values: math.sqrt((values * values).mean()),
     "max": lambda values: values.max(),
     "min": lambda values: values.min(),
+    "peak": lambda values: abs(values).max(),
 }
+EXTREMES = ("max", "min", "peak")
+SLOPED = 2  # of every sixth quantity from there on the first one changes with the first input
 
 
 @pytest.mark.parametrize(
@@ -96,3 +99,46 @@ def test_the_verification_counts_the_same_positions(tmp_path: Any) -> None:
     maps = fl.sweep("planar_4r", space, names, theta1=60, extrema="sampled", to=tmp_path / "map.h5", verify=8)
     assert all(maps[name].attrs["verify_mismatches"] == 0 for name in names)
     assert all(maps[name].attrs["error_max_relative"] < 1e-14 for name in names)
+
+
+@pytest.mark.sample(5)
+@pytest.mark.parametrize("part", range(6))
+@pytest.mark.parametrize("mechanism", [name for name in NAMES if catalogue(name).graded is not None])
+def test_a_peak_is_the_greatest_magnitude(mechanism: str, part: int) -> None:
+    """With its place, error bound and derivatives: those of the greatest value, or of the least."""
+    known, rng = catalogue(mechanism), np.random.default_rng(3)
+    numbers = [
+        name
+        for name in known.public
+        if known.has_reductions(name) and not known.public[name].flags and not known.is_derivative(name)
+    ]
+    at, first = known.position.name, next(iter(known.inputs))
+    names = numbers[part::6]
+    design = draw(known.inputs, rng, 12)
+    asked = [f"{form}_{how}" for name in names for form in (name, f"{at}_at_{name}") for how in EXTREMES]
+    design |= {one: np.ones(12) for one, of in known.inputs.items() if of.choices}
+    for extrema in ("refined", "sampled"):
+        has_slope = extrema == "refined" and part == SLOPED
+        asked += [f"d_{names[0]}_{how}_d_{first}" for how in EXTREMES if has_slope]
+        maps = fl.sweep(mechanism, fl.table(design), asked, extrema=extrema, verify=0)
+        for name in names:
+            high, low, peak = (maps[f"{name}_{how}"].values for how in EXTREMES)
+            np.testing.assert_array_equal(peak, np.maximum(high, -low), err_msg=name)
+            high_at, low_at, place = (maps[f"{at}_at_{name}_{how}"].values for how in EXTREMES)
+            apart = ~(high == -low)  # where both are as great, either place is one of the peak
+            np.testing.assert_array_equal(place[apart], np.where(high > -low, high_at, low_at)[apart], name)
+        if has_slope:
+            high, low, _ = (maps[f"{names[0]}_{how}"].values for how in EXTREMES)
+            slopes = [maps[f"d_{names[0]}_{how}_d_{first}"].values for how in EXTREMES]
+            np.testing.assert_array_equal(slopes[2], np.where(high > -low, slopes[0], -slopes[1]))
+
+
+def test_a_peak_has_an_error_bound_and_is_verified() -> None:
+    names = ["alpha4_peak", "alpha4_peak_error", "alpha4_max_error", "alpha4_min_error", "theta4_peak"]
+    space = fl.grid(a1=0.3, a2=np.linspace(0.6, 1.2, 7), a3=0.8, a4=1.0, omega1=2.0)
+    maps = fl.sweep("planar_4r", space, names, verify=7)
+    assert maps.alpha4_peak.attrs["long_name"].endswith("greatest magnitude over the cycle")
+    assert maps.attrs["verify_mismatches"] == 0
+    assert maps.alpha4_peak.attrs["independent_max_difference"] < 1e-30  # of 50 digits
+    both = np.maximum(maps.alpha4_max_error, maps.alpha4_min_error)
+    assert ((maps.alpha4_peak_error > 0.0) & (maps.alpha4_peak_error <= both)).all()

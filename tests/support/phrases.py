@@ -17,7 +17,7 @@ QUANTITIES = {
         pressure angle -> transmission_angle
         mechanical advantage -> d_theta4_d_theta1
         torque -> T41
-        peak torque -> T41_max
+        peak torque -> T41_peak
         crank torque -> T41
         motor torque -> T41
         rms(T41) -> T41_rms
@@ -45,7 +45,7 @@ QUANTITIES = {
         vPx -> P_vx
         position of B -> B_x
         max_omega4 -> omega4_max
-        peak omega4 -> omega4_max
+        peak omega4 -> omega4_peak
         error of the greatest omega4 -> omega4_max_error
         omega4_avg -> omega4_mean
         theta1_at_max_omega4 -> theta1_at_omega4_max

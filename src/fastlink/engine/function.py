@@ -19,7 +19,7 @@ from fastlink.errors import InputError, Problem, Problems, door
 from fastlink.facts.catalogue import ELIMINATED, Catalogue
 from fastlink.facts.derivative import NoDependence, is_tolerance
 from fastlink.facts.fact import Input
-from fastlink.facts.names import Derivative, GradientStatus, Quantity, Reduced, derivative_name
+from fastlink.facts.names import Derivative, GradientStatus, Quantity, Reduced, derivative_name, signed
 from fastlink.facts.powers import beyond_range
 from fastlink.machine import check_memory
 from fastlink.mechanisms import NAMES, inputs_of
@@ -153,12 +153,12 @@ def _none_of(output: Output, moves: bool) -> str:
     how = output.request.reduction
     if how is None or not moves or how.has_position:
         return output.name  # NaN
-    return str(GradientStatus(Reduced(Quantity(output.request.quantity), how.suffix)))
+    return str(GradientStatus(Reduced(Quantity(signed(output.request.quantity)), how.suffix)))
 
 
 def derivative_of(request: Request, by: str, position: str) -> str:
     """Return the name of the derivative of a requested quantity or reduction."""
-    of: Any = Quantity(request.quantity)
+    of: Any = Quantity(signed(request.quantity))
     if request.reduction is not None:
         of = Reduced(of, request.reduction.suffix, position if request.is_position else "")
     return str(Derivative(of, by))

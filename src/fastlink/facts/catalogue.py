@@ -46,6 +46,7 @@ from fastlink.facts.names import (
     Name,
     Quantity,
     Reduced,
+    Size,
     Trust,
     as_derivative,
     bounded_of,
@@ -56,6 +57,7 @@ from fastlink.facts.names import (
     plain_part,
     reading_of,
     root_of,
+    size_name,
 )
 
 __all__ = [
@@ -232,6 +234,17 @@ def replaced_by(variant: str, fact: Fact) -> Fact:
         if variant
         else fact
     )
+
+
+def size_fact(fact: Fact) -> Fact:
+    """Return the magnitude of a fact, under its labels."""
+    formula = Formula.of(magnitude_of)
+    return replace(fact, name=size_name(fact.name), formula=formula, depends_on=(fact.name,), low=None)
+
+
+def magnitude_of(value: Any) -> Any:
+    """Return the magnitude of a value."""
+    return abs(value)
 
 
 # -- A mechanism: its declarations, and answers from them
@@ -519,7 +532,7 @@ class Catalogue:
         """
         selected = tuple(variants)
         tree = self.parse(name)
-        if isinstance(tree, (Derivative, ErrorBound, Trust, Change)):
+        if isinstance(tree, (Derivative, ErrorBound, Trust, Change, Size)):
             return self._derived(tree, self._selection(selected, given))
         if TOLERANCES in selected and (fact := self._selection(selected, given).tolerance(name)):
             return fact
@@ -554,9 +567,11 @@ class Catalogue:
         """Tell whether a fact changes with an input at limits of motion, see `Selection.moves`."""
         return self._selection(tuple(variants), given).moves(name, by)
 
-    def _derived(self, tree: Derivative | ErrorBound | Trust | Change, selection: Selection) -> Fact:
-        """Return the fact of a derivative, an error bound, a trust or a change."""
+    def _derived(self, tree: Derivative | ErrorBound | Trust | Change | Size, selection: Selection) -> Fact:
+        """Return the fact of a derivative, an error bound, a trust, a change or a magnitude."""
         of = str(tree.of)
+        if isinstance(tree, Size):
+            return size_fact(self.public_fact(of))
         if isinstance(tree, Change):
             return selection.change(of, tree.how)
         if isinstance(tree, ErrorBound):
@@ -654,6 +669,8 @@ class Catalogue:
             if isinstance(tree, Change)
             else "derivative"
             if isinstance(tree, Derivative)
+            else "magnitude"
+            if isinstance(tree, Size)
             else "error"
         )
         if isinstance(tree, Change) and isinstance(tree.of, Change):
@@ -666,6 +683,8 @@ class Catalogue:
             return with_derivative_labels(of, self.variables[tree.by])
         if isinstance(tree, Change):
             return with_change_labels(of, tree.how)
+        if isinstance(tree, Size):
+            return size_fact(of)
         return with_error_labels(of) if isinstance(tree, ErrorBound) else trust_fact(of)
 
     def is_of_position(self, name: str) -> bool:

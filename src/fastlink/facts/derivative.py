@@ -18,7 +18,7 @@ from fastlink.facts.expression import (
 )
 from fastlink.facts.fact import Fact, Input, System
 from fastlink.facts.formula import Formula
-from fastlink.facts.names import Change, Quantity, derivative_name
+from fastlink.facts.names import Change, Quantity, derivative_name, signed
 from fastlink.numerics import compensated, vectors
 from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, atan2, cosine, select, sine, sqrt
 from fastlink.numerics.logarithm import log, log1p, log_quotient
@@ -239,7 +239,8 @@ class Derivation:
 
     def _fact(self, name: str, derivative: str) -> Fact:
         if self.slope(name) is self.graph.zero:
-            what = f"quantity {derivative!r}: {name} does not depend on {self.by.name} with what is given"
+            of, by = signed(name), self.by.name
+            what = f"quantity {derivative_name(of, by)!r}: {of} does not depend on {by} with what is given"
             raise NoDependence(what, remedy="leave it out")
         declared, step = self.declared(name), self.find(name)
         if declared is None:

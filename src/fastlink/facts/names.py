@@ -15,7 +15,8 @@
 =============================================  =====================================================================
 
 NAME is itself such a name but in the last seven rows, properties of the cycle. Internally ``d_NAME_d_PARAM__moving`` is
-taken at a place that moves with the limits of motion. A name is read by the first of these rules that holds:
+taken at a place that moves with the limits of motion, and ``NAME__size`` is the magnitude of NAME, whose greatest is
+``NAME_peak``. A name is read by the first of these rules that holds:
 
 1. ``d_NAME_d_PARAM`` is a derivative where PARAM is an input or the position; the last ``_d_`` counts.
    No declared name but that of a declared derivative contains ``_d_``.
@@ -47,6 +48,7 @@ __all__ = [
     "Name",
     "Quantity",
     "Reduced",
+    "Size",
     "Trust",
     "as_derivative",
     "bounded_of",
@@ -60,6 +62,8 @@ __all__ = [
     "reading_of",
     "register_reduction",
     "root_of",
+    "signed",
+    "size_name",
 ]
 
 
@@ -77,6 +81,7 @@ ENDINGS = {part: ending for ending, part in PARTS.items()}
 #: How the changes by the tolerances of several inputs are put together, by the ending of names.
 CHANGES = {"_worst_change": "worst", "_rss_change": "rss"}
 ERROR, TRUST, STATUS, MOVING = "_error", "_trust", "_gradient_status", "__moving"
+SIZE = "__size"
 BEFORE, BY, AT, BELOW = "d_", "_d_", "_at_", "__below_"
 
 
@@ -135,6 +140,14 @@ class Trust(Made):
 
 
 @dataclass(frozen=True)
+class Size(Made):
+    """The magnitude of a quantity."""
+
+    def __str__(self) -> str:
+        return size_name(str(self.of))
+
+
+@dataclass(frozen=True)
 class GradientStatus(Made):
     """The status of the derivatives of a reduction by the inputs: smooth, one-sided, none."""
 
@@ -185,8 +198,9 @@ class ListOfExtrema(Made):
 
 
 def plain_part(tree: Name) -> str:
-    """Return the name inside derivatives, bounds and changes, which varies where they do."""
-    return plain_part(tree.of) if isinstance(tree, (Derivative, ErrorBound, Trust, Change)) else str(tree)
+    """Return the name inside derivatives, bounds, changes and magnitudes, which varies where they do."""
+    made = (Derivative, ErrorBound, Trust, Change, Size)
+    return plain_part(tree.of) if isinstance(tree, made) else str(tree)
 
 
 def root_of(tree: Name) -> str:
@@ -218,6 +232,16 @@ def derivative_name(name: str, by: str, moving: bool = False) -> str:
 def error_name(name: str) -> str:
     """Return the name of the error bound of `name`."""
     return f"{name}{ERROR}"
+
+
+def size_name(name: str) -> str:
+    """Return the name of the magnitude of `name`."""
+    return f"{name}{SIZE}"
+
+
+def signed(name: str) -> str:
+    """Return the name of the quantity of which a name may be the magnitude."""
+    return name.removesuffix(SIZE)
 
 
 class Known(Protocol):
@@ -331,6 +355,8 @@ def _of_position(name: str, known: Known) -> Name | None:
         return ErrorBound(_within(name.removesuffix(ERROR), known))
     if name.endswith(TRUST) and name != TRUST:
         return Trust(_within(name.removesuffix(TRUST), known))
+    if name.endswith(SIZE) and name != SIZE:
+        return Size(_within(signed(name), known))
     for ending, how in CHANGES.items():
         if name.endswith(ending) and name != ending:
             return Change(_within(name.removesuffix(ending), known), how)

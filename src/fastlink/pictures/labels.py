@@ -23,7 +23,7 @@ BETWEEN = re.compile(r"([/()|])")
 DEGREE = "degree"
 CONSTANTS_PER_LINE = 8
 TITLE_WIDTH = 64  # letters
-WORDS = frozenset({"max", "min", "rms", "at", "status"})
+WORDS = frozenset({"max", "min", "peak", "rms", "at", "status"})
 
 
 def plain(text: object) -> str:

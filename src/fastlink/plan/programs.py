@@ -21,6 +21,7 @@ from fastlink.facts.names import (
     Reduced,
     derivative_name,
     error_name,
+    signed,
 )
 from fastlink.facts.tables import angle_tables
 from fastlink.numerics.elementary import atan2
@@ -524,6 +525,10 @@ class Planner:
 
     def search(self, quantity: str) -> ExtremumSearch | None:
         """Return how a quantity is searched, or None where it has no derivative or no graded range."""
+        if signed(quantity) != quantity:
+            # the magnitude is extreme where the quantity is, or zero: its greatest is found by the same slope
+            found = self.search(signed(quantity))
+            return found and replace(found, quantity=quantity, parity=abs(found.parity))
         graded = self.catalogue.graded
         if graded is None or quantity in graded.not_differentiable:
             return None
@@ -597,9 +602,9 @@ class Planner:
 
     def searches_at_kinks(self, search: ExtremumSearch) -> list[ExtremumSearch]:
         """Return the searches for the kinks of a quantity, and for the extremes of what it is between them."""
-        switches, pieces = self.graded.kinks.get(search.quantity, ((), ()))
+        switches, pieces = self.graded.kinks.get(signed(search.quantity), ((), ()))
         slopes = [(name, name) for name in switches]
-        fact = self.catalogue.facts.get(search.quantity)
+        fact = self.catalogue.facts.get(signed(search.quantity))
         read = fact.depends_on if fact and fact.own else ()
         smooth = dict.fromkeys((*pieces, *(name for name in read if is_sharp(self.catalogue, name))))
         slopes += [(name, derivative_name(name, self.catalogue.position.name)) for name in smooth]
@@ -635,9 +640,9 @@ class Planner:
         jump: dict[str, Any] = {"slope_order": 0, "magnitude": False, "divisors": (), "jumps": True}
         jump |= {"turns": (), "bounded_by": (), "certain_by": (), "gradients": ()}
         jumps = [
-            replace(s, slope=wraps_at[s.quantity], slope_parity=s.parity, onto=s.quantity, **jump)
+            replace(s, slope=wraps_at[of], slope_parity=-s.slope_parity, onto=s.quantity, **jump)
             for s in searches
-            if s.quantity in wraps_at
+            if (of := signed(s.quantity)) in wraps_at
         ]
         kinks = [one for search in searches for one in self.searches_at_kinks(search)]
         nearly_poles = [

@@ -31,6 +31,8 @@ from fastlink.facts.names import (
     error_name,
     forget_reduction,
     register_reduction,
+    signed,
+    size_name,
 )
 from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
@@ -102,6 +104,8 @@ class Reduction:
         updates may read ``{slope}``, that of the quantity at the input position. Without them it has no derivative.
     has_kink : bool
         Whether it has no derivative where it is zero, as a root.
+    of_size : bool
+        Whether it is taken of the magnitude of the quantity.
     """
 
     suffix: str
@@ -119,6 +123,7 @@ class Reduction:
     gradient: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     gradient_finish: str = ""
     has_kink: bool = False
+    of_size: bool = False
 
     def __post_init__(self) -> None:
         if bad := RESERVED.intersection((*self.accumulators, *self.gradient)):
@@ -216,7 +221,9 @@ def _fluctuation(samples: Sequence[Any]) -> tuple[Any, Any]:
     return step * (high - low), step * count * size * 13 / 6
 
 
-def _extreme(sign: int, suffix: str, phrase: str, reference: Callable[..., Any], keywords: str) -> Reduction:
+def _extreme(
+    sign: int, suffix: str, phrase: str, reference: Callable[..., Any], keywords: str, of_size: bool = False
+) -> Reduction:
     initial = "-inf" if sign > 0 else "inf"
     has_value = "{best} > -inf" if sign > 0 else "{best} < inf"
     return Reduction(
@@ -229,6 +236,7 @@ def _extreme(sign: int, suffix: str, phrase: str, reference: Callable[..., Any],
         keywords=tuple(keywords.split()),
         gradient={"slope_there": ("nan", "select({better}, {slope}, {slope_there})")},
         gradient_finish="{slope_there}",
+        of_size=of_size,
     )
 
 
@@ -250,10 +258,18 @@ def unregister(suffix: str) -> None:
     del REDUCTIONS[suffix]
 
 
-register(
-    _extreme(1, "max", "greatest over the cycle", _greatest, "maximum maximal peak greatest largest highest")
-)
+register(_extreme(1, "max", "greatest over the cycle", _greatest, "maximum maximal greatest largest highest"))
 register(_extreme(-1, "min", "least over the cycle", _least, "minimum minimal least smallest lowest"))
+register(
+    _extreme(
+        1,
+        "peak",
+        "greatest magnitude over the cycle",
+        _greatest,
+        "magnitude absolute amplitude",
+        of_size=True,
+    )
+)
 register(
     Reduction(
         suffix="rms",
@@ -646,7 +662,7 @@ class Request:
     @property
     def value(self) -> str:
         """The name of the value, of an extreme or a list, of which it is the error bound."""
-        of = Quantity(self.quantity)
+        of = Quantity(signed(self.quantity))
         return str(ListOfExtrema(of) if self.reduction is None else Reduced(of, self.reduction.suffix))
 
     @property
@@ -678,7 +694,9 @@ def parse_request(name: str, catalogue: Catalogue) -> Request:
         if (is_error := of is not tree or listed == "error") and (refusal := _no_error(name, of, catalogue)):
             raise refusal
         if isinstance(of, Reduced):
-            return Request(name, quantity, REDUCTIONS[of.how], bool(of.position), is_error=is_error)
+            how = REDUCTIONS[of.how]
+            quantity = _reduced_by(how, quantity, catalogue)
+            return Request(name, quantity, how, bool(of.position), is_error=is_error)
         return Request(name, quantity, listed=listed, is_error=is_error)
     raise unknown_quantity(name, catalogue)
 
@@ -691,9 +709,18 @@ def _of_gradient(name: str, tree: Name, catalogue: Catalogue) -> Request | None:
     if refusal := gradient_refusal(name, tree, of, catalogue):
         raise refusal
     own = {"by": tree.by} if isinstance(tree, Derivative) else {"change": getattr(tree, "how", "")}
-    return Request(
-        name, quantity, REDUCTIONS[of.how], bool(of.position), is_status=not any(own.values()), **own
-    )
+    how = REDUCTIONS[of.how]
+    quantity = _reduced_by(how, quantity, catalogue)
+    return Request(name, quantity, how, bool(of.position), is_status=not any(own.values()), **own)
+
+
+def _reduced_by(how: Reduction, quantity: str, catalogue: Catalogue) -> str:
+    """Return the quantity of which a reduction is taken: the quantity itself, or its magnitude."""
+    if not how.of_size:
+        return quantity
+    size = size_name(quantity)
+    catalogue.public_fact(size)  # codes have none
+    return size
 
 
 def _no_error(name: str, of: Reduced | ListOfExtrema, catalogue: Catalogue) -> InputError | None:
@@ -763,7 +790,7 @@ def with_companions(catalogue: Catalogue, names: Iterable[str]) -> list[str]:
         if request.listed == "value":
             together = list_names(catalogue, request.quantity)
         elif request.change and request.reduction is not None:
-            of = Reduced(Quantity(request.quantity), request.reduction.suffix)
+            of = Reduced(Quantity(signed(request.quantity)), request.reduction.suffix)
             together = (name, str(GradientStatus(of)))
         result += [other for other in together if other == name or other not in (*requested, *result)]
     return result

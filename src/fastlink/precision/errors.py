@@ -13,7 +13,7 @@ import numpy as np
 from fastlink.errors import InputError
 from fastlink.facts.evaluate import read_facts
 from fastlink.facts.fact import Fact, Input, System
-from fastlink.facts.names import ErrorBound, error_name
+from fastlink.facts.names import ErrorBound, error_name, signed
 from fastlink.facts.powers import UNITS, dimensions
 from fastlink.facts.tables import angle_tables
 from fastlink.numerics.compensated import UNIT_ROUNDING
@@ -363,7 +363,7 @@ def _by_reading(sample: Sample, outputs: Sequence[Output]) -> list[tuple[bool, l
 def _same_turn(sample: Sample, quantity: str, value: float, exact: Any) -> Any:
     """Return an exact value; of an angle that is pi for one rounding and -pi for another, the nearer one."""
     graded = sample.catalogue.graded
-    if graded is None or quantity not in graded.wraps_at or not abs(value - exact) > CONTEXT.pi:
+    if graded is None or signed(quantity) not in graded.wraps_at or not abs(value - exact) > CONTEXT.pi:
         return exact
     return exact + 2 * CONTEXT.pi * CONTEXT.nint((CONTEXT.mpf(value) - exact) / (2 * CONTEXT.pi))
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from fastlink.facts.evaluate import read_facts
 from fastlink.facts.fact import Loops
 from fastlink.facts.formula import Formula
-from fastlink.facts.names import Derivative, Quantity
+from fastlink.facts.names import Derivative, Quantity, Size
 from fastlink.precision.loops import (
     Open,
     Series,
@@ -944,9 +944,9 @@ class IndependentValues:
         return self.model is not None and self.model.covers(str(self._of(name)))
 
     def _of(self, name: str) -> Any:
-        """Return the quantity of a name or of its derivative."""
+        """Return the quantity of a name, of its derivative or of its magnitude."""
         tree = self.catalogue.parse(name)
-        return tree.of if isinstance(tree, Derivative) and isinstance(tree.of, Quantity) else tree
+        return tree.of if isinstance(tree, (Derivative, Size)) and isinstance(tree.of, Quantity) else tree
 
     @cached_property
     def _by(self) -> dict[str, list[str]]:
@@ -969,7 +969,13 @@ class IndependentValues:
         found: dict[str, Any] = {}
         for by, names in self._by.items():
             if not by:
-                found |= self.model.values(context(digits + lost), at, names)
+                quantities = {name: str(self._of(name)) for name in names}
+                own = self.model.values(context(digits + lost), at, quantities.values())
+                found |= {
+                    name: own[of] if name == of else abs(own[of])
+                    for name, of in quantities.items()
+                    if of in own
+                }
             else:
                 found |= self._differences(self.model, at, by, names, digits + lost)
         return found

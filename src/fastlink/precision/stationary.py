@@ -17,7 +17,7 @@ import numpy as np
 
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.evaluate import read_facts
-from fastlink.facts.names import derivative_name
+from fastlink.facts.names import derivative_name, signed
 from fastlink.numerics.vectors import as_given
 from fastlink.precision.reference import CONTEXT, DIGITS, STEP, HighPrecision
 
@@ -202,7 +202,9 @@ class Stationary:
         inside = np.ones((*self.x.shape[:2], self.x.shape[2] - 1), dtype=bool)
         inside[..., SAMPLES] = ~self.bounded
         with np.errstate(invalid="ignore", over="ignore"):
-            jumping = inside & (abs(np.diff(self.values)) > np.pi) & (self.quantity in self.graded.wraps_at)
+            jumping = (
+                inside & (abs(np.diff(self.values)) > np.pi) & (signed(self.quantity) in self.graded.wraps_at)
+            )
             turning, sides = turning_cells(np.sign(self.slopes), ~inside | jumping, self._side)
         for design, end, cell in np.argwhere(jumping).tolist():
             candidates[design].append(Candidate(end, float(self.x[design, end, cell]), np.nan, JUMP))
@@ -269,7 +271,8 @@ class Stationary:
     def is_half_turn(self, extreme: Extreme) -> bool:
         """Tell whether an angle ends at pi, which is -pi, too."""
         return (
-            self.quantity in self.graded.wraps_at and abs(abs(extreme.value) - CONTEXT.pi) < SETTLED * GROWS
+            signed(self.quantity) in self.graded.wraps_at
+            and abs(abs(extreme.value) - CONTEXT.pi) < SETTLED * GROWS
         )
 
     def angle(self, design: int, candidate: Candidate) -> float:
