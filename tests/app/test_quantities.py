@@ -59,7 +59,7 @@ def test_the_table_shows_every_row():
     )
     assert lines[2].split() == ["name", "units", "dims", "meaning", "source"]
     for row in listed:
-        (line,) = [line for line in lines if line.split(" ")[0] == row.name]
+        (line,) = [line for line in lines if line.split("  ")[0] == row.name]
         assert f"({', '.join(row.dims)})" in line
     assert all(line == line.rstrip() for line in lines)
 

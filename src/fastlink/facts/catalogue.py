@@ -664,13 +664,13 @@ class Catalogue:
         if not isinstance(tree, Made):
             return self.facts[name]
         of = self.public_fact(str(tree.of))
+        if isinstance(tree, Size):
+            return size_fact(of)
         lacks = (
             "change"
             if isinstance(tree, Change)
             else "derivative"
             if isinstance(tree, Derivative)
-            else "magnitude"
-            if isinstance(tree, Size)
             else "error"
         )
         if isinstance(tree, Change) and isinstance(tree.of, Change):
@@ -683,8 +683,6 @@ class Catalogue:
             return with_derivative_labels(of, self.variables[tree.by])
         if isinstance(tree, Change):
             return with_change_labels(of, tree.how)
-        if isinstance(tree, Size):
-            return size_fact(of)
         return with_error_labels(of) if isinstance(tree, ErrorBound) else trust_fact(of)
 
     def is_of_position(self, name: str) -> bool:

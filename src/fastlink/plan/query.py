@@ -695,7 +695,7 @@ def parse_request(name: str, catalogue: Catalogue) -> Request:
             raise refusal
         if isinstance(of, Reduced):
             how = REDUCTIONS[of.how]
-            quantity = _reduced_by(how, quantity, catalogue)
+            quantity = _reduced_by(how, quantity, catalogue, name)
             return Request(name, quantity, how, bool(of.position), is_error=is_error)
         return Request(name, quantity, listed=listed, is_error=is_error)
     raise unknown_quantity(name, catalogue)
@@ -710,17 +710,18 @@ def _of_gradient(name: str, tree: Name, catalogue: Catalogue) -> Request | None:
         raise refusal
     own = {"by": tree.by} if isinstance(tree, Derivative) else {"change": getattr(tree, "how", "")}
     how = REDUCTIONS[of.how]
-    quantity = _reduced_by(how, quantity, catalogue)
+    quantity = _reduced_by(how, quantity, catalogue, name)
     return Request(name, quantity, how, bool(of.position), is_status=not any(own.values()), **own)
 
 
-def _reduced_by(how: Reduction, quantity: str, catalogue: Catalogue) -> str:
+def _reduced_by(how: Reduction, quantity: str, catalogue: Catalogue, name: str) -> str:
     """Return the quantity of which a reduction is taken: the quantity itself, or its magnitude."""
     if not how.of_size:
         return quantity
-    size = size_name(quantity)
-    catalogue.public_fact(size)  # codes have none
-    return size
+    if catalogue.public_fact(quantity).flags:
+        what = f"quantity {name!r}: {quantity} is a code, which has no magnitude"
+        raise InputError(what, remedy="leave it out")
+    return size_name(quantity)
 
 
 def _no_error(name: str, of: Reduced | ListOfExtrema, catalogue: Catalogue) -> InputError | None:
