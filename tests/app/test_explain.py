@@ -57,7 +57,7 @@ for _kind, _names in {
         setattr(Tally, f"__{_name}__", _counted(_kind, f"__{_name}__"))
 
 
-@pytest.mark.parametrize("name", ["time_ratio", "swing", "transmission_angle_least", "status"])
+@pytest.mark.parametrize("name", ["time_ratio", "swing", "least_transmission_angle", "status"])
 def test_operations_of_a_design_are_those_that_its_facts_do(name, monkeypatch):
     def counting(name):
         def function(*args):

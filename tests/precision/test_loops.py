@@ -43,11 +43,11 @@ CRANK = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
 SILENT = {
     "planar_4r": "swing time_ratio circuit circuit_count r11 r12 r22 r23 r33 r34 G1 G2 G3 inertia",
     "minkowski_4r": "theta_min theta_max psi_min psi_max cosh_theta_branching theta_branching assembly_count_future",
-    "focal": "h1 h2 transmission_angle_PQ_least transmission_angle_F_least grashof_excess"
+    "focal": "h1 h2 transmission_angle_PQ_least transmission_angle_F_least least_transmission_angle grashof_excess"
     " phi_low phi_high psi_low psi_high",
     "hart": "ellipse_a ellipse_b",
     "slider_crank": "grashof_excess theta_low theta_high theta_outer theta_inner time_ratio"
-    " transmission_angle_least transmission_angle_greatest",
+    " least_transmission_angle",
 }
 MEASURES = ("residual", "deviation", "_dot", "_ddot")
 

@@ -465,7 +465,7 @@ def quantities(
     >>> row.units, row.dims, row.needs
     ('rad s-1', ('design', 'branch', 'theta1'), ('a1', 'a2', 'a3', 'a4', 'omega1'))
     >>> [row.name for row in fl.quantities("planar_4r", find="mu min")]
-    ['transmission_angle_min', 'transmission_angle_least']
+    ['transmission_angle_min', 'least_transmission_angle']
     """
     internal = check_options({"internal": internal})["internal"]
     if mechanism is None and find is None:

@@ -30,6 +30,7 @@ from fastlink.facts.names import (
     derivative_name,
     error_name,
     forget_reduction,
+    innermost,
     register_reduction,
     signed,
     size_name,
@@ -573,10 +574,22 @@ def suggest_input(text: str, catalogue: Catalogue) -> list[str]:
     return find.best_names(find.index_of_inputs(catalogue).ranked(text))
 
 
+#: What quantities were called before 0.3, of mechanisms that have those.
+FORMER = {
+    "transmission_angle_least": "transmission_angle_min",
+    "transmission_angle_greatest": "transmission_angle_max",
+}
+
+
 def unknown_quantity(name: str, catalogue: Catalogue, over_cycle: bool = True) -> InputError:
     """Return the error for a name that is no quantity: why there is none, or what it may mean."""
     if absent := catalogue.absence(name):
         return absent
+    if (new := FORMER.get(name)) and catalogue.has_reductions(innermost(new, catalogue)):
+        what = f"quantity {name!r} is called {new!r} since 0.3"
+        return InputError(
+            what, remedy=f"write {new!r}, or 'least_transmission_angle' for the least acute angle"
+        )
     same = find.squeezed(name)
     for known in catalogue.all_inputs.values():
         if find.squeezed(known.name) == same:

@@ -256,7 +256,7 @@ def _add_planar_forces(
 
 
 PLANAR_DESIGN: tuple[str, ...] = ("theta1_low", "theta1_high", "theta4_low", "theta4_high", "grashof_excess")
-PLANAR_DESIGN += ("transmission_angle_least", "transmission_angle_greatest")
+PLANAR_DESIGN += ("least_transmission_angle",)
 
 
 def _planar_design(ctx: Any, at: Mapping[str, Any], values: Values) -> None:
@@ -269,8 +269,7 @@ def _planar_design(ctx: Any, at: Mapping[str, Any], values: Values) -> None:
     angle = partial(triangle_angle, ctx)
     least, greatest = max(abs(a4 - a1), abs(a2 - a3)), min(a1 + a4, a2 + a3)
     values |= {"theta1_low": angle(a1, a4, least), "theta1_high": angle(a1, a4, greatest)}
-    values["transmission_angle_least"] = angle(a2, a3, least)
-    values["transmission_angle_greatest"] = angle(a2, a3, greatest)
+    values["least_transmission_angle"] = min(angle(a2, a3, least), ctx.pi - angle(a2, a3, greatest))
     least, greatest = max(abs(a3 - a4), abs(a1 - a2)), min(a3 + a4, a1 + a2)
     values["theta4_low"] = ctx.pi - angle(a3, a4, greatest)
     values["theta4_high"] = ctx.pi - angle(a3, a4, least)

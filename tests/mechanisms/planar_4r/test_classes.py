@@ -18,7 +18,7 @@ CLASS_FLAGS = catalogue("planar_4r").facts["grashof_class"].flags
 
 CODES = {meaning: code for code, meaning in CLASS_FLAGS.items()}
 LIMITS = [f"{joint}_{end}" for joint in ("theta1", "theta4") for end in ("low", "high")]
-LIMITS += ["swing", "transmission_angle_least", "transmission_angle_greatest", "time_ratio"]
+LIMITS += ["swing", "least_transmission_angle", "time_ratio"]
 FACTS = ["grashof_class", "grashof_excess", *LIMITS]
 TABLE_1 = (0.4, 1.2, 0.8, 1.0)
 NAMES_OF_LINKS = ("crank", "coupler", "output_link", "ground")
@@ -112,9 +112,9 @@ def by_cosines(a, b, c, d):
         "theta1_high": angle((a**2 + d**2 - (b + c) ** 2) / (2 * a * d)),
         "theta4_low": mp.pi - angle((c**2 + d**2 - (a + b) ** 2) / (2 * c * d)),
         "theta4_high": mp.pi - angle((c**2 + d**2 - (a - b) ** 2) / (2 * c * d)),
-        "transmission_angle_least": angle((b**2 + c**2 - (a - d) ** 2) / (2 * b * c)),
-        "transmission_angle_greatest": angle((b**2 + c**2 - (a + d) ** 2) / (2 * b * c)),
     }
+    least, greatest = (angle((b**2 + c**2 - (a + sign * d) ** 2) / (2 * b * c)) for sign in (-1, 1))
+    limits["least_transmission_angle"] = min(least, mp.pi - greatest)
     low, high = limits["theta4_low"], limits["theta4_high"]
     # two circuits have one half of the angles each
     limits["swing"] = high - low if low > 0 and high < mp.pi else 2 * (high - low)
@@ -151,8 +151,7 @@ def test_table_1():
     assert (got["theta1_low"], got["theta1_high"]) == (0.0, np.pi)
     # |AD| = 0.6 and 1.4 with sides 1.2 and 0.8; |OB| = 0.8 and 1.6 with sides 0.8 and 1.0. A few roundings.
     for name, cosine in (
-        ("transmission_angle_least", (2.08 - 0.36) / 1.92),
-        ("transmission_angle_greatest", (2.08 - 1.96) / 1.92),
+        ("least_transmission_angle", (2.08 - 0.36) / 1.92),
         ("theta4_low", -(1.64 - 2.56) / 1.6),
         ("theta4_high", -(1.64 - 0.64) / 1.6),
     ):

@@ -344,8 +344,8 @@ def test_a_map_of_sampled_designs_is_points(browser, tmp_path):
 
 def test_a_cell_of_many_designs_shows_their_mean_once_a_slider_rests(browser, tmp_path):
     space = fl.grid(a1=np.linspace(0.2, 1.9, 1500), a2=[0.8, 1.1], a3=[0.7, 0.9], a4=1.0)
-    maps = fl.sweep("planar_4r", space, ["transmission_angle_least"], verify=0)
-    values, file = maps.transmission_angle_least.values[:, :, 0], tmp_path / "page.html"
+    maps = fl.sweep("planar_4r", space, ["least_transmission_angle"], verify=0)
+    values, file = maps.least_transmission_angle.values[:, :, 0], tmp_path / "page.html"
     count = -(-1500 // 720)
     cells = values.reshape(1500 // count, count, 2)
     with fl.explore(maps, browser=False) as page, opened(browser, page.url) as tab:
