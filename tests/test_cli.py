@@ -356,9 +356,9 @@ def test_best_designs_are_written_to_be_swept_again(mapped):
 def test_best_refuses(mapped):
     for arguments, key, remedy in (
         (["--where", "a3"], "--where", "--where a2=1.1:1.3"),
-        (["--where", "a3=x:1", "--minimise", "a2"], "--where", "--where a3=1.1:1.3"),
+        (["--where", "a3=x:1", "--minimise", "a2"], "--where", "write LO:HI, LO: or :HI, or a number"),
         (["--where", "a3=1:", "--where", "a3=:2"], "--where", "once"),
-        (["--where", "a3=fast", "--minimise", "a2"], "a3", "None"),
+        (["--where", "a3=fast", "--minimise", "a2"], "a3", "LO:HI, LO: or :HI, or a number"),
         (["--minimise", "omega_max"], "--minimise", "omega4_max"),
         ([], "objective", "minimise"),
     ):

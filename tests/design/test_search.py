@@ -1,5 +1,7 @@
 """Searches find what a map of all designs has best, to the same bits, in any blocks, resumed or not."""
 
+import math
+
 import numpy as np
 import pytest
 from distributed import Client, LocalCluster
@@ -32,6 +34,7 @@ SEARCHES = {
     "one objective": (sample(), {**ONE, "top": 2}),
     "front": (sample(1000), {**FRONT, "refine": False}),
     "front, refined": (sample(64), FRONT),
+    "a target": (sample(400), {"minimise": "omega4_max", "where": {"swing_deg": 70}, "top": 2}),
     "an axis that scales": (GRID, {**HARD, "where": {**HARD["where"], "branch": (1, 2)}, "branch": [1, 2]}),
     "table": (
         fl.table({"a1": np.linspace(0.1, 0.5, 40), "a2": np.linspace(1.3, 0.8, 40), "part": [*map(str, range(40))]})
@@ -170,10 +173,10 @@ def test_a_finished_search_is_opened_as_it_is(tmp_path, monkeypatch):
         ({"minimise": "omega4_max", "refine": "a4"}, "refine", "a1, a2, a3"),
         ({"minimise": "omega4_max", "top": 0}, "top", "at least 1"),
         ({"minimise": "omega4_max", "part": "1/4000"}, "part", "at most 3,000"),
-        ({"minimise": "omega4_max", "where": {"swing": (9.0, None)}}, "3,000 rows", "widen"),
+        ({"minimise": "omega4_max", "where": {"status": "invalid_input"}}, "3,000 rows", "widen"),
         (
-            {"minimise": "omega4_max", "where": {"swing": (9.0, None)}, "to": "a.h5"},
-            "3,000 fail swing",
+            {"minimise": "omega4_max", "where": {"status": "invalid_input"}, "to": "a.h5"},
+            "3,000 fail status",
             "widen",
         ),
     ],
@@ -182,6 +185,56 @@ def test_what_cannot_be_searched_is_refused(options, key, remedy, folder):
     with refused(key, remedy):
         fl.search("planar_4r", sample(), **options)
     assert not list(folder.iterdir())
+
+
+WIPER = {"a1": (0.1, 0.5), "a2": (0.5, 1.5), "a3": (0.2, 1.2), "a4": 1.0}
+ANGLES = {"transmission_angle_min_deg": (38, None), "transmission_angle_max_deg": ":142"}
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize(
+    "asked",
+    [{"maximise": "least_transmission_angle"}, {"minimise": "a1"}, {"minimise": ["a3", "time_ratio"]}],
+)
+def test_a_target_is_met_though_no_sample_meets_it(asked, seed):
+    space = fl.sobol(20_000, seed=seed, **WIPER)
+    found = fl.search("planar_4r", space, ["swing"], where={"swing_deg": 100, **ANGLES}, **asked)
+    assert "none of 20,000 designs meets all conditions" in found.attrs["selection"]
+    assert "missed" not in found.coords
+    assert (abs(np.degrees(found.swing) - 100.0) <= 1e-9 * 100.0).all()
+    assert (found.transmission_angle_min >= np.radians(38.0)).all()
+    assert (found.transmission_angle_max <= np.radians(142.0)).all()
+    assert found.active.values[0].startswith("swing = 1.74533 rad")
+
+
+def test_a_map_is_refined_onto_targets():
+    """Of an input, too: a3 is no value of the grid."""
+    space = fl.grid(a1=np.linspace(0.2, 0.4, 5), a2=np.linspace(0.9, 1.1, 5), a3=[0.3, 0.5], a4=1.0)
+    maps = fl.sweep("planar_4r", space, ["swing", "least_transmission_angle"], branch=1, verify=0)
+    where = {"swing_deg": 70, "a3": 0.42}
+    nearest = fl.best(maps, maximise="least_transmission_angle", where=where, top=1)
+    assert all(f"{name} = " in nearest.missed.item() for name in ("swing", "a3"))
+    found = fl.best(maps, maximise="least_transmission_angle", where=where, top=1, refine=True)
+    assert found.a3.item() == 0.42
+    assert abs(math.degrees(found.swing.item()) - 70.0) <= 1e-9 * 70.0
+    assert found.active.item() == "swing = 1.22173 rad"
+
+
+def test_where_no_design_does_the_answer_is_the_nearest_one():
+    """By the sum of what it misses, each miss a share of its limit."""
+    where = {"swing_deg": 100, **ANGLES, "transmission_angle_min_deg": "45:"}
+    asked = {"where": where, "maximise": "a3", "top": 2}
+    space, missed = fl.sobol(5_000, seed=1, **WIPER), []
+    for refine in (False, True):
+        found = fl.search("planar_4r", space, ["swing"], **asked, refine=refine)
+        assert found.sizes["design"] == (1 if refine else 2)
+        assert "swing = 1.74533 by " in found.missed.values[0]
+        names = "swing", "transmission_angle_min", "transmission_angle_max"
+        swing, low, high = (np.degrees(found[name].values.ravel()[0]) for name in names)
+        missed.append(abs(swing - 100) / 100 + max(45 - low, 0.0) / 45 + max(high - 142, 0.0) / 142)
+    assert missed[1] < missed[0]
+    assert found.refinement.attrs["flag_meanings"].split()[found.refinement.item()] == "misses_a_condition"
+    assert "transmission_angle_min >= 0.785398" in found.active.item()
 
 
 STUDY = """
@@ -220,8 +273,8 @@ def test_a_study_searches(tmp_path):
     [
         ('minimise = "omega4_max"', 'minimise = "omega_max"', "search.minimise", "omega4_max"),
         ("swing_deg = [60, inf]", "swin_deg = [60, inf]", "search.where", "swing"),
-        ("[40, inf]", "[50, 40]", "search.where.transmission_angle_min_deg", "exchange"),
-        ("[40, inf]", "40", "search.where", "inf"),
+        ("[40, inf]", "[50, 40]", "search.where.transmission_angle_min_deg", "lesser end first"),
+        ("[40, inf]", '"40:x"', "search.where.transmission_angle_min_deg", "inf"),
         ("top = 2", "top = 0", "search.top", "at least 1"),
         ("top = 2", "tops = 2", "search.tops", "top"),
         ("samples = 2000", "samples = 0", "search.samples", "at least 1"),
@@ -327,9 +380,10 @@ def test_a_part_is_no_whole_search(tmp_path):
 def test_parts_in_which_nothing_is_found(tmp_path):
     space, asked = SEARCHES["an axis that scales"]
     last = tmp_path / "last.h5"
-    with fl.search("planar_4r", space, **asked, part="4/4", to=last, progress=False) as part:
+    nothing = {**asked, "where": {"status": "invalid_input"}}
+    with fl.search("planar_4r", space, **nothing, part="4/4", to=last, progress=False) as part:
         assert "none is kept" in part.attrs["selection"]
-    paths = parts_of(tmp_path, space, {**asked, "where": {"swing": (9.0, None)}}, 2)
+    paths = parts_of(tmp_path, space, nothing, 2)
     with refused("none of 210 rows", "widen"):
         fl.join(paths, to=tmp_path / "found.h5")
 

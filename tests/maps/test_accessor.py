@@ -194,8 +194,8 @@ def test_equal_values_and_few_values(maps):
     assert everything.sizes["design"] == int(maps.omega4_max.notnull().sum())
     assert everything.omega4_max[0] == np.inf
     assert "infinite" in maps.fastlink.top(3, "omega4_max").attrs["selection"]
-    nothing = maps.fastlink.top(3, "omega4_max", where="invalid_input")
-    assert nothing.sizes["design"] == 0
+    with refused("fail status", "widen"):
+        maps.fastlink.top(3, "omega4_max", where="invalid_input")
 
 
 def test_meanings_of_status_select(maps):

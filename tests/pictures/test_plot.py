@@ -666,7 +666,7 @@ def designs(names=(*NAMES,), **options):
         (designs("a1", kind="scatter"), "names", "2 to 3"),
         (designs(kind="scater"), "kind", "did you mean 'scatter'"),
         (designs(where={"a2": (9.0, None)}), "omega4_max", "fewer conditions"),
-        (designs(where={"a2": 9.0}), "a2", "None"),
+        (designs(where={"a2": "x"}), "a2", "None"),
         (designs(branch=3), "branch", "1"),
         (lambda maps: fl.plot_front(maps, minimise="omega4_max"), "front", "fastlink.best"),
         (lambda maps: fl.plot_front(maps), "best", "minimise"),

@@ -25,6 +25,7 @@ from fastlink.errors import (
     InputError,
     InputWarning,
     KeyPath,
+    Pair,
     Piece,
     Remedy,
     Setting,
@@ -165,6 +166,8 @@ class _Options(Wording):
         return " ".join([self.names[str(where[0])], *map(str, where[1:])])
 
     def piece(self, piece: Piece) -> str | None:
+        if isinstance(piece, Pair):
+            return "LO:HI, LO: or :HI" if piece.unlimited else "LO:HI"
         if not isinstance(piece, Setting):
             return super().piece(piece)
         option = self.names.get(piece.name)
@@ -655,22 +658,9 @@ def best(
 
 
 def _conditions(texts: list[str]) -> dict[str, Any]:
-    """Return the conditions of ``--where NAME=LO:HI`` and ``--where NAME=MEANING``."""
-    form = "NAME=LO:HI or NAME=MEANING"
-    wanted: dict[str, Any] = by_name(texts, "where", form, {"a2": "1.1:1.3"}, text_of)
-    for name, condition in wanted.items():
-        low, colon, high = (part.strip() for part in condition.partition(":"))
-        wanted[name] = (_end(name, low), _end(name, high)) if colon else condition
-    return wanted
-
-
-def _end(name: str, text: str) -> float | None:
-    """Return an end of a range, None for no limit."""
-    try:
-        return float(text) if text else None
-    except ValueError:
-        remedy = ("write such as ", Setting("where", {name: "1.1:1.3"}))
-        raise InputError(f"{name} ends at {text!r}", ("where",), remedy) from None
+    """Return the conditions of ``--where NAME=LO:HI``, ``--where NAME=NUMBER`` and ``--where NAME=MEANING``."""
+    form = "NAME=LO:HI, NAME=NUMBER or NAME=MEANING"
+    return by_name(texts, "where", form, {"a2": "1.1:1.3"}, text_of)
 
 
 @command

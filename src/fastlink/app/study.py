@@ -163,8 +163,8 @@ LINSPACE = f"[lo, hi, n] with finite lo and hi and a whole number n from 1 to {L
 GEOMSPACE = LINSPACE.replace("and hi", "and hi of one sign, neither 0,")
 WHERE = 'such as {status = "rotates_fully", a1 = [0.2, inf]}'
 Wanted = Annotated[
-    tuple[Number, Number] | String | list[String],
-    Write("[lo, hi], inf or -inf for no limit, or the meaning of a code as text"),
+    tuple[Number, Number] | Number | String | list[String],
+    Write("[lo, hi], inf or -inf for no limit, a number to be met, or the meaning of a code as text"),
 ]
 Names = Annotated[String | list[String], Write("the name of a quantity, or a list of names")]
 Refined = Annotated[bool, Field(strict=True)] | list[String]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from fastlink.errors import Problems, check_switch, door
@@ -110,7 +109,7 @@ def best(
         refinement = Refinement(own, model, spans, choice.objectives, choice.wanted)
         one = len(choice.objectives) == 1
         top = choice.top if one else None
-        selected = chosen(own, replace(choice, top=candidates(choice.top)) if one else choice)
+        selected = chosen(own, choice.refined(candidates(choice.top)))
         looked = {result.name for result in refinement.results}
         starts = selected.of(own.drop_vars([name for name in own.data_vars if name not in looked])).load()
         searched = math.prod(selected.rows.shape)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import re
 from collections import Counter
@@ -23,7 +24,18 @@ from fastlink.errors import InputError, Problems, listed
 from fastlink.facts.catalogue import ELIMINATED, Catalogue
 from fastlink.facts.derivative import NoDependence, NoDerivative, is_tolerance
 from fastlink.facts.names import derivative_name
-from fastlink.maps.best import ACTIVE, GAIN, REFINEMENT, STARTS, Condition, Objective, nondominated
+from fastlink.maps.best import (
+    ACTIVE,
+    GAIN,
+    MISSED,
+    REFINEMENT,
+    STARTS,
+    Condition,
+    Objective,
+    labelled_missed,
+    missed_text,
+    nondominated,
+)
 from fastlink.maps.units import check_units, units_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.mechanisms import mechanism_of_map
@@ -391,6 +403,7 @@ class Points:
         required: Sequence[Requirement],
         spans: Sequence[Span],
         start: NDArray[np.float64],
+        limits: Mapping[str, tuple[float, float]] = {},
     ) -> None:
         inputs = reader.inputs
         self.reader, self.start = reader, start
@@ -400,6 +413,10 @@ class Points:
             for name, slope in ((span.name, 1.0), *span.followers):
                 self.turns[inputs.index(name), j] = slope
         own = start[self.leaders]
+        for j, span in enumerate(spans):
+            own[j] = np.clip(own[j], *limits.get(span.name, (-np.inf, np.inf)))
+        #: Whether the start itself is such a point, or misses a condition on an input.
+        self.has_start = bool((own == start[self.leaders]).all())
         spans = [span.about(x) for span, x in zip(spans, own, strict=True)]
         self.low, self.high = np.array([(span.low, span.high) for span in spans]).T
         width = self.high - self.low
@@ -582,6 +599,8 @@ MOST_STEPS, MOST_PROGRAMS = 100, 60
 PRECISION = 1e-12
 #: By how much of their size constraints are kept, so that rounding does not break them.
 MARGIN = 1e-9
+#: A target is met if it is off by no more than this, of its size; and the steps towards it from beside.
+MET, MOST_NEWTON = 1e-9, 4
 #: The reach of the first linear program, of the ranges; that below which no further one is tried.
 FIRST_REACH, LAST_REACH = 1e-3, 1e-10
 GREATEST_REACH = 0.1
@@ -598,6 +617,7 @@ class Outcome(IntEnum):
     BLOCKED_BY_A_CODE_OR_WHERE_THERE_IS_NO_VALUE = 3
     NO_DERIVATIVE_AT_THE_START = 4
     NOT_WHAT_THE_MAP_SAYS = 5
+    MISSES_A_CONDITION = 6
 
     @property
     def meaning(self) -> str:
@@ -636,6 +656,11 @@ class Descent:
     # upper one.
     limits: set[tuple[int, int]] = field(default_factory=set)
     ends: set[tuple[int, int]] = field(default_factory=set)
+    #: By how much it misses limits in all, in sizes of the results; which results do.
+    miss: float = 0.0
+    missed: tuple[int, ...] = ()
+    #: Whether its start missed some.
+    missed_first: bool = False
 
 
 def descend(task: Task, start: Floats) -> Descent:
@@ -655,9 +680,14 @@ def descend(task: Task, start: Floats) -> Descent:
     if not walk.can_start:
         return Descent(walk.start, walk.first, Outcome.NO_DERIVATIVE_AT_THE_START, walk.size)
     with np.errstate(all="ignore"):
-        walk.by_slsqp()
+        walk.by_slsqp(walk.start)
+        if walk.best_miss > 0.0:
+            walk.by_least_squares()
+            walk.by_slsqp(walk.best)
+        if walk.best_miss > 0.0:
+            return walk.missing()
         outcome = walk.by_programs()
-    if outcome is Outcome.CONVERGED and not walk.best_height < 0.0:
+    if outcome is Outcome.CONVERGED and not (walk.best_height < 0.0 or walk.first_miss > 0.0):
         outcome = Outcome.NOTHING_TO_GAIN
     return walk.result(outcome)
 
@@ -666,21 +696,27 @@ class _Walk:
     """The way from a start: what is known of the points that were looked at.
 
     Several objectives fall together: the height of a point is the greatest of their changes since the start, each in
-    sizes of its own, so that a point below 0 is better in all of them.
+    sizes of its own, so that a point below 0 is better in all of them. A start may miss limits: of points that miss
+    some the one that misses least is the best.
     """
 
     def __init__(self, task: Task, start: Floats) -> None:
         self.task, self.start = task, start
         self.aims, self.signs = np.flatnonzero(task.signs), task.signs
-        self.low, self.high = task.low, task.high
         values, slopes = self.measured(start[None])
         self.first = values[0]
         self.can_start = bool(np.isfinite(values).all() and np.isfinite(slopes).all())
         self.size = self._sizes(values[0], slopes[0])
+        targets = task.low == task.high
+        width = np.where(targets, MET * np.maximum(np.abs(task.low), self.size), 0.0)
+        self.low, self.high, self.targets = task.low - width, task.high + width, np.flatnonzero(targets)
         limits, span = np.stack((task.low, task.high)), task.high - task.low
         kept = np.where(np.isfinite(limits), np.maximum(np.abs(limits), self.size), 0.0).max(axis=0)
+        span = np.where(targets, 2.0 * width, span)
         self.margin = np.minimum(MARGIN * kept, np.where(np.isfinite(span), span / 4.0, np.inf))
-        self.best, self.best_values, self.best_height = start, values[0], 0.0
+        self.first_miss = self.best_miss = self.miss(values[0])
+        self.best, self.best_values = start, values[0]
+        self.best_height = 0.0 if self.first_miss == 0.0 else np.inf
         self.program: Program | None = None
         self._last: tuple[bytes, Any, Any] = (b"", None, None)
 
@@ -700,30 +736,40 @@ class _Walk:
         change = self.signs[self.aims] * (values[..., self.aims] - self.first[self.aims])
         return (change / self.size[self.aims]).max(axis=-1)
 
-    def holds(self, values: Floats) -> bool:
-        """Tell whether a point has numbers within the limits."""
-        return bool(((values >= self.low) & (values <= self.high)).all())
+    def misses(self, values: Floats) -> Floats:
+        """Return by how much results miss their limits, in their sizes: below a lower limit less than 0."""
+        return (values - np.clip(values, self.low, self.high)) / self.size
+
+    def miss(self, values: Floats) -> float:
+        """Return by how much a point misses limits in all, infinite where it has no number."""
+        return float(np.abs(self.misses(values)).sum()) if np.isfinite(values).all() else np.inf
 
     def note(self, point: Floats, values: Floats) -> bool:
         """Keep a point that is better than all before it, and tell whether it is."""
-        if not (np.isfinite(values).all() and self.holds(values)):
+        miss = self.miss(values)
+        if miss > 0.0 and not miss < self.best_miss:
             return False
-        height = float(self.height(values))
-        if not height < self.best_height:
+        height = float(self.height(values)) if miss == 0.0 else np.inf
+        if miss == self.best_miss and not height < self.best_height:
             return False
-        self.best, self.best_values, self.best_height = point.copy(), values.copy(), height
+        self.best, self.best_values = point.copy(), values.copy()
+        self.best_height, self.best_miss = height, miss
         return True
 
     # -- SLSQP ---------------------------------------------------------------------------------------------------------
 
-    def by_slsqp(self) -> None:
+    def by_slsqp(self, begin: Floats) -> None:
         """Go down by SLSQP, over the inputs and, for several objectives, their common height."""
         from scipy.optimize import minimize
 
         joint = len(self.aims) > 1
-        start = np.append(self.start, 0.0) if joint else self.start
-        rows = self._rows_of_limits()
-        constraints = {"type": "ineq", "fun": lambda z: rows(z)[0], "jac": lambda z: rows(z)[1]}
+        start = np.append(begin, 0.0) if joint else begin
+        rows, targets = self._rows_of_limits(), self._rows_of_targets
+        constraints = [{"type": "ineq", "fun": lambda z: rows(z)[0], "jac": lambda z: rows(z)[1]}]
+        if not len(rows(start)[0]):
+            constraints = []
+        if len(self.targets):
+            constraints += [{"type": "eq", "fun": lambda z: targets(z)[0], "jac": lambda z: targets(z)[1]}]
         ends: list[Any] = [(0.0, 1.0)] * len(self.start) + [(None, None)] * joint
         up = np.eye(len(start))[-1]
         try:
@@ -733,7 +779,7 @@ class _Walk:
                 jac=(lambda z: up) if joint else self._objective_slopes,
                 method="SLSQP",
                 bounds=ends,
-                constraints=[constraints] if len(rows(start)[0]) else [],
+                constraints=constraints,
                 options={"maxiter": MOST_STEPS, "ftol": PRECISION},
             )
         except (ValueError, ArithmeticError, np.linalg.LinAlgError):
@@ -760,7 +806,9 @@ class _Walk:
 
     def _rows_of_limits(self) -> Callable[[Floats], tuple[Floats, Floats]]:
         """Return a function that gives what must not fall below 0, and its slopes."""
-        low, high = np.flatnonzero(np.isfinite(self.low)), np.flatnonzero(np.isfinite(self.high))
+        low, high = np.isfinite(self.low), np.isfinite(self.high)
+        low[self.targets] = high[self.targets] = False
+        low, high = np.flatnonzero(low), np.flatnonzero(high)
         aims = self.aims if len(self.aims) > 1 else self.aims[:0]
 
         def rows(z: Floats) -> tuple[Floats, Floats]:
@@ -778,6 +826,42 @@ class _Walk:
             return np.concatenate((above, below, fall)), found
 
         return rows
+
+    def _rows_of_targets(self, z: Floats) -> tuple[Floats, Floats]:
+        """Return what must be 0, and its slopes."""
+        values, slopes = self._at(z)
+        of, found = self.targets, np.zeros((len(self.targets), len(z)))
+        found[:, : len(self.start)] = slopes[of] / self.size[of, None]
+        return (values - self.task.low)[of] / self.size[of], found
+
+    # -- towards limits that are missed: least squares ----------------------------------------------------------------
+
+    def by_least_squares(self) -> None:
+        """Go from the best point to where limits are missed least, by the sum of squares."""
+        from scipy.optimize import least_squares
+
+        aimed = self.low + self.margin, self.high - self.margin
+
+        def off(z: Floats) -> tuple[Floats, Floats]:
+            values, slopes = self._at(z)
+            misses = (values - np.clip(values, *aimed)) / self.size
+            return misses, np.where((misses != 0.0)[:, None], slopes / self.size[:, None], 0.0)
+
+        with contextlib.suppress(ValueError, ArithmeticError, np.linalg.LinAlgError):
+            ends = {"ftol": PRECISION, "xtol": PRECISION, "max_nfev": MOST_STEPS}
+            least_squares(lambda z: off(z)[0], self.best, jac=lambda z: off(z)[1], bounds=(0.0, 1.0), **ends)
+
+    def missing(self) -> Descent:
+        """Return the best point, which misses limits, with these and the ends that hold it back."""
+        misses, slopes = self.misses(self.best_values), self.measured(self.best[None])[1][0]
+        fall = np.nan_to_num((misses / self.size) @ slopes)  # the slope of half the sum of squares
+        steep = HOLDS * np.abs(fall).max(initial=0.0)
+        ends = {(j, -1) for j in range(len(fall)) if self.best[j] <= AT_END and fall[j] > steep}
+        ends |= {(j, 1) for j in range(len(fall)) if self.best[j] >= 1.0 - AT_END and fall[j] < -steep}
+        missed = tuple(np.flatnonzero(misses).tolist())
+        limits = {(k, -1 if misses[k] < 0.0 else 1) for k in missed}
+        how = Outcome.MISSES_A_CONDITION, self.size, limits, ends, self.best_miss, missed
+        return Descent(self.best, self.best_values, *how, missed_first=True)
 
     # -- linear programs -----------------------------------------------------------------------------------------------
 
@@ -807,6 +891,7 @@ class _Walk:
         """Try where a linear program leads; where a bent limit is in the way once more, as far as it was missed."""
         for again in (False, True):
             point = np.clip(self.best + program.step, 0.0, 1.0)
+            point = self._onto_targets(point)
             values, counts = self.task.values(point[None])
             if not counts[0] or not np.isfinite(values).all():
                 return False
@@ -817,10 +902,20 @@ class _Walk:
                 return False
         return False
 
+    def _onto_targets(self, point: Floats) -> Floats:
+        """Return a point moved to where targets are met, by Newton's steps of least length."""
+        for _ in range(MOST_NEWTON if len(self.targets) else 0):
+            off, slopes = self._rows_of_targets(point)
+            if not np.isfinite(off).all() or np.abs(off).max() < MET / 4.0:
+                break
+            point = np.clip(point - np.linalg.lstsq(slopes, off, rcond=None)[0], 0.0, 1.0)
+        return point
+
     def result(self, outcome: Outcome) -> Descent:
         """Return the best point with what holds it back."""
         limits = (set(), set()) if self.program is None else self.program.limits()
-        return Descent(self.best, self.best_values, outcome, self.size, *limits)
+        missed_first = self.first_miss > 0.0
+        return Descent(self.best, self.best_values, outcome, self.size, *limits, missed_first=missed_first)
 
 
 # -- From which of the best rows a refinement starts, and which of its ends are one design
@@ -963,6 +1058,7 @@ class Refinement:
         self.pointwise = {str(name) for name, one in maps.variables.items() if self.position in one.dims}
         self.inputs = [*swept_inputs(catalogue, maps), *([self.position] if self.at_position else [])]
         self.spans = within([*spans, *([self._of_position(maps)] if self.at_position else [])], wanted)
+        self.limits = {str(one.array.name): (one.low, one.high) for one in wanted if one.is_limit}
         self.results = self._results(maps, objectives, wanted)
         self.units = units_of(maps)
         self._readers: dict[tuple[Any, ...], Results] = {}
@@ -1047,16 +1143,23 @@ class Refinement:
         show: Callable[[int], None] = lambda count: None,
     ) -> xr.Dataset:
         """Return selected designs after their refinement, each once, the best first, with what was gained."""
-        ends = list[End]()
+        ends, missing = list[End](), list[End]()
         starts = self._starts(found, searched, top)
         for row in starts:
             one = self._ended(found.isel({DESIGN: row}), row)
             if isinstance(starts, Starts):
                 starts.ended(row, self._shares(one.design))
-            if self._noted(ends, one):
+            if one.descent.miss > 0.0:
+                missing.append(one)
+            elif self._noted(ends, one):
                 show(1)
-            if len(ends) == top:
-                break
+            if len(ends) == top and not one.descent.missed_first:
+                break  # rows that miss conditions are not in the order of what they lead to
+        if len(ends) > (top or len(ends)):
+            ends.sort(key=lambda one: self.results[0].sign * one.descent.values[0])
+            del ends[top:]
+        if not ends:  # the nearest design alone
+            ends = sorted(missing, key=lambda one: one.descent.miss)[:1]
         kept = [one.row for one in ends]
         own = whole(kept) if whole is not None else found.isel({DESIGN: kept})
         designs = np.array([one.design for one in ends]).reshape(-1, len(self.inputs)).T
@@ -1079,7 +1182,7 @@ class Refinement:
 
     def _shares(self, designs: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the inputs that may change, as shares of their ranges."""
-        widths = [max(span.high - span.low, span.period) for span in self.spans]
+        widths = [max(span.high - span.low, span.period) or 1.0 for span in self.spans]
         rows = designs[[self.inputs.index(span.name) for span in self.spans]]
         shares: NDArray[np.float64] = (rows.T / np.array(widths)).T
         return shares
@@ -1101,16 +1204,19 @@ class Refinement:
         """Return the end of the descent from one design."""
         reader = self._reader(row)
         start = np.array([float(row[name]) for name in self.inputs])
-        points = Points(reader, self.results, self.spans, start)
+        points = Points(reader, self.results, self.spans, start, self.limits)
         descent = self._descent(points, row)
-        design = start if descent.point is points.begin else points.designs(descent.point[None])[:, 0]
+        stays = descent.point is points.begin and points.has_start
+        design = start if stays else points.designs(descent.point[None])[:, 0]
         return End(number, reader, points, descent, design if design is start else self._wrapped(design))
 
     def _descent(self, points: Points, row: xr.Dataset) -> Descent:
         aims = [one for one in self.results if one.sign]
         expected = np.array([float(row[one.name]) for one in aims])
         own = points.values(points.begin[None])[0][0]
-        if not np.allclose(own[: len(aims)], expected, rtol=REPRODUCED, atol=0.0, equal_nan=True):
+        if points.has_start and not np.allclose(
+            own[: len(aims)], expected, rtol=REPRODUCED, atol=0.0, equal_nan=True
+        ):
             return Descent(points.begin, own, Outcome.NOT_WHAT_THE_MAP_SAYS, np.ones(len(own)))
         low, high, signs = points.limits
         return descend(Task(points.values, points.slopes, signs, low, high), points.begin)
@@ -1142,7 +1248,7 @@ class Refinement:
         """Return the designs with other inputs, and all their results anew, to the bits of a sweep."""
         names = [str(name) for name in found.data_vars if self._request(str(name)) is not None]
         others = [name for name in found.data_vars if name not in names]
-        result = found.drop_vars(others).copy()
+        result = found.drop_vars([*others, MISSED], errors="ignore").copy()
         for name, values in zip(self.inputs, designs, strict=True):
             result[name] = (DESIGN,), values, found[name].attrs
         values = {name: np.empty(designs.shape[1], found[name].dtype) for name in names}
@@ -1179,7 +1285,7 @@ class Refinement:
         added(STARTS, starts, "Number of starts whose refinement ended in this design")
         active = np.array([self._active(one.descent) for one in ends], dtype=str)
         added(ACTIVE, active, "What holds the design back")
-        result = result.set_coords(ACTIVE)
+        result = labelled_missed(result.set_coords(ACTIVE), [self._missed(one.descent) for one in ends])
         points = np.stack([one.sign * result[one.name].values for one in aims], axis=1)
         order = np.argsort(points[:, 0], kind="stable") if len(aims) == 1 else nondominated(points)
         beaten, count = len(points) - len(order), int(starts.sum())
@@ -1194,6 +1300,14 @@ class Refinement:
         )
         return result
 
+    def _missed(self, descent: Descent) -> str:
+        """Return the limits that a design misses, and by how much."""
+        shown = [one for one in self.results if not one.is_code]
+        texts = []
+        for k in descent.missed:
+            texts.append(missed_text(shown[k], float(descent.values[k]), self.units.get(shown[k].name, "1")))
+        return ", ".join(texts)
+
     def _active(self, descent: Descent) -> str:
         """Return the limits that hold a design back."""
         shown = [one for one in self.results if not one.is_code]
@@ -1202,9 +1316,10 @@ class Refinement:
         texts = []
         for one, sign in held:
             limit = f"<= {short_number(one.high)}" if sign > 0 else f">= {short_number(one.low)}"
+            limit = f"= {short_number(one.low)}" if one.low == one.high else limit
             units = self.units.get(one.name, "1")
             texts.append(f"{one.name} {limit}{'' if units == '1' else f' {units}'}")
-        return ", ".join(texts)
+        return ", ".join(dict.fromkeys(texts))
 
 
 def _unmeasured(attrs: Mapping[Any, Any]) -> dict[Any, Any]:

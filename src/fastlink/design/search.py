@@ -47,6 +47,7 @@ from fastlink.maps import open as open_map
 from fastlink.maps.best import (
     ACTIVE,
     GAIN,
+    MISSED,
     REFINEMENT,
     STARTS,
     Choice,
@@ -55,9 +56,11 @@ from fastlink.maps.best import (
     kept_of,
     least,
     listed,
+    merged_nearest,
     strongest,
     unbeaten,
     undominated,
+    with_missed,
 )
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.mechanisms import mechanism_of_map
@@ -94,10 +97,19 @@ class Kept(Tally):
     points: NDArray[np.float64]
     #: The number of designs by status.
     designs: NDArray[np.int64]
+    #: The numbers of those that miss conditions least, and by how much.
+    near: NDArray[np.int64]
+    missed: NDArray[np.float64]
 
     def arrays(self) -> dict[str, Any]:
         """Return everything as arrays by name, as a file keeps them."""
-        return {name: np.asarray(getattr(self, name)) for name in ("rows", "points", "designs", *COUNTS)}
+        names = ("rows", "points", "designs", "near", "missed", *COUNTS)
+        return {name: np.asarray(getattr(self, name)) for name in names}
+
+    @property
+    def every(self) -> NDArray[np.int64]:
+        """The numbers of all rows that are kept."""
+        return np.concatenate((self.rows, self.near))
 
     @classmethod
     def of_arrays(cls, arrays: Mapping[str, Any]) -> Kept:
@@ -147,7 +159,9 @@ class Stream:
         """Return what is kept of no rows."""
         empty = np.empty((0, len(self.choice.objectives)))
         designs, failed = (np.zeros(n, dtype=np.int64) for n in (self.codes, len(self.choice.wanted)))
-        return Kept(rows=np.empty(0, dtype=np.int64), points=empty, designs=designs, failed=failed)
+        none = np.empty(0, dtype=np.int64)
+        near = {"near": none, "missed": np.empty(0)}
+        return Kept(rows=none, points=empty, designs=designs, failed=failed, **near)
 
     def read(self, start: int, stop: int, arrays: list[NDArray[Any]], into: Kept, known: Kept) -> None:
         """Add the results of consecutive designs to what is kept of a block; `known` is kept of others already."""
@@ -157,6 +171,10 @@ class Stream:
         places, points = into.usable(self.choice, shape, lambda array: values[str(array.name)])
         if len(places):
             self._add(into, start * self.rows_of_design + places, points, known)
+        if self.choice.limits and len(known.rows) + len(into.rows) < self.choice.enough:
+            near, missed = into.nearest(self.choice, shape, lambda array: values[str(array.name)])
+            own = start * self.rows_of_design + near, missed
+            into.near, into.missed = merged_nearest(self.choice.nearest, (into.near, into.missed), own)
 
     def _values(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> dict[str, NDArray[Any]]:
         """Return what is looked at, with a length or 1 along each dimension of the rows."""
@@ -180,6 +198,8 @@ class Stream:
         """Add what is kept of other designs; rows of a front wait until they are many, see `settle`."""
         for name in ("designs", *COUNTS):
             setattr(one, name, getattr(one, name) + getattr(other, name))
+        both = (one.near, one.missed), (other.near, other.missed)
+        one.near, one.missed = merged_nearest(self.choice.nearest, *both)
         if len(other.rows):
             self.waiting.append((other.rows, other.points))
             self.count += len(other.rows)
@@ -188,6 +208,8 @@ class Stream:
 
     def settle(self, kept: Kept) -> None:
         """Compare the rows that wait: of equal ones those with the least numbers stay."""
+        if kept.counting >= self.choice.enough:  # none of those that miss a condition is needed
+            kept.near, kept.missed = kept.near[:0], kept.missed[:0]
         if not self.waiting:
             return
         rows, points = (np.concatenate(parts) for parts in zip(*self.waiting, strict=True))
@@ -318,7 +340,7 @@ def found_by(
     if of:
         result, whole = request.of_part(stream, kept, of, about), request.for_joining(stream, kept, verify)
     else:
-        if unfinished is not None and not len(kept.rows):
+        if unfinished is not None and not len(kept.every):
             unfinished.remove()
         verify = (0 if path is None else DESIGNS) if verify is None else verify
         result = finished(request, stream, kept, about, verify=verify, progress=progress)
@@ -337,9 +359,9 @@ def finished(
     progress: bool | None,
 ) -> xr.Dataset:
     """Return the result of a search, refined if it is to be, from what it has kept of all designs."""
-    if not len(kept.rows):
-        raise _nothing(request, stream, kept)
-    most = len(kept.rows) if stream.several else min(request.choice.top, len(kept.rows))
+    if not len(kept.every):
+        raise kept.nothing_found(request.choice, request.size * stream.rows_of_design)
+    most = len(kept.every) if stream.several else min(request.choice.top, len(kept.every))
     swept, refining = time.perf_counter(), progress_bar(most, " designs refined", progress)
     try:
         result = request.found(stream, kept, verify, refining.update if refining else lambda count: None)
@@ -434,17 +456,6 @@ def _count(ranges: list[Range]) -> int:
     return sum(stop - start for start, stop in ranges)
 
 
-def _nothing(request: SearchRequest, stream: Stream, kept: Kept) -> InputError:
-    """Return the error of a search that has found nothing, with what was in the way."""
-    size = request.size * stream.rows_of_design
-    failed = zip(request.choice.wanted, kept.failed.tolist(), strict=True)
-    reasons = [f"{count:,} fail {one.array.name}" for one, count in failed if count]
-    reasons += [f"{kept.not_numbers:,} have no number"] if kept.not_numbers else []
-    reasons += [f"{kept.infinite:,} are infinite"] if kept.infinite else []
-    what = f"none of {counted(size, 'row')} meets all conditions: {', '.join(reasons)}"
-    return InputError(what, ("where",), "widen the conditions or the ranges, or search more designs")
-
-
 # -- The request of a search, and its result as a map of the designs that were found
 
 
@@ -497,8 +508,7 @@ class SearchRequest:
     @property
     def kept(self) -> Choice:
         """Which rows the sweep keeps: of one objective more than are wanted, where several may lead to one design."""
-        refined = self.refinement is not None and len(self.choice.objectives) == 1
-        return replace(self.choice, top=candidates(self.choice.top)) if refined else self.choice
+        return self.choice if self.refinement is None else self.choice.refined(candidates(self.choice.top))
 
     @property
     def fingerprint(self) -> str:
@@ -550,10 +560,10 @@ class SearchRequest:
 
     def found(self, stream: Stream, kept: Kept, verify: int, show: Any) -> xr.Dataset:
         """Return the designs that were found, refined if they are to be, as a map."""
-        columns, places = self.columns(stream, stream.ordered(kept).rows)
+        columns, places = self.columns(stream, stream.ordered(kept).every)
         names = list(self.quantities) or ["status"]
         if self.refinement is None:
-            return self.rows(columns, places, names, verify)
+            return with_missed(self.rows(columns, places, names, verify), self.choice.limits)
         top = None if stream.several else self.choice.top
         starts = self.rows(columns, places, stream.searched)
         refined = self.refinement.of(starts, searched=self.size * stream.rows_of_design, top=top, show=show)
@@ -568,12 +578,13 @@ class SearchRequest:
         ]
         result = result.assign({name: refined[name].variable for name in added})
         result.attrs["selection"] = refined.attrs["selection"]
-        return result.assign_coords({ACTIVE: refined[ACTIVE].variable})
+        texts = [name for name in (ACTIVE, MISSED) if name in refined.coords]
+        return result.assign_coords({name: refined[name].variable for name in texts})
 
     def of_part(self, stream: Stream, kept: Kept, of: PartOfMap, about: Mapping[str, Any]) -> xr.Dataset:
         """Return the rows that a part keeps as a map, not refined; where there is none its first row stands there."""
         rows = (
-            stream.ordered(kept).rows if len(kept.rows) else np.array([of.range[0] * stream.rows_of_design])
+            stream.ordered(kept).every if len(kept.every) else np.array([of.range[0] * stream.rows_of_design])
         )
         result = self.rows(*self.columns(stream, rows), stream.searched)
         start, stop = of.range
@@ -581,7 +592,7 @@ class SearchRequest:
         result.attrs["selection"] = (
             f"{self.selection(kept, stop - start)}; part {of.part} of a search, to be joined"
         )
-        if not len(kept.rows):
+        if not len(kept.every):
             result.attrs["selection"] += "; none is kept, and the first row stands here"
         return result
 
@@ -612,7 +623,11 @@ class SearchRequest:
     def selection(self, kept: Kept, size: int) -> str:
         """Return how rows were selected, as a text."""
         aims = joined([str(one) for one in self.choice.objectives])
-        return f"{len(kept.rows):,} of {kept.considered:,} rows by the {aims}, of {counted(size, 'design')}"
+        near = f"{len(kept.near):,} that miss conditions least"
+        if len(kept.near) and not len(kept.rows):
+            return f"none of {counted(size, 'design')} meets all conditions: {near}, by the {aims}"
+        of = f"{len(kept.rows):,} of {kept.considered:,} rows by the {aims}"
+        return f"{of}{f', {near}' if len(kept.near) else ''}, of {counted(size, 'design')}"
 
     def counts(self, stream: Stream, kept: Kept, size: int) -> dict[str, Any]:
         """Return how many designs were searched, and why others were left out, as attributes."""
@@ -812,7 +827,7 @@ def request_of_parts(parts: Sequence[PartFile], own: Any = None) -> tuple[Search
     kept, numbers, columns = list[Kept](), list[Any](), dict[str, list[Any]]()
     for part, whole in zip(parts, wholes, strict=True):
         kept.append(Kept.of_arrays({str(name): one.values for name, one in whole.coords.items()}))
-        rows = kept[-1].rows // about["rows_of_design"]
+        rows = kept[-1].every // about["rows_of_design"]
         numbers.append(rows if len(rows) else np.array(part.of.range[:1]))
         with part.dataset() as opened:
             for name in about["columns"]:

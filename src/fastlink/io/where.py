@@ -12,7 +12,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from fastlink._text import short_number, short_repr
-from fastlink.errors import InputError, Problems, Setting, remark, suggest
+from fastlink.errors import InputError, Problems, Remedy, Setting, remark, suggest
 from fastlink.space.design_space import (
     RADIANS,
     angle_of,
@@ -23,7 +23,18 @@ from fastlink.space.design_space import (
     remark_on_angles,
 )
 
-__all__ = ["Indexer", "Range", "Selection", "in_units", "is_scale", "named", "nearest", "selected"]
+__all__ = [
+    "SLACK",
+    "Indexer",
+    "Range",
+    "Selection",
+    "form_of",
+    "in_units",
+    "is_scale",
+    "named",
+    "nearest",
+    "selected",
+]
 
 
 @dataclass(frozen=True)
@@ -174,7 +185,7 @@ def _taken(coordinate: xr.DataArray, condition: Any, *, in_degrees: bool) -> Ind
         if text is None:
             raise InputError(f"is {short_repr(condition)}", remedy="write one of its texts")
         return np.flatnonzero(values.astype(str) == text)
-    given = _form(condition)
+    given = form_of(condition, FORMS)
     limits = given if isinstance(given, Range) else Range(given, given)
     limits = in_units(coordinate, limits, "select", in_degrees=in_degrees)
     slack = SLACK * max(map(abs, limits.ends), default=0.0)
@@ -194,30 +205,30 @@ def _taken(coordinate: xr.DataArray, condition: Any, *, in_degrees: bool) -> Ind
     return int(found[0]) if is_axis and found.size == 1 else found
 
 
-def _form(condition: Any) -> Range | float:
-    """Return a condition as a range or as a value."""
+def form_of(condition: Any, remedy: Remedy) -> Range | float:
+    """Return a condition as a range or as a value: ``(lo, hi)``, ``"lo:hi"``, ``"lo:"``, a number or its text."""
     if isinstance(condition, str):
         if TO not in condition:
-            return _number(condition)
-        ends = [_number(end, none) for end, none in zip(condition.split(TO, 1), ENDLESS, strict=True)]
+            return _number(condition, remedy)
+        ends = [_number(end, remedy, none) for end, none in zip(condition.split(TO, 1), ENDLESS, strict=True)]
     elif isinstance(condition, (tuple, list)) and len(condition) == 2:
         pairs = zip(condition, ENDLESS, strict=True)
-        ends = [none if end is None else _real(end, condition) for end, none in pairs]
+        ends = [none if end is None else _real(end, condition, remedy) for end, none in pairs]
     else:
-        return _real(condition, condition)
+        return _real(condition, condition, remedy)
     if ends[0] > ends[1]:
         what = f"runs from {ends[0]:g} down to {ends[1]:g}"
         raise InputError(what, remedy="write the lesser end first")
     return Range(*ends)
 
 
-def _real(value: Any, condition: Any) -> float:
+def _real(value: Any, condition: Any, remedy: Remedy) -> float:
     if (number := as_real(value)) is not None:
         return number
-    raise InputError(f"is {short_repr(condition)}", remedy=FORMS)
+    raise InputError(f"is {short_repr(condition)}", remedy=remedy)
 
 
-def _number(text: str, default: float | None = None) -> float:
+def _number(text: str, remedy: Remedy, default: float | None = None) -> float:
     """Return the number that a text says; an end may be left out."""
     if not text.strip() and default is not None:
         return default
@@ -226,7 +237,7 @@ def _number(text: str, default: float | None = None) -> float:
     except ValueError:
         number = math.nan
     if math.isnan(number):
-        raise InputError(f"{short_repr(text)} is not a number", remedy=FORMS)
+        raise InputError(f"{short_repr(text)} is not a number", remedy=remedy)
     return number
 
 

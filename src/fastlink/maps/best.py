@@ -14,12 +14,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from fastlink._text import joined, short_number, short_repr
+from fastlink._text import counted, joined, short_number, short_repr
 from fastlink.errors import InputError, Pair, Problems, Setting, check_choice, check_switch, check_whole
 from fastlink.io.checksums import pieces
-from fastlink.io.where import Range, in_units, named
+from fastlink.io.where import SLACK, Range, form_of, in_units, named
 from fastlink.maps.units import check_flags, flags_of
-from fastlink.space.design_space import DESIGN, as_real
+from fastlink.space.design_space import DESIGN
 from fastlink.space.tables import STATUS
 
 # -- Conditions on the rows of a map: masks, meanings of a code, ranges of values
@@ -27,7 +27,7 @@ from fastlink.space.tables import STATUS
 
 @dataclass(frozen=True)
 class Condition:
-    """A variable of which each row must have one of some codes, or a value from low to high."""
+    """A variable of which each row must have one of some codes, or a value from low to high, or one value."""
 
     array: xr.DataArray
     codes: tuple[int, ...] | None = None
@@ -39,9 +39,25 @@ class Condition:
         if self.codes is not None:
             meanings = [meaning for meaning, code in flags_of(self.array).items() if code in self.codes]
             return f"{name} is {' or '.join(meanings)}"
-        ends = [(">=", self.low), ("<=", self.high)]
+        ends = [("=", self.low)] if self.is_target else [(">=", self.low), ("<=", self.high)]
         limits = [f"{sign} {short_number(end)}" for sign, end in ends if math.isfinite(end)]
         return f"{name} {' and '.join(limits)}" if limits else name
+
+    @property
+    def is_limit(self) -> bool:
+        """Whether it is of numbers, which may miss it by more or less."""
+        return self.codes is None and self.array.dtype.kind != "b"
+
+    @property
+    def is_target(self) -> bool:
+        """Whether it is one number that is to be met."""
+        return self.is_limit and self.low == self.high
+
+    def miss(self, values: NDArray[Any]) -> NDArray[np.float64]:
+        """Return by how much numbers miss it, in sizes of its limits: 0 of what meets it, NaN of NaN."""
+        size = max(map(abs, Range(self.low, self.high).ends), default=0.0) or 1.0
+        off: NDArray[np.float64] = np.maximum(np.maximum(self.low - values, values - self.high), 0.0) / size
+        return np.where(off <= SLACK, 0.0, off) if self.is_target else off
 
     def holds(self, values: NDArray[Any]) -> NDArray[np.bool_]:
         """Return where values meet it; NaN never does."""
@@ -53,7 +69,7 @@ class Condition:
             return found
         if self.array.dtype.kind == "b":
             return np.asarray(values, dtype=bool)
-        return Range(self.low, self.high).holds(values)
+        return Range(self.low, self.high).holds(values, SLACK * abs(self.low) if self.is_target else 0.0)
 
 
 def conditions(maps: xr.Dataset, where: Any) -> list[Condition]:
@@ -101,26 +117,19 @@ def _of_name(maps: xr.Dataset, name: Any, given: Any) -> Condition:
     array = maps[key or check_choice(("where",), name, list(known))]
     if flags_of(array) and isinstance(given, (str, list, tuple)):
         return _of_code(array, name, given)
-    where, remedy = ("where", name), ("write ", Pair(unlimited=True))
     if flags_of(array):
         what = f"{array.name} is a code, and given {short_repr(given)}"
-        raise InputError(what, where, f"write one of its meanings, {', '.join(flags_of(array))}")
-    if not isinstance(given, (list, tuple)) or len(given) != 2:
-        raise InputError(f"is {short_repr(given)}", where, remedy)
-    limits = Range(*(_limit(name, *end) for end in zip(given, (-math.inf, math.inf), strict=True)))
-    if not limits.low <= limits.high:
-        raise InputError(f"runs from {limits.low:g} to {limits.high:g}", where, "exchange the ends")
+        remedy = f"write one of its meanings, {', '.join(flags_of(array))}"
+        raise InputError(what, ("where", str(name)), remedy)
+    problems = Problems()
+    with problems.at("where", str(name)):
+        form = form_of(given, ("write ", Pair(unlimited=True), ", or a number to be met"))
+        limits = form if isinstance(form, Range) else Range(form, form)
+        if limits.low == math.inf or limits.high == -math.inf:
+            raise InputError("takes no finite number", remedy=("write ", Pair(unlimited=True)))
+    problems.stop()
     limits = in_units(array, limits, "where", in_degrees=in_degrees)
     return Condition(array, None, limits.low, limits.high)
-
-
-def _limit(name: str, end: Any, otherwise: float) -> float:
-    """Return one end of a range, or refuse it."""
-    number = otherwise if end is None else as_real(end)
-    if number is None:
-        what, remedy = f"ends at {short_repr(end)}", "write a number, or None for no limit"
-        raise InputError(what, ("where", name), remedy)
-    return number
 
 
 # -- Rows of a map: the places along some dimensions, read block by block, so that a map may be larger than
@@ -310,6 +319,10 @@ DEFAULT_TOP = 10
 #: What a refinement adds to a table of designs: how it ended, what holds each design back, what was gained, from how
 #: many starts it was reached.
 REFINEMENT, ACTIVE, GAIN, STARTS = "refinement", "active", "gain", "starts"
+#: What is said of designs that do not meet all conditions: which ones, and by how much.
+MISSED = "missed"
+#: So many rows that miss least are kept for each design that is wanted, to refine them.
+NEAREST = 64
 NOT_A_NUMBER, INFINITE = "not a number", "infinite"
 
 
@@ -332,6 +345,21 @@ class Choice:
     wanted: list[Condition]
     top: int = DEFAULT_TOP
     infinite: bool = False
+    #: How many of the rows that miss conditions least count where too few meet them.
+    nearest: int = DEFAULT_TOP
+    #: So many rows that meet all are enough.
+    enough: int = 1
+
+    def refined(self, rows: int) -> Choice:
+        """Return the choice of so many rows, from which different designs are to be found."""
+        if len(self.objectives) > 1:
+            return self
+        return replace(self, top=rows, nearest=NEAREST * self.top, enough=self.top)
+
+    @property
+    def limits(self) -> list[Condition]:
+        """The conditions that numbers may miss by more or less."""
+        return [one for one in self.wanted if one.is_limit]
 
 
 def choice_of(
@@ -349,7 +377,8 @@ def choice_of(
                 what = f"is {top}, and the front of several objectives is whole"
                 raise InputError(what, ("top",), "leave it out, or name one objective")
     problems.stop()
-    return Choice(sought, wanted, top or DEFAULT_TOP, bool(infinite))
+    top = top or DEFAULT_TOP
+    return Choice(sought, wanted or [], top, bool(infinite), nearest=top)
 
 
 @dataclass(frozen=True)
@@ -359,12 +388,13 @@ class Selection:
     rows: Rows
     places: NDArray[np.int64]
     about: str
+    choice: Choice
 
     def of(self, maps: xr.Dataset) -> xr.Dataset:
         """Return everything that a map says of them, along ``design``."""
         found = self.rows.taken(maps, self.places)
         found.attrs["selection"] = self.about
-        return found
+        return with_missed(found, self.choice.limits)
 
     def only(self, numbers: Sequence[int]) -> Selection:
         """Return some of them, by their numbers among these."""
@@ -438,6 +468,20 @@ class Tally:
     not_numbers: int = 0
     infinite: int = 0
 
+    def nothing_found(self, choice: Choice, size: int) -> InputError:
+        """Return the error where none of so many rows counts, and none could by other numbers."""
+        failed = zip(choice.wanted, self.failed.tolist(), strict=True)
+        reasons = [f"{count:,} fail {one.array.name or 'the mask'}" for one, count in failed if count]
+        reasons += [f"{self.not_numbers:,} have no number"] if self.not_numbers else []
+        reasons += [f"{self.infinite:,} are infinite"] if self.infinite else []
+        what = f"none of {counted(size, 'row')} meets all conditions: {', '.join(reasons)}"
+        return InputError(what, ("where",), "widen the conditions or the ranges, or search more designs")
+
+    @property
+    def counting(self) -> int:
+        """How many rows count: those that meet all conditions and have numbers."""
+        return self.considered - self.not_numbers - self.infinite
+
     def usable(
         self, choice: Choice, shape: tuple[int, ...], values: Callable[[xr.DataArray], NDArray[Any]]
     ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
@@ -469,6 +513,58 @@ class Tally:
             places, points = places[usable], points[usable]
         return places, points
 
+    def nearest(
+        self, choice: Choice, shape: tuple[int, ...], values: Callable[[xr.DataArray], NDArray[Any]]
+    ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Return the rows of a block that miss limits alone, those that miss least, and by how much in all."""
+        missed = np.zeros(shape)
+        for condition in choice.wanted:
+            own = values(condition.array)
+            missed = missed + (
+                condition.miss(own) if condition.is_limit else np.where(condition.holds(own), 0.0, np.nan)
+            )
+        for one in choice.objectives:
+            missed = missed + np.where(np.isfinite(values(one.array)), 0.0, np.nan)
+        missed = np.broadcast_to(missed, shape).reshape(-1)
+        places = np.flatnonzero(missed > 0.0)
+        places = places[least(missed[places], choice.nearest)]
+        return places, missed[places]
+
+
+def with_missed(found: xr.Dataset, limits: Iterable[Condition]) -> xr.Dataset:
+    """Return designs with a text of what each misses of limits; as they are where all meet them."""
+    texts: list[list[str]] = [[] for _ in range(found.sizes.get(DESIGN, 0))]
+    for one in limits:
+        values = np.broadcast_to(found[one.array.name].values, len(texts))
+        for text, value, miss in zip(texts, values, one.miss(values), strict=True):
+            if miss > 0.0:
+                text.append(missed_text(one, float(value), str(one.array.attrs.get("units", "1"))))
+    return labelled_missed(found, list(map(", ".join, texts)))
+
+
+def missed_text(one: Any, value: float, units: str) -> str:
+    """Return by how much a value misses the limits `low` and `high` of what has a name."""
+    low, high = one.low, one.high
+    sign = "=" if low == high else ">=" if value < low else "<="
+    end, off = (low, low - value) if value < low else (high, value - high)
+    name = one.array.name if isinstance(one, Condition) else one.name
+    return f"{name} {sign} {short_number(end)} by {short_number(off)}{'' if units == '1' else f' {units}'}"
+
+
+def labelled_missed(found: xr.Dataset, texts: list[str]) -> xr.Dataset:
+    """Return designs with the texts of what each misses, where one misses anything."""
+    attrs = {"long_name": "Conditions that are not met, and by how much"}
+    return found.assign_coords({MISSED: ((DESIGN,), np.array(texts), attrs)}) if any(texts) else found
+
+
+def merged_nearest(
+    most: int, *kept: tuple[NDArray[np.int64], NDArray[np.float64]]
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Return the rows of several that miss least and by how much, the nearest first, of equal ones the first."""
+    rows, missed = (np.concatenate(parts) for parts in zip(*kept, strict=True))
+    order = np.lexsort((rows, missed))[:most]
+    return rows[order], missed[order]
+
 
 class Reading:
     """The rows of a map that count, block by block, and what is left out."""
@@ -476,12 +572,18 @@ class Reading:
     def __init__(self, rows: Rows, choice: Choice) -> None:
         self.rows, self.choice = rows, choice
         self.tally = Tally(failed=np.zeros(len(choice.wanted), dtype=np.int64))
+        #: The rows that miss least, and by how much.
+        self.nearest = np.empty(0, dtype=np.int64), np.empty(0)
 
     def __iter__(self) -> Any:
         """Yield the numbers of rows that count, and their objectives to be as small as possible."""
         for block in self.rows.blocks():
             read = partial(self.rows.read, block=block)
             places, points = self.tally.usable(self.choice, (block.count,), read)
+            if self.choice.limits and self.tally.counting < self.choice.enough:
+                near, missed = self.tally.nearest(self.choice, (block.count,), read)
+                own = block.first + near, missed
+                self.nearest = merged_nearest(self.choice.nearest, self.nearest, own)
             yield block.first + places, points
 
     @property
@@ -512,13 +614,21 @@ def _best_of(rows: Rows, choice: Choice) -> Selection:
         again = kept_of(kept, choice.top)
         chosen, kept = chosen[again], kept[again]
     considered = f"of {reading.tally.considered:,}"
+    near, _ = reading.nearest
+    if not len(chosen) and not len(near):
+        raise reading.tally.nothing_found(choice, math.prod(rows.shape))
+    if not len(chosen):
+        about = f"none of {math.prod(rows.shape):,} rows meets all conditions: the nearest ones"
+        return Selection(rows, near, about + reading.noted(), choice)
+    near = near[: choice.nearest if len(chosen) < choice.enough else 0]
     if len(sought) > 1:
         about = f"the front of {len(chosen):,} {considered} rows by the {joined(list(map(str, sought)))}"
     else:
         chosen = chosen[np.lexsort((chosen, kept[:, 0]))]
         word = "least" if sought[0].sign > 0 else "greatest"
         about = f"{len(chosen)} {word} {considered} values of {sought[0].array.name}"
-    return Selection(rows, chosen, about + reading.noted())
+        about += f", {len(near)} that miss conditions least" if len(near) else ""
+    return Selection(rows, np.concatenate((chosen, near)), about + reading.noted(), choice)
 
 
 def least(values: NDArray[np.float64], n: int) -> NDArray[np.int64]:
@@ -545,4 +655,4 @@ def top(maps: xr.Dataset, n: int, by: str, *, largest: bool, where: Any, infinit
     for condition in wanted:
         for dim, length in condition.array.sizes.items():
             check_along(condition.array.name, str(dim), length, rows.sizes)
-    return _best_of(rows, Choice([key], wanted, n, infinite)).of(maps)
+    return _best_of(rows, Choice([key], wanted, n, infinite, nearest=n)).of(maps)

@@ -12,7 +12,7 @@ import numpy as np
 from fastlink._text import counted, in_words, joined, short_repr
 from fastlink.errors import InputError, Problems, Setting, check_choice, door
 from fastlink.io.reader import as_map
-from fastlink.maps.best import choice_of, chosen, conditions, listed, numeric
+from fastlink.maps.best import MISSED, choice_of, chosen, conditions, listed, numeric
 from fastlink.pictures.labels import constants_of, plain
 from fastlink.pictures.maps import one_branch, plot_map
 from fastlink.pictures.picture import checked_request, save
@@ -169,6 +169,8 @@ def plot_front(
         if branch is not None:
             dataset = one_branch(dataset, branch)
         found = chosen(dataset, choice_of(dataset, minimise, maximise, where)).of(dataset)
+        if MISSED in found.coords:
+            raise InputError("leaves no row of the map", ("where",), "widen the conditions")
         names = [*listed(minimise), *listed(maximise)]
         low, high = KINDS["corner"]
         if not low <= len(names) <= high:
