@@ -327,6 +327,10 @@ class CallError(InputError, TypeError):
     """A call that does not fit the parameters of a public function."""
 
 
+#: Parameters that are understood in American spelling, too.
+BRITISH = {"minimize": "minimise", "maximize": "maximise"}
+
+
 @overload
 def door(function: Callable[P, R]) -> Callable[P, R]: ...
 
@@ -356,9 +360,13 @@ def door(function: Callable[P, R] | None = None, *, hint: str = "", name: str = 
         return functools.partial(door, hint=hint, name=name)
 
     called = name or function.__name__
+    other_spelling = BRITISH if BRITISH["minimize"] in signature(function).parameters else {}
 
     @functools.wraps(function)
     def guarded(*args: P.args, **options: P.kwargs) -> R:
+        for american, british in other_spelling.items():
+            if american in options and british not in options:
+                options[british] = options.pop(american)
         try:
             return function(*args, **options)
         except TypeError:

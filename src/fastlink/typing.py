@@ -31,6 +31,8 @@ def _results(mechanism: str) -> Iterator[str]:
     for catalogue in _catalogues(mechanism):
         for name in filter(catalogue.varies, catalogue.public):
             for how, each in REDUCTIONS.items():
+                if each.of_size and catalogue.public[name].flags:
+                    continue  # a code has no magnitude
                 for position in ("", catalogue.position.name) if each.has_position else ("",):
                     yield str(Reduced(Quantity(name), how, position))
 

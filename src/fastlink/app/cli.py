@@ -22,6 +22,7 @@ import typer
 import typer.core
 
 from fastlink.errors import (
+    BRITISH,
     InputError,
     InputWarning,
     KeyPath,
@@ -142,7 +143,8 @@ def _for_typer(parameter: Parameter, hint: Any, line: str) -> Parameter:
     option, _, metavar = spelt.partition(" ")
     about: dict[str, Any] = {"help": meaning.strip() or MEANINGS[spelt], "metavar": metavar or None}
     if option.startswith("-"):
-        declared = typer.Option(option, **about, show_default=type(parameter.default) is int)
+        others = [f"--{other}" for other, name in BRITISH.items() if name == parameter.name]
+        declared = typer.Option(option, *others, **about, show_default=type(parameter.default) is int)
     else:
         declared = typer.Argument(**about | {"metavar": spelt}, show_default=False)
     return parameter.replace(annotation=Annotated[hint, declared])

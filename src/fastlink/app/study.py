@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, Discriminator, Field, Tag, ValidationError, model_validator
+from pydantic import AliasChoices, BaseModel, Discriminator, Field, Tag, ValidationError, model_validator
 from pydantic_core import PydanticCustomError, core_schema
 
 from fastlink._text import short_repr, size, writable
@@ -257,8 +257,8 @@ class Run(BaseModel, extra="forbid"):
 class Search(BaseModel, extra="forbid"):
     """The table [search]."""
 
-    minimise: Names | None = None
-    maximise: Names | None = None
+    minimise: Names | None = Field(None, validation_alias=AliasChoices("minimise", "minimize"))
+    maximise: Names | None = Field(None, validation_alias=AliasChoices("maximise", "maximize"))
     where: Annotated[dict[String, Wanted], Write(WHERE)] | None = None
     top: Annotated[Whole, Field(ge=1), Write("how many designs, a whole number of at least 1")] | None = None
     infinite: Annotated[bool, Field(strict=True), Write("true or false")] | None = None

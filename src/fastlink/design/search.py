@@ -160,7 +160,7 @@ class Stream:
         empty = np.empty((0, len(self.choice.objectives)))
         designs, failed = (np.zeros(n, dtype=np.int64) for n in (self.codes, len(self.choice.wanted)))
         none = np.empty(0, dtype=np.int64)
-        near = {"near": none, "missed": np.empty(0)}
+        near: dict[str, Any] = {"near": none, "missed": np.empty(0)}
         return Kept(rows=none, points=empty, designs=designs, failed=failed, **near)
 
     def read(self, start: int, stop: int, arrays: list[NDArray[Any]], into: Kept, known: Kept) -> None:
