@@ -1,5 +1,6 @@
 """The command line: what it prints, where, and how it ends."""
 
+import io
 import os
 import re
 import signal
@@ -18,6 +19,7 @@ from typer.testing import CliRunner
 import fastlink as fl
 from fastlink.app import study
 from fastlink.app.cli import OTHER_NAMES, app
+from fastlink.io.output_path import progress_bar
 from fastlink.mechanisms import NAMES
 from tests.support.refusals import assert_refusal
 
@@ -502,3 +504,23 @@ def test_best_refines(mapped):
         assert float(finer.omega4_max[0]) == float(expected.omega4_max[0])
     assert_refusal(fl.InputError(*refused(*line, "--changing", "a2")), "--changing", "--refine")
     assert_refusal(fl.InputError(*refused(*line, "--refine", "--changing", "a1")), "--refine", "a2, a3")
+
+
+def test_a_bar_is_shown_where_the_terminal_has_no_size(monkeypatch):
+    """As of `docker exec -t`: tqdm alone prints nothing there."""
+    text = io.StringIO()
+    monkeypatch.setattr(text, "isatty", lambda: True, raising=False)
+    monkeypatch.setattr(text, "fileno", lambda: 2, raising=False)
+    monkeypatch.setattr(sys, "stderr", text)
+    monkeypatch.setattr(os, "get_terminal_size", lambda *of: os.terminal_size((0, 0)))
+    with progress_bar(10, " designs", None) as bar:
+        bar.update(10)
+    assert "10.0" in text.getvalue()
+
+
+def test_a_study_is_drawn_without_a_choice(folder):
+    """Of the designs near the middle one whose crank turns."""
+    (folder / "study.toml").write_text(called("new", "planar_4r").stdout)
+    done = called("draw", "study.toml", "--to", "drawn.png")
+    assert done.exit_code == 0
+    assert "design 15301 of 30,603 is drawn" in done.output

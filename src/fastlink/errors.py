@@ -11,6 +11,7 @@ import sys
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from importlib.util import find_spec
 from inspect import Parameter, Signature, signature
 from numbers import Integral
 from pathlib import Path
@@ -325,6 +326,12 @@ BY_POSITION = (Parameter.POSITIONAL_ONLY, Parameter.POSITIONAL_OR_KEYWORD)
 
 class CallError(InputError, TypeError):
     """A call that does not fit the parameters of a public function."""
+
+
+def require_package(module: str, where: KeyPath) -> None:
+    """Refuse what needs a package that is not installed."""
+    if find_spec(module) is None:
+        raise InputError(f"{module} is not installed", where, f"python -m pip install {module}")
 
 
 #: Parameters that are understood in American spelling, too.

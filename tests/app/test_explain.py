@@ -135,10 +135,12 @@ def test_a_search_is_told_by_what_is_searched():
     often = {times for per, times in loops if per == "design and sample"}
     assert {"33 samples of the graded range", "65 samples of the graded range, on 2 sides"} <= often
     # What has loops of its own is named, not counted.
-    assert "gather" in str(found).partition("not counted")[2]
-    assert "not counted" not in str(asked(["omega4_max"], omega1=9.0))
+    assert "gather" in found.text(kernels=True).partition("not counted")[2]
+    assert "not counted" not in asked(["omega4_max"], omega1=9.0).text(kernels=True)
+    assert "kernel 1" not in str(found)  # the answer alone
     loaded = resolve("planar_4r", fl.grid(**LENGTHS, omega1=9.0, T_load=1.0), names, links=ROUND_BAR)
-    assert "every extreme of T41; cells split at the zeros of omega4\n" in str(explain_request(loaded))
+    text = explain_request(loaded).text(kernels=True)
+    assert "every extreme of T41; cells split at the zeros of omega4\n" in text
 
 
 def test_curves_in_pieces_are_of_designs_and_positions():
@@ -163,7 +165,7 @@ def test_llvm_and_assembly_language_are_printed_where_wanted(study):
     """One kernel of the rates, and one of what each design has."""
     plain, ir, asm, both = (
         CliRunner().invoke(app, ["explain", str(study), *options]).output
-        for options in ((), ("--ir",), ("--asm",), ("--ir", "--asm"))
+        for options in (("--kernels",), ("--ir",), ("--asm",), ("--ir", "--asm"))
     )
     kernels = plain.count("\nkernel ")
     assert kernels > 0

@@ -15,7 +15,7 @@ from tests.support.map_files import DESCRIBED, SPACES, Sample, digest, left_in, 
 from tests.support.refusals import refused
 
 from fastlink.errors import InputError
-from fastlink.io import partial_file, reader
+from fastlink.io import partial_file
 from fastlink.io.layout import Variable, coordinates
 from fastlink.io.reader import open_map
 from fastlink.io.writer import Writer
@@ -305,6 +305,6 @@ def test_options_of_xarray_are_passed_on_or_refused(tmp_path):
 
 def test_chunks_need_dask(tmp_path, monkeypatch):
     path = Sample().save(tmp_path / "m.h5")
-    monkeypatch.setattr(reader, "find_spec", lambda name: None)
+    monkeypatch.setattr("fastlink.errors.find_spec", lambda name: None)
     with refused("chunks", "install dask"):
         open_map(path, chunks="auto")

@@ -138,12 +138,20 @@ def test_what_is_found_is_swept_again_to_the_same_bits(maps):
     assert_array_equal(again.omega4_max, found.omega4_max)
 
 
+def test_of_one_design_there_is_no_best():
+    one = fl.sweep("planar_4r", {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}, ["swing"], verify=0)
+    with refused("one alone", "sweep several"):
+        fl.best(one, minimise="swing")
+    with refused("swng", "'swing'"):
+        fl.best(one, minimise="swng")
+
+
 def test_where_nothing_meets_the_conditions_the_nearest_rows_are_the_answer(maps):
     found = fl.best(maps, minimise=["a1", "a2"], where={"a1": (9.0, None)}, top=None)
     assert found.a1.values[0] == maps.a1.values.max()
     assert found.missed.values[0] == f"a1 >= 9 by {9.0 - found.a1.values[0]:.6g} m"
     assert "none of" in found.attrs["selection"]
-    met = fl.best(maps, minimise="a1", where={"a1": (None, maps.a1.values.min())})
+    met = fl.best(maps, minimize="a1", where={"a1": (None, maps.a1.values.min())})
     assert "missed" not in met.coords
     with refused("fail status", "widen"):
         fl.best(maps, minimise="a1", where="invalid_input")

@@ -383,8 +383,10 @@ def new(
     from importlib.resources import files
 
     from fastlink.errors import check_choice
-    from fastlink.mechanisms import NAMES
+    from fastlink.mechanisms import NAMES, SHEET, catalogue
 
+    if not mechanism.endswith(SHEET):
+        catalogue(mechanism)  # which says what an unknown name may mean
     check_choice(("mechanism",), mechanism, NAMES)
     template = files("fastlink").joinpath("mechanisms", mechanism, "study.toml")
     typer.echo(template.read_text(encoding="utf-8"), nl=False)
@@ -468,6 +470,7 @@ def draw(
 @command
 def explain(
     study: Path,
+    kernels: bool = False,
     text: bool = False,
     ir: bool = False,
     asm: bool = False,
@@ -478,6 +481,7 @@ def explain(
     """Explain what a study computes, leaves out and needs: memory, file, time; nothing is compiled.
 
     STUDY.toml
+    --kernels  Print what each kernel computes, and what is left out.
     --text  Print the text of the kernels too.
     --ir  Print their LLVM text too.
     --asm  Print their assembly language for this processor too.
@@ -486,9 +490,8 @@ def explain(
     """
     from fastlink.app.explain import explain as explain_study
 
-    typer.echo(
-        explain_study(study, measure=measure, trust_code=trust_code).text(kernels=text, ir=ir, asm=asm)
-    )
+    found = explain_study(study, measure=measure, trust_code=trust_code)
+    typer.echo(found.text(kernels=kernels, code=text, ir=ir, asm=asm))
 
 
 @command

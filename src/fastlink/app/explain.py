@@ -467,8 +467,8 @@ class Explanation:
     search: str = ""
 
     @door
-    def text(self, *, kernels: bool = False, ir: bool = False, asm: bool = False) -> str:
-        """Return the explanation, with the kernels' text, its translation for LLVM, its assembly language if wanted."""
+    def text(self, *, kernels: bool = False, code: bool = False, ir: bool = False, asm: bool = False) -> str:
+        """Return the explanation, if wanted with what each kernel computes, its text, LLVM's, its assembly language."""
         lines = [self.title, _folded("asked for", self.results)]
         lines += [_folded("declared by yourself", self.declared)] if self.declared else []
         if self.search:
@@ -479,6 +479,8 @@ class Explanation:
             )
         if self.forecast is not None:
             lines += ["before it runs", str(self.forecast)]
+        if not (kernels or code or ir or asm):
+            return "\n".join([*lines, "what each kernel computes: --kernels, or .text(kernels=True)"])
         lines.append(
             _folded("tables of the input", self.tables or ["none: nothing depends on the input position"])
         )
@@ -492,7 +494,7 @@ class Explanation:
             ]
             if helpers := [name for name in kernel.source.calls if name not in HELPERS]:
                 lines.append(_folded("  not counted", helpers))
-            lines += ["", kernel.source.text] if kernels else []
+            lines += ["", kernel.source.text] if code else []
             if ir or asm:
                 lines += _machine_texts(kernel.source, ir, asm)
         share = f"{self.facts_left_out} of {self.facts_known} facts"
@@ -506,7 +508,8 @@ class Explanation:
     def _repr_html_(self) -> str:
         """Return what it needs as a notebook shows it; the kernels are folded up."""
         title, forecast = html.escape(self.title), html.escape(str(self.forecast or ""))
-        whole = f"<details><summary>what is computed</summary><pre>{html.escape(self.text())}</pre></details>"
+        kernels = html.escape(self.text(kernels=True))
+        whole = f"<details><summary>what is computed</summary><pre>{kernels}</pre></details>"
         return f"<div><b>{title}</b><pre>{forecast}</pre>{whole}</div>"
 
 

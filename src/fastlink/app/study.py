@@ -407,7 +407,9 @@ def _problems(error: ValidationError, positions: Collection[str]) -> list[Proble
         elif kind == "union_tag_invalid":
             what, remedy = f"is not a key of {_table(where)}", suggest(name, ["sobol", "latin_hypercube"])
         elif kind == "extra_forbidden":
-            known = KNOWN[str(path[0])] if path[1:] else StudyFile.model_fields
+            known = list(KNOWN[str(path[0])] if path[1:] else StudyFile.model_fields)
+            if not path[1:] and isinstance(entry["input"], dict):
+                known = [name for name in known if name in KNOWN]
             what, remedy = f"is not a key of {_table(where)}", suggest(name, known)
             misspelt.add((*where[:-1], remedy))
         else:

@@ -27,7 +27,7 @@ from fastlink.codegen.cache import environment
 from fastlink.codegen.runtime.cells import LANES
 from fastlink.engine.run import Job, Sink, block_length, row_bytes, run
 from fastlink.engine.sinks import into
-from fastlink.errors import InputError, KeyPath, Problems, remark
+from fastlink.errors import InputError, KeyPath, Problems, remark, require_package
 from fastlink.io.output_path import reason
 from fastlink.io.writer import NotSeenError
 
@@ -126,7 +126,6 @@ def difference(found: Any, same: tuple[str, str, str]) -> str:
 # evaluated by `fastlink.engine.run.run`, as here.
 
 
-INSTALL = "python -m pip install 'fastlink-linkages[distributed]'"
 #: Seconds within which a scheduler answers.
 ANSWERED_SECONDS = 10.0
 #: Seconds of work in one task, at least: a lost worker loses this.
@@ -150,11 +149,10 @@ LOSSES = 5
 
 def connected(where: KeyPath, address: str) -> Client:
     """Return a client of the scheduler at an address, or of that whose file is at a path."""
-    try:
-        from distributed import Client
-        from distributed.comm import get_address_host_port
-    except ModuleNotFoundError:
-        raise InputError("distributed is not installed", where, INSTALL) from None
+    require_package("distributed", where)
+    from distributed import Client
+    from distributed.comm import get_address_host_port
+
     try:
         if Path(address).is_file():
             address = json.loads(Path(address).read_text())["address"]

@@ -32,6 +32,7 @@ from fastlink.errors import (
     check_switch,
     door,
     remark,
+    require_package,
     suggest,
 )
 from fastlink.io import partial_file
@@ -58,7 +59,6 @@ from fastlink.io.reader import (
     files_of,
     is_zarr,
     register_filter,
-    require_package,
 )
 from fastlink.io.where import Indexer, Selection, selected
 from fastlink.io.writer import Writer, auxiliary, create_checksums, label, lay_labels

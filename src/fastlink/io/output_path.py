@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import errno
 import functools
@@ -159,6 +160,10 @@ def _rename_of_system(linux: int, mac: int) -> Callable[[Path, Path], None]:
 # -- Show how far a run is
 
 
+#: The size of a terminal that does not say its own.
+SIZE = {"ncols": 80, "nrows": 24}
+
+
 def progress_bar(total: int, unit: str, visible: bool | None) -> Any:
     """Return a bar of tqdm for so many units, None where it is not to be seen."""
     notebook = _in_notebook()
@@ -171,7 +176,11 @@ def progress_bar(total: int, unit: str, visible: bool | None) -> Any:
     else:
         from tqdm import tqdm  # 15 ms, which nobody waits for who sees no bar
 
-    return tqdm(total=total, unit=unit, unit_scale=True, file=None if notebook else sys.stderr)
+    file, size = (None if notebook else sys.stderr), {}
+    with contextlib.suppress(OSError, ValueError, AttributeError):
+        # a terminal without a size, as of `docker exec -t`, has no columns, and tqdm would print nothing there
+        size = {} if os.get_terminal_size(sys.stderr.fileno()).columns else SIZE
+    return tqdm(total=total, unit=unit, unit_scale=True, file=file, **size)
 
 
 def _in_notebook() -> bool:

@@ -10,7 +10,6 @@ import traceback
 from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
-from importlib.util import find_spec
 from inspect import signature
 from numbers import Integral
 from pathlib import Path
@@ -21,7 +20,16 @@ import numpy as np
 import xarray as xr
 
 from fastlink._text import counted, short_repr, size
-from fastlink.errors import InputError, KeyPath, Setting, check_path, door, not_a_file, suggest
+from fastlink.errors import (
+    InputError,
+    KeyPath,
+    Setting,
+    check_path,
+    door,
+    not_a_file,
+    require_package,
+    suggest,
+)
 from fastlink.io.checksums import (
     CHECKSUMS,
     SIGNATURE,
@@ -280,11 +288,9 @@ def _is_whole(value: Any) -> bool:
 #: Options of xarray that are decided here.
 DECIDED = ("filename_or_obj", "engine", "chunks", "kwargs")
 GIVE_A_MAP = "give the result of a sweep, or the path of its file"
-INSTALL_DASK = "python -m pip install dask"
 
 #: Global attribute of a compressed file: what it is compressed by; what every HDF5 can read.
 COMPRESSION, BUILT_IN = "compression", "gzip"
-INSTALL_CONVERT = "python -m pip install 'fastlink-linkages[convert]'"
 #: Any of these files tells that a folder is a zarr store.
 OF_ZARR = (".zgroup", ".zmetadata", "zarr.json")
 
@@ -298,12 +304,6 @@ def is_hdf5(path: Path) -> bool:
 def is_zarr(path: Path) -> bool:
     """Tell whether a folder is a zarr store."""
     return any(os.path.isfile(path / name) for name in OF_ZARR)
-
-
-def require_package(module: str, where: KeyPath) -> None:
-    """Refuse what needs a package of conversions that is not installed."""
-    if find_spec(module) is None:
-        raise InputError(f"{module} is not installed", where=where, remedy=INSTALL_CONVERT)
 
 
 def register_filter(name: str) -> None:
@@ -503,8 +503,8 @@ def _check_options(chunks: Any, options: dict[str, Any]) -> None:
             raise InputError(
                 "is not an option of xarray.open_dataset", where=(name,), remedy=suggest(name, known)
             )
-    if chunks is not None and find_spec("dask") is None:
-        raise InputError("dask is not installed", where=("chunks",), remedy=INSTALL_DASK)
+    if chunks is not None:
+        require_package("dask", ("chunks",))
 
 
 def _refuse_option(path: Path, engine: Any, chunks: Any, options: dict[str, Any], error: Exception) -> None:

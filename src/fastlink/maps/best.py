@@ -441,6 +441,8 @@ def objective(maps: xr.Dataset, where: str, name: Any, sign: float) -> Objective
     """Return an objective by its name, or refuse it."""
     usable = [key for key in numeric(maps) if not flags_of(maps[key])]
     own = [key for key in usable if key in maps.data_vars]
+    if not own and name in maps.data_vars:
+        raise InputError("ranks designs, and here is one alone", (where,), "sweep several values of an input")
     if not isinstance(name, str):
         remedy = "write the name of a variable; a new one is maps.assign(NAME=...)"
         raise InputError(f"is {short_repr(name)}", (where,), remedy)
@@ -448,7 +450,8 @@ def objective(maps: xr.Dataset, where: str, name: Any, sign: float) -> Objective
         what = f"{short_repr(name)} is {'a code' if flags_of(maps[name]) else 'not a number for each design'}"
         remedy = f"select by where='MEANING', and rank by a number: {', '.join(own[:8])}"
         raise InputError(what, (where,), remedy)
-    return Objective(maps[name if name in usable else check_choice((where,), name, own)], sign)
+    known = own or [str(key) for key in maps.data_vars]
+    return Objective(maps[name if name in usable else check_choice((where,), name, known)], sign)
 
 
 @dataclass(kw_only=True)

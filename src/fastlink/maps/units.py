@@ -12,14 +12,13 @@ import numpy as np
 import xarray as xr
 
 from fastlink._text import short_repr
-from fastlink.errors import InputError, KeyPath, check_choice, door, suggest
+from fastlink.errors import InputError, KeyPath, check_choice, door, require_package, suggest
 from fastlink.io.reader import as_dataset
 
 # -- Convert the units of maps: radians to degrees, and others by pint
 
 
 RADIAN, DEGREE = "rad", "degree"  # in the spelling of CF
-INSTALL = "python -m pip install 'fastlink-linkages[units]'"
 #: What is in no unit, or makes a sum of pint's that may take for ever, such as m**9**9**9.
 ENDLESS = re.compile(r"[()\x00-\x1f]|\d{4}|(\*\*|\^)[^*^/ ]*(\*\*|\^)|.{80}", re.DOTALL)
 POWER = re.compile(r"(?<=[A-Za-z])(-?\d+)")
@@ -109,10 +108,9 @@ def _scaled(array: xr.DataArray, law: Callable[[Any], Any], units: str) -> xr.Da
 
 @cache
 def _registry() -> Any:
-    try:
-        import pint
-    except ModuleNotFoundError:
-        raise InputError("pint is not installed", ("convert",), INSTALL) from None
+    require_package("pint", ("convert",))
+    import pint
+
     return pint.UnitRegistry()
 
 

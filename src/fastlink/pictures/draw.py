@@ -27,6 +27,8 @@ from fastlink.errors import (
     check_switch,
     check_whole,
     door,
+    remark,
+    require_package,
     suggest,
 )
 from fastlink.io.reader import as_map
@@ -35,7 +37,7 @@ from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.pictures.labels import mathematical
 from fastlink.pictures.maps import nearest_place
 from fastlink.pictures.motion import Motion, as_draw
-from fastlink.pictures.picture import check_picture, require_matplotlib, save
+from fastlink.pictures.picture import check_picture, save
 from fastlink.plan.query import check_names
 from fastlink.plan.request import all_choices, check_branches, check_model, radian_keywords, selected_variants
 from fastlink.space.design_space import (
@@ -61,7 +63,7 @@ if TYPE_CHECKING:
     from fastlink.engine.extend import Extension
     from fastlink.facts.catalogue import Catalogue
     from fastlink.mechanisms._shared.picture import Picture
-    from fastlink.space.design_space import Links
+    from fastlink.space.design_space import DesignSpace, Links
 
 __all__ = ["Request", "draw", "picture_of"]
 
@@ -69,6 +71,8 @@ __all__ = ["Request", "draw", "picture_of"]
 # -- Find the design that is drawn: by numbers, in a study, or in a map
 
 
+#: Designs of a study that are tried where none is chosen.
+MOST_TRIED = 65
 STUDY, MAPS = ".toml", (".h5", ".hdf5", ".nc", ".he5")
 
 
@@ -138,9 +142,24 @@ def _of_study(path: Any, design: Any, at: Any, trust_code: bool) -> Source:
     space = designs_of(find_catalogue(study.mechanism, input), study.space, links, problems)
     problems.stop()
     along = {dim: space.axes.get(dim, np.arange(n)) for dim, n in zip(space.dims, space.shape, strict=True)}
-    place = np.ravel_multi_index(_places(along, design, at), space.shape) if along else 0
+    if along and space.size > 1 and design is None and at is None:
+        place = _first_that_assembles(study.mechanism, space, links, input)
+        remark(f"design {place} of {space.size:,} is drawn", ("design",))
+    else:
+        place = int(np.ravel_multi_index(_places(along, design, at), space.shape)) if along else 0
     inputs = {name: float(values[0]) for name, values in space.at(np.array([place])).items()}
     return Source(study.mechanism, inputs, options.get("branch"), links, input)
+
+
+def _first_that_assembles(mechanism: Any, space: DesignSpace, links: Links | None, input: str | None) -> int:
+    """Return the number of a design that moves: of some at even distances the nearest to the middle that does."""
+    places = np.unique(np.linspace(0, space.size - 1, MOST_TRIED).astype(np.int64))
+    places = places[np.argsort(abs(places - space.size // 2), kind="stable")]
+    given = {} if links is None else links.values
+    columns: dict[str, Any] = {name: values for name, values in space.at(places).items() if name not in given}
+    known = evaluate(mechanism, [STATUS], links=links, input=input, allow_invalid=True, **columns)[STATUS]
+    code = int(known.min())  # the lower, the freer: 0 is a crank that turns
+    return int(places[int(np.argmax(known == code))])
 
 
 def _of_map(maps: Any, design: Any, at: Any) -> Source:
@@ -536,7 +555,7 @@ def draw(
     >>> [axis.get_title() for axis in figure.axes][2]
     '$\\phi$ = 3.142 rad'
     """
-    require_matplotlib("draw")
+    require_package("matplotlib", ("draw",))
     path = None if to is None else check_picture(to, "to", example="linkage.png")
     film = None
     if animate is not None:

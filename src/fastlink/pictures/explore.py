@@ -23,13 +23,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fastlink._text import size
-from fastlink.errors import InputError, check_path, check_switch, check_whole, door, printable
+from fastlink.errors import (
+    InputError,
+    check_path,
+    check_switch,
+    check_whole,
+    door,
+    printable,
+    require_package,
+)
 from fastlink.io.output import write_whole
 from fastlink.io.output_path import check_writable, reason
 from fastlink.io.reader import as_map
 from fastlink.maps.best import least
 from fastlink.pictures.content import ONE, POOLS, Values, content_of, page_of
-from fastlink.pictures.picture import require_matplotlib
 
 __all__ = ["Page", "Server", "explore"]
 
@@ -410,7 +417,7 @@ def explore(maps: Any, *, to: str | Path | None = None, port: int = 0, browser: 
     ...     page.url[:17]
     'http://127.0.0.1:'
     """
-    require_matplotlib("explore", extra="explore")
+    require_package("matplotlib", ("explore",))
     check_switch(("browser",), browser)
     check_whole(("port",), port, 0, LAST_PORT)
     path = None if to is None else check_page(to)

@@ -7,27 +7,18 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fastlink.errors import InputError, check_path, check_switch
+from fastlink.errors import InputError, check_path, check_switch, require_package
 from fastlink.io.output import write_whole
 from fastlink.io.output_path import check_writable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["check_picture", "checked_request", "require_matplotlib", "save"]
+__all__ = ["check_picture", "checked_request", "save"]
 
 
 #: Endings of pictures: those that matplotlib writes in full quality.
 KINDS = ("png", "svg", "pdf")
-
-
-def require_matplotlib(where: str, extra: str = "plot") -> None:
-    """Check that matplotlib is installed, which an extra brings along."""
-    try:
-        import matplotlib  # noqa: F401
-    except ModuleNotFoundError:
-        remedy = f"python -m pip install 'fastlink-linkages[{extra}]'"
-        raise InputError("matplotlib is not installed", where=(where,), remedy=remedy) from None
 
 
 def check_picture(
@@ -41,13 +32,13 @@ def check_picture(
         remedy = f"write one of {', '.join(kinds)}"
         raise InputError(f"{path}: the name of the picture {ending}", where=(where,), remedy=remedy)
     check_writable(path, where, example)
-    require_matplotlib(where)
+    require_package("matplotlib", (where,))
     return path
 
 
 def checked_request(to: Any, degrees: Any) -> Path | None:
     """Return the path of the picture of a map, if one is to be written, or refuse what its doors share."""
-    require_matplotlib("plot")
+    require_package("matplotlib", ("plot",))
     check_switch(("degrees",), degrees)
     return None if to is None else check_picture(to, "to")
 

@@ -31,6 +31,7 @@ from fastlink.errors import (
     check_switch,
     door,
     not_a_file,
+    require_package,
     suggest,
 )
 from fastlink.machine import check_memory
@@ -255,7 +256,6 @@ LARGE = 64 << 20
 KEPT_BYTES = 64 << 20
 #: How Parquet and HDF5 files begin, and how pandas calls a column of Parquet that holds an index without a name.
 PARQUET, HDF5, INDEX = b"PAR1", b"\x89HDF", "__index_level_"
-INSTALL = "python -m pip install 'fastlink-linkages[parquet]'"
 #: What may separate columns where the first line holds no comma: other programs export these.
 SEPARATORS = ";\t"
 #: Rows of a block of a CSV file: as many as an evaluation takes at once.
@@ -286,10 +286,9 @@ def read_file(path: Path, keep: Collection[str], allow_invalid: bool) -> Columns
 
 
 def _read_parquet(path: Path, keep: Collection[str], allow_invalid: bool) -> Columns:
-    try:
-        from pyarrow import ArrowException
-    except ImportError as error:
-        raise InputError("pyarrow is not installed", where=("table",), remedy=INSTALL) from error
+    require_package("pyarrow", ("table",))
+    from pyarrow import ArrowException
+
     try:
         return ParquetFile(path).columns(keep, allow_invalid)
     except (OSError, ArrowException) as error:
