@@ -159,3 +159,29 @@ def test_a_picture_that_cannot_be_written_is_refused_before_anything_is_measured
             folder_of_study / "study.toml", picture=folder_of_study / "picture.xyz", announce=said.append
         )
     assert said == []
+
+
+def test_change_points_are_counted_in_a_line_of_their_own(tmp_path):
+    """Doubles cannot tell them from their neighbours, whose extremes are others: a sweep verifies none as wrong."""
+    a2 = np.linspace(1.0, 1.4, 9)
+    columns = {"a1": np.append((1.8 - a2)[:6], [0.3] * 3), "a2": a2, "a3": np.full(9, 0.8), "a4": np.ones(9)}
+    lines = [
+        ",".join(columns),
+        *(",".join(map(repr, row)) for row in np.stack([*columns.values()], 1).tolist()),
+    ]
+    (tmp_path / "designs.csv").write_text("\n".join(lines))
+    text = (
+        'mechanism = "planar_4r"\nquantities = ["transmission_angle_min"]\n[design]\ntable = "designs.csv"\n'
+    )
+    (tmp_path / "study.toml").write_text(text)
+    measured = fl.accuracy(tmp_path / "study.toml", designs=9)
+    refined = measured.sel(way="refined", quantity="transmission_angle_min")
+    assert (int(refined.change_points), int(refined["values"]), int(refined.missed)) == (6, 3, 0)
+    assert float(refined.error_max) < 1e-14
+    assert "6 designs left out: change points" in fl.accuracy_table(measured)
+    assert (
+        fl.sweep("planar_4r", fl.table(columns), ["transmission_angle_min"], verify=9).attrs[
+            "verify_mismatches"
+        ]
+        == 0
+    )

@@ -246,6 +246,8 @@ def accuracy_table(measured: xr.Dataset) -> str:
         one = one.isel(way=np.argsort(one["ns_per_design"].values)).dropna("way", subset=["ns_per_design"])
         rows = [head, *(_row(one.isel(way=k)) for k in range(one.sizes["way"]))]
         blocks.append(f"{quantity}\n{aligned(rows, right=2)}")
+        if folded := int(one[CHANGE_POINTS].max()) if CHANGE_POINTS in one else 0:
+            blocks[-1] += f"\n   {counted(folded, 'design')} left out: change points, where all bars fold"
     return "\n\n".join(blocks)
 
 
@@ -356,8 +358,10 @@ class Truth:
 
     #: (design, branch[, position]), or (design,) for a fact of the design.
     indices: list[tuple[int, ...]]
-    #: Numbers of 50 digits, infinities among them.
+    #: Numbers of 50 digits, infinities among them; NaN of what is not compared.
     exact: list[Any]
+    #: How many designs are change points. Doubles cannot tell them from their neighbours: their extremes are left out.
+    change_points: int = 0
 
     def errors(self, values: NDArray[Any]) -> tuple[NDArray[Any], int, int]:
         """Return relative errors of finite values, the number of wrong ones, and of all."""
@@ -382,8 +386,12 @@ def truth_of(subject: Subject, rng: np.random.Generator) -> Truth:
     branches = np.array(resolved.branches, dtype=float)[k]
     if request.reduction is not None:
         stationary = Stationary(catalogue, request.quantity, inputs, branches, variants)
-        extremes = [outermost(stationary, design, request.reduction.sign).value for design in range(count)]
-        return Truth(list(zip(range(count), k.tolist(), strict=True)), extremes)
+        extremes = [
+            CONTEXT.nan if folds else outermost(stationary, design, request.reduction.sign).value
+            for design, folds in enumerate(stationary.folds)
+        ]
+        folded = int(stationary.folds.sum())
+        return Truth(list(zip(range(count), k.tolist(), strict=True)), extremes, folded)
     positions = rng.integers(resolved.positions.size, size=count)
     given = (*inputs, catalogue.position.name, "branch")
     facts = HighPrecision(catalogue, [request.quantity], given, variants)
@@ -409,6 +417,8 @@ LABELS = {
     "missed": ("1", "extremes that are off by more than 1 %, infinite wrongly, or not found"),
     "values": ("1", "values compared"),
 }
+CHANGE_POINTS = "change_points"
+LABELS_OF_ALL = LABELS | {CHANGE_POINTS: ("1", "designs that are change points, whose extremes are left out")}
 MISSED = 0.01
 
 
@@ -514,7 +524,8 @@ def measure(
         truth = truth_of(subject, rng)
         for name, trial in race(subject, offered).items():
             time = 1e9 * trial.seconds / trial.designs
-            rows[name, subject.quantity] = _statistics(*truth.errors(trial.values)) | {"ns_per_design": time}
+            found = {"ns_per_design": time, CHANGE_POINTS: float(truth.change_points)}
+            rows[name, subject.quantity] = _statistics(*truth.errors(trial.values)) | found
     attrs = {
         "title": f"{resolved.catalogue.title}: error against run time",
         "mechanism": name_of(mechanism),
@@ -563,7 +574,7 @@ def _labelled(
 ) -> xr.Dataset:
     methods = list(dict.fromkeys(method for method, _ in rows))
     data: dict[str, Any] = {}
-    for name, (units, meaning) in LABELS.items():
+    for name, (units, meaning) in LABELS_OF_ALL.items():
         values = [[rows.get((method, q), {}).get(name, np.nan) for q in quantities] for method in methods]
         data[name] = (("way", "quantity"), np.array(values), {"units": units, "long_name": meaning})
     coords = {"way": ("way", methods), "quantity": ("quantity", quantities)}

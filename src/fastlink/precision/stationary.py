@@ -190,6 +190,8 @@ class Stationary:
         self.scale = scale[..., 0]
         # Where the range has no end, x = 0 is a position like any other, and samples go on with the other sign.
         self.bounded = ((start != 0.0) | (toggle > 0.0))[..., 0]
+        #: Which designs fold at an end of their range: change points.
+        self.folds = ((start != 0.0) & ~(toggle > 0.0))[..., 0].any(axis=1)
         grid = scale * np.sinh(np.arange(1, SAMPLES + 1) * (np.arcsinh(1.0 / scale) / SAMPLES))
         first = np.where(start != 0.0, abs(start), 0.5 * grid[..., :1])
         self.x = np.concatenate([-grid[..., ::-1], -first, first, grid], axis=-1)
