@@ -17,7 +17,7 @@ from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.names import Quantity, Reduced
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.mechanisms import catalogue as find_catalogue
-from fastlink.plan.query import REDUCTIONS
+from fastlink.plan.query import REDUCTIONS, points_of
 
 
 def _catalogues(mechanism: str) -> Iterator[Catalogue]:
@@ -25,16 +25,18 @@ def _catalogues(mechanism: str) -> Iterator[Catalogue]:
 
 
 def _results(mechanism: str) -> Iterator[str]:
-    """Yield the quantities of a mechanism, then their reductions over the cycle and positions of extremes."""
+    """Yield the quantities of a mechanism, their reductions over the cycle and positions of extremes, and of paths."""
     for catalogue in _catalogues(mechanism):
         yield from catalogue.public
     for catalogue in _catalogues(mechanism):
         for name in filter(catalogue.varies, catalogue.public):
             for how, each in REDUCTIONS.items():
-                if each.of_size and catalogue.public[name].flags:
+                if each.of_path or (each.of_size and catalogue.public[name].flags):
                     continue  # a code has no magnitude
                 for position in ("", catalogue.position.name) if each.has_position else ("",):
                     yield str(Reduced(Quantity(name), how, position))
+        of_paths = [how for how, each in REDUCTIONS.items() if each.of_path]
+        yield from (str(Reduced(Quantity(one), how)) for one in points_of(catalogue) for how in of_paths)
 
 
 #: What each type of a mechanism lists, by the ending of its name.

@@ -117,7 +117,9 @@ def test_infinite_extremes_at_toggles_are_found_by_refinement_only(folder_of_stu
     measured = fl.accuracy(study, designs=4)
     assert (measured["missed"].sel(way="refined") == 0).all()
     of_samples = measured.sel(way="4096 angles", quantity="omega4_max")
-    assert int(of_samples.missed) == int(of_samples["values"]) == 3  # infinite there; the fourth is a change point
+    assert (
+        int(of_samples.missed) == int(of_samples["values"]) == 3
+    )  # infinite there; the fourth is a change point
 
 
 def test_dense_and_eliminated_reactions(folder_of_study):

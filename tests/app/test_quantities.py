@@ -80,7 +80,8 @@ def test_the_rules_of_names_stand_once_and_are_true():
     listed = fl.quantities("planar_4r")
     for text in (str(listed), listed.markdown()):
         for suffix in REDUCTIONS:
-            named = re.findall(rf"NAME_{suffix}\b", text)  # that of an error has its own
+            noun = "POINT" if REDUCTIONS[suffix].of_path else "NAME"
+            named = re.findall(rf"{noun}_{suffix}\b", text)  # that of an error has its own
             assert len(named) == (2 if REDUCTIONS[suffix].has_position else 1)
         assert len(re.findall(r"theta1_at_NAME_max\b", text)) == 1
     space = fl.grid(a1=[0.3, 0.4], a2=1.2, a3=0.8, a4=1.0, omega1=25.0)

@@ -74,6 +74,7 @@ def test_links_angles_and_modes_of_a_map_stay(tmp_path):
     options = {
         "branch": 2,
         "theta1": [0.2, 0.5],
+        "extrema": "sampled",
         "links": links,
         "to": tmp_path / "maps.h5",
         "progress": False,

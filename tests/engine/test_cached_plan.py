@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.support.configurations import PLANAR
+from tests.support.refusals import refused
 from tests.support.toys import add, toy
 
 import fastlink as fl
@@ -46,7 +47,7 @@ def test_values_have_no_part_in_a_plan(other):
         {"names": NAMES[::-1]},
         {"names": ["omega4_max"]},
         {"angles": 8},
-        {"angles": np.linspace(0.0, 1.0, 360)},
+        {"angles": np.linspace(0.0, 1.0, 360), "extrema": "sampled"},
         {"extrema": "sampled"},
         {"branch": (2, 1)},
         {"branch": 1},
@@ -171,3 +172,27 @@ def test_a_closure_is_found_anew_when_facts_change():
     finally:
         planar.facts["omega4"] = fact
     assert evaluate("planar_4r", ["omega4"], **given) == before
+
+
+def test_positions_is_another_name_of_the_option_for_them():
+    linkage = fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=2.0)
+    names = ["omega4_rms", "omega4_max"]
+    first, second = (
+        fl.sweep("planar_4r", linkage, names, **{key: 24}, verify=0) for key in ("theta1", "positions")
+    )
+    assert first.omega4_rms.identical(second.omega4_rms)
+    with refused("positions is given too", "write one of them"):
+        fl.sweep("planar_4r", linkage, names, theta1=24, positions=24)
+
+
+def test_extremes_of_given_positions_say_so():
+    linkage = fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=2.0)
+    with pytest.warns(
+        fl.InputWarning, match=r"those of the 3 positions given, not of the turn; write extrema='sampled'"
+    ):
+        some = fl.sweep("planar_4r", linkage, ["omega4_max"], theta1=[0.1, 0.2, 0.3], verify=0)
+    assert (
+        some.omega4_max.attrs["long_name"] == "Angular velocity of the output link, greatest of 3 positions"
+    )
+    every = fl.sweep("planar_4r", linkage, ["omega4_max"], theta1=3, verify=0)
+    assert every.omega4_max.attrs["long_name"].endswith("greatest over the cycle")

@@ -21,7 +21,10 @@ LENGTHS[:, :3] = [[1.0, 0.6, 1.6], [0.4, 1.0, 1.0]]
 REQUESTS = {
     "refined": (["omega4_max", "theta1_at_omega4_max", "shaking_force_max"], {"links": BAR}),
     "sampled": (["omega4_max", "T41_rms", "status"], {"links": BAR, "extrema": "sampled", "theta1": 90}),
-    "both": (["omega4_mean", "transmission_angle_min", "status"], {"theta1": [0.1, 0.2, 0.7]}),
+    "both": (
+        ["omega4_mean", "transmission_angle_min", "status"],
+        {"theta1": [0.1, 0.2, 0.7], "extrema": "sampled"},
+    ),
     "curve": (["omega4", "status"], {"theta1": 40}),
     "list": (["omega4_extrema", "omega4_extrema_count"], {}),
     "dense": (["T41_max"], {"links": BAR, "solver": "dense", "extrema": "sampled", "theta1": 12}),

@@ -110,7 +110,7 @@ def reduced_names(catalogue):
     """Yield every name of a reduction or list over a mechanism's cycle: of all but the codes of a design."""
     for quantity in filter(catalogue.varies, catalogue.public):
         for reduction in REDUCTIONS.values():
-            if reduction.of_size and catalogue.public[quantity].flags:
+            if reduction.of_path or (reduction.of_size and catalogue.public[quantity].flags):
                 continue
             yield str(Reduced(Quantity(quantity), reduction.suffix))
             if reduction.has_position:

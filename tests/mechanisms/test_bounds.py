@@ -191,7 +191,7 @@ def test_sweeps_know_small_angles_too():
     linkage = fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=1.0)
     angles = [0.0, 0.5 * SMALL_ANGLE, -5e-324, SMALL_ANGLE, 1.0]
     names = ["omega4_error", "omega4_trust", "theta1_low_error", "omega4_error_max", "d_A_y_d_a1_error"]
-    maps = fl.sweep("planar_4r", linkage, names, theta1=angles, branch=1)
+    maps = fl.sweep("planar_4r", linkage, names, theta1=angles, extrema="sampled", branch=1)
     for name in ("omega4_error", "d_A_y_d_a1_error"):
         np.testing.assert_array_equal(np.isinf(maps[name].squeeze()), [False, True, True, False, False])
     np.testing.assert_array_equal(maps["omega4_trust"].squeeze(), [0, 1, 1, 0, 0])

@@ -224,7 +224,7 @@ def test_verification_holds_errors_of_extremes_against_their_bounds():
         ("theta1_at_omega4_extrema_error", {}, "ask for omega4_extrema_error"),
         ("omega4_extrema_count_error", {}, "leave it out"),
         ("omega4_max_error", {"extrema": "sampled"}, "write extrema='refined', or ask for omega4_error_max"),
-        ("omega4_min_error", {"theta1": [0.1, 0.2]}, "give no array of theta1"),
+        ("omega4_min_error", {"theta1": [0.1, 0.2], "extrema": "sampled"}, "give no array of theta1"),
         ("loop_residual_max_error", {}, "ask for loop_residual_error_max"),
         ("omega4_error_max_error", {}, "leave it out"),
         ("d_omega4_max_d_theta1", {}, "such as d_omega4_max_d_"),

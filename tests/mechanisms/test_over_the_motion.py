@@ -53,7 +53,7 @@ def test_reductions_run_over_positions_that_assemble(mechanism: str, drive: str)
     part = closes.any(axis=1) & ~closes.all(axis=1)
     assert part.sum() > 5
     asked = [*(f"{name}_{how}" for how in REDUCED), f"{drive}_at_{name}_max"]
-    options = {"input": drive, "branch": 1, "verify": 0, drive: positions}
+    options = {"input": drive, "branch": 1, "verify": 0, drive: positions, "extrema": "sampled"}
     maps = fl.sweep(mechanism, fl.table(design), asked, **options)
     for k in np.flatnonzero(part):
         values = np.broadcast_to(found[name], closes.shape)[k][closes[k]]

@@ -88,6 +88,7 @@ FAMILIES: dict[str, Family] = {
     "few angles": Family("planar_4r", MOTION, 5),
     "reductions": Family("planar_4r", REDUCED, 9, SAMPLED),
     "fluctuation over two angles": Family("planar_4r", ["T41_fluctuation", "omega4_rms"], 2, SAMPLED),
+    "paths of points": Family("planar_4r", ["P_straightness", "A_roundness"], 7),
     "curves and reductions": Family("planar_4r", ["omega4", "omega4_max"], 37, SAMPLED),
     "systems": Family("planar_4r", ["F32_x", "T41", "T41_max"], 5, {"solver": "dense"} | SAMPLED),
     "designs": Family("planar_4r", ["swing", "grashof_class", "time_ratio", "status"], 4),

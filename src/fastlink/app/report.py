@@ -110,7 +110,9 @@ def naming(catalogue: Catalogue) -> str:
     """Return how names of reductions, derivatives and bounds are formed, as Markdown."""
     position = catalogue.position
     unit = "" if position.units == "1" else f" in {position.units}"
-    reductions = [f"`{Reduced(NAME, each.suffix)}` ({each.phrase})" for each in REDUCTIONS.values()]
+    every = REDUCTIONS.values()
+    reductions = [f"`{Reduced(NAME, each.suffix)}` ({each.phrase})" for each in every if not each.of_path]
+    paths = [f"`{Reduced(NameOf('POINT'), each.suffix)}` ({each.phrase})" for each in every if each.of_path]
     positions = [
         f"`{Reduced(NAME, each.suffix, position.name)}`" for each in REDUCTIONS.values() if each.has_position
     ]
@@ -131,6 +133,7 @@ def naming(catalogue: Catalogue) -> str:
     return (
         f"Any NAME with the dimension `{position.name}` has {joined(reductions)}, and {joined(positions)} (the "
         f"{position.name}{unit} there), with the dimensions ({DESIGN}, {BRANCH}). "
+        f"The path of a POINT with POINT_x and POINT_y has {joined(paths)}, of the positions. "
         f"{lists if catalogue.graded is not None else ''}{sure}"
         f"`{Derivative(extreme, 'PARAM')}` is the derivative of such a number by an input, "
         f"`{GradientStatus(extreme)}` tells what it is worth. "

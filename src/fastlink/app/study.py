@@ -51,7 +51,7 @@ from fastlink.io.reader import Part, is_hdf5, open_map
 from fastlink.mechanisms import NAMES, SHEET, is_extension, name_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.mechanisms import mechanism as read_mechanism
-from fastlink.plan.request import check_keywords
+from fastlink.plan.request import POSITIONS, check_keywords
 from fastlink.space.design_space import MODELS, Degrees, DesignSpace, Links, angle_of, bounds_of, degrees_name
 from fastlink.space.samplers import grid, latin_hypercube, sobol
 from fastlink.space.tables import CURVES, table
@@ -243,6 +243,7 @@ class Cycle(BaseModel, extra="allow"):
     __pydantic_extra__: dict[str, Positions]
     input: Text | None = None
     angles: Positions | None = None
+    positions: Positions | None = None
     branch: Annotated[Whole | list[Whole], Write("assembly modes, such as [1, 2]")] | None = None
     solver: Annotated[String, Write('"eliminated" or "dense"')] | None = None
     extrema: Annotated[String, Write('"refined" or "sampled"')] | None = None
@@ -599,7 +600,8 @@ class StudyRequest:
     ) -> None:
         self.path, self.tables, self.catalogue, self.problems = path, tables, catalogue, problems
         self.mechanism, cycle = mechanism, tables["cycle"]
-        self.positions = {name: values for name, values in cycle.items() if name not in KEYS["cycle"]}
+        options = [name for name in KEYS["cycle"] if name != POSITIONS]
+        self.positions = {name: values for name, values in cycle.items() if name not in options}
         own = {**cycle, **tables["run"]}
         self.options = {name: value for name, value in own.items() if name not in self.positions}
         self.of_cycle = {"positions": self.positions, "options": KEYS["cycle"]}

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from fastlink.codegen.runtime import paths
 from fastlink.codegen.runtime.cells import LANES
 from fastlink.codegen.runtime.systems import solve_lanes
 from fastlink.codegen.source import (
@@ -62,6 +63,9 @@ class CycleValue:
         """Name of the copy, of which only values at counted positions are numbers."""
         quantity = self.output.request.quantity
         return f"{quantity}__counted{self.suffix}" if self.counted else f"{quantity}{self.suffix}"
+
+    #: The name of the copy of the other coordinate, of a reduction of a point's path.
+    other: str = ""
 
     @property
     def slots(self) -> dict[str, str]:
@@ -125,6 +129,7 @@ class _PointwiseWriter:
                 tuple(self.copy_for(slope, k) for slope in output.slopes),
                 self.copy_for(output.request.quantity, k),
                 self.copy_for(output.counted, k) if output.counted else "",
+                self.copy_for(output.request.other, k) if output.request.other else "",
             )
             for output in program.outputs
             if (reduction := output.request.reduction) is not None
@@ -134,10 +139,11 @@ class _PointwiseWriter:
         self.toggles = list(dict.fromkeys(name for o in program.outputs for name in o.toggles))
         self.accumulated = [value for value in self.cycle_values if not value.reduction.whole]
         #: The values whose whole cycle is needed at once.
-        self.whole_curves = list(dict.fromkeys(v.name for v in self.cycle_values if v.reduction.whole))
+        whole = [value for value in self.cycle_values if value.reduction.whole]
+        self.whole_curves = list(dict.fromkeys(name for v in whole for name in (v.name, v.other) if name))
         #: The quantities of results that need the loop over input positions.
         reduced = [value.output for value in self.cycle_values]
-        further = (name for output in reduced for name in (*output.slopes, output.counted) if name)
+        further = [name for o in reduced for name in (*o.slopes, o.counted, o.request.other) if name]
         #: The tolerances that changes are made of, of the design.
         self.tolerances = list(dict.fromkeys(term.tolerance for o in program.outputs for term in o.terms))
         self.varying = list(
@@ -274,7 +280,7 @@ class _PointwiseWriter:
         if self.tile:
             arrays.append(Array("tile", "float64", (len(self.tile), TILE)))
         if self.whole_curves:
-            arrays.append(Array("sums", "float64", (4, LANES)))
+            arrays.append(Array("sums", "float64", (paths.ROWS, LANES)))
         return arrays + [Array(f"whole_{name}", "float64", (N_ANGLES, LANES)) for name in self.whole_curves]
 
     # -- facts -------------------------------------------------------------------------------------
@@ -355,7 +361,8 @@ class _PointwiseWriter:
                 module, _, function = value.reduction.whole.rpartition(".")
                 text.use(f"codegen.runtime.{module}", function)
                 row = self.rows[value.whole_slot]
-                text.add(f"{function}(whole_{value.name}, w[{row}], n_angles, width, sums)")
+                curves = ", ".join(f"whole_{name}" for name in (value.name, value.other) if name)
+                text.add(f"{function}({curves}, w[{row}], n_angles, width, sums)")
 
     def write_stage(self, stages: Sequence[Sequence[Step]], number: int) -> None:
         """Write one loop over lanes that are designs, and the solution of the systems whose entries it stores."""
@@ -517,7 +524,8 @@ class _PointwiseWriter:
 
 def _read_by(output: Output) -> list[str]:
     """Return what the accumulators of a reduction read that may differ by branch."""
-    return [output.request.quantity, *([output.counted] if output.counted else [])]
+    request = output.request
+    return [name for name in (request.quantity, request.other, output.counted) if name]
 
 
 def _computed(steps: Iterable[Step]) -> set[str]:

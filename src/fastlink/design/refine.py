@@ -248,7 +248,7 @@ def _positions(catalogue: Catalogue, maps: xr.Dataset) -> dict[str, Any]:
     found = {"extrema": attrs["extrema"]} if attrs.get("extrema") in ("refined", "sampled") else {}
     if name in maps.dims and name in maps.coords and count == maps.sizes[name]:
         own = angles_of(catalogue, np.asarray(maps[name].values, dtype=np.float64))
-        return {**own, **found} if isinstance(own["angles"], int) else own
+        return {**own, **found}
     if catalogue.positions is None and count is not None:
         return found | {"angles": int(count)}
     return found if catalogue.positions is None else {}

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink._text import __version__, version
+from fastlink._text import __version__, counted, version
 from fastlink.engine.resolve import ResolvedSweep, axis_lengths
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.derivative import in_a_sentence, worded
@@ -77,6 +77,10 @@ def request_labels(catalogue: Catalogue, request: Request) -> dict[str, Any]:
                 "long_name": f"{position.meaning}, where {fact.symbol} is {reduction.phrase}",
                 "symbol": f"{position.symbol} at {reduction.suffix} {fact.symbol}",
             }
+    if request.other and reduction is not None:
+        point = request.quantity.removesuffix("_x")
+        attrs["long_name"] = f"Path of {point}: {reduction.phrase}"
+        attrs["symbol"] = f"{reduction.suffix} {point}"
     if request.listed:
         attrs = _of_list(request.listed, fact, position)
     attrs["references"] = fact.source
@@ -113,6 +117,9 @@ def _labels(plan: Plan, output: Output) -> dict[str, Any]:
     attrs = request_labels(plan.catalogue, output.request)
     if output.request.can_be_refined:
         attrs["extrema"] = "refined" if output.refined else "sampled"
+        if not output.refined:
+            of_samples = f"of {counted(plan.positions, 'position')}"
+            attrs["long_name"] = attrs["long_name"].replace("over the cycle", of_samples)
     if output.request.is_status:
         del attrs["units"]
         attrs |= flag_attrs(STATUS_FLAGS, output.dtype)

@@ -118,7 +118,7 @@ def check(
         values = request.check_positions(catalogue, given, key)
         if not problems.noted:
             request.check_turn(catalogue, names, given)
-        method = request.check_extrema(extrema, catalogue, given)
+        method = request.check_extrema(extrema, catalogue, given, () if problems.noted else names)
     compiler = problems.attempt(backend_of, backend)
     problems.stop()
     parts = catalogue, names, links, solver, variants, branches, values, method, compiler, declared

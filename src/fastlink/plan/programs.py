@@ -494,6 +494,7 @@ class Planner:
         needed += [name for output in outputs for name in output.toggles]
         needed += [name for o in outputs for name in (*o.slopes, *(term.tolerance for term in o.terms))]
         needed += [output.counted for output in outputs if output.counted]
+        needed += [request.other for request in requests if request.other]
         steps = self.curve_steps(dict.fromkeys(needed))
         read = {need for step in steps for need in step.depends_on}
         position, *_ = self.tables
@@ -787,6 +788,11 @@ class Plan:
 
     def __reduce__(self) -> tuple[Any, ...]:
         return planned_again, self.recipe
+
+    @property
+    def positions(self) -> int:
+        """The number of input positions, 0 where the plan was not made for any."""
+        return int(self.recipe[5]) if self.recipe else 0
 
     @property
     def uses_position(self) -> bool:

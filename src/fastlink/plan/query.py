@@ -107,6 +107,9 @@ class Reduction:
         Whether it has no derivative where it is zero, as a root.
     of_size : bool
         Whether it is taken of the magnitude of the quantity.
+    of_path : bool
+        Whether it is of the path of a point NAME with the coordinates NAME_x and NAME_y: `whole` takes both curves, in
+        any order of their positions, and verification leaves it out.
     """
 
     suffix: str
@@ -125,6 +128,7 @@ class Reduction:
     gradient_finish: str = ""
     has_kink: bool = False
     of_size: bool = False
+    of_path: bool = False
 
     def __post_init__(self) -> None:
         if bad := RESERVED.intersection((*self.accumulators, *self.gradient)):
@@ -318,6 +322,28 @@ register(
 )
 
 
+def _path(suffix: str, phrase: str, reference: Callable[..., Any], keywords: str) -> Reduction:
+    return Reduction(
+        suffix=suffix,
+        phrase=phrase,
+        reference=reference,
+        whole=f"paths.{suffix}_lanes",
+        keywords=tuple(keywords.split()),
+        of_path=True,
+    )
+
+
+def _size(samples: Sequence[Any]) -> tuple[Any, Any]:
+    """Return a size that grows as the samples, as both reductions of paths do."""
+    return max(map(abs, samples)), max(map(abs, samples))
+
+
+register(_path("straightness", "greatest distance from the best straight line", _size, "straight line"))
+register(
+    _path("roundness", "greatest distance from the circle of least squares", _size, "round circle circular")
+)
+
+
 # -- Derivatives of reductions over the cycle by the inputs: which there are, and what the codes of their
 #    status mean
 
@@ -481,7 +507,8 @@ def _forms(spelt: Sequence[str], position: str) -> Iterable[Form]:
 
 def _reductions() -> dict[str, str]:
     """Return the reduction that each word asks for."""
-    return {word: how for how, each in REDUCTIONS.items() for word in (how, *each.keywords)} | PLACES
+    of_quantities = {how: each for how, each in REDUCTIONS.items() if not each.of_path}
+    return {word: how for how, each in of_quantities.items() for word in (how, *each.keywords)} | PLACES
 
 
 def _unglued(word: str, said: Iterable[str]) -> tuple[str, ...]:
@@ -515,6 +542,12 @@ def _after_position(spelt: Sequence[str], position: str) -> tuple[str, ...] | No
 def rank_quantities(text: str, catalogue: Catalogue, over_cycle: bool = True) -> list[find.Ranked]:
     """Return the names of quantities, their reductions and derivatives that a phrase may mean, the best first."""
     found = {one.name: one for one in _ranked(tuple(parts(text)), catalogue, over_cycle)}
+    for how, each in REDUCTIONS.items():
+        if each.of_path and over_cycle and {how, *each.keywords}.intersection(parts(text)):
+            said = [point for point in points_of(catalogue) if point.lower() in parts(text)]
+            for point in said or points_of(catalogue):
+                name = str(Reduced(Quantity(point), how))
+                found[name] = find.Ranked.of(find.LEAST + 0.01, name)
     for of, by, tail in _derivatives(text, catalogue):
         for one in _ranked((*of, *tail), catalogue, over_cycle, by):
             found[one.name] = max(one, found.get(one.name, one), key=lambda each: each.score)
@@ -655,6 +688,8 @@ class Request:
     #: Whether it is the status of the derivatives of the reduction by the inputs instead of the value.
     is_status: bool = False
     change: str = ""
+    #: Of a reduction of the path of a point, whose first coordinate is the quantity, the other one.
+    other: str = ""
 
     @property
     def is_of_gradient(self) -> bool:
@@ -702,6 +737,8 @@ def parse_request(name: str, catalogue: Catalogue) -> Request:
     if isinstance(tree, Change) and isinstance(of, ListOfExtrema):
         what = f"quantity {name!r}: {of} is a list, of which no change is offered"
         raise InputError(what, remedy=f"ask for {Change(Reduced(of.of, 'max'), tree.how)}")
+    if isinstance(of, Reduced) and REDUCTIONS[of.how].of_path:
+        return _of_path(name, tree, of, catalogue)
     if isinstance(of, (Reduced, ListOfExtrema)) and catalogue.has_reductions(quantity := str(of.of)):
         listed = "" if isinstance(of, Reduced) else "position" if of.position else of.part
         if (is_error := of is not tree or listed == "error") and (refusal := _no_error(name, of, catalogue)):
@@ -717,6 +754,8 @@ def parse_request(name: str, catalogue: Catalogue) -> Request:
 def _of_gradient(name: str, tree: Name, catalogue: Catalogue) -> Request | None:
     """Return the request for a derivative of a reduction by an input, or for the status of these."""
     of = reduced_of(tree)
+    if isinstance(of, Reduced) and REDUCTIONS[of.how].of_path:
+        return _of_path(name, tree, of, catalogue)
     if not isinstance(of, Reduced) or not catalogue.has_reductions(quantity := str(of.of)):
         return None
     if refusal := gradient_refusal(name, tree, of, catalogue):
@@ -725,6 +764,32 @@ def _of_gradient(name: str, tree: Name, catalogue: Catalogue) -> Request | None:
     how = REDUCTIONS[of.how]
     quantity = _reduced_by(how, quantity, catalogue, name)
     return Request(name, quantity, how, bool(of.position), is_status=not any(own.values()), **own)
+
+
+def points_of(catalogue: Catalogue) -> list[str]:
+    """Return the points whose path has reductions: those with two coordinates, in m, that change over the cycle."""
+    if catalogue.positions is not None:
+        return []  # a path by rapidity is not in the Euclidean plane
+    return [
+        name[:-2]
+        for name, fact in catalogue.public.items()
+        if name.endswith("_x")
+        and fact.units == "m"
+        and catalogue.varies(name)
+        and f"{name[:-2]}_y" in catalogue.public
+    ]
+
+
+def _of_path(name: str, tree: Name, of: Reduced, catalogue: Catalogue) -> Request:
+    """Return the request for a reduction of the path of a point."""
+    point, points = str(of.of), points_of(catalogue)
+    if point not in points:
+        what = f"quantity {name!r}: {point!r} is no point of {catalogue.name} that moves"
+        raise InputError(what, remedy=listed([str(Reduced(Quantity(one), of.how)) for one in points]))
+    if tree is not of:
+        what = f"quantity {name!r}: of {of} no derivative, change or error bound is offered"
+        raise InputError(what, remedy=f"ask for {of}")
+    return Request(name, f"{point}_x", REDUCTIONS[of.how], other=f"{point}_y")
 
 
 def _reduced_by(how: Reduction, quantity: str, catalogue: Catalogue, name: str) -> str:

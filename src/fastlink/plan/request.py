@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink._text import joined, short_repr
+from fastlink._text import counted, joined, short_repr
 from fastlink.errors import (
     InputError,
     KeyPath,
@@ -23,6 +23,7 @@ from fastlink.errors import (
     Setting,
     check_choice,
     nearest,
+    remark,
     suggest,
 )
 from fastlink.facts.catalogue import ELIMINATED, Catalogue
@@ -288,6 +289,8 @@ def check_branches(catalogue: Catalogue, branch: Any) -> tuple[int, ...]:
 
 EXTREMA: tuple[Extrema, ...] = ("refined", "sampled")
 ANGLES = 360
+#: Another name of the option for input positions, or their number, whatever drives.
+POSITIONS = "positions"
 #: What users call an option that takes degrees.
 IN_DEGREES = ("deg", "degree", "degrees", "in_degrees")
 
@@ -301,7 +304,7 @@ def check_keywords(
     """
     position, problems = catalogue.position.name, Problems()
     for name in names:
-        if name == position:
+        if name in (position, POSITIONS):
             continue
         if name in (spaces.degrees_name(position), "angles_deg"):
             if name == "angles_deg":
@@ -339,6 +342,7 @@ def given_angles(catalogue: Catalogue, angles: Any, positions: Mapping[str, Any]
     name = catalogue.position.name
     given = {
         "angles": angles,
+        POSITIONS: positions.get(POSITIONS),
         name: positions.get(name),
         spaces.degrees_name(name): positions.get(spaces.degrees_name(name)),
     }
@@ -413,9 +417,17 @@ def _relabelled(value: Any, numbers: Any) -> Any:
     return result
 
 
-def check_extrema(extrema: str | None, catalogue: Catalogue, angles: Any) -> Extrema:
+def check_extrema(
+    extrema: str | None, catalogue: Catalogue, angles: Any, names: Iterable[str] = ()
+) -> Extrema:
     """Return the search for extrema: refined over a whole turn, unless the angles themselves are given."""
     chosen = _are_several(angles)
+    turns = extrema is None and chosen and catalogue.positions is None
+    if turns and any(parse_request(name, catalogue).can_be_refined for name in names):
+        what = (
+            f"extremes are those of the {counted(spaces.listed(angles), 'position')} given, not of the turn"
+        )
+        remark(what, remedy=("write ", Setting("extrema", "sampled"), ", or a number of positions"))
     if extrema is None:
         return "sampled" if chosen else "refined"
     extrema = check_choice(("extrema",), extrema, EXTREMA)
@@ -433,7 +445,7 @@ def check_turn(catalogue: Catalogue, names: Iterable[str], angles: Any) -> None:
         return
     problems = Problems()
     for k, request in enumerate(parse_request(name, catalogue) for name in names):
-        if request.reduction is not None and request.reduction.whole:
+        if request.reduction is not None and request.reduction.whole and not request.other:
             what = f"{request.name!r} is over a whole turn, but {catalogue.position.name} is an array"
             remedy = "write a number of angles" if catalogue.positions is None else "leave it out"
             problems.add(what, ("quantities", k), remedy)

@@ -156,7 +156,12 @@ def _groups(outputs: Sequence[Output]) -> tuple[list[tuple[str, list[Output]]], 
     for output in outputs:
         request = output.request
         alone = request.is_error and request.value not in names
-        if alone or request.is_of_gradient or any(word in request.quantity for word in OF_ERRORS):
+        if (
+            alone
+            or request.other
+            or request.is_of_gradient
+            or any(word in request.quantity for word in OF_ERRORS)
+        ):
             left_out.append(output.name)
         elif output.refined:
             groups.setdefault(("refined", request.quantity), []).append(output)

@@ -44,7 +44,7 @@ def test_values_are_those_of_the_formula():
 
 
 def test_evaluate_and_function_and_sweep_agree():
-    maps = fl.sweep(mine, LENGTHS, ["cost", "cost_max"], theta1=np.array([1.0]), branch=1)
+    maps = fl.sweep(mine, LENGTHS, ["cost", "cost_max"], theta1=np.array([1.0]), extrema="sampled", branch=1)
     at = fl.evaluate(mine, ["cost"], **LENGTHS, theta1=1.0, branch=1)
     assert at["cost"] == maps.cost.item()
     greatest = fl.function(
