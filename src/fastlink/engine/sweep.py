@@ -396,7 +396,7 @@ def sweep(
         of a second, to the same bits. By default the value of the environment variable ``FASTLINK_BACKEND``, else
         ``"llvm"``.
     **positions : int or array_like, optional
-        The same as `angles`, as ``positions=72`` or by the name of the input: ``F_y=[-0.1, 0.0, 0.1]`` where the input is
+        The same as `angles`, as ``positions=72`` or by the name of the input: ``F_y=[-0.1, 0.0]`` where the input is
         ``"F_y"``; in degrees ``theta1_deg=[40, 80]``.
 
     Returns
