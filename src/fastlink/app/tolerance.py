@@ -158,7 +158,7 @@ def tolerance(
 ) -> xr.Dataset:
     """Tell what manufacturing tolerances do to the results of a map or a study.
 
-    The changes come from the derivatives by the inputs, to first order, see docs/design_search.md: those that a map has
+    The changes come from the derivatives by the inputs, to first order, see docs/tolerances.md: those that a map has
     already, else the designs are swept again. What a derivative is worth is told by ``NAME_gradient_status``; where
     there is none, as at an infinite value, the change is NaN.
 

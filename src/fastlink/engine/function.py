@@ -359,7 +359,7 @@ class Function:
         """Return the derivatives (outputs, inputs, ...) of the outputs of designs (inputs, ...).
 
         Those of extremes, means and places over the cycle are ``d_NAME_max_d_INPUT`` and its like, see
-        docs/design_search.md: where two places tie or the motion has a limit, they are one-sided or NaN.
+        docs/tolerances.md: where two places tie or the motion has a limit, they are one-sided or NaN.
 
         Examples
         --------

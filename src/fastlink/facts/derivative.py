@@ -406,7 +406,7 @@ WORDS = {
     "worst": "Worst-case change by the tolerances of the inputs of: ",
     "rss": "Root sum of squares of the changes by the tolerances of the inputs of: ",
 }
-SOURCE = "docs/design_search.md#tolerances"
+SOURCE = "docs/tolerances.md#tolerances-as-inputs"
 
 
 @dataclass(frozen=True)
