@@ -29,7 +29,7 @@ def assert_problem(text, key, remedy):
     (line,) = refused(text)
     assert line.split(" ")[0].rstrip(":") == key
     assert remedy in line.partition("; ")[2]
-    assert not any(word in line for word in ("numpy", "allow_invalid", "(lo, hi)"))
+    assert not any(word in line for word in ("numpy", "allow_invalid=True", "(lo, hi)"))
 
 
 NUMBER = "write a finite number, or {linspace = [lo, hi, n]},"

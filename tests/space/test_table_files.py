@@ -231,3 +231,25 @@ def test_a_large_file_needs_little_memory(tmp_path, monkeypatch, kind):
     tracemalloc.stop()
     # the numbers alone are 0.64 MB; three blocks of 500 rows have 0.05 MB of them, and one as texts of 80 bytes 0.16 MB
     assert peak < 8 * 4 * rows
+
+
+def test_all_bad_rows_are_named_at_once_and_may_be_kept(tmp_path):
+    """Texts, empty cells and numbers that no length has; a study keeps them too."""
+    rows = [[0.4, 1.2, 0.8, 1.0] for _ in range(500)]
+    rows[17][1], rows[200][0], rows[333][1], rows[400][0] = "", -0.4, "n/a", 0.0
+    lines = ["a1,a2,a3,a4", *(",".join(map(str, row)) for row in rows)]
+    (tmp_path / "d.csv").write_text("\n".join(lines))
+    with pytest.raises(fl.InputError) as caught:
+        fl.sweep("planar_4r", tmp_path / "d.csv", ["swing"])
+    cells, numbers = str(caught.value).splitlines()
+    assert "row 17 (line 19) of column a2 in d.csv is empty, row 333 (line 335) is 'n/a'; write" in cells
+    assert "a1[200] is -0.4, 0.0 at 400 (" in numbers
+    kept = fl.sweep("planar_4r", tmp_path / "d.csv", ["swing"], allow_invalid=True, verify=0)
+    assert np.flatnonzero(np.isnan(kept.swing)).tolist() == [17, 200, 333, 400]
+    study = 'mechanism = "planar_4r"\nquantities = ["swing"]\n[design]\ntable = "d.csv"\n'
+    (tmp_path / "s.toml").write_text(study)
+    with refused("row 17 (line 19)", "allow_invalid = true"):
+        fl.run_study(tmp_path / "s.toml", to=tmp_path / "s.h5")
+    (tmp_path / "s.toml").write_text(study + "allow_invalid = true\n")
+    with fl.run_study(tmp_path / "s.toml", to=tmp_path / "s.h5") as found:
+        np.testing.assert_array_equal(found.swing, kept.swing)

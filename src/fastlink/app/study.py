@@ -228,6 +228,7 @@ class Design(BaseModel, extra="allow"):
     latin_hypercube: Sample | None = None
     table: Annotated[Text, Write('the path of a CSV or Parquet file, such as "designs.csv"')] | None = None
     keep: Annotated[list[Column], Write('names of columns, such as ["part_no"]')] | None = None
+    allow_invalid: Annotated[bool, Field(strict=True), Write("true or false")] | None = None
 
 
 class LinksTable(BaseModel, extra="allow"):
@@ -305,7 +306,8 @@ KEYS = {
 }
 #: The key of [design] for columns of a table that are kept as labels; those that give all designs at once.
 KEEP = "keep"
-SAMPLES = [name for name in Design.model_fields if name != KEEP]
+ALLOW = "allow_invalid"
+SAMPLES = [name for name in Design.model_fields if name not in (KEEP, ALLOW)]
 #: The keys of tables without other keys, by the table of the study that they are in.
 KNOWN = KEYS | {"design": Axis.model_fields, "cycle": Angles.model_fields}
 #: What stands for a required key that is missing, to read the others; how often what is wrong is left out.
@@ -436,7 +438,7 @@ def in_own_tables(
     """Return a study with each key in its table, and a problem for each one that was in another."""
     homes: dict[str, tuple[str, ...]] = {
         "model": ("links",),
-        **dict.fromkeys((*SAMPLES, KEEP), ("design",)),
+        **dict.fromkeys((*SAMPLES, KEEP, ALLOW), ("design",)),
         **dict.fromkeys(TOP, ("",)),
     }
     homes |= {key: (table,) for table, keys in KEYS.items() for key in keys}
@@ -578,7 +580,7 @@ class StudyWording(Wording):
         if isinstance(piece, Setting):
             if piece.name in ("overwrite", "part", "restart", "trust_code"):
                 return self.door.piece(piece)  # for once, by who runs the study
-            known = piece.name == KEEP or any(piece.name in keys for keys in KEYS.values())
+            known = piece.name in (KEEP, ALLOW) or any(piece.name in keys for keys in KEYS.values())
             return f"{piece.name} = {json.dumps(piece.value)}" if known else None
         return piece
 
@@ -690,7 +692,7 @@ class StudyRequest:
         if "links" in self.broken:  # whose inputs are unknown without their model
             of_links = {name for model in MODELS for name in self.catalogue.variant_inputs.get(model, {})}
             design = {name: value for name, value in design.items() if name not in of_links}
-        entries = {name: value for name, value in design.items() if name not in (*SAMPLES, KEEP)}
+        entries = {name: value for name, value in design.items() if name not in (*SAMPLES, KEEP, ALLOW)}
         constants = {name: value for name, value in entries.items() if isinstance(value, float)}
         swept = [name for name in entries if name not in constants]
         kinds = [name for name in SAMPLES if name in design]
@@ -699,6 +701,10 @@ class StudyRequest:
             problems.add(f"has {' and '.join(both)}", ("design",), "write one of them, beside constants")
         if KEEP in design and "table" not in design:
             problems.add("names columns of a table", ("design", KEEP), "leave it out, or write table = ...")
+        if design.get(ALLOW):
+            self.options[ALLOW] = True
+            if self.tables.get("search"):
+                problems.add("counts for maps alone", ("design", ALLOW), "leave it out")
         if not design and not self.broken & {"design", "links"}:
             problems.add("is empty", ("design",), "write a number or an axis for each input")
         space: DesignSpace | None = problems.attempt(grid, **entries)
@@ -706,7 +712,8 @@ class StudyRequest:
             (kind,) = kinds
             with problems.at("design", kind):
                 if kind == "table":
-                    space = table(path.parent / design["table"], keep=design.get(KEEP, ()))
+                    ways = {KEEP: design.get(KEEP, ()), ALLOW: bool(design.get(ALLOW))}
+                    space = table(path.parent / design["table"], **ways)
                 else:
                     space = (sobol if kind == "sobol" else latin_hypercube)(**design[kind])
                 for name in constants:

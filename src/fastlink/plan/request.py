@@ -110,6 +110,8 @@ def check_inputs(
                 problems.noted += _column_problems(known[name], column)
             else:  # designs of a space beyond the range are flagged, as those that never assemble are
                 values, check = space.values(name), Input.allows if value is None else in_range
+                if name in space.doubtful:  # whose cells without numbers are named already
+                    values = np.where(np.isfinite(values), values, 1.0)
                 problems.noted += value_problems(known[name], values, "design", check=check)
     problems.stop()
 
@@ -174,15 +176,23 @@ def unknown_input(
     return Problem(f"is unknown to {catalogue.name}", (parent, name), remedy)
 
 
+#: Wrong values of an input that a message names.
+MOST_SHOWN = 6
+
+
 def value_problems(
     declared: Input,
     values: NDArray[np.float64],
     parent: str,
     remedy: Remedy = "",
     check: Callable[[Input, Any], Any] = Input.allows,
+    first: int = 0,
 ) -> list[Problem]:
-    """Return the first value that an input cannot have, if there is one; a further remedy may be given."""
-    bad = np.flatnonzero(~check(declared, values))[:1]
+    """Return the values that an input cannot have as one problem, if there are any; a further remedy may be given.
+
+    The first one of the values has the number `first`.
+    """
+    bad = np.flatnonzero(~check(declared, values))
     if not bad.size:
         return []
     index: Sequence[Any] = np.unravel_index(bad[0], values.shape) if values.size > 1 else ()
@@ -199,18 +209,22 @@ def value_problems(
         sizes = f"of {least:.1e} to {most:.1e}" if least else f"below {most:.1e}"
         mend = f"write {zero if least else ''}a magnitude {sizes} {declared.units}"
     where: KeyPath = (parent, declared.name, *(int(k) for k in index))
-    return [Problem(f"is {value} ({declared.meaning})", where, (mend, *remedy) if remedy else mend)]
+    others = ", ".join(f"{values.flat[k]} at {first + k}" for k in bad[1:MOST_SHOWN].tolist())
+    more = f" and {bad.size - MOST_SHOWN:,} more" if bad.size > MOST_SHOWN else ""
+    also = f", {others}{more}" if others else ""
+    return [Problem(f"is {value}{also} ({declared.meaning})", where, (mend, *remedy) if remedy else mend)]
 
 
 def _column_problems(declared: Input, column: spaces.Column) -> list[Problem]:
-    """Return the first value of a column that an input cannot have, if its bounds do not rule it out."""
+    """Return the values of a column that an input cannot have as one problem, if its bounds do not rule them out."""
     if not declared.choices and all(declared.allows(end) for end in column.bounds):
         return []
     for start, stop in steps(0, len(column)):
         values = column.piece(start, stop)
-        for row in np.flatnonzero(~declared.allows(values))[:1].tolist():
-            (problem,) = value_problems(declared, values[row : row + 1], "design")
-            return [replace(problem, where=(*problem.where, start + row))]
+        if not declared.allows(values).all():
+            (problem,) = value_problems(declared, values, "design", first=start)
+            row = start + int(np.argmin(declared.allows(values)))
+            return [replace(problem, where=(*problem.where[:2], row))]
     return []
 
 

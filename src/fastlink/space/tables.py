@@ -12,7 +12,7 @@ from bisect import bisect_right
 from collections import OrderedDict
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import islice, repeat
+from itertools import islice
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -79,6 +79,8 @@ __all__ = [
 LABELS = frozenset({DESIGN, "id", "uuid", "name", "label", "index", "key"})
 LONGEST_NAME = 200
 LABEL_ENDINGS = ("_id", "_name", "_label")
+#: Cells without a finite number that a message names for each column.
+MOST_CELLS = 6
 #: A result that every map has: a table with such a column is made of the rows of a map.
 OF_EVERY_MAP = "status"
 
@@ -162,9 +164,10 @@ class Columns:
         self.columns: dict[str, Floats | Column] = {}
         self.labels: dict[str, NDArray[Any]] = {}
         self.units: dict[str, str] = {}
-        self.doubtful: dict[str, Problem] = {}
-        self.doubted = set[str]()
-        self.problems = Problems()
+        #: By column the cells that hold no finite number, the first few by their places, and how many there are.
+        self.bad: dict[str, list[tuple[str, str]]] = {}
+        self.count: dict[str, int] = {}
+        self.problems, self.source = Problems(), ""
         for name in keep:
             if names and name not in names:
                 self.problems.add(f"there is no column {name!r} to keep", ("table",), "leave it out")
@@ -203,20 +206,32 @@ class Columns:
             self.columns[name] = numbers.column()
 
     def check_finite(self, name: str, values: Floats, first: int = 0) -> None:
-        """Note the first row of a column, whose values begin at some row, that holds no finite number."""
-        bad = None if self.allow_invalid or name in self.doubted else first_invalid(values)
-        if bad is not None:
-            self.doubt(name, f"row {first + bad} (counted from 0) of column {name}", values[bad])
+        """Note the rows of a column, whose values begin at some row, that hold no finite number."""
+        if not self.allow_invalid and first_invalid(values) is not None:
+            rows = np.flatnonzero(~np.isfinite(values))
+            cells = [(f"row {first + k} (counted from 0)", str(values[k])) for k in rows[:MOST_CELLS]]
+            self.doubt(name, cells, len(rows))
 
-    def doubt(self, name: str, cell: str, value: object) -> None:
-        """Note the first cell of a column that holds no finite number."""
+    def doubt(self, name: str, cells: Sequence[tuple[str, str]], count: int) -> None:
+        """Note cells of a column that hold no finite number, the first of so many."""
+        self.bad.setdefault(name, []).extend(cells)
+        self.count[name] = self.count.get(name, 0) + count
+
+    @property
+    def doubtful(self) -> dict[str, Problem]:
+        """By column the problem of its cells that hold no finite number."""
         keep = (", or pass ", Setting("allow_invalid", True), " to keep such designs")
-        problem = Problem(f"{cell} is {value}", ("table",), ("write a finite number", keep))
-        self.doubted.add(name)
-        if self.of_map:
-            self.doubtful.setdefault(name, problem)
-        else:
-            self.problems.noted.append(problem)
+        found = {}
+        for name, cells in self.bad.items():
+            (place, value), *others = cells[:MOST_CELLS]
+            shown = "".join(f", {other.partition(' (counted')[0]} is {one}" for other, one in others)
+            more = f" and {self.count[name] - MOST_CELLS:,} more" if self.count[name] > MOST_CELLS else ""
+            what = f"{place} of column {name}{self.source} is {value}{shown}{more}"
+            is_text = any(value.startswith(("'", '"')) for _, value in cells)
+            remedy = or_keep("write a number", name) if is_text else "write a finite number"
+            parts = (remedy,) if isinstance(remedy, str) else remedy
+            found[name] = Problem(what, ("table",), (*parts, keep))
+        return found
 
     def _check_length(self, name: str, values: NDArray[Any]) -> None:
         if values.size == 0:
@@ -229,7 +244,12 @@ class Columns:
                 raise refused(what, remedy)
 
     def space(self, attrs: dict[str, str | int], *, single: bool = False) -> DesignSpace:
-        """Return the designs, or refuse them with all their problems."""
+        """Return the designs, or refuse them with all their problems.
+
+        Of a request (`single`) cells without finite numbers are refused with all else that is wrong with its designs.
+        """
+        if not (self.of_map or (single and self.columns)):
+            self.problems.noted += self.doubtful.values()
         self.problems.stop()
         further: dict[str, Any] = {"units": self.units, "of_map": self.of_map, "doubtful": self.doubtful}
         if self.columns:
@@ -427,7 +447,7 @@ class CsvFile(TableFile):
         with self._opened() as file:
             file.seek(self.places[block])
             columns = list(zip(*islice(filter(_is_row, self._reader(file)), end - begin), strict=True))
-        return {key: _numbers(columns[key]) for key in self.numeric}
+        return {key: _numbers(columns[key])[0] for key in self.numeric}
 
     def columns(self, keep: Collection[str], allow_invalid: bool) -> Columns:
         """Return all columns, or refuse the file."""
@@ -435,13 +455,11 @@ class CsvFile(TableFile):
             reader = self._reader(file)
             names = self._names(next(filter(_is_row, reader), None), reader)
             found = Columns(keep, allow_invalid, names)
+            found.source = f" in {self.path.name}"
             columns = [CsvColumn(self, key, name, keep) for key, name in enumerate(names)]
             for rows, lines in self._divided(file, reader, len(names)):
-                wrong = [
-                    one for one in map(CsvColumn.add, columns, zip(*rows, strict=True), repeat(lines)) if one
-                ]
-                if wrong:
-                    raise min(wrong, key=lambda one: one[0])[1]
+                for column, texts in zip(columns, zip(*rows, strict=True), strict=True) if rows else ():
+                    column.add(texts, lines)
                 self.begin(len(rows))
         if not self.starts[-1]:
             raise refused(f"{self.path.name} has a header but no rows", "write one line per design")
@@ -500,43 +518,40 @@ class CsvColumn:
         self.by_name = not name or is_label(name, keep)
         self.is_text: bool | None = self.by_name or None
         self.labels, self.walk = list[Any](), Walk(file, key)
-        #: The place of the first cell that holds no finite number, and what it holds.
-        self.bad: tuple[str, str] | None = None
+        #: The first cells that hold no finite number, how many there are, and whether a comma makes all that do none.
+        self.bad, self.count, self.commas = list[tuple[str, str]](), 0, True
 
-    def add(self, texts: Sequence[str], lines: Sequence[int]) -> tuple[int, InputError] | None:
-        """Add the cells of a block; return the row of the first that is not of its kind, and the error."""
-        first = self.file.starts[-1]
-
-        def cell(row: int) -> tuple[str, str]:
-            place = f"row {first + row} (line {lines[row]}) of column {self.name} in {self.file.path.name}"
-            return place, texts[row].strip()
-
+    def add(self, texts: Sequence[str], lines: Sequence[int]) -> None:
+        """Add the cells of a block: as texts as long as no cell holds a number, then as numbers."""
         if self.is_text is None:
             self.is_text = not _is_numeric(texts[0])
-        if self.is_text:
-            self.bad = self.bad or cell(0)
-            stripped = list(map(str.strip, texts))
+        if self.is_text and not self.by_name and any(_number(text) is not None for text in texts):
+            self.is_text = False
+            for block in self.labels:
+                self.walk.add(np.full(len(block), np.nan))
+        stripped = list(map(str.strip, texts))
+        if not self.is_text:
+            self.walk.add(_numbers(texts)[0])
+        else:
             self.labels.append(_whole(stripped) if self.by_name else stripped)
-            for row, text in () if self.by_name else enumerate(texts):
-                if _number(text) is not None:
-                    return row, self._no_number(*self.bad)
-            return None
-        numbers = _numbers(texts)
-        if numbers is None:
-            wrong = next(row for row, text in enumerate(texts) if not _is_numeric(text))
-            return wrong, self._no_number(*cell(wrong))
-        invalid = first_invalid(numbers)
-        if invalid is not None and self.bad is None:
-            place, text = cell(invalid)
-            self.bad = place, text or "empty"
-        self.walk.add(numbers)
-        return None
+        if self.by_name:
+            return
+        numbers, first = _numbers(texts)[0], self.file.starts[-1]
+        rows = np.flatnonzero(~np.isfinite(numbers)).tolist()
+        self.count += len(rows)
+        for row in rows:
+            self.commas &= _has_comma(stripped[row])
+            if len(self.bad) < MOST_CELLS:
+                of = short_repr(stripped[row]) if not _is_numeric(stripped[row]) else stripped[row] or "empty"
+                self.bad.append((f"row {first + row} (line {lines[row]})", of))
 
     def give(self, found: Columns) -> None:
         """Hand the whole column over to the table."""
         if not self.is_text:
-            if self.bad is not None and not found.allow_invalid:
-                found.doubt(self.name, *self.bad)
+            if self.bad and self.commas:
+                raise self._decimal_comma()
+            if self.bad and not found.allow_invalid:
+                found.doubt(self.name, self.bad, self.count)
             found.take(self.name, self.walk)
             return
         labels: Any
@@ -545,15 +560,15 @@ class CsvColumn:
         else:
             labels = [str(label) for block in self.labels for label in block]
         if not self.by_name and self.bad and all(map(_has_comma, filter(None, labels))):
-            raise self._no_number(*self.bad)
+            raise self._decimal_comma()
         if self.name or not np.array_equal(labels, np.arange(len(labels))):  # the index of a DataFrame
             found.add_label(self.name or "index", labels)
 
-    def _no_number(self, cell: str, text: str) -> InputError:
-        remedy = or_keep("write a number", self.name)
-        if _has_comma(text):
-            remedy = "write numbers with a point, or read the file by pandas.read_csv(..., decimal=',')"
-        return refused(f"{cell} is {short_repr(text)}, not a number", remedy)
+    def _decimal_comma(self) -> InputError:
+        remedy = "write numbers with a point, or read the file by pandas.read_csv(..., decimal=',')"
+        ((place, text), *_) = self.bad
+        what = f"{place} of column {self.name} in {self.file.path.name} is {text}, not a number"
+        return refused(what, remedy)
 
 
 def _is_row(row: list[str]) -> bool:
@@ -588,15 +603,13 @@ def _is_numeric(text: str) -> bool:
     return _number(text) is not None or not text.strip()
 
 
-def _numbers(texts: Sequence[str]) -> Floats | None:
-    """Return cells as numbers, NaN where one is empty; None if one holds anything else."""
+def _numbers(texts: Sequence[str]) -> tuple[Floats, bool]:
+    """Return cells as numbers, NaN where one is empty or holds anything else; and whether all hold numbers."""
     every = "".join(texts)
     if every.isascii() and "_" not in every:
         with contextlib.suppress(ValueError):
-            return np.fromiter(map(float, texts), np.float64, len(texts))
-    if not all(map(_is_numeric, texts)):
-        return None
-    return np.array([_number(text) for text in texts], np.float64)  # None is NaN to NumPy
+            return np.fromiter(map(float, texts), np.float64, len(texts)), True
+    return np.array([_number(text) for text in texts], np.float64), False  # None is NaN to NumPy
 
 
 # -- Parquet files, by pyarrow
@@ -884,7 +897,7 @@ def _space_of(source: Any, keep: Collection[str], allow_invalid: bool, *, single
     if isinstance(source, (str, os.PathLike)):
         path = check_path(("table",), source, "designs.csv")
         attrs: dict[str, str | int] = {"design_kind": "table", "design_source": writable(path.name)}
-        return read_file(path, keep, allow_invalid).space(attrs)
+        return read_file(path, keep, allow_invalid).space(attrs, single=single)
     return read_or_none(_space_in_memory, source, keep, allow_invalid, single=single)
 
 
