@@ -7,18 +7,23 @@ compile the same, the first sweep of one design in a new process that finds the 
 seconds, how many times a fixed piece of Python they would take, for `--check`. The README's command is set up only.
 """
 
+import ast
 import contextlib
 import importlib
-import importlib.util
+import itertools
 import os
 import tempfile
 import time
 from pathlib import Path
 
 import numpy as np
+import xarray as xr
 
+import fastlink as fl
 from benchmarks.cases import CASES, INPUTS, ROOT, child, designs
 from benchmarks.peers import FORMS, available
+from fastlink.app.study import read_study
+from fastlink.engine.resolve import resolve
 
 COMMAND = "README's command"
 STUDY = ROOT / "data" / "studies" / "crank_rocker_map.toml"
@@ -34,7 +39,6 @@ REQUESTS = {
     "greatest shaking force": (("shaking_force_max",), {}),
 }
 LABELS = (COMMAND, *REQUESTS)
-COLUMNS = ("request", "cold", "to_heyoka", "known", "again", "memory", "cache")
 FIXED = "\n".join(f"x{k} = (a{k} * {k} + b[{k}, i]) / f(c{k}, {k}.5)" for k in range(1500))
 
 
@@ -43,8 +47,6 @@ FIXED = "\n".join(f"x{k} = (a{k} * {k} + b[{k}, i]) / f(c{k}, {k}.5)" for k in r
 
 def fixed_work():
     """Do the fixed piece of Python: what depends on this machine and on nothing of fastlink's."""
-    import ast
-
     ast.unparse(ast.parse(FIXED))
     compile(FIXED, "fixed", "exec")
 
@@ -72,11 +74,7 @@ def peak():
 
 def requested(label):
     """Return what a request hands to `fastlink.sweep`: mechanism, designs, names, options."""
-    import fastlink as fl
-
     if label == COMMAND:
-        from fastlink.app.study import read_study
-
         study = read_study(STUDY)
         return study.mechanism, study.space, study.quantities, study.options
     names, options = REQUESTS[label]
@@ -86,39 +84,21 @@ def requested(label):
 
 def resolved(label):
     """Return a request, resolved."""
-    from fastlink.engine.resolve import resolve
-
     mechanism, space, names, options = requested(label)
     return resolve(mechanism, space, names, **options)
 
 
-def sweep(label, to=None):
-    import fastlink as fl
-
+def sweep(label):
     mechanism, space, names, options = requested(label)
-    return fl.sweep(mechanism, space, names, **options, threads=1, verify=0, to=to, overwrite=True)
-
-
-def import_all():
-    """Import what a request of the planar 4R needs, whatever is imported on first use."""
-    import fastlink as fl
-
-    fl.sweep, fl.evaluate  # noqa: B018
-    for name in (
-        *("h5netcdf", "llvmlite.binding", "xarray", "filelock"),
-        *("fastlink.engine.resolve", "fastlink.app.study", "fastlink.mechanisms.planar_4r"),
-    ):
-        if importlib.util.find_spec(name):
-            importlib.import_module(name)
-    import xarray as xr
-
-    # xarray imports dask and pint, where they are installed, with the first variable: 0.45 s.
-    xr.Dataset(coords={"a2": [1.0]})
+    return fl.sweep(mechanism, space, names, **options, threads=1, verify=0)
 
 
 def first(label, is_known):
     """Return what the first request of this process takes, and what it takes again."""
-    import_all()
+    for name in filter(available, ("llvmlite", "filelock")):
+        importlib.import_module({"llvmlite": "llvmlite.binding"}.get(name, name))
+    # xarray imports dask and pint, where they are installed, with the first variable: 0.45 s.
+    xr.Dataset(coords={"a2": [1.0]})
     found = {"fixed": shortest(fixed_work, 3)[0]}
     peak()
     before = peak()
@@ -126,20 +106,15 @@ def first(label, is_known):
     found["cpu"], found["wall"] = shortest(
         lambda: parts.extend(resolved(label).job().tasks if whole else [sweep(label)]), 1
     )
-    found["kernels"] = len(parts)
-    after = peak()
-    found["memory"] = None if after is None else after - before
+    found["kernels"], after = len(parts), peak()
+    if after is not None:
+        found["memory"] = after - before
     if not whole:
-        found["again"] = shortest(lambda: sweep(label), 50)[1]
+        found["again"] = 1e3 * shortest(lambda: sweep(label), 50)[1]
     return found
 
 
 # ---- from outside ----
-
-
-def least(found, name):
-    """Return the least number of that name in some records."""
-    return min(one[name] for one in found)
 
 
 def row_of(label, repeats):
@@ -152,18 +127,21 @@ def row_of(label, repeats):
             known.append(child(f"first({label!r}, True)", "answers", FASTLINK_CACHE_DIR=folder))
         if label in FORMS and available("heyoka"):
             theirs.append(child(f"heyoka_compile_time({label!r})", "peers"))
-    fixed = least(cold + known, "fixed")
+
+    def least(found, name):
+        return min((one[name] for one in found if name in one), default=None)
+
+    wall, fixed = least(cold, "wall"), least(cold + known, "fixed")
     return {
         "request": label,
-        "cold": least(cold, "wall"),
-        "to_heyoka": least(cold, "wall") / min(theirs) if theirs else None,
+        "cold": wall,
+        "to_heyoka": wall / min(theirs) if theirs else None,
         "known": least(known, "wall"),
-        "again": None if label == COMMAND else 1e3 * least(known, "again"),
-        "memory": None if cold[0]["memory"] is None else least(cold, "memory"),
-        "cache": size / 1024 / cold[0]["kernels"],
+        "again": least(known, "again"),
+        "memory": least(cold, "memory"),
+        "cache": size / 1024 / least(cold, "kernels"),
         "to_fixed": least(cold, "cpu") / fixed,
         "known_to_fixed": least(known, "cpu") / fixed,
-        "compile_heyoka": min(theirs) if theirs else None,
     }
 
 
@@ -194,8 +172,6 @@ def forget(path):
 
 def read(path, axis, place):
     """Read a picture at one input position (``theta1``), or the curve of one design (``a2``, ``a3``)."""
-    import fastlink as fl
-
     with fl.open(path) as maps:
         found = maps.theta4.isel(branch=0)
         where = {dim: int(place * found.sizes[dim]) for dim in axis}
@@ -204,29 +180,23 @@ def read(path, axis, place):
 
 def layouts(folder=None, side=500, repeats=3):
     """Sweeps of one quantity by both layouts, in turns, and reading them from disk and from memory (docs/files.md)."""
-    import fastlink as fl
-
     grid = {"a1": 0.4, "a2": np.linspace(1.0, 1.4, side), "a3": np.linspace(0.6, 1.0, side), "a4": 1.0}
-    space, facts = fl.grid(**grid, omega1=25.0), []
+    options = {"theta1": 360, "threads": 2, "verify": 0, "overwrite": True}
+    space, best = fl.grid(**grid, omega1=25.0), {}
+
+    def note(path, what, seconds):
+        label = f"{path.stem}, {path.stat().st_size / 1e9:.3g} GB: {what}"
+        best[label] = min(1e3 * seconds, best.get(label, np.inf))
+
+    def write(path):
+        fl.sweep("planar_4r", space, ["theta4"], to=path, layout=path.stem, **options).close()
+
     with tempfile.TemporaryDirectory(dir=folder or Path.cwd(), prefix="fastlink-benchmark-") as place:
-        paths = {layout: Path(place, f"{layout}.h5") for layout in ("curves", "maps")}
-
-        def write(layout):
-            options = {"layout": layout, "theta1": 360, "threads": 2, "verify": 0, "overwrite": True}
-            fl.sweep("planar_4r", space, ["theta4"], to=paths[layout], **options).close()
-
-        writing = [[shortest(lambda one=one: write(one), 1)[1] for one in paths] for _ in range(repeats)]
-        for (layout, path), seconds in zip(paths.items(), map(min, *writing, writing[0]), strict=True):
-            size = path.stat().st_size / 1e9
-            facts.append((f"{layout}, {size:.3g} GB: writing", 1e3 * seconds, "ms", ""))
-            for name, axis in PARTS.items():
-                disk, memory = [], []
-                for at in PLACES:
-                    forget(path)
-                    disk.append(read(path, axis, at))
-                    memory.append(read(path, axis, at))
-                for source, times in (("disk", disk), ("memory", memory)):
-                    facts.append(
-                        (f"{layout}, {size:.3g} GB: {name}, from {source}", 1e3 * min(times), "ms", "")
-                    )
-    return facts
+        paths = [Path(place, f"{layout}.h5") for layout in ("curves", "maps")]
+        for path in paths * repeats:
+            note(path, "writing", shortest(lambda path=path: write(path), 1)[1])
+        for path, (name, axis), at in itertools.product(paths, PARTS.items(), PLACES):
+            forget(path)
+            note(path, f"{name}, from disk", read(path, axis, at))
+            note(path, f"{name}, from memory", read(path, axis, at))
+    return [(label, value, "ms", "") for label, value in best.items()]

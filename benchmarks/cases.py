@@ -10,26 +10,29 @@ import os
 import subprocess
 import sys
 import time
-from dataclasses import dataclass
-from functools import cached_property, partial
+from dataclasses import replace
 from pathlib import Path
 
 import mpmath
 import numpy as np
 
-from fastlink.codegen.kernel import BACKENDS, kernel_of
+import fastlink as fl
+from fastlink.codegen.kernel import kernel_of
 from fastlink.codegen.runtime.cells import LANES
-from fastlink.engine.run import BLOCK_DESIGNS, Job, KernelTask, aligned, run
+from fastlink.engine.resolve import resolve
+from fastlink.engine.run import BLOCK_DESIGNS, aligned, run
+from fastlink.facts.tables import angle_tables as engine_tables
 from fastlink.mechanisms import catalogue
-from fastlink.plan.programs import Program, make_plan, make_program
+from fastlink.plan.programs import make_plan, make_program
 
 ROOT = Path(__file__).parents[1]
+PLANAR = catalogue("planar_4r")
 
 INPUTS = (
     *("a1", "a2", "a3", "a4", "omega1", "m1", "m2", "m3", "I1", "I2", "I3"),
     *("G1_u", "G1_v", "G2_u", "G2_v", "G3_u", "G3_v"),
 )
-TABLES = ("cos", "sin", "Z", "Z_low", "C", "C_low")
+TABLES = ("cos_theta1", "sin_theta1", "Z", "Z_low", "C", "C_low")
 
 #: What each case puts out, in order. A curve has the shape (design, branch, angle), an extreme (design,
 #: branch); the branches are 1 and 2.
@@ -41,19 +44,17 @@ CASES = {
 }
 
 
+def angles(theta1):
+    """Return the input angles: so many equally spaced ones, or those given."""
+    return np.arange(theta1) * (2 * np.pi / theta1) if np.ndim(theta1) == 0 else np.asarray(theta1)
+
+
 def angle_tables(theta1):
     """Return the rows `TABLES` at the angles ``theta1``, or at so many equally spaced ones.
 
     Z and C are the squares of the half angle's sine and cosine, Z_low and C_low what these doubles leave out.
     """
-    if np.ndim(theta1) == 0:
-        theta1 = np.arange(theta1) * (2 * np.pi / theta1)
-    rows = np.empty((len(TABLES), len(theta1)))
-    with mpmath.workdps(50):
-        for k, t in enumerate(map(mpmath.mpf, map(float, theta1))):
-            Z, C = mpmath.sin(t / 2) ** 2, mpmath.cos(t / 2) ** 2
-            rows[:, k] = mpmath.cos(t), mpmath.sin(t), Z, Z - float(Z), C, C - float(C)
-    return aligned_copy(rows)
+    return aligned_copy(engine_tables(PLANAR, TABLES, angles(theta1)))
 
 
 def round_bars(lengths, omega1=25.0, density=7750.0, radius=0.01):
@@ -74,23 +75,15 @@ def designs(n, seed=0):
     return round_bars((centre + spread * uniform).T)
 
 
-def empty(shape):
-    """Return an uninitialised array that begins on a cache line: stores across two lines take longer."""
-    size = int(np.prod(shape)) * 8
-    raw = np.empty(size + 64, dtype=np.uint8)
-    start = -raw.ctypes.data % 64
-    return raw[start : start + size].view(np.float64).reshape(shape)
-
-
 def aligned_copy(array):
-    copy = empty(array.shape)
+    copy = aligned(array.shape)
     copy[...] = array
     return copy
 
 
 def outputs(case, n, K):
     """One array for each name of ``CASES[case]``."""
-    return tuple(empty((n, 2) if case == "extremes" else (n, 2, K)) for _ in CASES[case])
+    return tuple(aligned((n, 2) if case == "extremes" else (n, 2, K)) for _ in CASES[case])
 
 
 def best_time(call, seconds=0.3, least=5):
@@ -143,105 +136,57 @@ def near_toggle(rng: Rng, n: int, offset: float) -> tuple[np.ndarray, np.ndarray
 # ---- fastlink's kernels ----
 
 
-@dataclass(frozen=True)
-class Bound:
-    """A kernel bound to its arguments; calling it evaluates into ``arrays``."""
-
-    program: Program
-    arguments: tuple
-    arrays: list
-
-    def __call__(self):
-        """Evaluate."""
-        self.call()
-
-    @cached_property
-    def call(self):
-        """What evaluates. The table of arguments is filled once, as ctypes has those of the C kernels."""
-        kernel = kernel_of(self.program).compiled()
-        if not hasattr(kernel, "table"):  # numba's
-            return partial(kernel, *self.arguments)
-        table = kernel.table(*self.arguments)
-        address, call = table.ctypes.data, kernel.call
-        return lambda table=table: call(address)
-
-
-def angles(theta1):
-    """Return the input angles: so many equally spaced ones, or those given."""
-    return np.arange(theta1) * (2 * np.pi / theta1) if np.ndim(theta1) == 0 else np.asarray(theta1)
-
-
-def program_of(case, K=360, variants=()):
-    return make_program(catalogue("planar_4r"), CASES[case], given=INPUTS, variants=variants, angles=K)
-
-
-def rows_of(program, x, names=INPUTS):
-    """Return the rows of the design array that the program's kernel reads, padded to whole lanes."""
-    rows = x[[names.index(name) for name in program.inputs]]
-    return aligned_copy(np.pad(rows, ((0, 0), (0, -x.shape[1] % LANES)), mode="edge"))
-
-
-def shapes(program, K):
-    lengths = {"branch": len(program.branches)}
-    return [tuple(lengths.get(axis, K) for axis in output.axes) for output in program.outputs]
-
-
 def bind(case, x, theta1, **options):
-    """Return the kernel of a case bound to designs and angles; compiles it."""
+    """Return a call of the kernel of a case, compiled and bound to designs and angles, and its arrays."""
     theta = angles(theta1)
-    return bind_program(program_of(case, theta.size, **options), x, theta)
+    program = make_program(PLANAR, CASES[case], given=INPUTS, angles=theta.size, **options)
+    return bind_program(program, x, theta)
 
 
 def bind_program(program, x, theta=(), names=INPUTS):
-    """Return a kernel bound to designs, of which ``names`` are the rows, and to angles; compiles it."""
+    """Return a call of a kernel bound to designs, of which ``names`` are the rows, and to angles, and its arrays."""
     (n, K), outputs = (x.shape[1], len(theta)), program.outputs
+    axes = {"branch": len(program.branches)}
+    shapes = [(n, *(axes.get(axis, K) for axis in output.axes)) for output in outputs]
     if len({output.dtype for output in outputs}) == 1:  # in one array, as the C kernel has them
-        arrays = list(aligned((len(outputs), n, *shapes(program, K)[0]), outputs[0].dtype))
+        arrays = list(aligned((len(outputs), *shapes[0]), outputs[0].dtype))
     else:
-        arrays = [aligned((n, *s), o.dtype) for s, o in zip(shapes(program, K), outputs, strict=True)]
-    scratch = [aligned(array.lengths(K), array.dtype) for array in kernel_of(program).source.scratch]
+        arrays = [aligned(shape, output.dtype) for shape, output in zip(shapes, outputs, strict=True)]
+    kernel = kernel_of(program)
+    scratch = [aligned(array.lengths(K), array.dtype) for array in kernel.source.scratch]
     tables = aligned_copy(program.angle_tables(np.asarray(theta)))
-    bound = Bound(program, (rows_of(program, x, names), tables, n, K, *scratch, *arrays), arrays)
-    bound()
-    return bound
-
-
-def extremes(quantities):
-    """Return the names of the greatest and least values."""
-    return [f"{quantity}_{kind}" for quantity in quantities for kind in ("max", "min")]
+    rows = x[[names.index(name) for name in program.inputs]]
+    padded = aligned_copy(np.pad(rows, ((0, 0), (0, -n % LANES)), mode="edge"))
+    # The table of arguments is filled once, as ctypes has those of the C kernels.
+    code, arguments = kernel.compiled("llvm"), (padded, tables, n, K, *scratch, *arrays)
+    table = code.table(*arguments)
+    address, call = table.ctypes.data, code.call
+    call(address)
+    return lambda _=(table, arguments): call(address), arrays
 
 
 def bind_names(names, x, theta=(), **options):
-    """Return one call of the kernels of names, of designs that give every input, and these kernels."""
+    """Return one call of the kernels of names, of designs that give every input."""
     options |= {"given": INPUTS, "angles": len(theta) or None}
-    programs = make_plan(catalogue("planar_4r"), names, **options).programs
-    kernels = [bind_program(program, x, theta) for program in programs]
-    return lambda: [kernel() for kernel in kernels], kernels
+    programs = make_plan(PLANAR, names, **options).programs
+    calls = [bind_program(program, x, theta)[0] for program in programs]
+    return lambda: [call() for call in calls]
 
 
 def threads(case, seconds=1.2, repeats=3, K=360):
-    """Return the run time in s through `fastlink.engine.run` with one thread and with two, and configurations."""
-    program, pool, size = program_of(case, K), BLOCK_DESIGNS, 4096
-    kernel, rows = kernel_of(program), np.tile(rows_of(program, designs(pool)), 2)
-    outputs = [(s, output.dtype) for s, output in zip(shapes(program, K), program.outputs, strict=True)]
+    """Return the run time in s of the engine's blocks with one thread and with two, and configurations."""
+    x, names = designs(BLOCK_DESIGNS), CASES[case]
 
-    def fill(start, stop, x):
-        first = start % pool  # designs repeat those of the pool; a block is a slice, wherever it begins
-        x[:, : stop - start] = rows[:, first : first + stop - start]
+    def job(size):
+        space = fl.table(dict(zip(INPUTS, x[:, np.arange(size) % BLOCK_DESIGNS], strict=True)))
+        job = resolve("planar_4r", space, names, angles=K, extrema="sampled", companions=False).job()
+        return replace(job, far=None)  # the sizes of inputs are looked at by sweeps, not by kernels
 
-    def clock(count):
-        called = kernel.compiled(BACKENDS[0]), program.angle_tables(angles(K)), tuple(range(len(outputs)))
-        job = Job([KernelTask(kernel.source, program.inputs, BACKENDS[0], *called, fill)], outputs, size)
-        start = time.perf_counter()
-        run(job, threads=count)
-        return time.perf_counter() - start
-
-    clock(1)
-    size = max(size, round(size * seconds / clock(1)))
-    best = {1: np.inf, 2: np.inf}
-    for _ in range(repeats):
-        best = {count: min(known, clock(count)) for count, known in best.items()}
-    return best[1], best[2], size * 2 * K
+    few = job(4096)
+    run(few)
+    many = job(max(few.size, round(few.size * seconds / best_time(lambda: run(few), 0.0, 1))))
+    best = race({count: lambda count=count: run(many, threads=count) for count in (1, 2)}, repeats, 0.0)
+    return best[1], best[2], many.size * 2 * K
 
 
 def child(code, module, **environment):
@@ -250,7 +195,7 @@ def child(code, module, **environment):
         [sys.executable, "-c", f"import json; from benchmarks.{module} import *; print(json.dumps({code}))"],
         cwd=ROOT,
         env=os.environ | environment,
-        capture_output=True,
+        stdout=subprocess.PIPE,
         text=True,
         check=True,
     )

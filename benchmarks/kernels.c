@@ -218,81 +218,55 @@ INLINE both_t reactions_both(design d, angle t, closure l, double r_sigma)
 /* A curve is (n, 2, K); curve c of one design begins at y + c * size and its branch 2 at K further on. */
 #define STORE(c, b1, b2) (y[(c) * size + k] = (b1), y[(c) * size + K + k] = (b2))
 #define STORE_PAIR(c, f) STORE(c, at(-1, f), at(1, f))
-#define FOR_DESIGNS(dynamics)                                                                                     \
-    block b;                                                                                                      \
-    for (long first = 0; first < n; first += LANES)                                                               \
-        if (prepare(&b, x, n, first, dynamics), 1)                                                                \
-            for (long i = 0; i < LANES && first + i < n; i++)
+#define STORE_VEC(c, b1, b2) (STORE(c, (b1).x, (b2).x), STORE((c) + 1, (b1).y, (b2).y))
+/* A function of that name, which stores what it finds at each angle; it needs the inputs from m1 on if dynamic. */
+#define CURVES(name, dynamics, ...)                                                                                 \
+    void c_##name(long n, long K, const double *restrict x, const double *restrict tables, double *restrict out)  \
+    {                                                                                                             \
+        long size = 2 * n * K;                                                                                    \
+        block b;                                                                                                  \
+        for (long first = 0; first < n; first += LANES) {                                                         \
+            prepare(&b, x, n, first, dynamics);                                                                   \
+            for (long i = 0; i < LANES && first + i < n; i++) {                                                   \
+                design d = design_at(&b, i);                                                                      \
+                double *restrict y = out + (first + i) * 2 * K;                                                   \
+                _Pragma("GCC ivdep") for (long k = 0; k < K; k++)                                                 \
+                {                                                                                                 \
+                    angle t = angle_at(tables, K, k);                                                             \
+                    closure l = close_loop(d, t);                                                                 \
+                    __VA_ARGS__                                                                                   \
+                }                                                                                                 \
+            }                                                                                                     \
+        }                                                                                                         \
+    }
 
 /* out: (4, n, 2, K) A_x A_y B_x B_y */
-void c_positions(long n, long K, const double *restrict x, const double *restrict tables, double *restrict out)
-{
-    long size = 2 * n * K;
-    FOR_DESIGNS(0)
-    {
-        design d = design_at(&b, i);
-        double *restrict y = out + (first + i) * 2 * K;
-#pragma GCC ivdep
-        for (long k = 0; k < K; k++) {
-            angle t = angle_at(tables, K, k);
-            positions_t o = positions(d, t, close_loop(d, t));
-            STORE(0, o.A.x, o.A.x);
-            STORE(1, o.A.y, o.A.y);
-            STORE(2, o.B_even.x - o.odd.x, o.B_even.x + o.odd.x);
-            STORE(3, o.B_even.y - o.odd.y, o.B_even.y + o.odd.y);
-        }
-    }
-}
+CURVES(positions, 0, {
+    positions_t o = positions(d, t, l);
+    STORE_VEC(0, o.A, o.A);
+    STORE_VEC(2, at_vec(-1, o.B_even, o.odd), at_vec(1, o.B_even, o.odd));
+})
 
 /* out: (6, n, 2, K) B_x B_y omega2 omega4 alpha2 alpha4 */
-void c_rates(long n, long K, const double *restrict x, const double *restrict tables, double *restrict out)
-{
-    long size = 2 * n * K;
-    FOR_DESIGNS(0)
-    {
-        design d = design_at(&b, i);
-        double *restrict y = out + (first + i) * 2 * K;
-#pragma GCC ivdep
-        for (long k = 0; k < K; k++) {
-            angle t = angle_at(tables, K, k);
-            closure l = close_loop(d, t);
-            positions_t o = positions(d, t, l);
-            rates_t f = rates(d, t, l, 1 / l.sigma);
-            STORE(0, o.B_even.x - o.odd.x, o.B_even.x + o.odd.x);
-            STORE(1, o.B_even.y - o.odd.y, o.B_even.y + o.odd.y);
-            STORE_PAIR(2, f.omega2);
-            STORE_PAIR(3, f.omega4);
-            STORE_PAIR(4, f.alpha2);
-            STORE_PAIR(5, f.alpha4);
-        }
-    }
-}
+CURVES(rates, 0, {
+    positions_t o = positions(d, t, l);
+    rates_t f = rates(d, t, l, 1 / l.sigma);
+    STORE_VEC(0, at_vec(-1, o.B_even, o.odd), at_vec(1, o.B_even, o.odd));
+    STORE_PAIR(2, f.omega2);
+    STORE_PAIR(3, f.omega4);
+    STORE_PAIR(4, f.alpha2);
+    STORE_PAIR(5, f.alpha4);
+})
 
 /* out: (9, n, 2, K) F41_x F41_y F21_x F21_y F32_x F32_y F43_x F43_y T41 */
-void c_reactions(long n, long K, const double *restrict x, const double *restrict tables, double *restrict out)
-{
-    long size = 2 * n * K;
-    FOR_DESIGNS(1)
-    {
-        design d = design_at(&b, i);
-        double *restrict y = out + (first + i) * 2 * K;
-#pragma GCC ivdep
-        for (long k = 0; k < K; k++) {
-            angle t = angle_at(tables, K, k);
-            closure l = close_loop(d, t);
-            both_t r = reactions_both(d, t, l, 1 / l.sigma);
-            STORE(0, r.branch1.F41.x, r.branch2.F41.x);
-            STORE(1, r.branch1.F41.y, r.branch2.F41.y);
-            STORE(2, r.branch1.F21.x, r.branch2.F21.x);
-            STORE(3, r.branch1.F21.y, r.branch2.F21.y);
-            STORE(4, r.branch1.F32.x, r.branch2.F32.x);
-            STORE(5, r.branch1.F32.y, r.branch2.F32.y);
-            STORE(6, r.branch1.F43.x, r.branch2.F43.x);
-            STORE(7, r.branch1.F43.y, r.branch2.F43.y);
-            STORE(8, r.branch1.T41, r.branch2.T41);
-        }
-    }
-}
+CURVES(reactions, 1, {
+    both_t r = reactions_both(d, t, l, 1 / l.sigma);
+    STORE_VEC(0, r.branch1.F41, r.branch2.F41);
+    STORE_VEC(2, r.branch1.F21, r.branch2.F21);
+    STORE_VEC(4, r.branch1.F32, r.branch2.F32);
+    STORE_VEC(6, r.branch1.F43, r.branch2.F43);
+    STORE(8, r.branch1.T41, r.branch2.T41);
+})
 
 /* out: (6, n, 2) omega4_max omega4_min alpha4_max alpha4_min T41_max F32_x_max. A comparison with NaN is false,
  * so a configuration that does not assemble changes nothing; the sentinel left over where none does becomes NaN. */
@@ -311,11 +285,13 @@ void c_extremes(long n, long K, const double *restrict x, const double *restrict
             angle t = angle_at(tables, K, k);
 #define MAXIMUM(q, branch, v) (best[q][branch][i] = (v) > best[q][branch][i] ? (v) : best[q][branch][i])
 #define MINIMUM(q, branch, v) (best[q][branch][i] = (v) < best[q][branch][i] ? (v) : best[q][branch][i])
-#define UPDATE(branch, s, r)                                                                                      \
+#define UPDATE(branch, s, r, own)                                                                                 \
     MAXIMUM(0, branch, at(s, r.f.omega4));                                                                        \
     MINIMUM(1, branch, at(s, r.f.omega4));                                                                        \
     MAXIMUM(2, branch, at(s, r.f.alpha4));                                                                        \
-    MINIMUM(3, branch, at(s, r.f.alpha4))
+    MINIMUM(3, branch, at(s, r.f.alpha4));                                                                        \
+    MAXIMUM(4, branch, own.T41);                                                                                  \
+    MAXIMUM(5, branch, own.F32.x)
 #pragma GCC ivdep
             for (int i = 0; i < LANES; i++) {
                 closure l = close_loop(design_at(&b, i), t);
@@ -326,12 +302,8 @@ void c_extremes(long n, long K, const double *restrict x, const double *restrict
                 design d = design_at(&b, i);
                 closure l = with_shares(d, c.p[i], c.q[i], c.sigma[i], c.r_gamma[i]);
                 both_t r = reactions_both(d, t, l, c.r_sigma[i]);
-                UPDATE(0, -1, r);
-                UPDATE(1, 1, r);
-                MAXIMUM(4, 0, r.branch1.T41);
-                MAXIMUM(4, 1, r.branch2.T41);
-                MAXIMUM(5, 0, r.branch1.F32.x);
-                MAXIMUM(5, 1, r.branch2.F32.x);
+                UPDATE(0, -1, r, r.branch1);
+                UPDATE(1, 1, r, r.branch2);
             }
         }
         for (int q = 0; q < 6; q++)

@@ -14,9 +14,10 @@ from benchmarks.cases import aligned_copy, bind_program, race
 from fastlink.engine.evaluate import evaluate
 from fastlink.mechanisms import catalogue
 from fastlink.plan.programs import make_program
-from fastlink.precision.reference import DIGITS, STEP
+from fastlink.precision.reference import HighPrecision, error_in_roundings
 
 LENGTHS = ("a", "b", "g", "h")
+MINKOWSKIAN = catalogue("minkowski_4r")
 
 
 def designs(n, seed=0):
@@ -26,44 +27,41 @@ def designs(n, seed=0):
 
 def bind(x, theta):
     """Return the kernel of psi and its orientation, bound."""
-    program = make_program(
-        catalogue("minkowski_4r"), ("psi", "CB_orientation"), given=LENGTHS, angles=len(theta)
-    )
+    program = make_program(MINKOWSKIAN, ("psi", "CB_orientation"), given=LENGTHS, angles=len(theta))
     return bind_program(program, x, theta, LENGTHS)
+
+
+def eq3_roots(a, b, g, h, cosh, sinh):
+    """Return both y of eq. (3) as printed, infinite or NaN where doubles have none."""
+    A = 2 * g * b - 2 * a * b * cosh
+    B = 2 * a * b * sinh
+    C = h * h - g * g - b * b - a * a + 2 * a * g * cosh
+    root = np.sqrt(B * B + C * C - A * A)
+    return (root - B) / (A + C), (-root - B) / (A + C)
 
 
 def eq3(x, theta):
     """Return psi and orientation, each (design, branch, theta), by eq. (3); CB is past-pointing if |y| > 1."""
-    a, b, g, h = x[:, :, None]
     with np.errstate(all="ignore"):
-        A = 2 * g * b - 2 * a * b * np.cosh(theta)
-        B = 2 * a * b * np.sinh(theta)
-        C = h * h - g * g - b * b - a * a + 2 * a * g * np.cosh(theta)
-        root = np.sqrt(B * B + C * C - A * A)
-        y = np.stack([-B + root, -B - root], axis=1) / (A + C)[:, None]
+        y = np.stack(eq3_roots(*x[:, :, None], np.cosh(theta), np.sinh(theta)), axis=1)
         ahead = np.abs(y) < 1
         return 2 * np.arctanh(np.where(ahead, y, 1 / y)), np.where(ahead, 1.0, np.where(np.isnan(y), y, -1.0))
 
 
-def exact(a, b, g, h, theta, branch):
-    """Return psi, the loop's root with as many digits as mpmath works with; NaN where it does not assemble."""
-    p = mpmath.exp(theta)
-    alpha, beta = g - a * p, g - a / p
-    middle = alpha * beta + b * b - h * h
-    square = middle**2 - 4 * b * b * alpha * beta
-    if square < 0:
-        return mpmath.nan
-    root = mpmath.sqrt(square) * (1 if branch == 1 else -1)
-    q = 2 * b * alpha / (-middle - root) if middle * root > 0 else (-middle + root) / (2 * b * beta)
-    return mpmath.log(abs(q))
+roots_of_one = numba.njit(error_model="numpy")(eq3_roots)
 
 
-def condition(one, branch, value):
-    """Return |psi| + sum |x dpsi/dx| over lengths and theta: what one rounding each may do."""
-    found = abs(value)
-    for k, number in enumerate(one):
-        found += abs(exact(*one[:k], number * (1 + STEP), *one[k + 1 :], branch) - value) / STEP
-    return found
+@numba.njit(error_model="numpy")
+def compiled_eq3(x, cosh, sinh, psi, orientation):
+    """Eq. (3) as a loop, as one writes it: the mathematical library's artanh."""
+    for i in range(x.shape[1]):
+        for k in range(cosh.size):
+            roots = roots_of_one(x[0, i], x[1, i], x[2, i], x[3, i], cosh[k], sinh[k])
+            for branch in range(2):
+                y = roots[branch]
+                ahead = abs(y) < 1
+                psi[i, branch, k] = 2 * math.atanh(y if ahead else 1 / y)
+                orientation[i, branch, k] = 0 if y != y else 1 if ahead else -1
 
 
 def families(n, seed=0):
@@ -115,19 +113,17 @@ def families(n, seed=0):
 
 def worst(psi, x, theta):
     """Return the largest error of psi (n, 2) in roundings times the condition; infinite if one is missing."""
-    found = 0.0
-    with mpmath.workdps(DIGITS):
-        for i, t in enumerate(theta):
-            one = [mpmath.mpf(float(number)) for number in (*x[:, i], t)]
-            for branch in (1, 2):
-                value = exact(*one, branch)
-                if mpmath.isnan(value):
-                    continue
-                ours = psi[i, branch - 1]
-                if not np.isfinite(ours):
-                    return np.inf
-                unit = condition(one, branch, value) * mpmath.mpf(2) ** -53
-                found = max(found, float(abs(mpmath.mpf(float(ours)) - value) / unit))
+    found, facts = 0.0, HighPrecision(MINKOWSKIAN, ["psi"], (*LENGTHS, "theta", "branch"))
+    for i, t in enumerate(theta):
+        for branch in (1, 2):
+            given = dict(zip(LENGTHS, x[:, i], strict=True)) | {"theta": t}
+            exact = facts.at(given | {"branch": branch})
+            if mpmath.isnan(exact["psi"]):
+                continue
+            if not np.isfinite(psi[i, branch - 1]):
+                return np.inf
+            sums = facts.condition(exact, given)
+            found = max(found, error_in_roundings(psi[i, branch - 1], exact["psi"], sums["psi"]))
     return found
 
 
@@ -148,30 +144,13 @@ def errors(n=100):
         yield name, worst(ours(x, theta), x, theta), worst(one_each(eq3, x, theta), x, theta)
 
 
-@numba.njit(error_model="numpy")
-def compiled_eq3(x, cosh, sinh, psi, orientation):
-    """Eq. (3) as a loop, as one writes it: the mathematical library's artanh."""
-    for i in range(x.shape[1]):
-        a, b, g, h = x[0, i], x[1, i], x[2, i], x[3, i]
-        for k in range(cosh.size):
-            A = 2 * g * b - 2 * a * b * cosh[k]
-            B = 2 * a * b * sinh[k]
-            C = h * h - g * g - b * b - a * a + 2 * a * g * cosh[k]
-            root = np.sqrt(B * B + C * C - A * A)
-            for branch in range(2):
-                y = ((root if branch == 0 else -root) - B) / (A + C)
-                ahead = abs(y) < 1
-                psi[i, branch, k] = 2 * math.atanh(y if ahead else 1 / y)
-                orientation[i, branch, k] = 0 if y != y else 1 if ahead else -1
-
-
 def times_of(x, theta, rounds):
     """Return ns for each configuration of designs by inputs, four times over: ours, eq. (3) in NumPy, compiled."""
     theta = np.tile(theta, 4)
-    kernel = bind(x, theta)
+    kernel, ours = bind(x, theta)
     with np.errstate(over="ignore"):
         cosh, sinh = np.cosh(theta), np.sinh(theta)
-    arrays = tuple(np.empty_like(array) for array in kernel.arrays)
+    arrays = tuple(np.empty_like(array) for array in ours)
     calls = {
         "ours": kernel,
         "NumPy": partial(eq3, x, theta),
@@ -188,12 +167,11 @@ HEADS = (
 
 def error_table(n=100, rounds=5):
     """Return the table of docs/minkowski.md."""
-    lines = [f"| {' | '.join(HEADS)} |", "|---" * len(HEADS) + "|"]
+    rows = [HEADS, ["---"] * len(HEADS)]
     for (name, own, by_eq3), (x, theta) in zip(errors(n), families(n).values(), strict=True):
-        cells = [f"{own:.1f}", f"{by_eq3:.2g}" if np.isfinite(by_eq3) else "no value"]
-        cells += [f"{time:.2g}" for time in times_of(np.ascontiguousarray(x), theta, rounds)]
-        lines.append(f"| {name} | {' | '.join(cells)} |")
-    return "\n".join(lines)
+        times = (f"{time:.2g}" for time in times_of(np.ascontiguousarray(x), theta, rounds))
+        rows.append([name, f"{own:.1f}", f"{by_eq3:.2g}" if np.isfinite(by_eq3) else "no value", *times])
+    return "\n".join(f"| {' | '.join(row)} |" for row in rows)
 
 
 if __name__ == "__main__":

@@ -27,10 +27,11 @@ from benchmarks.cases import (
     best_time,
     child,
     designs,
-    empty,
     outputs,
 )
 from fastlink.codegen.machine import lanes_of_host
+from fastlink.engine.run import aligned
+from fastlink.numerics.compensated import gap_product_quotient, sum_of_four
 
 
 def available(module):
@@ -54,69 +55,27 @@ def compiler():
 
 @functools.cache
 def library():
-    """Return the C files of this folder, compiled and loaded."""
+    """Return `kernels.c`, compiled and loaded."""
     width = ["-mprefer-vector-width=512"] if platform.machine().lower() in ("x86_64", "amd64") else []
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder, "kernels.so")
-        sources = sorted(Path(__file__).parent.glob("*.c"))
-        subprocess.run([compiler(), *FLAGS, *width, *sources, "-o", target, "-lm"], check=True)
+        source = Path(__file__).with_name("kernels.c")
+        subprocess.run([compiler(), *FLAGS, *width, source, "-o", target, "-lm"], check=True)
         return ctypes.CDLL(str(target))  # stays loaded when the file goes
 
 
-def call_of(name, lengths, arrays):
-    """Return a call of a C function, of which Python takes next to nothing, so that the clock sees the kernel."""
-    kernel = getattr(library(), f"c_{name}")
-    kernel.restype = None
-    if any(not a.flags.c_contiguous or a.dtype != np.float64 for a in arrays):
-        raise ValueError("C kernels take C-contiguous arrays of doubles")
-    arguments = [*map(ctypes.c_long, lengths), *(a.ctypes.data_as(ADDRESS) for a in arrays)]
-
-    def call():
-        kernel(*arguments)
-        return arrays  # they live as long as the call
-
-    return call
-
-
 def bind_c(case, x, tables):
+    """Python takes next to nothing of a call, so that the clock sees the kernel."""
     n, K = x.shape[1], tables.shape[1]
-    whole = empty((len(CASES[case]), *outputs(case, n, K)[0].shape))
-    return call_of(case, (n, K), [x, tables, whole]), tuple(whole)
+    whole = aligned((len(CASES[case]), *outputs(case, n, K)[0].shape))
+    kernel, arrays = getattr(library(), f"c_{case}"), (x, tables, whole)
+    kernel.restype = None
+    arguments = [ctypes.c_long(n), ctypes.c_long(K), *(a.ctypes.data_as(ADDRESS) for a in arrays)]
+    # the arrays live as long as the call
+    return lambda arrays=arrays: kernel(*arguments), tuple(whole)
 
 
 # ---- the closed forms: a quantity is even + s odd, with s = -1 for branch 1, +1 for 2 ----
-
-
-def two_sum(a, b):
-    s = a + b
-    t = s - a
-    return s, (a - (s - t)) + (b - t)
-
-
-def sum4(a, b, c, d):
-    s, low_1 = two_sum(a, b)
-    s, low_2 = two_sum(s, c)
-    s, low_3 = two_sum(s, d)
-    return two_sum(s, low_1 + low_2 + low_3)  # next to a change point s may have cancelled to less
-
-
-def two_product(a, b):
-    """Return a b and what the rounding left out (Dekker)."""
-    p = a * b
-    a_hi, b_hi = a * 134217729.0, b * 134217729.0
-    a_hi, b_hi = a_hi - (a_hi - a), b_hi - (b_hi - b)
-    a_lo, b_lo = a - a_hi, b - b_hi
-    return p, ((a_hi * b_hi - p) + a_hi * b_lo + a_lo * b_hi) + a_lo * b_lo
-
-
-def gap(u, v, a, d):
-    """Return u v / (4 a d) to twice the working precision, u and v being (high, low)."""
-    p, p_low = two_product(u[0], v[0])
-    p_low = p_low + (u[0] * v[1] + u[1] * v[0])
-    g, g_low = two_product(4 * a, d)
-    ratio = p / g
-    back, back_low = two_product(ratio, g)
-    return two_sum(ratio, ((p - back) - back_low + p_low - ratio * g_low) / g)
 
 
 def constants(i, exact=True):
@@ -126,20 +85,13 @@ def constants(i, exact=True):
     """
     a, b, c, d, w = (i[name] for name in INPUTS[:5])
     r = 1.0 / (4.0 * (a * d))
-    o = {
-        "a": a,
-        "d": d,
-        "w": w,
-        "r": r,
-        "d_a": d - a,
-        "two_a": 2.0 * a,
-        "half_w": 0.5 * w,
-        "half_ww": 0.5 * w * w,
-    }
+    o = {"a": a, "d": d, "w": w, "r": r, "d_a": d - a, "two_a": 2.0 * a, "half_w": 0.5 * w}
+    o["half_ww"] = 0.5 * w * w
     if exact:
-        Z0, Z0_low = gap(sum4(a, -b, c, -d), sum4(a, b, -c, -d), a, d)
-        o |= {"Z0": -Z0, "Z0_low": -Z0_low}
-        o["C0"], o["C0_low"] = gap(sum4(a, -b, -c, d), sum4(a, b, c, d), a, d)
+        u, v = sum_of_four(-a, b, -c, d), sum_of_four(a, b, -c, -d)
+        o["Z0"], o["Z0_low"] = gap_product_quotient(*u, *v, a, d)
+        u, v = sum_of_four(a, -b, -c, d), sum_of_four(a, b, c, d)
+        o["C0"], o["C0_low"] = gap_product_quotient(*u, *v, a, d)
     else:
         o["Z0"] = ((b + d) - (a + c)) * ((a + b) - (c + d)) * r
         o["C0"] = ((a + d) - (b + c)) * ((a + d) + (b + c)) * r
@@ -193,10 +145,8 @@ def positions(o, tables, sqrt):
 
 def rates(o, tables, sqrt):
     A, AB, odd, loop = closure(o, tables, sqrt)
-    return (
-        *(both(A[i] + AB[i], odd[i]) for i in range(2)),
-        *(both(*rate) for rate in rates_of(o, tables, *loop)[0]),
-    )
+    ends = (both(A[i] + AB[i], odd[i]) for i in range(2))
+    return (*ends, *(both(*rate) for rate in rates_of(o, tables, *loop)[0]))
 
 
 def motion(o, tables, sqrt):
@@ -205,12 +155,9 @@ def motion(o, tables, sqrt):
     parts, r_sigma = rates_of(o, tables, *loop)
     DB = (0.5 * loop[0] + o["delta"]) * loop[3]
     even = (*AB, -DB * (o["d_a"] + o["two_a"] * tables[2]), DB * A[1])
-    return (
-        A,
-        list(zip(*map(both, even, odd + odd), strict=True)),
-        list(zip(*(both(*p) for p in parts), strict=True)),
-        r_sigma,
-    )
+    links = zip(*map(both, even, odd + odd), strict=True)
+    turning = zip(*(both(*rate) for rate in parts), strict=True)
+    return A, list(links), list(turning), r_sigma
 
 
 def turned(u, v, x, y):
@@ -234,12 +181,8 @@ def _reactions(o, tables, A, links, rate, r_sigma, s):
     return F41_x, F41_y, F21_x, F21_y, F32_x, F32_y, F43_x, F43_y, A[1] * F21_x - A[0] * F21_y
 
 
-def reactions(o, tables, sqrt):
-    return of_motion(o, tables, motion(o, tables, sqrt))
-
-
-def of_motion(o, tables, moves):
-    A, links, rate, r_sigma = moves
+def reactions(o, tables, sqrt, moves=None):
+    A, links, rate, r_sigma = moves or motion(o, tables, sqrt)
     branches = (_reactions(o, tables, A, links[k], rate[k], r_sigma, s) for k, s in enumerate((-1.0, 1.0)))
     return tuple(zip(*branches, strict=True))
 
@@ -247,7 +190,7 @@ def of_motion(o, tables, moves):
 def extremes(o, tables, sqrt, greatest):
     """Return for each name of ``CASES["extremes"]`` a pair; ``greatest`` passes over NaN along the angle."""
     moves = motion(o, tables, sqrt)
-    found = dict(zip(CASES["reactions"], of_motion(o, tables, moves), strict=True))
+    found = dict(zip(CASES["reactions"], reactions(o, tables, sqrt, moves), strict=True))
     found |= dict(zip(CASES["rates"][2:], zip(*moves[2], strict=True), strict=True))
     results = []
     for name in CASES["extremes"]:
@@ -340,7 +283,7 @@ def bind_heyoka(case, x, tables):
     function, rows = heyoka_compiled(case), x[[INPUTS.index(name) for name in inputs_of(case)]]
     given = np.vstack([np.repeat(rows, K, axis=1), np.tile(tables[READ], n)])
     blocks = [aligned_copy(given[:, k : k + BLOCK]) for k in range(0, n * K, BLOCK)]
-    results = [empty((2 * len(CASES[case]), block.shape[1])) for block in blocks]
+    results = [aligned((2 * len(CASES[case]), block.shape[1])) for block in blocks]
 
     def call():
         for block, result in zip(blocks, results, strict=True):
@@ -399,14 +342,6 @@ def jax_measure(n, K):
 
 
 def jax_times(wide, n=512, K=360):
-    """Return `jax_measure` of a fresh process, with vectors of 512 bits or XLA's usual ones.
-
-    Threads and the width are fixed when JAX starts; a JAX that does not know the option has its usual ones.
-    """
-    for flag in [WIDE, ""] if wide else [""]:
-        try:
-            flags = f"{os.environ.get('XLA_FLAGS', '')} {flag}".strip()
-            return child(f"jax_measure({n}, {K})", "peers", XLA_FLAGS=flags)
-        except subprocess.CalledProcessError as error:
-            failed = error
-    raise RuntimeError(f"the JAX baseline failed:\n{failed.stderr}")
+    """Return `jax_measure` of a fresh process, with vectors of 512 bits or XLA's usual ones: fixed when JAX starts."""
+    flags = f"{os.environ.get('XLA_FLAGS', '')} {WIDE if wide else ''}".strip()
+    return child(f"jax_measure({n}, {K})", "peers", XLA_FLAGS=flags)

@@ -6,7 +6,7 @@ import platform
 import re
 import subprocess
 from datetime import date
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from pathlib import Path
 
 from benchmarks import answers, peers, table
@@ -53,13 +53,6 @@ USED = ("llvmlite", "numba", "numpy", "jax", "heyoka", "gcc")
 PACKAGES = ("numba", "llvmlite", "numpy", "xarray", "h5py", "h5netcdf", "jax", "heyoka")
 
 
-def _version(package):
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return None
-
-
 def _processor():
     known = Path("/proc/cpuinfo")
     found = re.search(r"^model name\s*:\s*(.+)$", known.read_text(), re.M) if known.exists() else None
@@ -80,36 +73,38 @@ def machine():
         "versions": {
             "python": platform.python_version(),
             "gcc": compiler,
-            **{package: _version(package) for package in PACKAGES},
+            **{package: version(package) for package in filter(peers.available, PACKAGES)},
         },
         "date": date.today().isoformat(),
     }
 
 
-def _markdown(heads, rows):
-    widths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
-    rule = ["-" * widths[0], *("-" * (width - 1) + ":" for width in widths[1:])]
-    lines = []
-    for row in (heads, rule, *rows):
-        cells = [row[0].ljust(widths[0]), *(c.rjust(w) for c, w in zip(row[1:], widths[1:], strict=True))]
-        lines.append("| " + " | ".join(cells) + " |")
-    return "\n".join(lines)
+def _markdown(columns, rows):
+    """Return a table of rows by name; ``columns`` has for each name its head and the format of its numbers."""
+    shown = [[head for head, _ in columns.values()]]
+    for row in rows:
+        cells = ((row.get(name), form) for name, (_, form) in columns.items())
+        shown.append(["-" if value is None else format(value, form) for value, form in cells])
+    widths = [max(map(len, column)) for column in zip(*shown, strict=True)]
+    shown.insert(1, ["-" * widths[0], *("-" * (width - 1) + ":" for width in widths[1:])])
+    sides = ["<", *">" * (len(widths) - 1)]
+    lines = (map("{:{}{}}".format, row, sides, widths) for row in shown)
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
 def _table(rows, columns):
     """Return a table without the columns that no row has, as of peers that are not installed."""
-    columns = {name: c for name, c in columns.items() if any(row.get(name) is not None for row in rows)}
-
-    def cell(row, name, form):
-        return "-" if row.get(name) is None else format(row[name], form)
-
-    cells = [[cell(row, name, form) for name, (_, form) in columns.items()] for row in rows]
-    return _markdown([head for head, _ in columns.values()], cells)
+    return _markdown(
+        {name: c for name, c in columns.items() if any(row.get(name) is not None for row in rows)}, rows
+    )
 
 
 def fact_table(facts):
-    rows = [[what, f"{value:.3g} {unit}".strip(), aim or "-"] for what, value, unit, aim in facts]
-    return _markdown(["fact", "measured", "aim"], rows)
+    rows = [
+        {"fact": what, "measured": f"{value:.3g} {unit}".strip(), "aim": aim or None}
+        for what, value, unit, aim in facts
+    ]
+    return _markdown({name: (name, "") for name in ("fact", "measured", "aim")}, rows)
 
 
 def caption(rows, about):
@@ -167,24 +162,27 @@ def ratios(facts):
     return {what: value for what, value, unit, _ in facts if unit == "" and " / " in what}
 
 
+#: By column of an answer: what its ratio is to.
+ANSWER_RATIOS = {
+    "to_heyoka": "/ heyoka.py",
+    "to_fixed": "/ fixed work",
+    "known_to_fixed": "from the cache / fixed work",
+}
+
+
 def answer_ratios(rows):
     """Return by name the ratios of times to an answer."""
-    found = {}
-    for row in rows:
-        label = row["request"]
-        for column, other in (
-            ("to_heyoka", "/ heyoka.py"),
-            ("to_fixed", "/ fixed work"),
-            ("known_to_fixed", "from the cache / fixed work"),
-        ):
-            if row.get(column) is not None:
-                found[f"set-up of {label}, {other}"] = row[column]
-    return found
+    return {
+        f"set-up of {row['request']}, {other}": row[column]
+        for row in rows
+        for column, other in ANSWER_RATIOS.items()
+        if row.get(column) is not None
+    }
 
 
 def groups():
     """Return what is measured together, by name."""
-    parts = (*(table.ratios_to_c, table.refined_over_sampled, table.one_mode, table.end_to_end),)
+    parts = table.ratios_to_c, table.refined_over_sampled, table.one_mode, table.end_to_end
     measured = {part.__name__: lambda part=part: ratios(part()) for part in parts}
     for label in answers.LABELS:
         measured[f"set-up of {label}"] = lambda one=label: answer_ratios([answers.row_of(one, repeats=2)])
@@ -193,12 +191,9 @@ def groups():
 
 def recorded(record):
     """Return the ratios of a record by name."""
-    found = ratios([(fact["fact"], fact["value"], fact["unit"], fact["aim"]) for fact in record["facts"]])
-    found |= answer_ratios(record.get("answers", []))
-    for row in record["cases"]:
-        if row.get("to_C") is not None:
-            found[f"{row['case']}, time / C"] = row["to_C"]
-    return found
+    found = ratios(tuple(fact.values()) for fact in record["facts"]) | answer_ratios(record["answers"])
+    to_c = {f"{row['case']}, time / C": row.get("to_C") for row in record["cases"]}
+    return found | {name: value for name, value in to_c.items() if value is not None}
 
 
 def worse(now, then):
@@ -216,11 +211,10 @@ def check(record, measured, log=lambda text: None):
         log(group)
         now = measure()
         for _ in range(ROUNDS - 1):
-            if not worse(now, then):
-                break
-            log(f"{group}, again: {', '.join(worse(now, then))}")
-            again = measure()
-            now = {name: min(value, again.get(name, value)) for name, value in now.items()}
+            if slower := worse(now, then):
+                log(f"{group}, again: {', '.join(slower)}")
+                again = measure()
+                now = {name: min(value, again.get(name, value)) for name, value in now.items()}
         found |= {name: (now[name], then[name]) for name in worse(now, then)}
         for name in now.keys() - then.keys():
             log(f"not in the record: {name}")

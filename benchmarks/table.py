@@ -7,76 +7,12 @@ import numpy as np
 
 import fastlink as fl
 from benchmarks import numba_baseline, peers
-from benchmarks.cases import (
-    CASES,
-    INPUTS,
-    angle_tables,
-    angles,
-    bind,
-    bind_names,
-    designs,
-    extremes,
-    race,
-    threads,
-)
-from fastlink.mechanisms import catalogue
-from fastlink.precision.reference import HighPrecision, error_in_roundings
+from benchmarks.cases import CASES, INPUTS, angle_tables, angles, bind, bind_names, designs, race, threads
 
-COLUMNS = ("case", "ns", "to_C", "NumPy", "JAX", "heyoka", "numba", "threads", "error")
 #: No multiple of 32: curves of 360 angles, one behind the other, would all begin at one place of their pages, for which
 #: the first cache has fewer lines than there are curves. Those of sweeps do not lie so.
 DESIGNS = 60
 K = 360
-
-
-# ---- error ----
-
-
-def in_units(values, inputs):
-    """Return the largest error of the named values of one configuration, in roundings."""
-    facts = HighPrecision(catalogue("planar_4r"), values, inputs)
-    exact = facts.at(inputs)
-    sums = facts.condition(exact, (*INPUTS, "theta1"))
-    return max(error_in_roundings(value, exact[name], sums[name]) for name, value in values.items())
-
-
-def configurations(case, arrays, x, K, count):
-    """Yield (design, branch, angle, values by quantity) of so many designs, one of each."""
-    rng = np.random.default_rng(0)
-    for i in rng.permutation(x.shape[1])[:count]:
-        branch = rng.integers(2)
-        if case != "extremes":
-            closed = np.flatnonzero(np.isfinite(arrays[-1][i, branch]))
-            if closed.size:
-                k = rng.choice(closed)
-                yield (
-                    i,
-                    branch,
-                    k,
-                    {name: a[i, branch, k] for name, a in zip(CASES[case], arrays, strict=True)},
-                )
-        elif not np.isnan(arrays[0][i, branch]):
-            curves = {}
-            for source in ("rates", "reactions"):
-                curves |= zip(CASES[source], bind(source, x[:, i : i + 1], K).arrays, strict=True)
-            for name, a in zip(CASES[case], arrays, strict=True):
-                quantity, _, kind = name.rpartition("_")
-                best = np.nanargmax if kind == "max" else np.nanargmin
-                yield i, branch, best(curves[quantity][0, branch]), {quantity: a[i, branch]}
-
-
-def worst(case, evaluate, n=64, K=K, count=40):
-    """Return the largest error of ``evaluate(x, K)``, the arrays of a case, over random configurations."""
-    x, theta = designs(n, seed=1), angles(K)
-    arrays, found = [np.array(array) for array in evaluate(x, K)], 0.0
-    for i, branch, k, values in configurations(case, arrays, x, K, count):
-        inputs = dict(zip(INPUTS, x[:, i], strict=True)) | {"theta1": theta[k], "branch": branch + 1}
-        found = max(found, in_units(values, inputs))
-    return found
-
-
-def error_of(case, K, count, **options):
-    return worst(case, lambda x, K: bind(case, x, K, **options).arrays, K=K, count=count)
 
 
 # ---- the table ----
@@ -85,7 +21,7 @@ def error_of(case, K, count, **options):
 def against_c(case, n=DESIGNS, K=K):
     """Return calls, of ours and of C where there is a compiler, and what they are called with."""
     x, tables = designs(n), angle_tables(K)
-    calls = {"ours": bind(case, x, K)}
+    calls = {"ours": bind(case, x, K)[0]}
     if peers.compiler():
         calls["C"], _ = peers.bind_c(case, x, tables)
     return calls, x, tables
@@ -97,7 +33,15 @@ def ratios_to_c(cases=CASES, rounds=12):
     return [(f"{case}, time / C", t["ours"] / t["C"], "", "") for case, t in found.items() if "C" in t]
 
 
-def case_row(case, n, K, rounds, seconds, repeats):
+def error_of(case, K, count, **options):
+    """Return the largest error in roundings, by the verification of a sweep."""
+    space = fl.table(dict(zip(INPUTS, designs(64, seed=1), strict=True)))
+    options |= {"theta1": K, "extrema": "sampled", "verify": count, "progress": False}
+    maps = fl.sweep("planar_4r", space, CASES[case], **options)
+    return max(float(maps[name].attrs["error_max_roundings"]) for name in CASES[case])
+
+
+def case_row(case, n, K, rounds, seconds, repeats, count):
     """Return the row of a case without JAX; times are ns per configuration, one thread."""
     calls, x, tables = against_c(case, n, K)
     calls["NumPy"], _ = peers.bind_numpy(case, x, tables)
@@ -105,36 +49,38 @@ def case_row(case, n, K, rounds, seconds, repeats):
     if case in peers.FORMS and peers.available("heyoka"):
         calls["heyoka"], _ = peers.bind_heyoka(case, x, tables)
     best = race(calls, rounds)
-    one, two, count = threads(case, seconds, repeats, K)
-    faster = {name: best[name] / best["ours"] for name in ("NumPy", "heyoka", "numba") if name in best}
-    ours = {"ns": 1e9 * best["ours"] / (2 * n * K), "threads": one / two, "run_ns": 1e9 * one / count}
-    to_c = best["ours"] / best["C"] if "C" in best else None
-    return dict.fromkeys(COLUMNS) | {"case": case, "to_C": to_c} | ours | faster
+    one, two, configurations = threads(case, seconds, repeats, K)
+    found = {"case": case, "ns": 1e9 * best["ours"] / (2 * n * K), "threads": one / two}
+    found |= {"run_ns": 1e9 * one / configurations, "error": error_of(case, K, count)}
+    found |= {name: best[name] / best["ours"] for name in ("NumPy", "heyoka", "numba") if name in best}
+    return found | ({"to_C": best["ours"] / best["C"]} if "C" in best else {})
 
 
 def dense_rows(n, K, rounds, count):
     """Return the rows of the nine reactions against the stacked 9x9, eliminated and by our own LU."""
     few = designs(n // 4)  # for LU in NumPy, which takes hundreds of times as long
     assembled = peers.system(few, angles(K))
-    ways = {
-        "reactions against np.linalg.solve": {},
-        'solver="dense" against np.linalg.solve': {"variants": ("dense",)},
-    }
-    calls = {label: bind("reactions", designs(n), K, **options) for label, options in ways.items()}
+    ways = {"reactions": "eliminated", 'solver="dense"': "dense"}
+    variants = {"eliminated": (), "dense": ("dense",)}
+    calls = {way: bind("reactions", designs(n), K, variants=variants[way])[0] for way in ways.values()}
     best = race({"solve": lambda: peers.solve(*assembled)} | calls, rounds)
-    theirs, rows = best["solve"] * (n // few.shape[1]), []
-    for label, options in ways.items():
-        numbers = {"ns": 1e9 * best[label] / (2 * n * K), "NumPy": theirs / best[label]}
-        error = error_of("reactions", K, count, **options)
-        rows.append(dict.fromkeys(COLUMNS) | {"case": label, "error": error} | numbers)
-    return rows
+    theirs = best["solve"] * (n // few.shape[1])
+    return [
+        {
+            "case": f"{label} against np.linalg.solve",
+            "ns": 1e9 * best[way] / (2 * n * K),
+            "NumPy": theirs / best[way],
+            "error": error_of("reactions", K, count, solver=way),
+        }
+        for label, way in ways.items()
+    ]
 
 
 def add_jax(rows, n, K, turns=2):
     """Put in how many times as long JAX takes: a fresh process each time, in turns with ours."""
     if not peers.available("jax"):
         return
-    kernels = {case: bind(case, designs(n), K) for case in CASES}
+    kernels = {case: bind(case, designs(n), K)[0] for case in CASES}
     ours, theirs = dict.fromkeys(kernels, np.inf), dict.fromkeys(kernels, np.inf)
     for wide in (True, False) * turns:
         found, best = peers.jax_times(wide), race(kernels, rounds=4)
@@ -149,12 +95,12 @@ def add_jax(rows, n, K, turns=2):
 def measure(quick=False, log=lambda text: None):
     """Return the rows of the table; quick: small sizes, no JAX."""
     n, K, rounds, seconds, repeats, count = (
-        (8, 64, 1, 0.01, 1, 3) if quick else (DESIGNS, 360, 12, 1.2, 3, 100)
+        (8, 64, 1, 0.01, 1, 3) if quick else (DESIGNS, 360, 12, 1.2, 3, 64)
     )
     rows = []
     for case in CASES:
         log(case)
-        rows.append(case_row(case, n, K, rounds, seconds, repeats) | {"error": error_of(case, K, count)})
+        rows.append(case_row(case, n, K, rounds, seconds, repeats, count))
     log("np.linalg.solve")
     rows += dense_rows(n, K, rounds, count)
     if not quick:
@@ -165,23 +111,27 @@ def measure(quick=False, log=lambda text: None):
 
 # ---- extremes ----
 
-OMEGA4 = extremes(["omega4"])
+
+def extremes(*quantities):
+    """Return the names of the greatest and least values."""
+    return [f"{quantity}_{kind}" for quantity in quantities for kind in ("max", "min")]
+
+
 #: What is refined, by label: names, aim of refined over sampled.
 REFINED = {
-    "omega4": (OMEGA4, "<= 0.7"),
-    "omega4 and alpha4": (extremes(["omega4", "alpha4"]), "<= 1.0"),
-    "shaking force": (extremes(["shaking_force"]), "<= 1.0"),
+    "omega4": (extremes("omega4"), "<= 0.7"),
+    "omega4 and alpha4": (extremes("omega4", "alpha4"), "<= 1.0"),
+    "shaking force": (extremes("shaking_force"), "<= 1.0"),
 }
 
 
 def end_to_end(n=200_000, rounds=4):
     """Extremes of omega4 of many designs through `fastlink.sweep`, over the kernel alone."""
-    x = designs(n)
+    x, names = designs(n), REFINED["omega4"][0]
     space = fl.table(dict(zip(INPUTS, x, strict=True)))
-    kernel = bind_names(OMEGA4, x)[0]
     calls = {
-        "sweep": lambda: fl.sweep("planar_4r", space, OMEGA4, threads=1, verify=0, progress=False),
-        "kernel": kernel,
+        "sweep": lambda: fl.sweep("planar_4r", space, names, threads=1, verify=0, progress=False),
+        "kernel": bind_names(names, x),
     }
     best = race(calls, rounds, 0.0)
     what = f"refined extremes of omega4, `fastlink.sweep` of {n:,} designs"
@@ -192,7 +142,7 @@ def end_to_end(n=200_000, rounds=4):
 
 
 def of_extremes(names, x, way, branches=(1, 2)):
-    return bind_names(names, x, angles(K) if way == "sampled" else (), extrema=way, branches=branches)[0]
+    return bind_names(names, x, angles(K) if way == "sampled" else (), extrema=way, branches=branches)
 
 
 def refined_over_sampled(n=2048, rounds=10, labels=tuple(REFINED)):
@@ -220,11 +170,7 @@ def one_mode(n=2048, rounds=10, labels=tuple(REFINED)):
 def facts(quick=False, log=lambda text: None):
     """Return all facts; quick: small sizes."""
     few = ("omega4",)
-    sizes = {
-        end_to_end: (128, 1),
-        refined_over_sampled: (64, 1, few),
-        one_mode: (64, 1, few),
-    }
+    sizes = {end_to_end: (128, 1), refined_over_sampled: (64, 1, few), one_mode: (64, 1, few)}
     found = []
     for part, size in sizes.items():
         log(part.__name__)
