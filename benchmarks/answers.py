@@ -21,7 +21,7 @@ import xarray as xr
 
 import fastlink as fl
 from benchmarks.cases import CASES, INPUTS, ROOT, child, designs
-from benchmarks.peers import FORMS, available
+from benchmarks.peers import available, heyoka_has
 from fastlink.app.study import read_study
 from fastlink.engine.resolve import resolve
 
@@ -125,7 +125,7 @@ def row_of(label, repeats):
             cold.append(child(f"first({label!r}, False)", "answers", FASTLINK_CACHE_DIR=folder))
             size = sum(file.stat().st_size for file in Path(folder).rglob("*") if file.is_file())
             known.append(child(f"first({label!r}, True)", "answers", FASTLINK_CACHE_DIR=folder))
-        if label in FORMS and available("heyoka"):
+        if heyoka_has(label):
             theirs.append(child(f"heyoka_compile_time({label!r})", "peers"))
 
     def least(found, name):

@@ -17,13 +17,10 @@ import mpmath
 import numpy as np
 
 import fastlink as fl
-from fastlink.codegen.kernel import kernel_of
-from fastlink.codegen.runtime.cells import LANES
 from fastlink.engine.resolve import resolve
-from fastlink.engine.run import BLOCK_DESIGNS, aligned, run
+from fastlink.engine.run import BLOCK_DESIGNS, Runner, aligned, run
 from fastlink.facts.tables import angle_tables as engine_tables
 from fastlink.mechanisms import catalogue
-from fastlink.plan.programs import make_plan, make_program
 
 ROOT = Path(__file__).parents[1]
 PLANAR = catalogue("planar_4r")
@@ -82,8 +79,8 @@ def aligned_copy(array):
 
 
 def outputs(case, n, K):
-    """One array for each name of ``CASES[case]``."""
-    return tuple(aligned((n, 2) if case == "extremes" else (n, 2, K)) for _ in CASES[case])
+    """Return an array of arrays, one for each name of ``CASES[case]``."""
+    return aligned((len(CASES[case]), n, 2) if case == "extremes" else (len(CASES[case]), n, 2, K))
 
 
 def best_time(call, seconds=0.3, least=5):
@@ -136,51 +133,36 @@ def near_toggle(rng: Rng, n: int, offset: float) -> tuple[np.ndarray, np.ndarray
 # ---- fastlink's kernels ----
 
 
-def bind(case, x, theta1, **options):
-    """Return a call of the kernel of a case, compiled and bound to designs and angles, and its arrays."""
-    theta = angles(theta1)
-    program = make_program(PLANAR, CASES[case], given=INPUTS, angles=theta.size, **options)
-    return bind_program(program, x, theta)
+def space_of(x, names=INPUTS):
+    """Return designs, of which ``names`` are the rows, for `fastlink.sweep`."""
+    return fl.table(dict(zip(names, x, strict=True)))
 
 
-def bind_program(program, x, theta=(), names=INPUTS):
-    """Return a call of a kernel bound to designs, of which ``names`` are the rows, and to angles, and its arrays."""
-    (n, K), outputs = (x.shape[1], len(theta)), program.outputs
-    axes = {"branch": len(program.branches)}
-    shapes = [(n, *(axes.get(axis, K) for axis in output.axes)) for output in outputs]
-    if len({output.dtype for output in outputs}) == 1:  # in one array, as the C kernel has them
-        arrays = list(aligned((len(outputs), *shapes[0]), outputs[0].dtype))
-    else:
-        arrays = [aligned(shape, output.dtype) for shape, output in zip(shapes, outputs, strict=True)]
-    kernel = kernel_of(program)
-    scratch = [aligned(array.lengths(K), array.dtype) for array in kernel.source.scratch]
-    tables = aligned_copy(program.angle_tables(np.asarray(theta)))
-    rows = x[[names.index(name) for name in program.inputs]]
-    padded = aligned_copy(np.pad(rows, ((0, 0), (0, -n % LANES)), mode="edge"))
-    # The table of arguments is filled once, as ctypes has those of the C kernels.
-    code, arguments = kernel.compiled("llvm"), (padded, tables, n, K, *scratch, *arrays)
-    table = code.table(*arguments)
-    address, call = table.ctypes.data, code.call
-    call(address)
-    return lambda _=(table, arguments): call(address), arrays
+def job_of(names, space, mechanism="planar_4r", **options):
+    """Return the compiled kernels of quantities, bound to designs, by the options of `fastlink.sweep`."""
+    job = resolve(mechanism, space, names, companions=False, **options).job()
+    return replace(job, far=None)  # the sizes of inputs are looked at by sweeps, not by kernels
 
 
-def bind_names(names, x, theta=(), **options):
-    """Return one call of the kernels of names, of designs that give every input."""
-    options |= {"given": INPUTS, "angles": len(theta) or None}
-    programs = make_plan(PLANAR, names, **options).programs
-    calls = [bind_program(program, x, theta)[0] for program in programs]
-    return lambda: [call() for call in calls]
+def bind(names, space, **options):
+    """Return a call of the kernels of quantities, and the arrays that it evaluates into."""
+    job = job_of(names, space, **options)
+    runner = Runner(job, job.size)
+    arrays = runner.evaluate(0, job.size)
+    return lambda: runner.run(job.size), arrays
+
+
+def bind_case(case, x, theta1, **options):
+    """Return the same of a case."""
+    return bind(CASES[case], space_of(x), extrema="sampled", angles=theta1, **options)
 
 
 def threads(case, seconds=1.2, repeats=3, K=360):
     """Return the run time in s of the engine's blocks with one thread and with two, and configurations."""
-    x, names = designs(BLOCK_DESIGNS), CASES[case]
+    x = designs(BLOCK_DESIGNS)
 
     def job(size):
-        space = fl.table(dict(zip(INPUTS, x[:, np.arange(size) % BLOCK_DESIGNS], strict=True)))
-        job = resolve("planar_4r", space, names, angles=K, extrema="sampled", companions=False).job()
-        return replace(job, far=None)  # the sizes of inputs are looked at by sweeps, not by kernels
+        return job_of(CASES[case], space_of(x[:, np.arange(size) % BLOCK_DESIGNS]), extrema="sampled", angles=K)
 
     few = job(4096)
     run(few)

@@ -10,7 +10,7 @@ import mpmath
 import numba
 import numpy as np
 
-from benchmarks.cases import aligned_copy, bind_program, race
+from benchmarks.cases import aligned_copy, race
 from fastlink.engine.evaluate import evaluate
 from fastlink.mechanisms import catalogue
 from fastlink.plan.programs import make_program

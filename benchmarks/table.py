@@ -46,7 +46,7 @@ def case_row(case, n, K, rounds, seconds, repeats, count):
     calls, x, tables = against_c(case, n, K)
     calls["NumPy"], _ = peers.bind_numpy(case, x, tables)
     calls["numba"], _ = numba_baseline.bind(case, x, tables)
-    if case in peers.FORMS and peers.available("heyoka"):
+    if peers.heyoka_has(case):
         calls["heyoka"], _ = peers.bind_heyoka(case, x, tables)
     best = race(calls, rounds)
     one, two, configurations = threads(case, seconds, repeats, K)

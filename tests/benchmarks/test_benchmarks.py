@@ -95,7 +95,7 @@ def test_all_agree(case):
     others = {"NumPy": peers.bind_numpy, "numba by hand": numba_baseline.bind}
     if peers.available("jax"):
         others["JAX"] = by_jax
-    if case in peers.FORMS and peers.available("heyoka"):
+    if peers.heyoka_has(case):
         others["heyoka.py"] = peers.bind_heyoka
     for name, binding in others.items():
         assert difference(ours, found_by(binding, case, x, tables)) <= SAME_ARITHMETIC, name
