@@ -20,7 +20,7 @@ import numpy as np
 import xarray as xr
 
 import fastlink as fl
-from benchmarks.cases import CASES, INPUTS, ROOT, child, designs
+from benchmarks.cases import CASES, INPUTS, ROOT, child, designs, log
 from benchmarks.peers import available, heyoka_has
 from fastlink.app.study import read_study
 from fastlink.engine.resolve import resolve
@@ -145,7 +145,7 @@ def row_of(label, repeats):
     }
 
 
-def rows(labels=LABELS, repeats=3, log=lambda text: None):
+def rows(labels=LABELS, repeats=3):
     """Return the row of each request."""
     found = []
     for label in labels:
@@ -199,4 +199,4 @@ def layouts(folder=None, side=500, repeats=3):
             forget(path)
             note(path, f"{name}, from disk", read(path, axis, at))
             note(path, f"{name}, from memory", read(path, axis, at))
-    return [(label, value, "ms", "") for label, value in best.items()]
+    return [fact(label, value, "ms") for label, value in best.items()]

@@ -171,6 +171,23 @@ def threads(case, seconds=1.2, repeats=3, K=360):
     return best[1], best[2], many.size * 2 * K
 
 
+# ---- what is said ----
+
+
+def log(text):
+    """Say what is measured now."""
+    print(f"... {text}", file=sys.stderr, flush=True)
+
+
+def markdown(rows):
+    """Return the lines of a table of texts, whose first row is the head."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    rule = ["-" * widths[0], *("-" * (width - 1) + ":" for width in widths[1:])]
+    sides = ["<", *">" * (len(widths) - 1)]
+    lines = (map("{:{}{}}".format, row, sides, widths) for row in (rows[0], rule, *rows[1:]))
+    return [f"| {' | '.join(line)} |" for line in lines]
+
+
 def child(code, module, **environment):
     """Return the value of an expression over a module of this package, in a fresh Python."""
     done = subprocess.run(

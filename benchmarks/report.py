@@ -10,7 +10,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from benchmarks import answers, peers, table
-from benchmarks.cases import ROOT
+from benchmarks.cases import ROOT, log, markdown
 
 FOLDER = ROOT / "data" / "benchmarks"
 PAGE = ROOT / "docs" / "performance.md"
@@ -36,6 +36,7 @@ ANSWERS = {
     "memory": ("compiling takes: MiB", ".0f"),
     "cache": ("cached: KiB per kernel", ".1f"),
 }
+FACTS = {"fact": ("fact", ""), "value": ("measured", ""), "aim": ("aim", "")}
 LEGEND = (
     "One thread, 360 input angles, two assembly modes; times are shortest of many, taken in turns in one "
     "process (JAX: fresh ones), without compilation. C: `benchmarks/kernels.c`, gcc -O3, the same arithmetic. "
@@ -45,7 +46,8 @@ LEGEND = (
 BY_HAND = (
     "numba by hand: textbook formulas in plain loops. heyoka.py: both modes by one function, widest vectors."
 )
-ANSWER_LEGEND = (
+ANSWER_FACTS = {"fact": ("fact", ""), "value": ("measured", ""), "aim": ("aim", "")}
+LEGEND = (
     "Shortest of fresh processes, imports not counted. A known kernel is in the cache; known times are of one design "
     "swept, but for the README's command, which is set up. heyoka.py compiles the same, its caches off."
 )
@@ -79,32 +81,19 @@ def machine():
     }
 
 
-def _markdown(columns, rows):
-    """Return a table of rows by name; ``columns`` has for each name its head and the format of its numbers."""
-    shown = [[head for head, _ in columns.values()]]
-    for row in rows:
-        cells = ((row.get(name), form) for name, (_, form) in columns.items())
-        shown.append(["-" if value is None else format(value, form) for value, form in cells])
-    widths = [max(map(len, column)) for column in zip(*shown, strict=True)]
-    shown.insert(1, ["-" * widths[0], *("-" * (width - 1) + ":" for width in widths[1:])])
-    sides = ["<", *">" * (len(widths) - 1)]
-    lines = (map("{:{}{}}".format, row, sides, widths) for row in shown)
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
-
-
-def _table(rows, columns):
+def table_of(rows, columns):
     """Return a table without the columns that no row has, as of peers that are not installed."""
-    return _markdown(
-        {name: c for name, c in columns.items() if any(row.get(name) is not None for row in rows)}, rows
-    )
+    columns = {name: c for name, c in columns.items() if any(row.get(name) is not None for row in rows)}
+    cells = [["-" if row.get(name) is None else format(row[name], form) for name, (_, form) in columns.items()]
+             for row in rows]
+    return "\n".join(markdown([[head for head, _ in columns.values()], *cells]))
 
 
 def fact_table(facts):
-    rows = [
-        {"fact": what, "measured": f"{value:.3g} {unit}".strip(), "aim": aim or None}
-        for what, value, unit, aim in facts
-    ]
-    return _markdown({name: (name, "") for name in ("fact", "measured", "aim")}, rows)
+    """Return the table of facts, which is printed, not shown on the page."""
+    rows = [fact | {"value": f"{fact['value']:.3g} {fact['unit']}".strip(), "aim": fact["aim"] or None}
+            for fact in facts]
+    return table_of(rows, FACTS)
 
 
 def caption(rows, about):
@@ -118,8 +107,8 @@ def caption(rows, about):
 
 def text_of(rows, answered, about):
     """Return the tables with their captions: what the page shows."""
-    shown = f"{_table(rows, SPEED)}\n\n{caption(rows, about)}"
-    return f"{_table(answered, ANSWERS)}\n\n{ANSWER_LEGEND}\n\n{shown}" if answered else shown
+    shown = f"{table_of(rows, SPEED)}\n\n{caption(rows, about)}"
+    return f"{table_of(answered, ANSWERS)}\n\n{ANSWER_LEGEND}\n\n{shown}" if answered else shown
 
 
 def in_page():
@@ -137,8 +126,7 @@ def record():
 def write(rows, answered, facts, about):
     """Write the record, and the page's part where it has the markers."""
     FOLDER.mkdir(parents=True, exist_ok=True)
-    named = [dict(zip(("fact", "value", "unit", "aim"), fact, strict=True)) for fact in facts]
-    everything = {"machine": about, "cases": rows, "answers": answered, "facts": named}
+    everything = {"machine": about, "cases": rows, "answers": answered, "facts": facts}
     (FOLDER / "benchmarks.json").write_text(json.dumps(everything, indent=2) + "\n")
     shown = text_of(rows, answered, about)
     if in_page() is not None:
@@ -157,27 +145,31 @@ WORSE = 1.1
 ROUNDS = 4
 
 
-def ratios(facts):
-    """Return by name what facts have of ratios of times, where less is better."""
-    return {what: value for what, value, unit, _ in facts if unit == "" and " / " in what}
-
-
-#: By column of an answer: what its ratio is to.
-ANSWER_RATIOS = {
-    "to_heyoka": "/ heyoka.py",
-    "to_fixed": "/ fixed work",
-    "known_to_fixed": "from the cache / fixed work",
+#: By column of a case or an answer: the ratio that it is.
+RATIOS = {
+    "to_C": "time / C",
+    "to_heyoka": "set-up / heyoka.py",
+    "to_fixed": "set-up / fixed work",
+    "known_to_fixed": "set-up from the cache / fixed work",
 }
 
 
-def answer_ratios(rows):
-    """Return by name the ratios of times to an answer."""
-    return {
-        f"set-up of {row['request']}, {other}": row[column]
-        for row in rows
-        for column, other in ANSWER_RATIOS.items()
-        if row.get(column) is not None
-    }
+def ratios(rows):
+    """Return by name the ratios of times that cases, answers and facts have, where less is better."""
+    found = {}
+    for row in rows:
+        if "fact" in row:
+            if not row["unit"] and " / " in row["fact"]:
+                found[row["fact"]] = row["value"]
+            continue
+        label = row.get("case") or row["request"]
+        found |= {f"{label}, {name}": row[key] for key, name in RATIOS.items() if row.get(key) is not None}
+    return found
+
+
+def recorded(record):
+    """Return the ratios of a record by name."""
+    return ratios([*record["cases"], *record["answers"], *record["facts"]])
 
 
 def groups():
@@ -185,15 +177,8 @@ def groups():
     parts = table.ratios_to_c, table.refined_over_sampled, table.one_mode, table.end_to_end
     measured = {part.__name__: lambda part=part: ratios(part()) for part in parts}
     for label in answers.LABELS:
-        measured[f"set-up of {label}"] = lambda one=label: answer_ratios([answers.row_of(one, repeats=2)])
+        measured[f"set-up of {label}"] = lambda label=label: ratios([answers.row_of(label, repeats=2)])
     return measured
-
-
-def recorded(record):
-    """Return the ratios of a record by name."""
-    found = ratios(tuple(fact.values()) for fact in record["facts"]) | answer_ratios(record["answers"])
-    to_c = {f"{row['case']}, time / C": row.get("to_C") for row in record["cases"]}
-    return found | {name: value for name, value in to_c.items() if value is not None}
 
 
 def worse(now, then):
@@ -201,7 +186,7 @@ def worse(now, then):
     return [name for name, value in now.items() if name in then and value > WORSE * then[name]]
 
 
-def check(record, measured, log=lambda text: None):
+def check(record, measured):
     """Return what got worse: by name, the ratio now and the one recorded.
 
     ``measured`` has functions that measure some ratios together, by the name of the group.
@@ -221,12 +206,12 @@ def check(record, measured, log=lambda text: None):
     return found
 
 
-def report_worse(record, log=lambda text: None, measured=None):
+def report_worse(record, measured=None):
     """Print what got worse; return the exit status, 1 if anything did."""
     if record is None:
         print("no record to check against: run `python -m benchmarks` first")
         return 1
-    found = check(record, groups() if measured is None else measured, log)
+    found = check(record, groups() if measured is None else measured)
     for name, (now, then) in found.items():
         print(f"{name}: {now:.3g}, recorded {then:.3g}, {100 * (now / then - 1):.0f} % worse")
     if not found:
