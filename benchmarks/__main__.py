@@ -4,6 +4,7 @@ import argparse
 import sys
 
 from benchmarks import answers, report, table
+from benchmarks.cases import fact
 
 
 def measure(quick=False, folder=None):
@@ -11,7 +12,7 @@ def measure(quick=False, folder=None):
     rows = table.measure(quick)
     found = answers.rows(["positions"], repeats=1) if quick else answers.rows()
     through = "through `run`, blocks of memory"
-    facts = [table.fact(f"{row['case']} {through}", row["run_ns"], "ns") for row in rows if "run_ns" in row]
+    facts = [fact(f"{row['case']} {through}", row["run_ns"], "ns") for row in rows if "run_ns" in row]
     facts += table.facts(quick)
     if not quick:
         facts += answers.layouts(folder)
@@ -27,9 +28,9 @@ def main():
     parser.add_argument("--folder", help="where to write 3 GB; default: a temporary one here")
     arguments = parser.parse_args()
     if arguments.check:
-        sys.exit(report.report_worse(report.record()))
+        sys.exit(report.check(report.recorded(report.record()), report.groups()))
     measured, about = measure(arguments.quick, arguments.folder), report.machine()
-    print(report.text_of(*measured[:2], about), report.fact_table(measured[2]), sep="\n\n")
+    print(report.text_of(*measured[:2], about), report.table_of(measured[2], report.FACTS), sep="\n\n")
     if not arguments.quick:
         report.write(*measured, about)
 

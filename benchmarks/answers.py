@@ -20,7 +20,7 @@ import numpy as np
 import xarray as xr
 
 import fastlink as fl
-from benchmarks.cases import CASES, INPUTS, ROOT, child, designs, log
+from benchmarks.cases import CASES, INPUTS, ROOT, child, designs, fact, log
 from benchmarks.peers import available, heyoka_has
 from fastlink.app.study import read_study
 from fastlink.engine.resolve import resolve

@@ -162,7 +162,9 @@ def threads(case, seconds=1.2, repeats=3, K=360):
     x = designs(BLOCK_DESIGNS)
 
     def job(size):
-        return job_of(CASES[case], space_of(x[:, np.arange(size) % BLOCK_DESIGNS]), extrema="sampled", angles=K)
+        return job_of(
+            CASES[case], space_of(x[:, np.arange(size) % BLOCK_DESIGNS]), extrema="sampled", angles=K
+        )
 
     few = job(4096)
     run(few)
@@ -179,13 +181,8 @@ def log(text):
     print(f"... {text}", file=sys.stderr, flush=True)
 
 
-def markdown(rows):
-    """Return the lines of a table of texts, whose first row is the head."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    rule = ["-" * widths[0], *("-" * (width - 1) + ":" for width in widths[1:])]
-    sides = ["<", *">" * (len(widths) - 1)]
-    lines = (map("{:{}{}}".format, row, sides, widths) for row in (rows[0], rule, *rows[1:]))
-    return [f"| {' | '.join(line)} |" for line in lines]
+def fact(what, value, unit=""):
+    return {"fact": what, "value": value, "unit": unit}
 
 
 def child(code, module, **environment):
