@@ -7,15 +7,17 @@ from benchmarks import answers, report, table
 from benchmarks.cases import fact
 
 
-def measure(quick=False, folder=None):
+def measure(quick=False):
     """Return rows, answers and facts; quick: at small sizes, whether everything runs, not how fast."""
     rows = table.measure(quick)
-    found = answers.rows(["positions"], repeats=1) if quick else answers.rows()
+    found = [
+        answers.row_of(label, 1 if quick else 3) for label in (["positions"] if quick else answers.LABELS)
+    ]
     through = "through `run`, blocks of memory"
     facts = [fact(f"{row['case']} {through}", row["run_ns"], "ns") for row in rows if "run_ns" in row]
     facts += table.facts(quick)
     if not quick:
-        facts += answers.layouts(folder)
+        facts += answers.layouts()
     return rows, found, facts
 
 
@@ -25,11 +27,10 @@ def main():
     parser.add_argument(
         "--check", action="store_true", help="name what is worse than recorded; nothing is written"
     )
-    parser.add_argument("--folder", help="where to write 3 GB; default: a temporary one here")
     arguments = parser.parse_args()
     if arguments.check:
         sys.exit(report.check(report.recorded(report.record()), report.groups()))
-    measured, about = measure(arguments.quick, arguments.folder), report.machine()
+    measured, about = measure(arguments.quick), report.machine()
     print(report.text_of(*measured[:2], about), report.table_of(measured[2], report.FACTS), sep="\n\n")
     if not arguments.quick:
         report.write(*measured, about)

@@ -17,8 +17,9 @@ import mpmath
 import numpy as np
 
 import fastlink as fl
+from fastlink._text import aligned as aligned_text
 from fastlink.engine.resolve import resolve
-from fastlink.engine.run import BLOCK_DESIGNS, Runner, aligned, run
+from fastlink.engine.run import Runner, aligned, run
 from fastlink.facts.tables import angle_tables as engine_tables
 from fastlink.mechanisms import catalogue
 
@@ -83,14 +84,17 @@ def outputs(case, n, K):
     return aligned((len(CASES[case]), n, 2) if case == "extremes" else (len(CASES[case]), n, 2, K))
 
 
-def best_time(call, seconds=0.3, least=5):
-    """Return the shortest run time of ``call()`` in s: what the code needs, whoever else uses the machine."""
-    call()
-    best, runs, end = np.inf, 0, time.perf_counter() + seconds
+# ---- clocks, and what is said ----
+
+
+def shortest(call, seconds=0.0, least=1):
+    """Return the shortest processor and wall time of calls in s: what the code needs, whoever else uses the machine."""
+    best, runs, end = [np.inf] * 2, 0, time.perf_counter() + seconds
     while runs < least or time.perf_counter() < end:
-        start = time.perf_counter()
+        cpu, wall = time.process_time(), time.perf_counter()
         call()
-        best, runs = min(best, time.perf_counter() - start), runs + 1
+        wall = time.perf_counter() - wall
+        best, runs = [min(best[0], time.process_time() - cpu), min(best[1], wall)], runs + 1
     return best
 
 
@@ -99,8 +103,25 @@ def race(calls, rounds=12, seconds=0.05):
     best = dict.fromkeys(calls, np.inf)
     for _ in range(rounds):
         for name, call in calls.items():
-            best[name] = min(best[name], best_time(call, seconds, least=1))
+            call()
+            best[name] = min(best[name], shortest(call, seconds)[1])
     return best
+
+
+def log(text):
+    """Say what is measured now."""
+    print(f"... {text}", file=sys.stderr, flush=True)
+
+
+def fact(what, value, unit=""):
+    return {"fact": what, "value": value, "unit": unit}
+
+
+def markdown(head, *rows):
+    """Return a table of texts."""
+    lines = head, ["---", *["--:"] * (len(head) - 1)], *rows
+    cells = [[*(part for cell in line for part in ("|", cell)), "|"] for line in lines]
+    return aligned_text(cells, right=2).replace("|  ", "| ").replace("  |", " |")
 
 
 # ---- families: easy and hard, link lengths (4, n) ----
@@ -157,32 +178,11 @@ def bind_case(case, x, theta1, **options):
     return bind(CASES[case], space_of(x), extrema="sampled", angles=theta1, **options)
 
 
-def threads(case, seconds=1.2, repeats=3, K=360):
-    """Return the run time in s of the engine's blocks with one thread and with two, and configurations."""
-    x = designs(BLOCK_DESIGNS)
-
-    def job(size):
-        return job_of(
-            CASES[case], space_of(x[:, np.arange(size) % BLOCK_DESIGNS]), extrema="sampled", angles=K
-        )
-
-    few = job(4096)
-    run(few)
-    many = job(max(few.size, round(few.size * seconds / best_time(lambda: run(few), 0.0, 1))))
-    best = race({count: lambda count=count: run(many, threads=count) for count in (1, 2)}, repeats, 0.0)
-    return best[1], best[2], many.size * 2 * K
-
-
-# ---- what is said ----
-
-
-def log(text):
-    """Say what is measured now."""
-    print(f"... {text}", file=sys.stderr, flush=True)
-
-
-def fact(what, value, unit=""):
-    return {"fact": what, "value": value, "unit": unit}
+def threads(case, size, repeats, K):
+    """Return the run time in s of the engine's blocks with one thread and with two."""
+    job = job_of(CASES[case], space_of(designs(size)), extrema="sampled", angles=K)
+    best = race({count: lambda count=count: run(job, threads=count) for count in (1, 2)}, repeats, 0.0)
+    return best[1], best[2]
 
 
 def child(code, module, **environment):

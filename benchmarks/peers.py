@@ -12,7 +12,6 @@ import platform
 import shutil
 import subprocess
 import tempfile
-import time
 from pathlib import Path
 
 import numpy as np
@@ -24,10 +23,10 @@ from benchmarks.cases import (
     TABLES,
     aligned_copy,
     angle_tables,
-    best_time,
     child,
     designs,
     outputs,
+    shortest,
 )
 from fastlink.codegen.machine import lanes_of_host
 from fastlink.engine.run import aligned
@@ -84,7 +83,7 @@ def bind_c(case, x, tables):
 
 
 def constants(i, exact=True):
-    """Return what depends on the design alone, from its inputs by name; the masses' only if they are given.
+    """Return what depends on the design alone, from its inputs by name.
 
     Expressions that are simplified cannot carry what rounding left out: ``exact=False``.
     """
@@ -104,11 +103,10 @@ def constants(i, exact=True):
     o["Z0_ww"], o["C0_ww"] = 0.25 * w * w * o["Z0"], 0.25 * w * w * o["C0"]
     o |= {"gamma0": (a - d) * (a - d) * r, "lambda": 0.5 * (a - d) / d, "kappa": (b - c) * (b + c) * r}
     o |= {"eps": (a - d) * (a + d) * r, "beta": b * (b - c) * r, "delta": c * (c - b) * r}
-    if "m1" in i:
-        o |= {"f1_u": -(w * w) * i["m1"] * i["G1_u"], "f1_v": -(w * w) * i["m1"] * i["G1_v"], "ww": w * w}
-        o |= {"g2_u": i["G2_u"] / b, "g2_v": i["G2_v"] / b, "m2": i["m2"], "I2": i["I2"]}
-        o |= {"f3_u": i["m3"] * i["G3_u"] / c, "f3_v": i["m3"] * i["G3_v"] / c}
-        o["J3"] = i["I3"] + i["m3"] * (i["G3_u"] * i["G3_u"] + i["G3_v"] * i["G3_v"])
+    o |= {"f1_u": -(w * w) * i["m1"] * i["G1_u"], "f1_v": -(w * w) * i["m1"] * i["G1_v"], "ww": w * w}
+    o |= {"g2_u": i["G2_u"] / b, "g2_v": i["G2_v"] / b, "m2": i["m2"], "I2": i["I2"]}
+    o |= {"f3_u": i["m3"] * i["G3_u"] / c, "f3_v": i["m3"] * i["G3_v"] / c}
+    o["J3"] = i["I3"] + i["m3"] * (i["G3_u"] * i["G3_u"] + i["G3_v"] * i["G3_v"])
     return o
 
 
@@ -257,9 +255,8 @@ def heyoka_compiled(case):
     hy.llvm_state.set_memcache_limit(0)
     hy.llvm_state.set_diskcache_enabled(False)
     names = [*inputs_of(case), *(TABLES[k] for k in READ)]
-    known = {"omega1": 0.0} | dict.fromkeys(TABLES, 0.0) | dict(zip(names, hy.make_vars(*names), strict=True))
-    given = {name: known[name] for name in {*inputs_of(case), "omega1"}}
-    pairs = evaluate(case, constants(given, exact=False), [known[name] for name in TABLES], hy.sqrt)
+    known = dict.fromkeys(INPUTS + TABLES, 0.0) | dict(zip(names, hy.make_vars(*names), strict=True))
+    pairs = evaluate(case, constants(known, exact=False), [known[name] for name in TABLES], hy.sqrt)
     # "force_avx512" takes effect where the processor has it, as the width of eight does.
     options = {"compact_mode": False, "force_avx512": True, "batch_size": lanes_of_host()}
     return hy.cfunc([one for pair in pairs for one in pair], [known[name] for name in names], **options)
@@ -285,9 +282,7 @@ def heyoka_compile_time(case):
     """Return how long a case takes to compile, expressions and all, in s; to be called once in a process."""
     import heyoka  # noqa: F401
 
-    start = time.perf_counter()
-    heyoka_compiled(case)
-    return time.perf_counter() - start
+    return shortest(lambda: heyoka_compiled(case))[1]
 
 
 # ---- JAX on the CPU, in double precision ----
@@ -295,8 +290,8 @@ def heyoka_compile_time(case):
 WIDE = "--xla_cpu_prefer_vector_width=512"
 
 
-def jax_kernels():
-    """Return by case the jitted functions of (x, tables); branches stacked inside take 2 to 5 times as long."""
+def jax_kernel(case):
+    """Return the jitted function of (x, tables); branches stacked inside take 2 to 5 times as long."""
     import jax
     import jax.numpy as jnp
 
@@ -307,28 +302,21 @@ def jax_kernels():
         found = jnp.max(jnp.where(curve == curve, curve, -jnp.inf), axis=1)
         return jnp.where(found > -jnp.inf, found, jnp.nan)
 
-    def jitted(case):
-        return jax.jit(lambda x, tables: evaluate(case, constants(columns(x)), tables, jnp.sqrt, greatest))
-
-    return {case: jitted(case) for case in CASES}
+    return jax.jit(lambda x, tables: evaluate(case, constants(columns(x)), tables, jnp.sqrt, greatest))
 
 
-def jax_measure(n, K):
-    """Return ns per configuration by case, on one processor (Linux); to be called before JAX starts its threads."""
+def jax_measure(case, n, K):
+    """Return ns per configuration, on one processor (Linux); to be called before JAX starts its threads."""
     os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     import jax
 
-    jitted = jax_kernels()  # first: it asks for double precision
+    kernel = jax_kernel(case)  # first: it asks for double precision
     x, tables = jax.device_put(designs(n)), jax.device_put(angle_tables(K))
-    found = {}
-    for case, kernel in jitted.items():
-        if kernel(x, tables)[0][0].dtype != np.float64:
-            raise RuntimeError("JAX did not compute in double precision")
-        found[case] = best_time(lambda run=kernel: jax.block_until_ready(run(x, tables)))
-    return {case: 1e9 * t / (2 * n * K) for case, t in found.items()}
+    jax.block_until_ready(kernel(x, tables))
+    return 1e9 * shortest(lambda: jax.block_until_ready(kernel(x, tables)), 0.3, 5)[1] / (2 * n * K)
 
 
-def jax_times(wide, n=512, K=360):
+def jax_time(case, wide, n=512, K=360):
     """Return `jax_measure` of a fresh process, with vectors of 512 bits or XLA's usual ones: fixed when JAX starts."""
     flags = f"{os.environ.get('XLA_FLAGS', '')} {WIDE if wide else ''}".strip()
-    return child(f"jax_measure({n}, {K})", "peers", XLA_FLAGS=flags)
+    return child(f"jax_measure({case!r}, {n}, {K})", "peers", XLA_FLAGS=flags)

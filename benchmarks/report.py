@@ -9,7 +9,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from benchmarks import answers, peers, table
-from benchmarks.cases import ROOT, log
+from benchmarks.cases import ROOT, log, markdown
 from fastlink.engine.run import default_threads
 
 FOLDER = ROOT / "data" / "benchmarks"
@@ -79,15 +79,9 @@ def machine():
 def table_of(rows, columns):
     """Return a table without the columns that no row has, as of peers that are not installed."""
     columns = {name: c for name, c in columns.items() if any(row.get(name) is not None for row in rows)}
-    shown = [[head for head, _ in columns.values()]]
-    for row in rows:
-        cells = ((row.get(name), form) for name, (_, form) in columns.items())
-        shown.append(["-" if value is None else format(value, form) for value, form in cells])
-    widths = [max(map(len, column)) for column in zip(*shown, strict=True)]
-    shown.insert(1, ["-" * widths[0], *("-" * (width - 1) + ":" for width in widths[1:])])
-    sides = ["<", *">" * (len(widths) - 1)]
-    lines = (map("{:{}{}}".format, line, sides, widths) for line in shown)
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+    cells = [[(row.get(name), form) for name, (_, form) in columns.items()] for row in rows]
+    texts = [["-" if value is None else format(value, form) for value, form in row] for row in cells]
+    return markdown([head for head, _ in columns.values()], *texts)
 
 
 def text_of(rows, answered, about):
@@ -160,7 +154,7 @@ def recorded(record):
 
 def groups():
     """Return what is measured together, by name."""
-    parts = table.ratios_to_c, table.refined_over_sampled, table.one_mode, table.end_to_end
+    parts = table.ratios_to_c, table.of_extremes, table.end_to_end
     measured = {part.__name__: lambda part=part: ratios(part()) for part in parts}
     for label in answers.LABELS:
         measured[f"set-up of {label}"] = lambda label=label: ratios([answers.row_of(label, repeats=2)])

@@ -3,8 +3,6 @@
 Times are of the bare kernel, one thread, but for what names `fastlink.sweep`.
 """
 
-import numpy as np
-
 import fastlink as fl
 from benchmarks import numba_baseline, peers
 from benchmarks.cases import (
@@ -52,94 +50,71 @@ def error_of(case, K, count, **options):
     return max(float(maps[name].attrs["error_max_roundings"]) for name in CASES[case])
 
 
-def case_row(case, n, K, rounds, count, **lengths):
-    """Return the row of a case without JAX; times are ns per configuration, one thread."""
+def case_row(case, n=DESIGNS, K=K, rounds=12, repeats=3, size=500_000, count=64, turns=2):
+    """Return the row of a case; times are ns per configuration, one thread."""
     calls, x, tables = against_c(case, n, K)
     calls["NumPy"], _ = peers.bind_numpy(case, x, tables)
     calls["numba"], _ = numba_baseline.bind(case, x, tables)
     if peers.heyoka_has(case):
         calls["heyoka"], _ = peers.bind_heyoka(case, x, tables)
-    best = race(calls, rounds)
-    one, two, configurations = threads(case, K=K, **lengths)
-    found = {"case": case, "ns": 1e9 * best["ours"] / (2 * n * K), "threads": one / two}
-    found |= {"run_ns": 1e9 * one / configurations, "error": error_of(case, K, count)}
-    found |= {name: best[name] / best["ours"] for name in ("NumPy", "heyoka", "numba") if name in best}
+    best = {name: 1e9 * seconds / (2 * n * K) for name, seconds in race(calls, rounds).items()}
+    if turns and peers.available("jax"):
+        best["JAX"] = min(peers.jax_time(case, wide) for wide in (True, False) * turns)
+    one, two = (1e9 * seconds / (2 * size * K) for seconds in threads(case, size, repeats, K))
+    found = {
+        "case": case,
+        "ns": best["ours"],
+        "threads": one / two,
+        "run_ns": one,
+        "error": error_of(case, K, count),
+    }
+    found |= {name: best[name] / best["ours"] for name in ("NumPy", "JAX", "heyoka", "numba") if name in best}
     return found | ({"to_C": best["ours"] / best["C"]} if "C" in best else {})
 
 
-def dense_rows(n, K, rounds, count):
+def dense_rows(n=DESIGNS // 4, K=K, rounds=12, count=64):
     """Return the rows of the nine reactions against the stacked 9x9, eliminated and by our own LU."""
-    few = designs(n // 4)  # for LU in NumPy, which takes hundreds of times as long
-    assembled = peers.system(few, angles(K))
-    ways = {"eliminated": "reactions", "dense": 'solver="dense"'}
-    calls = {way: bind_case("reactions", designs(n), K, solver=way)[0] for way in ways}
+    x, ways = designs(n), {"eliminated": "reactions", "dense": 'solver="dense"'}
+    calls = {way: bind_case("reactions", x, K, solver=way)[0] for way in ways}
+    assembled = peers.system(x, angles(K))
     best = race({"solve": lambda: peers.solve(*assembled)} | calls, rounds)
-    theirs = best["solve"] * (n // few.shape[1])
     return [
         {
             "case": f"{label} against np.linalg.solve",
             "ns": 1e9 * best[way] / (2 * n * K),
-            "NumPy": theirs / best[way],
+            "NumPy": best["solve"] / best[way],
             "error": error_of("reactions", K, count, solver=way),
         }
         for way, label in ways.items()
     ]
 
 
-def add_jax(rows, turns=2):
-    """Put in how many times as long JAX takes: a fresh process each time, in turns with ours."""
-    if not peers.available("jax"):
-        return
-    kernels = {case: bind_case(case, designs(DESIGNS), K)[0] for case in CASES}
-    ours, theirs = dict.fromkeys(kernels, np.inf), dict.fromkeys(kernels, np.inf)
-    for wide in (True, False) * turns:
-        found, best = peers.jax_times(wide), race(kernels, rounds=4)
-        for case in kernels:
-            theirs[case] = min(theirs[case], found[case])
-            ours[case] = min(ours[case], 1e9 * best[case] / (2 * DESIGNS * K))
-    for row in rows:
-        if row["case"] in kernels:
-            row["JAX"] = theirs[row["case"]] / ours[row["case"]]
-
-
 def measure(quick=False):
     """Return the rows of the table; quick: small sizes, no JAX."""
-    size = (
-        {"n": 8, "K": 64, "rounds": 1, "count": 3}
-        if quick
-        else {"n": DESIGNS, "K": K, "rounds": 12, "count": 64}
-    )
-    lengths = {"seconds": 0.01, "repeats": 1} if quick else {}
+    few = {"n": 8, "K": 64, "rounds": 1, "count": 3} if quick else {}
+    short = {"repeats": 1, "size": 4096, "turns": 0} if quick else {}
     rows = []
     for case in CASES:
         log(case)
-        rows.append(case_row(case, **size, **lengths))
+        rows.append(case_row(case, **few, **short))
     log("np.linalg.solve")
-    rows += dense_rows(**size)
-    if not quick:
-        log("JAX")
-        add_jax(rows)
-    return rows
+    return rows + dense_rows(**few)
 
 
 # ---- extremes ----
 
+SAMPLED = {"extrema": "sampled", "angles": K}
 #: What is refined, by label.
 REFINED = {
-    "omega4": ("omega4",),
-    "omega4 and alpha4": ("omega4", "alpha4"),
-    "shaking force": ("shaking_force",),
+    "omega4": ("omega4_max", "omega4_min"),
+    "omega4 and alpha4": ("omega4_max", "omega4_min", "alpha4_max", "alpha4_min"),
+    "shaking force": ("shaking_force_max", "shaking_force_min"),
 }
-
-
-def extremes(label):
-    """Return the names of the greatest and least values."""
-    return [f"{quantity}_{kind}" for quantity in REFINED[label] for kind in ("max", "min")]
 
 
 def end_to_end(n=200_000, rounds=4):
     """Extremes of omega4 of many designs through `fastlink.sweep`, over the kernel alone."""
-    names, space = extremes("omega4"), space_of(designs(n))
+    names, space = REFINED["omega4"], space_of(designs(n))
     calls = {
         "sweep": lambda: fl.sweep("planar_4r", space, names, threads=1, verify=0, progress=False),
         "kernel": bind(names, space)[0],
@@ -152,35 +127,25 @@ def end_to_end(n=200_000, rounds=4):
     ]
 
 
-def refined_over_sampled(n=2048, rounds=10, labels=tuple(REFINED)):
-    """Refined extremes over 360 samples of the same quantities."""
+def of_extremes(n=2048, rounds=10, labels=tuple(REFINED)):
+    """Refined extremes over 360 samples of the same quantities, and one assembly mode over both."""
     space, facts = space_of(designs(n)), []
-    for label in labels:
-        ways = {"refined": {}, "sampled": {"extrema": "sampled", "angles": K}}
-        best = race({way: bind(extremes(label), space, **ways[way])[0] for way in ways}, rounds)
-        what = f"extremes of {label}, refined / of {K} samples"
-        facts.append(fact(what, best["refined"] / best["sampled"]))
-    return facts
-
-
-def one_mode(n=2048, rounds=10, labels=tuple(REFINED)):
-    """One assembly mode alone over both."""
-    space, facts = space_of(designs(n)), []
-    cases = {"five sampled extremes": (CASES["extremes"][:5], {"extrema": "sampled", "angles": K})}
-    cases |= {f"refined extremes of {label}": (extremes(label), {}) for label in labels}
-    for label, (names, options) in cases.items():
-        modes = (1,), (2,), (1, 2)
-        best = race({mode: bind(names, space, branch=mode, **options)[0] for mode in modes}, rounds)
-        ratio = max(best[1,], best[2,]) / best[1, 2]
-        facts.append(fact(f"{label}, one assembly mode / both", ratio))
+    requests = {f"refined extremes of {label}": (REFINED[label], {}) for label in labels}
+    requests["five sampled extremes"] = CASES["extremes"][:5], SAMPLED
+    for what, (names, options) in requests.items():
+        ways = {mode: options | {"branch": mode} for mode in (1, 2, (1, 2))} | {"sampled": SAMPLED}
+        best = race({way: bind(names, space, **ways[way])[0] for way in ways}, rounds)
+        facts.append(fact(f"{what}, one assembly mode / both", max(best[1], best[2]) / best[1, 2]))
+        if not options:
+            ratio = best[1, 2] / best["sampled"]
+            facts.append(fact(f"{what.removeprefix('refined ')}, refined / of {K} samples", ratio))
     return facts
 
 
 def facts(quick=False):
     """Return all facts; quick: small sizes."""
-    few = (64, 1, ("omega4",))
     found = []
-    for part, size in {end_to_end: (128, 1), refined_over_sampled: few, one_mode: few}.items():
+    for part, size in {end_to_end: (128, 1), of_extremes: (64, 1, ("omega4",))}.items():
         log(part.__name__)
         found += part(*size) if quick else part()
     return found
