@@ -4,24 +4,21 @@ import argparse
 import sys
 
 from benchmarks import answers, report, table
+from benchmarks.cases import fact
 
 
-def quick():
-    """Return rows, answers and facts at small sizes: whether everything runs, not how fast."""
-    found = answers.rows(["positions"], repeats=1)
-    facts = table.facts(quick=True)
-    return table.measure(quick=True), found, facts
-
-
-def full(folder, log):
-    """Return rows, answers and facts."""
-    rows, found = table.measure(log=log), answers.rows(log=log)
-    through = [
-        (f"{r['case']} through `run`, blocks of memory", r["run_ns"], "ns", "") for r in rows if "run_ns" in r
+def measure(quick=False):
+    """Return rows, answers and facts; quick: at small sizes, whether everything runs, not how fast."""
+    rows = table.measure(quick)
+    found = [
+        answers.row_of(label, 1 if quick else 3) for label in (["positions"] if quick else answers.LABELS)
     ]
-    facts = through + table.facts(log=log)
-    log("layouts")
-    return rows, found, facts + answers.layouts(folder)
+    through = "through `run`, blocks of memory"
+    facts = [fact(f"{row['case']} {through}", row["run_ns"], "ns") for row in rows if "run_ns" in row]
+    facts += table.facts(quick)
+    if not quick:
+        facts += answers.layouts()
+    return rows, found, facts
 
 
 def main():
@@ -30,19 +27,13 @@ def main():
     parser.add_argument(
         "--check", action="store_true", help="name what is worse than recorded; nothing is written"
     )
-    parser.add_argument("--folder", help="where to write 3 GB; default: a temporary one here")
     arguments = parser.parse_args()
-
-    def log(text):
-        print(f"... {text}", file=sys.stderr, flush=True)
-
     if arguments.check:
-        sys.exit(report.report_worse(report.record(), log))
-    rows, found, others = quick() if arguments.quick else full(arguments.folder, log)
-    about = report.machine()
-    print(report.text_of(rows, found, about), report.fact_table(others), sep="\n\n")
+        sys.exit(report.check(report.recorded(report.record()), report.groups()))
+    measured, about = measure(arguments.quick), report.machine()
+    print(report.text_of(*measured[:2], about), report.table_of(measured[2], report.FACTS), sep="\n\n")
     if not arguments.quick:
-        report.write(rows, found, others, about)
+        report.write(*measured, about)
 
 
 if __name__ == "__main__":

@@ -10,13 +10,12 @@ that of ``docs/images/accuracy.toml``. The others: kernels with relaxed arithmet
 and extremes by scipy's brentq, which starts from the best of the samples.
 """
 
-import argparse
 import sys
 from dataclasses import replace
 
 import numpy as np
 
-from benchmarks.cases import CASES, INPUTS, near_change_point, near_toggle, round_bars
+from benchmarks.cases import CASES, INPUTS, markdown, near_change_point, near_toggle, round_bars
 from fastlink.app.accuracy import USUAL, Method, accuracy_table, curves_by_numpy, draw, measure, methods_for
 from fastlink.app.study import read_study
 from fastlink.codegen.kernel import MachineCode, llvm_text
@@ -114,17 +113,14 @@ def error(way, exact, names, i):
 
 
 def table(n=200):
-    """Return the lines of the table: the median and the greatest error, of the textbook and of fastlink."""
-    lines = ["| | " + " | ".join(CLOSE) + " |", "|---|" + "---|" * len(CLOSE)]
+    """Return the table: the median and the greatest error, of the textbook and of fastlink."""
     found = {family: errors(family, n) for family in CLOSE}
+    rows = []
     for quantity in QUANTITIES:
-        cells = [" : ".join(map(cell, found[family][quantity])) for family in CLOSE]
-        lines.append(f"| {quantity} | " + " | ".join(cells) + " |")
-    return lines
-
-
-def cell(numbers):
-    return f"{np.median(numbers):.2g} ({np.max(numbers):.2g})"
+        ways = (found[family][quantity] for family in CLOSE)
+        cells = (" : ".join(f"{np.median(way):.2g} ({np.max(way):.2g})" for way in both) for both in ways)
+        rows.append([quantity, *cells])
+    return markdown(["", *CLOSE], *rows)
 
 
 # ---- error against run time ----
@@ -194,21 +190,17 @@ def all_methods(subject):
     return methods
 
 
-def main():
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.accuracy", description=__doc__)
-    parser.add_argument("study", nargs="?")
-    parser.add_argument("picture", nargs="?")
-    parser.add_argument("--designs", type=int, default=64)
-    arguments = parser.parse_args()
-    if arguments.study is None:
-        print("\n".join(table()))
+def main(study=None, picture=None):
+    if study is None:
+        print(table())
         return
-    options = {"designs": arguments.designs, "announce": lambda line: print(line, file=sys.stderr)}
-    measured = measure(read_study(arguments.study), all_methods, **options)
+    measured = measure(
+        read_study(study), all_methods, designs=64, announce=lambda line: print(line, file=sys.stderr)
+    )
     print(accuracy_table(measured))
-    if arguments.picture:
-        draw(measured).savefig(arguments.picture)
+    if picture:
+        draw(measured).savefig(picture)
 
 
 if __name__ == "__main__":
-    main()
+    main(*sys.argv[1:])

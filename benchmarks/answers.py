@@ -9,19 +9,19 @@ seconds, how many times a fixed piece of Python they would take, for `--check`. 
 
 import ast
 import contextlib
-import importlib
 import itertools
 import os
 import tempfile
-import time
 from pathlib import Path
 
+import filelock  # noqa: F401
+import llvmlite.binding  # noqa: F401
 import numpy as np
 import xarray as xr
 
 import fastlink as fl
-from benchmarks.cases import CASES, INPUTS, ROOT, child, designs
-from benchmarks.peers import FORMS, available
+from benchmarks.cases import CASES, INPUTS, ROOT, child, designs, fact, log, shortest
+from benchmarks.peers import heyoka_has
 from fastlink.app.study import read_study
 from fastlink.engine.resolve import resolve
 
@@ -51,16 +51,6 @@ def fixed_work():
     compile(FIXED, "fixed", "exec")
 
 
-def shortest(call, times):
-    """Return the shortest processor and wall time of some calls in s."""
-    best = [float("inf")] * 2
-    for _ in range(times):
-        cpu, wall = time.process_time(), time.perf_counter()
-        call()
-        best = list(map(min, best, (time.process_time() - cpu, time.perf_counter() - wall)))
-    return best
-
-
 def peak():
     """Return the greatest memory of this process so far in MiB, and reset it, where the system reports it."""
     status, clear = Path("/proc/self/status"), Path("/proc/self/clear_refs")
@@ -72,46 +62,37 @@ def peak():
     return int(sizes["VmHWM"].split()[0]) / 1024
 
 
-def requested(label):
-    """Return what a request hands to `fastlink.sweep`: mechanism, designs, names, options."""
+def request(label):
+    """Return what `fastlink.sweep` is called with."""
     if label == COMMAND:
         study = read_study(STUDY)
-        return study.mechanism, study.space, study.quantities, study.options
-    names, options = REQUESTS[label]
-    values = dict(zip(INPUTS, designs(1)[:, 0].tolist(), strict=True))
-    return "planar_4r", fl.grid(**values), names, options
-
-
-def resolved(label):
-    """Return a request, resolved."""
-    mechanism, space, names, options = requested(label)
-    return resolve(mechanism, space, names, **options)
+        names, space, options = study.quantities, study.space, study.options
+    else:
+        (names, options), values = REQUESTS[label], designs(1)[:, 0].tolist()
+        space = fl.grid(**dict(zip(INPUTS, values, strict=True)))
+    return {"mechanism": "planar_4r", "space": space, "quantities": names, **options}
 
 
 def sweep(label):
-    mechanism, space, names, options = requested(label)
-    return fl.sweep(mechanism, space, names, **options, threads=1, verify=0)
+    return fl.sweep(**request(label), threads=1, verify=0)
 
 
 def first(label, is_known):
     """Return what the first request of this process takes, and what it takes again."""
-    for name in filter(available, ("llvmlite", "filelock")):
-        importlib.import_module({"llvmlite": "llvmlite.binding"}.get(name, name))
     # xarray imports dask and pint, where they are installed, with the first variable: 0.45 s.
     xr.Dataset(coords={"a2": [1.0]})
-    found = {"fixed": shortest(fixed_work, 3)[0]}
+    found, parts = {"fixed": shortest(fixed_work, least=3)[0]}, []
+    swept = is_known and label != COMMAND
     peak()
     before = peak()
-    parts, whole = [], label == COMMAND or not is_known
     found["cpu"], found["wall"] = shortest(
-        lambda: parts.extend(resolved(label).job().tasks if whole else [sweep(label)]), 1
+        lambda: sweep(label) if swept else parts.extend(resolve(**request(label)).job().tasks)
     )
-    found["kernels"], after = len(parts), peak()
-    if after is not None:
-        found["memory"] = after - before
-    if not whole:
-        found["again"] = 1e3 * shortest(lambda: sweep(label), 50)[1]
-    return found
+    if before is not None:
+        found["memory"] = peak() - before
+    if swept:
+        return found | {"again": 1e3 * shortest(lambda: sweep(label), least=50)[1]}
+    return found | {"kernels": len(parts)}
 
 
 # ---- from outside ----
@@ -119,13 +100,14 @@ def first(label, is_known):
 
 def row_of(label, repeats):
     """Return the row of a request, measured so many times."""
+    log(f"time to an answer: {label}")
     cold, known, theirs = [], [], []
     for _ in range(repeats):
         with tempfile.TemporaryDirectory() as folder:
             cold.append(child(f"first({label!r}, False)", "answers", FASTLINK_CACHE_DIR=folder))
             size = sum(file.stat().st_size for file in Path(folder).rglob("*") if file.is_file())
             known.append(child(f"first({label!r}, True)", "answers", FASTLINK_CACHE_DIR=folder))
-        if label in FORMS and available("heyoka"):
+        if heyoka_has(label):
             theirs.append(child(f"heyoka_compile_time({label!r})", "peers"))
 
     def least(found, name):
@@ -145,41 +127,34 @@ def row_of(label, repeats):
     }
 
 
-def rows(labels=LABELS, repeats=3, log=lambda text: None):
-    """Return the row of each request."""
-    found = []
-    for label in labels:
-        log(f"time to an answer: {label}")
-        found.append(row_of(label, repeats))
-    return found
-
-
 # ---- layouts of files ----
 
-#: Places at which a picture or a curve is read; the shortest time counts.
-PLACES = (0.1, 0.37, 0.5, 0.73, 0.9)
+#: What is read, by the axes that are fixed: at these shares of them, of which the shortest time counts.
 PARTS = {"picture": ("theta1",), "curve": ("a2", "a3")}
+PLACES = (0.1, 0.37, 0.5, 0.73, 0.9)
 
 
 def forget(path):
     """Take a file out of the page cache."""
-    fd = os.open(path, os.O_RDONLY)
-    os.fsync(fd)
-    if hasattr(os, "posix_fadvise"):
-        os.posix_fadvise(fd, 0, 0, os.POSIX_FADV_DONTNEED)
-    os.close(fd)
+    with path.open("rb") as file:
+        os.fsync(file.fileno())
+        if hasattr(os, "posix_fadvise"):
+            os.posix_fadvise(file.fileno(), 0, 0, os.POSIX_FADV_DONTNEED)
 
 
-def read(path, axis, place):
-    """Read a picture at one input position (``theta1``), or the curve of one design (``a2``, ``a3``)."""
+def read(path, axes, place):
+    """Read what is at a place of axes; return the time in s."""
     with fl.open(path) as maps:
         found = maps.theta4.isel(branch=0)
-        where = {dim: int(place * found.sizes[dim]) for dim in axis}
-        return shortest(lambda: found.isel(where).values.sum(), 1)[1]
+        where = {dim: int(place * found.sizes[dim]) for dim in axes}
+        return shortest(lambda: found.isel(where).values.sum())[1]
 
 
-def layouts(folder=None, side=500, repeats=3):
-    """Sweeps of one quantity by both layouts, in turns, and reading them from disk and from memory (docs/files.md)."""
+def layouts(side=500, repeats=3):
+    """Sweeps of one quantity by both layouts, in turns, and reading them from disk and from memory (docs/files.md).
+
+    They are files of 3 GB in a folder of the current directory, which goes at the end.
+    """
     grid = {"a1": 0.4, "a2": np.linspace(1.0, 1.4, side), "a3": np.linspace(0.6, 1.0, side), "a4": 1.0}
     options = {"theta1": 360, "threads": 2, "verify": 0, "overwrite": True}
     space, best = fl.grid(**grid, omega1=25.0), {}
@@ -191,12 +166,12 @@ def layouts(folder=None, side=500, repeats=3):
     def write(path):
         fl.sweep("planar_4r", space, ["theta4"], to=path, layout=path.stem, **options).close()
 
-    with tempfile.TemporaryDirectory(dir=folder or Path.cwd(), prefix="fastlink-benchmark-") as place:
-        paths = [Path(place, f"{layout}.h5") for layout in ("curves", "maps")]
+    with tempfile.TemporaryDirectory(dir=Path.cwd(), prefix="fastlink-benchmark-") as folder:
+        paths = [Path(folder, f"{layout}.h5") for layout in ("curves", "maps")]
         for path in paths * repeats:
-            note(path, "writing", shortest(lambda path=path: write(path), 1)[1])
-        for path, (name, axis), at in itertools.product(paths, PARTS.items(), PLACES):
+            note(path, "writing", shortest(lambda path=path: write(path))[1])
+        for path, (name, axes), place in itertools.product(paths, PARTS.items(), PLACES):
             forget(path)
-            note(path, f"{name}, from disk", read(path, axis, at))
-            note(path, f"{name}, from memory", read(path, axis, at))
-    return [(label, value, "ms", "") for label, value in best.items()]
+            note(path, f"{name}, from disk", read(path, axes, place))
+            note(path, f"{name}, from memory", read(path, axes, place))
+    return [fact(label, value, "ms") for label, value in best.items()]

@@ -17,13 +17,11 @@ import mpmath
 import numpy as np
 
 import fastlink as fl
-from fastlink.codegen.kernel import kernel_of
-from fastlink.codegen.runtime.cells import LANES
+from fastlink._text import aligned as aligned_text
 from fastlink.engine.resolve import resolve
-from fastlink.engine.run import BLOCK_DESIGNS, aligned, run
+from fastlink.engine.run import Runner, aligned, run
 from fastlink.facts.tables import angle_tables as engine_tables
 from fastlink.mechanisms import catalogue
-from fastlink.plan.programs import make_plan, make_program
 
 ROOT = Path(__file__).parents[1]
 PLANAR = catalogue("planar_4r")
@@ -82,18 +80,21 @@ def aligned_copy(array):
 
 
 def outputs(case, n, K):
-    """One array for each name of ``CASES[case]``."""
-    return tuple(aligned((n, 2) if case == "extremes" else (n, 2, K)) for _ in CASES[case])
+    """Return an array of arrays, one for each name of ``CASES[case]``."""
+    return aligned((len(CASES[case]), n, 2) if case == "extremes" else (len(CASES[case]), n, 2, K))
 
 
-def best_time(call, seconds=0.3, least=5):
-    """Return the shortest run time of ``call()`` in s: what the code needs, whoever else uses the machine."""
-    call()
-    best, runs, end = np.inf, 0, time.perf_counter() + seconds
+# ---- clocks, and what is said ----
+
+
+def shortest(call, seconds=0.0, least=1):
+    """Return the shortest processor and wall time of calls in s: what the code needs, whoever else uses the machine."""
+    best, runs, end = [np.inf] * 2, 0, time.perf_counter() + seconds
     while runs < least or time.perf_counter() < end:
-        start = time.perf_counter()
+        cpu, wall = time.process_time(), time.perf_counter()
         call()
-        best, runs = min(best, time.perf_counter() - start), runs + 1
+        wall = time.perf_counter() - wall
+        best, runs = [min(best[0], time.process_time() - cpu), min(best[1], wall)], runs + 1
     return best
 
 
@@ -102,8 +103,25 @@ def race(calls, rounds=12, seconds=0.05):
     best = dict.fromkeys(calls, np.inf)
     for _ in range(rounds):
         for name, call in calls.items():
-            best[name] = min(best[name], best_time(call, seconds, least=1))
+            call()
+            best[name] = min(best[name], shortest(call, seconds)[1])
     return best
+
+
+def log(text):
+    """Say what is measured now."""
+    print(f"... {text}", file=sys.stderr, flush=True)
+
+
+def fact(what, value, unit=""):
+    return {"fact": what, "value": value, "unit": unit}
+
+
+def markdown(head, *rows):
+    """Return a table of texts."""
+    lines = head, ["---", *["--:"] * (len(head) - 1)], *rows
+    cells = [[*(part for cell in line for part in ("|", cell)), "|"] for line in lines]
+    return aligned_text(cells, right=2).replace("|  ", "| ").replace("  |", " |")
 
 
 # ---- families: easy and hard, link lengths (4, n) ----
@@ -136,57 +154,35 @@ def near_toggle(rng: Rng, n: int, offset: float) -> tuple[np.ndarray, np.ndarray
 # ---- fastlink's kernels ----
 
 
-def bind(case, x, theta1, **options):
-    """Return a call of the kernel of a case, compiled and bound to designs and angles, and its arrays."""
-    theta = angles(theta1)
-    program = make_program(PLANAR, CASES[case], given=INPUTS, angles=theta.size, **options)
-    return bind_program(program, x, theta)
+def space_of(x, names=INPUTS):
+    """Return designs, of which ``names`` are the rows, for `fastlink.sweep`."""
+    return fl.table(dict(zip(names, x, strict=True)))
 
 
-def bind_program(program, x, theta=(), names=INPUTS):
-    """Return a call of a kernel bound to designs, of which ``names`` are the rows, and to angles, and its arrays."""
-    (n, K), outputs = (x.shape[1], len(theta)), program.outputs
-    axes = {"branch": len(program.branches)}
-    shapes = [(n, *(axes.get(axis, K) for axis in output.axes)) for output in outputs]
-    if len({output.dtype for output in outputs}) == 1:  # in one array, as the C kernel has them
-        arrays = list(aligned((len(outputs), *shapes[0]), outputs[0].dtype))
-    else:
-        arrays = [aligned(shape, output.dtype) for shape, output in zip(shapes, outputs, strict=True)]
-    kernel = kernel_of(program)
-    scratch = [aligned(array.lengths(K), array.dtype) for array in kernel.source.scratch]
-    tables = aligned_copy(program.angle_tables(np.asarray(theta)))
-    rows = x[[names.index(name) for name in program.inputs]]
-    padded = aligned_copy(np.pad(rows, ((0, 0), (0, -n % LANES)), mode="edge"))
-    # The table of arguments is filled once, as ctypes has those of the C kernels.
-    code, arguments = kernel.compiled("llvm"), (padded, tables, n, K, *scratch, *arrays)
-    table = code.table(*arguments)
-    address, call = table.ctypes.data, code.call
-    call(address)
-    return lambda _=(table, arguments): call(address), arrays
+def job_of(names, space, mechanism="planar_4r", **options):
+    """Return the compiled kernels of quantities, bound to designs, by the options of `fastlink.sweep`."""
+    job = resolve(mechanism, space, names, companions=False, **options).job()
+    return replace(job, far=None)  # the sizes of inputs are looked at by sweeps, not by kernels
 
 
-def bind_names(names, x, theta=(), **options):
-    """Return one call of the kernels of names, of designs that give every input."""
-    options |= {"given": INPUTS, "angles": len(theta) or None}
-    programs = make_plan(PLANAR, names, **options).programs
-    calls = [bind_program(program, x, theta)[0] for program in programs]
-    return lambda: [call() for call in calls]
+def bind(names, space, **options):
+    """Return a call of the kernels of quantities, and the arrays that it evaluates into."""
+    job = job_of(names, space, **options)
+    runner = Runner(job, job.size)
+    arrays = runner.evaluate(0, job.size)
+    return lambda: runner.run(job.size), arrays
 
 
-def threads(case, seconds=1.2, repeats=3, K=360):
-    """Return the run time in s of the engine's blocks with one thread and with two, and configurations."""
-    x, names = designs(BLOCK_DESIGNS), CASES[case]
+def bind_case(case, x, theta1, **options):
+    """Return the same of a case."""
+    return bind(CASES[case], space_of(x), extrema="sampled", angles=theta1, **options)
 
-    def job(size):
-        space = fl.table(dict(zip(INPUTS, x[:, np.arange(size) % BLOCK_DESIGNS], strict=True)))
-        job = resolve("planar_4r", space, names, angles=K, extrema="sampled", companions=False).job()
-        return replace(job, far=None)  # the sizes of inputs are looked at by sweeps, not by kernels
 
-    few = job(4096)
-    run(few)
-    many = job(max(few.size, round(few.size * seconds / best_time(lambda: run(few), 0.0, 1))))
-    best = race({count: lambda count=count: run(many, threads=count) for count in (1, 2)}, repeats, 0.0)
-    return best[1], best[2], many.size * 2 * K
+def threads(case, size, repeats, K):
+    """Return the run time in s of the engine's blocks with one thread and with two."""
+    job = job_of(CASES[case], space_of(designs(size)), extrema="sampled", angles=K)
+    best = race({count: lambda count=count: run(job, threads=count) for count in (1, 2)}, repeats, 0.0)
+    return best[1], best[2]
 
 
 def child(code, module, **environment):

@@ -17,10 +17,11 @@
 #define LANES 64
 #define INLINE static inline __attribute__((always_inline))
 
-/* For lists of names: a struct of scalars, one of arrays, and its reader. */
-#define AS_SCALAR(name) double name;
-#define AS_ARRAY(name) double name[LANES];
-#define READ(name) .name = b->name[i],
+/* For lists of names and formulas: a struct of scalars, one of arrays, its writer and its reader. */
+#define AS_SCALAR(name, formula) double name;
+#define AS_ARRAY(name, formula) double name[LANES];
+#define WRITE(name, formula) o->name[i] = formula;
+#define READ(name, formula) .name = b->name[i],
 
 typedef struct { double even, odd; } pair;
 typedef struct { double hi, lo; } dd;
@@ -47,17 +48,25 @@ INLINE dd gap(dd u, dd v, double a, double d)
     return two_sum(ratio, (fma(-ratio, g, p) + p_low - ratio * g_low) / g);
 }
 
-/* Constants of a design; the struct of arrays and its reader follow from this one list. */
-#define CONSTANTS(_)                                                                                              \
-    _(a) _(two_a) _(d_a) _(Z0) _(Z0_low) _(C0) _(C0_low) _(Z0_ww) _(C0_ww) _(gamma0) _(lambda) _(kappa) _(eps)    \
-    _(two_beta) _(two_delta) _(from_A) _(half_w) _(half_ww) _(ww) _(f1_u) _(f1_v) _(g2_u) _(g2_v) _(f3_u) _(f3_v) \
-    _(m2) _(I2) _(J3_r) _(r_2ad) _(d) _(I2_A) _(m2_ww) _(I3_D) _(mu)
-typedef struct { CONSTANTS(AS_SCALAR) } design;
-typedef struct { CONSTANTS(AS_ARRAY) } __attribute__((aligned(64))) block;
+/* Constants of a design, with their formulas: of lengths and speed, then of masses. Structs and readers follow. */
+#define OF_LENGTHS(_)                                                                                             \
+    _(a, a) _(two_a, 2 * a) _(d_a, d - a) _(d, d) _(mu, (d - a) / (2 * a)) _(lambda, (a - d) / (2 * d))           \
+    _(Z0, -Z.hi) _(Z0_low, -Z.lo) _(C0, C.hi) _(C0_low, C.lo)                                                     \
+    _(Z0_ww, -0.25 * w * w * Z.hi) _(C0_ww, 0.25 * w * w * C.hi) _(gamma0, (a - d) * (a - d) * r)                 \
+    _(kappa, (b - c) * (b + c) * r) _(eps, (a - d) * (a + d) * r) _(from_A, a + b <= c + d)                       \
+    _(two_beta, 2 * b * (b - c) * r) _(two_delta, 2 * c * (b - c) * r) /* of the other sign */                    \
+    _(half_w, 0.5 * w) _(half_ww, 0.5 * w * w) _(ww, w * w) _(r_2ad, 0.5 / a / d)
+#define OF_MASSES(_)                                                                                              \
+    _(f1_u, -w * w * m[0] * G[0]) _(f1_v, -w * w * m[0] * G[n]) _(g2_u, G[2 * n] / b) _(g2_v, G[3 * n] / b)       \
+    _(f3_u, m[2 * n] * (G[4 * n] / c)) _(f3_v, m[2 * n] * (G[5 * n] / c)) _(m2, m[n]) _(m2_ww, m[n] * (w * w))    \
+    _(I2, I[n]) _(I2_A, I[n] + m[n] * (G[2 * n] * G[2 * n] + G[3 * n] * G[3 * n]))                                \
+    _(I3_D, I[2 * n] + m[2 * n] * (G[4 * n] * G[4 * n] + G[5 * n] * G[5 * n])) _(J3_r, o->I3_D[i] * o->r_2ad[i])
+typedef struct { OF_LENGTHS(AS_SCALAR) OF_MASSES(AS_SCALAR) } design;
+typedef struct { OF_LENGTHS(AS_ARRAY) OF_MASSES(AS_ARRAY) } __attribute__((aligned(64))) block;
 typedef struct { double cos, sin, Z, Z_low, C, C_low; } angle;
 typedef struct { double x, y; } vec;
 
-INLINE design design_at(const block *b, int i) { return (design){CONSTANTS(READ)}; }
+INLINE design design_at(const block *b, int i) { return (design){OF_LENGTHS(READ) OF_MASSES(READ)}; }
 
 INLINE angle angle_at(const double *restrict t, long K, long k)
 {
@@ -73,45 +82,12 @@ INLINE void prepare(block *restrict o, const double *restrict x, long n, long fi
     for (int i = 0; i < LANES; i++) {
         long j = first + i < n ? first + i : n - 1;
         double a = x[j], b = x[n + j], c = x[2 * n + j], d = x[3 * n + j], w = x[4 * n + j];
-        dd A1 = sum4(a, -b, c, -d), B1 = sum4(a, b, -c, -d), C1 = sum4(a, -b, -c, d), D1 = sum4(a, b, c, d);
-        dd Z0 = gap(A1, B1, a, d), C0 = gap(C1, D1, a, d);
+        const double *m = x + 5 * n + j, *I = x + 8 * n + j, *G = x + 11 * n + j;
+        dd Z = gap(sum4(a, -b, c, -d), sum4(a, b, -c, -d), a, d), C = gap(sum4(a, -b, -c, d), sum4(a, b, c, d), a, d);
         double r = 1 / (4 * a * d);
-        o->a[i] = a;
-        o->two_a[i] = 2 * a;
-        o->d_a[i] = d - a;
-        o->Z0[i] = -Z0.hi;
-        o->Z0_low[i] = -Z0.lo;
-        o->C0[i] = C0.hi;
-        o->C0_low[i] = C0.lo;
-        o->Z0_ww[i] = -0.25 * w * w * Z0.hi;
-        o->C0_ww[i] = 0.25 * w * w * C0.hi;
-        o->gamma0[i] = (a - d) * (a - d) * r;
-        o->lambda[i] = (a - d) / (2 * d);
-        o->kappa[i] = (b - c) * (b + c) * r;
-        o->eps[i] = (a - d) * (a + d) * r;
-        o->two_beta[i] = 2 * b * (b - c) * r;
-        o->two_delta[i] = 2 * c * (b - c) * r; /* of the other sign */
-        o->from_A[i] = a + b <= c + d;
-        o->d[i] = d;
-        o->mu[i] = (d - a) / (2 * a);
-        o->half_w[i] = 0.5 * w;
-        o->half_ww[i] = 0.5 * w * w;
-        o->ww[i] = w * w;
-        o->r_2ad[i] = 0.5 / a / d;
+        OF_LENGTHS(WRITE)
         if (dynamics) {
-            const double *m = x + 5 * n + j, *I = x + 8 * n + j, *G = x + 11 * n + j;
-            o->f1_u[i] = -w * w * m[0] * G[0];
-            o->f1_v[i] = -w * w * m[0] * G[n];
-            o->g2_u[i] = G[2 * n] / b;
-            o->g2_v[i] = G[3 * n] / b;
-            o->f3_u[i] = m[2 * n] * (G[4 * n] / c);
-            o->f3_v[i] = m[2 * n] * (G[5 * n] / c);
-            o->m2[i] = m[n];
-            o->I2[i] = I[n];
-            o->I2_A[i] = I[n] + m[n] * (G[2 * n] * G[2 * n] + G[3 * n] * G[3 * n]);
-            o->m2_ww[i] = m[n] * (w * w);
-            o->I3_D[i] = I[2 * n] + m[2 * n] * (G[4 * n] * G[4 * n] + G[5 * n] * G[5 * n]);
-            o->J3_r[i] = o->I3_D[i] * o->r_2ad[i];
+            OF_MASSES(WRITE)
         }
     }
 }
@@ -144,7 +120,8 @@ INLINE positions_t positions(design d, angle t, closure l)
     return (positions_t){A, AB, DB, B, {height * A.y, height * u.x}};
 }
 
-typedef struct { pair omega2, omega4, alpha2, alpha4; double H; } rates_t;
+/* The first four, and n = omega2/omega1, n - 1 and omega4/omega1. */
+typedef struct { pair omega2, omega4, alpha2, alpha4, coupler, joint, output; } rates_t;
 
 /* H = h / sigma, dH its derivative; the factors omega1 / 2 and omega1^2 / 2 are taken in where that costs least. */
 INLINE rates_t rates(design d, angle t, closure l, double r_sigma)
@@ -154,7 +131,9 @@ INLINE rates_t rates(design d, angle t, closure l, double r_sigma)
     double k = d.kappa * l.r_gamma;
     double T = d.half_w * ((d.lambda + t.Z) * l.r_gamma), j = d.half_ww * h * l.r_gamma;
     double E = -(d.eps * j * l.r_gamma), L = H * k * j;
-    return (rates_t){{T, wH * l.minus}, {T, wH * l.plus}, {E, dH * l.minus - L}, {E, dH * l.plus - L}, H};
+    double n = 0.5 * ((d.lambda + t.Z) * l.r_gamma), J = -(0.5 * ((d.mu + t.Z) * l.r_gamma)), half = 0.5 * H;
+    return (rates_t){{T, wH * l.minus}, {T, wH * l.plus}, {E, dH * l.minus - L}, {E, dH * l.plus - L},
+                     {n, half * l.minus}, {J, half * l.minus}, {n, half * l.plus}};
 }
 
 INLINE double at(double s, pair f) { return f.even + s * f.odd; }
@@ -163,22 +142,16 @@ INLINE vec at_vec(double s, vec even, vec odd) { return (vec){even.x + s * odd.x
 /* ---- per configuration ---- */
 
 typedef struct { vec F41, F21, F32, F43; double T41; } reactions_t;
-typedef struct { pair coupler, joint, output; } ratios_t; /* n = omega2/omega1, n - 1 and omega4/omega1 */
-
-INLINE ratios_t ratios(design d, angle t, closure l, double H)
-{
-    double T = 0.5 * ((d.lambda + t.Z) * l.r_gamma), J = -(0.5 * ((d.mu + t.Z) * l.r_gamma)), h = 0.5 * H;
-    return (ratios_t){{T, h * l.minus}, {J, h * l.minus}, {T, h * l.plus}};
-}
 
 INLINE vec turned(double u, double v, vec link) { return (vec){u * link.x - v * link.y, u * link.y + v * link.x}; }
 
 /* The moments of links 2 and 3 about A and D give F32, since AB x DB = s 2 a d sigma; the other forces follow. The
  * torque is that of the power: where the links turn nearly as one, A x F21 is a small difference of great forces.
  * beside: from A to D in the frame of OA. */
-INLINE reactions_t reactions(design d, positions_t o, rates_t f, ratios_t n, closure l, vec beside, vec f1, vec aA,
-                             double r_sigma, double s)
+INLINE reactions_t reactions(design d, angle t, closure l, positions_t o, rates_t f, double r_sigma, double s)
 {
+    vec f1 = {d.f1_u * t.cos - d.f1_v * t.sin, d.f1_u * t.sin + d.f1_v * t.cos};
+    vec aA = {-d.ww * o.A.x, -d.ww * o.A.y}, beside = {d.d_a - 2 * d.d * t.Z, -(d.d * t.sin)};
     vec AB = at_vec(s, o.AB_even, o.odd), DB = at_vec(s, o.DB_even, o.odd);
     double alpha2 = at(s, f.alpha2), w2 = at(s, f.omega2) * at(s, f.omega2);
     double alpha4 = at(s, f.alpha4), w4 = at(s, f.omega4) * at(s, f.omega4);
@@ -191,26 +164,11 @@ INLINE reactions_t reactions(design d, positions_t o, rates_t f, ratios_t n, clo
     double M3 = alpha4 * (s * (d.J3_r * r_sigma));
     vec F32 = {M2 * DB.x + M3 * AB.x, M2 * DB.y + M3 * AB.y}, F21 = {F32.x - f2.x, F32.y - f2.y};
     vec F43 = {F32.x - (alpha4 * g3.y + w4 * g3.x), F32.y + (alpha4 * g3.x - w4 * g3.y)};
-    double n2 = at(s, n.coupler), turn = n2 * at(s, n.joint);
+    double n2 = at(s, f.coupler), turn = n2 * at(s, f.joint);
     vec arm = {o.A.x + n2 * g2.x, o.A.y + n2 * g2.y};
     double T2 = alpha2 * (d.I2 * n2 + d.m2 * (g2.x * arm.x + g2.y * arm.y)) - d.m2_ww * (turn * cross);
-    double T3 = (d.I3_D * alpha4) * at(s, n.output);
+    double T3 = (d.I3_D * alpha4) * at(s, f.output);
     return (reactions_t){{f1.x - F21.x, f1.y - F21.y}, F21, F32, F43, T2 + T3};
-}
-
-/* Both branches of all that the reactions need. */
-typedef struct { rates_t f; reactions_t branch1, branch2; } both_t;
-
-INLINE both_t reactions_both(design d, angle t, closure l, double r_sigma)
-{
-    positions_t o = positions(d, t, l);
-    rates_t f = rates(d, t, l, r_sigma);
-    vec f1 = {d.f1_u * t.cos - d.f1_v * t.sin, d.f1_u * t.sin + d.f1_v * t.cos};
-    vec aA = {-d.ww * o.A.x, -d.ww * o.A.y};
-    vec beside = {d.d_a - 2 * d.d * t.Z, -(d.d * t.sin)};
-    ratios_t n = ratios(d, t, l, f.H);
-    return (both_t){f, reactions(d, o, f, n, l, beside, f1, aA, r_sigma, -1),
-                    reactions(d, o, f, n, l, beside, f1, aA, r_sigma, 1)};
 }
 
 /* ---- the four cases ---- */
@@ -260,12 +218,15 @@ CURVES(rates, 0, {
 
 /* out: (9, n, 2, K) F41_x F41_y F21_x F21_y F32_x F32_y F43_x F43_y T41 */
 CURVES(reactions, 1, {
-    both_t r = reactions_both(d, t, l, 1 / l.sigma);
-    STORE_VEC(0, r.branch1.F41, r.branch2.F41);
-    STORE_VEC(2, r.branch1.F21, r.branch2.F21);
-    STORE_VEC(4, r.branch1.F32, r.branch2.F32);
-    STORE_VEC(6, r.branch1.F43, r.branch2.F43);
-    STORE(8, r.branch1.T41, r.branch2.T41);
+    positions_t o = positions(d, t, l);
+    double r_sigma = 1 / l.sigma;
+    rates_t f = rates(d, t, l, r_sigma);
+    reactions_t r1 = reactions(d, t, l, o, f, r_sigma, -1), r2 = reactions(d, t, l, o, f, r_sigma, 1);
+    STORE_VEC(0, r1.F41, r2.F41);
+    STORE_VEC(2, r1.F21, r2.F21);
+    STORE_VEC(4, r1.F32, r2.F32);
+    STORE_VEC(6, r1.F43, r2.F43);
+    STORE(8, r1.T41, r2.T41);
 })
 
 /* out: (6, n, 2) omega4_max omega4_min alpha4_max alpha4_min T41_max F32_x_max. A comparison with NaN is false,
@@ -276,6 +237,14 @@ void c_extremes(long n, long K, const double *restrict x, const double *restrict
     block b;
     struct { double p[LANES], q[LANES], sigma[LANES], r_gamma[LANES], r_sigma[LANES]; } c __attribute__((aligned(64)));
     double best[6][2][LANES] __attribute__((aligned(64)));
+#define KEEP(q, branch, v, beyond) best[q][branch][i] = v beyond best[q][branch][i] ? v : best[q][branch][i];
+#define KEEP_ALL(branch, s)                                                                                       \
+    {                                                                                                             \
+        reactions_t r = reactions(d, t, l, o, f, c.r_sigma[i], s);                                                \
+        double omega4 = at(s, f.omega4), alpha4 = at(s, f.alpha4);                                                \
+        KEEP(0, branch, omega4, >) KEEP(1, branch, omega4, <) KEEP(2, branch, alpha4, >)                          \
+        KEEP(3, branch, alpha4, <) KEEP(4, branch, r.T41, >) KEEP(5, branch, r.F32.x, >)                          \
+    }
     for (long first = 0; first < n; first += LANES) {
         prepare(&b, x, n, first, 1);
         for (int q = 0; q < 6; q++)
@@ -283,15 +252,6 @@ void c_extremes(long n, long K, const double *restrict x, const double *restrict
                 best[q][0][i] = best[q][1][i] = start[q];
         for (long k = 0; k < K; k++) {
             angle t = angle_at(tables, K, k);
-#define MAXIMUM(q, branch, v) (best[q][branch][i] = (v) > best[q][branch][i] ? (v) : best[q][branch][i])
-#define MINIMUM(q, branch, v) (best[q][branch][i] = (v) < best[q][branch][i] ? (v) : best[q][branch][i])
-#define UPDATE(branch, s, r, own)                                                                                 \
-    MAXIMUM(0, branch, at(s, r.f.omega4));                                                                        \
-    MINIMUM(1, branch, at(s, r.f.omega4));                                                                        \
-    MAXIMUM(2, branch, at(s, r.f.alpha4));                                                                        \
-    MINIMUM(3, branch, at(s, r.f.alpha4));                                                                        \
-    MAXIMUM(4, branch, own.T41);                                                                                  \
-    MAXIMUM(5, branch, own.F32.x)
 #pragma GCC ivdep
             for (int i = 0; i < LANES; i++) {
                 closure l = close_loop(design_at(&b, i), t);
@@ -301,14 +261,15 @@ void c_extremes(long n, long K, const double *restrict x, const double *restrict
             for (int i = 0; i < LANES; i++) {
                 design d = design_at(&b, i);
                 closure l = with_shares(d, c.p[i], c.q[i], c.sigma[i], c.r_gamma[i]);
-                both_t r = reactions_both(d, t, l, c.r_sigma[i]);
-                UPDATE(0, -1, r, r.branch1);
-                UPDATE(1, 1, r, r.branch2);
+                positions_t o = positions(d, t, l);
+                rates_t f = rates(d, t, l, c.r_sigma[i]);
+                KEEP_ALL(0, -1)
+                KEEP_ALL(1, 1)
             }
         }
         for (int q = 0; q < 6; q++)
-            for (int i = 0; i < LANES && first + i < n; i++)
-                for (int branch = 0; branch < 2; branch++) {
+            for (int branch = 0; branch < 2; branch++)
+                for (int i = 0; i < LANES && first + i < n; i++) {
                     double v = best[q][branch][i];
                     out[(q * n + first + i) * 2 + branch] = v == start[q] ? NAN : v;
                 }

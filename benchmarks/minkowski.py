@@ -10,10 +10,9 @@ import mpmath
 import numba
 import numpy as np
 
-from benchmarks.cases import aligned_copy, bind_program, race
+from benchmarks.cases import bind, markdown, race, space_of
 from fastlink.engine.evaluate import evaluate
 from fastlink.mechanisms import catalogue
-from fastlink.plan.programs import make_program
 from fastlink.precision.reference import HighPrecision, error_in_roundings
 
 LENGTHS = ("a", "b", "g", "h")
@@ -22,13 +21,13 @@ MINKOWSKIAN = catalogue("minkowski_4r")
 
 def designs(n, seed=0):
     """Return random lengths (4, n), of all types."""
-    return aligned_copy(np.exp(np.random.default_rng(seed).uniform(-1.5, 1.5, (4, n))))
+    return np.exp(np.random.default_rng(seed).uniform(-1.5, 1.5, (4, n)))
 
 
-def bind(x, theta):
-    """Return the kernel of psi and its orientation, bound."""
-    program = make_program(MINKOWSKIAN, ("psi", "CB_orientation"), given=LENGTHS, angles=len(theta))
-    return bind_program(program, x, theta, LENGTHS)
+def bind_psi(x, theta):
+    """Return a call of the kernel of psi and its orientation, and its arrays."""
+    names = "psi", "CB_orientation"
+    return bind(names, space_of(x, LENGTHS), mechanism="minkowski_4r", angles=theta)
 
 
 def eq3_roots(a, b, g, h, cosh, sinh):
@@ -114,22 +113,15 @@ def families(n, seed=0):
 def worst(psi, x, theta):
     """Return the largest error of psi (n, 2) in roundings times the condition; infinite if one is missing."""
     found, facts = 0.0, HighPrecision(MINKOWSKIAN, ["psi"], (*LENGTHS, "theta", "branch"))
-    for i, t in enumerate(theta):
-        for branch in (1, 2):
-            given = dict(zip(LENGTHS, x[:, i], strict=True)) | {"theta": t}
-            exact = facts.at(given | {"branch": branch})
-            if mpmath.isnan(exact["psi"]):
-                continue
-            if not np.isfinite(psi[i, branch - 1]):
-                return np.inf
-            sums = facts.condition(exact, given)
-            found = max(found, error_in_roundings(psi[i, branch - 1], exact["psi"], sums["psi"]))
+    for (i, k), value in np.ndenumerate(psi):
+        given = dict(zip(LENGTHS, x[:, i], strict=True)) | {"theta": theta[i]}
+        exact = facts.at(given | {"branch": k + 1})
+        if mpmath.isnan(exact["psi"]):
+            continue
+        if not np.isfinite(value):
+            return np.inf
+        found = max(found, error_in_roundings(value, exact["psi"], facts.condition(exact, given)["psi"]))
     return found
-
-
-def one_each(form, x, theta):
-    """Return psi (n, 2) of one input per design by a form of many."""
-    return np.array([form(x[:, i : i + 1], theta[i : i + 1])[0][0, :, 0] for i in range(len(theta))])
 
 
 def ours(x, theta):
@@ -141,13 +133,13 @@ def ours(x, theta):
 def errors(n=100):
     """Yield each family, the error of fastlink there and that of eq. (3)."""
     for name, (x, theta) in families(n).items():
-        yield name, worst(ours(x, theta), x, theta), worst(one_each(eq3, x, theta), x, theta)
+        yield name, worst(ours(x, theta), x, theta), worst(eq3(x, theta[:, None])[0][..., 0], x, theta)
 
 
 def times_of(x, theta, rounds):
-    """Return ns for each configuration of designs by inputs, four times over: ours, eq. (3) in NumPy, compiled."""
-    theta = np.tile(theta, 4)
-    kernel, ours = bind(x, theta)
+    """Return ns for each configuration of designs, four times over, by inputs: ours, eq. (3) in NumPy, compiled."""
+    x, theta = np.tile(x, 4), np.unique(theta)
+    kernel, ours = bind_psi(x, theta)
     with np.errstate(over="ignore"):
         cosh, sinh = np.cosh(theta), np.sinh(theta)
     arrays = tuple(np.empty_like(array) for array in ours)
@@ -159,19 +151,15 @@ def times_of(x, theta, rounds):
     return [1e9 * seconds / arrays[0].size for seconds in race(calls, rounds, 0.02).values()]
 
 
-HEADS = (
-    *("inputs", "fastlink: error", "eq. (3): error"),
-    *("fastlink: ns", "eq. (3) in NumPy: ns", "eq. (3) compiled: ns"),
-)
-
-
 def error_table(n=100, rounds=5):
     """Return the table of docs/minkowski.md."""
-    rows = [HEADS, ["---"] * len(HEADS)]
+    heads = ["inputs", "fastlink: error", "eq. (3): error"]
+    heads += ["fastlink: ns", "eq. (3) in NumPy: ns", "eq. (3) compiled: ns"]
+    rows = []
     for (name, own, by_eq3), (x, theta) in zip(errors(n), families(n).values(), strict=True):
-        times = (f"{time:.2g}" for time in times_of(np.ascontiguousarray(x), theta, rounds))
+        times = (f"{time:.2g}" for time in times_of(x, theta, rounds))
         rows.append([name, f"{own:.1f}", f"{by_eq3:.2g}" if np.isfinite(by_eq3) else "no value", *times])
-    return "\n".join(f"| {' | '.join(row)} |" for row in rows)
+    return markdown(heads, *rows)
 
 
 if __name__ == "__main__":

@@ -14,8 +14,9 @@ jit = numba.njit(error_model="numpy", cache=True)
 
 
 @jit
-def motion(a, b, c, d, w, cos, sin, s):
+def motion(x, i, cos, sin, s):
     """Return A, AB, DB, and the rates of links 2 and 3."""
+    a, b, c, d, w = x[0, i], x[1, i], x[2, i], x[3, i], x[4, i]
     A_x, A_y = a * cos, a * sin
     x, y = d - A_x, -A_y
     square = x * x + y * y
@@ -37,7 +38,7 @@ def positions(x, tables, A_x, A_y, B_x, B_y):
     for i in range(x.shape[1]):
         for j in range(2):
             for k in range(tables.shape[1]):
-                m = motion(x[0, i], x[1, i], x[2, i], x[3, i], 1.0, tables[0, k], tables[1, k], 2.0 * j - 1.0)
+                m = motion(x, i, tables[0, k], tables[1, k], 2.0 * j - 1.0)
                 A_x[i, j, k], A_y[i, j, k] = m[0], m[1]
                 B_x[i, j, k], B_y[i, j, k] = m[0] + m[2], m[1] + m[3]
 
@@ -47,9 +48,7 @@ def rates(x, tables, B_x, B_y, omega2, omega4, alpha2, alpha4):
     for i in range(x.shape[1]):
         for j in range(2):
             for k in range(tables.shape[1]):
-                m = motion(
-                    x[0, i], x[1, i], x[2, i], x[3, i], x[4, i], tables[0, k], tables[1, k], 2.0 * j - 1.0
-                )
+                m = motion(x, i, tables[0, k], tables[1, k], 2.0 * j - 1.0)
                 B_x[i, j, k], B_y[i, j, k] = m[0] + m[2], m[1] + m[3]
                 omega2[i, j, k], omega4[i, j, k], alpha2[i, j, k], alpha4[i, j, k] = m[6], m[7], m[8], m[9]
 
@@ -57,8 +56,8 @@ def rates(x, tables, B_x, B_y, omega2, omega4, alpha2, alpha4):
 @jit
 def forces(x, i, cos, sin, s):
     """Return omega4, alpha4 and the nine reactions of design i."""
-    a, b, c, d, w = x[0, i], x[1, i], x[2, i], x[3, i], x[4, i]
-    A_x, A_y, AB_x, AB_y, DB_x, DB_y, omega2, omega4, alpha2, alpha4 = motion(a, b, c, d, w, cos, sin, s)
+    b, c, w = x[1, i], x[2, i], x[4, i]
+    A_x, A_y, AB_x, AB_y, DB_x, DB_y, omega2, omega4, alpha2, alpha4 = motion(x, i, cos, sin, s)
     u, v = x[11, i], x[12, i]
     p1_x, p1_y = -x[5, i] * w * w * (u * cos - v * sin), -x[5, i] * w * w * (u * sin + v * cos)
     u, v = x[13, i] / b, x[14, i] / b

@@ -12,7 +12,6 @@ import platform
 import shutil
 import subprocess
 import tempfile
-import time
 from pathlib import Path
 
 import numpy as np
@@ -24,10 +23,10 @@ from benchmarks.cases import (
     TABLES,
     aligned_copy,
     angle_tables,
-    best_time,
     child,
     designs,
     outputs,
+    shortest,
 )
 from fastlink.codegen.machine import lanes_of_host
 from fastlink.engine.run import aligned
@@ -36,6 +35,11 @@ from fastlink.numerics.compensated import gap_product_quotient, sum_of_four
 
 def available(module):
     return importlib.util.find_spec(module) is not None
+
+
+def heyoka_has(case):
+    """Tell whether heyoka.py is here and can do a case: it has no extremes."""
+    return available("heyoka") and case in ("positions", "rates", "reactions")
 
 
 # ---- C: compiled by gcc at the first use, called by ctypes ----
@@ -79,7 +83,7 @@ def bind_c(case, x, tables):
 
 
 def constants(i, exact=True):
-    """Return what depends on the design alone, from its inputs by name; the masses' only if they are given.
+    """Return what depends on the design alone, from its inputs by name.
 
     Expressions that are simplified cannot carry what rounding left out: ``exact=False``.
     """
@@ -99,11 +103,10 @@ def constants(i, exact=True):
     o["Z0_ww"], o["C0_ww"] = 0.25 * w * w * o["Z0"], 0.25 * w * w * o["C0"]
     o |= {"gamma0": (a - d) * (a - d) * r, "lambda": 0.5 * (a - d) / d, "kappa": (b - c) * (b + c) * r}
     o |= {"eps": (a - d) * (a + d) * r, "beta": b * (b - c) * r, "delta": c * (c - b) * r}
-    if "m1" in i:
-        o |= {"f1_u": -(w * w) * i["m1"] * i["G1_u"], "f1_v": -(w * w) * i["m1"] * i["G1_v"], "ww": w * w}
-        o |= {"g2_u": i["G2_u"] / b, "g2_v": i["G2_v"] / b, "m2": i["m2"], "I2": i["I2"]}
-        o |= {"f3_u": i["m3"] * i["G3_u"] / c, "f3_v": i["m3"] * i["G3_v"] / c}
-        o["J3"] = i["I3"] + i["m3"] * (i["G3_u"] * i["G3_u"] + i["G3_v"] * i["G3_v"])
+    o |= {"f1_u": -(w * w) * i["m1"] * i["G1_u"], "f1_v": -(w * w) * i["m1"] * i["G1_v"], "ww": w * w}
+    o |= {"g2_u": i["G2_u"] / b, "g2_v": i["G2_v"] / b, "m2": i["m2"], "I2": i["I2"]}
+    o |= {"f3_u": i["m3"] * i["G3_u"] / c, "f3_v": i["m3"] * i["G3_v"] / c}
+    o["J3"] = i["I3"] + i["m3"] * (i["G3_u"] * i["G3_u"] + i["G3_v"] * i["G3_v"])
     return o
 
 
@@ -112,61 +115,55 @@ def columns(x):
     return {name: row[:, None] for name, row in zip(INPUTS, x, strict=False)}
 
 
-def closure(o, tables, sqrt):
-    """Return A, the even part of AB, the odd part that AB and DB share, and p, q, sigma, 1/gamma."""
-    cos, sin, Z, Z_low, C, C_low = tables
-    p = (Z - o["Z0"]) + (Z_low - o["Z0_low"])
-    q = (C - o["C0"]) + (C_low - o["C0_low"])
-    sigma, r_gamma = sqrt(p * q), 1.0 / (o["gamma0"] + Z)
-    A, u_x = (o["a"] * cos, o["a"] * sin), o["d_a"] + o["two_a"] * Z
-    AB, height = (0.5 * p + o["beta"]) * r_gamma, 0.5 * sigma * r_gamma
-    return A, (AB * u_x, -AB * A[1]), (height * A[1], height * u_x), (p, q, sigma, r_gamma)
-
-
-def rates_of(o, tables, p, q, sigma, r_gamma):
-    """Return (even, odd) of omega2, omega4, alpha2, alpha4, and 1/sigma."""
-    _, sin, Z, _, C, _ = tables
-    r_sigma, h, k = 1.0 / sigma, 0.5 * sin, o["kappa"] * r_gamma
-    H, minus, plus = h * r_sigma, k - 1.0, k + 1.0
-    dH = (o["C0_ww"] * Z * p - o["Z0_ww"] * C * q) * (r_sigma * r_sigma * r_sigma)
-    T, j, wH = o["half_w"] * ((o["lambda"] + Z) * r_gamma), o["half_ww"] * h * r_gamma, o["half_w"] * H
-    E, L = -(o["eps"] * j * r_gamma), H * k * j
-    return ((T, wH * minus), (T, wH * plus), (E, dH * minus - L), (E, dH * plus - L)), r_sigma
-
-
 def both(even, odd):
     return even - odd, even + odd
-
-
-def positions(o, tables, sqrt):
-    A, AB, odd, _ = closure(o, tables, sqrt)
-    return (*((axis, axis) for axis in A), *(both(A[i] + AB[i], odd[i]) for i in range(2)))
-
-
-def rates(o, tables, sqrt):
-    A, AB, odd, loop = closure(o, tables, sqrt)
-    ends = (both(A[i] + AB[i], odd[i]) for i in range(2))
-    return (*ends, *(both(*rate) for rate in rates_of(o, tables, *loop)[0]))
-
-
-def motion(o, tables, sqrt):
-    """Return A, and for each branch AB, DB and the rates; with 1/sigma."""
-    A, AB, odd, loop = closure(o, tables, sqrt)
-    parts, r_sigma = rates_of(o, tables, *loop)
-    DB = (0.5 * loop[0] + o["delta"]) * loop[3]
-    even = (*AB, -DB * (o["d_a"] + o["two_a"] * tables[2]), DB * A[1])
-    links = zip(*map(both, even, odd + odd), strict=True)
-    turning = zip(*(both(*rate) for rate in parts), strict=True)
-    return A, list(links), list(turning), r_sigma
 
 
 def turned(u, v, x, y):
     return u * x - v * y, u * y + v * x
 
 
-def _reactions(o, tables, A, links, rate, r_sigma, s):
+def quantities(case, o, tables, sqrt):
+    """Return by name a pair, its two branches, of what a case needs."""
+    cos, sin, Z, Z_low, C, C_low = tables
+    p = (Z - o["Z0"]) + (Z_low - o["Z0_low"])
+    q = (C - o["C0"]) + (C_low - o["C0_low"])
+    sigma, r_gamma = sqrt(p * q), 1.0 / (o["gamma0"] + Z)
+    A, u_x = (o["a"] * cos, o["a"] * sin), o["d_a"] + o["two_a"] * Z
+    length, height = (0.5 * p + o["beta"]) * r_gamma, 0.5 * sigma * r_gamma
+    AB, odd = (length * u_x, -length * A[1]), (height * A[1], height * u_x)  # AB and DB share their odd part
+    found = {"A_x": (A[0], A[0]), "A_y": (A[1], A[1])}
+    if case in ("positions", "rates"):
+        found |= {f"B_{axis}": both(A[i] + AB[i], odd[i]) for i, axis in enumerate("xy")}
+    if case == "positions":
+        return found
+
+    rates, r_sigma = rates_of(o, tables, p, q, sigma, r_gamma)
+    found |= dict(zip(("omega2", "omega4", "alpha2", "alpha4"), rates, strict=True))
+    if case == "rates":
+        return found
+
+    length = (0.5 * p + o["delta"]) * r_gamma
+    DB = -length * u_x, length * A[1]
+    moves = zip((-1.0, 1.0), *map(both, AB + DB, odd + odd), *rates, strict=True)
+    branches = [forces(o, tables, A, r_sigma, *move) for move in moves]
+    return found | dict(zip(CASES["reactions"], zip(*branches, strict=True), strict=True))
+
+
+def rates_of(o, tables, p, q, sigma, r_gamma):
+    """Return the pairs of omega2, omega4, alpha2, alpha4, and 1/sigma."""
+    _, sin, Z, _, C, _ = tables
+    r_sigma, h, k = 1.0 / sigma, 0.5 * sin, o["kappa"] * r_gamma
+    H, minus, plus = h * r_sigma, k - 1.0, k + 1.0
+    dH = (o["C0_ww"] * Z * p - o["Z0_ww"] * C * q) * (r_sigma * r_sigma * r_sigma)
+    T, j, wH = o["half_w"] * ((o["lambda"] + Z) * r_gamma), o["half_ww"] * h * r_gamma, o["half_w"] * H
+    E, L = -(o["eps"] * j * r_gamma), H * k * j
+    return (both(T, wH * minus), both(T, wH * plus), both(E, dH * minus - L), both(E, dH * plus - L)), r_sigma
+
+
+def forces(o, tables, A, r_sigma, s, AB_x, AB_y, DB_x, DB_y, omega2, omega4, alpha2, alpha4):
+    """Return the reactions of a branch."""
     cos, sin = tables[:2]
-    (AB_x, AB_y, DB_x, DB_y), (omega2, omega4, alpha2, alpha4) = links, rate
     g_x, g_y = turned(o["g2_u"], o["g2_v"], AB_x, AB_y)
     w2, w4 = omega2 * omega2, omega4 * omega4
     f2_x = o["m2"] * (-o["ww"] * A[0] - alpha2 * g_y - w2 * g_x)
@@ -181,27 +178,17 @@ def _reactions(o, tables, A, links, rate, r_sigma, s):
     return F41_x, F41_y, F21_x, F21_y, F32_x, F32_y, F43_x, F43_y, A[1] * F21_x - A[0] * F21_y
 
 
-def reactions(o, tables, sqrt, moves=None):
-    A, links, rate, r_sigma = moves or motion(o, tables, sqrt)
-    branches = (_reactions(o, tables, A, links[k], rate[k], r_sigma, s) for k, s in enumerate((-1.0, 1.0)))
-    return tuple(zip(*branches, strict=True))
-
-
-def extremes(o, tables, sqrt, greatest):
-    """Return for each name of ``CASES["extremes"]`` a pair; ``greatest`` passes over NaN along the angle."""
-    moves = motion(o, tables, sqrt)
-    found = dict(zip(CASES["reactions"], reactions(o, tables, sqrt, moves), strict=True))
-    found |= dict(zip(CASES["rates"][2:], zip(*moves[2], strict=True), strict=True))
+def evaluate(case, o, tables, sqrt, greatest=None):
+    """Return for each name of ``CASES[case]`` a pair; ``greatest`` passes over NaN along the angle."""
+    found = quantities(case, o, tables, sqrt)
+    if case != "extremes":
+        return [found[name] for name in CASES[case]]
     results = []
-    for name in CASES["extremes"]:
+    for name in CASES[case]:
         quantity, _, kind = name.rpartition("_")
-        sign = 1.0 if kind == "max" else -1.0
-        results.append(tuple(sign * greatest(curve if sign > 0 else -curve) for curve in found[quantity]))
-    return tuple(results)
+        results.append([greatest(c) if kind == "max" else -greatest(-c) for c in found[quantity]])
+    return results
 
-
-#: For each name of ``CASES[case]`` a pair, its two branches, of constants, tables and a square root.
-FORMS = {"positions": positions, "rates": rates, "reactions": reactions}
 
 # ---- NumPy ----
 
@@ -216,16 +203,15 @@ np.empty(2**21)
 def bind_numpy(case, x, tables):
     """A good user's NumPy: each value once, where it depends on least, in pieces of a few designs."""
     arrays, size = outputs(case, x.shape[1], tables.shape[1]), max(1, PIECE // tables.shape[1])
-    form = FORMS.get(case) or functools.partial(
-        extremes, greatest=lambda curve: np.fmax.reduce(curve, axis=-1)
-    )
+    greatest = functools.partial(np.fmax.reduce, axis=-1)
 
     def call():
         o = constants(columns(x))
         with np.errstate(invalid="ignore", divide="ignore"):
             for first in range(0, x.shape[1], size):
                 part = slice(first, first + size)
-                pairs = form({name: column[part] for name, column in o.items()}, tables, np.sqrt)
+                some = {name: column[part] for name, column in o.items()}
+                pairs = evaluate(case, some, tables, np.sqrt, greatest)
                 for array, pair in zip(arrays, pairs, strict=True):
                     array[part, 0], array[part, 1] = pair
 
@@ -269,9 +255,8 @@ def heyoka_compiled(case):
     hy.llvm_state.set_memcache_limit(0)
     hy.llvm_state.set_diskcache_enabled(False)
     names = [*inputs_of(case), *(TABLES[k] for k in READ)]
-    known = {"omega1": 0.0} | dict.fromkeys(TABLES, 0.0) | dict(zip(names, hy.make_vars(*names), strict=True))
-    given = {name: known[name] for name in {*inputs_of(case), "omega1"}}
-    pairs = FORMS[case](constants(given, exact=False), [known[name] for name in TABLES], hy.sqrt)
+    known = dict.fromkeys(INPUTS + TABLES, 0.0) | dict(zip(names, hy.make_vars(*names), strict=True))
+    pairs = evaluate(case, constants(known, exact=False), [known[name] for name in TABLES], hy.sqrt)
     # "force_avx512" takes effect where the processor has it, as the width of eight does.
     options = {"compact_mode": False, "force_avx512": True, "batch_size": lanes_of_host()}
     return hy.cfunc([one for pair in pairs for one in pair], [known[name] for name in names], **options)
@@ -297,9 +282,7 @@ def heyoka_compile_time(case):
     """Return how long a case takes to compile, expressions and all, in s; to be called once in a process."""
     import heyoka  # noqa: F401
 
-    start = time.perf_counter()
-    heyoka_compiled(case)
-    return time.perf_counter() - start
+    return shortest(lambda: heyoka_compiled(case))[1]
 
 
 # ---- JAX on the CPU, in double precision ----
@@ -307,8 +290,8 @@ def heyoka_compile_time(case):
 WIDE = "--xla_cpu_prefer_vector_width=512"
 
 
-def jax_kernels():
-    """Return by case the jitted functions of (x, tables); branches stacked inside take 2 to 5 times as long."""
+def jax_kernel(case):
+    """Return the jitted function of (x, tables); branches stacked inside take 2 to 5 times as long."""
     import jax
     import jax.numpy as jnp
 
@@ -319,29 +302,21 @@ def jax_kernels():
         found = jnp.max(jnp.where(curve == curve, curve, -jnp.inf), axis=1)
         return jnp.where(found > -jnp.inf, found, jnp.nan)
 
-    def jitted(form):
-        return jax.jit(lambda x, tables: form(constants(columns(x)), tables, jnp.sqrt))
-
-    forms = FORMS | {"extremes": functools.partial(extremes, greatest=greatest)}
-    return {name: jitted(form) for name, form in forms.items()}
+    return jax.jit(lambda x, tables: evaluate(case, constants(columns(x)), tables, jnp.sqrt, greatest))
 
 
-def jax_measure(n, K):
-    """Return ns per configuration by case, on one processor (Linux); to be called before JAX starts its threads."""
+def jax_measure(case, n, K):
+    """Return ns per configuration, on one processor (Linux); to be called before JAX starts its threads."""
     os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     import jax
 
-    jitted = jax_kernels()  # first: it asks for double precision
+    kernel = jax_kernel(case)  # first: it asks for double precision
     x, tables = jax.device_put(designs(n)), jax.device_put(angle_tables(K))
-    found = {}
-    for case, kernel in jitted.items():
-        if kernel(x, tables)[0][0].dtype != np.float64:
-            raise RuntimeError("JAX did not compute in double precision")
-        found[case] = best_time(lambda run=kernel: jax.block_until_ready(run(x, tables)))
-    return {case: 1e9 * t / (2 * n * K) for case, t in found.items()}
+    jax.block_until_ready(kernel(x, tables))
+    return 1e9 * shortest(lambda: jax.block_until_ready(kernel(x, tables)), 0.3, 5)[1] / (2 * n * K)
 
 
-def jax_times(wide, n=512, K=360):
+def jax_time(case, wide, n=512, K=360):
     """Return `jax_measure` of a fresh process, with vectors of 512 bits or XLA's usual ones: fixed when JAX starts."""
     flags = f"{os.environ.get('XLA_FLAGS', '')} {WIDE if wide else ''}".strip()
-    return child(f"jax_measure({n}, {K})", "peers", XLA_FLAGS=flags)
+    return child(f"jax_measure({case!r}, {n}, {K})", "peers", XLA_FLAGS=flags)

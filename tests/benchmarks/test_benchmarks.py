@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import math
 import re
 from pathlib import Path
 
 import numpy as np
 import pytest
-from benchmarks.__main__ import quick
-from benchmarks.cases import CASES, angle_tables, angles, bind, designs, round_bars
+from benchmarks.__main__ import measure
+from benchmarks.cases import CASES, angle_tables, angles, bind_case, designs, fact, round_bars
 
 from benchmarks import accuracy, answers, minkowski, numba_baseline, peers, report
+from fastlink.engine.resolve import resolve
 from fastlink.numerics.compensated import UNIT_ROUNDING
 
 # A reaction next to a toggle goes as 1/sigma^3: some 40 roundings times a condition of up to 100, relative to
@@ -25,19 +25,19 @@ PAPER_FORCE = 5e-7
 
 @pytest.mark.stress
 def test_a_quick_run_measures_everything_and_changes_the_page_between_its_markers(tmp_path, monkeypatch):
-    rows, answered, found = quick()
+    rows, answered, found = measure(quick=True)
     assert [row["case"] for row in rows][: len(CASES)] == list(CASES)
     for row in (*rows, *answered):
         numbers = [value for value in row.values() if isinstance(value, float)]
         assert all(math.isfinite(value) and value > 0 for value in numbers)
-    assert all(math.isfinite(value) and (value > 0 or isinstance(value, int)) for _, value, _, _ in found)
+    assert all(math.isfinite(fact["value"]) and fact["value"] > 0 for fact in found)
     page, about = tmp_path / "performance.md", report.machine()
-    page.write_text(f"before\n{report.BEGIN}\n{report.END}\nafter\n")
+    page.write_text(f"before\n{report.BEGIN}\n\n{report.END}\nafter\n")
     monkeypatch.setattr(report, "PAGE", page)
     monkeypatch.setattr(report, "FOLDER", tmp_path / "data")
     for _ in range(2):
         report.write(rows, answered, found, about)
-        assert report.in_page() == report.text_of(rows, answered, about)
+        assert report.parts_of_page()[1] == report.text_of(rows, answered, about)
     assert report.record()["answers"] == answered
     assert page.read_text().startswith("before\n")
     assert page.read_text().endswith(f"{report.END}\nafter\n")
@@ -50,7 +50,7 @@ def test_c_has_the_bits_of_the_engine(case):
     x, K = designs(64), 72
     call, theirs = peers.bind_c(case, x, angle_tables(K))
     call()
-    ours = bind(case, x, K)[1]
+    ours = bind_case(case, x, K)[1]
     # The same arithmetic, strict IEEE in both.
     for name, one, other in zip(CASES[case], ours, theirs, strict=True):
         np.testing.assert_array_equal(one, other, err_msg=name)
@@ -59,10 +59,10 @@ def test_c_has_the_bits_of_the_engine(case):
 def test_without_a_compiler_the_table_has_a_note(monkeypatch):
     monkeypatch.setenv("CC", "no-such-compiler")
     about = report.machine()
-    row = {"case": "positions", "ns": 0.3}
+    text = report.text_of([{"case": "positions", "ns": 0.3}], [{"request": "rates", "cold": 0.1}], about)
     assert about["versions"]["gcc"] is None
-    assert "| positions |" in report.text_of([row], [], about)
-    assert "No gcc" in report.text_of([row], [], about)
+    assert "| positions |" in text
+    assert "No gcc" in text
 
 
 def difference(ours, theirs):
@@ -84,18 +84,18 @@ def found_by(binding, case, x, tables):
 
 
 def by_jax(case, x, tables):
-    pairs = peers.jax_kernels()[case](x, tables)
+    pairs = peers.jax_kernel(case)(x, tables)
     return (lambda: None), tuple(np.stack(pair, axis=1) for pair in pairs)
 
 
 @pytest.mark.parametrize("case", CASES)
 def test_all_agree(case):
     x, K = designs(20), 36
-    ours, tables = bind(case, x, K)[1], angle_tables(K)
+    ours, tables = bind_case(case, x, K)[1], angle_tables(K)
     others = {"NumPy": peers.bind_numpy, "numba by hand": numba_baseline.bind}
     if peers.available("jax"):
         others["JAX"] = by_jax
-    if case in peers.FORMS and peers.available("heyoka"):
+    if peers.heyoka_has(case):
         others["heyoka.py"] = peers.bind_heyoka
     for name, binding in others.items():
         assert difference(ours, found_by(binding, case, x, tables)) <= SAME_ARITHMETIC, name
@@ -108,7 +108,7 @@ def test_the_paper_agrees():
     x, curves = round_bars(([0.4], [1.2], [0.8], [1.0])), {}
     places = [1.667165012, 5.913849943, 0.1482557001, 0.1096]
     for case in ("rates", "reactions"):
-        curves |= zip(CASES[case], (array[0, 1] for array in bind(case, x, places)[1]), strict=True)
+        curves |= zip(CASES[case], (array[0, 1] for array in bind_case(case, x, places)[1]), strict=True)
     np.testing.assert_allclose(curves["omega4"][:2], [13.51343678, -23.95938172], rtol=PAPER)
     np.testing.assert_allclose(curves["alpha4"][2], 1062.775829, rtol=PAPER)
     force = np.hypot(*(curves[f"F41_{axis}"] + curves[f"F43_{axis}"] for axis in "xy"))
@@ -117,26 +117,18 @@ def test_the_paper_agrees():
 
 @pytest.mark.parametrize("label", answers.LABELS)
 def test_every_request_is_one(label):
-    asked = answers.resolved(label)
-    assert {output.name for output in asked.plan.outputs} > set(answers.requested(label)[2])
+    request = answers.request(label)
+    asked = resolve(**request)
+    assert {output.name for output in asked.plan.outputs} > set(request["quantities"])
     refined = any(output.refined for output in asked.plan.outputs)
     assert refined == ("extremes of" in label or label in (answers.COMMAND, "greatest shaking force"))
 
 
 # ---- --check ----
 
-FACTS = (
-    *(
-        ("a / C", 1.0, "", "<= 1.1"),
-        ("b / C", 1.0, "", ""),
-        ("a", 3.0, "ns", ""),
-        ("NumPy / a", 9.0, "times", ""),
-    ),
-    ("missed", 0, "", "0"),
-)
 ANSWERS = {"request": "rates", "to_heyoka": 3.0, "to_fixed": 2.0, "known_to_fixed": 1.0}
 RECORD = {
-    "facts": [dict(zip(("fact", "value", "unit", "aim"), fact, strict=True)) for fact in FACTS],
+    "facts": [fact("a / C", 1.0), fact("b / C", 1.0), fact("a", 3.0, "ns"), fact("NumPy / a", 9.0, "times")],
     "cases": [{"case": "rates", "to_C": 1.0}, {"case": "dense", "to_C": None}],
     "answers": [ANSWERS],
 }
@@ -150,30 +142,26 @@ def measuring(*times):
 
 def test_ratios_of_the_record_are_those_of_times():
     assert set(report.recorded(RECORD)) == {
-        *("a / C", "b / C", "rates, time / C", "set-up of rates, / heyoka.py"),
-        *("set-up of rates, / fixed work", "set-up of rates, from the cache / fixed work"),
+        *("a / C", "b / C", "rates, time / C", "rates, set-up / heyoka.py"),
+        *("rates, set-up / fixed work", "rates, set-up from the cache / fixed work"),
     }
 
 
 def test_what_got_worse_is_named(capsys):
-    assert report.report_worse(RECORD, measured=measuring(*[1.2] * report.ROUNDS)) == 1
+    assert report.check(report.recorded(RECORD), measuring(*[1.2] * report.ROUNDS)) == 1
     said = capsys.readouterr().out
     assert "a / C: 1.2, recorded 1, 20 % worse" in said
     assert "b / C" not in said
 
 
 def test_what_other_load_disturbed_is_measured_again(capsys):
-    assert report.report_worse(RECORD, measured=measuring(2.0, 1.3, 1.0)) == 0
+    assert report.check(report.recorded(RECORD), measuring(2.0, 1.3, 1.0)) == 0
     assert "nothing is more than 10 % worse" in capsys.readouterr().out
 
 
 def test_what_was_measured_is_what_is_shown():
-    kept = json.loads((report.FOLDER / "benchmarks.json").read_text())
-    text = report.text_of(kept["cases"], kept.get("answers", []), kept["machine"])
-    short_repr = report.in_page()
-    if short_repr is None:
-        pytest.skip(f"docs/performance.md has no {report.BEGIN}")
-    assert short_repr == text
+    kept = report.record()
+    assert report.parts_of_page()[1] == report.text_of(kept["cases"], kept["answers"], kept["machine"])
 
 
 def test_the_page_has_the_measured_errors_of_textbook_formulas():
@@ -199,7 +187,7 @@ def test_the_page_has_the_measured_errors_of_textbook_formulas():
 
 def test_eq3_has_the_same_roots():
     x, theta = minkowski.designs(40), np.linspace(-4.0, 4.0, 57)
-    psi, orientation = minkowski.bind(x, theta)[1]
+    psi, orientation = minkowski.bind_psi(x, theta)[1]
     by_eq3, sign = minkowski.eq3(x, theta)
     np.testing.assert_array_equal(np.isnan(by_eq3), np.isnan(psi))
     np.testing.assert_array_equal(np.nan_to_num(sign), orientation)
@@ -230,10 +218,10 @@ def test_errors_are_measured():
 
 def test_the_table_of_the_docs_is_the_one_that_is_measured():
     page = Path(__file__).parents[2].joinpath("docs", "minkowski.md").read_text()
-    head, _, *rows = minkowski.error_table(2, rounds=1).splitlines()
-    short_repr = page[page.index(head) :].split("\n\n")[0].splitlines()[2:]
-    assert len(short_repr) == len(rows)
-    for row, measured in zip(short_repr, rows, strict=True):
+    _, _, *rows = minkowski.error_table(2, rounds=1).splitlines()
+    shown = page[page.index("| inputs | fastlink: error") :].split("\n\n")[0].splitlines()[2:]
+    assert len(shown) == len(rows)
+    for row, measured in zip(shown, rows, strict=True):
         (name, own, by_eq3, *times), (of, _, now, *others) = (
             [cell.strip() for cell in line.strip("|").split("|")] for line in (row, measured)
         )
