@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import re
 from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
@@ -53,18 +52,7 @@ class Extension:
         problems.stop()
 
         def declare(function: F) -> F:
-            of = declarations.function_text(function)
-            name = of.tree.name
-            found = Problems()
-            with found.at(name):
-                declarations.check_name(name)
-            fact = found.attempt(declarations.fact_text, of)
-            found.stop()
-            first = (ast.get_docstring(of.tree) or "").strip().split("\n", 1)[0].rstrip(".")
-            labels = name, units, texts[1] or name, texts[0] or first or name
-            place = of.file, of.line + of.tree.lineno, fact.lines
-            parts: Any = *labels, fact.parameters, fact.text, of.text, fact.imports, fact.jumps, *place
-            self._add(declarations.OwnQuantity(*parts))
+            self._add(declarations.read_quantity(function, units, *texts))
             return function
 
         return declare

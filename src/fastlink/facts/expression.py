@@ -21,8 +21,10 @@ __all__ = [
     "CircularError",
     "Condition",
     "ExpressionGraph",
+    "GraphAsWritten",
     "Node",
     "generate_formula",
+    "is_condition",
     "is_power_of_two",
     "postorder",
 ]
@@ -95,14 +97,15 @@ class ExpressionGraph:
     """
 
     def __init__(self, opaque: Collection[Any]) -> None:
-        self._nodes: dict[tuple[Any, ...], Node] = {}
+        #: By kind, value and identity of the parts.
+        self.nodes: dict[tuple[Any, ...], Node] = {}
         self._opaque = {sqrt, atan2, cosine, sine, log, log1p, log_quotient, abs, *opaque}
         self.zero, self.one = self.number(0.0), self.number(1.0)
 
     def node(self, kind: str, *args: Node, value: Any = None) -> Node:
         """Return a value, the one that exists if there is one."""
         key = (kind, repr(value) if kind == "number" else value, *map(id, args))
-        return self._nodes.setdefault(key, Node(kind, args, value))
+        return self.nodes.setdefault(key, Node(kind, args, value))
 
     def name(self, name: str) -> Node:
         """Return the value of a name."""
@@ -185,7 +188,7 @@ class ExpressionGraph:
         """Return a/b."""
         if a is self.zero or b is self.one:
             return a
-        if a.kind == b.kind == "number":
+        if a.kind == b.kind == "number" and b is not self.zero:
             return self.number(a.value / b.value)
         if a.kind == "neg" or b.kind == "neg":
             positive = self.div(*(x.args[0] if x.kind == "neg" else x for x in (a, b)))
@@ -267,13 +270,15 @@ class ExpressionGraph:
 
     # -- writing ---------------------------------------------------------------------------------
 
-    def write(self, root: Node, given: Mapping[Node, str]) -> tuple[tuple[str, ...], list[str]]:
-        """Return the names in an expression, and the lines of a function that returns it.
+    def write(
+        self, root: Node, given: Mapping[Node, str], assigned: Collection[Node] = ()
+    ) -> tuple[tuple[str, ...], list[tuple[Node, str]]]:
+        """Return the names in an expression, and the values and lines of a function that returns it.
 
-        `given` are values that have a name of their own.
+        `given` are values that have a name of their own; those that are `assigned` have a line in any case.
         """
         order: dict[Node, tuple[Node, ...]] = {}
-        for node in postorder([root], lambda node: () if node in given else node.args, order):
+        for node in postorder([*assigned, root], lambda node: () if node in given else node.args, order):
             order[node] = () if node in given else node.args
         uses = Counter(part for parts in order.values() for part in parts)
         depends_on = {
@@ -282,19 +287,32 @@ class ExpressionGraph:
         pairs = {parts[0] for node, parts in order.items() if parts and node.kind == "item"}
         written: dict[Node, ast.expr] = {}
         depths: dict[Node, int] = {}
-        lines: list[str] = []
+        lines: list[tuple[Node, str]] = []
         for node, parts in order.items():
             text = ast.Name(given[node]) if node in given else _expression(node, [written[a] for a in parts])
             short = node in given or node.kind in ("name", "number", "item")
             depths[node] = 0 if short else 1 + max((depths[a] for a in parts), default=0)
-            if node in pairs or (not short and (uses[node] > 1 or depths[node] == DEEPEST)):
+            repeated = uses[node] > 1 or depths[node] == DEEPEST or node in assigned
+            if node in pairs or (repeated and not short):
                 depths[node] = 0
                 local = f"_{len(lines)}"
                 target = f"{local}_0, {local}_1" if node in pairs else local
-                lines.append(f"{target} = {ast.unparse(text)}")
+                lines.append((node, f"{target} = {ast.unparse(text)}"))
                 text = ast.Name(local)
             written[node] = text
-        return tuple(depends_on), [*lines, f"return {ast.unparse(written[root])}"]
+        return tuple(depends_on), [*lines, (root, f"return {ast.unparse(written[root])}")]
+
+
+class GraphAsWritten(ExpressionGraph):
+    """Values of operations as they are written, so that they have the same bits: nothing is folded."""
+
+    def neg(self, a: Node) -> Node:
+        """Return -a."""
+        return self.node("neg", a)
+
+    def operation(self, sign: str, a: Node, b: Node) -> Node:
+        """Return the value of an operation with two arguments."""
+        return self.node(sign, a, b)
 
 
 def _expression(node: Node, args: Sequence[ast.expr]) -> ast.expr:
@@ -316,6 +334,11 @@ def _expression(node: Node, args: Sequence[ast.expr]) -> ast.expr:
             return ast.BinOp(args[0], OPERATORS[sign], args[1])
         case sign:
             return ast.Compare(args[0], [COMPARISONS[sign]], [args[1]])
+
+
+def is_condition(node: Node) -> bool:
+    """Tell whether a value is a comparison, or several."""
+    return node.kind in COMPARISONS or node.kind in ("&", "|")
 
 
 def _scaled(x: Node) -> tuple[float, Node]:
@@ -376,4 +399,5 @@ SLOPES = {vectors.choice: _of_choice, vectors.absolute: _of_size}
 
 def generate_formula(name: str, graph: ExpressionGraph, root: Node, given: Mapping[Node, str]) -> Formula:
     """Return a formula that returns a value; its parameters are the names that it depends on."""
-    return Formula(name, *graph.write(root, given))
+    depends_on, lines = graph.write(root, given)
+    return Formula(name, depends_on, [line for _, line in lines])

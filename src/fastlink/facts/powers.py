@@ -10,7 +10,7 @@ import math
 import re
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -57,6 +57,11 @@ class Powers:
     """A number of which only the powers are known."""
 
     powers: tuple[float, ...]
+
+    @classmethod
+    def of_units(cls, units: str) -> Self:
+        """Return a number of some units."""
+        return cls(tuple(map(float, dimensions(units))))
 
     @property
     def context(self) -> _Functions:

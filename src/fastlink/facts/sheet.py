@@ -50,7 +50,7 @@ from fastlink.facts.catalogue import Catalogue, plain_and_above
 from fastlink.facts.fact import Fact, GradedRange, Input, Loops, Rule, System
 from fastlink.facts.formula import NAMESPACE, WORD, CatalogueError, Formula, SheetError
 from fastlink.facts.names import root_of
-from fastlink.facts.powers import Powers, UnlikePowers, dimensions
+from fastlink.facts.powers import Powers, UnlikePowers
 
 __all__ = ["Entry", "SheetError", "entries_of", "mechanism_of", "read_sheet", "read_sheets", "wrong_units"]
 
@@ -445,7 +445,7 @@ def wrong_units(known: Catalogue) -> dict[str, str]:
     def number(name: str) -> Powers:
         plain = plain_and_above(known.parse(name))[0]
         made = known.resolve(plain) if plain not in units else None
-        return of_units(made.units if isinstance(made, Fact) else units[plain])
+        return Powers.of_units(made.units if isinstance(made, Fact) else units[plain])
 
     problems = {}
     for facts in declared:
@@ -459,11 +459,6 @@ def wrong_units(known: Catalogue) -> dict[str, str]:
     return problems
 
 
-def of_units(units: str) -> Powers:
-    """Return a number of some units."""
-    return Powers(tuple(map(float, dimensions(units))))
-
-
 def _check_units(step: Fact | System, given: Sequence[Powers], number: Callable[[str], Powers]) -> None:
     """Raise UnlikePowers if a formula adds unlike units, or gives others than are declared."""
     if isinstance(step, System):
@@ -471,11 +466,11 @@ def _check_units(step: Fact | System, given: Sequence[Powers], number: Callable[
             terms = (x * number(unknown) for x, unknown in zip(factors, step.unknowns, strict=True))
             sum(terms, start=value)
     elif given and not any(any(one.powers) for one in given):  # what is made of pure numbers is one
-        of_units(step.units).like(1.0, "declares")
+        Powers.of_units(step.units).like(1.0, "declares")
     else:
         value = step.formula(*given)
         for part in (value,) if step.low is None else value:
-            of_units(step.units).like(part, "declares")
+            Powers.of_units(step.units).like(part, "declares")
 
 
 def _only_head(entries: Sequence[Entry], section: str, file: str) -> Mapping[str, str | None]:
