@@ -87,7 +87,7 @@ class Extension:
             _label(problems, "input", *one) for one in (("description", description), ("symbol", symbol))
         ]
         problems.stop()
-        self._add(declarations.OwnInput(name, units, texts[1] or name, texts[0] or name, rule, number))
+        self._add(Input(name, units, texts[1] or name, texts[0] or name, rule, number))
 
     @property
     def text(self) -> str:
@@ -105,7 +105,7 @@ class Extension:
         """Return an extension with the same declarations, to which others can be added."""
         return type(self)(self.mechanism, self._definition)
 
-    def _add(self, declared: declarations.OwnInput | declarations.OwnQuantity) -> None:
+    def _add(self, declared: Input | declarations.OwnQuantity) -> None:
         """Add a declaration; one of its name gives way to it unless both stand in one file, line below line."""
         others = [one for one in self._definition if one.name != declared.name]
         before = next((one for one in self._definition if one.name == declared.name), None)
@@ -126,16 +126,16 @@ class Extension:
         return f"<{self.mechanism} with {names or 'nothing of its own yet'}>"
 
 
-def _place(one: declarations.OwnInput | declarations.OwnQuantity | None) -> tuple[str, int]:
+def _place(one: Input | declarations.OwnQuantity | None) -> tuple[str, int]:
     return (one.file, one.line) if isinstance(one, declarations.OwnQuantity) else ("", 0)
 
 
 def _in_order(
-    declared: Iterable[declarations.OwnInput | declarations.OwnQuantity],
+    declared: Iterable[Input | declarations.OwnQuantity],
 ) -> declarations.Definition:
     """Return declarations, each after those on which it depends."""
     left = {one.name: one for one in declared}
-    found: dict[str, declarations.OwnInput | declarations.OwnQuantity] = {}
+    found: dict[str, Input | declarations.OwnQuantity] = {}
     while left:
         needs = {name: set(getattr(one, "parameters", ())) - {name} for name, one in left.items()}
         free = [name for name in left if left.keys().isdisjoint(needs[name])]

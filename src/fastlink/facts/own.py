@@ -25,10 +25,9 @@ from fastlink.errors import InputError, KeyPath, Problems, suggest
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.derivative import NoDerivative
 from fastlink.facts.expression import SIGNS, GraphAsWritten, Node, generate_formula, is_condition, postorder
-from fastlink.facts.fact import Fact, Input, Rule, System
+from fastlink.facts.fact import Fact, Input, System
 from fastlink.facts.formula import NAMESPACE, CatalogueError, Formula
 from fastlink.facts.names import (
-    Derivative,
     ErrorBound,
     ListOfExtrema,
     Quantity,
@@ -36,6 +35,7 @@ from fastlink.facts.names import (
     Trust,
     bounded_of,
     error_name,
+    plain_part,
     root_of,
 )
 from fastlink.facts.powers import UNITS, Powers, UnlikePowers, units_text
@@ -47,7 +47,6 @@ __all__ = [
     "TAKEN",
     "TOO_LONG",
     "Definition",
-    "OwnInput",
     "OwnQuantity",
     "check_name",
     "check_units",
@@ -175,48 +174,40 @@ def _does(code: CodeType) -> tuple[Any, ...]:
 
 #: The greatest power that is written as products.
 MOST_POWER = 16
-A_LOOP_IN_IT = "is a loop", "write each term"
-#: What is no number.
-EXPRESSIONS: dict[type[ast.AST], tuple[str, str]] = {
-    ast.Lambda: ("is a lambda", "write its formula here"),
-    ast.ListComp: A_LOOP_IN_IT,
-    ast.GeneratorExp: A_LOOP_IN_IT,
-    ast.SetComp: A_LOOP_IN_IT,
-    ast.DictComp: A_LOOP_IN_IT,
-    ast.List: ("is a list", "write numbers"),
-    ast.Tuple: ("is several values", "return one number; declare a quantity for each"),
-    ast.Dict: ("is a dict", "write numbers"),
-    ast.Subscript: ("is a part of something", "take a parameter for it"),
-    ast.JoinedStr: ("is a text", "write numbers"),
-    ast.NamedExpr: ("assigns within an expression", "assign on a line of its own"),
-    ast.Starred: ("has an unknown number of values", "write each"),
-    ast.BinOp: ("is an operation that facts do not have", "write + - * / or **"),
-}
 A_NUMBER = "write `1.0 if condition else 0.0`"
 CHOOSE = "write `a if condition else b`, or max and min"
-A_LOOP = "is a loop", "write each term: only straight-line code is compiled for any number of designs"
 A_GLOBAL = "take a parameter, or declare an input with a default value"
-#: What is not straight-line code, and what to write instead.
-STATEMENTS: dict[type[ast.AST], tuple[str, str]] = {
-    ast.Return: ("is not the last line", f"end in one return: {CHOOSE}"),
-    ast.If: ("branches", CHOOSE),
-    ast.For: A_LOOP,
-    ast.While: A_LOOP,
-    ast.Match: ("branches", CHOOSE),
-    ast.FunctionDef: (
+#: What is no number or no straight-line code, by kinds of syntax, and what to write instead.
+REFUSED = {
+    "Lambda": ("is a lambda", "write its formula here"),
+    "ListComp GeneratorExp SetComp DictComp": ("is a loop", "write each term"),
+    "List": ("is a list", "write numbers"),
+    "Tuple": ("is several values", "return one number; declare a quantity for each"),
+    "Dict": ("is a dict", "write numbers"),
+    "Subscript": ("is a part of something", "take a parameter for it"),
+    "JoinedStr": ("is a text", "write numbers"),
+    "NamedExpr": ("assigns within an expression", "assign on a line of its own"),
+    "Starred": ("has an unknown number of values", "write each"),
+    "BinOp": ("is an operation that facts do not have", "write + - * / or **"),
+    "Return": ("is not the last line", f"end in one return: {CHOOSE}"),
+    "If Match": ("branches", CHOOSE),
+    "For While": (
+        "is a loop",
+        "write each term: only straight-line code is compiled for any number of designs",
+    ),
+    "FunctionDef": (
         "defines a function",
         "declare it as a quantity of its own, and take that as a parameter",
     ),
-    ast.ClassDef: ("defines a class", "write assignments and one return"),
-    ast.Global: ("is about global names", A_GLOBAL),
-    ast.Nonlocal: ("is about outer names", A_GLOBAL),
-    ast.Import: ("imports", "import above the function"),
-    ast.ImportFrom: ("imports", "import above the function"),
-    ast.Assert: ("tests", "write the value where it holds, and another one else: `a if condition else b`"),
-    ast.Raise: ("raises an error", CHOOSE),
-    ast.Expr: ("has no effect", "leave it out"),
-    ast.Pass: ("has no effect", "leave it out"),
+    "ClassDef": ("defines a class", "write assignments and one return"),
+    "Global": ("is about global names", A_GLOBAL),
+    "Nonlocal": ("is about outer names", A_GLOBAL),
+    "Import ImportFrom": ("imports", "import above the function"),
+    "Assert": ("tests", "write the value where it holds, and another one else: `a if condition else b`"),
+    "Raise": ("raises an error", CHOOSE),
+    "Expr Pass": ("has no effect", "leave it out"),
 }
+REFUSALS = {kind: said for kinds, said in REFUSED.items() for kind in kinds.split()}
 #: Returns a value, and yields such of the parts that it needs: texts of any depth are read without recursion.
 Reading = Generator[Any, Node, Node]
 
@@ -280,7 +271,7 @@ class _Reader:
         """Return the names that a statement assigns to, and the value."""
         if not isinstance(node, (ast.Assign, ast.AnnAssign, ast.AugAssign)):
             wrong = "is not straight-line code", "write assignments and one return"
-            raise self.refuse(node, *STATEMENTS.get(type(node), wrong))
+            raise self.refuse(node, *REFUSALS.get(type(node).__name__, wrong))
         targets = node.targets if isinstance(node, ast.Assign) else [node.target]
         names = [target.id for target in targets if isinstance(target, ast.Name)]
         if len(names) < len(targets) or node.value is None:
@@ -365,7 +356,7 @@ class _Reader:
                     return reduce(lambda a, b: self.graph.read(FUNCTIONS[name], [a, b]), numbers)
                 return self.graph.read(FUNCTIONS[name], numbers)
         wrong = "is not a number", "write numbers, + - * / and functions"
-        raise self.refuse(node, *EXPRESSIONS.get(type(node), wrong))
+        raise self.refuse(node, *REFUSALS.get(type(node).__name__, wrong))
 
     def _each(
         self, read: Callable[[ast.expr], Reading], nodes: Iterable[ast.expr]
@@ -537,96 +528,33 @@ def quoted(node: ast.AST) -> str:
 
 
 #: Names of options and coordinates.
-OPTIONS = (
-    *("active", "refinement", "starts"),
-    *(
-        "allow_invalid",
-        "angles",
-        "angles_deg",
-        "attrs",
-        "backend",
-        "block",
-        "branch",
-        "client",
-        "design",
-        "extrema",
-    ),
-    *(
-        "extremum",
-        "input",
-        "inputs",
-        "keep",
-        "layout",
-        "links",
-        "mechanism",
-        "n",
-        "outputs",
-        "overwrite",
-        "part",
-    ),
-    *(
-        "positions",
-        "progress",
-        "quantities",
-        "restart",
-        "seed",
-        "solver",
-        "space",
-        "status",
-        "threads",
-        "to",
-        "verify",
-    ),
-)
+OPTIONS = """
+    active allow_invalid angles angles_deg attrs backend block branch client design extrema extremum
+    input inputs keep layout links mechanism n outputs overwrite part positions progress quantities
+    refinement restart seed solver space starts status threads to verify
+"""
 #: Names of variables and functions in the texts of kernels.
-OF_KERNELS = (
-    *("begin_certain", "collect_toggles", "flag_undecided", "keep_certain"),
-    *("note_hidden", "note_uncertain", "settle_toggles"),
-    *("collect_jumps", "forget_slopes", "forget_splits", "keep_slopes", "keep_splits", "mark_splits"),
-    *("next_split", "place_split", "replace_cells", "splits"),
-    *(
-        "bound_hidden",
-        "count_near",
-        "count_turned",
-        "keep_away",
-        "keep_near",
-        "keep_turned",
-        "n_turned",
-        "place_near",
-    ),
-    *("abs", "advance_roots", "advance_valleys", "append_item", "append_of_lane", "append_unresolved"),
-    *("array", "at", "begin_roots", "begin_valleys", "best", "bound_at_zero", "bound_ends"),
-    *("bound_zeros", "clear", "collect", "collect_ends", "collect_fine", "collect_folds"),
-    *("collect_octaves", "collect_rest", "collect_unresolved", "count_folded"),
-    *("counts", "designs", "divide", "divided", "doubt", "drop_folds", "end_values", "ends", "entries"),
-    *("every_vector", "extrema_at_zeros", "filled", "fine_marks", "flags", "flattened"),
-    *("fluctuation_lanes", "forget_winners", "from_high", "from_low", "from_upper", "gather"),
-    *("gradients", "has_no_bound", "i", "i0", "inf", "j", "j0", "j1", "j2", "judge_winners", "k"),
-    *("keep_beside", "keep_beside_fold", "keep_fine", "keep_octave", "keep_slope", "kernel", "known"),
-    *("lanes", "lists", "mark", "mark_ends", "mark_fine", "mark_unresolved", "marks", "max", "min"),
-    *(
-        "mirror_image",
-        "n_angles",
-        "n_designs",
-        "n_ends",
-        "n_here",
-        "n_lost",
-        "n_moving",
-        "n_near",
-        "n_octaves",
-    ),
-    *("n_open", "n_tries", "n_vectors", "nan", "note_kinks", "note_winners", "nothing_yet", "octaves"),
-    *("of_better", "off_at_end", "outlined", "padded", "piece", "place_beside", "place_beside_fold"),
-    *("place_ends", "place_fine", "place_lost", "place_octave", "place_samples", "place_slope"),
-    *("begin_octaves", "weigh_octave"),
-    *("position", "range", "rest", "roots", "samples", "set_bracket", "settle_jumps", "settle_noise"),
-    *("settle_slopes", "side", "signs", "silence_rest", "silenced", "solve_lanes", "split", "square"),
-    *("start", "state", "step", "store_best", "store_bound", "store_change", "store_counts"),
-    *("store_extrema", "store_gradient", "store_list", "store_status", "sums", "table"),
-    *("thin", "tile", "to_sample", "trial", "tries", "turn", "unresolved", "upper", "v", "valleys"),
-    *("vectors", "w", "w2", "width", "winners"),
-)
-TAKEN = frozenset({*OPTIONS, *OF_KERNELS, *NAMESPACE})
+OF_KERNELS = """
+    abs advance_roots advance_valleys append_item append_of_lane append_unresolved array at
+    begin_certain begin_octaves begin_roots begin_valleys best bound_at_zero bound_ends bound_hidden
+    bound_zeros clear collect collect_ends collect_fine collect_folds collect_jumps collect_octaves
+    collect_rest collect_toggles collect_unresolved count_folded count_near count_turned counts designs
+    divide divided doubt drop_folds end_values ends entries every_vector extrema_at_zeros filled
+    fine_marks flag_undecided flags flattened fluctuation_lanes forget_slopes forget_splits
+    forget_winners from_high from_low from_upper gather gradients has_no_bound i i0 inf j j0 j1 j2
+    judge_winners k keep_away keep_beside keep_beside_fold keep_certain keep_fine keep_near keep_octave
+    keep_slope keep_slopes keep_splits keep_turned kernel known lanes lists mark mark_ends mark_fine
+    mark_splits mark_unresolved marks max min mirror_image n_angles n_designs n_ends n_here n_lost
+    n_moving n_near n_octaves n_open n_tries n_turned n_vectors nan next_split note_hidden note_kinks
+    note_uncertain note_winners nothing_yet octaves of_better off_at_end outlined padded piece
+    place_beside place_beside_fold place_ends place_fine place_lost place_near place_octave
+    place_samples place_slope place_split position range replace_cells rest roots samples set_bracket
+    settle_jumps settle_noise settle_slopes settle_toggles side signs silence_rest silenced solve_lanes
+    split splits square start state step store_best store_bound store_change store_counts store_extrema
+    store_gradient store_list store_status sums table thin tile to_sample trial tries turn unresolved
+    upper v valleys vectors w w2 weigh_octave width winners
+"""
+TAKEN = frozenset({*OPTIONS.split(), *OF_KERNELS.split(), *NAMESPACE})
 #: The beginnings of names that kernels make.
 MADE = r"out_|whole_|(asked|columns|f|gradient|limit|part|rows|search|slope|split_by|value)_\d"
 #: Letters of the longest name: results have endings, and files room for 255.
@@ -727,26 +655,22 @@ def _piece(graph: GraphAsWritten, root: Node, chosen: Mapping[Node, Node]) -> No
 # A text means the same in any units: constants are pure numbers, what has a unit is an input.
 
 
-#: What other programs call units, and their texts here.
+#: What other programs call units, by their texts here.
 OTHERS = {
-    "deg": "rad",
-    "degree": "rad",
-    "degrees": "rad",
-    "°": "rad",
-    "": "1",
-    "-": "1",
-    "dimensionless": "1",
+    "rad": ("deg", "degree", "degrees", "°"),
+    "1": ("", "-", "dimensionless", "%"),
+    "N m": ("Nm", "N*m"),
+    "m s-2": ("m/s2", "m/s^2"),
+    "m s-1": ("m/s",),
+    "rad s-1": ("rad/s",),
+    "s-1": ("Hz",),
+    "N m-2": ("Pa",),
+    "kg m2": ("kg*m2",),
+    "m": ("mm",),
+    "N": ("kN",),
+    "s": ("ms",),
+    "kg": ("g",),
 }
-OTHERS |= {
-    "Nm": "N m",
-    "N*m": "N m",
-    "m/s": "m s-1",
-    "rad/s": "rad s-1",
-    "Hz": "s-1",
-    "Pa": "N m-2",
-    "mm": "m",
-}
-OTHERS |= {"m/s2": "m s-2", "m/s^2": "m s-2", "kg*m2": "kg m2", "kN": "N", "ms": "s", "g": "kg", "%": "1"}
 
 
 def check_units(where: KeyPath, units: Any) -> str:
@@ -764,7 +688,9 @@ def check_units(where: KeyPath, units: Any) -> str:
     found = [re.fullmatch(r"([A-Za-z]+|1)(-?\d*)", one) for one in text.split()]
     if found and all(one is not None and one[1] in UNITS for one in found):
         return text
-    meant = OTHERS.get(units.strip()) if isinstance(units, str) else None
+    meant = next(
+        (ours for ours, others in OTHERS.items() if isinstance(units, str) and units.strip() in others), ""
+    )
     known = f"of {', '.join(UNITS)} with whole powers, such as 'kg m2 s-2' or 'rad s-1'"
     remedy = f"write {meant!r}" if meant else f"write a product {known}"
     raise InputError(f"is {short_repr(units)}", where=where, remedy=remedy)
@@ -774,25 +700,13 @@ def check_units(where: KeyPath, units: Any) -> str:
 #    anywhere
 
 
-@dataclass(frozen=True)
-class OwnInput:
-    """An input that a user declares."""
-
-    name: str
-    units: str
-    symbol: str
-    meaning: str
-    rule: Rule
-    default: float | None
-
-    @property
-    def text(self) -> str:
-        """Its declaration, to be read and run."""
-        given = {"units": self.units, "default": self.default, "rule": self.rule, "description": self.meaning}
-        given |= {} if self.symbol == self.name else {"symbol": self.symbol}
-        usual = {"rule": "any", "default": None, "description": self.name}
-        shown = (f"{key}={value!r}" for key, value in given.items() if value != usual.get(key, ""))
-        return f"mine.input({self.name!r}, {', '.join(shown)})"
+def input_text(declared: Input) -> str:
+    """Return the declaration of an input, to be read and run."""
+    given = {"units": declared.units, "default": declared.default, "rule": declared.rule}
+    given |= {"description": declared.meaning, "symbol": declared.symbol}
+    usual = {"rule": "any", "default": None, "description": declared.name, "symbol": declared.name}
+    shown = (f"{key}={value!r}" for key, value in given.items() if value != usual.get(key, ""))
+    return f"mine.input({declared.name!r}, {', '.join(shown)})"
 
 
 @dataclass(frozen=True)
@@ -840,7 +754,7 @@ def read_quantity(function: Any, units: str, meaning: str, symbol: str) -> OwnQu
 
 
 #: What a user declares, each after what it depends on.
-Definition = tuple[OwnInput | OwnQuantity, ...]
+Definition = tuple[Input | OwnQuantity, ...]
 
 
 def _check_units(quantity: OwnQuantity, formula: Formula, units: Iterable[str]) -> None:
@@ -878,7 +792,7 @@ def definition_text(mechanism: str, definition: Definition) -> str:
     """Return declarations as a text of Python that makes them again."""
     imports = {line for one in definition if isinstance(one, OwnQuantity) for line in one.imports}
     head = "\n".join([*sorted(imports), "import fastlink as fl", "", f"mine = fl.extend({mechanism!r})"])
-    parts = [f"\n{one.text}" if isinstance(one, OwnQuantity) else one.text for one in definition]
+    parts = [f"\n{one.text}" if isinstance(one, OwnQuantity) else input_text(one) for one in definition]
     return "\n".join([head, *parts]) + "\n"
 
 
@@ -896,30 +810,15 @@ def extended(
         own.first = first  # type: ignore[attr-defined]
     for one in definition:
         try:
-            if isinstance(one, OwnInput):
+            if isinstance(one, Input):
                 _check_free(own, one.name, "input")
-                own.declare_input(Input(one.name, one.units, one.symbol, one.meaning, one.rule, one.default))
-            elif first is None or all(map(own.declares, map(_plain(own), one.parameters))):
+                own.declare_input(one)
+            elif first is None or all(own.declares(plain_part(own.parse(name))) for name in one.parameters):
                 _declare(own, one)
         except CatalogueError as error:
             what, _, _remedy = str(error).removeprefix(f"{own.name}: ").partition("; ")
             raise InputError(what, where=(one.name,), remedy="call it otherwise") from None
     return own
-
-
-def _plain(catalogue: Catalogue) -> Any:
-    """Return a function that returns the quantity whose derivative a name is, else the name."""
-
-    def plain(name: str) -> str:
-        tree = catalogue.parse(name)
-        return plain(str(tree.of)) if isinstance(tree, Derivative) else name
-
-    return plain
-
-
-def own_names(catalogue: Catalogue, names: Iterable[str]) -> set[str]:
-    """Return those of these names that a user has declared as quantities."""
-    return {name for name in names if name in catalogue.facts and catalogue.facts[name].own}
 
 
 def used(catalogue: Catalogue, steps: Iterable[Fact | System], inputs: Iterable[str] = ()) -> Definition:
@@ -960,7 +859,8 @@ def _declare(catalogue: Catalogue, one: OwnQuantity) -> None:
     graded = catalogue.graded
     if graded is None:
         return
-    jumps = one.jumps or own_names(catalogue, one.parameters) & set(graded.not_differentiable)
+    read = (catalogue.facts[name] for name in one.parameters if name in catalogue.facts)
+    jumps = one.jumps or any(fact.own and fact.name in graded.not_differentiable for fact in read)
     if jumps or not _declare_kinks(catalogue, one, labels):
         names = (*graded.not_differentiable, one.name)
         catalogue.graded = replace(graded, not_differentiable=names)
@@ -1002,34 +902,25 @@ def _units_of(catalogue: Catalogue, one: OwnQuantity, name: str) -> str:
     if name == "branch":
         return "1"
     tree = catalogue.parse(name)
-    of = bounded_of(tree)
+    of, what = bounded_of(tree), f"the parameter {name} is"
     if isinstance(of, (Reduced, ListOfExtrema)) and catalogue.is_quantity(str(of.of)):
-        what = f"the parameter {name} is of the whole cycle, and a quantity is of one input position"
-        asked = ", ".join(str(Reduced(Quantity(one.name), how)) for how in ("max", "mean"))
-        remedy = f"take {of.of}, and ask for the extremes of {one.name}: {asked}"
-        raise InputError(what, where=(one.name,), remedy=remedy)
-    if isinstance(tree, (ErrorBound, Trust)) and catalogue.is_quantity(str(tree.of)):
-        what = f"the parameter {name} is an error bound"
-        raise InputError(
-            what, where=(one.name,), remedy=f"take {tree.of}; {error_name(one.name)} follows by itself"
-        )
-    if name == one.name:
-        what = "depends on itself"
-        raise InputError(what, where=(one.name,), remedy="take parameters that are declared before")
-    if not catalogue.is_quantity(name):
-        internal = catalogue.declares(name)
-        what = f"the parameter {name} is {'a step within the facts' if internal else 'unknown'}"
-        known = [*catalogue.public, *catalogue.variables]
-        raise InputError(what, where=(one.name,), remedy=suggest(name, known))
-    fact = catalogue.public_fact(name)
-    _check_derivative(catalogue, one, name)
-    return fact.units
-
-
-def _check_derivative(catalogue: Catalogue, one: OwnQuantity, name: str) -> None:
-    try:
-        catalogue.resolve(name)
-    except NoDerivative as error:
-        raise InputError(
-            f"the parameter {error.what}", where=(one.name,), remedy="take another one"
-        ) from None
+        what += " of the whole cycle, and a quantity is of one input position"
+        extremes = ", ".join(str(Reduced(Quantity(one.name), how)) for how in ("max", "mean"))
+        remedy = f"take {of.of}, and ask for the extremes of {one.name}: {extremes}"
+    elif isinstance(tree, (ErrorBound, Trust)) and catalogue.is_quantity(str(tree.of)):
+        what += " an error bound"
+        remedy = f"take {tree.of}; {error_name(one.name)} follows by itself"
+    elif name == one.name:
+        what, remedy = "depends on itself", "take parameters that are declared before"
+    elif not catalogue.is_quantity(name):
+        what += " a step within the facts" if catalogue.declares(name) else " unknown"
+        remedy = suggest(name, [*catalogue.public, *catalogue.variables])
+    else:
+        fact = catalogue.public_fact(name)
+        try:
+            catalogue.resolve(name)
+        except NoDerivative as error:
+            what, remedy = f"the parameter {error.what}", "take another one"
+        else:
+            return fact.units
+    raise InputError(what, (one.name,), remedy)
