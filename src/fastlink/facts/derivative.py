@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -9,7 +10,6 @@ from typing import Any
 
 from fastlink.errors import InputError, Setting
 from fastlink.facts.expression import (
-    SLOPES,
     ExpressionGraph,
     Node,
     generate_formula,
@@ -17,7 +17,7 @@ from fastlink.facts.expression import (
     postorder,
 )
 from fastlink.facts.fact import Fact, Input, System
-from fastlink.facts.formula import Formula
+from fastlink.facts.formula import Formula, parameters
 from fastlink.facts.names import Change, Quantity, derivative_name
 from fastlink.numerics import compensated, vectors
 from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, atan2, cosine, select, sine, sqrt
@@ -161,55 +161,38 @@ def units_per(units: str, by: str) -> str:
 
 # -- rules -------------------------------------------------------------------------------------------------
 
-Rule = Callable[[ExpressionGraph, Sequence[Node], Sequence[Node], Node], Node]
-
-
-def _of_sum(graph: ExpressionGraph, args: Sequence[Node], slopes: Sequence[Node], value: Node) -> Node:
-    total = graph.zero
-    for slope in slopes:
-        total = graph.add(total, slope)
-    return total
-
-
-def _of_product(graph: ExpressionGraph, args: Sequence[Node], slopes: Sequence[Node], value: Node) -> Node:
-    (a, *_, b), (da, *_, db) = args, slopes
-    return graph.add(graph.mul(da, b), graph.mul(a, db))
-
-
-def _of_pair_product(
-    graph: ExpressionGraph, args: Sequence[Node], slopes: Sequence[Node], value: Node
-) -> Node:
-    return _of_product(graph, (args[0], args[2]), (slopes[0], slopes[2]), value)
-
-
-def _of_pair_quotient(
-    graph: ExpressionGraph, args: Sequence[Node], slopes: Sequence[Node], value: Node
-) -> Node:
-    return graph.div(graph.sub(slopes[0], graph.mul(value, slopes[2])), args[2])
-
-
-def _of_gap_product_quotient(
-    graph: ExpressionGraph, args: Sequence[Node], slopes: Sequence[Node], value: Node
-) -> Node:
-    x, y = args[4:]
-    product = _of_pair_product(graph, args, slopes, value)
-    share = graph.div(graph.mul(graph.number(0.25), product), graph.mul(x, y))
-    relative = graph.add(graph.div(slopes[4], x), graph.div(slopes[5], y))
-    return graph.sub(share, graph.mul(value, relative))
-
-
-#: Functions with a rule of their own; the text of others is read. The derivative of (high, low) is that of high.
-RULES: dict[Any, Rule] = {
-    compensated.two_sum: _of_sum,
-    compensated.sum_of_four: _of_sum,
-    compensated.two_product: _of_product,
-    compensated.pair_product: _of_pair_product,
-    compensated.pair_quotient: _of_pair_quotient,
-    compensated.gap_product_quotient: _of_gap_product_quotient,
-    compensated.power_of_two_below: lambda graph, args, slopes, value: graph.zero,
-    vectors.zero_where: lambda graph, args, slopes, value: slopes[1],
-    **SLOPES,
+#: Derivatives of calls in terms of their arguments x, the derivatives d_x of these, and the `value`, of a pair its
+#: high part, whose derivative that of (high, low) is. The text of functions without a rule is read.
+DERIVATIVES = {
+    compensated.two_sum: "d_a + d_b",
+    compensated.sum_of_four: "d_a + d_b + d_c + d_d",
+    compensated.two_product: "d_a * b + a * d_b",
+    compensated.pair_product: "d_a * b + a * d_b",
+    compensated.pair_quotient: "(d_a - value * d_b) / b",
+    compensated.gap_product_quotient: ("0.25 * (d_f * g + f * d_g) / (x * y) - value * (d_x / x + d_y / y)"),
+    compensated.power_of_two_below: "0.0",
+    vectors.zero_where: "d_x",
+    # choices that rounding may make: choices of the same kind
+    vectors.choice: "choice(condition, d_if_true, d_if_false)",
+    vectors.absolute: "choice(x < 0.0, -d_x, d_x)",
+    sqrt: "0.5 * d_x / value",
+    sine: "cosine(x) * d_x",
+    cosine: "-(sine(x) * d_x)",
+    log: "d_x / x",
+    log_quotient: "d_x / x - d_y / y",
+    log1p: "d_x / (1.0 + x)",
 }
+
+
+def _rule(function: Callable[..., Any], text: str) -> Formula:
+    """Return the derivative of a call as a formula."""
+    names = parameters(inspect.unwrap(function))
+    return Formula(function.__name__, [*names, *(f"d_{name}" for name in names), "value"], [f"return {text}"])
+
+
+RULES = {function: _rule(function, text) for function, text in DERIVATIVES.items()}
+#: Functions that return a pair.
+PAIRS = {getattr(compensated, name) for name in compensated.__all__} - {compensated.power_of_two_below}
 
 
 class Derivation:
@@ -316,12 +299,12 @@ class Derivation:
         match node.kind:
             case "neg":
                 return graph.neg(slopes[0])
-            case "+":
-                return graph.add(*slopes)
-            case "-":
-                return graph.sub(*slopes)
+            case "+" | "-":
+                return graph.operation(node.kind, *slopes)
             case "*":
-                return self._of_power(node, slopes) or _of_product(graph, args, slopes, node)
+                return self._of_power(node, slopes) or graph.add(
+                    graph.mul(slopes[0], args[1]), graph.mul(args[0], slopes[1])
+                )
             case "/":
                 return self._of_quotient(node, slopes)
             case "item":
@@ -351,21 +334,11 @@ class Derivation:
 
     def _of_call(self, node: Node, slopes: Sequence[Node]) -> Node:
         graph, function, args = self.graph, node.value, node.args
+        if function is vectors.choice and slopes[1] is slopes[2]:
+            return slopes[1]
         if function in RULES:
-            first = graph.node("item", node, value=0)
-            return RULES[function](graph, args, slopes, first)
-        if function is sqrt:
-            return graph.div(graph.mul(graph.number(0.5), slopes[0]), node)
-        if function is sine:
-            return graph.mul(graph.call(cosine, *args), slopes[0])
-        if function is cosine:
-            return graph.neg(graph.mul(graph.call(sine, *args), slopes[0]))
-        if function is log:
-            return graph.div(slopes[0], args[0])
-        if function is log_quotient:
-            return graph.sub(graph.div(slopes[0], args[0]), graph.div(slopes[1], args[1]))
-        if function is log1p:
-            return graph.div(slopes[0], graph.add(graph.one, args[0]))
+            value = graph.node("item", node, value=0) if function in PAIRS else node
+            return graph.read(RULES[function], [*args, *slopes, value])
         if function is atan2:
             return graph.call(vectors.turn_rate, *args, *slopes)
         if function is abs:

@@ -11,18 +11,17 @@ from typing import Any, Self, TypeVar
 
 from fastlink.facts.fact import Fact
 from fastlink.facts.formula import Formula
-from fastlink.numerics import vectors
 from fastlink.numerics.compiler import COMPILED_AS
 from fastlink.numerics.elementary import atan2, cosine, select, sine, sqrt
 from fastlink.numerics.logarithm import log, log1p, log_quotient
 
 __all__ = [
-    "SLOPES",
     "CircularError",
     "Condition",
     "ExpressionGraph",
     "GraphAsWritten",
     "Node",
+    "Valueless",
     "generate_formula",
     "is_condition",
     "is_power_of_two",
@@ -358,11 +357,14 @@ def is_power_of_two(x: float) -> bool:
     return math.frexp(abs(x))[0] == 0.5
 
 
-# -- Conditions on values of which less is known than a number: what is computed with them takes either way
+# -- Numbers without a value, of which something else is known: formulas run on them as on doubles
 
 
 class Condition:
-    """The result of a comparison, which counts as met; a subclass says what `choose` returns."""
+    """The result of a comparison, which counts as met; `choose` returns what is known of either value."""
+
+    def __init__(self, choose: Callable[[Any, Any], Any]) -> None:
+        self.choose = choose
 
     def __and__(self, other: Any) -> Self:
         return self
@@ -373,25 +375,49 @@ class Condition:
         """Satisfy `sqrt` of `fastlink.numerics.elementary`, which tests the sign of its argument."""
         return True
 
-    def choose(self, if_true: Any, if_false: Any) -> Any:
-        """Return what is known of both values of `fastlink.numerics.elementary.select`."""
-        raise NotImplementedError
 
+class Valueless:
+    """What a subclass knows of sums (`plus`), products (`times` a power, 1 or -1) and comparisons (`compared`)."""
 
-# -- Derivatives of choices that rounding may make: choices of the same kind
+    #: The elementary functions of such numbers are methods of theirs.
+    context = property(type)
+    nan, inf = math.nan, math.inf
+    plus: Callable[..., Any]
+    times: Callable[..., Any]
+    compared: Callable[..., Any]
 
+    @classmethod
+    def of(cls, value: Any) -> Any:
+        """Return what is known of any number."""
+        return value if isinstance(value, cls) else cls()
 
-def _of_choice(graph: ExpressionGraph, args: Sequence[Node], slopes: Sequence[Node], value: Node) -> Node:
-    return slopes[1] if slopes[1] is slopes[2] else graph.call(vectors.choice, args[0], *slopes[1:])
+    def __add__(self, other: Any) -> Any:
+        return self.plus(other)
 
+    __radd__ = __sub__ = __rsub__ = __add__
 
-def _of_size(graph: ExpressionGraph, args: Sequence[Node], slopes: Sequence[Node], value: Node) -> Node:
-    negative = graph.node("<", args[0], graph.zero)
-    return graph.call(vectors.choice, negative, graph.neg(slopes[0]), slopes[0])
+    def __mul__(self, other: Any) -> Any:
+        return 0.0 if isinstance(other, float) and other == 0.0 else self.times(other, 1)
 
+    __rmul__ = __mul__
 
-#: The rules of the derivatives of both, see `fastlink.facts.derivative`.
-SLOPES = {vectors.choice: _of_choice, vectors.absolute: _of_size}
+    def __truediv__(self, other: Any) -> Any:
+        return self.times(other, -1)
+
+    def __rtruediv__(self, other: Any) -> Any:
+        return 0.0 if isinstance(other, float) and other == 0.0 else self.of(other).times(self, -1)
+
+    def __neg__(self) -> Self:
+        return self
+
+    def __abs__(self) -> Self:
+        return self
+
+    def __lt__(self, other: Any) -> Any:
+        return self.compared(other)
+
+    __le__ = __gt__ = __ge__ = __eq__ = __ne__ = __lt__  # type: ignore[assignment]
+    __hash__ = None  # type: ignore[assignment]
 
 
 # -- Formulas made of expressions
