@@ -10,7 +10,8 @@ from tests.support.toys import add, toy
 
 from fastlink.errors import InputError
 from fastlink.facts.evaluate import read_facts
-from fastlink.facts.formula import NAMESPACE, CatalogueError, Formula
+from fastlink.facts.expression import GraphAsWritten
+from fastlink.facts.formula import NAMESPACE, CatalogueError
 from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.precision.reference import CONTEXT
@@ -126,8 +127,9 @@ def unfinished(x):
 
 @pytest.mark.parametrize("function", [branching, looping, powering, unfinished])
 def test_a_function_that_formulas_call_keeps_to_their_grammar(function):
+    graph = GraphAsWritten(())
     with pytest.raises(CatalogueError, match=r"formula of .* (has .*grammar|must end in its one return)"):
-        Formula.of(function).check()
+        graph.read(function, [graph.name("x")])
 
 
 def test_formulas_call_the_projects_own_functions():

@@ -13,6 +13,7 @@ from fastlink.facts.expression import (
     COMPARISONS,
     ExpressionGraph,
     Node,
+    beneath,
     generate_formula,
     is_power_of_two,
     postorder,
@@ -685,11 +686,7 @@ class ErrorBounds:
         """Yield the names whose bounds determine the bound of a name."""
         if name in self.low_parts or self.find(name) is None:
             return
-        visited: dict[Node, None] = {}
-        for node in postorder([self._value(name)], bounded_parts, visited):
-            visited[node] = None
-            if node.kind == "name":
-                yield node.value
+        yield from (one.value for one in beneath([self._value(name)], bounded_parts) if one.kind == "name")
 
     def _of_name(self, name: str) -> Bound:
         graph = self.graph

@@ -26,7 +26,7 @@ from fastlink.facts.derivative import (
     with_change_labels,
     with_derivative_labels,
 )
-from fastlink.facts.expression import CircularError, postorder
+from fastlink.facts.expression import CircularError, GraphAsWritten, postorder
 from fastlink.facts.fact import (
     CatalogueError,
     Fact,
@@ -35,7 +35,7 @@ from fastlink.facts.fact import (
     Loops,
     System,
 )
-from fastlink.facts.formula import Formula, SheetError
+from fastlink.facts.formula import NAMESPACE, Formula, SheetError
 from fastlink.facts.names import (
     Below,
     Change,
@@ -599,9 +599,10 @@ class Catalogue:
     def check(self) -> None:
         """Raise CatalogueError if a formula is none, a name is not declared, or a fact depends on itself."""
         sets: tuple[Mapping[str, Fact | System], ...] = (self.facts, self.tables, *self.variants.values())
+        graph = GraphAsWritten(filter(callable, NAMESPACE.values()))
         for steps in sets:
             for step in steps.values():
-                step.formula.check()
+                graph.read(step.formula, [*map(graph.name, step.formula.parameters)])
                 if isinstance(step, System):
                     self._check_size(step)
         for variant, steps in self.variants.items():

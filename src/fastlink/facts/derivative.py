@@ -12,8 +12,10 @@ from fastlink.errors import InputError, Setting
 from fastlink.facts.expression import (
     ExpressionGraph,
     Node,
+    beneath,
     generate_formula,
     is_power_of_two,
+    parts_of,
     postorder,
 )
 from fastlink.facts.fact import Fact, Input, System
@@ -97,9 +99,7 @@ class Existence:
     def _walked(self, root: Node) -> tuple[list[str], frozenset[Node]]:
         """Return the names in an expression, and its own operations by which it may be no number."""
         if root not in self._within:
-            seen: dict[Node, None] = {}
-            for node in postorder([root], lambda node: node.args, seen):
-                seen[node] = None
+            seen = beneath([root], parts_of)
             causes = frozenset(cause for node in seen if (cause := _cause(node)) is not None)
             self._within[root] = [node.value for node in seen if node.kind == "name"], causes
         return self._within[root]
@@ -286,7 +286,7 @@ class Derivation:
     def _differentiate(self, root: Node) -> Node:
         """Return the derivative of a value."""
         slopes: dict[Node, Node] = {}
-        for node in postorder([root], lambda node: node.args, slopes):
+        for node in postorder([root], parts_of, slopes):
             slopes[node] = self._rule(node, [slopes[arg] for arg in node.args])
         return slopes[root]
 

@@ -22,9 +22,11 @@ __all__ = [
     "GraphAsWritten",
     "Node",
     "Valueless",
+    "beneath",
     "generate_formula",
     "is_condition",
     "is_power_of_two",
+    "parts_of",
     "postorder",
 ]
 
@@ -37,6 +39,14 @@ T = TypeVar("T", bound=Hashable)
 
 class CircularError(Exception):
     """A value is made of itself; the arguments are the values on the way round."""
+
+
+def beneath(roots: Iterable[T], parts: Callable[[T], Iterable[T]]) -> list[T]:
+    """Return values and all that they are made of, each once and after its parts."""
+    found: dict[T, None] = {}
+    for value in postorder(roots, parts, found):
+        found[value] = None
+    return list(found)
 
 
 def postorder(
@@ -89,13 +99,18 @@ class Node:
     value: Any = None
 
 
+def parts_of(node: Node) -> tuple[Node, ...]:
+    """Return the values that a value is made of."""
+    return node.args
+
+
 class ExpressionGraph:
     """Values, each of which exists once.
 
     `opaque` functions remain calls, as elementary ones do; the text of others is read.
     """
 
-    def __init__(self, opaque: Collection[Any]) -> None:
+    def __init__(self, opaque: Iterable[Any]) -> None:
         #: By kind, value and identity of the parts.
         self.nodes: dict[tuple[Any, ...], Node] = {}
         self._opaque = {sqrt, atan2, cosine, sine, log, log1p, log_quotient, abs, *opaque}
@@ -204,50 +219,50 @@ class ExpressionGraph:
     # -- reading ---------------------------------------------------------------------------------
 
     def read(self, function: Callable[..., Any], args: Sequence[Node]) -> Node:
-        """Return the value of a straight-line function for these arguments."""
+        """Return the value of a straight-line function for these arguments, or refuse what is none."""
         formula = Formula.of(function)
         known = dict(zip(formula.parameters, args, strict=True))
+        *assignments, last = formula.statements
 
         def value(node: ast.expr) -> Node:
             match node:
-                case ast.Name():
-                    if node.id in known:
-                        return known[node.id]
-                    return self.number(formula.names[node.id])
-                case ast.Constant():
-                    assert isinstance(node.value, int | float)
-                    return self.number(node.value)
-                case ast.UnaryOp():
+                case ast.Name(id=name) if name in known:
+                    return known[name]
+                case ast.Name(id=name) if isinstance(number := formula.names.get(name), int | float):
+                    return self.number(number)
+                case ast.Constant(value=number) if type(number) in (int, float):
+                    return self.number(number)
+                case ast.UnaryOp(op=ast.USub()):
                     return self.neg(value(node.operand))
-                case ast.BinOp():
-                    return self.operation(SIGNS[type(node.op)], value(node.left), value(node.right))
-                case ast.Compare():
-                    sign = SIGNS[type(node.ops[0])]
-                    return self.node(sign, value(node.left), value(node.comparators[0]))
+                case ast.BinOp(op=sign) if type(sign) in SIGNS:
+                    return self.operation(SIGNS[type(sign)], value(node.left), value(node.right))
+                case ast.Compare(ops=[sign]) if type(sign) in SIGNS:
+                    return self.node(SIGNS[type(sign)], value(node.left), value(node.comparators[0]))
                 case ast.Tuple():
                     return self.node("tuple", *map(value, node.elts))
-                case _:
-                    assert isinstance(node, ast.Call)
-                    assert isinstance(node.func, ast.Name)
-                    helper = formula.names.get(node.func.id, abs)
-                    return self.apply(helper, [value(arg) for arg in node.args])
+                case ast.Call(func=ast.Name(id=name), keywords=[]) if name not in known:
+                    helper = abs if name == "abs" else formula.names.get(name)
+                    if callable(helper):
+                        return self.apply(helper, [*map(value, node.args)])
+            raise formula.refused(statement, node, known)
 
         def bind(target: ast.expr, bound: Node) -> None:
-            if isinstance(target, ast.Tuple):
-                for k, part in enumerate(target.elts):
-                    bind(part, self.part(bound, k))
-            else:
-                assert isinstance(target, ast.Name)
-                known[target.id] = bound
+            match target:
+                case ast.Name():
+                    known[target.id] = bound
+                case ast.Tuple():
+                    for k, part in enumerate(target.elts):
+                        bind(part, self.part(bound, k))
+                case _:
+                    raise formula.refused(statement, target, known)
 
-        *assignments, last = formula.statements
-        for assignment in assignments:
-            assert isinstance(assignment, ast.Assign)
-            for target in assignment.targets:
-                bind(target, value(assignment.value))
-        assert isinstance(last, ast.Return)
-        assert last.value is not None
-        return value(last.value)
+        for statement in assignments:
+            if not isinstance(statement, ast.Assign):
+                raise formula.refused(statement, statement, known)
+            for target in statement.targets:
+                bind(target, value(statement.value))
+        statement = last
+        return value(formula.result)
 
     def operation(self, sign: str, a: Node, b: Node) -> Node:
         """Return the value of an operation with two arguments."""
@@ -276,9 +291,8 @@ class ExpressionGraph:
 
         `given` are values that have a name of their own; those that are `assigned` have a line in any case.
         """
-        order: dict[Node, tuple[Node, ...]] = {}
-        for node in postorder([*assigned, root], lambda node: () if node in given else node.args, order):
-            order[node] = () if node in given else node.args
+        nodes = beneath([*assigned, root], lambda node: () if node in given else node.args)
+        order = {node: () if node in given else node.args for node in nodes}
         uses = Counter(part for parts in order.values() for part in parts)
         depends_on = {
             given.get(node, node.value): None for node in order if node in given or node.kind == "name"

@@ -24,7 +24,16 @@ from fastlink._text import short_repr
 from fastlink.errors import InputError, KeyPath, Problems, suggest
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.derivative import NoDerivative
-from fastlink.facts.expression import SIGNS, GraphAsWritten, Node, generate_formula, is_condition, postorder
+from fastlink.facts.expression import (
+    SIGNS,
+    GraphAsWritten,
+    Node,
+    beneath,
+    generate_formula,
+    is_condition,
+    parts_of,
+    postorder,
+)
 from fastlink.facts.fact import Fact, Input, System
 from fastlink.facts.formula import NAMESPACE, CatalogueError, Formula
 from fastlink.facts.names import (
@@ -602,9 +611,7 @@ def split(
     Of these there is none where they are too many. With them are magnitudes within, sharp where they almost vanish.
     `kinked` are names that choose between others.
     """
-    nodes: dict[Node, None] = {}
-    for node in postorder([root], lambda node: node.args, nodes):
-        nodes[node] = None
+    nodes = beneath([root], parts_of)
     kinks = {node: kink for node in nodes if (kink := _kink(graph, node)) is not None}
     norms = [node for node in nodes if node.value is magnitude]
     if len(kinks) + len(norms) > MOST_KINKS:

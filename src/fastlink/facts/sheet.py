@@ -47,10 +47,12 @@ from typing import Any, get_args
 
 from fastlink.errors import InputError, suggest
 from fastlink.facts.catalogue import Catalogue, plain_and_above
+from fastlink.facts.expression import GraphAsWritten, beneath, parts_of
 from fastlink.facts.fact import Fact, GradedRange, Input, Loops, Rule, System
 from fastlink.facts.formula import NAMESPACE, WORD, CatalogueError, Formula, SheetError
 from fastlink.facts.names import root_of
 from fastlink.facts.powers import Powers, UnlikePowers
+from fastlink.numerics.elementary import sqrt
 
 __all__ = ["Entry", "SheetError", "entries_of", "mechanism_of", "read_sheet", "read_sheets", "wrong_units"]
 
@@ -515,21 +517,13 @@ def _with_roots(known: Catalogue) -> set[str]:
     found: set[str] = set()
     given = {*known.inputs, *known.tables, *known.table_low_parts, known.position.name, "branch"}
     closes = {*known.tables, "p", "q", "sigma"}
+    graph = GraphAsWritten(filter(callable, NAMESPACE.values()))
     for step in known.dependencies(sorted(known.public), given):
-        reads = {name: {need} for name, need in zip(step.formula.parameters, step.depends_on, strict=True)}
-
-        def needs(node: ast.AST, reads: Mapping[str, set[str]] = reads) -> set[str]:
-            words = (one.id for one in ast.walk(node) if isinstance(one, ast.Name))
-            return set().union(*(reads.get(word, set()) for word in words))
-
-        for statement in step.formula.statements:
-            calls = [node for node in ast.walk(statement) if isinstance(node, ast.Call)]
-            roots = [node.args[0] for node in calls if ast.unparse(node.func) == "sqrt"]
-            if any(known.varies(name) for root in roots for name in needs(root) - closes):
-                found.update(step.names)
-            if isinstance(statement, ast.Assign):
-                own = needs(statement.value)
-                reads |= {one.id: own for one in ast.walk(statement.targets[0]) if isinstance(one, ast.Name)}
+        value = graph.read(step.formula, [*map(graph.name, step.depends_on)])
+        roots = [node for node in beneath([value], parts_of) if node.value is sqrt]
+        names = {node.value for node in beneath(roots, parts_of) if node.kind == "name"}
+        if any(map(known.varies, names - closes)):
+            found.update(step.names)
         if not found.isdisjoint(root_of(known.parse(need)) for need in step.depends_on):
             found.update(step.names)
     return found
