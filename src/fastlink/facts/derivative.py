@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -20,7 +20,7 @@ from fastlink.facts.expression import (
 )
 from fastlink.facts.fact import Fact, Input, System
 from fastlink.facts.formula import Formula, parameters
-from fastlink.facts.names import Change, Quantity, derivative_name
+from fastlink.facts.names import Change, Derivative, ErrorBound, Made, Quantity, derivative_name, error_name
 from fastlink.numerics import compensated, vectors
 from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, atan2, cosine, select, sine, sqrt
 from fastlink.numerics.logarithm import log, log1p, log_quotient
@@ -35,14 +35,12 @@ __all__ = [
     "change_fact",
     "in_a_sentence",
     "is_tolerance",
-    "terms",
+    "labelled",
     "tolerance_fact",
     "tolerance_inputs",
     "tolerance_name",
     "toleranced",
     "units_per",
-    "with_change_labels",
-    "with_derivative_labels",
     "worded",
 ]
 
@@ -131,19 +129,6 @@ class NoDependence(NoDerivative):
     """The requested derivative is zero everywhere."""
 
 
-def with_derivative_labels(fact: Fact, by: Input) -> Fact:
-    """Return a fact with the labels of its derivative, with its own function still."""
-    return replace(
-        fact,
-        name=derivative_name(fact.name, by.name),
-        units=units_per(fact.units, by.units),
-        low=None,
-        symbol=f"d {fact.symbol}/d {by.symbol}",
-        meaning=f"Derivative of {in_a_sentence(fact.meaning)} with respect to {by.meaning}",
-        source=f"{fact.source}; docs/numerics.md#derivatives",
-    )
-
-
 def in_a_sentence(meaning: str) -> str:
     """Return the meaning of a quantity for use within a sentence."""
     return meaning if meaning[1:2].isupper() else meaning[:1].lower() + meaning[1:]
@@ -157,6 +142,39 @@ def units_per(units: str, by: str) -> str:
             powers[unit] = powers.get(unit, 0) + sign * int(power or 1)
     parts = [f"{unit}{power if power != 1 else ''}" for unit, power in powers.items() if power]
     return " ".join(parts) or "1"
+
+
+#: Relative error bounds up to this one are trusted.
+TRUSTED = 1e-6
+
+
+def trust(value: Any, error: Any) -> Any:
+    """Return 0 where the bound is at most a millionth of the value, else 1; 2 for NaN."""
+    size = abs(value)
+    return select(size < INFINITY, select(error <= TRUSTED * size, 0.0, 1.0), 2.0)
+
+
+def labelled(fact: Fact, tree: Made, variables: Mapping[str, Input]) -> Fact:
+    """Return a fact with the labels of what is made of it, with its own formula still unless that is a trust."""
+    name, symbol, said = fact.name, fact.symbol, in_a_sentence(fact.meaning)
+    more: dict[str, Any] = {}
+    match tree:
+        case Derivative(by=by):
+            symbol = f"d {symbol}/d {variables[by].symbol}"
+            meaning = f"Derivative of {said} with respect to {variables[by].meaning}"
+            source = "numerics.md#derivatives"
+            more["units"] = units_per(fact.units, variables[by].units)
+        case Change(how=how):
+            symbol, meaning, source = f"{how} change {symbol}", worded(how, fact.meaning), TOLERANCED
+        case ErrorBound():
+            symbol, meaning, source = f"err {symbol}", f"Error bound of {said}", "numerics.md#error-bounds"
+        case _:
+            symbol, meaning = f"trust {symbol}", f"Whether digits of {said} are known"
+            source = "numerics.md#error-bounds"
+            more = {"formula": Formula.of(trust), "depends_on": (name, error_name(name)), "units": "1"}
+            more["flags"] = {0: "trusted", 1: "ill_conditioned", 2: "not_finite"}
+    labels = {"symbol": symbol, "meaning": meaning, "source": f"{fact.source}; docs/{source}"}
+    return replace(fact, **{"name": str(tree), "low": None, "flags": {}} | labels | more)
 
 
 # -- rules -------------------------------------------------------------------------------------------------
@@ -229,13 +247,13 @@ class Derivation:
             assert isinstance(step, Fact)
             root, value = self._values[name]
             return self._written(step, self._existence.guarded(name, root, value), value)
-        labelled, root = replace(declared, name=derivative), self.graph.read_fact(declared, declared.name)
+        labels, root = replace(declared, name=derivative), self.graph.read_fact(declared, declared.name)
         value = self.graph.read_fact(step, name) if isinstance(step, Fact) else root
         guarded = self._existence.guarded(name, root, value)
         if guarded is root:
-            return labelled
+            return labels
         formula = generate_formula(derivative, self.graph, guarded, {})
-        return replace(labelled, formula=formula, depends_on=formula.parameters, flags={})
+        return replace(labels, formula=formula, depends_on=formula.parameters, flags={})
 
     def slope(self, name: str) -> Node:
         """Return the derivative of a name as a number, a name, or minus a name."""
@@ -356,8 +374,8 @@ class Derivation:
         own = {} if value.kind in ("name", "number", "neg") else {value: step.name}
         name = derivative_name(step.name, self.by.name, self.moving)
         formula = generate_formula(name, self.graph, root, own)
-        labelled = with_derivative_labels(step, self.by)
-        return replace(labelled, name=name, formula=formula, depends_on=formula.parameters, flags={})
+        labels = labelled(step, Derivative(Quantity(step.name), self.by.name), {self.by.name: self.by})
+        return replace(labels, name=name, formula=formula, depends_on=formula.parameters)
 
 
 # -- Changes by tolerances, to first order: of a value, from its derivatives by the inputs that have
@@ -373,12 +391,12 @@ class Derivation:
 TOLERANCES = "tolerances"
 ABSOLUTE, RELATIVE = "_tolerance", "_relative_tolerance"
 #: What tells the change that an input may have from the tolerance that is given.
-OWN = "__tolerance"
+ALLOWED_CHANGE = "__tolerance"
 WORDS = {
     "worst": "Worst-case change by the tolerances of the inputs of: ",
     "rss": "Root sum of squares of the changes by the tolerances of the inputs of: ",
 }
-SOURCE = "docs/design_search.md#tolerances"
+TOLERANCED = "design_search.md#tolerances"
 
 
 @dataclass(frozen=True)
@@ -420,7 +438,7 @@ def tolerance_inputs(inputs: Iterable[Input]) -> dict[str, Input]:
 
 def tolerance_fact(name: str, given: Iterable[str]) -> Fact | None:
     """Return the fact of the change that an input may have, None for the name of another."""
-    of = name.removesuffix(OWN)
+    of = name.removesuffix(ALLOWED_CHANGE)
     if of == name:
         return None
     own, share = tolerance_name(of), tolerance_name(of, relative=True)
@@ -428,7 +446,7 @@ def tolerance_fact(name: str, given: Iterable[str]) -> Fact | None:
         "units": "1",
         "symbol": f"T_{of}",
         "meaning": f"Tolerance of {of}",
-        "source": SOURCE,
+        "source": f"docs/{TOLERANCED}",
     }
     if share in given:
         return Fact(name, Formula.of(of_relative), (of, share), internal=True, **labels)
@@ -445,31 +463,13 @@ def of_relative(value: Any, share: Any) -> Any:
     return abs(value) * share
 
 
-def terms(inputs: Iterable[str]) -> tuple[Term, ...]:
-    """Return the terms of inputs."""
-    return tuple(Term(by, f"{by}{OWN}") for by in inputs)
-
-
 def worded(how: str, meaning: str) -> str:
     """Return the meaning of a change."""
     return WORDS[how] + in_a_sentence(meaning)
 
 
-def with_change_labels(fact: Fact, how: str) -> Fact:
-    """Return a fact with the labels of its change, with its own function still."""
-    return replace(
-        fact,
-        name=str(Change(Quantity(fact.name), how)),
-        low=None,
-        symbol=f"{how} change {fact.symbol}",
-        meaning=worded(how, fact.meaning),
-        source=f"{fact.source}; {SOURCE}",
-        flags={},
-    )
-
-
-def change_fact(labelled: Fact, how: str, derivatives: Sequence[tuple[str, str]]) -> Fact:
-    """Return a change, which is labelled already, from derivatives, each with the fact of the tolerance."""
+def change_fact(labels: Fact, how: str, derivatives: Sequence[tuple[str, str]]) -> Fact:
+    """Return a change, which has its labels already, from derivatives, each with the fact of the tolerance."""
     graph = ExpressionGraph((magnitude,))
     found: Node | None = None
     for derivative, tolerance in derivatives:
@@ -479,5 +479,5 @@ def change_fact(labelled: Fact, how: str, derivatives: Sequence[tuple[str, str]]
         else:
             found = graph.add(found, change) if how == "worst" else graph.call(magnitude, found, change)
     assert found is not None
-    formula = generate_formula(labelled.name, graph, found, {})
-    return replace(labelled, formula=formula, depends_on=formula.parameters)
+    formula = generate_formula(labels.name, graph, found, {})
+    return replace(labels, formula=formula, depends_on=formula.parameters)
