@@ -51,18 +51,7 @@ from fastlink.numerics.vectors import absolute, choice, sign, zero_where
 if TYPE_CHECKING:
     from fastlink.facts.catalogue import Selection
 
-__all__ = [
-    "LAWS",
-    "UNIT_WITH_MARGIN",
-    "Bound",
-    "ErrorBounds",
-    "multiplied",
-    "of_direction",
-    "of_logarithm",
-    "of_product",
-    "of_quotient",
-    "of_root",
-]
+__all__ = ["UNIT_WITH_MARGIN", "ErrorBounds"]
 
 
 # -- The error bound of one value: a relative part known beforehand, an expression, and low words

@@ -26,14 +26,7 @@ from fastlink.facts.derivative import (
     toleranced,
 )
 from fastlink.facts.expression import CircularError, GraphAsWritten, postorder
-from fastlink.facts.fact import (
-    CatalogueError,
-    Fact,
-    GradedRange,
-    Input,
-    Loops,
-    System,
-)
+from fastlink.facts.fact import CatalogueError, Fact, GradedRange, Input, Loops, System
 from fastlink.facts.formula import NAMESPACE, Formula, SheetError
 from fastlink.facts.names import (
     Below,
@@ -57,15 +50,7 @@ from fastlink.facts.names import (
     root_of,
 )
 
-__all__ = [
-    "ELIMINATED",
-    "Catalogue",
-    "CatalogueError",
-    "Fact",
-    "GradedRange",
-    "Input",
-    "System",
-]
+__all__ = ["ELIMINATED", "Catalogue"]
 
 
 #: The name of the solver that needs no linear system: closed forms.
