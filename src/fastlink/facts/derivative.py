@@ -15,7 +15,6 @@ from fastlink.facts.expression import (
     beneath,
     generate_formula,
     is_power_of_two,
-    parts_of,
     postorder,
 )
 from fastlink.facts.fact import Fact, Input, System
@@ -97,7 +96,7 @@ class Existence:
     def _walked(self, root: Node) -> tuple[list[str], frozenset[Node]]:
         """Return the names in an expression, and its own operations by which it may be no number."""
         if root not in self._within:
-            seen = beneath([root], parts_of)
+            seen = beneath([root])
             causes = frozenset(cause for node in seen if (cause := _cause(node)) is not None)
             self._within[root] = [node.value for node in seen if node.kind == "name"], causes
         return self._within[root]
@@ -304,7 +303,7 @@ class Derivation:
     def _differentiate(self, root: Node) -> Node:
         """Return the derivative of a value."""
         slopes: dict[Node, Node] = {}
-        for node in postorder([root], parts_of, slopes):
+        for node in postorder([root], lambda node: node.args, slopes):
             slopes[node] = self._rule(node, [slopes[arg] for arg in node.args])
         return slopes[root]
 

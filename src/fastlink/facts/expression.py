@@ -24,9 +24,7 @@ __all__ = [
     "Valueless",
     "beneath",
     "generate_formula",
-    "is_condition",
     "is_power_of_two",
-    "parts_of",
     "postorder",
 ]
 
@@ -39,14 +37,6 @@ T = TypeVar("T", bound=Hashable)
 
 class CircularError(Exception):
     """A value is made of itself; the arguments are the values on the way round."""
-
-
-def beneath(roots: Iterable[T], parts: Callable[[T], Iterable[T]]) -> list[T]:
-    """Return values and all that they are made of, each once and after its parts."""
-    found: dict[T, None] = {}
-    for value in postorder(roots, parts, found):
-        found[value] = None
-    return list(found)
 
 
 def postorder(
@@ -98,10 +88,20 @@ class Node:
     args: tuple[Node, ...]
     value: Any = None
 
+    @property
+    def is_condition(self) -> bool:
+        """Whether it is a comparison, or several."""
+        return self.kind in COMPARISONS or self.kind in ("&", "|")
 
-def parts_of(node: Node) -> tuple[Node, ...]:
-    """Return the values that a value is made of."""
-    return node.args
+
+def beneath(
+    roots: Iterable[Node], parts: Callable[[Node], Iterable[Node]] = lambda node: node.args
+) -> list[Node]:
+    """Return values and all that they are made of, each once and after its parts."""
+    found: dict[Node, None] = {}
+    for node in postorder(roots, parts, found):
+        found[node] = None
+    return list(found)
 
 
 class ExpressionGraph:
@@ -347,11 +347,6 @@ def _expression(node: Node, args: Sequence[ast.expr]) -> ast.expr:
             return ast.BinOp(args[0], OPERATORS[sign], args[1])
         case sign:
             return ast.Compare(args[0], [COMPARISONS[sign]], [args[1]])
-
-
-def is_condition(node: Node) -> bool:
-    """Tell whether a value is a comparison, or several."""
-    return node.kind in COMPARISONS or node.kind in ("&", "|")
 
 
 def _scaled(x: Node) -> tuple[float, Node]:

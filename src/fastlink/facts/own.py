@@ -24,29 +24,10 @@ from fastlink._text import short_repr
 from fastlink.errors import InputError, KeyPath, Problems, suggest
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.derivative import NoDerivative
-from fastlink.facts.expression import (
-    SIGNS,
-    GraphAsWritten,
-    Node,
-    beneath,
-    generate_formula,
-    is_condition,
-    parts_of,
-    postorder,
-)
+from fastlink.facts.expression import SIGNS, GraphAsWritten, Node, beneath, generate_formula, postorder
 from fastlink.facts.fact import Fact, Input, System
 from fastlink.facts.formula import NAMESPACE, CatalogueError, Formula
-from fastlink.facts.names import (
-    ErrorBound,
-    ListOfExtrema,
-    Quantity,
-    Reduced,
-    Trust,
-    bounded_of,
-    error_name,
-    plain_part,
-    root_of,
-)
+from fastlink.facts.names import ErrorBound, ListOfExtrema, Reduced, Trust, bounded_of, plain_part, root_of
 from fastlink.facts.powers import UNITS, Powers, UnlikePowers, units_text
 from fastlink.numerics.compiler import parsed
 from fastlink.numerics.elementary import NOT_A_NUMBER, select, sqrt
@@ -239,7 +220,6 @@ class _Reader:
         #: The values that are assigned, and by all values the line that has them first.
         self.assigned: dict[Node, None] = {}
         self.lines: dict[Node, int] = {}
-        self.imports: set[str] = set()
         #: Whether all is a number that is compared: else nothing that is chosen is one.
         self.exists: Node | None = None
         self.compared: set[Node] = set()
@@ -292,6 +272,24 @@ class _Reader:
             return names, ast.copy_location(ast.BinOp(before, node.op, node.value), node)
         return names, node.value
 
+    @property
+    def imports(self) -> tuple[str, ...]:
+        """The imports of modules, and of functions and constants of math, by which the text has the same meaning."""
+        found = set()
+        names = (node.id for one in self.tree.body for node in ast.walk(one) if isinstance(node, ast.Name))
+        for name in {*names} - self.values.keys():
+            meant, before = self.names.get(name), ""
+            if isinstance(meant, ModuleType):
+                of = meant.__name__
+            elif (constant := constant_of(meant)) is not None:
+                of, before = next(key for key, one in CONSTANTS.items() if one == constant), "from math "
+            elif getattr(meant, "__module__", None) == "math":
+                of, before = meant.__name__, "from math "
+            else:
+                continue
+            found.add(f"{before}import {of}" + ("" if of == name else f" as {name}"))
+        return tuple(sorted(found))
+
     def note(self, what: str, remedy: str, node: ast.AST | None = None) -> None:
         """Note a problem at the line at hand."""
         text = "" if node is None else f"{quoted(node)} "
@@ -324,7 +322,7 @@ class _Reader:
         """Tell whether an expression is a condition, not a number."""
         match node:
             case ast.Name():
-                return node.id in self.values and is_condition(self.values[node.id])
+                return node.id in self.values and self.values[node.id].is_condition
             case ast.BinOp():
                 return isinstance(node.op, (ast.BitAnd, ast.BitOr))
             case ast.UnaryOp():
@@ -392,7 +390,6 @@ class _Reader:
             return self.values[node.id]
         meant = self.names.get(node.id)
         if (constant := constant_of(meant)) is not None:
-            self._import_of(next(name for name, value in CONSTANTS.items() if value == constant), node.id)
             return self.graph.number(constant)
         if meant is not None or hasattr(builtins, node.id):
             number = f", default={meant!r}" if isinstance(meant, (int, float)) else ""
@@ -404,20 +401,12 @@ class _Reader:
         remedy = remedy if remedy.startswith("did you mean") else "make it a parameter"
         raise self.refuse(node, "is neither a parameter nor assigned above", remedy)
 
-    def _import_of(self, name: str, called: str) -> None:
-        """Note the import of a name of the module math, perhaps by another name."""
-        self.imports.add(f"from math import {name}" + (f" as {called}" if called != name else ""))
-
     def _module(self, node: ast.expr) -> ModuleType | None:
         """Return the module that a name stands for, None if that is none of which functions may be called."""
         if not isinstance(node, ast.Name) or node.id in self.values:
             return None
         found = self.names.get(node.id)
-        if not isinstance(found, ModuleType) or found not in MODULES:
-            return None
-        called = "" if found.__name__ == node.id else f" as {node.id}"
-        self.imports.add(f"import {found.__name__}{called}")
-        return found
+        return found if isinstance(found, ModuleType) and found in MODULES else None
 
     def _halves(self, node: ast.BinOp) -> int:
         """Return twice the exponent of a power."""
@@ -460,8 +449,6 @@ class _Reader:
             meant = self.names.get(called, getattr(builtins, called, None))
             # a name that stands for nothing is known by its letters
             name = OBJECTS.get(id(meant), "") if meant is not None else ALIASES.get(called, called)
-        if name and getattr(meant, "__module__", None) == "math":
-            self._import_of(meant.__name__, called)  # type: ignore[union-attr]
         if node.keywords or any(isinstance(one, ast.Starred) for one in node.args):
             raise self.refuse(node, "has arguments by name or in a list", "write one number for each")
         if called == self.tree.name:
@@ -611,7 +598,7 @@ def split(
     Of these there is none where they are too many. With them are magnitudes within, sharp where they almost vanish.
     `kinked` are names that choose between others.
     """
-    nodes = beneath([root], parts_of)
+    nodes = beneath([root])
     kinks = {node: kink for node in nodes if (kink := _kink(graph, node)) is not None}
     norms = [node for node in nodes if node.value is magnitude]
     if len(kinks) + len(norms) > MOST_KINKS:
@@ -755,9 +742,8 @@ def read_quantity(function: Any, units: str, meaning: str, symbol: str) -> OwnQu
     formula, lines = zip(*reader.formula(), strict=True)
     first = (ast.get_docstring(tree) or "").strip().split("\n", 1)[0].rstrip(".")
     labels = name, units, symbol or name, meaning or first or name
-    imports = tuple(sorted(reader.imports))
     place = file, before + tree.lineno, lines
-    return OwnQuantity(*labels, reader.parameters, formula, text, imports, reader.jumps, *place)
+    return OwnQuantity(*labels, reader.parameters, formula, text, reader.imports, reader.jumps, *place)
 
 
 #: What a user declares, each after what it depends on.
@@ -912,11 +898,10 @@ def _units_of(catalogue: Catalogue, one: OwnQuantity, name: str) -> str:
     of, what = bounded_of(tree), f"the parameter {name} is"
     if isinstance(of, (Reduced, ListOfExtrema)) and catalogue.is_quantity(str(of.of)):
         what += " of the whole cycle, and a quantity is of one input position"
-        extremes = ", ".join(str(Reduced(Quantity(one.name), how)) for how in ("max", "mean"))
-        remedy = f"take {of.of}, and ask for the extremes of {one.name}: {extremes}"
+        remedy = f"take {of.of}, and ask for the extremes of {one.name}: {one.name}_max, {one.name}_mean"
     elif isinstance(tree, (ErrorBound, Trust)) and catalogue.is_quantity(str(tree.of)):
         what += " an error bound"
-        remedy = f"take {tree.of}; {error_name(one.name)} follows by itself"
+        remedy = f"take {tree.of}; {one.name}_error follows by itself"
     elif name == one.name:
         what, remedy = "depends on itself", "take parameters that are declared before"
     elif not catalogue.is_quantity(name):

@@ -47,7 +47,7 @@ from typing import Any, get_args
 
 from fastlink.errors import InputError, suggest
 from fastlink.facts.catalogue import Catalogue, plain_and_above
-from fastlink.facts.expression import GraphAsWritten, beneath, parts_of
+from fastlink.facts.expression import GraphAsWritten, beneath
 from fastlink.facts.fact import Fact, GradedRange, Input, Loops, Rule, System
 from fastlink.facts.formula import NAMESPACE, WORD, CatalogueError, Formula, SheetError
 from fastlink.facts.names import root_of
@@ -520,8 +520,8 @@ def _with_roots(known: Catalogue) -> set[str]:
     graph = GraphAsWritten(filter(callable, NAMESPACE.values()))
     for step in known.dependencies(sorted(known.public), given):
         value = graph.read(step.formula, [*map(graph.name, step.depends_on)])
-        roots = [node for node in beneath([value], parts_of) if node.value is sqrt]
-        names = {node.value for node in beneath(roots, parts_of) if node.kind == "name"}
+        roots = [node for node in beneath([value]) if node.value is sqrt]
+        names = {node.value for node in beneath(roots) if node.kind == "name"}
         if any(map(known.varies, names - closes)):
             found.update(step.names)
         if not found.isdisjoint(root_of(known.parse(need)) for need in step.depends_on):
