@@ -43,6 +43,7 @@ __all__ = [
     "declared_names",
     "definition_text",
     "extended",
+    "is_reserved",
     "read_quantity",
     "used",
 ]
@@ -557,6 +558,11 @@ MADE = r"out_|whole_|(asked|columns|f|gradient|limit|part|rows|search|slope|spli
 LONGEST = 60
 
 
+def is_reserved(name: str) -> bool:
+    """Tell whether a name has another meaning at the doors, in files or in kernels."""
+    return name in TAKEN or re.match(MADE, name) is not None
+
+
 def check_name(name: Any) -> None:
     """Refuse a name that no file or kernel could have.
 
@@ -570,7 +576,7 @@ def check_name(name: Any) -> None:
     if not (is_text and re.fullmatch("[A-Za-z](_?[A-Za-z0-9])*", name)):
         remedy = f"write up to {LONGEST} letters of a to z, digits and single underscores between them"
         raise InputError(f"{short_repr(name)} cannot be a name", remedy=remedy)
-    if name in TAKEN or re.match(MADE, name):
+    if is_reserved(name):
         raise InputError(
             f"{name!r} is a word of fastlink's own", remedy=f"call it otherwise, such as 'my_{name}'"
         )
