@@ -10,7 +10,8 @@ from tests.support.toys import add, toy
 
 from fastlink.errors import InputError
 from fastlink.facts.evaluate import read_facts
-from fastlink.facts.formula import NAMESPACE, CatalogueError, Formula
+from fastlink.facts.expression import GraphAsWritten
+from fastlink.facts.formula import NAMESPACE, CatalogueError
 from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.precision.reference import CONTEXT
@@ -50,7 +51,7 @@ def test_a_fact_with_a_low_part_determines_two_values(made):
     with pytest.raises(InputError, match="b_low does not depend on a"):
         made.resolve("d_b_low_d_a")
     # to error bounds the low part is what the high one lost: their sum has no error
-    ((low, (times, high)),) = made._selection((), ()).error_bounds.named("b").lost.items()
+    ((low, (times, high)),) = made.selection((), ()).error_bounds.named("b").lost.items()
     assert (low.value, times, high.value) == ("b_low", -1.0, "b")
     # 50 digits hold the square, so that nothing is lost
     exact = read_facts(made, ["b"], {"a": CONTEXT.mpf(a)})
@@ -126,8 +127,9 @@ def unfinished(x):
 
 @pytest.mark.parametrize("function", [branching, looping, powering, unfinished])
 def test_a_function_that_formulas_call_keeps_to_their_grammar(function):
+    graph = GraphAsWritten(())
     with pytest.raises(CatalogueError, match=r"formula of .* (has .*grammar|must end in its one return)"):
-        Formula.of(function).check()
+        graph.read(function, [graph.name("x")])
 
 
 def test_formulas_call_the_projects_own_functions():

@@ -7,7 +7,8 @@ from dataclasses import replace
 import pytest
 
 from fastlink.facts.fact import Fact
-from fastlink.facts.sheet import of_units, wrong_units
+from fastlink.facts.powers import Powers
+from fastlink.facts.sheet import wrong_units
 from fastlink.mechanisms import NAMES, catalogue, inputs_of
 
 #: Texts that mix units on purpose, and why.
@@ -37,7 +38,7 @@ def test_what_a_variant_replaces_has_the_same_units():
             for name, one in facts.items():
                 other = known.facts.get(name) or known.inputs.get(name)
                 if isinstance(one, Fact) and other is not None:
-                    of_units(one.units).like(of_units(other.units), name)
+                    Powers.of_units(one.units).like(Powers.of_units(other.units), name)
 
 
 @pytest.mark.parametrize(("name", "units"), [("P_x", "m2"), ("A_x", "1"), ("T41", "N")])

@@ -34,7 +34,8 @@ from fastlink.engine.run import Job, Sink, default_threads, row_bytes, run
 from fastlink.engine.sinks import designs_per_block, needs_of
 from fastlink.engine.sweep import sweep
 from fastlink.errors import InputError, door
-from fastlink.facts.own import OwnInput, OwnQuantity
+from fastlink.facts.fact import Input
+from fastlink.facts.own import OwnQuantity
 from fastlink.io.partial_file import check_target, write_all
 from fastlink.machine import available_memory
 from fastlink.numerics import compensated, vectors
@@ -616,7 +617,7 @@ def explain_request(request: ResolvedSweep) -> Explanation:
     )
 
 
-def _place(one: OwnInput | OwnQuantity) -> str:
+def _place(one: Input | OwnQuantity) -> str:
     """Return the name of what a user has declared, and of a quantity where."""
     return f"{one.name} ({one.file}, line {one.line})" if isinstance(one, OwnQuantity) else one.name
 

@@ -300,6 +300,7 @@ def _slopes(subject: Subject, names: Sequence[str]) -> dict[str, dict[str, str]]
     for name in names:
         of = parse_request(name, catalogue)
         output = next(one for one in plan.outputs if one.name == change_name(name))
-        terms = output.terms or catalogue.change_terms(of.quantity, plan.variants, request.space.names)
+        selection = catalogue.selection(plan.variants, request.space.names)
+        terms = output.terms or selection.change_terms(of.quantity)
         found[name] = {term.by: derivative_of(of, term.by, catalogue.position.name) for term in terms}
     return found

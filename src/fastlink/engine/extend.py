@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import re
 from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
@@ -53,18 +52,7 @@ class Extension:
         problems.stop()
 
         def declare(function: F) -> F:
-            of = declarations.function_text(function)
-            name = of.tree.name
-            found = Problems()
-            with found.at(name):
-                declarations.check_name(name)
-            fact = found.attempt(declarations.fact_text, of)
-            found.stop()
-            first = (ast.get_docstring(of.tree) or "").strip().split("\n", 1)[0].rstrip(".")
-            labels = name, units, texts[1] or name, texts[0] or first or name
-            place = of.file, of.line + of.tree.lineno, fact.lines
-            parts: Any = *labels, fact.parameters, fact.text, of.text, fact.imports, fact.jumps, *place
-            self._add(declarations.OwnQuantity(*parts))
+            self._add(declarations.read_quantity(function, units, *texts))
             return function
 
         return declare
@@ -99,7 +87,7 @@ class Extension:
             _label(problems, "input", *one) for one in (("description", description), ("symbol", symbol))
         ]
         problems.stop()
-        self._add(declarations.OwnInput(name, units, texts[1] or name, texts[0] or name, rule, number))
+        self._add(Input(name, units, texts[1] or name, texts[0] or name, rule, number))
 
     @property
     def text(self) -> str:
@@ -117,7 +105,7 @@ class Extension:
         """Return an extension with the same declarations, to which others can be added."""
         return type(self)(self.mechanism, self._definition)
 
-    def _add(self, declared: declarations.OwnInput | declarations.OwnQuantity) -> None:
+    def _add(self, declared: Input | declarations.OwnQuantity) -> None:
         """Add a declaration; one of its name gives way to it unless both stand in one file, line below line."""
         others = [one for one in self._definition if one.name != declared.name]
         before = next((one for one in self._definition if one.name == declared.name), None)
@@ -138,16 +126,16 @@ class Extension:
         return f"<{self.mechanism} with {names or 'nothing of its own yet'}>"
 
 
-def _place(one: declarations.OwnInput | declarations.OwnQuantity | None) -> tuple[str, int]:
+def _place(one: Input | declarations.OwnQuantity | None) -> tuple[str, int]:
     return (one.file, one.line) if isinstance(one, declarations.OwnQuantity) else ("", 0)
 
 
 def _in_order(
-    declared: Iterable[declarations.OwnInput | declarations.OwnQuantity],
+    declared: Iterable[Input | declarations.OwnQuantity],
 ) -> declarations.Definition:
     """Return declarations, each after those on which it depends."""
     left = {one.name: one for one in declared}
-    found: dict[str, declarations.OwnInput | declarations.OwnQuantity] = {}
+    found: dict[str, Input | declarations.OwnQuantity] = {}
     while left:
         needs = {name: set(getattr(one, "parameters", ())) - {name} for name, one in left.items()}
         free = [name for name in left if left.keys().isdisjoint(needs[name])]

@@ -137,7 +137,7 @@ def _wanted(resolved: ResolvedSweep, inputs: Sequence[str]) -> _Wanted:
                 try:
                     catalogue.resolve(at_one, variants, given)
                 except NoDependence:
-                    moves = catalogue.moves_at_limits(of, by, variants, given)
+                    moves = catalogue.selection(variants, given).moves(of, by)
                     if not (output.refined and moves):
                         test = _none_of(output, moves)
                         wanted.statuses.update({test} - {output.name})

@@ -11,7 +11,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import Any
 
-from fastlink.facts.expression import Condition
+from fastlink.facts.expression import Condition, Valueless
 from fastlink.facts.fact import Fact, GradedRange, System
 
 __all__ = ["asymptotics"]
@@ -22,7 +22,7 @@ _COMPARES: ContextVar[bool] = ContextVar("compares", default=False)
 
 
 @dataclass(frozen=True, eq=False)
-class Asymptotics:
+class Asymptotics(Valueless):
     """A number without a value, of which growth and symmetry are known."""
 
     #: The power of 1/sigma that bounds its growth at a toggle.
@@ -32,91 +32,66 @@ class Asymptotics:
     #: Whether a comparison of values selects it, so that it may jump.
     choice: bool = False
 
-    @property
-    def context(self) -> _Functions:
-        """The functions of `fastlink.numerics.elementary` for such numbers."""
-        return _Functions()
+    def plus(self, other: Any) -> Asymptotics:
+        """Return a sum."""
+        return self if isinstance(other, float) and other == 0.0 else self.with_other(other)
 
-    def _sum(self, other: Any) -> Asymptotics:
-        if isinstance(other, float) and other == 0.0:
-            return self
-        right = _asymptotics_of(other)
-        parity = self.parity if self.parity == right.parity else 0
-        return Asymptotics(max(self.order, right.order), parity, self.choice or right.choice)
+    def with_other(self, other: Any, jumps: bool = False) -> Asymptotics:
+        """Return what is known of a value that grows as both of two at most."""
+        known = self.of(other)
+        parity = self.parity if self.parity == known.parity else 0
+        return Asymptotics(max(self.order, known.order), parity, jumps or self.choice or known.choice)
 
-    def _product(self, other: Any) -> Any:
-        if isinstance(other, float) and other == 0.0:
-            return 0.0
-        right = _asymptotics_of(other)
-        return Asymptotics(self.order + right.order, self.parity * right.parity, self.choice or right.choice)
-
-    __add__ = __radd__ = __sub__ = __rsub__ = _sum
-    __mul__ = __rmul__ = _product
-
-    def __truediv__(self, other: Any) -> Asymptotics:
-        right = _asymptotics_of(other)
-        return Asymptotics(self.order - right.order, self.parity * right.parity, self.choice or right.choice)
-
-    def __rtruediv__(self, other: Any) -> Any:
-        return 0.0 if isinstance(other, float) and other == 0.0 else _asymptotics_of(other) / self
-
-    def __neg__(self) -> Asymptotics:
-        return self
+    def times(self, other: Any, power: int) -> Asymptotics:
+        """Return the product with a power of another number."""
+        known = self.of(other)
+        order, parity = self.order + power * known.order, self.parity * known.parity
+        return Asymptotics(order, parity, self.choice or known.choice)
 
     def __abs__(self) -> Asymptotics:
         return Asymptotics(self.order, abs(self.parity), self.choice)
 
     def __ge__(self, other: Any) -> Any:
         # `fastlink.numerics.elementary.sqrt` tests the sign of its argument.
-        return True if not isinstance(other, Asymptotics) and other == 0 else self._compared(other)
+        return True if not isinstance(other, Asymptotics) and other == 0 else self.compared(other)
 
-    def _compared(self, other: Any) -> Any:
+    def compared(self, other: Any) -> Condition:
+        """Return the result of a comparison, by which either value may be chosen."""
         if not _COMPARES.get():
             raise TypeError("asymptotics have no value to compare")
-        return _Condition()
+        return Condition(self.either)
 
-    __lt__ = __le__ = __gt__ = __eq__ = __ne__ = _compared
-    __hash__ = None  # type: ignore[assignment]
-
-
-class _Condition(Condition):
-    """The result of a comparison, by which either value may be chosen."""
-
-    def choose(self, if_true: Any, if_false: Any) -> Asymptotics:
+    @classmethod
+    def either(cls, if_true: Any, if_false: Any) -> Asymptotics:
         """Return what is known of both values of `fastlink.numerics.elementary.select`."""
-        one, other = _asymptotics_of(if_true), _asymptotics_of(if_false)
+        first = cls.of(if_true)
         if isinstance(if_false, float) and if_false != if_false:  # what is no number has no parity
-            return one
-        parity = one.parity if one.parity == other.parity else 0
-        return Asymptotics(max(one.order, other.order), parity, True)
+            return first
+        return first.with_other(if_false, jumps=True)
 
+    def sqrt(self) -> Asymptotics:
+        """Return the square root."""
+        return Asymptotics(self.order / 2.0, max(self.parity, 0), self.choice)
 
-class _Functions:
-    """Elementary functions of such numbers."""
+    def cos(self) -> Asymptotics:
+        """Return the cosine."""
+        return Asymptotics(0.0, abs(self.parity), self.choice)
 
-    nan = Asymptotics()
+    def sin(self) -> Asymptotics:
+        """Return the sine."""
+        return Asymptotics(0.0, self.parity, self.choice)
 
-    def sqrt(self, x: Asymptotics) -> Asymptotics:
-        return Asymptotics(x.order / 2.0, 1 if x.parity == 1 else 0, x.choice)
-
-    def cos(self, x: Asymptotics) -> Asymptotics:
-        return Asymptotics(0.0, abs(x.parity), x.choice)
-
-    def sin(self, x: Asymptotics) -> Asymptotics:
-        return Asymptotics(0.0, x.parity, x.choice)
-
-    def exp(self, x: Asymptotics) -> Asymptotics:
-        return Asymptotics(0.0, 1 if x.parity == 1 else 0, x.choice)
+    def exp(self) -> Asymptotics:
+        """Return an exponential or a logarithm."""
+        return Asymptotics(0.0, max(self.parity, 0), self.choice)
 
     log = exp
 
-    def atan2(self, y: Any, x: Any) -> Asymptotics:
-        above, beside = _asymptotics_of(y), _asymptotics_of(x)
+    @classmethod
+    def atan2(cls, y: Any, x: Any) -> Asymptotics:
+        """Return the angle of a vector."""
+        above, beside = cls.of(y), cls.of(x)
         return Asymptotics(0.0, above.parity if beside.parity == 1 else 0, above.choice or beside.choice)
-
-
-def _asymptotics_of(value: Any) -> Asymptotics:
-    return value if isinstance(value, Asymptotics) else Asymptotics()
 
 
 def asymptotics(
@@ -144,10 +119,10 @@ def asymptotics(
                 orders |= step.values(known)
             except (TypeError, AttributeError):
                 # It compares values: only the order of what varies is known.
-                order = max((_asymptotics_of(value).order for value in known.values()), default=0.0)
+                order = max((Asymptotics.of(value).order for value in known.values()), default=0.0)
                 orders |= dict.fromkeys(
                     step.names, Asymptotics(order, 0, True) if step.name in moving else Asymptotics()
                 )
             finally:
                 _COMPARES.reset(compares)
-    return {name: _asymptotics_of(value) for name, value in orders.items()}
+    return {name: Asymptotics.of(value) for name, value in orders.items()}

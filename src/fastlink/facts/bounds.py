@@ -8,18 +8,18 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from fastlink.errors import InputError, Setting
-from fastlink.facts.derivative import in_a_sentence
+from fastlink.facts.derivative import labelled
 from fastlink.facts.expression import (
     COMPARISONS,
     ExpressionGraph,
     Node,
+    beneath,
     generate_formula,
     is_power_of_two,
     postorder,
 )
-from fastlink.facts.fact import Fact, Input, System
-from fastlink.facts.formula import Formula
-from fastlink.facts.names import Quantity, Trust, error_name
+from fastlink.facts.fact import Fact, System
+from fastlink.facts.names import ErrorBound, Quantity, error_name
 from fastlink.numerics.compensated import (
     UNIT_ROUNDING,
     gap_product_quotient,
@@ -49,22 +49,9 @@ from fastlink.numerics.logarithm import arsinh, log, log1p, log_quotient
 from fastlink.numerics.vectors import absolute, choice, sign, zero_where
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from fastlink.facts.catalogue import Selection
 
-__all__ = [
-    "LAWS",
-    "UNIT_WITH_MARGIN",
-    "Bound",
-    "ErrorBounds",
-    "multiplied",
-    "of_direction",
-    "of_logarithm",
-    "of_product",
-    "of_quotient",
-    "of_root",
-    "trust_fact",
-    "with_error_labels",
-]
+__all__ = ["UNIT_WITH_MARGIN", "ErrorBounds"]
 
 
 # -- The error bound of one value: a relative part known beforehand, an expression, and low words
@@ -557,67 +544,16 @@ def bounded_parts(node: Node) -> tuple[Node, ...]:
 # arrays.
 
 
-#: Relative error bounds up to this one are trusted.
-TRUSTED = 1e-6
 #: Roundings of the two fractions of the graded range at an exact x, rest = 1/(1 + x x) and (x x) rest: at most one
 #: each of x x, of the sum, of the quotient and of the product.
 FRACTION = 4.0
-TRUST_FLAGS = {0: "trusted", 1: "ill_conditioned", 2: "not_finite"}
-NUMERICS = "docs/numerics.md#error-bounds"
-
-
-def with_error_labels(fact: Fact) -> Fact:
-    """Return a fact with the labels of its error bound, with its own function still."""
-    return replace(
-        fact,
-        name=error_name(fact.name),
-        low=None,
-        symbol=f"err {fact.symbol}",
-        meaning=f"Error bound of {in_a_sentence(fact.meaning)}",
-        source=f"{fact.source}; {NUMERICS}",
-        flags={},
-    )
-
-
-def trust_fact(fact: Fact) -> Fact:
-    """Return the fact that tells whether an error bound is small against the value."""
-    return replace(
-        fact,
-        name=str(Trust(Quantity(fact.name))),
-        formula=Formula.of(trust),
-        depends_on=(fact.name, error_name(fact.name)),
-        units="1",
-        symbol=f"trust {fact.symbol}",
-        meaning=f"Whether digits of {in_a_sentence(fact.meaning)} are known",
-        source=f"{fact.source}; {NUMERICS}",
-        flags=TRUST_FLAGS,
-    )
-
-
-def trust(value: Any, error: Any) -> Any:
-    """Return 0 where the bound is at most a millionth of the value, else 1; 2 for NaN."""
-    size = abs(value)
-    return select(size < INFINITY, select(error <= TRUSTED * size, 0.0, 1.0), 2.0)
 
 
 class ErrorBounds:
     """The error bounds of a mechanism's facts; given values have none."""
 
-    def __init__(
-        self,
-        find: Callable[[str], Fact | System | None],
-        inputs: Mapping[str, Input],
-        branches: Mapping[int, str],
-        tables: Mapping[str, Fact],
-        low_parts: Mapping[str, str],
-        fractions: Sequence[str] = (),
-        *,
-        is_quantity: Callable[[str], bool],
-        angle_of: Callable[[str], str | None],
-    ) -> None:
-        self.is_quantity, self.angle_of = is_quantity, angle_of
-        self.find, self.inputs, self.branches = find, inputs, branches
-        self.tables, self.low_parts, self.fractions = tables, low_parts, fractions
+    def __init__(self, of: Selection) -> None:
+        self.of, self.catalogue, self.find = of, of.catalogue, of.find
         self.rules = Rules(self.named)
         self.graph, self.exact = self.rules.graph, self.rules.exact
         self._named: dict[str, Bound] = {}
@@ -630,9 +566,8 @@ class ErrorBounds:
             fact = self.bounded_fact(name)
             root, own = self._expression(name)
             formula = generate_formula(error_name(name), self.graph, root, own)
-            self._facts[name] = replace(
-                with_error_labels(fact), formula=formula, depends_on=formula.parameters
-            )
+            labels = labelled(fact, ErrorBound(Quantity(fact.name)), {})
+            self._facts[name] = replace(labels, formula=formula, depends_on=formula.parameters)
         return self._facts[name]
 
     def bounded_fact(self, name: str) -> Fact:
@@ -657,11 +592,11 @@ class ErrorBounds:
         bound = self.rules.bound(value)
         if not self._pair(name, bound):
             bound = self.rules.settled(value, bound)
-        if bound.gap or (bound.rest is not self.graph.zero and self.is_quantity(name)):
+        if bound.gap or (bound.rest is not self.graph.zero and self.catalogue.is_quantity(name)):
             error = self._or_infinite(value, self.rules.error(value, bound))
         else:  # at least a trace of the value: where it is not finite, so is its error
             error = self.rules.error(value, replace(bound, relative=max(bound.relative, UNIT_ROUNDING)))
-        angle = self.angle_of(name) if self.is_quantity(name) else None
+        angle = self.of.angle_of(name) if self.catalogue.is_quantity(name) else None
         if angle is not None:
             error = self.graph.read(of_small_angle, [self.graph.name(angle), error])
         return error, {} if value.kind in ("name", "number", "neg") else {value: name}
@@ -683,28 +618,28 @@ class ErrorBounds:
 
     def _parts(self, name: str) -> Iterator[str]:
         """Yield the names whose bounds determine the bound of a name."""
-        if name in self.low_parts or self.find(name) is None:
+        if name in self.catalogue.table_low_parts or self.find(name) is None:
             return
-        visited: dict[Node, None] = {}
-        for node in postorder([self._value(name)], bounded_parts, visited):
-            visited[node] = None
-            if node.kind == "name":
-                yield node.value
+        yield from (one.value for one in beneath([self._value(name)], bounded_parts) if one.kind == "name")
 
     def _of_name(self, name: str) -> Bound:
         graph = self.graph
-        if name in self.low_parts:
-            return replace(self.exact, lost={graph.name(name): (1.0, graph.name(self.low_parts[name]))})
-        if name in self.fractions:
+        if name in self.catalogue.table_low_parts:
+            return replace(
+                self.exact, lost={graph.name(name): (1.0, graph.name(self.catalogue.table_low_parts[name]))}
+            )
+        graded = self.catalogue.graded
+        if graded is not None and name in graded.coordinates[:2]:
             return replace(self.exact, relative=FRACTION, positive=True)
         if self.find(name) is None:  # no fact of a variant gives a table otherwise
-            if name in self.tables:
+            if name in self.catalogue.tables:
                 return self._of_table(name)
-            positive = name in self.inputs and self.inputs[name].rule != "any"
+            inputs = self.catalogue.known_inputs(self.of.variants)
+            positive = name in inputs and inputs[name].rule != "any"
             return replace(self.exact, positive=positive)
         fact = self.bounded_fact(name)
         if fact.depends_on == ("branch",):
-            values = [fact.formula(float(number)) for number in self.branches]
+            values = [fact.formula(float(number)) for number in self.catalogue.branches]
             if all(map(is_power_of_two, values)):
                 return replace(
                     self.exact, scale=True, one={*map(abs, values)} == {1.0}, positive=min(values) > 0.0
@@ -719,12 +654,12 @@ class ErrorBounds:
 
     def _of_table(self, name: str) -> Bound:
         """Return the bound of a table: exact, or rounded once, perhaps with a low part."""
-        table, graph = self.tables[name], self.graph
+        table, graph = self.catalogue.tables[name], self.graph
         given = [graph.node("given", value=part) for part in table.depends_on]
         bound = self.rules.bound(graph.read(table.formula, given))
         if bound.relative == 0.0:
             return bound
-        low = next((low for low, high in self.low_parts.items() if high == name), None)
+        low = next((low for low, high in self.catalogue.table_low_parts.items() if high == name), None)
         if low is None:
             return replace(self.exact, relative=1.0, positive=bound.positive)
         lost = {graph.name(low): (-1.0, graph.name(name))}

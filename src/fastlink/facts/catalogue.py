@@ -9,8 +9,9 @@ from itertools import count
 from typing import Any, Self
 
 from fastlink.errors import InputError, Model, Piece, Problem, suggest
-from fastlink.facts.bounds import ErrorBounds, trust_fact, with_error_labels
+from fastlink.facts.bounds import ErrorBounds
 from fastlink.facts.derivative import (
+    ALLOWED_CHANGE,
     TOLERANCES,
     Derivation,
     NoDependence,
@@ -18,24 +19,15 @@ from fastlink.facts.derivative import (
     Term,
     change_fact,
     is_tolerance,
-    terms,
+    labelled,
     tolerance_fact,
     tolerance_inputs,
     tolerance_name,
     toleranced,
-    with_change_labels,
-    with_derivative_labels,
 )
-from fastlink.facts.expression import CircularError, postorder
-from fastlink.facts.fact import (
-    CatalogueError,
-    Fact,
-    GradedRange,
-    Input,
-    Loops,
-    System,
-)
-from fastlink.facts.formula import Formula, SheetError
+from fastlink.facts.expression import CircularError, GraphAsWritten, postorder
+from fastlink.facts.fact import CatalogueError, Fact, GradedRange, Input, Loops, System
+from fastlink.facts.formula import NAMESPACE, Formula, SheetError
 from fastlink.facts.names import (
     Below,
     Change,
@@ -60,15 +52,7 @@ from fastlink.facts.names import (
     size_name,
 )
 
-__all__ = [
-    "ELIMINATED",
-    "Catalogue",
-    "CatalogueError",
-    "Fact",
-    "GradedRange",
-    "Input",
-    "System",
-]
+__all__ = ["ELIMINATED", "Catalogue"]
 
 
 #: The name of the solver that needs no linear system: closed forms.
@@ -139,7 +123,7 @@ class Selection:
             raise InputError(
                 what, remedy=f"add to the design some of {', '.join(some)}" if some else "leave it out"
             )
-        return terms(needed)
+        return tuple(Term(by, f"{by}{ALLOWED_CHANGE}") for by in needed)
 
     def _depends(self, name: str, by: str) -> bool:
         """Tell whether a fact changes with an input."""
@@ -160,34 +144,33 @@ class Selection:
         except NoDerivative:
             return False
 
-    def change(self, name: str, how: str) -> Fact:
-        """Return the change of a fact by the tolerances that are given."""
-        labelled = self.catalogue.public_fact(str(Change(Quantity(name), how)))  # codes have none
-        pairs = [(derivative_name(name, term.by), term.tolerance) for term in self.change_terms(name)]
-        return change_fact(labelled, how, pairs)
-
-    def tolerance(self, name: str) -> Fact | None:
-        """Return the fact of the change that an input may have, None for the name of another."""
-        return tolerance_fact(name, self.given)
+    def fact(self, tree: Name) -> Fact:
+        """Return the fact of a derivative, an error bound, a trust, a change or a magnitude."""
+        known = self.catalogue
+        match tree:
+            case Size(of=of):
+                return size_fact(known.public_fact(str(of)))
+            case Change(of=of, how=how):
+                labels = known.public_fact(str(tree))  # codes have none
+                changing = self.change_terms(str(of))
+                pairs = [(derivative_name(str(of), term.by), term.tolerance) for term in changing]
+                return change_fact(labels, how, pairs)
+            case ErrorBound(of=of):
+                return self.error_bounds.fact(str(of))
+            case Trust(of=of):
+                return labelled(self.error_bounds.bounded_fact(str(of)), tree, {})
+            case Derivative(of=ErrorBound() | Trust() as of):
+                what = f"quantity {str(tree)!r}: {of} is an error bound, which has no derivative"
+                raise NoDerivative(what, remedy="leave it out")
+        assert isinstance(tree, Derivative)
+        return self.derivation(tree.by, tree.moving).fact(str(tree.of))
 
     @cached_property
     def error_bounds(self) -> ErrorBounds:
         """The error bounds."""
-        known = self.catalogue
-        inputs = known.known_inputs(self.variants)
-        fractions = known.graded.coordinates[:2] if known.graded is not None else ()
-        return ErrorBounds(
-            self.find,
-            inputs,
-            known.branches,
-            known.tables,
-            known.table_low_parts,
-            fractions,
-            is_quantity=known.is_quantity,
-            angle_of=self._angle_of,
-        )
+        return ErrorBounds(self)
 
-    def _angle_of(self, name: str) -> str | None:
+    def angle_of(self, name: str) -> str | None:
         """Return the input position if a name changes with it and it is an angle, a number of no length."""
         known = self.catalogue
         is_angle = known.position.units in ("rad", "1")
@@ -373,8 +356,8 @@ class Catalogue:
         if fact is None or not isinstance(tree, Derivative):
             what = f"{name} is no derivative of a fact by an input"
             raise CatalogueError(f"{self.name}: {what}; write NAME [units] symbol: meaning, as of a fact")
-        labelled = with_derivative_labels(fact, self.variables[tree.by])
-        declared = replace(labelled, formula=formula, depends_on=formula.parameters, internal=True)
+        labels = labelled(fact, tree, self.variables)
+        declared = replace(labels, formula=formula, depends_on=formula.parameters, internal=True)
         self._check_new(declared.name, variant)
         facts = self.facts if variant is None else self.variants.setdefault(variant, {})
         facts[declared.name] = declared
@@ -533,8 +516,8 @@ class Catalogue:
         selected = tuple(variants)
         tree = self.parse(name)
         if isinstance(tree, (Derivative, ErrorBound, Trust, Change, Size)):
-            return self._derived(tree, self._selection(selected, given))
-        if TOLERANCES in selected and (fact := self._selection(selected, given).tolerance(name)):
+            return self.selection(selected, given).fact(tree)
+        if TOLERANCES in selected and (fact := tolerance_fact(name, self.selection(selected, given).given)):
             return fact
         plain, above = plain_and_above(tree)
         if above and above not in selected:
@@ -551,42 +534,11 @@ class Catalogue:
         fact = self.facts.get(plain)
         return fact and replaced_by(above, fact)
 
-    def change_terms(
-        self,
-        name: str,
-        variants: Iterable[str] = (),
-        given: Iterable[str] = (),
-        *,
-        over_cycle: bool = False,
-        at_limits: bool = False,
-    ) -> tuple[Term, ...]:
-        """Return the terms of the changes of a fact by the tolerances that are given, see `Selection.change_terms`."""
-        return self._selection(tuple(variants), given).change_terms(name, over_cycle, at_limits)
-
-    def moves_at_limits(self, name: str, by: str, variants: Iterable[str], given: Iterable[str]) -> bool:
-        """Tell whether a fact changes with an input at limits of motion, see `Selection.moves`."""
-        return self._selection(tuple(variants), given).moves(name, by)
-
-    def _derived(self, tree: Derivative | ErrorBound | Trust | Change | Size, selection: Selection) -> Fact:
-        """Return the fact of a derivative, an error bound, a trust, a change or a magnitude."""
-        of = str(tree.of)
-        if isinstance(tree, Size):
-            return size_fact(self.public_fact(of))
-        if isinstance(tree, Change):
-            return selection.change(of, tree.how)
-        if isinstance(tree, ErrorBound):
-            return selection.error_bounds.fact(of)
-        if isinstance(tree, Trust):
-            return trust_fact(selection.error_bounds.bounded_fact(of))
-        if isinstance(tree.of, (ErrorBound, Trust)):
-            what = f"quantity {str(tree)!r}: {of} is an error bound, which has no derivative"
-            raise NoDerivative(what, remedy="leave it out")
-        return selection.derivation(tree.by, tree.moving).fact(of)
-
-    def _selection(self, variants: tuple[str, ...], given: Iterable[str]) -> Selection:
+    def selection(self, variants: Iterable[str], given: Iterable[str]) -> Selection:
         """Return the mechanism with these variants and given facts."""
-        facts = {*self.facts, *(name for variant in variants for name in self.variants.get(variant, {}))}
-        key = variants, frozenset(name for name in given if name in facts or is_tolerance(name))
+        selected = tuple(variants)
+        facts = {*self.facts, *(name for variant in selected for name in self.variants.get(variant, {}))}
+        key = selected, frozenset(name for name in given if name in facts or is_tolerance(name))
         if key not in self._selections:
             self._selections[key] = Selection(self, *key)
         return self._selections[key]
@@ -614,9 +566,10 @@ class Catalogue:
     def check(self) -> None:
         """Raise CatalogueError if a formula is none, a name is not declared, or a fact depends on itself."""
         sets: tuple[Mapping[str, Fact | System], ...] = (self.facts, self.tables, *self.variants.values())
+        graph = GraphAsWritten(filter(callable, NAMESPACE.values()))
         for steps in sets:
             for step in steps.values():
-                step.formula.check()
+                graph.read(step.formula, [*map(graph.name, step.formula.parameters)])
                 if isinstance(step, System):
                     self._check_size(step)
         for variant, steps in self.variants.items():
@@ -666,24 +619,14 @@ class Catalogue:
         of = self.public_fact(str(tree.of))
         if isinstance(tree, Size):
             return size_fact(of)
-        lacks = (
-            "change"
-            if isinstance(tree, Change)
-            else "derivative"
-            if isinstance(tree, Derivative)
-            else "error"
-        )
+        lacks = {Change: "change", Derivative: "derivative"}.get(type(tree), "error")
         if isinstance(tree, Change) and isinstance(tree.of, Change):
             raise InputError(f"quantity {name!r}: {of.name} is a change itself", remedy=f"ask for {of.name}")
         if of.flags or isinstance(tree.of, (ErrorBound, Trust)):
             kind = "a code" if of.flags else "an error bound"
             what = f"quantity {name!r}: {of.name} is {kind}, which has no {lacks}"
             raise InputError(what, remedy="leave it out")
-        if isinstance(tree, Derivative):
-            return with_derivative_labels(of, self.variables[tree.by])
-        if isinstance(tree, Change):
-            return with_change_labels(of, tree.how)
-        return with_error_labels(of) if isinstance(tree, ErrorBound) else trust_fact(of)
+        return labelled(of, tree, self.variables)
 
     def is_of_position(self, name: str) -> bool:
         """Tell whether a name is the input position, or a form of it such as its maximum."""

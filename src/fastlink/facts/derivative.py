@@ -2,23 +2,33 @@
 
 from __future__ import annotations
 
+import inspect
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from fastlink.errors import InputError, Setting
 from fastlink.facts.expression import (
-    SLOPES,
     ExpressionGraph,
     Node,
+    beneath,
     generate_formula,
     is_power_of_two,
     postorder,
 )
 from fastlink.facts.fact import Fact, Input, System
-from fastlink.facts.formula import Formula
-from fastlink.facts.names import Change, Quantity, derivative_name, signed
+from fastlink.facts.formula import Formula, parameters
+from fastlink.facts.names import (
+    Change,
+    Derivative,
+    ErrorBound,
+    Made,
+    Quantity,
+    derivative_name,
+    error_name,
+    signed,
+)
 from fastlink.numerics import compensated, vectors
 from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, atan2, cosine, select, sine, sqrt
 from fastlink.numerics.logarithm import log, log1p, log_quotient
@@ -33,14 +43,12 @@ __all__ = [
     "change_fact",
     "in_a_sentence",
     "is_tolerance",
-    "terms",
+    "labelled",
     "tolerance_fact",
     "tolerance_inputs",
     "tolerance_name",
     "toleranced",
     "units_per",
-    "with_change_labels",
-    "with_derivative_labels",
     "worded",
 ]
 
@@ -97,9 +105,7 @@ class Existence:
     def _walked(self, root: Node) -> tuple[list[str], frozenset[Node]]:
         """Return the names in an expression, and its own operations by which it may be no number."""
         if root not in self._within:
-            seen: dict[Node, None] = {}
-            for node in postorder([root], lambda node: node.args, seen):
-                seen[node] = None
+            seen = beneath([root])
             causes = frozenset(cause for node in seen if (cause := _cause(node)) is not None)
             self._within[root] = [node.value for node in seen if node.kind == "name"], causes
         return self._within[root]
@@ -131,19 +137,6 @@ class NoDependence(NoDerivative):
     """The requested derivative is zero everywhere."""
 
 
-def with_derivative_labels(fact: Fact, by: Input) -> Fact:
-    """Return a fact with the labels of its derivative, with its own function still."""
-    return replace(
-        fact,
-        name=derivative_name(fact.name, by.name),
-        units=units_per(fact.units, by.units),
-        low=None,
-        symbol=f"d {fact.symbol}/d {by.symbol}",
-        meaning=f"Derivative of {in_a_sentence(fact.meaning)} with respect to {by.meaning}",
-        source=f"{fact.source}; docs/numerics.md#derivatives",
-    )
-
-
 def in_a_sentence(meaning: str) -> str:
     """Return the meaning of a quantity for use within a sentence."""
     return meaning if meaning[1:2].isupper() else meaning[:1].lower() + meaning[1:]
@@ -159,57 +152,73 @@ def units_per(units: str, by: str) -> str:
     return " ".join(parts) or "1"
 
 
+#: Relative error bounds up to this one are trusted.
+TRUSTED = 1e-6
+
+
+def trust(value: Any, error: Any) -> Any:
+    """Return 0 where the bound is at most a millionth of the value, else 1; 2 for NaN."""
+    size = abs(value)
+    return select(size < INFINITY, select(error <= TRUSTED * size, 0.0, 1.0), 2.0)
+
+
+def labelled(fact: Fact, tree: Made, variables: Mapping[str, Input]) -> Fact:
+    """Return a fact with the labels of what is made of it, with its own formula still unless that is a trust."""
+    name, symbol, said = fact.name, fact.symbol, in_a_sentence(fact.meaning)
+    more: dict[str, Any] = {}
+    match tree:
+        case Derivative(by=by):
+            symbol = f"d {symbol}/d {variables[by].symbol}"
+            meaning = f"Derivative of {said} with respect to {variables[by].meaning}"
+            source = "numerics.md#derivatives"
+            more["units"] = units_per(fact.units, variables[by].units)
+        case Change(how=how):
+            symbol, meaning, source = f"{how} change {symbol}", worded(how, fact.meaning), TOLERANCED
+        case ErrorBound():
+            symbol, meaning, source = f"err {symbol}", f"Error bound of {said}", "numerics.md#error-bounds"
+        case _:
+            symbol, meaning = f"trust {symbol}", f"Whether digits of {said} are known"
+            source = "numerics.md#error-bounds"
+            more = {"formula": Formula.of(trust), "depends_on": (name, error_name(name)), "units": "1"}
+            more["flags"] = {0: "trusted", 1: "ill_conditioned", 2: "not_finite"}
+    labels = {"symbol": symbol, "meaning": meaning, "source": f"{fact.source}; docs/{source}"}
+    return replace(fact, **{"name": str(tree), "low": None, "flags": {}} | labels | more)
+
+
 # -- rules -------------------------------------------------------------------------------------------------
 
-Rule = Callable[[ExpressionGraph, Sequence[Node], Sequence[Node], Node], Node]
-
-
-def _of_sum(graph: ExpressionGraph, args: Sequence[Node], slopes: Sequence[Node], value: Node) -> Node:
-    total = graph.zero
-    for slope in slopes:
-        total = graph.add(total, slope)
-    return total
-
-
-def _of_product(graph: ExpressionGraph, args: Sequence[Node], slopes: Sequence[Node], value: Node) -> Node:
-    (a, *_, b), (da, *_, db) = args, slopes
-    return graph.add(graph.mul(da, b), graph.mul(a, db))
-
-
-def _of_pair_product(
-    graph: ExpressionGraph, args: Sequence[Node], slopes: Sequence[Node], value: Node
-) -> Node:
-    return _of_product(graph, (args[0], args[2]), (slopes[0], slopes[2]), value)
-
-
-def _of_pair_quotient(
-    graph: ExpressionGraph, args: Sequence[Node], slopes: Sequence[Node], value: Node
-) -> Node:
-    return graph.div(graph.sub(slopes[0], graph.mul(value, slopes[2])), args[2])
-
-
-def _of_gap_product_quotient(
-    graph: ExpressionGraph, args: Sequence[Node], slopes: Sequence[Node], value: Node
-) -> Node:
-    x, y = args[4:]
-    product = _of_pair_product(graph, args, slopes, value)
-    share = graph.div(graph.mul(graph.number(0.25), product), graph.mul(x, y))
-    relative = graph.add(graph.div(slopes[4], x), graph.div(slopes[5], y))
-    return graph.sub(share, graph.mul(value, relative))
-
-
-#: Functions with a rule of their own; the text of others is read. The derivative of (high, low) is that of high.
-RULES: dict[Any, Rule] = {
-    compensated.two_sum: _of_sum,
-    compensated.sum_of_four: _of_sum,
-    compensated.two_product: _of_product,
-    compensated.pair_product: _of_pair_product,
-    compensated.pair_quotient: _of_pair_quotient,
-    compensated.gap_product_quotient: _of_gap_product_quotient,
-    compensated.power_of_two_below: lambda graph, args, slopes, value: graph.zero,
-    vectors.zero_where: lambda graph, args, slopes, value: slopes[1],
-    **SLOPES,
+#: Derivatives of calls in terms of their arguments x, the derivatives d_x of these, and the `value`, of a pair its
+#: high part, whose derivative that of (high, low) is. The text of functions without a rule is read.
+DERIVATIVES = {
+    compensated.two_sum: "d_a + d_b",
+    compensated.sum_of_four: "d_a + d_b + d_c + d_d",
+    compensated.two_product: "d_a * b + a * d_b",
+    compensated.pair_product: "d_a * b + a * d_b",
+    compensated.pair_quotient: "(d_a - value * d_b) / b",
+    compensated.gap_product_quotient: ("0.25 * (d_f * g + f * d_g) / (x * y) - value * (d_x / x + d_y / y)"),
+    compensated.power_of_two_below: "0.0",
+    vectors.zero_where: "d_x",
+    # choices that rounding may make: choices of the same kind
+    vectors.choice: "choice(condition, d_if_true, d_if_false)",
+    vectors.absolute: "choice(x < 0.0, -d_x, d_x)",
+    sqrt: "0.5 * d_x / value",
+    sine: "cosine(x) * d_x",
+    cosine: "-(sine(x) * d_x)",
+    log: "d_x / x",
+    log_quotient: "d_x / x - d_y / y",
+    log1p: "d_x / (1.0 + x)",
 }
+
+
+def _rule(function: Callable[..., Any], text: str) -> Formula:
+    """Return the derivative of a call as a formula."""
+    names = parameters(inspect.unwrap(function))
+    return Formula(function.__name__, [*names, *(f"d_{name}" for name in names), "value"], [f"return {text}"])
+
+
+RULES = {function: _rule(function, text) for function, text in DERIVATIVES.items()}
+#: Functions that return a pair.
+PAIRS = {getattr(compensated, name) for name in compensated.__all__} - {compensated.power_of_two_below}
 
 
 class Derivation:
@@ -247,13 +256,13 @@ class Derivation:
             assert isinstance(step, Fact)
             root, value = self._values[name]
             return self._written(step, self._existence.guarded(name, root, value), value)
-        labelled, root = replace(declared, name=derivative), self.graph.read_fact(declared, declared.name)
+        labels, root = replace(declared, name=derivative), self.graph.read_fact(declared, declared.name)
         value = self.graph.read_fact(step, name) if isinstance(step, Fact) else root
         guarded = self._existence.guarded(name, root, value)
         if guarded is root:
-            return labelled
+            return labels
         formula = generate_formula(derivative, self.graph, guarded, {})
-        return replace(labelled, formula=formula, depends_on=formula.parameters, flags={})
+        return replace(labels, formula=formula, depends_on=formula.parameters, flags={})
 
     def slope(self, name: str) -> Node:
         """Return the derivative of a name as a number, a name, or minus a name."""
@@ -317,12 +326,12 @@ class Derivation:
         match node.kind:
             case "neg":
                 return graph.neg(slopes[0])
-            case "+":
-                return graph.add(*slopes)
-            case "-":
-                return graph.sub(*slopes)
+            case "+" | "-":
+                return graph.operation(node.kind, *slopes)
             case "*":
-                return self._of_power(node, slopes) or _of_product(graph, args, slopes, node)
+                return self._of_power(node, slopes) or graph.add(
+                    graph.mul(slopes[0], args[1]), graph.mul(args[0], slopes[1])
+                )
             case "/":
                 return self._of_quotient(node, slopes)
             case "item":
@@ -352,21 +361,11 @@ class Derivation:
 
     def _of_call(self, node: Node, slopes: Sequence[Node]) -> Node:
         graph, function, args = self.graph, node.value, node.args
+        if function is vectors.choice and slopes[1] is slopes[2]:
+            return slopes[1]
         if function in RULES:
-            first = graph.node("item", node, value=0)
-            return RULES[function](graph, args, slopes, first)
-        if function is sqrt:
-            return graph.div(graph.mul(graph.number(0.5), slopes[0]), node)
-        if function is sine:
-            return graph.mul(graph.call(cosine, *args), slopes[0])
-        if function is cosine:
-            return graph.neg(graph.mul(graph.call(sine, *args), slopes[0]))
-        if function is log:
-            return graph.div(slopes[0], args[0])
-        if function is log_quotient:
-            return graph.sub(graph.div(slopes[0], args[0]), graph.div(slopes[1], args[1]))
-        if function is log1p:
-            return graph.div(slopes[0], graph.add(graph.one, args[0]))
+            value = graph.node("item", node, value=0) if function in PAIRS else node
+            return graph.read(RULES[function], [*args, *slopes, value])
         if function is atan2:
             return graph.call(vectors.turn_rate, *args, *slopes)
         if function is abs:
@@ -384,8 +383,8 @@ class Derivation:
         own = {} if value.kind in ("name", "number", "neg") else {value: step.name}
         name = derivative_name(step.name, self.by.name, self.moving)
         formula = generate_formula(name, self.graph, root, own)
-        labelled = with_derivative_labels(step, self.by)
-        return replace(labelled, name=name, formula=formula, depends_on=formula.parameters, flags={})
+        labels = labelled(step, Derivative(Quantity(step.name), self.by.name), {self.by.name: self.by})
+        return replace(labels, name=name, formula=formula, depends_on=formula.parameters)
 
 
 # -- Changes by tolerances, to first order: of a value, from its derivatives by the inputs that have
@@ -401,12 +400,12 @@ class Derivation:
 TOLERANCES = "tolerances"
 ABSOLUTE, RELATIVE = "_tolerance", "_relative_tolerance"
 #: What tells the change that an input may have from the tolerance that is given.
-OWN = "__tolerance"
+ALLOWED_CHANGE = "__tolerance"
 WORDS = {
     "worst": "Worst-case change by the tolerances of the inputs of: ",
     "rss": "Root sum of squares of the changes by the tolerances of the inputs of: ",
 }
-SOURCE = "docs/tolerances.md#tolerances-as-inputs"
+TOLERANCED = "tolerances.md#tolerances-as-inputs"
 
 
 @dataclass(frozen=True)
@@ -448,7 +447,7 @@ def tolerance_inputs(inputs: Iterable[Input]) -> dict[str, Input]:
 
 def tolerance_fact(name: str, given: Iterable[str]) -> Fact | None:
     """Return the fact of the change that an input may have, None for the name of another."""
-    of = name.removesuffix(OWN)
+    of = name.removesuffix(ALLOWED_CHANGE)
     if of == name:
         return None
     own, share = tolerance_name(of), tolerance_name(of, relative=True)
@@ -456,7 +455,7 @@ def tolerance_fact(name: str, given: Iterable[str]) -> Fact | None:
         "units": "1",
         "symbol": f"T_{of}",
         "meaning": f"Tolerance of {of}",
-        "source": SOURCE,
+        "source": f"docs/{TOLERANCED}",
     }
     if share in given:
         return Fact(name, Formula.of(of_relative), (of, share), internal=True, **labels)
@@ -473,31 +472,13 @@ def of_relative(value: Any, share: Any) -> Any:
     return abs(value) * share
 
 
-def terms(inputs: Iterable[str]) -> tuple[Term, ...]:
-    """Return the terms of inputs."""
-    return tuple(Term(by, f"{by}{OWN}") for by in inputs)
-
-
 def worded(how: str, meaning: str) -> str:
     """Return the meaning of a change."""
     return WORDS[how] + in_a_sentence(meaning)
 
 
-def with_change_labels(fact: Fact, how: str) -> Fact:
-    """Return a fact with the labels of its change, with its own function still."""
-    return replace(
-        fact,
-        name=str(Change(Quantity(fact.name), how)),
-        low=None,
-        symbol=f"{how} change {fact.symbol}",
-        meaning=worded(how, fact.meaning),
-        source=f"{fact.source}; {SOURCE}",
-        flags={},
-    )
-
-
-def change_fact(labelled: Fact, how: str, derivatives: Sequence[tuple[str, str]]) -> Fact:
-    """Return a change, which is labelled already, from derivatives, each with the fact of the tolerance."""
+def change_fact(labels: Fact, how: str, derivatives: Sequence[tuple[str, str]]) -> Fact:
+    """Return a change, which has its labels already, from derivatives, each with the fact of the tolerance."""
     graph = ExpressionGraph((magnitude,))
     found: Node | None = None
     for derivative, tolerance in derivatives:
@@ -507,5 +488,5 @@ def change_fact(labelled: Fact, how: str, derivatives: Sequence[tuple[str, str]]
         else:
             found = graph.add(found, change) if how == "worst" else graph.call(magnitude, found, change)
     assert found is not None
-    formula = generate_formula(labelled.name, graph, found, {})
-    return replace(labelled, formula=formula, depends_on=formula.parameters)
+    formula = generate_formula(labels.name, graph, found, {})
+    return replace(labels, formula=formula, depends_on=formula.parameters)

@@ -11,17 +11,18 @@ from typing import Any, Self, TypeVar
 
 from fastlink.facts.fact import Fact
 from fastlink.facts.formula import Formula
-from fastlink.numerics import vectors
 from fastlink.numerics.compiler import COMPILED_AS
 from fastlink.numerics.elementary import atan2, cosine, select, sine, sqrt
 from fastlink.numerics.logarithm import log, log1p, log_quotient
 
 __all__ = [
-    "SLOPES",
     "CircularError",
     "Condition",
     "ExpressionGraph",
+    "GraphAsWritten",
     "Node",
+    "Valueless",
+    "beneath",
     "generate_formula",
     "is_power_of_two",
     "postorder",
@@ -87,6 +88,21 @@ class Node:
     args: tuple[Node, ...]
     value: Any = None
 
+    @property
+    def is_condition(self) -> bool:
+        """Whether it is a comparison, or several."""
+        return self.kind in COMPARISONS or self.kind in ("&", "|")
+
+
+def beneath(
+    roots: Iterable[Node], parts: Callable[[Node], Iterable[Node]] = lambda node: node.args
+) -> list[Node]:
+    """Return values and all that they are made of, each once and after its parts."""
+    found: dict[Node, None] = {}
+    for node in postorder(roots, parts, found):
+        found[node] = None
+    return list(found)
+
 
 class ExpressionGraph:
     """Values, each of which exists once.
@@ -94,15 +110,16 @@ class ExpressionGraph:
     `opaque` functions remain calls, as elementary ones do; the text of others is read.
     """
 
-    def __init__(self, opaque: Collection[Any]) -> None:
-        self._nodes: dict[tuple[Any, ...], Node] = {}
+    def __init__(self, opaque: Iterable[Any]) -> None:
+        #: By kind, value and identity of the parts.
+        self.nodes: dict[tuple[Any, ...], Node] = {}
         self._opaque = {sqrt, atan2, cosine, sine, log, log1p, log_quotient, abs, *opaque}
         self.zero, self.one = self.number(0.0), self.number(1.0)
 
     def node(self, kind: str, *args: Node, value: Any = None) -> Node:
         """Return a value, the one that exists if there is one."""
         key = (kind, repr(value) if kind == "number" else value, *map(id, args))
-        return self._nodes.setdefault(key, Node(kind, args, value))
+        return self.nodes.setdefault(key, Node(kind, args, value))
 
     def name(self, name: str) -> Node:
         """Return the value of a name."""
@@ -185,7 +202,7 @@ class ExpressionGraph:
         """Return a/b."""
         if a is self.zero or b is self.one:
             return a
-        if a.kind == b.kind == "number":
+        if a.kind == b.kind == "number" and b is not self.zero:
             return self.number(a.value / b.value)
         if a.kind == "neg" or b.kind == "neg":
             positive = self.div(*(x.args[0] if x.kind == "neg" else x for x in (a, b)))
@@ -202,50 +219,50 @@ class ExpressionGraph:
     # -- reading ---------------------------------------------------------------------------------
 
     def read(self, function: Callable[..., Any], args: Sequence[Node]) -> Node:
-        """Return the value of a straight-line function for these arguments."""
+        """Return the value of a straight-line function for these arguments, or refuse what is none."""
         formula = Formula.of(function)
         known = dict(zip(formula.parameters, args, strict=True))
+        *assignments, last = formula.statements
 
         def value(node: ast.expr) -> Node:
             match node:
-                case ast.Name():
-                    if node.id in known:
-                        return known[node.id]
-                    return self.number(formula.names[node.id])
-                case ast.Constant():
-                    assert isinstance(node.value, int | float)
-                    return self.number(node.value)
-                case ast.UnaryOp():
+                case ast.Name(id=name) if name in known:
+                    return known[name]
+                case ast.Name(id=name) if isinstance(number := formula.names.get(name), int | float):
+                    return self.number(number)
+                case ast.Constant(value=number) if type(number) in (int, float):
+                    return self.number(number)
+                case ast.UnaryOp(op=ast.USub()):
                     return self.neg(value(node.operand))
-                case ast.BinOp():
-                    return self.operation(SIGNS[type(node.op)], value(node.left), value(node.right))
-                case ast.Compare():
-                    sign = SIGNS[type(node.ops[0])]
-                    return self.node(sign, value(node.left), value(node.comparators[0]))
+                case ast.BinOp(op=sign) if type(sign) in SIGNS:
+                    return self.operation(SIGNS[type(sign)], value(node.left), value(node.right))
+                case ast.Compare(ops=[sign]) if type(sign) in SIGNS:
+                    return self.node(SIGNS[type(sign)], value(node.left), value(node.comparators[0]))
                 case ast.Tuple():
                     return self.node("tuple", *map(value, node.elts))
-                case _:
-                    assert isinstance(node, ast.Call)
-                    assert isinstance(node.func, ast.Name)
-                    helper = formula.names.get(node.func.id, abs)
-                    return self.apply(helper, [value(arg) for arg in node.args])
+                case ast.Call(func=ast.Name(id=name), keywords=[]) if name not in known:
+                    helper = abs if name == "abs" else formula.names.get(name)
+                    if callable(helper):
+                        return self.apply(helper, [*map(value, node.args)])
+            raise formula.refused(statement, node, known)
 
         def bind(target: ast.expr, bound: Node) -> None:
-            if isinstance(target, ast.Tuple):
-                for k, part in enumerate(target.elts):
-                    bind(part, self.part(bound, k))
-            else:
-                assert isinstance(target, ast.Name)
-                known[target.id] = bound
+            match target:
+                case ast.Name():
+                    known[target.id] = bound
+                case ast.Tuple():
+                    for k, part in enumerate(target.elts):
+                        bind(part, self.part(bound, k))
+                case _:
+                    raise formula.refused(statement, target, known)
 
-        *assignments, last = formula.statements
-        for assignment in assignments:
-            assert isinstance(assignment, ast.Assign)
-            for target in assignment.targets:
-                bind(target, value(assignment.value))
-        assert isinstance(last, ast.Return)
-        assert last.value is not None
-        return value(last.value)
+        for statement in assignments:
+            if not isinstance(statement, ast.Assign):
+                raise formula.refused(statement, statement, known)
+            for target in statement.targets:
+                bind(target, value(statement.value))
+        statement = last
+        return value(formula.result)
 
     def operation(self, sign: str, a: Node, b: Node) -> Node:
         """Return the value of an operation with two arguments."""
@@ -267,14 +284,15 @@ class ExpressionGraph:
 
     # -- writing ---------------------------------------------------------------------------------
 
-    def write(self, root: Node, given: Mapping[Node, str]) -> tuple[tuple[str, ...], list[str]]:
-        """Return the names in an expression, and the lines of a function that returns it.
+    def write(
+        self, root: Node, given: Mapping[Node, str], assigned: Collection[Node] = ()
+    ) -> tuple[tuple[str, ...], list[tuple[Node, str]]]:
+        """Return the names in an expression, and the values and lines of a function that returns it.
 
-        `given` are values that have a name of their own.
+        `given` are values that have a name of their own; those that are `assigned` have a line in any case.
         """
-        order: dict[Node, tuple[Node, ...]] = {}
-        for node in postorder([root], lambda node: () if node in given else node.args, order):
-            order[node] = () if node in given else node.args
+        nodes = beneath([*assigned, root], lambda node: () if node in given else node.args)
+        order = {node: () if node in given else node.args for node in nodes}
         uses = Counter(part for parts in order.values() for part in parts)
         depends_on = {
             given.get(node, node.value): None for node in order if node in given or node.kind == "name"
@@ -282,19 +300,32 @@ class ExpressionGraph:
         pairs = {parts[0] for node, parts in order.items() if parts and node.kind == "item"}
         written: dict[Node, ast.expr] = {}
         depths: dict[Node, int] = {}
-        lines: list[str] = []
+        lines: list[tuple[Node, str]] = []
         for node, parts in order.items():
             text = ast.Name(given[node]) if node in given else _expression(node, [written[a] for a in parts])
             short = node in given or node.kind in ("name", "number", "item")
             depths[node] = 0 if short else 1 + max((depths[a] for a in parts), default=0)
-            if node in pairs or (not short and (uses[node] > 1 or depths[node] == DEEPEST)):
+            repeated = uses[node] > 1 or depths[node] == DEEPEST or node in assigned
+            if node in pairs or (repeated and not short):
                 depths[node] = 0
                 local = f"_{len(lines)}"
                 target = f"{local}_0, {local}_1" if node in pairs else local
-                lines.append(f"{target} = {ast.unparse(text)}")
+                lines.append((node, f"{target} = {ast.unparse(text)}"))
                 text = ast.Name(local)
             written[node] = text
-        return tuple(depends_on), [*lines, f"return {ast.unparse(written[root])}"]
+        return tuple(depends_on), [*lines, (root, f"return {ast.unparse(written[root])}")]
+
+
+class GraphAsWritten(ExpressionGraph):
+    """Values of operations as they are written, so that they have the same bits: nothing is folded."""
+
+    def neg(self, a: Node) -> Node:
+        """Return -a."""
+        return self.node("neg", a)
+
+    def operation(self, sign: str, a: Node, b: Node) -> Node:
+        """Return the value of an operation with two arguments."""
+        return self.node(sign, a, b)
 
 
 def _expression(node: Node, args: Sequence[ast.expr]) -> ast.expr:
@@ -335,11 +366,14 @@ def is_power_of_two(x: float) -> bool:
     return math.frexp(abs(x))[0] == 0.5
 
 
-# -- Conditions on values of which less is known than a number: what is computed with them takes either way
+# -- Numbers without a value, of which something else is known: formulas run on them as on doubles
 
 
 class Condition:
-    """The result of a comparison, which counts as met; a subclass says what `choose` returns."""
+    """The result of a comparison, which counts as met; `choose` returns what is known of either value."""
+
+    def __init__(self, choose: Callable[[Any, Any], Any]) -> None:
+        self.choose = choose
 
     def __and__(self, other: Any) -> Self:
         return self
@@ -350,25 +384,49 @@ class Condition:
         """Satisfy `sqrt` of `fastlink.numerics.elementary`, which tests the sign of its argument."""
         return True
 
-    def choose(self, if_true: Any, if_false: Any) -> Any:
-        """Return what is known of both values of `fastlink.numerics.elementary.select`."""
-        raise NotImplementedError
 
+class Valueless:
+    """What a subclass knows of sums (`plus`), products (`times` a power, 1 or -1) and comparisons (`compared`)."""
 
-# -- Derivatives of choices that rounding may make: choices of the same kind
+    #: The elementary functions of such numbers are methods of theirs.
+    context = property(type)
+    nan, inf = math.nan, math.inf
+    plus: Callable[..., Any]
+    times: Callable[..., Any]
+    compared: Callable[..., Any]
 
+    @classmethod
+    def of(cls, value: Any) -> Any:
+        """Return what is known of any number."""
+        return value if isinstance(value, cls) else cls()
 
-def _of_choice(graph: ExpressionGraph, args: Sequence[Node], slopes: Sequence[Node], value: Node) -> Node:
-    return slopes[1] if slopes[1] is slopes[2] else graph.call(vectors.choice, args[0], *slopes[1:])
+    def __add__(self, other: Any) -> Any:
+        return self.plus(other)
 
+    __radd__ = __sub__ = __rsub__ = __add__
 
-def _of_size(graph: ExpressionGraph, args: Sequence[Node], slopes: Sequence[Node], value: Node) -> Node:
-    negative = graph.node("<", args[0], graph.zero)
-    return graph.call(vectors.choice, negative, graph.neg(slopes[0]), slopes[0])
+    def __mul__(self, other: Any) -> Any:
+        return 0.0 if isinstance(other, float) and other == 0.0 else self.times(other, 1)
 
+    __rmul__ = __mul__
 
-#: The rules of the derivatives of both, see `fastlink.facts.derivative`.
-SLOPES = {vectors.choice: _of_choice, vectors.absolute: _of_size}
+    def __truediv__(self, other: Any) -> Any:
+        return self.times(other, -1)
+
+    def __rtruediv__(self, other: Any) -> Any:
+        return 0.0 if isinstance(other, float) and other == 0.0 else self.of(other).times(self, -1)
+
+    def __neg__(self) -> Self:
+        return self
+
+    def __abs__(self) -> Self:
+        return self
+
+    def __lt__(self, other: Any) -> Any:
+        return self.compared(other)
+
+    __le__ = __gt__ = __ge__ = __eq__ = __ne__ = __lt__  # type: ignore[assignment]
+    __hash__ = None  # type: ignore[assignment]
 
 
 # -- Formulas made of expressions
@@ -376,4 +434,5 @@ SLOPES = {vectors.choice: _of_choice, vectors.absolute: _of_size}
 
 def generate_formula(name: str, graph: ExpressionGraph, root: Node, given: Mapping[Node, str]) -> Formula:
     """Return a formula that returns a value; its parameters are the names that it depends on."""
-    return Formula(name, *graph.write(root, given))
+    depends_on, lines = graph.write(root, given)
+    return Formula(name, depends_on, [line for _, line in lines])

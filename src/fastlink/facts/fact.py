@@ -42,7 +42,7 @@ class Input:
     meaning: str
     rule: Rule = "any"
     default: float | None = None
-    choices: Mapping[int, str] = field(default_factory=dict)
+    choices: Mapping[int, str] = field(default_factory=dict, hash=False)
 
     def allows(self, value: Any) -> Any:
         """Tell whether it may have a value; for an array, each of its values."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from functools import cache, cached_property
 from typing import Any
 
@@ -19,12 +19,6 @@ from fastlink.numerics.compiler import parsed, syntax
 
 __all__ = ["NAMESPACE", "CatalogueError", "Formula", "SheetError", "parameters"]
 
-
-ALLOWED_NODES = (
-    ast.Assign, ast.Return, ast.Name, ast.Load, ast.Store, ast.Tuple, ast.Constant, ast.Call,
-    ast.BinOp, ast.Add, ast.Sub, ast.Mult, ast.Div, ast.BitAnd, ast.BitOr, ast.UnaryOp, ast.USub,
-    ast.Compare, ast.Lt, ast.LtE, ast.Gt, ast.GtE, ast.Eq, ast.NotEq,
-)  # fmt: skip
 
 #: The functions and constants that a formula may name.
 NAMESPACE: dict[str, Any] = {
@@ -136,32 +130,35 @@ class Formula:
 
     @cached_property
     def statements(self) -> tuple[ast.stmt, ...]:
-        """The assignments and the return, checked against the grammar."""
+        """The assignments and the return."""
         returns = [isinstance(statement, ast.Return) for statement in self.body]
         if not returns or sum(returns) != 1 or not returns[-1]:
             raise self._refused("", "must end in its one return", "write all that it returns there")
-        for statement in self.body:
-            for node in ast.walk(statement):
-                if not isinstance(node, ALLOWED_NODES):
-                    what = f"has {type(node).__name__}, which is not in the grammar of formulas"
-                    remedy = "write operators, comparisons and calls: select(condition, a, b) for a choice"
-                    if isinstance(node, ast.Pow):
-                        remedy = "write powers as products, x * x"
-                    raise self._refused(statement, what, remedy)
         return tuple(self.body)
 
-    def check(self) -> None:
-        """Refuse what is no formula, and what no program that reads formulas would understand."""
-        names = {**self.names, "abs": abs}
-        functions = {name for name, value in names.items() if callable(value)}.difference(self.parameters)
-        for statement in self.statements:
-            stored = (node for node in ast.walk(statement) if isinstance(node, ast.Name))
-            functions -= {node.id for node in stored if isinstance(node.ctx, ast.Store)}
-            called = {id(node.func) for node in ast.walk(statement) if isinstance(node, ast.Call)}
-            for node in ast.walk(statement):
-                fault = _fault(node, id(node) in called, functions)
-                if fault is not None:
-                    raise self._refused(statement, *fault)
+    def refused(self, statement: ast.stmt, node: ast.AST, local: Container[str]) -> SheetError:
+        """Return the error of a part of a statement that no program which reads formulas would understand."""
+        known = [name for name, value in {**self.names, "abs": abs}.items() if callable(value)]
+        functions = [name for name in known if name not in local]
+        remedy = "write operators, comparisons and calls: select(condition, a, b) for a choice"
+        what, kind = "", type(node).__name__
+        match node:
+            case ast.Call(func=ast.Name(id=name), keywords=[]):
+                what, remedy = f"calls {name}, which is no function of formulas", suggest(name, functions)
+            case ast.Call():
+                kind = "keyword" if node.keywords else type(node.func).__name__
+            case ast.Name(id=name) if name in functions:
+                what, remedy = f"has the function {name} without arguments", f"write {name}(...)"
+            case ast.Compare(ops=[_, _, *_]):
+                what, remedy = "compares more than two numbers", "join comparisons of two by &"
+            case ast.Constant():
+                what, remedy = f"has {node.value!r}, which is no number", "write numbers and names"
+            case ast.BinOp(op=ast.Pow()):
+                kind, remedy = "Pow", "write powers as products, x * x"
+            case ast.BinOp(op=sign) | ast.UnaryOp(op=sign) | ast.Compare(ops=[sign]):
+                kind = type(sign).__name__
+        what = what or f"has {kind}, which is not in the grammar of formulas"
+        return self._refused(statement, what, remedy)
 
     def _refused(self, line: ast.stmt | str, what: str, remedy: str) -> SheetError:
         text = line if isinstance(line, str) else ast.unparse(line)
@@ -189,20 +186,6 @@ class Formula:
         targets = (line.partition(" = ")[0] for line in self.lines[:-1])
         local = {word for target in targets for word in WORD.findall(target)}
         return frozenset(words.intersection({*self.names, "abs"}) - {*self.parameters} - local)
-
-
-def _fault(node: ast.AST, is_called: bool, functions: Collection[str]) -> tuple[str, str] | None:
-    """Return what is wrong with an expression whose kind is allowed, and what to write instead."""
-    match node:
-        case ast.Call() if (name := ast.unparse(node.func)) not in functions:
-            return f"calls {name}, which is no function of formulas", suggest(name, functions)
-        case ast.Name(id=name) if name in functions and not is_called:
-            return f"has the function {name} without arguments", f"write {name}(...)"
-        case ast.Compare(ops=[_, _, *_]):
-            return "compares more than two numbers", "join comparisons of two by &"
-        case ast.Constant(value=value) if type(value) not in (int, float):
-            return f"has {value!r}, which is no number", "write numbers and names"
-    return None
 
 
 class _Replace(ast.NodeTransformer):

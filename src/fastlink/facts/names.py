@@ -30,11 +30,13 @@ Declarations refuse a name that rules 1 and 3 read otherwise if its innermost na
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import TYPE_CHECKING
 
 from fastlink.facts.fact import CatalogueError
+
+if TYPE_CHECKING:
+    from fastlink.facts.catalogue import Catalogue
 
 __all__ = [
     "Below",
@@ -42,7 +44,6 @@ __all__ = [
     "Derivative",
     "ErrorBound",
     "GradientStatus",
-    "Known",
     "ListOfExtrema",
     "Made",
     "Name",
@@ -244,23 +245,7 @@ def signed(name: str) -> str:
     return name.removesuffix(SIZE)
 
 
-class Known(Protocol):
-    """The declarations of a mechanism, by which its names are read."""
-
-    position: Any
-
-    @property
-    def variables(self) -> Mapping[str, Any]:
-        """The variables of derivatives."""
-
-    def declares(self, name: str) -> bool:
-        """Tell whether a name is declared: as a fact, an input, a table or the position."""
-
-    def is_public(self, name: str) -> bool:
-        """Tell whether a declared name is the name of a public quantity."""
-
-
-def parse(name: str, known: Known) -> Name:
+def parse(name: str, known: Catalogue) -> Name:
     """Return the tree of a name, by the rules above.
 
     Examples
@@ -285,7 +270,7 @@ def as_derivative(name: str) -> tuple[str, str] | None:
     return (of, by) if sign and of and by else None
 
 
-def innermost(name: str, known: Known) -> str:
+def innermost(name: str, known: Catalogue) -> str:
     """Return the innermost name, also in forms that are not offered: x in x_max_trust."""
     root = root_of(parse(name, known))
     return root if root == name else innermost(root, known)
@@ -305,14 +290,14 @@ def forget_reduction(how: str) -> None:
     del _REDUCTIONS[how]
 
 
-def form_of(name: str, known: Known) -> Name | None:
+def form_of(name: str, known: Catalogue) -> Name | None:
     """Return the tree of a name by its form alone; None for a plain name."""
     tree = _derivative(name, known) or _of_cycle(name, known) or _of_position(name, known)
     reserved = BY in name or BELOW in name or name.startswith(at(known.position.name))
     return tree or (Quantity(name) if reserved else None)
 
 
-def reading_of(name: str, known: Known) -> Name | None:
+def reading_of(name: str, known: Catalogue) -> Name | None:
     """Return the tree of a name by its form if the innermost name is declared.
 
     A name with such a reading cannot be declared: it would have two meanings. Reductions are of public quantities;
@@ -327,7 +312,7 @@ def reading_of(name: str, known: Known) -> Name | None:
     return tree
 
 
-def _derivative(name: str, known: Known) -> Name | None:
+def _derivative(name: str, known: Catalogue) -> Name | None:
     parts = as_derivative(plain := name.removesuffix(MOVING))
     if not parts or parts[1] not in known.variables:
         return None
@@ -337,19 +322,19 @@ def _derivative(name: str, known: Known) -> Name | None:
     return Derivative(of or Quantity(parts[0]), parts[1], plain != name)
 
 
-def _declared(name: str, known: Known) -> Name | None:
+def _declared(name: str, known: Catalogue) -> Name | None:
     """Return the tree of a derivative or of a declared name, else None."""
     if derivative := _derivative(name, known):
         return derivative
     return Quantity(name) if known.declares(name) else None
 
 
-def _within(name: str, known: Known) -> Name:
+def _within(name: str, known: Catalogue) -> Name:
     """Return the tree of a name that is part of another."""
     return _declared(name, known) or _of_position(name, known) or Quantity(name)
 
 
-def _of_position(name: str, known: Known) -> Name | None:
+def _of_position(name: str, known: Catalogue) -> Name | None:
     """Return the tree of a name whose ending means a value at a position, else None."""
     if name.endswith(ERROR) and name != ERROR:
         return ErrorBound(_within(name.removesuffix(ERROR), known))
@@ -364,7 +349,7 @@ def _of_position(name: str, known: Known) -> Name | None:
     return Below(Quantity(of), variant) if sign and of and variant else None
 
 
-def _of_cycle(name: str, known: Known) -> Name | None:
+def _of_cycle(name: str, known: Catalogue) -> Name | None:
     """Return the tree of a name whose ending means a property of the cycle, or the error bound of one, else None."""
     if tree := _over_cycle(name, known):
         return tree
@@ -379,7 +364,7 @@ def _of_cycle(name: str, known: Known) -> Name | None:
     return ErrorBound(bounded) if bounded else _change_of_cycle(name, known)
 
 
-def _change_of_cycle(name: str, known: Known) -> Change | None:
+def _change_of_cycle(name: str, known: Catalogue) -> Change | None:
     """Return the tree of a name whose ending means the change of a property of the cycle, else None."""
     for ending, how in CHANGES.items():
         inner = name.removesuffix(ending)
@@ -389,7 +374,7 @@ def _change_of_cycle(name: str, known: Known) -> Change | None:
     return None
 
 
-def _over_cycle(name: str, known: Known) -> Name | None:
+def _over_cycle(name: str, known: Catalogue) -> Name | None:
     """Return the tree of a name whose ending means a property of the cycle, else None."""
     inner = name.removeprefix(at(known.position.name))
     position = "" if inner == name else known.position.name

@@ -1,18 +1,18 @@
-"""Quantities that users declare: their texts are read, and rewritten in the grammar of facts or refused."""
+"""Quantities that users declare: functions of Python are read into formulas, or refused with line and remedy."""
 
 from __future__ import annotations
 
 import ast
 import builtins
-import copy
+import dis
 import inspect
 import math
 import re
 import textwrap
 import traceback
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import lru_cache, reduce
 from itertools import product
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
@@ -24,140 +24,74 @@ from fastlink._text import short_repr
 from fastlink.errors import InputError, KeyPath, Problems, suggest
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.derivative import NoDerivative
-from fastlink.facts.expression import DEEPEST
-from fastlink.facts.fact import Fact, Input, Rule, System
+from fastlink.facts.expression import SIGNS, GraphAsWritten, Node, beneath, generate_formula, postorder
+from fastlink.facts.fact import Fact, Input, System
 from fastlink.facts.formula import NAMESPACE, CatalogueError, Formula
-from fastlink.facts.names import (
-    Derivative,
-    ErrorBound,
-    ListOfExtrema,
-    Quantity,
-    Reduced,
-    Trust,
-    bounded_of,
-    error_name,
-    root_of,
-)
-from fastlink.facts.powers import UNITS, Powers, UnlikePowers, dimensions, units_text
-from fastlink.numerics import elementary, logarithm, vectors
+from fastlink.facts.names import ErrorBound, ListOfExtrema, Reduced, Trust, bounded_of, plain_part, root_of
+from fastlink.facts.powers import UNITS, Powers, UnlikePowers, units_text
 from fastlink.numerics.compiler import parsed
+from fastlink.numerics.elementary import NOT_A_NUMBER, select, sqrt
+from fastlink.numerics.vectors import absolute, choice, magnitude
 
 __all__ = [
     "TAKEN",
     "TOO_LONG",
     "Definition",
-    "OwnInput",
     "OwnQuantity",
     "check_name",
     "check_units",
     "declared_names",
     "definition_text",
     "extended",
-    "fact_text",
-    "function_text",
-    "split",
+    "is_reserved",
+    "read_quantity",
     "used",
 ]
 
 
-#: What the text of a fact calls.
-HELPERS: dict[str, Any] = {
-    function.__name__: function
-    for function in (
-        *(
-            elementary.sqrt,
-            elementary.atan2,
-            elementary.cosine,
-            elementary.sine,
-            elementary.select,
-            logarithm.log,
-        ),
-        *(vectors.absolute, vectors.choice, vectors.magnitude),
-    )
-}
-HELPERS["NOT_A_NUMBER"] = elementary.NOT_A_NUMBER
+# -- What a user's function may call
+
+
 #: Modules whose functions may be called by an attribute.
 MODULES = (math, np)
 CONSTANTS = {"pi": math.pi, "tau": math.tau, "e": math.e}
 #: NaN where either number is.
-_OUTER = "choice({{a}} != {{a}}, {{a}}, choice({{a}} {sign} {{b}}, {{a}}, {{b}}))"
-
-
-@dataclass(frozen=True)
-class OwnFunction:
-    """A function that may be called: how many numbers it takes, and its text, with a, b for them.
-
-    Where it takes any number, the text is that of two, and others follow one by one; a choice by a condition has none.
-    """
-
-    count: int | None
-    text: str = ""
-
-    @property
-    def is_choice(self) -> bool:
-        """Whether its first argument is a condition."""
-        return not self.text
-
-
+_OUTER = "choice(a != a, a, choice(a {} b, a, b))"
 _FUNCTIONS = {
-    "abs": OwnFunction(1, "absolute({a})"),
-    "sqrt": OwnFunction(1, "sqrt({a})"),
-    "hypot": OwnFunction(2, "magnitude({a}, {b})"),
-    "atan2": OwnFunction(2, "atan2({a}, {b})"),
-    "sin": OwnFunction(1, "sine({a})"),
-    "cos": OwnFunction(1, "cosine({a})"),
-    "tan": OwnFunction(1, "sine({a}) / cosine({a})"),
-    "atan": OwnFunction(1, "atan2({a}, 1.0)"),
-    "asin": OwnFunction(1, "atan2({a}, sqrt((1.0 - {a}) * (1.0 + {a})))"),
-    "acos": OwnFunction(1, "atan2(sqrt((1.0 - {a}) * (1.0 + {a})), {a})"),
-    "log": OwnFunction(1, "log({a})"),
-    "degrees": OwnFunction(1, f"{180.0 / math.pi!r} * {{a}}"),
-    "radians": OwnFunction(1, f"{math.pi / 180.0!r} * {{a}}"),
-    "max": OwnFunction(None, _OUTER.format(sign=">")),
-    "min": OwnFunction(None, _OUTER.format(sign="<")),
-    "where": OwnFunction(3),
+    "abs(a)": "absolute(a)",
+    "sqrt(a)": "sqrt(a)",
+    "hypot(a, b)": "magnitude(a, b)",
+    "atan2(a, b)": "atan2(a, b)",
+    "sin(a)": "sine(a)",
+    "cos(a)": "cosine(a)",
+    "tan(a)": "sine(a) / cosine(a)",
+    "atan(a)": "atan2(a, 1.0)",
+    "asin(a)": "atan2(a, sqrt((1.0 - a) * (1.0 + a)))",
+    "acos(a)": "atan2(sqrt((1.0 - a) * (1.0 + a)), a)",
+    "log(a)": "log(a)",
+    "degrees(a)": f"{180.0 / math.pi!r} * a",
+    "radians(a)": f"{math.pi / 180.0!r} * a",
+    "max(a, b)": _OUTER.format(">"),
+    "min(a, b)": _OUTER.format("<"),
+    "where(condition, a, b)": "select(condition, a, b)",
 }
+#: The functions by their names.
+FUNCTIONS = {
+    head.partition("(")[0]: Formula(head, re.findall(r"\w+", head)[1:], [f"return {text}"])
+    for head, text in _FUNCTIONS.items()
+}
+#: Those that take two numbers or more.
+OF_MANY = ("max", "min")
 #: Their names in Python's modules and NumPy.
-_ALSO = {
-    "fabs": "abs",
-    "absolute": "abs",
-    "arctan2": "atan2",
-    "arctan": "atan",
-    "arcsin": "asin",
-    "arccos": "acos",
+ALIASES = {"fabs": "abs", "absolute": "abs", "arctan2": "atan2", "arctan": "atan", "arcsin": "asin"}
+ALIASES |= {"arccos": "acos", "maximum": "max", "minimum": "min", "rad2deg": "degrees", "deg2rad": "radians"}
+#: Their names by the objects of Python and NumPy that they are.
+OBJECTS = {
+    id(getattr(module, name)): ALIASES.get(name, name)
+    for module in (builtins, math, np)
+    for name in (*FUNCTIONS, *ALIASES)
+    if hasattr(module, name) and not (module is np and name in OF_MANY)
 }
-_ALSO |= {"maximum": "max", "minimum": "min", "rad2deg": "degrees", "deg2rad": "radians"}
-
-
-def _known() -> dict[Any, str]:
-    """Return the names of functions by the objects of Python and NumPy that they are."""
-    found: dict[Any, str] = {}
-    for name in (*_FUNCTIONS, *_ALSO):
-        for module in (builtins, math, np):
-            function = getattr(module, name, None)
-            if function is not None and not (module is np and name in ("max", "min")):
-                found[function] = _ALSO.get(name, name)
-    return found
-
-
-_OBJECTS = _known()
-
-
-def function_named(name: str, meant: Any) -> OwnFunction | None:
-    """Return a function by its name, or by the object that the name stands for, None of any other.
-
-    A name that stands for nothing is taken by its letters.
-    """
-    try:
-        known = _OBJECTS.get(meant) if meant is not None else _ALSO.get(name, name)
-    except TypeError:  # what has no hash
-        return None
-    return None if known is None else _FUNCTIONS.get(known)
-
-
-def names_of_functions() -> tuple[str, ...]:
-    """Return the names of all functions, for messages."""
-    return tuple(sorted(_FUNCTIONS))
 
 
 def constant_of(value: Any) -> float | None:
@@ -176,251 +110,192 @@ TOO_LONG = (
 #: What to write where a function cannot be read.
 A_FUNCTION = "write it as `def NAME(...)` in a file or a notebook cell, below the decorator"
 
-
-@dataclass(frozen=True)
-class FunctionText:
-    """The text of a function."""
-
-    tree: ast.FunctionDef
-    text: str
-    file: str
-    #: The line of the file before its first one.
-    line: int
-    names: dict[str, Any]
-
-    @property
-    def place(self) -> str:
-        """Where it stands, for messages."""
-        return f"{self.file}, line {self.line + self.tree.lineno}"
+#: Instructions of Python that tell a text from another one of the same names and numbers.
+STEPS = ("LOAD_FAST", "LOAD_SMALL", "STORE", "BINARY", "COMPARE", "UNARY")
 
 
-def function_text(function: Any) -> FunctionText:
-    """Return the text of a function of a user."""
+def _source_of(function: Any) -> tuple[ast.FunctionDef, str, int]:
+    """Return the syntax of a user's function, its text without decorators, and the line of the file before it."""
     if not isinstance(function, FunctionType):
-        what = f"{short_repr(function)} is not a function"
-        raise InputError(what, where=("quantity",), remedy=A_FUNCTION)
-    name = function.__name__
+        raise InputError(f"{short_repr(function)} is not a function", ("quantity",), A_FUNCTION)
+    name, code = function.__name__, function.__code__
     if name == "<lambda>":
-        raise InputError("a lambda has no name and no lines", where=("quantity",), remedy=A_FUNCTION)
+        raise InputError("a lambda has no name and no lines", ("quantity",), A_FUNCTION)
     if hasattr(function, "__wrapped__"):
-        what = "is wrapped by another decorator"
-        raise InputError(what, where=(name,), remedy="write this decorator alone")
+        raise InputError("is wrapped by another decorator", (name,), "write this decorator alone")
     if function.__closure__:
-        held = ", ".join(function.__code__.co_freevars)
-        what = f"holds {held} of the function around it"
+        what = f"holds {', '.join(code.co_freevars)} of the function around it"
         remedy = "write numbers, or declare inputs with default values: input(NAME, units=..., default=...)"
-        raise InputError(what, where=(name,), remedy=remedy)
-    lines, first = _lines(function)
-    whole = textwrap.dedent("".join(lines))
+        raise InputError(what, (name,), remedy)
     try:
-        tree = _tree(whole, name)
-        # without decorators
-        text = "\n".join(whole.split("\n")[tree.lineno - 1 : tree.end_lineno]) if tree else ""
-        same = _same_code(text, function.__code__)
-    except (RecursionError, MemoryError):
-        raise InputError(f"has {TOO_LONG[0]}", where=(name,), remedy=TOO_LONG[1]) from None
-    if tree is None or not same:
-        what = f"its text in {Path(function.__code__.co_filename).name} is not that of the function"
-        raise InputError(what, where=(name,), remedy="load the file again: it was changed since")
-    return FunctionText(tree, text, Path(function.__code__.co_filename).name, first - 1, function.__globals__)
-
-
-def _lines(function: FunctionType) -> tuple[list[str], int]:
-    try:
-        return inspect.getsourcelines(function)
-    except (OSError, TypeError, SyntaxError, IndentationError):
+        lines, first = inspect.getsourcelines(function)
+    except (OSError, TypeError, SyntaxError):
         what = "has no text: it was typed at a prompt, or made by exec"
-        raise InputError(what, where=(function.__name__,), remedy=A_FUNCTION) from None
-
-
-def _tree(text: str, name: str) -> ast.FunctionDef | None:
-    """Return the syntax of a function, None of a text that is none of that name."""
+        raise InputError(what, (name,), A_FUNCTION) from None
+    text = textwrap.dedent("".join(lines))
     try:
-        body = parsed(text).body
+        tree = next(iter(parsed(text).body), None)
+        if isinstance(tree, ast.FunctionDef) and tree.name == name:
+            text = "\n".join(text.split("\n")[tree.lineno - 1 : tree.end_lineno])
+            module = compile(text, "<text>", "exec")
+            if any(_does(one) == _does(code) for one in module.co_consts if isinstance(one, CodeType)):
+                return tree, text, first - 1
     except SyntaxError:
-        return None
-    found = body[0] if body else None
-    return found if isinstance(found, ast.FunctionDef) and found.name == name else None
+        pass
+    except (RecursionError, MemoryError):
+        raise InputError(f"has {TOO_LONG[0]}", (name,), TOO_LONG[1]) from None
+    what = f"its text in {Path(code.co_filename).name} is not that of the function"
+    raise InputError(what, (name,), "load the file again: it was changed since")
 
 
-def _same_code(text: str, code: CodeType) -> bool:
-    """Tell whether a text compiles to the code of a function."""
-    whole = compile(text, "<own>", "exec")
-    again = next((one for one in _codes(whole) if one.co_name == code.co_name), None)
-    return again is not None and _essence(again) == _essence(code)
+def _does(code: CodeType) -> tuple[Any, ...]:
+    """Return what a function does, wherever its text stands; functions within it are refused anyway.
+
+    Calls are left out: they depend on the imports of the file.
+    """
+    steps = [
+        (step.opname, step.argval) for step in dis.get_instructions(code) if step.opname.startswith(STEPS)
+    ]
+    constants = [one.co_name if isinstance(one, CodeType) else repr(one) for one in code.co_consts]
+    return code.co_name, code.co_varnames, code.co_names, constants, steps
 
 
-def _codes(code: CodeType) -> Iterator[CodeType]:
-    return (one for one in code.co_consts if isinstance(one, CodeType))
-
-
-def _essence(code: CodeType) -> tuple[Any, ...]:
-    inner = tuple(_essence(one) for one in _codes(code))
-    numbers = tuple(repr(one) for one in code.co_consts if not isinstance(one, CodeType))
-    return code.co_varnames, code.co_names, numbers, inner
-
-
-# -- Rewrite the text of a user's function in the grammar of facts, or refuse it with line, reason and remedy
+# -- Read the text of a user's function into values, or refuse it with line, reason and remedy
 
 
 #: The greatest power that is written as products.
 MOST_POWER = 16
-#: The most conditions that are joined in one line.
-MOST_JOINED = 32
-NUMBER, CONDITION = "number", "condition"
-SIGNS = (ast.Add, ast.Sub, ast.Mult, ast.Div)
-COMPARISONS = (ast.Lt, ast.LtE, ast.Gt, ast.GtE, ast.Eq, ast.NotEq)
-A_LOOP_IN_IT = "is a loop", "write each term"
-#: What is no number.
-EXPRESSIONS: dict[type[ast.AST], tuple[str, str]] = {
-    ast.Lambda: ("is a lambda", "write its formula here"),
-    ast.ListComp: A_LOOP_IN_IT,
-    ast.GeneratorExp: A_LOOP_IN_IT,
-    ast.SetComp: A_LOOP_IN_IT,
-    ast.DictComp: A_LOOP_IN_IT,
-    ast.List: ("is a list", "write numbers"),
-    ast.Tuple: ("is several values", "return one number; declare a quantity for each"),
-    ast.Dict: ("is a dict", "write numbers"),
-    ast.Subscript: ("is a part of something", "take a parameter for it"),
-    ast.JoinedStr: ("is a text", "write numbers"),
-    ast.NamedExpr: ("assigns within an expression", "assign on a line of its own"),
-    ast.Starred: ("has an unknown number of values", "write each"),
-}
-#: The functions that may be called, for messages.
-KNOWN = ", ".join(names_of_functions())
 A_NUMBER = "write `1.0 if condition else 0.0`"
 CHOOSE = "write `a if condition else b`, or max and min"
-A_LOOP = "is a loop", "write each term: only straight-line code is compiled for any number of designs"
-#: What is not straight-line code, and what to write instead.
-STATEMENTS: dict[type[ast.AST], tuple[str, str]] = {
-    ast.If: ("branches", CHOOSE),
-    ast.For: A_LOOP,
-    ast.While: A_LOOP,
-    ast.Match: ("branches", CHOOSE),
-    ast.FunctionDef: (
+A_GLOBAL = "take a parameter, or declare an input with a default value"
+#: What is no number or no straight-line code, by kinds of syntax, and what to write instead.
+REFUSED = {
+    "Lambda": ("is a lambda", "write its formula here"),
+    "ListComp GeneratorExp SetComp DictComp": ("is a loop", "write each term"),
+    "List": ("is a list", "write numbers"),
+    "Tuple": ("is several values", "return one number; declare a quantity for each"),
+    "Dict": ("is a dict", "write numbers"),
+    "Subscript": ("is a part of something", "take a parameter for it"),
+    "JoinedStr": ("is a text", "write numbers"),
+    "NamedExpr": ("assigns within an expression", "assign on a line of its own"),
+    "Starred": ("has an unknown number of values", "write each"),
+    "BinOp": ("is an operation that facts do not have", "write + - * / or **"),
+    "Return": ("is not the last line", f"end in one return: {CHOOSE}"),
+    "If Match": ("branches", CHOOSE),
+    "For While": (
+        "is a loop",
+        "write each term: only straight-line code is compiled for any number of designs",
+    ),
+    "FunctionDef": (
         "defines a function",
         "declare it as a quantity of its own, and take that as a parameter",
     ),
-    ast.ClassDef: ("defines a class", "write assignments and one return"),
-    ast.Global: ("is about global names", "take a parameter, or declare an input with a default value"),
-    ast.Nonlocal: ("is about outer names", "take a parameter, or declare an input with a default value"),
-    ast.Import: ("imports", "import above the function"),
-    ast.ImportFrom: ("imports", "import above the function"),
-    ast.Assert: ("tests", "write the value where it holds, and another one else: `a if condition else b`"),
-    ast.Raise: ("raises an error", CHOOSE),
-    ast.Expr: ("has no effect", "leave it out"),
-    ast.Pass: ("has no effect", "leave it out"),
+    "ClassDef": ("defines a class", "write assignments and one return"),
+    "Global": ("is about global names", A_GLOBAL),
+    "Nonlocal": ("is about outer names", A_GLOBAL),
+    "Import ImportFrom": ("imports", "import above the function"),
+    "Assert": ("tests", "write the value where it holds, and another one else: `a if condition else b`"),
+    "Raise": ("raises an error", CHOOSE),
+    "Expr Pass": ("has no effect", "leave it out"),
 }
-
-
-@dataclass(frozen=True)
-class FactText:
-    """A function in the grammar of facts."""
-
-    text: str
-    parameters: tuple[str, ...]
-    #: The line of the user's text that each line is of, from the second one.
-    lines: tuple[int, ...]
-    imports: tuple[str, ...]
-    #: Whether a condition chooses a value, which may jump there.
-    jumps: bool
+REFUSALS = {kind: said for kinds, said in REFUSED.items() for kind in kinds.split()}
+#: Returns a value, and yields such of the parts that it needs: texts of any depth are read without recursion.
+Reading = Generator[Any, Node, Node]
 
 
 class Refused(Exception):
     """Something that no fact has; it is noted."""
 
 
-class _Rewriter:
-    """The statements, numbers and conditions of a function while they are rewritten."""
+class _Reader:
+    """The values of a function's names, statement by statement."""
 
-    def __init__(self, of: FunctionText) -> None:
-        self.of, self.problems, self.name = of, Problems(), of.tree.name
-        self.parameters = self._parameters(of.tree.args)
-        self.kinds: dict[str, str] = dict.fromkeys(self.parameters, NUMBER)
-        self.written: list[tuple[str, int]] = []
-        self.imports: set[str] = set()
-        #: The values that are compared: where one is no number, nothing that is chosen is one.
-        self.compared: dict[str, None] = {}
-        #: The name of the condition that earlier ones of them are numbers, if there were many.
-        self.exist: list[str] = []
-        #: How deep the texts of numbers and conditions are nested; names are not.
-        self.depths: dict[str, int] = {}
-        self.line, self.temporaries, self.jumps = 0, 0, False
+    def __init__(self, tree: ast.FunctionDef, file: str, before: int, names: Mapping[str, Any]) -> None:
+        self.tree, self.file, self.before, self.names = tree, file, before, names
+        self.problems, self.line = Problems(), tree.lineno
+        with self.problems.at(tree.name):
+            check_name(tree.name)
+        self.graph = GraphAsWritten((absolute, choice, magnitude))
+        self.parameters = self._parameters(tree.args)
+        self.values = {name: self.graph.name(name) for name in self.parameters}
+        #: The values that are assigned, and by all values the line that has them first.
+        self.assigned: dict[Node, None] = {}
+        self.lines: dict[Node, int] = {}
+        #: Whether all is a number that is compared: else nothing that is chosen is one.
+        self.exists: Node | None = None
+        self.compared: set[Node] = set()
+        self.jumps = False
 
-    def rewritten(self) -> FactText:
-        """Return the function, or raise InputError with all problems."""
-        body = list(self.of.tree.body)
-        if body and isinstance(body[0], ast.Expr) and isinstance(getattr(body[0].value, "value", None), str):
-            body = body[1:]
-        *assignments, last = body or [ast.Pass(lineno=self.of.tree.lineno)]
+    def formula(self) -> list[tuple[str, int]]:
+        """Return the lines of a formula, each with the line of the file that says so; raise all problems."""
+        body = self.tree.body[ast.get_docstring(self.tree) is not None :]
+        *assignments, last = body or [ast.Pass(lineno=self.tree.lineno)]
         for statement in assignments:
-            self._guard(self._statement, statement)
+            self._read(statement)
         if isinstance(last, ast.Return) and last.value is not None:
-            self._guard(self._return, last)
+            self._read(last, last.value)
         elif not self.problems.noted or isinstance(last, ast.Return):
             self.line = last.lineno
             self.note("ends without a value", "end in `return` and one number")
         self.problems.stop()
-        head = f"def {self.name}({', '.join(self.parameters)}):"
-        text = "\n    ".join([head, *(line for line, _ in self.written)]) + "\n"
-        lines = tuple(self.of.line + line for _, line in self.written)
-        return FactText(text, self.parameters, lines, tuple(sorted(self.imports)), self.jumps)
+        _, written = self.graph.write(self.values["return"], {}, self.assigned)
+        return [(line, self.before + self.lines.get(node, last.lineno)) for node, line in written]
 
-    def _guard(self, read: Callable[[Any], None], statement: ast.stmt) -> None:
+    def _read(self, statement: ast.stmt, returned: ast.expr | None = None) -> None:
         """Read a statement; what is refused is noted, and the others are read all the same."""
         self.line = statement.lineno
         try:
-            read(statement)
+            names, value = (["return"], returned) if returned else self._assignment(statement)
+            condition = not returned and self.is_condition(value)
+            found = _result(self.condition(value) if condition else self.number(value))
+            self.values |= dict.fromkeys(names, found)
+            self.assigned |= {} if returned else {found: None}
         except Refused:
             for target in getattr(statement, "targets", [getattr(statement, "target", None)]):
                 if isinstance(target, ast.Name):
-                    self.kinds.setdefault(target.id, NUMBER)
-        except RecursionError:
-            self.note(f"has {TOO_LONG[0]}", TOO_LONG[1])
+                    self.values.setdefault(target.id, self.graph.name(target.id))
+        new = list(self.graph.nodes.values())[len(self.lines) :]
+        self.lines |= dict.fromkeys(new, statement.lineno)
 
-    # -- statements ----------------------------------------------------------------------------------------------
-
-    def _statement(self, node: ast.stmt) -> None:
-        if isinstance(node, ast.Assign) and all(isinstance(target, ast.Name) for target in node.targets):
-            self._assign([target.id for target in node.targets if isinstance(target, ast.Name)], node.value)
-        elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) and node.value is not None:
-            self._assign([node.target.id], node.value)
-        elif isinstance(node, ast.AugAssign) and isinstance(node.target, ast.Name):
-            of = ast.copy_location(ast.Name(node.target.id, ast.Load()), node)
-            self._assign([node.target.id], ast.copy_location(ast.BinOp(of, node.op, node.value), node))
-        elif isinstance(node, (ast.Assign, ast.AnnAssign, ast.AugAssign)):
+    def _assignment(self, node: ast.stmt) -> tuple[list[str], ast.expr]:
+        """Return the names that a statement assigns to, and the value."""
+        if not isinstance(node, (ast.Assign, ast.AnnAssign, ast.AugAssign)):
+            wrong = "is not straight-line code", "write assignments and one return"
+            raise self.refuse(node, *REFUSALS.get(type(node).__name__, wrong))
+        targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+        names = [target.id for target in targets if isinstance(target, ast.Name)]
+        if len(names) < len(targets) or node.value is None:
             raise self.refuse(
                 node, "assigns to more than a name", "assign one number to one name on each line"
             )
-        elif isinstance(node, ast.Return):
-            raise self.refuse(node, "is not the last line", f"end in one return: {CHOOSE}")
-        else:
-            what, remedy = STATEMENTS.get(
-                type(node), ("is not straight-line code", "write assignments and one return")
-            )
-            raise self.refuse(node, what, remedy)
+        if isinstance(node, ast.AugAssign):
+            before = ast.copy_location(ast.Name(names[0], ast.Load()), node)
+            return names, ast.copy_location(ast.BinOp(before, node.op, node.value), node)
+        return names, node.value
 
-    def _assign(self, names: Sequence[str], value: ast.expr) -> None:
-        for name in names:
-            if name in HELPERS or name in CONSTANTS:
-                raise self.refuse(
-                    value, f"is called {name}, as a function or constant is", "call it otherwise"
-                )
-        kind = self.kind(value)
-        text = self.condition(value) if kind == CONDITION else self.number(value)
-        for name in names:
-            self.write(f"{local_name(name, self.parameters)} = {text}")
-            self.kinds[name] = kind
-
-    def _return(self, node: ast.Return) -> None:
-        assert node.value is not None
-        self.write(f"return {self.number(node.value)}")
+    @property
+    def imports(self) -> tuple[str, ...]:
+        """The imports of modules, and of functions and constants of math, by which the text has the same meaning."""
+        found = set()
+        names = (node.id for one in self.tree.body for node in ast.walk(one) if isinstance(node, ast.Name))
+        for name in {*names} - self.values.keys():
+            meant, before = self.names.get(name), ""
+            if isinstance(meant, ModuleType):
+                of = meant.__name__
+            elif (constant := constant_of(meant)) is not None:
+                of, before = next(key for key, one in CONSTANTS.items() if one == constant), "from math "
+            elif getattr(meant, "__module__", None) == "math":
+                of, before = meant.__name__, "from math "
+            else:
+                continue
+            found.add(f"{before}import {of}" + ("" if of == name else f" as {name}"))
+        return tuple(sorted(found))
 
     def note(self, what: str, remedy: str, node: ast.AST | None = None) -> None:
         """Note a problem at the line at hand."""
         text = "" if node is None else f"{quoted(node)} "
-        place = f"line {self.of.line + self.line} of {self.of.file}: "
-        self.problems.add(f"{place}{text}{what}", (self.name,), remedy)
+        place = f"line {self.before + self.line} of {self.file}: "
+        self.problems.add(f"{place}{text}{what}", (self.tree.name,), remedy)
 
     def refuse(self, node: ast.AST, what: str, remedy: str) -> Refused:
         """Note a problem of a node, and return what to raise."""
@@ -429,71 +304,35 @@ class _Rewriter:
         return Refused()
 
     def _parameters(self, args: ast.arguments) -> tuple[str, ...]:
-        self.line = self.of.tree.lineno
         if args.vararg or args.kwarg:
             self.note("takes any number of arguments", "name each quantity and input that it depends on")
         named = [*args.posonlyargs, *args.args]
-        defaults = dict(
-            zip([one.arg for one in named][len(named) - len(args.defaults) :], args.defaults, strict=True)
-        )
-        own = {one.arg: value for one, value in zip(args.kwonlyargs, args.kw_defaults, strict=True) if value}
-        for name, value in (defaults | own).items():
-            remedy = f'declare it: input("{name}", units=..., default={quoted(value)[1:-1]})'
-            self.note(f"the parameter {name} has a default value", remedy)
+        pairs = [*zip(named[len(named) - len(args.defaults) :], args.defaults, strict=True)]
+        pairs += [pair for pair in zip(args.kwonlyargs, args.kw_defaults, strict=True) if pair[1]]
+        for parameter, value in pairs:
+            remedy = f'declare it: input("{parameter.arg}", units=..., default={quoted(value)[1:-1]})'
+            self.note(f"the parameter {parameter.arg} has a default value", remedy)
         names = tuple(one.arg for one in (*named, *args.kwonlyargs))
         if not names:
             self.note("takes no parameter", "name the quantities and inputs that it depends on")
         return names
 
-    def write(self, line: str) -> None:
-        """Append a line."""
-        self.written.append((line, self.line))
-
-    def _bound(self, text: str) -> str:
-        """Return a name or number that stands for a text, which is computed once."""
-        if re.fullmatch(r"\w+|\d[\w.]*", text):
-            return text
-        self.temporaries += 1
-        name = f"_{self.temporaries}"
-        self.write(f"{name} = {text}")
-        return name
-
-    def _nested(self, text: str, *parts: str) -> str:
-        """Return a text made of others, by a name where it is nested as deep as any reader of it goes."""
-        depth = 1 + max(self.depths.get(part, 0) for part in parts)
-        if depth >= DEEPEST:
-            return self._bound(text)
-        self.depths[text] = depth
-        return text
-
-    def _joined(self, sign: str, parts: Sequence[str]) -> str:
-        """Return conditions joined by a sign, many of them group by group."""
-        parts = list(parts)
-        if len(parts) + max(self.depths.get(part, 0) for part in parts) >= DEEPEST:
-            parts = [self._bound(part) for part in parts]
-        while len(parts) > MOST_JOINED:
-            groups = [parts[k : k + MOST_JOINED] for k in range(0, len(parts), MOST_JOINED)]
-            parts = [self._bound(sign.join(group)) for group in groups]
-        if len(parts) == 1:
-            return parts[0]
-        text = f"({sign.join(parts)})"
-        self.depths[text] = len(parts) + max(self.depths.get(part, 0) for part in parts)
-        return text
-
     # -- expressions ---------------------------------------------------------------------------------------------
 
-    def kind(self, node: ast.expr) -> str:
-        """Tell whether an expression is a number or a condition."""
-        if isinstance(node, ast.Name):
-            return self.kinds.get(node.id, NUMBER)
-        if isinstance(node, ast.BinOp) and isinstance(node.op, (ast.BitAnd, ast.BitOr)):
-            return CONDITION
-        is_not = isinstance(node, ast.UnaryOp) and isinstance(node.op, (ast.Not, ast.Invert))
-        return CONDITION if isinstance(node, (ast.Compare, ast.BoolOp)) or is_not else NUMBER
+    def is_condition(self, node: ast.expr) -> bool:
+        """Tell whether an expression is a condition, not a number."""
+        match node:
+            case ast.Name():
+                return node.id in self.values and self.values[node.id].is_condition
+            case ast.BinOp():
+                return isinstance(node.op, (ast.BitAnd, ast.BitOr))
+            case ast.UnaryOp():
+                return isinstance(node.op, (ast.Not, ast.Invert))
+        return isinstance(node, (ast.Compare, ast.BoolOp))
 
-    def number(self, node: ast.expr) -> str:
-        """Return the text of a number."""
-        if self.kind(node) == CONDITION:
+    def number(self, node: ast.expr) -> Reading:
+        """Read a number."""
+        if self.is_condition(node):
             raise self.refuse(node, "is a condition, not a number", A_NUMBER)
         match node:
             case ast.Constant():
@@ -501,54 +340,42 @@ class _Rewriter:
             case ast.Name():
                 return self._name(node)
             case ast.Attribute():
-                return self._attribute(node)
-            case ast.UnaryOp(op=ast.UAdd() | ast.USub()):
-                return self._signed(node)
+                constant = constant_of(getattr(self._module(node.value), node.attr, None))
+                if constant is None:
+                    raise self.refuse(node, "is not a number", "write the number")
+                return self.graph.number(constant)
+            case ast.UnaryOp():
+                value = yield self.number(node.operand)
+                return self.graph.neg(value) if isinstance(node.op, ast.USub) else value
             case ast.BinOp(op=ast.Pow()):
-                return self._power(node)
-            case ast.BinOp() if isinstance(node.op, SIGNS):
-                return self._chain(node, SIGNS, "+-*/", self.number)
-            case ast.BinOp():
-                raise self.refuse(node, "is an operation that facts do not have", "write + - * / or **")
+                halves = self._halves(node)
+                return self._power((yield self.number(node.left)), halves)
+            case ast.BinOp() if type(node.op) in SIGNS:
+                left = yield self.number(node.left)
+                return self.graph.node(SIGNS[type(node.op)], left, (yield self.number(node.right)))
             case ast.IfExp():
-                return self._choices(node)
+                return (yield self.choice(node.test, node.body, node.orelse))
             case ast.Call():
-                return self._call(node)
-        what, remedy = EXPRESSIONS.get(
-            type(node), ("is not a number", "write numbers, + - * / and functions")
-        )
-        raise self.refuse(node, what, remedy)
+                name = self._called(node)
+                if name == "where":
+                    return (yield self.choice(*node.args))
+                numbers = yield from self._each(self.number, node.args)
+                if name in OF_MANY:
+                    return reduce(lambda a, b: self.graph.read(FUNCTIONS[name], [a, b]), numbers)
+                return self.graph.read(FUNCTIONS[name], numbers)
+        wrong = "is not a number", "write numbers, + - * / and functions"
+        raise self.refuse(node, *REFUSALS.get(type(node).__name__, wrong))
 
-    def _signed(self, node: ast.expr) -> str:
-        """Return a number after any number of signs."""
-        minus = 0
-        while isinstance(node, ast.UnaryOp) and isinstance(node.op, (ast.UAdd, ast.USub)):
-            minus += isinstance(node.op, ast.USub)
-            node = node.operand
-        text = self.number(node)
-        for _ in range(minus):
-            text = self._nested(f"(-{text})", text)
-        return text
+    def _each(
+        self, read: Callable[[ast.expr], Reading], nodes: Iterable[ast.expr]
+    ) -> Generator[Any, Node, list[Node]]:
+        """Read several parts."""
+        values = []
+        for node in nodes:
+            values.append((yield read(node)))
+        return values
 
-    def _chain(
-        self,
-        node: ast.expr,
-        operators: tuple[type[ast.operator], ...],
-        signs: str,
-        read: Callable[[ast.expr], str],
-    ) -> str:
-        """Return operations on what stands left of them, in chains of any length: no recursion."""
-        chain = []
-        while isinstance(node, ast.BinOp) and isinstance(node.op, operators):
-            chain.append(node)
-            node = node.left
-        text = read(node)
-        for one in reversed(chain):
-            right = read(one.right)
-            text = self._nested(f"({text} {signs[operators.index(type(one.op))]} {right})", text, right)
-        return text
-
-    def _constant(self, node: ast.Constant) -> str:
+    def _constant(self, node: ast.Constant) -> Node:
         if isinstance(node.value, bool) or not isinstance(node.value, (int, float)):
             raise self.refuse(node, "is not a real number", "write numbers")
         try:
@@ -557,44 +384,33 @@ class _Rewriter:
             value = math.inf
         if not math.isfinite(value):
             raise self.refuse(node, "is not finite", "write finite numbers")
-        return repr(value)
+        return self.graph.number(value)
 
-    def _name(self, node: ast.Name) -> str:
-        if node.id in self.kinds:
-            return local_name(node.id, self.parameters)
-        meant = self.of.names.get(node.id)
+    def _name(self, node: ast.Name) -> Node:
+        if node.id in self.values:
+            return self.values[node.id]
+        meant = self.names.get(node.id)
         if (constant := constant_of(meant)) is not None:
-            self.imports.add(_import(_name_of(constant), node.id))
-            return repr(constant)
+            return self.graph.number(constant)
         if meant is not None or hasattr(builtins, node.id):
             number = f", default={meant!r}" if isinstance(meant, (int, float)) else ""
             remedy = (
                 f'write the number, or declare input("{node.id}", units=...{number}) and make it a parameter'
             )
             raise self.refuse(node, "is a name outside of the function", remedy)
-        remedy = suggest(node.id, [*self.kinds]) if self.kinds else ""
+        remedy = suggest(node.id, self.values) if self.values else ""
         remedy = remedy if remedy.startswith("did you mean") else "make it a parameter"
         raise self.refuse(node, "is neither a parameter nor assigned above", remedy)
 
     def _module(self, node: ast.expr) -> ModuleType | None:
-        found = (
-            self.of.names.get(node.id) if isinstance(node, ast.Name) and node.id not in self.kinds else None
-        )
-        if not isinstance(found, ModuleType) or found not in MODULES:
+        """Return the module that a name stands for, None if that is none of which functions may be called."""
+        if not isinstance(node, ast.Name) or node.id in self.values:
             return None
-        assert isinstance(node, ast.Name)
-        called = "" if found.__name__ == node.id else f" as {node.id}"
-        self.imports.add(f"import {found.__name__}{called}")
-        return found
+        found = self.names.get(node.id)
+        return found if isinstance(found, ModuleType) and found in MODULES else None
 
-    def _attribute(self, node: ast.Attribute) -> str:
-        module = self._module(node.value)
-        constant = None if module is None else constant_of(getattr(module, node.attr, None))
-        if constant is None:
-            raise self.refuse(node, "is not a number", "write the number")
-        return repr(constant)
-
-    def _power(self, node: ast.BinOp) -> str:
+    def _halves(self, node: ast.BinOp) -> int:
+        """Return twice the exponent of a power."""
         exponent = node.right
         negative = isinstance(exponent, ast.UnaryOp) and isinstance(exponent.op, ast.USub)
         number = getattr(exponent.operand if isinstance(exponent, ast.UnaryOp) else exponent, "value", None)
@@ -602,118 +418,98 @@ class _Rewriter:
         if halves != int(halves) or not 0 < halves <= 2 * MOST_POWER:
             remedy = f"write a whole or half number up to {MOST_POWER}, such as x**2, x**-1 or x**0.5"
             raise self.refuse(node, "is a power that facts do not have", remedy)
-        base = self._bound(self.number(node.left))
-        factors = [self._bound(f"sqrt({base})")] if int(halves) % 2 else []
-        square, whole = base, int(halves) // 2
+        return -int(halves) if negative else int(halves)
+
+    def _power(self, base: Node, halves: int) -> Node:
+        """Return a power as products of squares."""
+        graph, whole = self.graph, abs(halves) // 2
+        factors = [graph.call(sqrt, base)] if halves % 2 else []
         while whole:
-            factors += [square] if whole % 2 else []
-            whole //= 2
-            square = self._bound(f"{square} * {square}") if whole else square
-        product = f"({' * '.join(factors)})" if factors[1:] else factors[0]
-        return f"(1.0 / {product})" if negative else product
+            factors += [base] if whole % 2 else []
+            base, whole = graph.node("*", base, base), whole // 2
+        found = reduce(lambda a, b: graph.node("*", a, b), factors)
+        return graph.node("/", graph.one, found) if halves < 0 else found
 
-    def _choices(self, node: ast.expr) -> str:
-        """Return choices that follow one another, in chains of any length: no recursion."""
-        self.jumps = True
-        chain = []
-        while isinstance(node, ast.IfExp):
-            chain.append((self.condition(node.test), self.number(node.body)))
-            node = node.orelse
-        return self._chosen(chain, self.number(node))
+    def choice(self, test: ast.expr, body: ast.expr, orelse: ast.expr) -> Reading:
+        """Read a choice by a condition."""
+        self.jumps, graph = True, self.graph
+        condition = yield self.condition(test)
+        numbers = yield from self._each(self.number, (body, orelse))
+        chosen = graph.call(choice, condition, *numbers)
+        none = graph.number(NOT_A_NUMBER)
+        return chosen if self.exists is None else graph.call(select, self.exists, chosen, none)
 
-    def _chosen(self, chain: Sequence[tuple[str, str]], text: str) -> str:
-        """Return the number of the first condition of a chain that holds, else a text."""
-        if len(self.compared) > MOST_JOINED:
-            parts = [*self.exist, *(f"({one} == {one})" for one in self.compared)]
-            self.exist, self.compared = [self._bound(self._joined(" & ", parts))], {}
-        parts = [*self.exist, *(f"({one} == {one})" for one in self.compared)]
-        exist = " & ".join(parts)
-        self.depths[exist] = len(parts)
-        for condition, number in reversed(chain):
-            text = self._nested(f"choice({condition}, {number}, {text})", condition, number, text)
-            text = self._nested(f"select({exist}, {text}, NOT_A_NUMBER)", exist, text) if exist else text
-        return text
-
-    def _called(self, node: ast.Call) -> tuple[str, OwnFunction | None]:
+    def _called(self, node: ast.Call) -> str:
+        """Return the name of a function that is called, or refuse the call."""
+        called, meant, name = "", None, ""
         if isinstance(node.func, ast.Attribute):
-            module = self._module(node.func.value)
-            meant = None if module is None else getattr(module, node.func.attr, None)
-            return node.func.attr, None if meant is None else function_named(node.func.attr, meant)
-        if not isinstance(node.func, ast.Name) or node.func.id in self.kinds:
-            return "", None
-        name = node.func.id
-        meant = self.of.names.get(name, getattr(builtins, name, None))
-        found = function_named(name, meant)
-        if found is not None and meant is not None and getattr(meant, "__module__", None) == "math":
-            self.imports.add(_import(meant.__name__, name))
-        return name, found
-
-    def _call(self, node: ast.Call) -> str:
-        name, function = self._called(node)
+            called = node.func.attr
+            name = OBJECTS.get(id(getattr(self._module(node.func.value), called, None)), "")
+        elif isinstance(node.func, ast.Name) and node.func.id not in self.values:
+            called = node.func.id
+            meant = self.names.get(called, getattr(builtins, called, None))
+            # a name that stands for nothing is known by its letters
+            name = OBJECTS.get(id(meant), "") if meant is not None else ALIASES.get(called, called)
         if node.keywords or any(isinstance(one, ast.Starred) for one in node.args):
             raise self.refuse(node, "has arguments by name or in a list", "write one number for each")
-        if name == self.name:
+        if called == self.tree.name:
             raise self.refuse(node, "calls itself", "write a formula")
-        if function is None:
-            remedy = f"write its formula here, or make it a quantity and a parameter; known: {KNOWN}"
+        if name not in FUNCTIONS:
+            known = ", ".join(sorted(FUNCTIONS))
+            remedy = f"write its formula here, or make it a quantity and a parameter; known: {known}"
             raise self.refuse(node, "calls a function that no fact has", remedy)
-        least = 2 if function.count is None else function.count
-        if len(node.args) < least or (function.count is not None and len(node.args) > function.count):
-            more = " or more" if function.count is None else ""
-            remedy = f"{name} takes {least}{more}"
+        count, many = len(FUNCTIONS[name].parameters), name in OF_MANY
+        if len(node.args) < count or (len(node.args) > count and not many):
+            remedy = f"{called} takes {count}{' or more' if many else ''}"
             raise self.refuse(node, "has another number of arguments", remedy)
-        if function.is_choice:
-            return self._choices(ast.IfExp(*node.args))
-        numbers = [self._bound(self.number(one)) for one in node.args]
-        if function.count is not None:
-            return f"({function.text.format(**dict(zip('ab', numbers, strict=False)))})"
-        result = numbers[0]
-        for other in numbers[1:]:
-            result = self._bound(function.text.format(a=result, b=other))
-        return result
+        return name
 
-    def condition(self, node: ast.expr) -> str:
-        """Return the text of a condition."""
+    def condition(self, node: ast.expr) -> Reading:
+        """Read a condition."""
+        graph = self.graph
         match node:
-            case ast.Name() if self.kinds.get(node.id) == CONDITION:
-                return local_name(node.id, self.parameters)
-            case ast.Compare() if all(isinstance(sign, COMPARISONS) for sign in node.ops):
-                numbers = [self._bound(self.number(one)) for one in (node.left, *node.comparators)]
-                self.compared.update(dict.fromkeys(one for one in numbers if not one[0].isdigit()))
-                signs = [
-                    ("<", "<=", ">", ">=", "==", "!=")[COMPARISONS.index(type(sign))] for sign in node.ops
-                ]
-                parts = [f"({a} {s} {b})" for a, s, b in zip(numbers, signs, numbers[1:], strict=False)]
-                return self._joined(" & ", parts)
+            case ast.Name() if self.is_condition(node):
+                return self.values[node.id]
+            case ast.Compare() if all(type(sign) in SIGNS for sign in node.ops):
+                numbers = yield from self._each(self.number, (node.left, *node.comparators))
+                for one in numbers:
+                    self._must_exist(one)
+                pairs = zip(node.ops, numbers, numbers[1:], strict=False)
+                parts, sign = [graph.node(SIGNS[type(sign)], a, b) for sign, a, b in pairs], "&"
             case ast.BoolOp():
-                sign = " & " if isinstance(node.op, ast.And) else " | "
-                return self._joined(sign, [self.condition(one) for one in node.values])
+                sign = "&" if isinstance(node.op, ast.And) else "|"
+                parts = yield from self._each(self.condition, node.values)
             case ast.BinOp(op=ast.BitAnd() | ast.BitOr()):
-                return self._chain(node, (ast.BitAnd, ast.BitOr), "&|", self.condition)
+                sign = SIGNS[type(node.op)]
+                parts = yield from self._each(self.condition, (node.left, node.right))
             case ast.UnaryOp():
                 raise self.refuse(
                     node, "negates a condition", "turn its comparison round: `a <= b` for `not a > b`"
                 )
-        raise self.refuse(node, "is not a condition", "compare two numbers: < <= > >= == !=")
+            case _:
+                raise self.refuse(node, "is not a condition", "compare two numbers: < <= > >= == !=")
+        return reduce(lambda a, b: graph.node(sign, a, b), parts)
+
+    def _must_exist(self, number: Node) -> None:
+        """Let nothing that is chosen be a number where this is none."""
+        exists = self.graph.node("==", number, number)
+        if number.kind != "number" and exists not in self.compared:
+            self.compared.add(exists)
+            self.exists = exists if self.exists is None else self.graph.node("&", self.exists, exists)
 
 
-def fact_text(of: FunctionText) -> FactText:
-    """Return a function in the grammar of facts."""
-    return _Rewriter(of).rewritten()
-
-
-def local_name(name: str, parameters: Sequence[str]) -> str:
-    """Return the name of a parameter, or a local name that no function of a fact has."""
-    return name if name in parameters else f"_{name}"
-
-
-def _import(name: str, called: str) -> str:
-    """Return the import of a name of the module math, perhaps by another name."""
-    return f"from math import {name}" + (f" as {called}" if called != name else "")
-
-
-def _name_of(constant: float) -> str:
-    return next(name for name, value in CONSTANTS.items() if value == constant)
+def _result(reading: Reading) -> Node:
+    """Return the value that is read."""
+    pending, value = [reading], None
+    while pending:
+        try:
+            pending.append(pending[-1].send(value))  # type: ignore[arg-type]
+            value = None
+        except StopIteration as end:
+            pending.pop()
+            value = end.value
+    assert isinstance(value, Node)
+    return value
 
 
 def quoted(node: ast.AST) -> str:
@@ -729,100 +525,42 @@ def quoted(node: ast.AST) -> str:
 
 
 #: Names of options and coordinates.
-OPTIONS = (
-    *("active", "refinement", "starts"),
-    *(
-        "allow_invalid",
-        "angles",
-        "angles_deg",
-        "attrs",
-        "backend",
-        "block",
-        "branch",
-        "client",
-        "design",
-        "extrema",
-    ),
-    *(
-        "extremum",
-        "input",
-        "inputs",
-        "keep",
-        "layout",
-        "links",
-        "mechanism",
-        "n",
-        "outputs",
-        "overwrite",
-        "part",
-    ),
-    *(
-        "positions",
-        "progress",
-        "quantities",
-        "restart",
-        "seed",
-        "solver",
-        "space",
-        "status",
-        "threads",
-        "to",
-        "verify",
-    ),
-)
+OPTIONS = """
+    active allow_invalid angles angles_deg attrs backend block branch client design extrema extremum
+    input inputs keep layout links mechanism n outputs overwrite part positions progress quantities
+    refinement restart seed solver space starts status threads to verify
+"""
 #: Names of variables and functions in the texts of kernels.
-OF_KERNELS = (
-    *("begin_certain", "collect_toggles", "flag_undecided", "keep_certain"),
-    *("note_hidden", "note_uncertain", "settle_toggles"),
-    *("collect_jumps", "forget_slopes", "forget_splits", "keep_slopes", "keep_splits", "mark_splits"),
-    *("next_split", "place_split", "replace_cells", "splits"),
-    *(
-        "bound_hidden",
-        "count_near",
-        "count_turned",
-        "keep_away",
-        "keep_near",
-        "keep_turned",
-        "n_turned",
-        "place_near",
-    ),
-    *("abs", "advance_roots", "advance_valleys", "append_item", "append_of_lane", "append_unresolved"),
-    *("array", "at", "begin_roots", "begin_valleys", "best", "bound_at_zero", "bound_ends"),
-    *("bound_zeros", "clear", "collect", "collect_ends", "collect_fine", "collect_folds"),
-    *("collect_octaves", "collect_rest", "collect_unresolved", "count_folded"),
-    *("counts", "designs", "divide", "divided", "doubt", "drop_folds", "end_values", "ends", "entries"),
-    *("every_vector", "extrema_at_zeros", "filled", "fine_marks", "flags", "flattened"),
-    *("fluctuation_lanes", "forget_winners", "from_high", "from_low", "from_upper", "gather"),
-    *("gradients", "has_no_bound", "i", "i0", "inf", "j", "j0", "j1", "j2", "judge_winners", "k"),
-    *("keep_beside", "keep_beside_fold", "keep_fine", "keep_octave", "keep_slope", "kernel", "known"),
-    *("lanes", "lists", "mark", "mark_ends", "mark_fine", "mark_unresolved", "marks", "max", "min"),
-    *(
-        "mirror_image",
-        "n_angles",
-        "n_designs",
-        "n_ends",
-        "n_here",
-        "n_lost",
-        "n_moving",
-        "n_near",
-        "n_octaves",
-    ),
-    *("n_open", "n_tries", "n_vectors", "nan", "note_kinks", "note_winners", "nothing_yet", "octaves"),
-    *("of_better", "off_at_end", "outlined", "padded", "piece", "place_beside", "place_beside_fold"),
-    *("place_ends", "place_fine", "place_lost", "place_octave", "place_samples", "place_slope"),
-    *("begin_octaves", "weigh_octave"),
-    *("position", "range", "rest", "roots", "samples", "set_bracket", "settle_jumps", "settle_noise"),
-    *("settle_slopes", "side", "signs", "silence_rest", "silenced", "solve_lanes", "split", "square"),
-    *("start", "state", "step", "store_best", "store_bound", "store_change", "store_counts"),
-    *("store_extrema", "store_gradient", "store_list", "store_status", "sums", "table"),
-    *("thin", "tile", "to_sample", "trial", "tries", "turn", "unresolved", "upper", "v", "valleys"),
-    *("vectors", "w", "w2", "width", "winners"),
-)
-TAKEN = frozenset({*OPTIONS, *OF_KERNELS, *HELPERS, *NAMESPACE})
+OF_KERNELS = """
+    abs advance_roots advance_valleys append_item append_of_lane append_unresolved array at
+    begin_certain begin_octaves begin_roots begin_valleys best bound_at_zero bound_ends bound_hidden
+    bound_zeros clear collect collect_ends collect_fine collect_folds collect_jumps collect_octaves
+    collect_rest collect_toggles collect_unresolved count_folded count_near count_turned counts designs
+    divide divided doubt drop_folds end_values ends entries every_vector extrema_at_zeros filled
+    fine_marks flag_undecided flags flattened fluctuation_lanes forget_slopes forget_splits
+    forget_winners from_high from_low from_upper gather gradients has_no_bound i i0 inf j j0 j1 j2
+    judge_winners k keep_away keep_beside keep_beside_fold keep_certain keep_fine keep_near keep_octave
+    keep_slope keep_slopes keep_splits keep_turned kernel known lanes lists mark mark_ends mark_fine
+    mark_splits mark_unresolved marks max min mirror_image n_angles n_designs n_ends n_here n_lost
+    n_moving n_near n_octaves n_open n_tries n_turned n_vectors nan next_split note_hidden note_kinks
+    note_uncertain note_winners nothing_yet octaves of_better off_at_end outlined padded piece
+    place_beside place_beside_fold place_ends place_fine place_lost place_near place_octave
+    place_samples place_slope place_split position range replace_cells rest roots samples set_bracket
+    settle_jumps settle_noise settle_slopes settle_toggles side signs silence_rest silenced solve_lanes
+    split splits square start state step store_best store_bound store_change store_counts store_extrema
+    store_gradient store_list store_status sums table thin tile to_sample trial tries turn unresolved
+    upper v valleys vectors w w2 weigh_octave width winners
+"""
+TAKEN = frozenset({*OPTIONS.split(), *OF_KERNELS.split(), *NAMESPACE})
 #: The beginnings of names that kernels make.
 MADE = r"out_|whole_|(asked|columns|f|gradient|limit|part|rows|search|slope|split_by|value)_\d"
 #: Letters of the longest name: results have endings, and files room for 255.
 LONGEST = 60
+
+
+def is_reserved(name: str) -> bool:
+    """Tell whether a name has another meaning at the doors, in files or in kernels."""
+    return name in TAKEN or re.match(MADE, name) is not None
 
 
 def check_name(name: Any) -> None:
@@ -838,7 +576,7 @@ def check_name(name: Any) -> None:
     if not (is_text and re.fullmatch("[A-Za-z](_?[A-Za-z0-9])*", name)):
         remedy = f"write up to {LONGEST} letters of a to z, digits and single underscores between them"
         raise InputError(f"{short_repr(name)} cannot be a name", remedy=remedy)
-    if name in TAKEN or re.match(MADE, name):
+    if is_reserved(name):
         raise InputError(
             f"{name!r} is a word of fastlink's own", remedy=f"call it otherwise, such as 'my_{name}'"
         )
@@ -854,128 +592,62 @@ MOST_PIECES = 8
 MOST_KINKS = 64
 
 
-@dataclass(frozen=True)
-class Split:
-    """The texts of functions of one name, each with its parameters."""
-
-    #: What vanishes at the kinks.
-    switches: tuple[str, ...]
-    #: The smooth texts, none where they are too many; and magnitudes within, sharp where they almost vanish.
-    pieces: tuple[str, ...]
-    too_many: bool = False
+class TooManyKinks(Exception):
+    """A text has more kinks and magnitudes than are searched."""
 
 
-def split(text: str, parameters: tuple[str, ...], kinked: Mapping[str, tuple[str, ...]]) -> Split | None:
-    """Return what a text chooses between, None of a text without kinks."""
-    tree = parsed(text).body[0]
-    assert isinstance(tree, ast.FunctionDef)
-    kinks: dict[str, tuple[int, ast.expr]] = {}
-    magnitudes: dict[str, tuple[int, ast.expr]] = {}
-    for number, statement in enumerate(tree.body):
-        for node in ast.walk(statement):
-            if isinstance(node, ast.Call) and (sides := _sides(node)):
-                kinks.setdefault(ast.dump(node), (number, _difference(*sides)))
-            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "magnitude":
-                magnitudes.setdefault(ast.dump(node), (number, node))
-    if len(kinks) + len(magnitudes) > MOST_KINKS:
-        return Split((), (), too_many=True)
-    norms = dict.fromkeys(_with(tree, tree.body[:number], node) for number, node in magnitudes.values())
-    inner = [name for name in parameters if name in kinked]
-    if not kinks and not inner and not norms:
+def split(
+    graph: GraphAsWritten, root: Node, kinked: Mapping[str, tuple[str, ...]]
+) -> tuple[list[Node], list[Node]]:
+    """Return what vanishes at the kinks of a value, and the smooth values between which it chooses.
+
+    Of these there is none where they are too many. With them are magnitudes within, sharp where they almost vanish.
+    `kinked` are names that choose between others.
+    """
+    nodes = beneath([root])
+    kinks = {node: kink for node in nodes if (kink := _kink(graph, node)) is not None}
+    norms = [node for node in nodes if node.value is magnitude]
+    if len(kinks) + len(norms) > MOST_KINKS:
+        raise TooManyKinks
+    inner = [node for node in nodes if node.kind == "name" and node.value in kinked]
+    sides = [sides for _, *sides in kinks.values()]
+    sides += [[graph.name(name) for name in kinked[node.value]] for node in inner]
+    pieces: dict[Node, None] = {}
+    if (sides or norms) and math.prod(len(one) or MOST_PIECES for one in sides) <= MOST_PIECES:
+        chosen = (dict(zip((*kinks, *inner), of_each, strict=True)) for of_each in product(*sides))
+        pieces = dict.fromkeys(_piece(graph, root, one) for one in chosen)
+    return list(dict.fromkeys(kink[0] for kink in kinks.values())), list(pieces | dict.fromkeys(norms))
+
+
+def _kink(graph: GraphAsWritten, node: Node) -> tuple[Node, Node, Node] | None:
+    """Return what vanishes where both values of a choice of the greater or a size meet, and these; None for others."""
+    if node.kind != "call":
         return None
-    switches = tuple(_with(tree, tree.body[:number], difference) for number, difference in kinks.values())
-    count = 2 ** len(kinks)
-    for name in inner:
-        count *= max(len(kinked[name]), MOST_PIECES if not kinked[name] else 1)
-    if count > MOST_PIECES:
-        return Split(switches, tuple(norms))
-    pieces: dict[str, None] = {}
-    for chosen in product(range(2), repeat=len(kinks)):
-        for names in product(*(kinked[name] for name in inner)):
-            piece = _Choose(dict(zip(kinks, chosen, strict=True)), dict(zip(inner, names, strict=True)))
-            pieces[ast.unparse(ast.fix_missing_locations(piece.visit(copy.deepcopy(tree))))] = None
-    return Split(switches, tuple(pieces | norms))
+    x = node.args[0]
+    if node.value is choice and x.kind in ("<", ">") and x.args == node.args[1:]:
+        return graph.node("-", *x.args), *x.args
+    x = x if node.value is absolute else x.args[0] if x.kind == "*" and x.args[0] is x.args[1] else None
+    return (x, x, graph.neg(x)) if x is not None and node.value in (absolute, sqrt) else None
 
 
-def only_name(text: str) -> str:
-    """Return the parameter that a function returns as it is, empty where it returns something else."""
-    names: dict[str, str] = {}
-    tree = parsed(text).body[0]
-    assert isinstance(tree, ast.FunctionDef)
-    for statement in tree.body:
-        value = getattr(statement, "value", None)
-        name = names.get(value.id, value.id) if isinstance(value, ast.Name) else ""
-        if isinstance(statement, ast.Assign) and isinstance(target := statement.targets[0], ast.Name):
-            names[target.id] = name
-    return name
+def _piece(graph: GraphAsWritten, root: Node, chosen: Mapping[Node, Node]) -> Node:
+    """Return a value with one of those between which it chooses in place of each choice."""
+    made: dict[Node, Node] = {}
 
-
-def _sides(node: ast.Call) -> tuple[ast.expr, ast.expr] | None:
-    """Return the two values of a choice of the greater or the lesser, or of a size and its negative."""
-    name = node.func.id if isinstance(node.func, ast.Name) else ""
-    if name == "absolute":
-        return node.args[0], ast.UnaryOp(ast.USub(), node.args[0])
-    square = node.args[0]
-    if (
-        name == "sqrt"
-        and isinstance(square, ast.BinOp)
-        and isinstance(square.op, ast.Mult)
-        and _same(square.left, square.right)
-    ):
-        return square.left, ast.UnaryOp(ast.USub(), square.left)
-    if name != "choice" or len(node.args) != 3 or not isinstance(node.args[0], ast.Compare):
-        return None
-    condition, first, second = node.args
-    if not (isinstance(condition, ast.Compare) and isinstance(condition.ops[0], (ast.Lt, ast.Gt))):
-        return None
-    own = _same(condition.left, first) and _same(condition.comparators[0], second)
-    return (first, second) if own else None
-
-
-def _same(first: ast.expr, *others: ast.expr) -> bool:
-    """Tell whether texts are the same."""
-    return all(ast.dump(first) == ast.dump(other) for other in others)
-
-
-def _difference(first: ast.expr, second: ast.expr) -> ast.expr:
-    """Return what vanishes where both values are equal."""
-    return first if isinstance(second, ast.UnaryOp) else ast.BinOp(first, ast.Sub(), second)
-
-
-def _with(tree: ast.FunctionDef, before: list[ast.stmt], value: ast.expr) -> str:
-    """Return a function that returns another value, after the statements before."""
-    found = copy.deepcopy(tree)
-    found.body = [*before, ast.Return(value)]
-    return ast.unparse(ast.fix_missing_locations(found))
-
-
-class _Choose(ast.NodeTransformer):
-    """Put one side in place of each kink, and other names in place of parameters."""
-
-    def __init__(self, sides: Mapping[str, int], names: Mapping[str, str]) -> None:
-        self.sides, self.names = sides, names
-
-    def visit_Call(self, node: ast.Call) -> ast.AST:
-        side, values = self.sides.get(ast.dump(node)), _sides(node)
-        if side is not None and values is not None:
-            return self._of(values[side])
+    def same(node: Node) -> Node:
+        """Return the value that stands for a value, itself if none does."""
         # the same value before a choice between it and another one, where it is no number
-        if isinstance(node.func, ast.Name) and node.func.id == "choice" and len(node.args) == 3:
-            test = node.args[0]
-            of_itself = isinstance(test, ast.Compare) and isinstance(test.ops[0], ast.NotEq)
-            if of_itself and _same(test.left, test.comparators[0], node.args[1]):  # type: ignore[attr-defined]
-                return self._of(node.args[2])
-        return self.generic_visit(node)
+        if node.value is choice and node.args[0].kind == "!=" and {*node.args[0].args} == {node.args[1]}:
+            return node.args[2]
+        return chosen.get(node, node)
 
-    def _of(self, node: ast.expr) -> ast.AST:
-        found: ast.AST = self.visit(copy.deepcopy(node))
-        return found
+    def parts(node: Node) -> tuple[Node, ...]:
+        return node.args if same(node) is node else (same(node),)
 
-    def visit_Name(self, node: ast.Name) -> ast.AST:
-        return ast.Name(self.names.get(node.id, node.id), node.ctx)
-
-    def visit_arg(self, node: ast.arg) -> ast.AST:
-        return ast.arg(self.names.get(node.arg, node.arg))
+    for node in postorder([root], parts, made):
+        new = [made[part] for part in parts(node)]
+        made[node] = graph.node(node.kind, *new, value=node.value) if same(node) is node else new[0]
+    return made[root]
 
 
 # -- Check the units of a user's quantity: its text runs on numbers that have no value, only a dimension
@@ -983,26 +655,22 @@ class _Choose(ast.NodeTransformer):
 # A text means the same in any units: constants are pure numbers, what has a unit is an input.
 
 
-#: What other programs call units, and their texts here.
+#: What other programs call units, by their texts here.
 OTHERS = {
-    "deg": "rad",
-    "degree": "rad",
-    "degrees": "rad",
-    "°": "rad",
-    "": "1",
-    "-": "1",
-    "dimensionless": "1",
+    "rad": ("deg", "degree", "degrees", "°"),
+    "1": ("", "-", "dimensionless", "%"),
+    "N m": ("Nm", "N*m"),
+    "m s-2": ("m/s2", "m/s^2"),
+    "m s-1": ("m/s",),
+    "rad s-1": ("rad/s",),
+    "s-1": ("Hz",),
+    "N m-2": ("Pa",),
+    "kg m2": ("kg*m2",),
+    "m": ("mm",),
+    "N": ("kN",),
+    "s": ("ms",),
+    "kg": ("g",),
 }
-OTHERS |= {
-    "Nm": "N m",
-    "N*m": "N m",
-    "m/s": "m s-1",
-    "rad/s": "rad s-1",
-    "Hz": "s-1",
-    "Pa": "N m-2",
-    "mm": "m",
-}
-OTHERS |= {"m/s2": "m s-2", "m/s^2": "m s-2", "kg*m2": "kg m2", "kN": "N", "ms": "s", "g": "kg", "%": "1"}
 
 
 def check_units(where: KeyPath, units: Any) -> str:
@@ -1020,7 +688,9 @@ def check_units(where: KeyPath, units: Any) -> str:
     found = [re.fullmatch(r"([A-Za-z]+|1)(-?\d*)", one) for one in text.split()]
     if found and all(one is not None and one[1] in UNITS for one in found):
         return text
-    meant = OTHERS.get(units.strip()) if isinstance(units, str) else None
+    meant = next(
+        (ours for ours, others in OTHERS.items() if isinstance(units, str) and units.strip() in others), ""
+    )
     known = f"of {', '.join(UNITS)} with whole powers, such as 'kg m2 s-2' or 'rad s-1'"
     remedy = f"write {meant!r}" if meant else f"write a product {known}"
     raise InputError(f"is {short_repr(units)}", where=where, remedy=remedy)
@@ -1030,25 +700,13 @@ def check_units(where: KeyPath, units: Any) -> str:
 #    anywhere
 
 
-@dataclass(frozen=True)
-class OwnInput:
-    """An input that a user declares."""
-
-    name: str
-    units: str
-    symbol: str
-    meaning: str
-    rule: Rule
-    default: float | None
-
-    @property
-    def text(self) -> str:
-        """Its declaration, to be read and run."""
-        given = {"units": self.units, "default": self.default, "rule": self.rule, "description": self.meaning}
-        given |= {} if self.symbol == self.name else {"symbol": self.symbol}
-        usual = {"rule": "any", "default": None, "description": self.name}
-        shown = (f"{key}={value!r}" for key, value in given.items() if value != usual.get(key, ""))
-        return f"mine.input({self.name!r}, {', '.join(shown)})"
+def input_text(declared: Input) -> str:
+    """Return the declaration of an input, to be read and run."""
+    given = {"units": declared.units, "default": declared.default, "rule": declared.rule}
+    given |= {"description": declared.meaning, "symbol": declared.symbol}
+    usual = {"rule": "any", "default": None, "description": declared.name, "symbol": declared.name}
+    shown = (f"{key}={value!r}" for key, value in given.items() if value != usual.get(key, ""))
+    return f"mine.input({declared.name!r}, {', '.join(shown)})"
 
 
 @dataclass(frozen=True)
@@ -1060,14 +718,14 @@ class OwnQuantity:
     symbol: str
     meaning: str
     parameters: tuple[str, ...]
-    #: Its text as that of a fact; `written` as the user wrote it.
-    fact: str
+    #: The lines of its formula, and its text as the user wrote it.
+    formula_lines: tuple[str, ...]
     written: str
     imports: tuple[str, ...]
     jumps: bool
     file: str = field(compare=False, repr=False)
     line: int = field(compare=False, repr=False)
-    #: The lines of the file of each line of `fact`, from its second one.
+    #: The line of the file that says each line of the formula.
     lines: tuple[int, ...] = field(compare=False, repr=False)
 
     @property
@@ -1078,47 +736,50 @@ class OwnQuantity:
 
     @property
     def formula(self) -> Formula:
-        """Its text as a formula."""
-        return formula_of(self.name, self.fact)
+        """Its formula."""
+        return Formula(self.name, self.parameters, self.formula_lines)
+
+
+def read_quantity(function: Any, units: str, meaning: str, symbol: str) -> OwnQuantity:
+    """Return the quantity that a user's function is, or refuse it with lines, reasons and remedies."""
+    tree, text, before = _source_of(function)
+    file, name = Path(function.__code__.co_filename).name, tree.name
+    reader = _Reader(tree, file, before, function.__globals__)
+    formula, lines = zip(*reader.formula(), strict=True)
+    first = (ast.get_docstring(tree) or "").strip().split("\n", 1)[0].rstrip(".")
+    labels = name, units, symbol or name, meaning or first or name
+    place = file, before + tree.lineno, lines
+    return OwnQuantity(*labels, reader.parameters, formula, text, reader.imports, reader.jumps, *place)
 
 
 #: What a user declares, each after what it depends on.
-Definition = tuple[OwnInput | OwnQuantity, ...]
+Definition = tuple[Input | OwnQuantity, ...]
 
 
-@lru_cache(maxsize=1024)
-def formula_of(name: str, text: str) -> Formula:
-    """Return the formula of a text, once."""
-    head, *lines = text.removesuffix("\n").split("\n")
-    parameters = head.partition("(")[2].removesuffix("):").split(", ")
-    return Formula(name, parameters, [line.strip() for line in lines], HELPERS)
-
-
-def check_dimension(quantity: OwnQuantity, units: Iterable[str]) -> None:
-    """Refuse a text that does not give the units of its quantity, for parameters of some units."""
-    declare = "constants have no units: declare mine.input(NAME, units=..., default=...), and write NAME"
+def _check_units(quantity: OwnQuantity, formula: Formula, units: Iterable[str]) -> None:
+    """Refuse a formula that does not give the units of its quantity, for parameters of some units."""
     try:
-        value = quantity.formula(*(Powers(tuple(map(float, dimensions(unit)))) for unit in units))
-        found = value.powers if isinstance(value, Powers) else (0.0, 0.0, 0.0)
-    except UnlikePowers as error:
-        own = quantity.formula.file
-        numbers = [
-            frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == own
-        ]
-        line = quantity.lines[(numbers[-1] or 2) - 2] if numbers else quantity.line
-        what = f"line {line} of {quantity.file} {error}"
-        raise InputError(what, where=(quantity.name,), remedy=declare) from None
-    expected = tuple(map(float, dimensions(quantity.units)))
+        value = formula(*map(Powers.of_units, units))
+    except (UnlikePowers, ArithmeticError) as error:
+        steps = traceback.extract_tb(error.__traceback__)
+        number = [step.lineno or 2 for step in steps if step.filename == formula.file][-1]
+        what, remedy = f"cannot be computed ({error})", "mend the text"
+        if isinstance(error, UnlikePowers):
+            what = str(error)
+            remedy = (
+                "constants have no units: declare mine.input(NAME, units=..., default=...), and write NAME"
+            )
+        place = f"line {quantity.lines[number - 2]} of {quantity.file}"
+        raise InputError(f"{place} {what}", (quantity.name,), remedy) from None
+    expected = Powers.of_units(quantity.units).powers
+    found = value.powers if isinstance(value, Powers) else (0.0, 0.0, 0.0)
     if found != expected:
         gives = "a number without units" if not any(found) else units_text(found)
-        what = f"is declared in {quantity.units!r}, and its text gives {gives}"
+        remedy = f"declare units={'1' if not any(found) else units_text(found)!r}, or mend the text"
         if any(found) and not any(expected):
-            remedy = (
-                f'divide by an input of that unit: mine.input(NAME, units="{units_text(found)}", default=...)'
-            )
-        else:
-            remedy = f"declare units={'1' if not any(found) else units_text(found)!r}, or mend the text"
-        raise InputError(what, where=(quantity.name,), remedy=remedy)
+            remedy = f'divide by an input of that unit: mine.input(NAME, units="{gives}", default=...)'
+        what = f"is declared in {quantity.units!r}, and its text gives {gives}"
+        raise InputError(what, (quantity.name,), remedy)
 
 
 def declared_names(text: str) -> list[str]:
@@ -1130,7 +791,7 @@ def definition_text(mechanism: str, definition: Definition) -> str:
     """Return declarations as a text of Python that makes them again."""
     imports = {line for one in definition if isinstance(one, OwnQuantity) for line in one.imports}
     head = "\n".join([*sorted(imports), "import fastlink as fl", "", f"mine = fl.extend({mechanism!r})"])
-    parts = [f"\n{one.text}" if isinstance(one, OwnQuantity) else one.text for one in definition]
+    parts = [f"\n{one.text}" if isinstance(one, OwnQuantity) else input_text(one) for one in definition]
     return "\n".join([head, *parts]) + "\n"
 
 
@@ -1148,30 +809,15 @@ def extended(
         own.first = first  # type: ignore[attr-defined]
     for one in definition:
         try:
-            if isinstance(one, OwnInput):
+            if isinstance(one, Input):
                 _check_free(own, one.name, "input")
-                own.declare_input(Input(one.name, one.units, one.symbol, one.meaning, one.rule, one.default))
-            elif first is None or all(map(own.declares, map(_plain(own), one.parameters))):
+                own.declare_input(one)
+            elif first is None or all(own.declares(plain_part(own.parse(name))) for name in one.parameters):
                 _declare(own, one)
         except CatalogueError as error:
             what, _, _remedy = str(error).removeprefix(f"{own.name}: ").partition("; ")
             raise InputError(what, where=(one.name,), remedy="call it otherwise") from None
     return own
-
-
-def _plain(catalogue: Catalogue) -> Any:
-    """Return a function that returns the quantity whose derivative a name is, else the name."""
-
-    def plain(name: str) -> str:
-        tree = catalogue.parse(name)
-        return plain(str(tree.of)) if isinstance(tree, Derivative) else name
-
-    return plain
-
-
-def own_names(catalogue: Catalogue, names: Iterable[str]) -> set[str]:
-    """Return those of these names that a user has declared as quantities."""
-    return {name for name in names if name in catalogue.facts and catalogue.facts[name].own}
 
 
 def used(catalogue: Catalogue, steps: Iterable[Fact | System], inputs: Iterable[str] = ()) -> Definition:
@@ -1204,14 +850,16 @@ def _check_free(catalogue: Catalogue, name: str, noun: str) -> None:
 def _declare(catalogue: Catalogue, one: OwnQuantity) -> None:
     _check_free(catalogue, one.name, "quantity")
     units = [_units_of(catalogue, one, parameter) for parameter in one.parameters]
-    check_dimension(one, units)
+    formula = one.formula
+    _check_units(one, formula, units)
     labels: dict[str, Any] = {"units": one.units, "symbol": one.symbol, "meaning": one.meaning}
     labels |= {"source": f"declared in {one.file}", "own": True}
-    catalogue.declare(Fact(one.name, one.formula, one.parameters, **labels))
+    catalogue.declare(Fact(one.name, formula, one.parameters, **labels))
     graded = catalogue.graded
     if graded is None:
         return
-    jumps = one.jumps or own_names(catalogue, one.parameters) & set(graded.not_differentiable)
+    read = (catalogue.facts[name] for name in one.parameters if name in catalogue.facts)
+    jumps = one.jumps or any(fact.own and fact.name in graded.not_differentiable for fact in read)
     if jumps or not _declare_kinks(catalogue, one, labels):
         names = (*graded.not_differentiable, one.name)
         catalogue.graded = replace(graded, not_differentiable=names)
@@ -1219,34 +867,31 @@ def _declare(catalogue: Catalogue, one: OwnQuantity) -> None:
 
 def _declare_kinks(catalogue: Catalogue, one: OwnQuantity, labels: dict[str, Any]) -> bool:
     """Declare what vanishes at kinks and the smooth quantities between them; return False of too many kinks."""
-    graded = catalogue.graded
+    graded, graph = catalogue.graded, GraphAsWritten((absolute, choice, magnitude))
     assert graded is not None
     known = {name: pieces for name, (_, pieces) in graded.kinks.items()}
-    found = split(one.fact, one.parameters, known)
-    if found is None:
-        return True
-    inner = tuple(switch for name in one.parameters if name in known for switch in graded.kinks[name][0])
-    if found.too_many or len(inner) + len(found.switches) + len(found.pieces) > MOST_KINKS:
+    root = graph.read(one.formula, [*map(graph.name, one.parameters)])
+    try:
+        switches, smooth = split(graph, root, known)
+    except TooManyKinks:
         return False
-    kinks = *inner, *_steps_of(catalogue, one.name, "kink", found.switches, labels)
-    pieces = _steps_of(catalogue, one.name, "piece", found.pieces, labels)
-    catalogue.graded = replace(graded, kinks={**graded.kinks, one.name: (kinks, pieces)})
+    inner = [switch for name in one.parameters for switch in graded.kinks.get(name, ((), ()))[0]]
+    if len(inner) + len(switches) + len(smooth) > MOST_KINKS:
+        return False
+
+    def declared(noun: str, k: int, node: Node) -> str:
+        """Declare a value as a step within the facts, and return its name; a quantity is that."""
+        if node.kind == "name" and catalogue.is_quantity(node.value):
+            return str(node.value)
+        formula = generate_formula(f"{one.name}_{noun}{k}", graph, node, {})
+        catalogue.declare(Fact(formula.name, formula, formula.parameters, **labels, internal=True))
+        return formula.name
+
+    kinks = *inner, *(declared("kink", k, node) for k, node in enumerate(switches))
+    pieces = tuple(declared("piece", k, node) for k, node in enumerate(smooth))
+    if kinks or pieces or any(name in known for name in one.parameters):
+        catalogue.graded = replace(graded, kinks={**graded.kinks, one.name: (kinks, pieces)})
     return True
-
-
-def _steps_of(
-    catalogue: Catalogue, name: str, noun: str, texts: Iterable[str], labels: dict[str, Any]
-) -> tuple[str, ...]:
-    """Declare texts as steps within the facts, and return their names; one that is a parameter is that."""
-    names = []
-    for k, text in enumerate(texts):
-        if (own := only_name(text)) and catalogue.is_quantity(own):
-            names.append(own)
-            continue
-        names.append(step := f"{name}_{noun}{k}")
-        formula = formula_of(step, text)
-        catalogue.declare(Fact(step, formula, formula.parameters, **labels, internal=True))
-    return tuple(names)
 
 
 def _units_of(catalogue: Catalogue, one: OwnQuantity, name: str) -> str:
@@ -1256,34 +901,24 @@ def _units_of(catalogue: Catalogue, one: OwnQuantity, name: str) -> str:
     if name == "branch":
         return "1"
     tree = catalogue.parse(name)
-    of = bounded_of(tree)
+    of, what = bounded_of(tree), f"the parameter {name} is"
     if isinstance(of, (Reduced, ListOfExtrema)) and catalogue.is_quantity(str(of.of)):
-        what = f"the parameter {name} is of the whole cycle, and a quantity is of one input position"
-        asked = ", ".join(str(Reduced(Quantity(one.name), how)) for how in ("max", "mean"))
-        remedy = f"take {of.of}, and ask for the extremes of {one.name}: {asked}"
-        raise InputError(what, where=(one.name,), remedy=remedy)
-    if isinstance(tree, (ErrorBound, Trust)) and catalogue.is_quantity(str(tree.of)):
-        what = f"the parameter {name} is an error bound"
-        raise InputError(
-            what, where=(one.name,), remedy=f"take {tree.of}; {error_name(one.name)} follows by itself"
-        )
-    if name == one.name:
-        what = "depends on itself"
-        raise InputError(what, where=(one.name,), remedy="take parameters that are declared before")
-    if not catalogue.is_quantity(name):
-        internal = catalogue.declares(name)
-        what = f"the parameter {name} is {'a step within the facts' if internal else 'unknown'}"
-        known = [*catalogue.public, *catalogue.variables]
-        raise InputError(what, where=(one.name,), remedy=suggest(name, known))
-    fact = catalogue.public_fact(name)
-    _check_derivative(catalogue, one, name)
-    return fact.units
-
-
-def _check_derivative(catalogue: Catalogue, one: OwnQuantity, name: str) -> None:
-    try:
-        catalogue.resolve(name)
-    except NoDerivative as error:
-        raise InputError(
-            f"the parameter {error.what}", where=(one.name,), remedy="take another one"
-        ) from None
+        what += " of the whole cycle, and a quantity is of one input position"
+        remedy = f"take {of.of}, and ask for the extremes of {one.name}: {one.name}_max, {one.name}_mean"
+    elif isinstance(tree, (ErrorBound, Trust)) and catalogue.is_quantity(str(tree.of)):
+        what += " an error bound"
+        remedy = f"take {tree.of}; {one.name}_error follows by itself"
+    elif name == one.name:
+        what, remedy = "depends on itself", "take parameters that are declared before"
+    elif not catalogue.is_quantity(name):
+        what += " a step within the facts" if catalogue.declares(name) else " unknown"
+        remedy = suggest(name, [*catalogue.public, *catalogue.variables])
+    else:
+        fact = catalogue.public_fact(name)
+        try:
+            catalogue.resolve(name)
+        except NoDerivative as error:
+            what, remedy = f"the parameter {error.what}", "take another one"
+        else:
+            return fact.units
+    raise InputError(what, (one.name,), remedy)

@@ -10,11 +10,12 @@ import math
 import re
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from itertools import zip_longest
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from fastlink.facts.expression import Condition
+from fastlink.facts.expression import Condition, Valueless
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -53,65 +54,42 @@ class UnlikePowers(Exception):
 
 
 @dataclass(frozen=True, eq=False)
-class Powers:
-    """A number of which only the powers are known."""
+class Powers(Valueless):
+    """A number of which only the powers are known; without any, that of a pure number."""
 
-    powers: tuple[float, ...]
+    powers: tuple[float, ...] = ()
 
-    @property
-    def context(self) -> _Functions:
-        """The functions of `fastlink.numerics.elementary` for such numbers."""
-        return _Functions()
-
-    def of(self, other: Any) -> tuple[float, ...]:
-        """Return the powers of another number."""
-        return other.powers if isinstance(other, Powers) else (0.0,) * len(self.powers)
+    @classmethod
+    def of_units(cls, units: str) -> Self:
+        """Return a number of some units."""
+        return cls(tuple(map(float, dimensions(units))))
 
     def like(self, other: Any, doing: str) -> Powers:
         """Return a sum or choice of both; zero and NaN have any powers."""
         if not isinstance(other, Powers) and (other == 0.0 or other != other):
             return self
-        if (powers := self.of(other)) != self.powers:
-            raise UnlikePowers(f"{doing} {{}} and {{}}", self.powers, powers)
+        if any(self.times(other, -1).powers):
+            pure = (0.0,) * len(self.powers)
+            raise UnlikePowers(f"{doing} {{}} and {{}}", self.powers, self.of(other).powers or pure)
         return self
 
-    def _sum(self, other: Any) -> Powers:
+    def plus(self, other: Any) -> Powers:
+        """Return a sum."""
         return self.like(other, "adds")
 
-    __add__ = __radd__ = __sub__ = __rsub__ = _sum
+    def times(self, other: Any, power: int) -> Powers:
+        """Return the product with a power of another number."""
+        pairs = zip_longest(self.powers, self.of(other).powers, fillvalue=0.0)
+        return Powers(tuple(x + power * y for x, y in pairs))
 
-    def _times(self, other: Any, sign: int) -> Powers:
-        return Powers(tuple(x + sign * y for x, y in zip(self.powers, self.of(other), strict=True)))
-
-    def __mul__(self, other: Any) -> Any:
-        return 0.0 if isinstance(other, float) and other == 0.0 else self._times(other, 1)
-
-    __rmul__ = __mul__
-
-    def __truediv__(self, other: Any) -> Powers:
-        return self._times(other, -1)
-
-    def __rtruediv__(self, other: Any) -> Any:
-        return 0.0 if isinstance(other, float) and other == 0.0 else Powers(self.of(other))._times(self, -1)
-
-    def __neg__(self) -> Powers:
-        return self
-
-    __abs__ = __neg__
-
-    def _compared(self, other: Any) -> _Condition:
+    def compared(self, other: Any) -> Condition:
+        """Return the result of a comparison: the same in any units."""
         if isinstance(other, Powers) or abs(other) != math.inf:  # infinities are beyond any power
             self.like(other, "compares")
-        return _Condition()
+        return Condition(self.either)
 
-    __lt__ = __le__ = __gt__ = __ge__ = __eq__ = __ne__ = _compared  # type: ignore[assignment]
-    __hash__ = None  # type: ignore[assignment]
-
-
-class _Condition(Condition):
-    """The result of a comparison: the same in any units."""
-
-    def choose(self, if_true: Any, if_false: Any) -> Any:
+    @staticmethod
+    def either(if_true: Any, if_false: Any) -> Any:
         """Return the powers of both values of `fastlink.numerics.elementary.select`."""
         if isinstance(if_true, Powers):
             return if_true.like(if_false, "chooses between")
@@ -119,31 +97,31 @@ class _Condition(Condition):
             return if_true if if_true != 0.0 else if_false
         if if_true == 0.0 or if_true != if_true:
             return if_false
-        return Powers(if_false.of(if_true)).like(if_false, "chooses between")
+        return (if_false.times(if_false, -1)).like(if_false, "chooses between")
 
+    def sqrt(self) -> Powers:
+        """Return the square root."""
+        return Powers(tuple(0.5 * power for power in self.powers))
 
-class _Functions:
-    """Elementary functions of such numbers."""
-
-    nan, inf = math.nan, math.inf
-
-    def sqrt(self, x: Powers) -> Powers:
-        return Powers(tuple(0.5 * power for power in x.powers))
-
-    def atan2(self, y: Any, x: Any) -> Powers:
-        pure = y._times(y, -1) if isinstance(y, Powers) else x._times(x, -1)
+    @staticmethod
+    def atan2(y: Any, x: Any) -> Powers:
+        """Return the angle of a vector."""
+        pure: Powers = y.times(y, -1) if isinstance(y, Powers) else x.times(x, -1)
         (y if isinstance(y, Powers) else pure).like(x, "takes the angle of")
         return pure
 
-    def sign(self, x: Any) -> float:
+    @staticmethod
+    def sign(x: Any) -> float:
+        """Return a sign."""
         return 1.0
 
-    def _of_number(self, x: Powers) -> Powers:
-        if any(x.powers):
-            raise UnlikePowers("takes a function of {}, not of a number without units", x.powers)
-        return x
+    def pure(self) -> Powers:
+        """Return a function of a number without units."""
+        if any(self.powers):
+            raise UnlikePowers("takes a function of {}, not of a number without units", self.powers)
+        return self
 
-    log = log1p = cos = sin = exp = _of_number
+    log = log1p = cos = sin = exp = pure
 
 
 def units_text(powers: tuple[float, ...]) -> str:

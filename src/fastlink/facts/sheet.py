@@ -47,10 +47,13 @@ from typing import Any, get_args
 
 from fastlink.errors import InputError, suggest
 from fastlink.facts.catalogue import Catalogue, plain_and_above
+from fastlink.facts.expression import GraphAsWritten, beneath
 from fastlink.facts.fact import Fact, GradedRange, Input, Loops, Rule, System
 from fastlink.facts.formula import NAMESPACE, WORD, CatalogueError, Formula, SheetError
 from fastlink.facts.names import root_of
-from fastlink.facts.powers import Powers, UnlikePowers, dimensions
+from fastlink.facts.own import check_units, is_reserved
+from fastlink.facts.powers import Powers, UnlikePowers
+from fastlink.numerics.elementary import sqrt
 
 __all__ = ["Entry", "SheetError", "entries_of", "mechanism_of", "read_sheet", "read_sheets", "wrong_units"]
 
@@ -82,6 +85,18 @@ class Entry:
     source: str
     lines: list[str] = field(default_factory=list)
 
+    @property
+    def parts(self) -> Mapping[str, str]:
+        """The parts of its head, empty where it has none; of a derivative there is no meaning."""
+        if found := HEAD.fullmatch(self.head):
+            return found.groupdict("")
+        what = f"{self.head!r} is no head of an entry"
+        raise self.refused(what, "write NAME [units] symbol: meaning, or step NAME [units] symbol: meaning")
+
+    def refused(self, what: str, remedy: str) -> SheetError:
+        """Return the error of an entry."""
+        return SheetError(self.place, what, remedy)
+
     def expanded(self) -> Iterator[Entry]:
         """Yield the entries that braces stand for."""
         text = "\n".join([self.head, *self.lines])
@@ -91,7 +106,7 @@ class Entry:
         counts = {group.count(",") + 1 for group in BRACES.findall(text)}
         if len(counts) > 1:
             what = "braces of one entry have different numbers of parts"
-            raise SheetError(self.place, what, "write as many parts in each")
+            raise self.refused(what, "write as many parts in each")
         for k in range(max(counts, default=1)):
             own = text
             for group in reversed([*BRACES.finditer(text)]):
@@ -152,46 +167,43 @@ def read_sheet(text: str, file: str, *catalogues: Catalogue) -> None:
     for entry in entries_of(text, file):
         if entry.section in OF_MECHANISM:
             continue
-        found = HEAD.fullmatch(entry.head)
-        if found is None:
-            remedy = "write NAME [units] symbol: meaning, or step NAME [units] symbol: meaning"
-            raise SheetError(entry.place, f"{entry.head!r} is no head of an entry", remedy)
+        found = entry.parts
         if found["kind"] == "also ":
             for catalogue in catalogues:
-                catalogue.also_called(**{found["name"]: found["unknowns"] or ""})
+                catalogue.also_called(**{found["name"]: found["unknowns"]})
             continue
         if found["name"] in names or found["name"] in RESERVED:
             what = f"{found['name']} is a function or constant of formulas, or a word of Python"
-            raise SheetError(entry.place, what, "call it otherwise, such as lambda_")
+            raise entry.refused(what, "call it otherwise, such as lambda_")
         if found["kind"] == "let ":
-            names[found["name"]] = _number(entry, found["value"] or "", names)
+            names[found["name"]] = _number(entry, found["value"], names)
             continue
         matches = {line: SAYING.fullmatch(line) for line in entry.lines if ": " in line}
         said = {match[1]: match[2] for match in matches.values() if match}
         if len(said) < sum(map(bool, matches.values())):
-            raise SheetError(entry.place, f"{found['name']} says one thing twice", "write it once")
+            raise entry.refused(f"{found['name']} says one thing twice", "write it once")
         lines = [line for line in entry.lines if not matches.get(line)]
         lines += [f"= {found['value']}"] if found["value"] else []
         for catalogue in catalogues:
             try:
-                _declare(catalogue, entry, found.groupdict(), said, lines, names)
+                _declare(catalogue, entry, said, lines, names)
             except SheetError:
                 raise
             except CatalogueError as error:
                 what, _, remedy = str(error).removeprefix(f"{catalogue.name}: ").partition("; ")
-                raise SheetError(entry.place, what, remedy) from None
+                raise entry.refused(what, remedy) from None
 
 
 def _declare(
     catalogue: Catalogue,
     entry: Entry,
-    head: Mapping[str, str | None],
     said: Mapping[str, str],
     lines: Sequence[str],
     names: Mapping[str, Any],
 ) -> None:
     """Declare what an entry says."""
-    name, units, symbol, meaning = (str(head[key] or "") for key in ("name", "units", "symbol", "meaning"))
+    head = entry.parts
+    name, units, symbol, meaning = (head[key] for key in ("name", "units", "symbol", "meaning"))
     variant = None if entry.section in ("inputs", "tables", "facts", "loops") else entry.section
     codes = {int(code): text for code, text in said.items() if code.lstrip("-").isdigit()}
     if "also" in said:
@@ -204,22 +216,22 @@ def _declare(
     formula = _formula(entry, name, lines, names)
     if entry.section == "loops":
         if catalogue.loops is not None:
-            raise SheetError(entry.place, "there are two loops", "write all equations below one head")
-        catalogue.loops = _loops(entry, tuple(re.split(r",\s*", head["unknowns"] or "")), said, formula)
+            raise entry.refused("there are two loops", "write all equations below one head")
+        catalogue.loops = _loops(entry, tuple(re.split(r",\s*", head["unknowns"])), said, formula)
         return
     if head["unknowns"]:
         unknowns = tuple(re.split(r",\s*", head["unknowns"]))
         if variant is None:
-            raise SheetError(entry.place, f"system {name} is in no variant", "write [variant NAME] before it")
+            raise entry.refused(f"system {name} is in no variant", "write [variant NAME] before it")
         _check_words(entry, *unknowns)
         catalogue.declare_system(System(name, unknowns, formula, formula.parameters), variant)
         return
-    if head["units"] is None:
+    if not meaning:
         catalogue.declare_derivative(name, formula, variant)
         return
     if said.keys() & {"rule", "default"}:
         what, remedy = f"{name} has a formula, and a rule or a default", "leave them out: they are of inputs"
-        raise SheetError(entry.place, what, remedy)
+        raise entry.refused(what, remedy)
     internal = head["kind"] == "step " or entry.section == "tables"
     fact = Fact(name, formula, formula.parameters, units, symbol, meaning, entry.source, internal, codes)
     if "low" in said:
@@ -236,12 +248,10 @@ def _input(entry: Entry, declared: Input, said: Mapping[str, str]) -> Input:
     """Return an input with its rule and its default."""
     rule: Any = said.get("rule", "any")
     if rule not in RULES:
-        raise SheetError(entry.place, f"{rule!r} is no rule", suggest(rule, RULES))
+        raise entry.refused(f"{rule!r} is no rule", suggest(rule, RULES))
     default = _number(entry, said["default"], {}) if "default" in said else None
     if default is not None and not replace(declared, rule=rule, choices={}).allows(default):
-        raise SheetError(
-            entry.place, f"the default {default} of {declared.name} is not {rule}", "write another one"
-        )
+        raise entry.refused(f"the default {default} of {declared.name} is not {rule}", "write another one")
     return replace(declared, rule=rule, default=default)
 
 
@@ -258,7 +268,7 @@ def _formula(entry: Entry, name: str, lines: Sequence[str], names: Mapping[str, 
         targets, _, value = line.partition(" = ") if not line.startswith("= ") else ("", "", line[2:])
         if bool(targets) == (k == len(written) - 1) or not value:
             what = f"has {line!r}" if line else "has no line"
-            raise SheetError(entry.place, f"the formula of {name} {what}", "end it in one line `= ...`")
+            raise entry.refused(f"the formula of {name} {what}", "end it in one line `= ...`")
         words = (word for word in WORD.findall(value) if word not in local and word not in names)
         parameters |= {word: None for word in words if word not in RESERVED}
         if targets:
@@ -271,9 +281,7 @@ def _check_words(entry: Entry, *names: str) -> None:
     """Refuse what cannot be a name in Python."""
     for name in names:
         if WORD.fullmatch(name) is None or name in RESERVED:
-            raise SheetError(
-                entry.place, f"{name!r} is no name", "write letters, digits and _, such as lambda_"
-            )
+            raise entry.refused(f"{name!r} is no name", "write letters, digits and _, such as lambda_")
 
 
 def _number(entry: Entry, text: str, names: Mapping[str, Any]) -> float:
@@ -287,7 +295,7 @@ def _number(entry: Entry, text: str, names: Mapping[str, Any]) -> float:
         if type(found) not in (int, float) or not math.isfinite(found):
             raise ValueError
     except (ArithmeticError, NameError, SyntaxError, TypeError, ValueError):
-        raise SheetError(entry.place, f"{text!r} is no number", "write such as 2.0**-500") from None
+        raise entry.refused(f"{text!r} is no number", "write such as 2.0**-500") from None
     return float(found)
 
 
@@ -340,11 +348,9 @@ def mechanism_of(text: str, file: str) -> Catalogue:
     if [number for number, _, _ in modes] != ["1", "2"] or not all(meaning for *_, meaning in modes):
         remedy = "write both below [branches]: 1: meaning, and 2: meaning"
         raise SheetError(file, "the assembly modes are not 1 and 2", remedy)
-    name, symbol, meaning = (str(position[key]) for key in ("name", "symbol", "meaning"))
+    name, symbol, meaning = (position[key] for key in ("name", "symbol", "meaning"))
     branches = {int(number): meaning for number, _, meaning in modes}
-    found = Catalogue(
-        str(title["name"]), str(title["unknowns"]), branches, Input(name, "rad", symbol, meaning)
-    )
+    found = Catalogue(title["name"], title["unknowns"], branches, Input(name, "rad", symbol, meaning))
     _check_names(entries)
     read_sheet(TURN.read_text(encoding="utf-8").replace("POSITION", name), "what every sheet gets", found)
     read_sheet(text, file, found)
@@ -381,26 +387,22 @@ OF_TABLES = {"sin": "sine", "cos": "cosine"} | dict.fromkeys(
 
 def _check_names(entries: Iterable[Entry]) -> None:
     """Refuse names that no file or kernel could have, and units that are none."""
-    from fastlink.facts.own import MADE, TAKEN, check_units
-
     for entry in entries:
-        head = HEAD.fullmatch(entry.head)
-        name = str(head["name"]) if head is not None else ""
-        is_declared = head is not None and entry.section != "branches" and head["kind"] != "also "
-        if not is_declared or (entry.section == "facts" and name == "status"):
+        if entry.section == "branches" or entry.parts["kind"] == "also ":
             continue
-        if not re.fullmatch("[A-Za-z](_?[A-Za-z0-9])*_?", name) or name in TAKEN or re.match(MADE, name):
+        name, units = entry.parts["name"], entry.parts["units"]
+        if entry.section == "facts" and name == "status":
+            continue
+        if not re.fullmatch("[A-Za-z](_?[A-Za-z0-9])*_?", name) or is_reserved(name):
             what = (
                 f"{name} is a word of fastlink's own, or has other letters than a to z, digits and single _"
             )
-            raise SheetError(entry.place, what, f"call it otherwise, such as my_{name}")
-        if head is not None and head["units"] is not None:
+            raise entry.refused(what, f"call it otherwise, such as my_{name}")
+        if entry.parts["meaning"]:
             try:
-                check_units(("units",), head["units"])
+                check_units(("units",), units)
             except InputError as error:
-                raise SheetError(
-                    entry.place, f"{name} has the units {head['units']!r}", str(error.remedy)
-                ) from None
+                raise entry.refused(f"{name} has the units {units!r}", str(error.remedy)) from None
 
 
 def _check_facts(found: Catalogue) -> None:
@@ -445,7 +447,7 @@ def wrong_units(known: Catalogue) -> dict[str, str]:
     def number(name: str) -> Powers:
         plain = plain_and_above(known.parse(name))[0]
         made = known.resolve(plain) if plain not in units else None
-        return of_units(made.units if isinstance(made, Fact) else units[plain])
+        return Powers.of_units(made.units if isinstance(made, Fact) else units[plain])
 
     problems = {}
     for facts in declared:
@@ -459,11 +461,6 @@ def wrong_units(known: Catalogue) -> dict[str, str]:
     return problems
 
 
-def of_units(units: str) -> Powers:
-    """Return a number of some units."""
-    return Powers(tuple(map(float, dimensions(units))))
-
-
 def _check_units(step: Fact | System, given: Sequence[Powers], number: Callable[[str], Powers]) -> None:
     """Raise UnlikePowers if a formula adds unlike units, or gives others than are declared."""
     if isinstance(step, System):
@@ -471,22 +468,19 @@ def _check_units(step: Fact | System, given: Sequence[Powers], number: Callable[
             terms = (x * number(unknown) for x, unknown in zip(factors, step.unknowns, strict=True))
             sum(terms, start=value)
     elif given and not any(any(one.powers) for one in given):  # what is made of pure numbers is one
-        of_units(step.units).like(1.0, "declares")
+        Powers.of_units(step.units).like(1.0, "declares")
     else:
         value = step.formula(*given)
         for part in (value,) if step.low is None else value:
-            of_units(step.units).like(part, "declares")
+            Powers.of_units(step.units).like(part, "declares")
 
 
-def _only_head(entries: Sequence[Entry], section: str, file: str) -> Mapping[str, str | None]:
+def _only_head(entries: Sequence[Entry], section: str, file: str) -> Mapping[str, str]:
     """Return the parts of the head of a section that has one."""
     heads = [entry for entry in entries if entry.section == section]
     if len(heads) != 1:
         raise SheetError(file, f"[{section}] has {len(heads)} entries", "write it with one entry")
-    found = HEAD.fullmatch(heads[0].head)
-    if found is None:
-        raise SheetError(heads[0].place, f"{heads[0].head!r} is no head", "write NAME: text")
-    return found.groupdict()
+    return heads[0].parts
 
 
 def _graded_range(known: Catalogue) -> GradedRange:
@@ -520,21 +514,13 @@ def _with_roots(known: Catalogue) -> set[str]:
     found: set[str] = set()
     given = {*known.inputs, *known.tables, *known.table_low_parts, known.position.name, "branch"}
     closes = {*known.tables, "p", "q", "sigma"}
+    graph = GraphAsWritten(filter(callable, NAMESPACE.values()))
     for step in known.dependencies(sorted(known.public), given):
-        reads = {name: {need} for name, need in zip(step.formula.parameters, step.depends_on, strict=True)}
-
-        def needs(node: ast.AST, reads: Mapping[str, set[str]] = reads) -> set[str]:
-            words = (one.id for one in ast.walk(node) if isinstance(one, ast.Name))
-            return set().union(*(reads.get(word, set()) for word in words))
-
-        for statement in step.formula.statements:
-            calls = [node for node in ast.walk(statement) if isinstance(node, ast.Call)]
-            roots = [node.args[0] for node in calls if ast.unparse(node.func) == "sqrt"]
-            if any(known.varies(name) for root in roots for name in needs(root) - closes):
-                found.update(step.names)
-            if isinstance(statement, ast.Assign):
-                own = needs(statement.value)
-                reads |= {one.id: own for one in ast.walk(statement.targets[0]) if isinstance(one, ast.Name)}
+        value = graph.read(step.formula, [*map(graph.name, step.depends_on)])
+        roots = [node for node in beneath([value]) if node.value is sqrt]
+        names = {node.value for node in beneath(roots) if node.kind == "name"}
+        if any(map(known.varies, names - closes)):
+            found.update(step.names)
         if not found.isdisjoint(root_of(known.parse(need)) for need in step.depends_on):
             found.update(step.names)
     return found
@@ -547,10 +533,10 @@ def _loops(entry: Entry, unknowns: tuple[str, ...], said: Mapping[str, str], for
         unknown, _, speed = key.partition(" by ")
         if unknown not in unknowns:
             remedy = f"write such as {unknowns[0]} by SPEED: NAME"
-            raise SheetError(entry.place, f"{unknown} is none of the unknowns", remedy)
+            raise entry.refused(f"{unknown} is none of the unknowns", remedy)
         rates |= {name: (unknown, speed, k) for k, name in enumerate(re.split(r",\s*", names), 1)}
     rows = getattr(formula.result, "elts", [])
     if len(rows) != len(unknowns):
         what = f"the loops have {len(rows)} equations for {len(unknowns)} unknowns"
-        raise SheetError(entry.place, what, "write a line `| ...` that vanishes for each unknown")
+        raise entry.refused(what, "write a line `| ...` that vanishes for each unknown")
     return Loops(unknowns, formula, rates)

@@ -471,8 +471,8 @@ class Planner:
         is_code = (bool(fact.flags) and request.is_of_quantity) or request.listed in ("count", "kind")
         terms: tuple[Term, ...] = ()
         if request.change:
-            at_limits = {"over_cycle": True, "at_limits": refined}
-            terms = catalogue.change_terms(request.quantity, self.variants, self.given, **at_limits)
+            selection = catalogue.selection(self.variants, self.given)
+            terms = selection.change_terms(request.quantity, over_cycle=True, at_limits=refined)
         return Output(
             request,
             axes,

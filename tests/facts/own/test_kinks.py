@@ -4,8 +4,12 @@ import numpy as np
 import pytest
 
 import fastlink as fl
+from fastlink.facts.expression import GraphAsWritten, generate_formula
+from fastlink.facts.formula import Formula
 from fastlink.facts.own import split
+from fastlink.numerics.vectors import absolute, choice
 
+FUNCTIONS = (absolute, choice)
 mine = fl.extend("planar_4r")
 
 
@@ -113,14 +117,25 @@ def test_none_of_many_is_beyond_an_extreme():
     check(NAMES, 1000, 8001)
 
 
+def values_of(parameters, *lines, kinked=()):
+    """Return what vanishes at the kinks of a formula and its smooth values, as texts."""
+    graph = GraphAsWritten(FUNCTIONS)
+    root = graph.read(Formula("f", parameters, lines), [*map(graph.name, parameters)])
+    found = split(graph, root, dict(kinked))
+    return [["; ".join(generate_formula("f", graph, one, {}).lines) for one in values] for values in found]
+
+
 def test_a_text_is_split_at_its_kinks():
-    text = "def f(x, y):\n    a = absolute(x)\n    return a * choice(y != y, y, choice(y > 1.0, y, 1.0))"
-    found = split(text, ("x", "y"), {})
-    assert [one.rpartition("return ")[2] for one in found.switches] == ["x", "y - 1.0"]
-    assert sorted(one.partition("\n")[2].replace("\n    return", ";") for one in found.pieces) == [
-        "    a = -x; a * 1.0", "    a = -x; a * y", "    a = x; a * 1.0", "    a = x; a * y"
-    ]  # fmt: skip
-    assert split("def f(x):\n    return x * x", ("x",), {}) is None
+    switches, pieces = values_of(
+        "xy", "a = absolute(x)", "return a * choice(y != y, y, choice(y > 1.0, y, 1.0))"
+    )
+    assert sorted(switches) == ["return x", "return y - 1.0"]
+    assert sorted(pieces) == ["return -x * 1.0", "return -x * y", "return x * 1.0", "return x * y"]
+    assert values_of("x", "return x * x") == [[], []]
     # a parameter with kinks of its own is replaced by what it is between these
-    inner = split("def f(x):\n    return x + 1.0", ("x",), {"x": ("x_piece0", "F21")})
-    assert [one.partition("return ")[2] for one in inner.pieces] == ["x_piece0 + 1.0", "F21 + 1.0"]
+    _, inner = values_of("x", "return x + 1.0", kinked={"x": ("x_piece0", "F21")})
+    assert inner == ["return x_piece0 + 1.0", "return F21 + 1.0"]
+    _, beside = values_of("xy", "return x + y", kinked={"x": ("y", "z")})
+    assert beside == ["return y + y", "return z + y"]
+    # one kink in two lines is one, and what nothing is made of has none
+    assert values_of("xy", "a = absolute(y)", "return absolute(x) + absolute(x)")[0] == ["return x"]

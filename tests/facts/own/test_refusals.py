@@ -1,5 +1,6 @@
 """What no quantity of one's own can say is refused when it is declared, with its line and what to write instead."""
 
+import linecache
 import math
 import re
 
@@ -88,6 +89,10 @@ def compares_units(F21):
     return max(F21, 100.0)
 
 
+def divides_by_zero(F21):
+    return F21 * (1 / 0)
+
+
 def wrong_units(F21, a1):
     return F21 * a1
 
@@ -130,6 +135,7 @@ REFUSED = [
     (misspelt, "F_21", "'F21'"),
     (of_itself, "itself", "before"),
     (compares_units, "compares N and a number", "mine.input"),
+    (divides_by_zero, "cannot be computed", "mend"),
     (wrong_units, "gives J", "units='J'"),
     (sine_of_a_force, "function of N", "mine.input"),
     (omega4, "is a quantity of planar_4r", "otherwise"),
@@ -188,6 +194,28 @@ def test_what_has_no_text_is_refused():
     ):
         with pytest.raises(InputError, match=what):
             mine.quantity(units="N")(function)
+
+
+def test_a_text_that_was_changed_since_is_refused(tmp_path):
+    file, text = tmp_path / "texts.py", "def f(F21, F41):\n    return F21 - F41\n"
+    for new in ("F21 + F41", "F41 - F21", "F21 - 2.0 * F41"):
+        scope = {}
+        exec(compile(text, str(file), "exec"), scope)
+        file.write_text(text.replace("F21 - F41", new))
+        linecache.checkcache(str(file))
+        with refused("f", "load the file again"):
+            fl.extend("planar_4r").quantity(units="N")(scope["f"])
+
+
+def test_a_quotient_by_zero_has_derivatives_and_bounds():
+    mine = fl.extend("planar_4r")
+
+    @mine.quantity(units="rad")
+    def infinite(theta4):
+        return theta4 / 0.0
+
+    names = ["infinite", "infinite_error", "d_infinite_d_theta1"]
+    assert not any(map(math.isfinite, fl.evaluate(mine, names, **DESIGN, branch=1).values()))
 
 
 def test_names_are_declared_once_and_cells_again():
