@@ -140,12 +140,3 @@ def of_extremes(n=2048, rounds=10, labels=tuple(REFINED)):
             ratio = best[1, 2] / best["sampled"]
             facts.append(fact(f"{what.removeprefix('refined ')}, refined / of {K} samples", ratio))
     return facts
-
-
-def facts(quick=False):
-    """Return all facts; quick: small sizes."""
-    found = []
-    for part, size in {end_to_end: (128, 1), of_extremes: (64, 1, ("omega4",))}.items():
-        log(part.__name__)
-        found += part(*size) if quick else part()
-    return found
