@@ -20,7 +20,7 @@ from fastlink.app.accuracy import USUAL, Method, accuracy_table, curves_by_numpy
 from fastlink.app.study import read_study
 from fastlink.codegen.kernel import MachineCode, llvm_text
 from fastlink.codegen.machine import compile_object
-from fastlink.facts.evaluate import read_facts
+from fastlink.facts.evaluate import evaluate_step, read_facts, steps_of
 from fastlink.facts.names import derivative_name
 from fastlink.facts.tables import angle_tables
 from fastlink.mechanisms import catalogue
@@ -137,16 +137,19 @@ def relaxed_job(resolved):
 
 
 def by_numpy_single(resolved, designs):
-    """Return curves in single precision (but for arctangents)."""
+    """Return curves in single precision."""
     catalogue, quantity = resolved.catalogue, resolved.plan.outputs[0].request.quantity
     tables = (catalogue.position.name, *catalogue.tables, *catalogue.table_low_parts)
     values = {name: column[:, None, None] for name, column in resolved.space.at(np.arange(designs)).items()}
     values |= zip(tables, angle_tables(catalogue, tables, resolved.positions), strict=True)
-    values["branch"] = np.array(resolved.branches)[:, None]
-    values = {name: value.astype(np.float32) for name, value in values.items()}
+    # The unit of scaled lengths is found by the digits of doubles; a power of two, it changes no digit.
+    values |= {"branch": np.array(resolved.branches)[:, None], "unit": 1.0}
+    values = {name: np.float32(value) for name, value in values.items()}
     with np.errstate(all="ignore"):
-        curves = read_facts(catalogue, [quantity], values, resolved.plan.variants)[quantity]
-    return np.broadcast_to(curves, (designs, len(resolved.branches), resolved.positions.size))
+        for step in steps_of(catalogue, [quantity], values, resolved.plan.variants):
+            evaluate_step(step, values)
+            values |= {name: np.float32(values[name]) for name in step.names}
+    return np.broadcast_to(values[quantity], (designs, len(resolved.branches), resolved.positions.size))
 
 
 def by_brentq(resolved, designs):

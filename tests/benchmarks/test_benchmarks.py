@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from benchmarks.__main__ import measure
-from benchmarks.cases import CASES, angle_tables, angles, bind_case, designs, fact, round_bars
+from benchmarks.cases import CASES, angle_tables, angles, bind_case, designs, fact, round_bars, space_of
 
 from benchmarks import accuracy, answers, minkowski, numba_baseline, peers, report
+from fastlink.app.accuracy import curves_by_numpy
 from fastlink.engine.resolve import resolve
 from fastlink.numerics.compensated import UNIT_ROUNDING
 
@@ -180,6 +181,14 @@ def test_the_page_has_the_measured_errors_of_textbook_formulas():
                 assert medians[0] > (100.0 if quantity == "theta4" else 5e4), (quantity, family)
             # some twelve operations on factors right to a rounding each, half of their errors cancelling
             assert medians[1] < 5.0, (quantity, family)
+
+
+def test_single_precision_has_digits_of_single_precision():
+    resolved = resolve("planar_4r", space_of(designs(8)), ["omega4"], angles=36)
+    single, double = accuracy.by_numpy_single(resolved, 8), curves_by_numpy(resolved, 8)
+    assert single.dtype == np.float32
+    # Some 40 roundings of 2^-24, times a condition of up to 100; one rounding at least is seen.
+    assert 2.0**-25 < difference([double], [single]) <= 40 * 100 * 2.0**-24
 
 
 # ---- of the Minkowskian 4R ----
