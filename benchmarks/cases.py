@@ -166,9 +166,15 @@ def job_of(names, space, mechanism="planar_4r", **options):
 def bind(names, space, **options):
     """Return a call of the kernels of quantities, and the arrays that it evaluates into."""
     job = job_of(names, space, **options)
-    runner = Runner(job, job.size)
-    arrays = runner.evaluate(0, job.size)
-    return lambda: runner.run(job.size), arrays
+    if len(set(job.shapes)) == 1:  # in one array, as the C kernel has them
+        arrays = list(aligned((len(job.shapes), job.size, *job.shapes[0][0]), job.shapes[0][1]))
+    else:
+        arrays = [aligned((job.size, *shape), dtype) for shape, dtype in job.shapes]
+    runner = Runner(job, job.size, targets=arrays)
+    runner.evaluate(0, job.size)
+    calls = [kernel.bind([arrays[k] for k in kernel.task.results]) for kernel in runner.kernels]
+    # the arrays of the kernels live as long as the call
+    return lambda _=runner: [call(job.size) for call in calls], arrays
 
 
 def bind_case(case, x, theta1, **options):

@@ -23,6 +23,7 @@ from benchmarks.cases import (
     TABLES,
     aligned_copy,
     angle_tables,
+    angles,
     child,
     designs,
     outputs,
@@ -216,12 +217,12 @@ def bind_numpy(case, x, tables):
     return call, arrays
 
 
-def system(x, theta1):
+def system(x, K):
     """Return the matrices (design, branch, angle, 9, 9) and right sides of eq. (9) of Hayes, Hninn, Irani.
 
     Unknowns: ``CASES["reactions"]`` in order.
     """
-    found = fl.planar.force_equations(branch=np.array([[1], [2]]), theta1=theta1, **by_name(x[:, :, None]))
+    found = fl.planar.force_equations(branch=np.array([[1], [2]]), theta1=angles(K), **by_name(x[:, :, None]))
     matrix, right = found.A.values.copy(), found.b.values.copy()
     open_loop = np.isnan(right).any(axis=-1)  # LU of NaN raises: keep NaN to the right side
     matrix[open_loop], right[open_loop] = np.eye(9), np.nan

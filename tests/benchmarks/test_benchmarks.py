@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from benchmarks.__main__ import measure
-from benchmarks.cases import CASES, angle_tables, angles, bind_case, designs, fact, round_bars, space_of
+from benchmarks.cases import CASES, angle_tables, bind_case, designs, fact, round_bars, space_of
 
 from benchmarks import accuracy, answers, minkowski, numba_baseline, peers, report
 from fastlink.app.accuracy import curves_by_numpy
@@ -101,7 +101,7 @@ def test_all_agree(case):
     for name, binding in others.items():
         assert difference(ours, found_by(binding, case, x, tables)) <= SAME_ARITHMETIC, name
     if case == "reactions":
-        assert difference(ours, peers.solve(*peers.system(x, angles(K)))) <= SAME_ARITHMETIC
+        assert difference(ours, peers.solve(*peers.system(x, K))) <= SAME_ARITHMETIC
 
 
 def test_the_paper_agrees():
