@@ -20,7 +20,7 @@ from fastlink.app.accuracy import USUAL, Method, accuracy_table, curves_by_numpy
 from fastlink.app.study import read_study
 from fastlink.codegen.kernel import MachineCode, llvm_text
 from fastlink.codegen.machine import compile_object
-from fastlink.facts.evaluate import read_facts
+from fastlink.facts.evaluate import evaluate_step, read_facts, steps_of
 from fastlink.facts.names import derivative_name
 from fastlink.facts.tables import angle_tables
 from fastlink.mechanisms import catalogue
@@ -32,14 +32,14 @@ from fastlink.precision.reference import HighPrecision
 PLANAR = catalogue("planar_4r")
 #: What is compared, by what it is made of; a vector is measured by its longest error over its length.
 QUANTITIES = {
-    "area of ABD": ("area",),
+    "area of ABD": ("sigma",),
     "transmission angle": ("transmission_angle",),
     "theta4": ("theta4",),
     "omega4": ("omega4",),
     "alpha4": ("alpha4",),
     "reactions": CASES["reactions"][:8],
 }
-NAMES = ("sigma", *(name for names in QUANTITIES.values() for name in names if name != "area"))
+NAMES = [name for names in QUANTITIES.values() for name in names]
 CLOSE = {
     "random": lambda rng, n: (
         rng.uniform((0.3, 1.1, 0.7, 0.9), (0.5, 1.3, 0.9, 1.1), (n, 4)).T,
@@ -58,7 +58,7 @@ def naive(x):
     A_x, A_y = a * np.cos(t), a * np.sin(t)
     AD = np.sqrt(a**2 + d**2 - 2 * a * d * np.cos(t))
     half = (AD + b + c) / 2
-    found = {"area": np.sqrt(half * (half - AD) * (half - b) * (half - c))}
+    found = {"sigma": np.sqrt(half * (half - AD) * (half - b) * (half - c)) / (a * d)}
     found["transmission_angle"] = np.arccos((b**2 + c**2 - AD**2) / (2 * b * c))
     # circles about A and D
     along = (AD**2 + b**2 - c**2) / (2 * AD)
@@ -85,8 +85,7 @@ def stable(x):
     """Return the same by fastlink's facts."""
     names = (*PLANAR.tables, *PLANAR.table_low_parts)
     tables = dict(zip(names, angle_tables(PLANAR, names, x["theta1"]), strict=True))
-    found = read_facts(PLANAR, NAMES, x | tables | {"branch": 2.0})
-    return found | {"area": x["a1"] * x["a4"] * found["sigma"]}
+    return read_facts(PLANAR, NAMES, x | tables | {"branch": 2.0})
 
 
 def errors(family, n, seed=1):
@@ -95,7 +94,6 @@ def errors(family, n, seed=1):
     x = dict(zip(INPUTS, round_bars(lengths), strict=True)) | {"theta1": theta1}
     facts = HighPrecision(PLANAR, NAMES, (*x, "branch"))
     exact = [facts.at({name: values[i] for name, values in x.items()} | {"branch": 2}) for i in range(n)]
-    exact = [value | {"area": value["a1"] * value["a4"] * value["sigma"]} for value in exact]
     closes = [i for i in range(n) if exact[i]["sigma"] == exact[i]["sigma"]]
     with np.errstate(all="ignore"):
         ways = naive(x), stable(x)
@@ -139,16 +137,19 @@ def relaxed_job(resolved):
 
 
 def by_numpy_single(resolved, designs):
-    """Return curves in single precision (but for arctangents)."""
+    """Return curves in single precision."""
     catalogue, quantity = resolved.catalogue, resolved.plan.outputs[0].request.quantity
     tables = (catalogue.position.name, *catalogue.tables, *catalogue.table_low_parts)
     values = {name: column[:, None, None] for name, column in resolved.space.at(np.arange(designs)).items()}
     values |= zip(tables, angle_tables(catalogue, tables, resolved.positions), strict=True)
-    values["branch"] = np.array(resolved.branches)[:, None]
-    values = {name: value.astype(np.float32) for name, value in values.items()}
+    # The unit of scaled lengths is found by the digits of doubles; a power of two, it changes no digit.
+    values |= {"branch": np.array(resolved.branches)[:, None], "unit": 1.0}
+    values = {name: np.float32(value) for name, value in values.items()}
     with np.errstate(all="ignore"):
-        curves = read_facts(catalogue, [quantity], values, resolved.plan.variants)[quantity]
-    return np.broadcast_to(curves, (designs, len(resolved.branches), resolved.positions.size))
+        for step in steps_of(catalogue, [quantity], values, resolved.plan.variants):
+            evaluate_step(step, values)
+            values |= {name: np.float32(values[name]) for name in step.names}
+    return np.broadcast_to(values[quantity], (designs, len(resolved.branches), resolved.positions.size))
 
 
 def by_brentq(resolved, designs):

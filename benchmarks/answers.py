@@ -27,13 +27,10 @@ from fastlink.engine.resolve import resolve
 
 COMMAND = "README's command"
 STUDY = ROOT / "data" / "studies" / "crank_rocker_map.toml"
-SAMPLED = {"extrema": "sampled"}
 #: By request: names and options.
 REQUESTS = {
-    "positions": (CASES["positions"], {}),
-    "rates": (CASES["rates"], {}),
-    "reactions": (CASES["reactions"], {}),
-    "sampled extremes": (CASES["extremes"], SAMPLED),
+    **{case: (CASES[case], {}) for case in ("positions", "rates", "reactions")},
+    "sampled extremes": (CASES["extremes"], {"extrema": "sampled"}),
     "extremes of omega4": (("omega4_max", "omega4_min"), {}),
     "extremes of omega4, alpha4": (("omega4_max", "omega4_min", "alpha4_max", "alpha4_min"), {}),
     "greatest shaking force": (("shaking_force_max",), {}),

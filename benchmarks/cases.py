@@ -126,17 +126,15 @@ def markdown(head, *rows):
 
 # ---- families: easy and hard, link lengths (4, n) ----
 
-Rng = np.random.Generator
 
-
-def near_change_point(rng: Rng, n: int, sum_of_four: float) -> tuple[np.ndarray, np.ndarray]:
+def near_change_point(rng: np.random.Generator, n: int, sum_of_four: float) -> tuple[np.ndarray, np.ndarray]:
     """Lengths with a1 + a2 = a3 + a4 - gap, and input angles near the folded position."""
     a2, a3, a4 = rng.uniform(1.0, 1.3, n), rng.uniform(0.6, 0.9, n), rng.uniform(1.2, 1.5, n)
     theta = rng.choice([-1.0, 1.0], n) * np.exp(rng.uniform(np.log(1e-6), np.log(1e-1), n))
     return np.array([a3 + a4 - a2 - sum_of_four, a2, a3, a4]), theta
 
 
-def near_toggle(rng: Rng, n: int, offset: float) -> tuple[np.ndarray, np.ndarray]:
+def near_toggle(rng: np.random.Generator, n: int, offset: float) -> tuple[np.ndarray, np.ndarray]:
     """Lengths whose input does not turn fully, and input angles `offset` inside the range."""
     lengths, theta = [], []
     while len(theta) < n:
@@ -168,9 +166,15 @@ def job_of(names, space, mechanism="planar_4r", **options):
 def bind(names, space, **options):
     """Return a call of the kernels of quantities, and the arrays that it evaluates into."""
     job = job_of(names, space, **options)
-    runner = Runner(job, job.size)
-    arrays = runner.evaluate(0, job.size)
-    return lambda: runner.run(job.size), arrays
+    if len(set(job.shapes)) == 1:  # in one array, as the C kernel has them
+        arrays = list(aligned((len(job.shapes), job.size, *job.shapes[0][0]), job.shapes[0][1]))
+    else:
+        arrays = [aligned((job.size, *shape), dtype) for shape, dtype in job.shapes]
+    runner = Runner(job, job.size, targets=arrays)
+    runner.evaluate(0, job.size)
+    calls = [kernel.bind([arrays[k] for k in kernel.task.results]) for kernel in runner.kernels]
+    # the arrays of the kernels live as long as the call
+    return lambda _=runner: [call(job.size) for call in calls], arrays
 
 
 def bind_case(case, x, theta1, **options):
@@ -187,12 +191,7 @@ def threads(case, size, repeats, K):
 
 def child(code, module, **environment):
     """Return the value of an expression over a module of this package, in a fresh Python."""
-    done = subprocess.run(
-        [sys.executable, "-c", f"import json; from benchmarks.{module} import *; print(json.dumps({code}))"],
-        cwd=ROOT,
-        env=os.environ | environment,
-        stdout=subprocess.PIPE,
-        text=True,
-        check=True,
-    )
-    return json.loads(done.stdout.splitlines()[-1])
+    code = f"import json; from benchmarks.{module} import *; print(json.dumps({code}))"
+    environment = os.environ | environment
+    said = subprocess.check_output([sys.executable, "-c", code], cwd=ROOT, env=environment, text=True)
+    return json.loads(said.splitlines()[-1])

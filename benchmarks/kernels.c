@@ -48,25 +48,24 @@ INLINE dd gap(dd u, dd v, double a, double d)
     return two_sum(ratio, (fma(-ratio, g, p) + p_low - ratio * g_low) / g);
 }
 
-/* Constants of a design, with their formulas: of lengths and speed, then of masses. Structs and readers follow. */
-#define OF_LENGTHS(_)                                                                                             \
+/* Constants of a design with their formulas, of which the structs and their readers follow. */
+#define CONSTANTS(_)                                                                                              \
     _(a, a) _(two_a, 2 * a) _(d_a, d - a) _(d, d) _(mu, (d - a) / (2 * a)) _(lambda, (a - d) / (2 * d))           \
     _(Z0, -Z.hi) _(Z0_low, -Z.lo) _(C0, C.hi) _(C0_low, C.lo)                                                     \
     _(Z0_ww, -0.25 * w * w * Z.hi) _(C0_ww, 0.25 * w * w * C.hi) _(gamma0, (a - d) * (a - d) * r)                 \
     _(kappa, (b - c) * (b + c) * r) _(eps, (a - d) * (a + d) * r) _(from_A, a + b <= c + d)                       \
     _(two_beta, 2 * b * (b - c) * r) _(two_delta, 2 * c * (b - c) * r) /* of the other sign */                    \
-    _(half_w, 0.5 * w) _(half_ww, 0.5 * w * w) _(ww, w * w) _(r_2ad, 0.5 / a / d)
-#define OF_MASSES(_)                                                                                              \
+    _(half_w, 0.5 * w) _(half_ww, 0.5 * w * w) _(ww, w * w) _(r_2ad, 0.5 / a / d)                                 \
     _(f1_u, -w * w * m[0] * G[0]) _(f1_v, -w * w * m[0] * G[n]) _(g2_u, G[2 * n] / b) _(g2_v, G[3 * n] / b)       \
     _(f3_u, m[2 * n] * (G[4 * n] / c)) _(f3_v, m[2 * n] * (G[5 * n] / c)) _(m2, m[n]) _(m2_ww, m[n] * (w * w))    \
     _(I2, I[n]) _(I2_A, I[n] + m[n] * (G[2 * n] * G[2 * n] + G[3 * n] * G[3 * n]))                                \
     _(I3_D, I[2 * n] + m[2 * n] * (G[4 * n] * G[4 * n] + G[5 * n] * G[5 * n])) _(J3_r, o->I3_D[i] * o->r_2ad[i])
-typedef struct { OF_LENGTHS(AS_SCALAR) OF_MASSES(AS_SCALAR) } design;
-typedef struct { OF_LENGTHS(AS_ARRAY) OF_MASSES(AS_ARRAY) } __attribute__((aligned(64))) block;
+typedef struct { CONSTANTS(AS_SCALAR) } design;
+typedef struct { CONSTANTS(AS_ARRAY) } __attribute__((aligned(64))) block;
 typedef struct { double cos, sin, Z, Z_low, C, C_low; } angle;
 typedef struct { double x, y; } vec;
 
-INLINE design design_at(const block *b, int i) { return (design){OF_LENGTHS(READ) OF_MASSES(READ)}; }
+INLINE design design_at(const block *b, int i) { return (design){CONSTANTS(READ)}; }
 
 INLINE angle angle_at(const double *restrict t, long K, long k)
 {
@@ -75,8 +74,8 @@ INLINE angle angle_at(const double *restrict t, long K, long k)
 
 /* ---- once per design ---- */
 
-/* Lanes past the last design repeat it; dynamics: the rows from m1 on are present. */
-INLINE void prepare(block *restrict o, const double *restrict x, long n, long first, int dynamics)
+/* Lanes past the last design repeat it; the compiler leaves out what a case does not read. */
+INLINE void prepare(block *restrict o, const double *restrict x, long n, long first)
 {
 #pragma GCC ivdep
     for (int i = 0; i < LANES; i++) {
@@ -85,10 +84,7 @@ INLINE void prepare(block *restrict o, const double *restrict x, long n, long fi
         const double *m = x + 5 * n + j, *I = x + 8 * n + j, *G = x + 11 * n + j;
         dd Z = gap(sum4(a, -b, c, -d), sum4(a, b, -c, -d), a, d), C = gap(sum4(a, -b, -c, d), sum4(a, b, c, d), a, d);
         double r = 1 / (4 * a * d);
-        OF_LENGTHS(WRITE)
-        if (dynamics) {
-            OF_MASSES(WRITE)
-        }
+        CONSTANTS(WRITE)
     }
 }
 
@@ -96,17 +92,18 @@ INLINE void prepare(block *restrict o, const double *restrict x, long n, long fi
 
 /* sigma is NaN where the linkage does not assemble; the shares are kappa/gamma + 1 and kappa/gamma - 1, twice the feet
  * of B on AD, from A and from D, over |AD|: sums with p keep their digits. */
-typedef struct { double p, q, sigma, r_gamma, plus, minus; } closure;
+typedef struct { double p, q, sigma, r_gamma, r_sigma, plus, minus; } closure;
 
-INLINE closure with_shares(design d, double p, double q, double sigma, double r_gamma)
+INLINE closure with_shares(design d, double p, double q, double sigma, double r_gamma, double r_sigma)
 {
-    return (closure){p, q, sigma, r_gamma, (p + d.two_beta) * r_gamma, (d.two_delta - p) * r_gamma};
+    return (closure){p, q, sigma, r_gamma, r_sigma, (p + d.two_beta) * r_gamma, (d.two_delta - p) * r_gamma};
 }
 
 INLINE closure close_loop(design d, angle t)
 {
     double p = (t.Z - d.Z0) + (t.Z_low - d.Z0_low), q = (t.C - d.C0) + (t.C_low - d.C0_low);
-    return with_shares(d, p, q, sqrt(p * q), 1 / (d.gamma0 + t.Z));
+    double sigma = sqrt(p * q);
+    return with_shares(d, p, q, sigma, 1 / (d.gamma0 + t.Z), 1 / sigma);
 }
 
 typedef struct { vec A, AB_even, DB_even, B_even, odd; } positions_t; /* AB, DB and B share their odd part */
@@ -124,10 +121,10 @@ INLINE positions_t positions(design d, angle t, closure l)
 typedef struct { pair omega2, omega4, alpha2, alpha4, coupler, joint, output; } rates_t;
 
 /* H = h / sigma, dH its derivative; the factors omega1 / 2 and omega1^2 / 2 are taken in where that costs least. */
-INLINE rates_t rates(design d, angle t, closure l, double r_sigma)
+INLINE rates_t rates(design d, angle t, closure l)
 {
-    double h = 0.5 * t.sin, H = h * r_sigma, wH = d.half_w * H;
-    double dH = (d.C0_ww * t.Z * l.p - d.Z0_ww * t.C * l.q) * (r_sigma * r_sigma * r_sigma);
+    double h = 0.5 * t.sin, H = h * l.r_sigma, wH = d.half_w * H;
+    double dH = (d.C0_ww * t.Z * l.p - d.Z0_ww * t.C * l.q) * (l.r_sigma * l.r_sigma * l.r_sigma);
     double k = d.kappa * l.r_gamma;
     double T = d.half_w * ((d.lambda + t.Z) * l.r_gamma), j = d.half_ww * h * l.r_gamma;
     double E = -(d.eps * j * l.r_gamma), L = H * k * j;
@@ -148,7 +145,7 @@ INLINE vec turned(double u, double v, vec link) { return (vec){u * link.x - v * 
 /* The moments of links 2 and 3 about A and D give F32, since AB x DB = s 2 a d sigma; the other forces follow. The
  * torque is that of the power: where the links turn nearly as one, A x F21 is a small difference of great forces.
  * beside: from A to D in the frame of OA. */
-INLINE reactions_t reactions(design d, angle t, closure l, positions_t o, rates_t f, double r_sigma, double s)
+INLINE reactions_t reactions(design d, angle t, closure l, positions_t o, rates_t f, double s)
 {
     vec f1 = {d.f1_u * t.cos - d.f1_v * t.sin, d.f1_u * t.sin + d.f1_v * t.cos};
     vec aA = {-d.ww * o.A.x, -d.ww * o.A.y}, beside = {d.d_a - 2 * d.d * t.Z, -(d.d * t.sin)};
@@ -160,8 +157,8 @@ INLINE reactions_t reactions(design d, angle t, closure l, positions_t o, rates_
     double ab = 0.5 * l.plus, height = 0.5 * l.sigma * l.r_gamma;
     double AB_u = ab * beside.x - s * (height * beside.y), AB_v = ab * beside.y + s * (height * beside.x);
     double cross = d.a * (d.g2_u * AB_v + d.g2_v * AB_u); /* A x AG2 */
-    double M2 = (d.I2_A * alpha2 + d.m2_ww * cross) * (s * (d.r_2ad * r_sigma));
-    double M3 = alpha4 * (s * (d.J3_r * r_sigma));
+    double M2 = (d.I2_A * alpha2 + d.m2_ww * cross) * (s * (d.r_2ad * l.r_sigma));
+    double M3 = alpha4 * (s * (d.J3_r * l.r_sigma));
     vec F32 = {M2 * DB.x + M3 * AB.x, M2 * DB.y + M3 * AB.y}, F21 = {F32.x - f2.x, F32.y - f2.y};
     vec F43 = {F32.x - (alpha4 * g3.y + w4 * g3.x), F32.y + (alpha4 * g3.x - w4 * g3.y)};
     double n2 = at(s, f.coupler), turn = n2 * at(s, f.joint);
@@ -177,14 +174,14 @@ INLINE reactions_t reactions(design d, angle t, closure l, positions_t o, rates_
 #define STORE(c, b1, b2) (y[(c) * size + k] = (b1), y[(c) * size + K + k] = (b2))
 #define STORE_PAIR(c, f) STORE(c, at(-1, f), at(1, f))
 #define STORE_VEC(c, b1, b2) (STORE(c, (b1).x, (b2).x), STORE((c) + 1, (b1).y, (b2).y))
-/* A function of that name, which stores what it finds at each angle; it needs the inputs from m1 on if dynamic. */
-#define CURVES(name, dynamics, ...)                                                                                 \
+/* A function of that name, which stores what it finds at each angle. */
+#define CURVES(name, ...)                                                                                         \
     void c_##name(long n, long K, const double *restrict x, const double *restrict tables, double *restrict out)  \
     {                                                                                                             \
         long size = 2 * n * K;                                                                                    \
         block b;                                                                                                  \
         for (long first = 0; first < n; first += LANES) {                                                         \
-            prepare(&b, x, n, first, dynamics);                                                                   \
+            prepare(&b, x, n, first);                                                                             \
             for (long i = 0; i < LANES && first + i < n; i++) {                                                   \
                 design d = design_at(&b, i);                                                                      \
                 double *restrict y = out + (first + i) * 2 * K;                                                   \
@@ -192,6 +189,8 @@ INLINE reactions_t reactions(design d, angle t, closure l, positions_t o, rates_
                 {                                                                                                 \
                     angle t = angle_at(tables, K, k);                                                             \
                     closure l = close_loop(d, t);                                                                 \
+                    positions_t o = positions(d, t, l);                                                           \
+                    rates_t f = rates(d, t, l);                                                                   \
                     __VA_ARGS__                                                                                   \
                 }                                                                                                 \
             }                                                                                                     \
@@ -199,16 +198,13 @@ INLINE reactions_t reactions(design d, angle t, closure l, positions_t o, rates_
     }
 
 /* out: (4, n, 2, K) A_x A_y B_x B_y */
-CURVES(positions, 0, {
-    positions_t o = positions(d, t, l);
+CURVES(positions, {
     STORE_VEC(0, o.A, o.A);
     STORE_VEC(2, at_vec(-1, o.B_even, o.odd), at_vec(1, o.B_even, o.odd));
 })
 
 /* out: (6, n, 2, K) B_x B_y omega2 omega4 alpha2 alpha4 */
-CURVES(rates, 0, {
-    positions_t o = positions(d, t, l);
-    rates_t f = rates(d, t, l, 1 / l.sigma);
+CURVES(rates, {
     STORE_VEC(0, at_vec(-1, o.B_even, o.odd), at_vec(1, o.B_even, o.odd));
     STORE_PAIR(2, f.omega2);
     STORE_PAIR(3, f.omega4);
@@ -217,11 +213,8 @@ CURVES(rates, 0, {
 })
 
 /* out: (9, n, 2, K) F41_x F41_y F21_x F21_y F32_x F32_y F43_x F43_y T41 */
-CURVES(reactions, 1, {
-    positions_t o = positions(d, t, l);
-    double r_sigma = 1 / l.sigma;
-    rates_t f = rates(d, t, l, r_sigma);
-    reactions_t r1 = reactions(d, t, l, o, f, r_sigma, -1), r2 = reactions(d, t, l, o, f, r_sigma, 1);
+CURVES(reactions, {
+    reactions_t r1 = reactions(d, t, l, o, f, -1), r2 = reactions(d, t, l, o, f, 1);
     STORE_VEC(0, r1.F41, r2.F41);
     STORE_VEC(2, r1.F21, r2.F21);
     STORE_VEC(4, r1.F32, r2.F32);
@@ -238,15 +231,11 @@ void c_extremes(long n, long K, const double *restrict x, const double *restrict
     struct { double p[LANES], q[LANES], sigma[LANES], r_gamma[LANES], r_sigma[LANES]; } c __attribute__((aligned(64)));
     double best[6][2][LANES] __attribute__((aligned(64)));
 #define KEEP(q, branch, v, beyond) best[q][branch][i] = v beyond best[q][branch][i] ? v : best[q][branch][i];
-#define KEEP_ALL(branch, s)                                                                                       \
-    {                                                                                                             \
-        reactions_t r = reactions(d, t, l, o, f, c.r_sigma[i], s);                                                \
-        double omega4 = at(s, f.omega4), alpha4 = at(s, f.alpha4);                                                \
-        KEEP(0, branch, omega4, >) KEEP(1, branch, omega4, <) KEEP(2, branch, alpha4, >)                          \
-        KEEP(3, branch, alpha4, <) KEEP(4, branch, r.T41, >) KEEP(5, branch, r.F32.x, >)                          \
-    }
+#define KEEP_ALL(branch, s, r)                                                                                    \
+    KEEP(0, branch, at(s, f.omega4), >) KEEP(1, branch, at(s, f.omega4), <) KEEP(2, branch, at(s, f.alpha4), >)   \
+    KEEP(3, branch, at(s, f.alpha4), <) KEEP(4, branch, r.T41, >) KEEP(5, branch, r.F32.x, >)
     for (long first = 0; first < n; first += LANES) {
-        prepare(&b, x, n, first, 1);
+        prepare(&b, x, n, first);
         for (int q = 0; q < 6; q++)
             for (int i = 0; i < LANES; i++)
                 best[q][0][i] = best[q][1][i] = start[q];
@@ -255,16 +244,17 @@ void c_extremes(long n, long K, const double *restrict x, const double *restrict
 #pragma GCC ivdep
             for (int i = 0; i < LANES; i++) {
                 closure l = close_loop(design_at(&b, i), t);
-                c.p[i] = l.p, c.q[i] = l.q, c.sigma[i] = l.sigma, c.r_gamma[i] = l.r_gamma, c.r_sigma[i] = 1 / l.sigma;
+                c.p[i] = l.p, c.q[i] = l.q, c.sigma[i] = l.sigma, c.r_gamma[i] = l.r_gamma, c.r_sigma[i] = l.r_sigma;
             }
 #pragma GCC ivdep
             for (int i = 0; i < LANES; i++) {
                 design d = design_at(&b, i);
-                closure l = with_shares(d, c.p[i], c.q[i], c.sigma[i], c.r_gamma[i]);
+                closure l = with_shares(d, c.p[i], c.q[i], c.sigma[i], c.r_gamma[i], c.r_sigma[i]);
                 positions_t o = positions(d, t, l);
-                rates_t f = rates(d, t, l, c.r_sigma[i]);
-                KEEP_ALL(0, -1)
-                KEEP_ALL(1, 1)
+                rates_t f = rates(d, t, l);
+                reactions_t r1 = reactions(d, t, l, o, f, -1), r2 = reactions(d, t, l, o, f, 1);
+                KEEP_ALL(0, -1, r1)
+                KEEP_ALL(1, 1, r2)
             }
         }
         for (int q = 0; q < 6; q++)

@@ -83,8 +83,7 @@ def families(n, seed=0):
     def sum_of_four(of, rest):
         """Lengths of which number `of` nearly is the sum of the others, with the given signs."""
         found = x.copy()
-        others = [x[k] * sign for k, sign in zip([k for k in range(4) if k != of], rest, strict=True)]
-        found[of] = np.abs(sum(others)) * (1 + near)
+        found[of] = np.abs(np.array(rest) @ np.delete(x, of, axis=0)) * (1 + near)
         return found
 
     anywhere = rng.uniform(-4, 4, n)
@@ -139,10 +138,9 @@ def errors(n=100):
 def times_of(x, theta, rounds):
     """Return ns for each configuration of designs, four times over, by inputs: ours, eq. (3) in NumPy, compiled."""
     x, theta = np.tile(x, 4), np.unique(theta)
-    kernel, ours = bind_psi(x, theta)
+    kernel, arrays = bind_psi(x, theta)
     with np.errstate(over="ignore"):
         cosh, sinh = np.cosh(theta), np.sinh(theta)
-    arrays = tuple(np.empty_like(array) for array in ours)
     calls = {
         "ours": kernel,
         "NumPy": partial(eq3, x, theta),

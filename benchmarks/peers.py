@@ -23,6 +23,7 @@ from benchmarks.cases import (
     TABLES,
     aligned_copy,
     angle_tables,
+    angles,
     child,
     designs,
     outputs,
@@ -71,15 +72,18 @@ def library():
 def bind_c(case, x, tables):
     """Python takes next to nothing of a call, so that the clock sees the kernel."""
     n, K = x.shape[1], tables.shape[1]
-    whole = aligned((len(CASES[case]), *outputs(case, n, K)[0].shape))
-    kernel, arrays = getattr(library(), f"c_{case}"), (x, tables, whole)
+    kernel, arrays = getattr(library(), f"c_{case}"), (x, tables, outputs(case, n, K))
     kernel.restype = None
     arguments = [ctypes.c_long(n), ctypes.c_long(K), *(a.ctypes.data_as(ADDRESS) for a in arrays)]
     # the arrays live as long as the call
-    return lambda arrays=arrays: kernel(*arguments), tuple(whole)
+    return lambda arrays=arrays: kernel(*arguments), arrays[-1]
 
 
 # ---- the closed forms: a quantity is even + s odd, with s = -1 for branch 1, +1 for 2 ----
+
+
+def by_name(x):
+    return dict(zip(INPUTS, x[:, :, None], strict=True))  # columns (design, 1)
 
 
 def constants(i, exact=True):
@@ -108,11 +112,6 @@ def constants(i, exact=True):
     o |= {"f3_u": i["m3"] * i["G3_u"] / c, "f3_v": i["m3"] * i["G3_v"] / c}
     o["J3"] = i["I3"] + i["m3"] * (i["G3_u"] * i["G3_u"] + i["G3_v"] * i["G3_v"])
     return o
-
-
-def columns(x):
-    """Return the inputs by name, as columns (design, 1)."""
-    return {name: row[:, None] for name, row in zip(INPUTS, x, strict=False)}
 
 
 def both(even, odd):
@@ -206,7 +205,7 @@ def bind_numpy(case, x, tables):
     greatest = functools.partial(np.fmax.reduce, axis=-1)
 
     def call():
-        o = constants(columns(x))
+        o = constants(by_name(x))
         with np.errstate(invalid="ignore", divide="ignore"):
             for first in range(0, x.shape[1], size):
                 part = slice(first, first + size)
@@ -218,13 +217,12 @@ def bind_numpy(case, x, tables):
     return call, arrays
 
 
-def system(x, theta1):
+def system(x, K):
     """Return the matrices (design, branch, angle, 9, 9) and right sides of eq. (9) of Hayes, Hninn, Irani.
 
     Unknowns: ``CASES["reactions"]`` in order.
     """
-    inputs = {name: row[:, None, None] for name, row in zip(INPUTS, x, strict=True)}
-    found = fl.planar.force_equations(branch=np.array([[1], [2]]), theta1=theta1, **inputs)
+    found = fl.planar.force_equations(branch=np.array([[1], [2]]), theta1=angles(K), **by_name(x[:, :, None]))
     matrix, right = found.A.values.copy(), found.b.values.copy()
     open_loop = np.isnan(right).any(axis=-1)  # LU of NaN raises: keep NaN to the right side
     matrix[open_loop], right[open_loop] = np.eye(9), np.nan
@@ -287,8 +285,6 @@ def heyoka_compile_time(case):
 
 # ---- JAX on the CPU, in double precision ----
 
-WIDE = "--xla_cpu_prefer_vector_width=512"
-
 
 def jax_kernel(case):
     """Return the jitted function of (x, tables); branches stacked inside take 2 to 5 times as long."""
@@ -302,7 +298,7 @@ def jax_kernel(case):
         found = jnp.max(jnp.where(curve == curve, curve, -jnp.inf), axis=1)
         return jnp.where(found > -jnp.inf, found, jnp.nan)
 
-    return jax.jit(lambda x, tables: evaluate(case, constants(columns(x)), tables, jnp.sqrt, greatest))
+    return jax.jit(lambda x, tables: evaluate(case, constants(by_name(x)), tables, jnp.sqrt, greatest))
 
 
 def jax_measure(case, n, K):
@@ -318,5 +314,5 @@ def jax_measure(case, n, K):
 
 def jax_time(case, wide, n=512, K=360):
     """Return `jax_measure` of a fresh process, with vectors of 512 bits or XLA's usual ones: fixed when JAX starts."""
-    flags = f"{os.environ.get('XLA_FLAGS', '')} {WIDE if wide else ''}".strip()
+    flags = f"{os.environ.get('XLA_FLAGS', '')} {'--xla_cpu_prefer_vector_width=512' if wide else ''}".strip()
     return child(f"jax_measure({case!r}, {n}, {K})", "peers", XLA_FLAGS=flags)

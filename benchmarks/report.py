@@ -61,8 +61,7 @@ def machine():
     """Return what the numbers depend on."""
     compiler = peers.compiler()
     if compiler is not None:
-        done = subprocess.run([compiler, "-dumpfullversion"], capture_output=True, text=True, check=False)
-        compiler = done.stdout.strip() or None
+        compiler = subprocess.check_output([compiler, "-dumpfullversion"], text=True).strip()
     return {
         "processor": _processor(),
         "cores": default_threads(),
@@ -123,8 +122,6 @@ def write(rows, answered, facts, about):
 WORSE = 1.1
 #: How often a group is measured that holds something worse.
 ROUNDS = 4
-
-
 #: By column of a case or an answer: the ratio that it is.
 RATIOS = {
     "to_C": "time / C",
@@ -134,22 +131,15 @@ RATIOS = {
 }
 
 
-def ratios(rows):
-    """Return by name the ratios of times that cases, answers and facts have, where less is better."""
-    found = {}
-    for row in rows:
-        if "fact" in row:
-            if not row["unit"] and " / " in row["fact"]:
-                found[row["fact"]] = row["value"]
-            continue
-        label = row.get("case") or row["request"]
-        found |= {f"{label}, {name}": row[key] for key, name in RATIOS.items() if row.get(key) is not None}
-    return found
-
-
-def recorded(record):
-    """Return the ratios of a record by name."""
-    return ratios([*record["cases"], *record["answers"], *record["facts"]])
+def ratios(*tables):
+    """Return by name the ratios of times in rows of cases, answers and facts, where less is better."""
+    rows = [row for table in tables for row in table]
+    return {row["fact"]: row["value"] for row in rows if row.get("unit") == ""} | {
+        f"{row.get('case', row.get('request'))}, {name}": row[column]
+        for row in rows
+        for column, name in RATIOS.items()
+        if row.get(column) is not None
+    }
 
 
 def groups():
@@ -166,12 +156,12 @@ def worse(now, then):
     return [name for name, value in now.items() if name in then and value > WORSE * then[name]]
 
 
-def check(then, measured):
-    """Print what got worse than the ratios ``then``; return the exit status, 1 if anything did.
+def check(record, measured):
+    """Print what got worse than recorded; return the exit status, 1 if anything did.
 
     ``measured`` has functions that measure some ratios together, by the name of the group.
     """
-    found = []
+    then, found = ratios(record["cases"], record["answers"], record["facts"]), []
     for group, measure in measured.items():
         log(group)
         now = measure()

@@ -5,19 +5,7 @@ Times are of the bare kernel, one thread, but for what names `fastlink.sweep`.
 
 import fastlink as fl
 from benchmarks import numba_baseline, peers
-from benchmarks.cases import (
-    CASES,
-    angle_tables,
-    angles,
-    bind,
-    bind_case,
-    designs,
-    fact,
-    log,
-    race,
-    space_of,
-    threads,
-)
+from benchmarks.cases import CASES, angle_tables, bind, bind_case, designs, fact, log, race, space_of, threads
 
 #: No multiple of 32: curves of 360 angles, one behind the other, would all begin at one place of their pages, for which
 #: the first cache has fewer lines than there are curves. Those of sweeps do not lie so.
@@ -76,7 +64,7 @@ def dense_rows(n=DESIGNS // 4, K=K, rounds=12, count=64):
     """Return the rows of the nine reactions against the stacked 9x9, eliminated and by our own LU."""
     x, ways = designs(n), {"eliminated": "reactions", "dense": 'solver="dense"'}
     calls = {way: bind_case("reactions", x, K, solver=way)[0] for way in ways}
-    assembled = peers.system(x, angles(K))
+    assembled = peers.system(x, K)
     best = race({"solve": lambda: peers.solve(*assembled)} | calls, rounds)
     return [
         {
@@ -140,12 +128,3 @@ def of_extremes(n=2048, rounds=10, labels=tuple(REFINED)):
             ratio = best[1, 2] / best["sampled"]
             facts.append(fact(f"{what.removeprefix('refined ')}, refined / of {K} samples", ratio))
     return facts
-
-
-def facts(quick=False):
-    """Return all facts; quick: small sizes."""
-    found = []
-    for part, size in {end_to_end: (128, 1), of_extremes: (64, 1, ("omega4",))}.items():
-        log(part.__name__)
-        found += part(*size) if quick else part()
-    return found
