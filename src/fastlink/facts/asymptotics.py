@@ -64,7 +64,7 @@ class Asymptotics(Valueless):
     @classmethod
     def either(cls, if_true: Any, if_false: Any) -> Asymptotics:
         """Return what is known of both values of `fastlink.numerics.elementary.select`."""
-        first = cls.of(if_true)
+        first: Asymptotics = cls.of(if_true)
         if isinstance(if_false, float) and if_false != if_false:  # what is no number has no parity
             return first
         return first.with_other(if_false, jumps=True)

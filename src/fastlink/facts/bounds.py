@@ -290,8 +290,9 @@ BOUNDED_ALONE = (*TABLED, binary_exponent, power_of_two_below)
 class Rules:
     """The bounds of values, by one rule for each operation."""
 
-    def __init__(self, named: Callable[[str], Bound]) -> None:
-        self.named = named
+    named: Callable[[str], Bound]
+
+    def __init__(self) -> None:
         self.graph = ExpressionGraph({*WORDS, *BOUNDED_ALONE, absolute, arsinh, ldexp, sign, *LAWS})
         self.exact = Bound(0.0, self.graph.zero)
         self._bounds: dict[Node, Bound] = {}
@@ -549,13 +550,12 @@ def bounded_parts(node: Node) -> tuple[Node, ...]:
 FRACTION = 4.0
 
 
-class ErrorBounds:
+class ErrorBounds(Rules):
     """The error bounds of a mechanism's facts; given values have none."""
 
     def __init__(self, of: Selection) -> None:
+        super().__init__()
         self.of, self.catalogue, self.find = of, of.catalogue, of.find
-        self.rules = Rules(self.named)
-        self.graph, self.exact = self.rules.graph, self.rules.exact
         self._named: dict[str, Bound] = {}
         self._values: dict[str, Node] = {}
         self._facts: dict[str, Fact] = {}
@@ -589,13 +589,13 @@ class ErrorBounds:
     def _expression(self, name: str) -> tuple[Node, dict[Node, str]]:
         """Return the expression of a bound, and the fact's value as a name."""
         value = self._value(name)
-        bound = self.rules.bound(value)
-        if not self._pair(name, bound):
-            bound = self.rules.settled(value, bound)
+        bound = self.bound(value)
+        if not self._lost_of(name, bound):
+            bound = self.settled(value, bound)
         if bound.gap or (bound.rest is not self.graph.zero and self.catalogue.is_quantity(name)):
-            error = self._or_infinite(value, self.rules.error(value, bound))
+            error = self._or_infinite(value, self.error(value, bound))
         else:  # at least a trace of the value: where it is not finite, so is its error
-            error = self.rules.error(value, replace(bound, relative=max(bound.relative, UNIT_ROUNDING)))
+            error = self.error(value, replace(bound, relative=max(bound.relative, UNIT_ROUNDING)))
         angle = self.of.angle_of(name) if self.catalogue.is_quantity(name) else None
         if angle is not None:
             error = self.graph.read(of_small_angle, [self.graph.name(angle), error])
@@ -645,9 +645,9 @@ class ErrorBounds:
                     self.exact, scale=True, one={*map(abs, values)} == {1.0}, positive=min(values) > 0.0
                 )
         value = self._value(name)
-        bound = self.rules.bound(value)
-        lost = self._pair(name, bound)
-        bound = replace(bound if lost else self.rules.settled(value, bound), lost=lost)
+        bound = self.bound(value)
+        lost = self._lost_of(name, bound)
+        bound = replace(bound if lost else self.settled(value, bound), lost=lost)
         if bound.rest is graph.zero:
             return bound
         return replace(bound, relative=0.0, rest=graph.name(error_name(name)))
@@ -656,7 +656,7 @@ class ErrorBounds:
         """Return the bound of a table: exact, or rounded once, perhaps with a low part."""
         table, graph = self.catalogue.tables[name], self.graph
         given = [graph.node("given", value=part) for part in table.depends_on]
-        bound = self.rules.bound(graph.read(table.formula, given))
+        bound = self.bound(graph.read(table.formula, given))
         if bound.relative == 0.0:
             return bound
         low = next((low for low, high in self.catalogue.table_low_parts.items() if high == name), None)
@@ -665,13 +665,13 @@ class ErrorBounds:
         lost = {graph.name(low): (-1.0, graph.name(name))}
         return replace(self.exact, relative=UNIT_ROUNDING, lost=lost, positive=bound.positive)
 
-    def _pair(self, name: str, bound: Bound) -> Lost:
+    def _lost_of(self, name: str, bound: Bound) -> Lost:
         """Return what a fact with a low part loses, if both words lose the same."""
         fact, graph = self.bounded_fact(name), self.graph
         if fact.low is None or len(bound.lost) != 1:
             return {}
         low = self._value(fact.low)
-        of_both = [word for word in fact.names if low in self.rules.bound(self._value(word)).lost]
+        of_both = [word for word in fact.names if low in self.bound(self._value(word)).lost]
         if name not in of_both or fact.name not in of_both:
             return {}
         return {graph.name(fact.low): (1.0 if name == fact.low else -1.0, graph.name(fact.name))}

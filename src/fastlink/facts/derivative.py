@@ -12,7 +12,6 @@ from fastlink.errors import InputError, Setting
 from fastlink.facts.expression import (
     ExpressionGraph,
     Node,
-    beneath,
     generate_formula,
     is_power_of_two,
     postorder,
@@ -61,54 +60,6 @@ __all__ = [
 
 #: Functions that have no value for some numbers.
 PARTIAL = (sqrt, log, log1p, log_quotient)
-
-
-class Existence:
-    """On what it depends whether values are numbers."""
-
-    def __init__(
-        self, graph: ExpressionGraph, read: Callable[[str], Node | None], guards: Callable[[str], bool]
-    ) -> None:
-        self._graph, self._read, self._guards = graph, read, guards
-        self._of_names: dict[str, frozenset[Node]] = {}
-        self._within: dict[Node, tuple[list[str], frozenset[Node]]] = {}
-
-    def guarded(self, name: str, root: Node, value: Node) -> Node:
-        """Return a derivative that is none where the name is no finite number.
-
-        Its own text may not depend on that: a force is none where the linkage does not assemble, and its derivative by
-        a mass is an acceleration that may exist.
-        """
-        if not self._guards(name) or not self.causes(value) - self.causes(root):
-            return root
-        graph = self._graph
-        exists = graph.node("<", graph.call(abs, graph.name(name)), graph.number(INFINITY))
-        return graph.select(exists, root, graph.number(NOT_A_NUMBER))
-
-    def causes(self, root: Node) -> frozenset[Node]:
-        """Return the operations beneath a value, those of the names in it too, by which it may be no number."""
-        texts: dict[str, Node | None] = {}
-
-        def parts(name: str) -> list[str]:
-            expression = texts[name] = self._read(name)
-            return [] if expression is None else self._walked(expression)[0]
-
-        for name in postorder(self._walked(root)[0], parts, self._of_names):
-            expression = texts[name]
-            self._of_names[name] = frozenset() if expression is None else self._beneath(expression)
-        return self._beneath(root)
-
-    def _beneath(self, root: Node) -> frozenset[Node]:
-        names, own = self._walked(root)
-        return own.union(*(self._of_names[name] for name in names))
-
-    def _walked(self, root: Node) -> tuple[list[str], frozenset[Node]]:
-        """Return the names in an expression, and its own operations by which it may be no number."""
-        if root not in self._within:
-            seen = beneath([root])
-            causes = frozenset(cause for node in seen if (cause := _cause(node)) is not None)
-            self._within[root] = [node.value for node in seen if node.kind == "name"], causes
-        return self._within[root]
 
 
 def _cause(node: Node) -> Node | None:
@@ -189,7 +140,7 @@ def labelled(fact: Fact, tree: Made, variables: Mapping[str, Input]) -> Fact:
 
 #: Derivatives of calls in terms of their arguments x, the derivatives d_x of these, and the `value`, of a pair its
 #: high part, whose derivative that of (high, low) is. The text of functions without a rule is read.
-DERIVATIVES = {
+DERIVATIVES: dict[Callable[..., Any], str] = {
     compensated.two_sum: "d_a + d_b",
     compensated.sum_of_four: "d_a + d_b + d_c + d_d",
     compensated.two_product: "d_a * b + a * d_b",
@@ -238,7 +189,8 @@ class Derivation:
         self._slopes: dict[str, Node] = {}
         self._facts: dict[str, Fact] = {}
         self._originals: dict[str, str] = {}
-        self._existence = Existence(self.graph, self._expression, guards)
+        self._guards = guards
+        self._causes: dict[Node, frozenset[Node]] = {}
 
     def fact(self, name: str) -> Fact:
         """Return the derivative of a fact."""
@@ -255,14 +207,40 @@ class Derivation:
         if declared is None:
             assert isinstance(step, Fact)
             root, value = self._values[name]
-            return self._written(step, self._existence.guarded(name, root, value), value)
+            return self._written(step, self._guarded(name, root, value), value)
         labels, root = replace(declared, name=derivative), self.graph.read_fact(declared, declared.name)
         value = self.graph.read_fact(step, name) if isinstance(step, Fact) else root
-        guarded = self._existence.guarded(name, root, value)
+        guarded = self._guarded(name, root, value)
         if guarded is root:
             return labels
         formula = generate_formula(derivative, self.graph, guarded, {})
         return replace(labels, formula=formula, depends_on=formula.parameters, flags={})
+
+    def _guarded(self, name: str, root: Node, value: Node) -> Node:
+        """Return a derivative that is none where the name is no finite number.
+
+        Its own text may not depend on that: a force is none where the linkage does not assemble, and its derivative by
+        a mass is an acceleration that may exist.
+        """
+        if not self._guards(name) or not self._causes_of(value) - self._causes_of(root):
+            return root
+        graph = self.graph
+        exists = graph.node("<", graph.call(abs, graph.name(name)), graph.number(INFINITY))
+        return graph.select(exists, root, graph.number(NOT_A_NUMBER))
+
+    def _causes_of(self, root: Node) -> frozenset[Node]:
+        """Return the operations beneath a value, those of the names in it too, by which it may be no number."""
+        made_of: dict[Node, tuple[Node, ...]] = {}
+
+        def parts(node: Node) -> tuple[Node, ...]:
+            expression = self._expression(node.value) if node.kind == "name" else None
+            made_of[node] = node.args if expression is None else (expression,)
+            return made_of[node]
+
+        for node in postorder([root], parts, self._causes):
+            found = (self._causes[part] for part in made_of[node])
+            self._causes[node] = frozenset(filter(None, [_cause(node)])).union(*found)
+        return self._causes[root]
 
     def slope(self, name: str) -> Node:
         """Return the derivative of a name as a number, a name, or minus a name."""
@@ -406,6 +384,9 @@ WORDS = {
     "rss": "Root sum of squares of the changes by the tolerances of the inputs of: ",
 }
 TOLERANCED = "tolerances.md#tolerances-as-inputs"
+#: Tolerances as they are given, and as shares of the value.
+AS_GIVEN = Formula("tolerance", ("tolerance",), ["return tolerance"])
+OF_SHARE = Formula("tolerance", ("value", "share"), ["return abs(value) * share"])
 
 
 @dataclass(frozen=True)
@@ -451,25 +432,9 @@ def tolerance_fact(name: str, given: Iterable[str]) -> Fact | None:
     if of == name:
         return None
     own, share = tolerance_name(of), tolerance_name(of, relative=True)
-    labels: dict[str, Any] = {
-        "units": "1",
-        "symbol": f"T_{of}",
-        "meaning": f"Tolerance of {of}",
-        "source": f"docs/{TOLERANCED}",
-    }
-    if share in given:
-        return Fact(name, Formula.of(of_relative), (of, share), internal=True, **labels)
-    return Fact(name, Formula.of(of_absolute), (own,), internal=True, **labels)
-
-
-def of_absolute(tolerance: Any) -> Any:
-    """Tolerance as it is given."""
-    return tolerance
-
-
-def of_relative(value: Any, share: Any) -> Any:
-    """Tolerance as a share of the value."""
-    return abs(value) * share
+    formula, read = (OF_SHARE, (of, share)) if share in given else (AS_GIVEN, (own,))
+    labels = "1", f"T_{of}", f"Tolerance of {of}", f"docs/{TOLERANCED}"
+    return Fact(name, formula, read, *labels, internal=True)
 
 
 def worded(how: str, meaning: str) -> str:

@@ -230,7 +230,7 @@ class ExpressionGraph:
                     return known[name]
                 case ast.Name(id=name) if isinstance(number := formula.names.get(name), int | float):
                     return self.number(number)
-                case ast.Constant(value=number) if type(number) in (int, float):
+                case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
                     return self.number(number)
                 case ast.UnaryOp(op=ast.USub()):
                     return self.neg(value(node.operand))
@@ -425,7 +425,7 @@ class Valueless:
     def __lt__(self, other: Any) -> Any:
         return self.compared(other)
 
-    __le__ = __gt__ = __ge__ = __eq__ = __ne__ = __lt__  # type: ignore[assignment]
+    __le__ = __gt__ = __ge__ = __eq__ = __ne__ = __lt__
     __hash__ = None  # type: ignore[assignment]
 
 

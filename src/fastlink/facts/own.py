@@ -8,6 +8,7 @@ import dis
 import inspect
 import math
 import re
+import sys
 import textwrap
 import traceback
 from collections.abc import Callable, Generator, Iterable, Mapping
@@ -279,12 +280,12 @@ class _Reader:
         found = set()
         names = (node.id for one in self.tree.body for node in ast.walk(one) if isinstance(node, ast.Name))
         for name in {*names} - self.values.keys():
-            meant, before = self.names.get(name), ""
+            before, meant = "", self.names.get(name)
             if isinstance(meant, ModuleType):
                 of = meant.__name__
             elif (constant := constant_of(meant)) is not None:
                 of, before = next(key for key, one in CONSTANTS.items() if one == constant), "from math "
-            elif getattr(meant, "__module__", None) == "math":
+            elif callable(meant) and getattr(meant, "__module__", None) == "math":
                 of, before = meant.__name__, "from math "
             else:
                 continue
@@ -307,9 +308,9 @@ class _Reader:
         if args.vararg or args.kwarg:
             self.note("takes any number of arguments", "name each quantity and input that it depends on")
         named = [*args.posonlyargs, *args.args]
-        pairs = [*zip(named[len(named) - len(args.defaults) :], args.defaults, strict=True)]
-        pairs += [pair for pair in zip(args.kwonlyargs, args.kw_defaults, strict=True) if pair[1]]
-        for parameter, value in pairs:
+        defaults = (*zip(named[len(named) - len(args.defaults) :], args.defaults, strict=True),)
+        by_name = zip(args.kwonlyargs, args.kw_defaults, strict=True)
+        for parameter, value in (*defaults, *((one, value) for one, value in by_name if value)):
             remedy = f'declare it: input("{parameter.arg}", units=..., default={quoted(value)[1:-1]})'
             self.note(f"the parameter {parameter.arg} has a default value", remedy)
         names = tuple(one.arg for one in (*named, *args.kwonlyargs))
@@ -324,11 +325,9 @@ class _Reader:
         match node:
             case ast.Name():
                 return node.id in self.values and self.values[node.id].is_condition
-            case ast.BinOp():
-                return isinstance(node.op, (ast.BitAnd, ast.BitOr))
-            case ast.UnaryOp():
-                return isinstance(node.op, (ast.Not, ast.Invert))
-        return isinstance(node, (ast.Compare, ast.BoolOp))
+            case ast.Compare() | ast.BoolOp() | ast.BinOp(op=ast.BitAnd() | ast.BitOr()):
+                return True
+        return isinstance(getattr(node, "op", None), (ast.Not, ast.Invert))
 
     def number(self, node: ast.expr) -> Reading:
         """Read a number."""
@@ -378,13 +377,9 @@ class _Reader:
     def _constant(self, node: ast.Constant) -> Node:
         if isinstance(node.value, bool) or not isinstance(node.value, (int, float)):
             raise self.refuse(node, "is not a real number", "write numbers")
-        try:
-            value = float(node.value)
-        except OverflowError:
-            value = math.inf
-        if not math.isfinite(value):
+        if abs(node.value) > sys.float_info.max:
             raise self.refuse(node, "is not finite", "write finite numbers")
-        return self.graph.number(value)
+        return self.graph.number(float(node.value))
 
     def _name(self, node: ast.Name) -> Node:
         if node.id in self.values:
@@ -411,14 +406,15 @@ class _Reader:
 
     def _halves(self, node: ast.BinOp) -> int:
         """Return twice the exponent of a power."""
-        exponent = node.right
-        negative = isinstance(exponent, ast.UnaryOp) and isinstance(exponent.op, ast.USub)
-        number = getattr(exponent.operand if isinstance(exponent, ast.UnaryOp) else exponent, "value", None)
-        halves = 2 * number if isinstance(number, (int, float)) and not isinstance(number, bool) else 0.5
-        if halves != int(halves) or not 0 < halves <= 2 * MOST_POWER:
+        try:
+            exponent = ast.literal_eval(node.right)
+        except ValueError:
+            exponent = None
+        halves = 2 * exponent if type(exponent) in (int, float) else 0
+        if not 0 < abs(halves) <= 2 * MOST_POWER or halves % 1:
             remedy = f"write a whole or half number up to {MOST_POWER}, such as x**2, x**-1 or x**0.5"
             raise self.refuse(node, "is a power that facts do not have", remedy)
-        return -int(halves) if negative else int(halves)
+        return int(halves)
 
     def _power(self, base: Node, halves: int) -> Node:
         """Return a power as products of squares."""
@@ -592,23 +588,19 @@ MOST_PIECES = 8
 MOST_KINKS = 64
 
 
-class TooManyKinks(Exception):
-    """A text has more kinks and magnitudes than are searched."""
-
-
 def split(
     graph: GraphAsWritten, root: Node, kinked: Mapping[str, tuple[str, ...]]
-) -> tuple[list[Node], list[Node]]:
+) -> tuple[list[Node], list[Node]] | None:
     """Return what vanishes at the kinks of a value, and the smooth values between which it chooses.
 
     Of these there is none where they are too many. With them are magnitudes within, sharp where they almost vanish.
-    `kinked` are names that choose between others.
+    `kinked` are names that choose between others. None of more kinks and magnitudes than are searched.
     """
     nodes = beneath([root])
     kinks = {node: kink for node in nodes if (kink := _kink(graph, node)) is not None}
     norms = [node for node in nodes if node.value is magnitude]
     if len(kinks) + len(norms) > MOST_KINKS:
-        raise TooManyKinks
+        return None
     inner = [node for node in nodes if node.kind == "name" and node.value in kinked]
     sides = [sides for _, *sides in kinks.values()]
     sides += [[graph.name(name) for name in kinked[node.value]] for node in inner]
@@ -625,9 +617,12 @@ def _kink(graph: GraphAsWritten, node: Node) -> tuple[Node, Node, Node] | None:
         return None
     x = node.args[0]
     if node.value is choice and x.kind in ("<", ">") and x.args == node.args[1:]:
-        return graph.node("-", *x.args), *x.args
-    x = x if node.value is absolute else x.args[0] if x.kind == "*" and x.args[0] is x.args[1] else None
-    return (x, x, graph.neg(x)) if x is not None and node.value in (absolute, sqrt) else None
+        return graph.node("-", *x.args), x.args[0], x.args[1]
+    if node.value is sqrt and x.kind == "*" and x.args[0] is x.args[1]:
+        x = x.args[0]
+    elif node.value is not absolute:
+        return None
+    return x, x, graph.neg(x)
 
 
 def _piece(graph: GraphAsWritten, root: Node, chosen: Mapping[Node, Node]) -> Node:
@@ -871,12 +866,9 @@ def _declare_kinks(catalogue: Catalogue, one: OwnQuantity, labels: dict[str, Any
     assert graded is not None
     known = {name: pieces for name, (_, pieces) in graded.kinks.items()}
     root = graph.read(one.formula, [*map(graph.name, one.parameters)])
-    try:
-        switches, smooth = split(graph, root, known)
-    except TooManyKinks:
-        return False
+    found = split(graph, root, known)
     inner = [switch for name in one.parameters for switch in graded.kinks.get(name, ((), ()))[0]]
-    if len(inner) + len(switches) + len(smooth) > MOST_KINKS:
+    if found is None or len(inner) + len(found[0]) + len(found[1]) > MOST_KINKS:
         return False
 
     def declared(noun: str, k: int, node: Node) -> str:
@@ -887,8 +879,8 @@ def _declare_kinks(catalogue: Catalogue, one: OwnQuantity, labels: dict[str, Any
         catalogue.declare(Fact(formula.name, formula, formula.parameters, **labels, internal=True))
         return formula.name
 
-    kinks = *inner, *(declared("kink", k, node) for k, node in enumerate(switches))
-    pieces = tuple(declared("piece", k, node) for k, node in enumerate(smooth))
+    kinks = *inner, *(declared("kink", k, node) for k, node in enumerate(found[0]))
+    pieces = tuple(declared("piece", k, node) for k, node in enumerate(found[1]))
     if kinks or pieces or any(name in known for name in one.parameters):
         catalogue.graded = replace(graded, kinks={**graded.kinks, one.name: (kinks, pieces)})
     return True

@@ -65,6 +65,14 @@ def powers(F21):
     return F21**0.3
 
 
+def inverted_power(F21):
+    return F21**~2
+
+
+def infinite_power(F21):
+    return F21**1e400
+
+
 def negates(F21, F41):
     return F21 if not F21 > F41 else F41
 
@@ -129,6 +137,8 @@ REFUSED = [
     (has_default, "factor", 'input("factor", units=..., default=2.0)'),
     (any_number, "any number of arguments", "name each"),
     (powers, "`F21 ** 0.3`", "x**0.5"),
+    (inverted_power, "is a power", "x**0.5"),
+    (infinite_power, "is a power", "x**0.5"),
     (negates, "negates", "turn"),
     (of_the_cycle, "F21_max", "take F21"),
     (of_a_bound, "F21_error", "take F21"),
