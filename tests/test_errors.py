@@ -164,3 +164,8 @@ def test_any_value_has_a_short_text_that_is_the_same_each_time(value):
     assert "\n" not in text
     assert "0x" not in text
     assert text == short_repr(value)
+
+
+def test_an_attempt_takes_arguments_of_any_name():
+    """Such as a key `self` of a study."""
+    assert Problems().attempt(dict, self=1) == {"self": 1}

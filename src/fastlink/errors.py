@@ -192,7 +192,7 @@ class Problems:
         """Add a problem."""
         self.noted.append(Problem(what, where, remedy))
 
-    def attempt(self, function: Callable[P, R], *args: P.args, **options: P.kwargs) -> R:
+    def attempt(self, function: Callable[P, R], /, *args: P.args, **options: P.kwargs) -> R:
         """Return what a function returns; note what it refuses, and go on with None, which `stop` lets nobody use."""
         try:
             return function(*args, **options)
