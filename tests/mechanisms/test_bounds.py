@@ -69,6 +69,8 @@ def drawn(mechanism, drive, n, seed=7):
     """Return configurations at degenerate sets and beside them, with their assembly modes."""
     rng = np.random.default_rng(seed)
     inputs = DRAWN[mechanism, drive](rng, n)
+    if mechanism == "planar_4r" and drive == "theta1":
+        inputs |= {name: np.zeros(n) for name in ("M_x", "M_y")}  # where shaking_moment_at has its point, by default
     return inputs | {"branch": inputs.get("branch", rng.integers(1, 3, n).astype(float))}
 
 
@@ -77,7 +79,7 @@ def evaluated(mechanism, drive, names, inputs):
     n = inputs["branch"].size
     asked = {ending: [f"{name}{ending}" for name in names] for ending in ("", "_error", "_trust")}
     every = [name for each in asked.values() for name in each]
-    values = fl.evaluate(mechanism, every, input=drive, **inputs)
+    values = fl.evaluate(mechanism, every, input=drive, allow_invalid=True, **inputs)  # NaN beyond the range
     return [np.array([np.broadcast_to(values[one], n) for one in each]) for each in asked.values()]
 
 
