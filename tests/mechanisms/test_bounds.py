@@ -70,7 +70,9 @@ def drawn(mechanism, drive, n, seed=7):
     rng = np.random.default_rng(seed)
     inputs = DRAWN[mechanism, drive](rng, n)
     if mechanism == "planar_4r" and drive == "theta1":
-        inputs |= {name: np.zeros(n) for name in ("M_x", "M_y")}  # where shaking_moment_at has its point, by default
+        inputs |= {
+            name: np.zeros(n) for name in ("M_x", "M_y")
+        }  # where shaking_moment_at has its point, by default
     return inputs | {"branch": inputs.get("branch", rng.integers(1, 3, n).astype(float))}
 
 
