@@ -144,7 +144,7 @@ def _spans(ends: Mapping[str, tuple[float, float]], tabled: Mapping[str, Any]) -
 
 def within(spans: Iterable[Span], wanted: Iterable[Condition]) -> list[Span]:
     """Return inputs with the ends that conditions leave them."""
-    ends = {one.array.name: (one.low, one.high) for one in wanted if one.array.dtype.kind == "f"}
+    ends = {one.name: (one.low, one.high) for one in wanted if one.array.dtype.kind == "f"}
     found = []
     for one in spans:
         low, high = ends.get(one.name, (-math.inf, math.inf))
@@ -1058,7 +1058,7 @@ class Refinement:
         self.pointwise = {str(name) for name, one in maps.variables.items() if self.position in one.dims}
         self.inputs = [*swept_inputs(catalogue, maps), *([self.position] if self.at_position else [])]
         self.spans = within([*spans, *([self._of_position(maps)] if self.at_position else [])], wanted)
-        self.limits = {str(one.array.name): (one.low, one.high) for one in wanted if one.is_limit}
+        self.limits = {one.name: (one.low, one.high) for one in wanted if one.is_limit}
         self.results = self._results(maps, objectives, wanted)
         self.units = units_of(maps)
         self._readers: dict[tuple[Any, ...], Results] = {}

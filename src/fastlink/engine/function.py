@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from inspect import signature
 from typing import TYPE_CHECKING, Any
@@ -19,7 +19,7 @@ from fastlink.errors import InputError, Problem, Problems, door
 from fastlink.facts.catalogue import ELIMINATED, Catalogue
 from fastlink.facts.derivative import NoDependence, is_tolerance
 from fastlink.facts.fact import Input
-from fastlink.facts.names import Derivative, GradientStatus, Quantity, Reduced, derivative_name, signed
+from fastlink.facts.names import Derivative, GradientStatus, Reduced, derivative_name
 from fastlink.facts.powers import beyond_range
 from fastlink.machine import check_memory
 from fastlink.mechanisms import NAMES, inputs_of
@@ -153,14 +153,14 @@ def _none_of(output: Output, moves: bool) -> str:
     how = output.request.reduction
     if how is None or not moves or how.has_position:
         return output.name  # NaN
-    return str(GradientStatus(Reduced(Quantity(signed(output.request.quantity)), how.suffix)))
+    return str(GradientStatus(output.request.of))
 
 
 def derivative_of(request: Request, by: str, position: str) -> str:
     """Return the name of the derivative of a requested quantity or reduction."""
-    of: Any = Quantity(signed(request.quantity))
-    if request.reduction is not None:
-        of = Reduced(of, request.reduction.suffix, position if request.is_position else "")
+    of = request.of
+    if isinstance(of, Reduced) and request.is_position:
+        of = replace(of, position=position)
     return str(Derivative(of, by))
 
 

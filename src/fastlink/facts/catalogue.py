@@ -219,15 +219,13 @@ def replaced_by(variant: str, fact: Fact) -> Fact:
     )
 
 
+#: The magnitude of a value.
+SIZE_OF = Formula("magnitude_of", ("value",), ("return abs(value)",))
+
+
 def size_fact(fact: Fact) -> Fact:
     """Return the magnitude of a fact, under its labels."""
-    formula = Formula.of(magnitude_of)
-    return replace(fact, name=size_name(fact.name), formula=formula, depends_on=(fact.name,), low=None)
-
-
-def magnitude_of(value: Any) -> Any:
-    """Return the magnitude of a value."""
-    return abs(value)
+    return replace(fact, name=size_name(fact.name), formula=SIZE_OF, depends_on=(fact.name,), low=None)
 
 
 # -- A mechanism: its declarations, and answers from them

@@ -35,13 +35,18 @@ class Condition:
     high: float = math.inf
 
     def __str__(self) -> str:
-        name = str(self.array.name)
+        name = self.name
         if self.codes is not None:
             meanings = [meaning for meaning, code in flags_of(self.array).items() if code in self.codes]
             return f"{name} is {' or '.join(meanings)}"
         ends = [("=", self.low)] if self.is_target else [(">=", self.low), ("<=", self.high)]
         limits = [f"{sign} {short_number(end)}" for sign, end in ends if math.isfinite(end)]
         return f"{name} {' and '.join(limits)}" if limits else name
+
+    @property
+    def name(self) -> str:
+        """The name of the variable."""
+        return str(self.array.name)
 
     @property
     def is_limit(self) -> bool:
@@ -538,7 +543,7 @@ def with_missed(found: xr.Dataset, limits: Iterable[Condition]) -> xr.Dataset:
     """Return designs with a text of what each misses of limits; as they are where all meet them."""
     texts: list[list[str]] = [[] for _ in range(found.sizes.get(DESIGN, 0))]
     for one in limits:
-        values = np.broadcast_to(found[one.array.name].values, len(texts))
+        values = np.broadcast_to(found[one.name].values, len(texts))
         for text, value, miss in zip(texts, values, one.miss(values), strict=True):
             if miss > 0.0:
                 text.append(missed_text(one, float(value), str(one.array.attrs.get("units", "1"))))
@@ -550,8 +555,9 @@ def missed_text(one: Any, value: float, units: str) -> str:
     low, high = one.low, one.high
     sign = "=" if low == high else ">=" if value < low else "<="
     end, off = (low, low - value) if value < low else (high, value - high)
-    name = one.array.name if isinstance(one, Condition) else one.name
-    return f"{name} {sign} {short_number(end)} by {short_number(off)}{'' if units == '1' else f' {units}'}"
+    return (
+        f"{one.name} {sign} {short_number(end)} by {short_number(off)}{'' if units == '1' else f' {units}'}"
+    )
 
 
 def labelled_missed(found: xr.Dataset, texts: list[str]) -> xr.Dataset:

@@ -79,7 +79,8 @@ class Reduction:
     reference : callable
         ``reference(samples)`` returns the exact value over at least one sample, and the size of the terms that it is
         the sum of (its absolute value where it is not a sum): errors are counted in roundings of that. Samples are
-        numbers of 50 digits without NaN, in the order of the input positions; it works with floats too.
+        numbers of 50 digits without NaN, in the order of the input positions; it works with floats too. None of a path,
+        which verification leaves out.
     accumulators : mapping of str to (str, str)
         For each accumulator its first value and the kernel text that updates it at each input position; all updates see
         the values from before. `COUNT` may be among them, under the name ``count``.
@@ -109,12 +110,12 @@ class Reduction:
         Whether it is taken of the magnitude of the quantity.
     of_path : bool
         Whether it is of the path of a point NAME with the coordinates NAME_x and NAME_y: `whole` takes both curves, in
-        any order of their positions, and verification leaves it out.
+        any order of their positions.
     """
 
     suffix: str
     phrase: str
-    reference: Callable[[Sequence[Any]], tuple[Any, Any]]
+    reference: Callable[[Sequence[Any]], tuple[Any, Any]] | None
     accumulators: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     finish: str = ""
     sign: int = 0
@@ -141,8 +142,11 @@ class Reduction:
             raise CatalogueError(f"reduction {self.suffix}: give the power of its units, or its units")
         if self.sign not in (-1, 0, 1):
             raise CatalogueError(f"reduction {self.suffix}: the sign is {self.sign!r}; write 1, -1 or 0")
+        if (self.reference is None) != self.of_path:
+            raise CatalogueError(f"reduction {self.suffix}: give a reference, or say that it is of a path")
         self._check_text()
-        self._check_reference()
+        if self.reference is not None:
+            self._check_reference(self.reference)
 
     def _check_text(self) -> None:
         names = set(self.accumulators)
@@ -155,8 +159,8 @@ class Reduction:
             if unknown := read - known:
                 raise CatalogueError(f"reduction {self.suffix}: {text!r} reads {', '.join(sorted(unknown))}")
 
-    def _check_reference(self) -> None:
-        (one, _), (scaled, _) = self.reference(TRIED), self.reference([FACTOR * sample for sample in TRIED])
+    def _check_reference(self, reference: Callable[[Sequence[Any]], tuple[Any, Any]]) -> None:
+        (one, _), (scaled, _) = reference(TRIED), reference([FACTOR * sample for sample in TRIED])
         if self.power is not None and not math.isclose(scaled, FACTOR**self.power * one, rel_tol=TOLERANCE):
             raise CatalogueError(
                 f"reduction {self.suffix}: {FACTOR:g} times the quantity gives {scaled:g}, not {FACTOR:g}^{self.power} "
@@ -322,25 +326,16 @@ register(
 )
 
 
-def _path(suffix: str, phrase: str, reference: Callable[..., Any], keywords: str) -> Reduction:
+def _path(suffix: str, phrase: str, *keywords: str) -> Reduction:
+    whole = f"paths.{suffix}_lanes"
     return Reduction(
-        suffix=suffix,
-        phrase=phrase,
-        reference=reference,
-        whole=f"paths.{suffix}_lanes",
-        keywords=tuple(keywords.split()),
-        of_path=True,
+        suffix=suffix, phrase=phrase, reference=None, whole=whole, keywords=keywords, of_path=True
     )
 
 
-def _size(samples: Sequence[Any]) -> tuple[Any, Any]:
-    """Return a size that grows as the samples, as both reductions of paths do."""
-    return max(map(abs, samples)), max(map(abs, samples))
-
-
-register(_path("straightness", "greatest distance from the best straight line", _size, "straight line"))
+register(_path("straightness", "greatest distance from the best straight line", "straight", "line"))
 register(
-    _path("roundness", "greatest distance from the circle of least squares", _size, "round circle circular")
+    _path("roundness", "greatest distance from the circle of least squares", "round", "circle", "circular")
 )
 
 
@@ -708,10 +703,15 @@ class Request:
         return not (self.is_position or self.is_status) and self.listed in ("", "value", "error")
 
     @property
+    def of(self) -> Quantity | Reduced:
+        """The quantity, or its reduction; a reduction of the magnitude is one of the quantity."""
+        quantity = Quantity(signed(self.quantity))
+        return quantity if self.reduction is None else Reduced(quantity, self.reduction.suffix)
+
+    @property
     def value(self) -> str:
         """The name of the value, of an extreme or a list, of which it is the error bound."""
-        of = Quantity(signed(self.quantity))
-        return str(ListOfExtrema(of) if self.reduction is None else Reduced(of, self.reduction.suffix))
+        return str(ListOfExtrema(self.of) if self.reduction is None else self.of)
 
     @property
     def bounded(self) -> str:
@@ -869,7 +869,6 @@ def with_companions(catalogue: Catalogue, names: Iterable[str]) -> list[str]:
         if request.listed == "value":
             together = list_names(catalogue, request.quantity)
         elif request.change and request.reduction is not None:
-            of = Reduced(Quantity(signed(request.quantity)), request.reduction.suffix)
-            together = (name, str(GradientStatus(of)))
+            together = (name, str(GradientStatus(request.of)))
         result += [other for other in together if other == name or other not in (*requested, *result)]
     return result

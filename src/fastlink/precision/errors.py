@@ -428,6 +428,7 @@ def _reduced(reduction: Reduction, curve: NDArray[Any]) -> tuple[Any, Any]:
     assembles = ~np.isnan(curve)
     if not assembles.any() or (reduction.whole and not assembles.all()):
         return CONTEXT.nan, CONTEXT.zero
+    assert reduction.reference is not None  # verification leaves paths out
     return reduction.reference([CONTEXT.mpf(value) for value in curve[assembles].tolist()])
 
 

@@ -447,7 +447,7 @@ class CsvFile(TableFile):
         with self._opened() as file:
             file.seek(self.places[block])
             columns = list(zip(*islice(filter(_is_row, self._reader(file)), end - begin), strict=True))
-        return {key: _numbers(columns[key])[0] for key in self.numeric}
+        return {key: _numbers(columns[key]) for key in self.numeric}
 
     def columns(self, keep: Collection[str], allow_invalid: bool) -> Columns:
         """Return all columns, or refuse the file."""
@@ -529,20 +529,21 @@ class CsvColumn:
             self.is_text = False
             for block in self.labels:
                 self.walk.add(np.full(len(block), np.nan))
-        stripped = list(map(str.strip, texts))
-        if not self.is_text:
-            self.walk.add(_numbers(texts)[0])
-        else:
+        if self.is_text:
+            stripped = list(map(str.strip, texts))
             self.labels.append(_whole(stripped) if self.by_name else stripped)
         if self.by_name:
             return
-        numbers, first = _numbers(texts)[0], self.file.starts[-1]
+        numbers, first = _numbers(texts), self.file.starts[-1]
+        if not self.is_text:
+            self.walk.add(numbers)
         rows = np.flatnonzero(~np.isfinite(numbers)).tolist()
         self.count += len(rows)
         for row in rows:
-            self.commas &= _has_comma(stripped[row])
+            text = texts[row].strip()
+            self.commas &= _has_comma(text)
             if len(self.bad) < MOST_CELLS:
-                of = short_repr(stripped[row]) if not _is_numeric(stripped[row]) else stripped[row] or "empty"
+                of = text or "empty" if _is_numeric(text) else short_repr(text)
                 self.bad.append((f"row {first + row} (line {lines[row]})", of))
 
     def give(self, found: Columns) -> None:
@@ -603,13 +604,13 @@ def _is_numeric(text: str) -> bool:
     return _number(text) is not None or not text.strip()
 
 
-def _numbers(texts: Sequence[str]) -> tuple[Floats, bool]:
-    """Return cells as numbers, NaN where one is empty or holds anything else; and whether all hold numbers."""
+def _numbers(texts: Sequence[str]) -> Floats:
+    """Return cells as numbers, NaN where one is empty or holds anything else."""
     every = "".join(texts)
     if every.isascii() and "_" not in every:
         with contextlib.suppress(ValueError):
-            return np.fromiter(map(float, texts), np.float64, len(texts)), True
-    return np.array([_number(text) for text in texts], np.float64), False  # None is NaN to NumPy
+            return np.fromiter(map(float, texts), np.float64, len(texts))
+    return np.array([_number(text) for text in texts], np.float64)  # None is NaN to NumPy
 
 
 # -- Parquet files, by pyarrow

@@ -131,17 +131,9 @@ def roundness_lanes(x: Any, y: Any, result: Any, count: int, width: int, sums: A
 
     The radius is the mean of the distances from there. A lane with a NaN gives NaN.
     """
-    for i in lanes(width):
-        sums[X0, i] = 0.0
-        sums[Y0, i] = 0.0
-        sums[XX, i] = 0.0
-        sums[XY, i] = 0.0
-        sums[YY, i] = 0.0
-        sums[BX, i] = 0.0
-        sums[BY, i] = 0.0
-        sums[RADIUS, i] = 0.0
-        sums[FAR, i] = 0.0
-        sums[ABSENT, i] = 0.0
+    for r in range(ABSENT + 1):
+        for i in lanes(width):
+            sums[r, i] = 0.0
     for j in range(count):
         for i in lanes(width):
             sums[X0, i] += (x[j, i] - x[0, i]) / count

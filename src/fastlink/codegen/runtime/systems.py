@@ -77,11 +77,9 @@ def fluctuation_lanes(curve: Any, result: Any, count: int, width: int, sums: Any
     step); between samples, it is greatest or least where the straight line through two of them passes the mean (third
     order). A lane with a NaN gives NaN.
     """
-    for i in lanes(width):
-        sums[MEAN, i] = 0.0
-        sums[TOTAL, i] = 0.0
-        sums[LOW, i] = 0.0
-        sums[HIGH, i] = 0.0
+    for r in range(HIGH + 1):
+        for i in lanes(width):
+            sums[r, i] = 0.0
     for j in range(count):
         for i in lanes(width):
             sums[MEAN, i] += curve[j, i] / count
