@@ -541,15 +541,15 @@ OF_KERNELS = """
     n_moving n_near n_octaves n_open n_tries n_turned n_vectors nan next_split note_hidden note_kinks
     note_uncertain note_winners nothing_yet octaves of_better off_at_end outlined padded piece
     place_beside place_beside_fold place_ends place_fine place_lost place_near place_octave
-    place_samples place_slope place_split position range replace_cells rest roots samples set_bracket
-    settle_jumps settle_noise settle_slopes settle_toggles side signs silence_rest silenced solve_lanes
-    split splits square start state step store_best store_bound store_change store_counts store_extrema
-    store_gradient store_list store_status sums table thin tile to_sample trial tries turn unresolved
-    upper v valleys vectors w w2 weigh_octave width winners
+    place_samples place_slope place_split position range replace_cells rest roots roundness_lanes
+    samples set_bracket settle_jumps settle_noise settle_slopes settle_toggles side signs silence_rest
+    silenced solve_lanes split splits square start state step store_best store_bound store_change
+    store_counts store_extrema store_gradient store_list store_status straightness_lanes sums table thin
+    tile to_sample trial tries turn unresolved upper v valleys vectors w w2 weigh_octave width winners
 """
 TAKEN = frozenset({*OPTIONS.split(), *OF_KERNELS.split(), *NAMESPACE})
 #: The beginnings of names that kernels make.
-MADE = r"out_|whole_|(asked|columns|f|gradient|limit|part|rows|search|slope|split_by|value)_\d"
+MADE = r"out_|whole_|(asked|certain|columns|f|gradient|limit|part|rows|search|slope|split_by|value)_\d"
 #: Letters of the longest name: results have endings, and files room for 255.
 LONGEST = 60
 

@@ -14,7 +14,7 @@ from fastlink.codegen.kernel import kernel_of
 from fastlink.engine.resolve import resolve
 from fastlink.errors import InputError
 from fastlink.facts.formula import NAMESPACE
-from fastlink.facts.own import TAKEN
+from fastlink.facts.own import TAKEN, is_reserved
 from fastlink.mechanisms import catalogue
 
 DESIGNS = fl.sobol(64, a1=(0.2, 0.5), a2=(0.9, 1.4), a3=(0.6, 1.1), a4=(0.9, 1.2), omega1=25.0, seed=3)
@@ -230,13 +230,19 @@ def test_names_of_kernels_are_taken():
         "F21",
         "F21_mean",
         "T41_fluctuation",
+        "P_straightness",
+        "P_roundness",
     ]
     known, names = catalogue("planar_4r"), set()
-    for program in resolve("planar_4r", LENGTHS, wanted, links=LINKS).plan.programs:
+    design = LENGTHS | {"P_u": 0.5, "P_v": 0.2}
+    for program in resolve("planar_4r", design, wanted, links=LINKS).plan.programs:
         tree = ast.parse(kernel_of(program).text)
         names |= {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
         names |= {node.arg for node in ast.walk(tree) if isinstance(node, ast.arg)}
         names |= {node.name for node in ast.walk(tree) if isinstance(node, ast.alias)}
+        names |= {node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)}
+    numbered = {name for name in names if re.fullmatch(r"[a-z]+(_[a-z]+)*_\d+", name)}
+    assert {name for name in numbered if not (is_reserved(name) or known.declares(name))} == set()
     # names with two underscores, and those that begin with one or end in a number after one, are made of others
     names = {name for name in names if not re.search(r"__|^_|_\d+$|^out_|_error$|^whole_", name)}
     facts = {name for name in names if known.declares(name) or known.is_derivative(name)}
