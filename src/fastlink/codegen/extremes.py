@@ -155,6 +155,11 @@ class ExtremaWriter:
         """Return the numbers of the searches for places at which the cells of one are split."""
         return [k for k, one in enumerate(self.program.searches) if one.splits and one.slope in search.turns]
 
+    def jumps_of(self, search: ExtremumSearch) -> list[int]:
+        """Return the numbers of the searches for places at which a quantity, whose extremes a search is for, jumps."""
+        jumps = () if search.onto else self.program.graded.jumps_at(search.quantity)
+        return [k for k in self.split_by(search) if self.program.searches[k].slope in jumps]
+
     @property
     def most_gradients(self) -> int:
         """The greatest number of derivatives by inputs of one search."""
@@ -729,6 +734,11 @@ class ExtremaWriter:
                     if search.splits:
                         arguments = f"state, filled, samples, {parts[0]}, splits, {number}"
                         text.call(beside.keep_splits, arguments)
+                    elif search.both_sides:
+                        text.call(beside.set_aside, "state, filled")
+                        with text.block("for k in range(4):"):
+                            text.call(beside.place_aside, "state, filled, k")
+                            self.write_extrema(number, results.extrema_at_zeros, "state, filled, table")
                     else:
                         self.write_extrema(number, results.extrema_at_zeros, "state, filled, table")
 
@@ -768,10 +778,14 @@ class ExtremaWriter:
             with text.block("if n_lost > 0:"):
                 self.write_value(number)
         text.call(classify, f"{state}, search_{number}")
+        if jumps := self.jumps_of(search):
+            text.call(beside.unlist_jumps, f"state, filled, splits, array({jumps})")
         if classify is results.extrema_at_zeros:
             text.call(results.drop_folds, f"state, filled, w, table, search_{number}")
         if self.program.has_bounds and classify is results.extrema_at_zeros:
             text.call(results.bound_zeros, f"state, filled, search_{number}, {int(search.magnitude)}")
+            if search.both_sides:
+                text.call(beside.bound_aside, "state, filled")
             if listed and not search.onto:
                 text.call(results.note_uncertain, f"state, filled, w, table, search_{number}, best")
         elif self.program.has_bounds:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from contextvars import ContextVar
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from fastlink.facts.expression import Condition, Valueless
@@ -56,10 +56,19 @@ class Asymptotics(Valueless):
         return True if not isinstance(other, Asymptotics) and other == 0 else self.compared(other)
 
     def compared(self, other: Any) -> Condition:
-        """Return the result of a comparison, by which either value may be chosen."""
+        """Return the result of a comparison, by which either value may be chosen.
+
+        Of values that the mirror changes it is another one there: the greater of two negatives is the lesser.
+        """
         if not _COMPARES.get():
             raise TypeError("asymptotics have no value to compare")
-        return Condition(self.either)
+        same = other is self or (self.parity == 1 == self.of(other).parity)
+        return Condition(self.either if same else self.of_no_parity, rank=int(same))
+
+    @classmethod
+    def of_no_parity(cls, if_true: Any, if_false: Any) -> Asymptotics:
+        """Return what is known of both values where the mirror may choose the other one."""
+        return replace(cls.either(if_true, if_false), parity=0)
 
     @classmethod
     def either(cls, if_true: Any, if_false: Any) -> Asymptotics:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
@@ -555,6 +556,19 @@ class Catalogue:
             if not varying.isdisjoint(step.depends_on):
                 varying.update(step.names)
         return varying
+
+    def winding_of(self, name: str) -> Mapping[str, float]:
+        """Return by how many turns what a name stands for changes where each angle goes through one, see `winding`."""
+        if name == self.position.name:
+            return {name: 1.0}
+        if self.graded is None:
+            return {}
+        if name in self.graded.wraps_at:
+            return {name: 1.0}
+        if name in self.graded.not_differentiable:
+            fact = self.facts[name]
+            return {name: 1.0 if fact.units == "rad" and not fact.own else math.nan}
+        return self.graded.windings.get(name, {})
 
     def varies(self, name: str) -> bool:
         """Tell whether a fact changes over the cycle."""

@@ -361,6 +361,38 @@ def _scaled(x: Node) -> tuple[float, Node]:
     return 1.0, x
 
 
+def winding(nodes: Iterable[Node], known: Callable[[str], Mapping[str, float]]) -> dict[str, float]:
+    """Return by how many turns the last of values changes where each angle that it is made of goes through one.
+
+    An angle jumps there, and so does what reads it as a number. The sine of a whole number of turns does not; NaN
+    stands for any other change. `nodes` are in order; `known` tells of a name what is known of it.
+    """
+    found: dict[Node, dict[str, float]] = {}
+    for node in nodes:
+        parts = [found[part] for part in node.args]
+        angles = dict.fromkeys(angle for part in parts for angle in part)
+        factor = math.nan
+        match node.kind:
+            case "name":
+                turns = dict(known(node.value))
+            case "neg" | "+" | "-":
+                signs = {"neg": (-1.0,), "+": (1.0, 1.0), "-": (1.0, -1.0)}[node.kind]
+                turns = {
+                    angle: sum(sign * part.get(angle, 0.0) for sign, part in zip(signs, parts, strict=True))
+                    for angle in angles
+                }
+            case "call" if node.value in (sine, cosine):
+                turns = {angle: math.nan for angle in angles if parts[0][angle] % 1.0 != 0.0}
+            case _:
+                if node.kind == "*" and "number" in (kinds := [part.kind for part in node.args]):
+                    factor = node.args[kinds.index("number")].value
+                elif node.kind == "/" and node.args[1].kind == "number":
+                    factor = 1.0 / node.args[1].value if node.args[1].value else math.nan
+                turns = {angle: factor * sum(part.get(angle, 0.0) for part in parts) for angle in angles}
+        found[node] = {angle: count for angle, count in turns.items() if count != 0.0}
+    return found[node]
+
+
 def is_power_of_two(x: float) -> bool:
     """Tell whether a number is a power of two, so that products with it are exact."""
     return math.frexp(abs(x))[0] == 0.5
@@ -370,13 +402,16 @@ def is_power_of_two(x: float) -> bool:
 
 
 class Condition:
-    """The result of a comparison, which counts as met; `choose` returns what is known of either value."""
+    """The result of a comparison, which counts as met; `choose` returns what is known of either value.
 
-    def __init__(self, choose: Callable[[Any, Any], Any]) -> None:
-        self.choose = choose
+    Of several comparisons that of the least `rank` tells what is known of all.
+    """
 
-    def __and__(self, other: Any) -> Self:
-        return self
+    def __init__(self, choose: Callable[[Any, Any], Any], rank: int = 0) -> None:
+        self.choose, self.rank = choose, rank
+
+    def __and__(self, other: Any) -> Condition:
+        return other if isinstance(other, Condition) and other.rank < self.rank else self
 
     __rand__ = __or__ = __ror__ = __and__
 

@@ -187,6 +187,9 @@ class GradedRange:
         The quantities that are not described by a derivative: residuals, and quantities with poles.
     wraps_at : mapping of str to str
         For an angle the fact that vanishes where the angle passes pi, and where it passes 0.
+    windings : mapping of str to mapping of str to float
+        For a quantity made of angles as numbers, by how many turns it changes where each of these goes through one: it
+        jumps where they do. NaN where it jumps by something else.
     divisors : mapping of str to (str, int)
         For a quantity the fact that it is divided by and that may come close to zero anywhere in the range, never
         negative, and the power of it by which its derivative is divided.
@@ -221,3 +224,8 @@ class GradedRange:
     known: Mapping[str, KnownExtremes] = field(default_factory=dict)
     kinks: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = field(default_factory=dict)
     turns: Mapping[str, str] = field(default_factory=dict)
+    windings: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+
+    def jumps_at(self, quantity: str) -> tuple[str, ...]:
+        """Return the facts that vanish where a quantity jumps along with angles that it is made of."""
+        return tuple(self.wraps_at[angle] for angle in self.windings.get(quantity, ()))

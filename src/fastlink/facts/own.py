@@ -25,7 +25,15 @@ from fastlink._text import short_repr
 from fastlink.errors import InputError, KeyPath, Problems, suggest
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.derivative import NoDerivative
-from fastlink.facts.expression import SIGNS, GraphAsWritten, Node, beneath, generate_formula, postorder
+from fastlink.facts.expression import (
+    SIGNS,
+    GraphAsWritten,
+    Node,
+    beneath,
+    generate_formula,
+    postorder,
+    winding,
+)
 from fastlink.facts.fact import Fact, Input, System
 from fastlink.facts.formula import NAMESPACE, CatalogueError, Formula
 from fastlink.facts.names import ErrorBound, ListOfExtrema, Reduced, Trust, bounded_of, plain_part, root_of
@@ -853,19 +861,29 @@ def _declare(catalogue: Catalogue, one: OwnQuantity) -> None:
     graded = catalogue.graded
     if graded is None:
         return
-    read = (catalogue.facts[name] for name in one.parameters if name in catalogue.facts)
-    jumps = one.jumps or any(fact.own and fact.name in graded.not_differentiable for fact in read)
-    if jumps or not _declare_kinks(catalogue, one, labels):
+    graph = GraphAsWritten((absolute, choice, magnitude))
+    root = graph.read(formula, [*map(graph.name, one.parameters)])
+    turns = winding(beneath([root]), catalogue.winding_of)
+    if (
+        one.jumps
+        or not graded.wraps_at.keys() >= turns.keys()
+        or not _declare_kinks(catalogue, one, root, graph, labels)
+    ):
         names = (*graded.not_differentiable, one.name)
         catalogue.graded = replace(graded, not_differentiable=names)
+    elif turns:
+        assert catalogue.graded is not None
+        windings = {**catalogue.graded.windings, one.name: turns}
+        catalogue.graded = replace(catalogue.graded, windings=windings)
 
 
-def _declare_kinks(catalogue: Catalogue, one: OwnQuantity, labels: dict[str, Any]) -> bool:
+def _declare_kinks(
+    catalogue: Catalogue, one: OwnQuantity, root: Node, graph: GraphAsWritten, labels: dict[str, Any]
+) -> bool:
     """Declare what vanishes at kinks and the smooth quantities between them; return False of too many kinks."""
-    graded, graph = catalogue.graded, GraphAsWritten((absolute, choice, magnitude))
+    graded = catalogue.graded
     assert graded is not None
     known = {name: pieces for name, (_, pieces) in graded.kinks.items()}
-    root = graph.read(one.formula, [*map(graph.name, one.parameters)])
     found = split(graph, root, known)
     inner = [switch for name in one.parameters for switch in graded.kinks.get(name, ((), ()))[0]]
     if found is None or len(inner) + len(found[0]) + len(found[1]) > MOST_KINKS:

@@ -47,13 +47,13 @@ from typing import Any, get_args
 
 from fastlink.errors import InputError, suggest
 from fastlink.facts.catalogue import Catalogue, plain_and_above
-from fastlink.facts.expression import GraphAsWritten, beneath
+from fastlink.facts.expression import GraphAsWritten, beneath, winding
 from fastlink.facts.fact import Fact, GradedRange, Input, Loops, Rule, System
 from fastlink.facts.formula import NAMESPACE, WORD, CatalogueError, Formula, SheetError
 from fastlink.facts.names import root_of
 from fastlink.facts.own import check_units, is_reserved
 from fastlink.facts.powers import Powers, UnlikePowers
-from fastlink.numerics.elementary import sqrt
+from fastlink.numerics.elementary import atan2, sqrt
 
 __all__ = ["Entry", "SheetError", "entries_of", "mechanism_of", "read_sheet", "read_sheets", "wrong_units"]
 
@@ -487,7 +487,7 @@ def _graded_range(known: Catalogue) -> GradedRange:
     """Return how extremes are searched, and of which quantities they are those of samples."""
     wraps: dict[str, str] = {}
     sampled = []
-    open_ends = _with_roots(known)
+    open_ends, windings = _with_roots(known)
     for name, fact in known.public.items():
         result = fact.formula.result
         is_angle = isinstance(result, ast.Call) and ast.unparse(result.func) == "atan2"
@@ -497,6 +497,8 @@ def _graded_range(known: Catalogue) -> GradedRange:
             wraps[name] = sine.id
         elif is_angle or name in open_ends or not fact.formula.uses.isdisjoint(JUMPS):
             sampled.append(name)
+    jumping = {name: windings[name] for name in known.public if windings[name] and name not in wraps}
+    sampled += [name for name, turns in jumping.items() if not turns.keys() <= wraps.keys()]
     return GradedRange(
         antisymmetric=("side", "branch_sign"),
         vanishes_at_toggle="sigma",
@@ -504,26 +506,38 @@ def _graded_range(known: Catalogue) -> GradedRange:
         bounded_factor="share_of_sigma",
         cells={},
         max_extrema={},
-        not_differentiable=tuple(sampled),
+        not_differentiable=tuple(dict.fromkeys(sampled)),
         wraps_at=wraps,
+        windings={name: turns for name, turns in jumping.items() if name not in sampled},
     )
 
 
-def _with_roots(known: Catalogue) -> set[str]:
-    """Return the facts that may be no number where the loop closes by Z0 and C0: roots of what else varies."""
+def _with_roots(known: Catalogue) -> tuple[set[str], dict[str, dict[str, float]]]:
+    """Return the facts that may be no number where the loop closes by Z0 and C0, and how facts wind with angles.
+
+    The first are roots of what else varies.
+    """
     found: set[str] = set()
+    windings: dict[str, dict[str, float]] = {known.position.name: {known.position.name: 1.0}}
     given = {*known.inputs, *known.tables, *known.table_low_parts, known.position.name, "branch"}
     closes = {*known.tables, "p", "q", "sigma"}
     graph = GraphAsWritten(filter(callable, NAMESPACE.values()))
+
+    def turns_of(name: str) -> dict[str, float]:
+        return windings.get(name, {})
+
     for step in known.dependencies(sorted(known.public), given):
         value = graph.read(step.formula, [*map(graph.name, step.depends_on)])
-        roots = [node for node in beneath([value]) if node.value is sqrt]
+        nodes = beneath([value])
+        turns = winding(nodes, turns_of)
+        windings |= dict.fromkeys(step.names, {step.name: 1.0} if value.value is atan2 else turns)
+        roots = [node for node in nodes if node.value is sqrt]
         names = {node.value for node in beneath(roots) if node.kind == "name"}
         if any(map(known.varies, names - closes)):
             found.update(step.names)
         if not found.isdisjoint(root_of(known.parse(need)) for need in step.depends_on):
             found.update(step.names)
-    return found
+    return found, windings
 
 
 def _loops(entry: Entry, unknowns: tuple[str, ...], said: Mapping[str, str], formula: Formula) -> Loops:

@@ -174,6 +174,8 @@ class ExtremumSearch:
     piece: bool = False
     #: Whether these are jumps of an angle by 2 pi, which reaches pi and -pi there.
     jumps: bool = False
+    #: Whether these are jumps of what is made of angles as numbers: its values on both sides count.
+    both_sides: bool = False
     #: What vanishes where the slope jumps or has a kink: cells are split at these places.
     turns: tuple[str, ...] = ()
     #: Whether the zeros of `slope` are such places of other searches, and nothing else.
@@ -341,7 +343,8 @@ def turns_of(graded: GradedRange, quantity: str, steps: Iterable[Fact | System])
     """Return what vanishes where the slope of a quantity, which steps compute, jumps or has a kink."""
     names = {name for step in steps for name in step.names}
     switches, _ = graded.kinks.get(quantity, ((), ()))
-    return (*(zero for name, zero in graded.turns.items() if name in names), *switches)
+    turns = (zero for name, zero in graded.turns.items() if name in names)
+    return (*turns, *switches, *graded.jumps_at(quantity))
 
 
 def is_of_known(output: Output, searches: Iterable[ExtremumSearch]) -> bool:
@@ -596,7 +599,9 @@ class Planner:
             piece=slope != name,
             magnitude=False,
             kinked=False,
-            turns=() if slope == name else turns_of(graded, name, steps),
+            turns=()
+            if slope == name
+            else (*turns_of(graded, name, steps), *graded.jumps_at(search.quantity)),
             certain_by=(),
             gradients=(),
         )
@@ -644,6 +649,12 @@ class Planner:
             replace(s, slope=wraps_at[of], slope_parity=-s.slope_parity, onto=s.quantity, **jump)
             for s in searches
             if (of := signed(s.quantity)) in wraps_at
+        ]
+        jumps += [
+            replace(one, both_sides=True)
+            for search in searches
+            for name in self.graded.jumps_at(signed(search.quantity))
+            if (one := self.part_search(search, name, name)) is not None
         ]
         kinks = [one for search in searches for one in self.searches_at_kinks(search)]
         nearly_poles = [

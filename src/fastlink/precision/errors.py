@@ -464,7 +464,7 @@ def outermost(
 ) -> Extreme:
     """Return the greatest (sign 1) or least (-1) value of a design, with 50 digits."""
     candidates = stationary.candidates[design]
-    ends = [stationary.extreme(design, candidate) for candidate in candidates if candidate.kind == END]
+    ends = [stationary.extreme(design, c) for c in candidates if c.kind == END or c.zero]
     if any(c.kind == JUMP for c in candidates) or any(map(stationary.is_half_turn, ends)):
         return Extreme(sign * CONTEXT.pi, CONTEXT.zero, CONTEXT.nan, CONTEXT.zero)
     inner = [candidate for candidate in candidates if candidate.kind == sign]

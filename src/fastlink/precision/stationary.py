@@ -103,7 +103,9 @@ LOST = 1e-9
 #: Distances from a kink of the positions whose lines meet there, but for the square of the distance.
 KINKS = (CONTEXT.mpf(10) ** -7, CONTEXT.mpf(10) ** -12, CONTEXT.mpf(10) ** -20)
 #: Kinds of candidates beside maxima (1) and minima (-1).
-END, JUMP = 0, 2
+END, JUMP, BESIDE = 0, 2, 3
+#: So far beside a jump are the values on both sides of it.
+ASIDE = CONTEXT.mpf(10) ** -40
 #: As near to a toggle as the digits of ends allow, where three powers of 1/x may cancel, and so much
 #: farther: a quantity that changes by such a factor between the two is infinite or 0 at the toggle.
 AT_END, FARTHER, GROWS = CONTEXT.mpf(10) ** -40, 1000, 10
@@ -115,13 +117,15 @@ OF_EXTREMES, OF_ENDS, NOTHING = 2 * DIGITS, 3 * DIGITS, CONTEXT.mpf(10) ** -70
 class Candidate:
     """An extreme by samples: the end that x counts from, x, the value and its kind.
 
-    `kind` is 1 for a maximum, -1 for a minimum, `END` for the end of a range, `JUMP` for a jump by a whole turn.
+    `kind` is 1 for a maximum, -1 for a minimum, `END` for an end of the range, `JUMP` for a jump by a whole turn,
+    `BESIDE` and -`BESIDE` for the sides of a jump of what is made of angles, where the fact `zero` vanishes.
     """
 
     end: int
     x: float
     value: float
     kind: int
+    zero: str = ""
 
 
 @dataclass(frozen=True)
@@ -162,7 +166,8 @@ class Stationary:
         self.inputs = {**inputs, "branch": branches}
         self.variants = (graded.name, *variants)
         given = (*self.inputs, *graded.coordinates)
-        self.facts = HighPrecision(catalogue, (quantity, self.position), given, self.variants, zeroes=zeroes)
+        names = (quantity, self.position, *graded.jumps_at(quantity))
+        self.facts = HighPrecision(catalogue, names, given, self.variants, zeroes=zeroes)
         self.movable = [n for n in inputs if not catalogue.known_inputs(variants)[n].choices]
         self._sample()
         self.candidates = self._candidates()
@@ -207,7 +212,16 @@ class Stationary:
             jumping = (
                 inside & (abs(np.diff(self.values)) > np.pi) & (signed(self.quantity) in self.graded.wraps_at)
             )
-            turning, sides = turning_cells(np.sign(self.slopes), ~inside | jumping, self._side)
+            beside = {
+                angle: self._jumps(angle, inside) for angle in self.graded.windings.get(self.quantity, ())
+            }
+            apart = np.logical_or.reduce([~inside, jumping, *beside.values()])
+            turning, sides = turning_cells(np.sign(self.slopes), apart, self._side)
+        for angle, cells in beside.items():
+            for design, end, cell in np.argwhere(cells).tolist():
+                for k, kind in ((0, -BESIDE), (1, BESIDE)):
+                    place = float(self.x[design, end, cell + k]), float(self.values[design, end, cell + k])
+                    candidates[design].append(Candidate(end, *place, kind, self.graded.wraps_at[angle]))
         for design, end, cell in np.argwhere(jumping).tolist():
             candidates[design].append(Candidate(end, float(self.x[design, end, cell]), np.nan, JUMP))
         for design, end in np.argwhere(self.bounded).tolist():
@@ -220,6 +234,13 @@ class Stationary:
         for (design, end), x, value, kind in zip(cells[:, :2].tolist(), *found, strict=True):
             candidates[design].append(Candidate(end, x, value, kind))
         return candidates
+
+    def _jumps(self, angle: str, inside: NDArray[Any]) -> NDArray[Any]:
+        """Tell which cells an angle jumps in."""
+        ends = np.arange(2)[:, None] == 1
+        high, designs = np.broadcast_to(ends, self.x.shape), np.arange(len(self.x))[:, None, None]
+        (values,) = self._read((angle,), self.x, high, designs)
+        return inside & (abs(np.diff(values)) > np.pi)
 
     def _side(self, design: int, end: int, sample: int) -> float:
         """Return the sign of the slope at a sample."""
@@ -299,6 +320,8 @@ class Stationary:
         base = self.facts.at(design_values | self._leaves_at(end, x))
         if candidate.kind == END:
             return self._at_end(base, candidate, self.size(design))
+        if candidate.zero:
+            return self._beside(base, candidate)
         scale = CONTEXT.mpf(min(1.0, self.scale[design, end]))
         x, smooth = self._refined(base, candidate, x, scale)
         base = self._at(base, end, x)
@@ -325,6 +348,22 @@ class Stationary:
         kink = self._kink(base, end, first, scale)
         value, there = (self._at(base, end, place)[self.quantity] for place in (first, kink))
         return kink if candidate.kind * (there - value) > 0 else first, False  # or that by samples is better
+
+    def _beside(self, base: Mapping[str, Any], candidate: Candidate) -> Extreme:
+        """Return the value on one side of a jump, whose place a fact's zero is."""
+        end, zero, x = candidate.end, candidate.zero, CONTEXT.mpf(candidate.x)
+        step = (abs(x) + AT_END) / 1000
+        for _ in range(MOST_STEPS):
+            here, there = (self._at(base, end, x + k * step)[zero] for k in (0, 1))
+            if here == 0 or here == there:
+                break
+            change = -step * here / (there - here)
+            x, step = x + change, abs(change) / 1000 + AT_END
+            if abs(change) < ASIDE * abs(x):
+                break
+        aside = ASIDE if (candidate.kind > 0) == (x > 0) else -ASIDE
+        value, farther = (self._at(base, end, x * (1 + k * aside))[self.quantity] for k in (1, 2))
+        return Extreme(value, abs(farther - value) / ASIDE, CONTEXT.nan, CONTEXT.zero)
 
     def _leaves_at(self, end: int, x: Any) -> dict[str, Any]:
         near = x * x / (1 + x * x)

@@ -292,6 +292,8 @@ def bound_hidden(s: Any, count: int) -> None:
 MOST_SPLITS = 32
 # Both sides of a place, over it less 1: the least that none of both roundings takes away.
 ASIDE = 2.0**-50
+# The rounding of what vanishes there may hide a jump from places that close: 2^-46 is 64 roundings.
+FARTHER_ASIDE = 2.0**-46
 # The first columns are no places: in two rows they tell the last place of each lane, 0 where there is none, and the
 # first of them where the next one goes.
 LAST, NEXT = LANE, HALF
@@ -343,6 +345,41 @@ def place_split(s: Any, count: int, after: int) -> None:
     """Put items at one side of their places."""
     for i in lanes(padded(count)):
         s[X, i] = s[XB, i] if after > 0 else s[XA, i]
+
+
+@outlined
+def set_aside(s: Any, count: int) -> None:
+    """Keep the places of items, which others beside them are to stand for."""
+    for i in lanes(padded(count)):
+        s[XA, i] = s[X, i]
+
+
+@outlined
+def place_aside(s: Any, count: int, k: int) -> None:
+    """Put items at one side of their places, nearer at first: rounding may hide which side of a jump that is."""
+    off = (ASIDE if k < 2 else FARTHER_ASIDE) * (1.0 if k - ((k >> 1) << 1) == 0 else -1.0)
+    for i in lanes(padded(count)):
+        s[X, i] = s[XA, i] * (1.0 + off)
+
+
+@outlined
+def bound_aside(s: Any, count: int) -> None:
+    """Add to the bounds of values beside jumps what these change on the way: a position by four parts of x."""
+    for i in lanes(padded(count)):
+        s[BOUND, i] = s[BOUND, i] + 8.0 * FARTHER_ASIDE * s[SLOPE, i]
+
+
+@outlined
+def unlist_jumps(s: Any, count: int, splits: Any, numbers: Any) -> None:
+    """Let no zero of the slope be an extreme where the quantity jumps, at places by the searches of some numbers."""
+    for i in range(count):
+        x, n = s[X, i], int(splits[LAST, int(s[LANE, i])])
+        while n > 0:
+            same = (splits[HALF, n] == s[HALF, i]) & (splits[UPPER, n] == s[UPPER, i])
+            if same & (splits[XA, n] * (1.0 - ASIDE) <= x) & (x <= splits[XB, n] * (1.0 + ASIDE)):
+                for k in range(numbers.size):
+                    s[KIND, i] = 0.0 if splits[XC, n] == numbers[k] else s[KIND, i]
+            n = int(splits[FC, n])
 
 
 @outlined
