@@ -80,10 +80,7 @@ def test_none_of_dense_samples_is_beyond_an_extreme(case):
     mechanism, designs, names = CASES[case]
     links = {"links": fl.round_bar(density=7750.0, radius=0.01)} if case == "planar" else {}
     given = {"branch": (1, 2), "progress": False, **links}
-    angles = np.linspace(-np.pi, np.pi, ANGLES)
-    curves = fl.sweep(mechanism, designs, names, **given, theta1=angles) if case != "hart" else None
-    if curves is None:
-        curves = fl.sweep(mechanism, designs, names, **given, positions=ANGLES)
+    curves = fl.sweep(mechanism, designs, names, **given, positions=ANGLES)
     wanted = [f"{name}_{end}{more}" for name in names for end in ("min", "max") for more in ("", "_error")]
     maps = fl.sweep(mechanism, designs, wanted, **given)
     for name in names:
@@ -97,8 +94,8 @@ def test_none_of_dense_samples_is_beyond_an_extreme(case):
             beyond = best - found > maps[f"{name}_{end}_error"] + 1e-12 * size
             assert not beyond.any(), name
             # samples miss an extreme by a step times the slope; in the median of designs that is below 40 sizes a turn
-            short = ((found - best) / size).values
-            assert np.nanmedian(short) < 40.0 / ANGLES, name
+            short = ((found - best) / size).values[np.isfinite(found.values)]
+            assert np.median(short) < 40.0 / ANGLES, name
 
 
 def test_the_greater_of_values_that_change_sign_is_not_mirrored():
@@ -125,11 +122,11 @@ def test_sides_of_jumps_are_verified_with_50_digits():
         # the place of a jump is known to 2^-46 of the range, 64 roundings of the value's change over the turn
         assert maps[name].attrs["error_max_relative"] < 64 * 2.0**-52 * 20.0
     # a jump is no extreme of a list: only what the curve itself turns at
-    curve = fl.sweep(planar, design, ["unrolled"], theta1=np.linspace(0, 2 * np.pi, 20001), branch=(1, 2))
-    steps = np.diff(curve.unrolled.values, axis=-1)
-    smooth = abs(steps) < 1.0
-    turns = (steps[:, 1:] * steps[:, :-1] < 0) & smooth[:, 1:] & smooth[:, :-1]
-    assert (maps.unrolled_extrema.notnull().sum("extremum") == turns.sum(axis=-1)).all()
+    curve = fl.sweep(planar, design, ["unrolled"], positions=20000, branch=(1, 2)).unrolled.values
+    steps = np.roll(curve, -1, axis=-1) - curve
+    after = np.roll(steps, -1, axis=-1)
+    turns = (steps * after < 0) & (abs(steps) < 0.1) & (abs(after) < 0.1)
+    assert (maps.unrolled_extrema.notnull().sum("extremum").values == turns.sum(axis=-1)).all()
 
 
 def test_what_reads_the_position_as_a_number_is_sampled():
