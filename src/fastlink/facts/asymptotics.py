@@ -31,6 +31,13 @@ class Asymptotics(Valueless):
     parity: int = 1
     #: Whether a comparison of values selects it, so that it may jump.
     choice: bool = False
+    #: The power that bounds the growth of its reciprocal, where that is another one than of what vanishes as it grows.
+    of_reciprocal: float | None = None
+
+    @property
+    def reciprocal(self) -> float:
+        """The power of 1/sigma that bounds the growth of its reciprocal."""
+        return -self.order if self.of_reciprocal is None else self.of_reciprocal
 
     def plus(self, other: Any) -> Asymptotics:
         """Return a sum."""
@@ -45,8 +52,9 @@ class Asymptotics(Valueless):
     def times(self, other: Any, power: int) -> Asymptotics:
         """Return the product with a power of another number."""
         known = self.of(other)
-        order, parity = self.order + power * known.order, self.parity * known.parity
-        return Asymptotics(order, parity, self.choice or known.choice)
+        grows, shrinks = (known.order, known.reciprocal)[::power]
+        order, reciprocal = self.order + grows, self.reciprocal + shrinks
+        return Asymptotics(order, self.parity * known.parity, self.choice or known.choice, reciprocal)
 
     def __abs__(self) -> Asymptotics:
         return Asymptotics(self.order, abs(self.parity), self.choice)
@@ -80,7 +88,7 @@ class Asymptotics(Valueless):
 
     def sqrt(self) -> Asymptotics:
         """Return the square root."""
-        return Asymptotics(self.order / 2.0, max(self.parity, 0), self.choice)
+        return Asymptotics(self.order / 2.0, max(self.parity, 0), self.choice, self.reciprocal / 2.0)
 
     def cos(self) -> Asymptotics:
         """Return the cosine."""
@@ -104,9 +112,13 @@ class Asymptotics(Valueless):
 
 
 def asymptotics(
-    graded: GradedRange, steps: Iterable[Fact | System], varying: Iterable[str]
+    graded: GradedRange, steps: Iterable[Fact | System], varying: Iterable[str], strict: bool = False
 ) -> dict[str, Asymptotics]:
-    """Return the asymptotics of all values that steps determine."""
+    """Return the asymptotics of all values that steps determine.
+
+    A strict bound of growth counts what vanishes at one end alone, and what built-in facts compare, too; a search does
+    without, whose samples are divided by these powers of sigma.
+    """
     orders: dict[str, Any] = {
         name: Asymptotics(0.0, -1 if name in graded.antisymmetric else 1) for name in varying
     }
@@ -118,12 +130,14 @@ def asymptotics(
             moving.update(step.names)
         if step.name == graded.vanishes_at_toggle:
             orders[step.name] = Asymptotics(-1.0, 1)
+        elif strict and step.name in graded.vanish_at_one_end:  # as sigma^2
+            orders[step.name] = Asymptotics(0.0, 1, of_reciprocal=2.0)
         elif step.name in graded.antisymmetric:
             orders[step.name] = Asymptotics(0.0, -1)
         else:
             # A mass centre on its link's line is 0.0 across it, and products with 0.0 vanish.
             known = {part: orders.get(part, Asymptotics()) for part in step.depends_on}
-            compares = _COMPARES.set(step.own)
+            compares = _COMPARES.set(step.own or strict)
             try:
                 orders |= step.values(known)
             except (TypeError, AttributeError):

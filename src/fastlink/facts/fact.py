@@ -180,6 +180,8 @@ class GradedRange:
     vanishes_at_toggle, reciprocal, bounded_factor : str
         A fact that vanishes at toggles like the root of the distance, its reciprocal, and a fact in proportion to it
         that is 1 at most.
+    vanish_at_one_end : tuple of str
+        The values whose product is in proportion to its square, each of which vanishes at one of both toggles.
     cells, max_extrema : mapping of str to int
         For some quantities half the number of cells that find every extreme, a power of two, and how many
         extremes there are at most; `cells_otherwise` and `max_extrema_otherwise` for all others.
@@ -213,6 +215,7 @@ class GradedRange:
     vanishes_at_toggle: str
     reciprocal: str
     bounded_factor: str
+    vanish_at_one_end: tuple[str, ...] = ()
     cells: Mapping[str, int]
     max_extrema: Mapping[str, int]
     not_differentiable: tuple[str, ...] = ()

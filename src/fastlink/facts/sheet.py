@@ -504,6 +504,7 @@ def _graded_range(known: Catalogue) -> GradedRange:
         vanishes_at_toggle="sigma",
         reciprocal="per_sigma",
         bounded_factor="share_of_sigma",
+        vanish_at_one_end=("p", "q"),
         cells={},
         max_extrema={},
         not_differentiable=tuple(dict.fromkeys(sampled)),

@@ -15,7 +15,6 @@ from fastlink.facts.derivative import NoDependence, NoDerivative, Term
 from fastlink.facts.fact import CatalogueError, Fact, GradedRange, System
 from fastlink.facts.names import (
     Change,
-    Derivative,
     ErrorBound,
     Quantity,
     Reduced,
@@ -440,24 +439,21 @@ class Planner:
     def order_at_toggles(self, quantity: str) -> int | None:
         """Return the power of 1/sigma by which a quantity grows at toggles, or None where it is not known.
 
-        What moves a toggle acts as what moves the input position towards it: a derivative by an input grows as that by
-        the position does, or faster.
+        A change by tolerances grows as the derivative by the position does: what moves a toggle acts as what moves the
+        input position towards it.
         """
-        graded, tree, position = self.graded, self.catalogue.parse(quantity), self.catalogue.position.name
-        names = [quantity]
-        if isinstance(tree, Change) or (isinstance(tree, Derivative) and tree.by != position):
-            names.append(derivative_name(str(tree.of), position))
+        tree, position = self.catalogue.parse(quantity), self.catalogue.position.name
+        name = derivative_name(str(tree.of), position) if isinstance(tree, Change) else quantity
         # of a linear system nothing is known; closed forms have the same values
         closed = tuple(variant for variant in self.variants if variant not in self.catalogue.solvers)
-        orders = []
-        for name in names:
-            try:
-                steps = replace(self, variants=closed).steps([name])
-            except (CatalogueError, NoDerivative):
-                continue
-            if not any(isinstance(step, System) for step in steps):
-                orders.append(round(asymptotics(graded, steps, (*graded.coordinates, "branch"))[name].order))
-        return max(orders, default=None)
+        try:
+            steps = replace(self, variants=closed).steps([name])
+        except (CatalogueError, NoDerivative):
+            return None
+        if any(isinstance(step, System) for step in steps):
+            return None
+        coordinates = (*self.graded.coordinates, "branch")
+        return round(asymptotics(self.graded, steps, coordinates, strict=True)[name].order)
 
     # -- Values at given input positions, and their reductions
 

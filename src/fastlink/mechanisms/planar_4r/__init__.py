@@ -44,6 +44,7 @@ planar_4r.graded = GradedRange(
     vanishes_at_toggle="sigma",
     reciprocal="per_sigma",
     bounded_factor="sine_mu",
+    vanish_at_one_end=("p", "q"),
     cells=dict.fromkeys(MONOTONE, 16) | dict.fromkeys(ACCELERATIONS, 32),
     max_extrema=dict.fromkeys(MONOTONE, 2) | dict.fromkeys(ACCELERATIONS, 5),
     not_differentiable=(

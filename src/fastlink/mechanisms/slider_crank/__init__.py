@@ -57,6 +57,7 @@ slider_crank.graded = GradedRange(
     antisymmetric=("side", "branch_sign"),
     vanishes_at_toggle="sigma",
     reciprocal="per_sigma",
+    vanish_at_one_end=("p", "q"),
     bounded_factor="sine_mu",
     cells=dict.fromkeys(SIMPLE, 16),
     max_extrema=dict.fromkeys(SIMPLE, 2),
