@@ -245,7 +245,7 @@ function drawValues() {
   for (const of of content.columns) if (of.name in row) entries.push([of, shown(row[of.name], of)]);
   for (const of of content.constants.filter(one => one.units !== "1")) entries.push([of, shown(of.value, of)]);
   for (const of of content.variables) if (of.name in row) entries.push([of, shown(row[of.name], of, 6) + (at.free && of.of[1] ? " sampled" : "")]);
-    else if (at.free) entries.push([of, "not computed here"]);
+    else if (at.free) entries.push([of, "not computed"]);
   const rows = entries.filter(([of], k) => k < inputs.length + isSample || !inputs.includes(of.name)), key = JSON.stringify([rows.map(([of]) => of.name), state.degrees]);
   if (place.dataset.key !== key) {
     place.dataset.key = key;
@@ -263,7 +263,9 @@ function drawValues() {
     if (!typed) made.lastChild.textContent = text;
     else if (typed !== document.activeElement) typed.value = +(valueIn(of, design) * factor(of.units)).toPrecision(7);
   });
-  element("off").hidden = !at.free;
+  element("off").hidden = !mechanism;
+  element("off").className = at.free ? "free" : "";
+  element("told").textContent = at.free ? "Off the grid: computed by this page." : "Of the map. Type an input, or drag a joint.";
 }
 function typedIn({target}) {
   const name = target.id.slice(5), value = target.value === "" ? NaN : target.value / factor(fieldOf(name).units);

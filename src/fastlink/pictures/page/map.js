@@ -56,7 +56,7 @@ function boxOf(width, height) {
   return {left: MARGIN.left, top: MARGIN.top, width: width - MARGIN.left - MARGIN.right, height: height - MARGIN.top - MARGIN.bottom};
 }
 // As high as leaves the sliders below it in the window.
-const heightOf = canvas => clamp(window.innerHeight - 190 - element("sliders").offsetHeight, 300, Math.max(300, 0.86 * canvas.clientWidth));
+const heightOf = canvas => clamp(window.innerHeight - 150 - element("sliders").offsetHeight, 300, Math.max(300, 0.95 * canvas.clientWidth));
 
 function drawMap() {
   const canvas = element("map"), {pen, width, height, ratio} = prepared(canvas, heightOf(canvas));
@@ -163,7 +163,7 @@ function drawAxes(pen, box, of, width, height) {
   pen.save();
   pen.translate(13, box.top + box.height / 2);
   pen.rotate(-Math.PI / 2);
-  write(pen, labelled(pen, y ? y.of : of, 0.9 * box.height), 0, 0, named);
+  write(pen, labelled(pen, y ? y.of : of, 2 * box.top + box.height - 8), 0, 0, named);
   pen.restore();
   if (y && view.scale.kind !== "codes") drawColourBar(pen, box, of, width);
   drawLegend(of);

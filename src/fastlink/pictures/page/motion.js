@@ -18,18 +18,16 @@ function valueOf(known, name) {
 }
 
 // The inputs, and the position, that a value follows from.
-function needsOf(name) {
-  if (FACTS[name]) return new Set(FACTS[name][1].flatMap(one => [...needsOf(one)]));
-  return new Set(name === mechanism.position.name || mechanism.inputs.includes(name) ? [name] : []);
-}
+const needed = {};
+const needsOf = name => needed[name] ??= new Set(FACTS[name] ? FACTS[name][1].flatMap(one => [...needsOf(one)])
+  : [...Object.keys(mechanism.rules), mechanism.position.name].filter(one => one === name));
 const allowed = (name, x) => Number.isFinite(x) && (x > 0 || !["positive", "non-negative"].includes(mechanism.rules[name]) || x === 0 && mechanism.rules[name] !== "positive");
-// What dragging a point changes: the inputs that it needs and no point with fewer needs; the position, if that is one at most.
+// What dragging a point changes: what it needs, of inputs and position, and no point needs that needs fewer.
 function moversOf(point) {
   const needs = one => new Set([...needsOf(one.x), ...needsOf(one.y)]), own = needs(point);
   const fewer = mechanism.points.map(needs).filter(some => some.size < own.size && [...some].every(one => own.has(one)));
-  const left = [...own].filter(name => !fewer.some(some => some.has(name))), found = left.length ? left : [...own];
-  const inputs = found.filter(name => name in mechanism.rules);
-  return inputs.length > 1 ? inputs : found.filter(name => inputs.includes(name) || name === mechanism.position.name);
+  const left = [...own].filter(name => !fewer.some(some => some.has(name)));
+  return left.length ? left : [...own];
 }
 
 class Motion {
@@ -117,7 +115,7 @@ class Motion {
         const next = {...known};
         names.forEach((name, k) => { next[name] += part * (slopes[k][0] * p + slopes[k][1] * q); });
         const rest = this.missed(next, point, x, y);
-        if (Math.hypot(...rest) < Math.hypot(...miss) && this.holds(next)) better = [next, rest];
+        if (Math.hypot(...rest) < 0.9999 * Math.hypot(...miss) && this.holds(next)) better = [next, rest];
       }
       if (!better) break;
       [known, miss] = better;
