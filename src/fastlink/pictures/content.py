@@ -328,7 +328,12 @@ def _request(maps: xr.Dataset, name: str) -> dict[str, Any]:
     except InputError:
         return {"requested": False, "of": ["", ""]}
     plain = name == str(asked.of)
-    return {"requested": True, "of": [signed(asked.quantity), asked.reduction.suffix if asked.reduction else ""] if plain else ["", ""]}
+    return {
+        "requested": True,
+        "of": [signed(asked.quantity), asked.reduction.suffix if asked.reduction else ""]
+        if plain
+        else ["", ""],
+    }
 
 
 def _dimension(maps: xr.Dataset, dim: str) -> dict[str, Any]:

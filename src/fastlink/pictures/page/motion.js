@@ -99,7 +99,7 @@ class Motion {
   }
   // What brings a point nearest to a place: Gauss-Newton by differences, as far as the linkage holds together.
   moved(point, branch, position, [x, y]) {
-    const names = moversOf(point);
+    const names = moversOf(point), inputs = names.filter(name => name in mechanism.rules);
     let known = this.at(position, branch), miss = this.missed(known, point, x, y);
     for (let n = 0; n < 30; n++) {
       const slopes = names.map(name => {
@@ -115,20 +115,20 @@ class Motion {
         const next = {...known};
         names.forEach((name, k) => { next[name] += part * (slopes[k][0] * p + slopes[k][1] * q); });
         const rest = this.missed(next, point, x, y);
-        if (Math.hypot(...rest) < 0.9999 * Math.hypot(...miss) && this.holds(next)) better = [next, rest];
+        if (Math.hypot(...rest) < (1 - 1e-9) * Math.hypot(...miss) && this.holds(next, inputs)) better = [next, rest];
       }
       if (!better) break;
       [known, miss] = better;
     }
-    return {position: known[mechanism.position.name], inputs: Object.fromEntries(names.filter(name => name in mechanism.rules).map(name => [name, known[name]]))};
+    return {position: known[mechanism.position.name], inputs: Object.fromEntries(inputs.map(name => [name, known[name]]))};
   }
   missed(known, point, x, y) {
     const [a, b] = this.place({...known}, point);
     return [x - a, y - b];
   }
-  holds(known) {
+  holds(known, inputs) {
     const copy = {...known};
-    return Object.keys(mechanism.rules).every(name => allowed(name, known[name])) && this.joints.every(one => this.place(copy, one).every(Number.isFinite));
+    return inputs.every(name => allowed(name, known[name])) && this.joints.every(one => this.place(copy, one).every(Number.isFinite));
   }
   // A reduction over the cycle by samples, precise where it is an extreme; undefined where samples do not tell it.
   reduced(name, how, branch) {
