@@ -30,32 +30,35 @@ GREATEST = """async () => {
     const found = await source.picture({...view.query, pool: "greatest"});
     return [found.pooled, Array.from(found.values, one => String(Math.fround(one)))];
 }"""
-#: Each text of a canvas with its box on it, since the canvas was cleared; then the boxes of all texts of the page.
+#: Keep each text of a canvas with its box on it since the canvas was cleared.
 HOOK = """(() => {
     const pen = CanvasRenderingContext2D.prototype, {fillText, clearRect} = pen;
     pen.clearRect = function (...box) { this.canvas.texts = []; clearRect.apply(this, box); };
     pen.fillText = function (text, x, y) {
         const {a, b, c, d, e, f} = this.getTransform(), ratio = this.canvas.width / this.canvas.clientWidth;
-        const at = (u, v) => [(a * u + c * v + e) / ratio, (b * u + d * v + f) / ratio], wide = this.measureText(text).width;
-        const left = x - wide * {left: 0, center: 0.5, right: 1}[this.textAlign];
-        const [p, q] = [at(left, y - 5), at(left + wide, y + 5)], sides = k => [Math.min(p[k], q[k]), Math.max(p[k], q[k])];
-        this.canvas.texts.push([text, ...sides(0), ...sides(1)]);
+        const at = (u, v) => [(a * u + c * v + e) / ratio, (b * u + d * v + f) / ratio];
+        const wide = this.measureText(text).width, left = x - wide * {left: 0, center: 0.5, right: 1}[this.textAlign];
+        const [p, q] = [at(left, y - 5), at(left + wide, y + 5)];
+        this.canvas.texts.push([text, ...[0, 1].flatMap(k => [Math.min(p[k], q[k]), Math.max(p[k], q[k])])]);
         fillText.call(this, text, x, y);
     };
 })()"""
+#: All texts of the page, each with left, right, top and bottom; of one that ends in dots the first box counts.
 TEXTS = """(() => {
-    const found = [], walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT), range = document.createRange();
-    while (walker.nextNode()) {
-        const node = walker.currentNode, parent = node.parentElement;
-        if (!node.textContent.trim() || parent.closest("option, script, #said, sub") || !parent.checkVisibility({visibilityProperty: true})) continue;
+    const found = [], range = document.createRange();
+    const all = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+    while (all.nextNode()) {
+        const {currentNode: node, currentNode: {parentElement: parent, textContent: text}} = all;
+        if (!text.trim() || parent.closest("option, script, #said, sub")) continue;
+        if (!parent.checkVisibility({visibilityProperty: true})) continue;
         range.selectNodeContents(node);
-        const row = parent.closest("#values div > :first-child")?.getBoundingClientRect();  // which ends in dots
-        const own = [...range.getClientRects()].filter((one, k, all) => one.top !== all[k - 1]?.top);  // dots make two of one
-        for (const one of own) found.push([node.textContent, one.left, Math.min(one.right, row?.right ?? 1e9), one.top + 2, one.bottom - 2]);
+        const end = parent.closest("#values div > :first-child")?.getBoundingClientRect().right ?? Infinity;
+        [...range.getClientRects()].filter((one, k, every) => one.top !== every[k - 1]?.top).forEach(one =>
+            found.push([text, one.left, Math.min(one.right, end), one.top + 2, one.bottom - 2]));
     }
     for (const canvas of document.querySelectorAll("canvas")) {
-        const box = canvas.getBoundingClientRect();
-        for (const [text, l, r, t, b] of canvas.texts ?? []) found.push([text, l + box.left, r + box.left, t + box.top, b + box.top]);
+        const {left, top} = canvas.getBoundingClientRect();
+        for (const [text, a, b, c, d] of canvas.texts ?? []) found.push([text, a + left, b + left, c + top, d + top]);
     }
     return found;
 })()"""
@@ -110,8 +113,8 @@ def point(tab, across, up):
 def values(tab):
     """Return the values that are shown, by name."""
     return tab.evaluate(
-        "Object.fromEntries([...document.querySelectorAll('#values div')].map("
-        "one => [one.dataset.name, (one.querySelector('input')?.value ?? '') + one.querySelector('.value').textContent]))"
+        "Object.fromEntries([...document.querySelectorAll('#values div')].map(one => [one.dataset.name,"
+        "(one.querySelector('input')?.value ?? '') + one.querySelector('.value').textContent]))"
     )
 
 

@@ -261,7 +261,7 @@ function drawValues() {
     const made = place.children[k], typed = made.querySelector("input");
     made.className = of.name === state.name ? "shown" : "";
     if (!typed) made.lastChild.textContent = text;
-    else if (typed !== document.activeElement) typed.value = +(valueIn(of, design) * factor(of.units)).toPrecision(7);
+    else if (typed !== document.activeElement) typed.value = +(valueIn(of, design) * factor(of.units)).toPrecision(6);
   });
   element("off").hidden = !mechanism;
   element("off").className = at.free ? "free" : "";
@@ -281,7 +281,7 @@ function fillCurves() {
 }
 const positionNow = () => design.given !== undefined && !state.playing && state.share === null ? design.given : design.motion.played(state.share ?? 0);
 function drawMotion() {
-  const linkage = element("linkage"), width = linkage.clientWidth, height = clamp(0.6 * width, 220, 340);
+  const linkage = element("linkage"), width = linkage.clientWidth, height = clamp(0.45 * width, 220, 340);
   if (!mechanism) { element("mechanism").hidden = true; return; }
   if (!design.scene) {
     const {pen} = prepared(linkage, height);
@@ -293,7 +293,7 @@ function drawMotion() {
   drawFrame();
 }
 function drawFrame() {
-  const linkage = element("linkage"), height = clamp(0.6 * linkage.clientWidth, 220, 340), position = positionNow();
+  const linkage = element("linkage"), height = clamp(0.45 * linkage.clientWidth, 220, 340), position = positionNow();
   drawLinkage(linkage, height, design.scene, position);
   const of = mechanism.curves.find(one => one.name === element("curve").value);
   if (of) drawCurves(element("curves"), 210, of, [{motion: design.motion}, ...state.locks.flatMap(({motion, scene}, k) =>
