@@ -23,7 +23,7 @@ from fastlink.errors import InputError
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.fact import Fact, System
 from fastlink.facts.formula import Formula
-from fastlink.facts.names import innermost
+from fastlink.facts.names import innermost, signed
 from fastlink.io.reader import is_hdf5
 from fastlink.maps.units import flags_of
 from fastlink.mechanisms import catalogue as find_catalogue
@@ -292,7 +292,7 @@ def content_of(values: Values) -> dict[str, Any]:
             {
                 "name": name,
                 "dims": [str(dim) for dim in maps[name].dims],
-                "requested": _is_request(maps, name),
+                **_request(maps, name),
                 **_labels(maps[name]),
             }
             for name in names
@@ -321,13 +321,19 @@ def _catalogue_of(maps: xr.Dataset) -> Catalogue:
     return find_catalogue(mechanism_of_map(maps.attrs), None if driven is None else str(driven))
 
 
-def _is_request(maps: xr.Dataset, name: str) -> bool:
-    """Tell whether a variable is one that a study can ask for."""
+def _request(maps: xr.Dataset, name: str) -> dict[str, Any]:
+    """Tell whether a study can ask for a variable, and of what quantity it is which reduction, "" of none."""
     try:
-        parse_request(name, _catalogue_of(maps))
+        asked = parse_request(name, _catalogue_of(maps))
     except InputError:
-        return False
-    return True
+        return {"requested": False, "of": ["", ""]}
+    plain = name == str(asked.of)
+    return {
+        "requested": True,
+        "of": [signed(asked.quantity), asked.reduction.suffix if asked.reduction else ""]
+        if plain
+        else ["", ""],
+    }
 
 
 def _dimension(maps: xr.Dataset, dim: str) -> dict[str, Any]:
@@ -369,7 +375,8 @@ def _mechanism(maps: xr.Dataset) -> dict[str, Any] | None:
     needed += [end for ends in picture.spans.values() for end in ends]
     needed += [bar.orientation for bar in picture.bars if bar.orientation]
     curves = [one for one in _curves(maps, catalogue) if motion.has(one)]
-    facts = [one for one in [*needed, *curves] if isinstance(one, str) and one in catalogue.facts]
+    asked = [_request(maps, str(one))["of"][0] for one in maps.data_vars]
+    facts = [one for one in [*needed, *curves, *asked] if isinstance(one, str) and one in catalogue.facts]
     script, found = script_of(catalogue, facts, [*inputs, *constants], variants)
     if not {value for one in points for value in (one.x, one.y) if value in catalogue.facts} <= set(found):
         return None
@@ -379,6 +386,7 @@ def _mechanism(maps: xr.Dataset) -> dict[str, Any] | None:
         "title": catalogue.title,
         "script": script,
         "inputs": list(inputs),
+        "rules": {one: known[one].rule for one in inputs if not known[one].choices},
         "degrees": degrees,
         "constants": constants,
         "branches": {str(branch): meaning for branch, meaning in catalogue.branches.items()},

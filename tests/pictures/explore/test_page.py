@@ -30,6 +30,38 @@ GREATEST = """async () => {
     const found = await source.picture({...view.query, pool: "greatest"});
     return [found.pooled, Array.from(found.values, one => String(Math.fround(one)))];
 }"""
+#: Keep each text of a canvas with its box on it since the canvas was cleared.
+HOOK = """(() => {
+    const pen = CanvasRenderingContext2D.prototype, {fillText, clearRect} = pen;
+    pen.clearRect = function (...box) { this.canvas.texts = []; clearRect.apply(this, box); };
+    pen.fillText = function (text, x, y) {
+        const {a, b, c, d, e, f} = this.getTransform(), ratio = this.canvas.width / this.canvas.clientWidth;
+        const at = (u, v) => [(a * u + c * v + e) / ratio, (b * u + d * v + f) / ratio];
+        const wide = this.measureText(text).width, left = x - wide * {left: 0, center: 0.5, right: 1}[this.textAlign];
+        const [p, q] = [at(left, y - 5), at(left + wide, y + 5)];
+        this.canvas.texts.push([text, ...[0, 1].flatMap(k => [Math.min(p[k], q[k]), Math.max(p[k], q[k])])]);
+        fillText.call(this, text, x, y);
+    };
+})()"""
+#: All texts of the page, each with left, right, top and bottom; of one that ends in dots the first box counts.
+TEXTS = """(() => {
+    const found = [], range = document.createRange();
+    const all = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+    while (all.nextNode()) {
+        const {currentNode: node, currentNode: {parentElement: parent, textContent: text}} = all;
+        if (!text.trim() || parent.closest("option, script, #said, sub")) continue;
+        if (!parent.checkVisibility({visibilityProperty: true})) continue;
+        range.selectNodeContents(node);
+        const end = parent.closest("#values div > :first-child")?.getBoundingClientRect().right ?? Infinity;
+        [...range.getClientRects()].filter((one, k, every) => one.top !== every[k - 1]?.top).forEach(one =>
+            found.push([text, one.left, Math.min(one.right, end), one.top + 2, one.bottom - 2]));
+    }
+    for (const canvas of document.querySelectorAll("canvas")) {
+        const {left, top} = canvas.getBoundingClientRect();
+        for (const [text, a, b, c, d] of canvas.texts ?? []) found.push([text, a + left, b + left, c + top, d + top]);
+    }
+    return found;
+})()"""
 INK = """(() => {
     const canvas = element("linkage"), size = [canvas.width, canvas.height];
     const data = canvas.getContext("2d").getImageData(0, 0, ...size).data, wanted = ofHex(MODES[0]);
@@ -81,8 +113,8 @@ def point(tab, across, up):
 def values(tab):
     """Return the values that are shown, by name."""
     return tab.evaluate(
-        "Object.fromEntries([...document.querySelectorAll('#values div')].map("
-        "one => [one.dataset.name, one.querySelector('.value').textContent]))"
+        "Object.fromEntries([...document.querySelectorAll('#values div')].map(one => [one.dataset.name,"
+        "(one.querySelector('input')?.value ?? '') + one.querySelector('.value').textContent]))"
     )
 
 
@@ -373,3 +405,209 @@ def test_a_map_of_one_axis_is_a_line(browser):
         point(tab, 0.5, 0.5)
         settled(tab, "design.at.theta1 === 18")
         assert values(tab)["theta1"] == "180°"
+
+
+@pytest.fixture(scope="module")
+def coupler():
+    """A map with a coupler point and links that have a mass, of one assembly mode."""
+    space = fl.grid(
+        a1=[0.3, 0.4, 0.5],
+        a2=np.linspace(0.8, 1.4, 13),
+        a3=np.linspace(0.4, 1.2, 9),
+        a4=1.0,
+        omega1=10.0,
+        P_u=0.5,
+        P_v=0.3,
+    )
+    names = [
+        "omega4_max",
+        "omega4_peak",
+        "omega4_rms",
+        "shaking_force_max",
+        "transmission_angle_min",
+        "P_y_min",
+    ]
+    codes, links = ["grashof_class", "status", "swing"], fl.round_bar(density=7750.0, radius=0.01)
+    return fl.sweep("planar_4r", space, [*names, *codes], links=links, branch=1, verify=0)
+
+
+@pytest.fixture(scope="module")
+def coupler_page(coupler):
+    with fl.explore(coupler, browser=False) as page:
+        yield page
+
+
+def clashes(texts):
+    """Return the pairs of texts whose boxes overlap by more than a pixel."""
+    boxes = np.array([one[1:] for one in texts])
+    low, high = boxes[:, [0, 2]] + 0.5, boxes[:, [1, 3]] - 0.5
+    both = (low[:, None] < high[None]).all(axis=2) & (low[None] < high[:, None]).all(axis=2)
+    return [(texts[i], texts[j]) for i, j in zip(*np.nonzero(np.triu(both, 1)), strict=True)]
+
+
+def maps_of(kind, coupler):
+    """Return a map whose picture has cells, points or a line."""
+    if kind == "cells":
+        return coupler
+    if kind == "points":
+        space = fl.sobol(64, seed=1, a1=(0.2, 0.5), a2=(0.9, 1.4), a3=(0.6, 1.2), a4=1.0, omega1=10.0)
+        return fl.sweep("planar_4r", space, ["omega4_max", "swing"], branch=1, verify=0)
+    space = fl.grid(a1=0.4, a2=1.1, a3=0.8, a4=1.0, omega1=10.0)
+    return fl.sweep("planar_4r", space, ["omega4"], theta1=36, verify=0)
+
+
+@pytest.mark.parametrize("kind", ["cells", "points", "line"])
+@pytest.mark.parametrize("width", [390, 900, 1400])
+def test_no_text_lies_on_another_and_nothing_is_beyond_the_side(browser, coupler, kind, width):
+    with fl.explore(maps_of(kind, coupler), browser=False) as page:
+        view = {"width": width, "height": 844 if width == 390 else 900}
+        with new_tab(browser, viewport=view) as show:
+            tab = show(page.url)
+            tab.context.add_init_script(HOOK)
+            show(page.url)
+            tab.evaluate("""async () => {
+                const at = {...state.at}, dim = content.dims[0].name;
+                await lock(at);
+                await lock({...at, [dim]: at[dim] + 1});
+                state.brush = [0.3, 0.9, 0.2, 0.9];
+                await drawRegion();
+                drawOver();
+            }""")
+            for act in ("0", "depart({a1: 0.4123})"):
+                tab.evaluate(act)
+                settled(tab, "!loading && !designing")
+                assert state(tab, "document.documentElement.scrollWidth") == width
+                texts = state(tab, TEXTS)
+                assert len(texts) > 60
+                assert not clashes(texts)
+            sliders = [one.bounding_box()["width"] for one in tab.locator("#sliders input").all()]
+            assert all(one > 0.3 * min(width, 700) for one in sliders)
+
+
+def joint(tab, name):
+    """Return where a joint is drawn, in the window."""
+    canvas = tab.locator("#linkage")
+    canvas.scroll_into_view_if_needed()
+    x, y = tab.evaluate(
+        """name => {
+            const canvas = element("linkage"), {motion, scene} = design;
+            const [on] = framing(scene.view, canvas.clientWidth, canvas.clientHeight);
+            const point = mechanism.points.find(one => one.name === name);
+            return on(motion.place(motion.at(positionNow(), motion.branches[0]), point));
+        }""",
+        name,
+    )
+    box = canvas.bounding_box()
+    return box["x"] + x, box["y"] + y
+
+
+def computed(tab, names):
+    """Return the inputs, the position and the quantities there of the design that is shown, and its row."""
+    settled(tab, "!loading && !designing")
+    told = """names => {
+        const at = design.motion.at(positionNow(), design.motion.branches[0]), {inputs} = design.motion;
+        return [inputs, positionNow(), Object.fromEntries(names.map(one => [one, valueOf(at, one)])), design.row];
+    }"""
+    return tab.evaluate(told, names)
+
+
+def agree(tab, coupler):
+    """Check the numbers of the page against those of fastlink at the same design."""
+    names = ["B_x", "B_y", "P_x", "P_y", "omega4", "alpha4", "transmission_angle"]
+    inputs, position, values, row = computed(tab, names)
+    density, radius = inputs.pop("density"), inputs.pop("radius")
+    true = fl.evaluate("planar_4r", names, **inputs, theta1=position, branch=1)
+    np.testing.assert_allclose(
+        [values[one] for one in names], [true[one] for one in names], rtol=1e-9, atol=1e-9
+    )
+    links = fl.round_bar(density=density, radius=radius)
+    wanted = fl.sweep("planar_4r", fl.grid(**inputs), list(row), links=links, branch=1, verify=0)
+    assert set(row) == set(coupler.data_vars)
+    np.testing.assert_allclose(list(row.values()), [float(wanted[one]) for one in row], rtol=1e-9)
+    return inputs
+
+
+def test_an_input_is_typed_off_the_grid_and_back(browser, coupler, coupler_page):
+    with opened(browser, coupler_page.url) as tab:
+        for name, value in {"a2": 1.2345, "omega1": 12.5, "P_v": -0.2}.items():
+            tab.locator(f"#type-{name}").fill(str(value))
+            settled(tab, f"design.motion.inputs.{name} === {value}")
+        inputs = agree(tab, coupler)
+        assert inputs == {
+            "a1": 0.4,
+            "a2": 1.2345,
+            "a3": inputs["a3"],
+            "a4": 1.0,
+            "omega1": 12.5,
+            "P_u": 0.5,
+            "P_v": -0.2,
+        }
+        assert "Off the grid" in tab.locator("#off").inner_text()
+        assert "sampled" in values(tab)["omega4_max"]
+        for text in ("0", "-1", ""):  # a length has to be positive
+            tab.locator("#type-a2").fill(text)
+            assert tab.locator("#type-a2").get_attribute("aria-invalid") == "true"
+        assert computed(tab, [])[0]["a2"] == 1.2345
+        tab.locator("#keep").click()
+        settled(tab, "state.locks.length === 1")
+        place = state(tab, "placeOf(state.cursor)")
+        box = state(tab, "view.box")
+        step = (1.4 - 0.8) / 12
+        assert place[0] == pytest.approx(box["left"] + (1.2345 - 0.8 + step / 2) / (13 * step) * box["width"])
+        with opened(browser, state(tab, "location.href")) as other:
+            for key in ("state.cursor", "design.row", "state.locks.map(one => [one.at, one.row])"):
+                assert state(other, key) == state(tab, key)
+        for name, value in {"a2": 0.9, "omega1": 10, "P_v": 0.3}.items():
+            tab.locator(f"#type-{name}").fill(str(value))
+        settled(tab, "!loading && !designing && !state.cursor.free")
+        own = coupler.omega4_max.isel(a1=1, a2=2, a3=4)
+        assert float(own.a2) == pytest.approx(0.9)
+        assert state(tab, "design.row.omega4_max") == float(own)
+
+
+@pytest.mark.parametrize(
+    ("name", "changed"), [("A", {"a1"}), ("B", {"a2", "a3"}), ("D", {"a4"}), ("P", {"P_u", "P_v"})]
+)
+def test_a_joint_is_dragged(browser, coupler, coupler_page, name, changed):
+    with opened(browser, coupler_page.url) as tab:
+        before = computed(tab, [])[0]
+        x, y = joint(tab, name)
+        tab.mouse.move(x, y)
+        tab.mouse.down()
+        for k in (1, 2, 3):
+            tab.mouse.move(x + 4 * k, y - 3 * k)
+        settled(tab, "!designing && state.cursor.free !== undefined")
+        np.testing.assert_allclose(joint(tab, name), [x + 12, y - 9 if name != "D" else y], atol=1.0)
+        tab.mouse.up()
+        after = agree(tab, coupler)
+        assert {one for one in after if after[one] != before[one]} == changed
+
+
+def test_a_linkage_that_is_dragged_apart_stops_there(browser, coupler_page):
+    with opened(browser, coupler_page.url) as tab:
+        x, y = joint(tab, "A")
+        tab.mouse.move(x, y)
+        tab.mouse.down()
+        for k in range(1, 9):
+            tab.mouse.move(x - 40 * k, y)
+        settled(tab, "!designing && state.cursor.free !== undefined")
+        tab.mouse.up()
+        assert state(tab, "design.motion.assembles(positionNow())")
+
+
+def test_a_map_over_positions_is_evaluated_at_the_position_that_is_chosen(browser):
+    maps = fl.sweep(
+        "planar_4r",
+        fl.grid(a1=[0.3, 0.4], a2=1.1, a3=0.8, a4=1.0, omega1=10.0),
+        ["omega4"],
+        theta1_deg=[10, 50],
+        verify=0,
+    )
+    with fl.explore(maps, browser=False) as page, opened(browser, page.url) as tab:
+        tab.locator("#type-a1").fill("0.35")
+        settled(tab, "!loading && !designing && state.cursor?.free?.a1 === 0.35")
+        true = fl.evaluate(
+            "planar_4r", ["omega4"], a1=0.35, a2=1.1, a3=0.8, a4=1.0, omega1=10.0, theta1_deg=10, branch=1
+        )
+        assert state(tab, "state.cursor.theta1") == 0
+        assert state(tab, "design.row.omega4") == pytest.approx(float(true["omega4"]), rel=1e-9)

@@ -34,7 +34,14 @@ TASK = """([told, given]) => {
     MOTION
     const motion = new Motion(given.design, Object.keys(mechanism.branches).map(Number));
     const each = run => given.positions.map(at => motion.branches.map(branch => run(at, branch)));
-    return {ranges: motion.ranges, places: each((at, branch) => motion.places(at, branch)),
+    const place = (of, at, point) => of.place(of.at(at, of.branches[0]), point), branch = motion.branches[0];
+    const size = Math.max(...mechanism.points.flatMap(one => place(motion, given.positions[1], one)).map(Math.abs));
+    const moves = mechanism.points.filter(one => moversOf(one).length).map(one => {
+        const target = place(motion, given.positions[1], one).map((at, k) => at + [0.03, 0.02][k] * size);
+        const {inputs, position} = motion.moved(one, branch, given.positions[1], target);
+        return {name: one.name, target, inputs, position, fixed: one.kind === "ground"};
+    });
+    return {moves, ranges: motion.ranges, places: each((at, branch) => motion.places(at, branch)),
         values: given.names.map(name => each((at, branch) => valueOf(motion.at(at, branch), name)))};
 }"""
 
@@ -64,6 +71,12 @@ def test_a_page_moves_a_mechanism_as_a_picture_does(blank, mechanism, design):
     found = blank.evaluate(task, [page | {"script": ""}, given])
     # bisection ends at neighbouring doubles; where the linkage just assembles, rounding decides within some of them
     np.testing.assert_allclose(found["ranges"], motion.ranges, rtol=1e-7)
+    # each joint is where it was dragged to, by the changed inputs; those of the ground stay on its line
+    for one in found["moves"]:
+        dragged = Motion(mechanism, known, picture_of(mechanism, known), design | one["inputs"], (1,), None)
+        place = dragged.places(np.array([one["position"]]))[one["name"]].ravel()
+        kept = slice(0, 1) if one["fixed"] else slice(None)
+        np.testing.assert_allclose(place[kept], np.array(one["target"])[kept], rtol=1e-6, err_msg=one["name"])
     # some hundred roundings, which these positions amplify by 1e3 at most: 1e2 * 2^-53 * 1e3 < 2e-11 of the size
     for name, place in motion.places(positions).items():
         if name in found["places"][0][0]:

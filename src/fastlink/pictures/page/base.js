@@ -31,6 +31,7 @@ const symbolParts = symbol => symbol.split(" ").map(word => {
 });
 const symbolNodes = symbol => symbolParts(symbol).flatMap(({base, index, leaning, after = ""}) =>
   [make(leaning ? "i" : "span", {textContent: base}), index ? make("sub", {textContent: index}) : "", after, " "]);
+const worded = of => [...symbolNodes(of.symbol), of.symbol === of.meaning ? "" : of.meaning];
 const LOWERED = Object.fromEntries([..."0123456789aehijklmnoprstuvx"].map((letter, k) => [letter, [..."₀₁₂₃₄₅₆₇₈₉ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ"][k]]));
 const lowered = index => [...index].every(one => one in LOWERED) ? [...index].map(one => LOWERED[one]).join("") : index && `_${index}`;
 const symbolText = symbol => symbolParts(symbol).map(({base, index, after = ""}) => base + lowered(index) + after).join(" ");
@@ -41,7 +42,12 @@ const unitsText = units => units === "1" ? "" : state.degrees && isAngle(units) 
   : units === "degree" ? "°" : " " + units.replace(/(-?)(\d)\b/g, (_, sign, digit) => (RAISED[sign] ?? "") + (RAISED[digit] ?? digit));
 const shown = (x, of, digits) => of.flags ? of.flags[String(x)] ?? "none"
   : short(x * factor(of.units), digits) + (Number.isFinite(x) ? unitsText(of.units) : "");
-const labelled = of => `${of.meaning}${of.units === "1" || of.flags ? "" : ` [${unitsText(of.units).trim()}]`}`;
+const bracketed = of => of.units === "1" || of.flags ? "" : ` [${unitsText(of.units).trim()}]`;
+// Symbol, words and units of an axis; where there is no room for the words, without them.
+const labelled = (pen, of, room) => {
+  const text = symbolText(of.symbol) + bracketed(of), whole = `${symbolText(of.symbol)}, ${of.meaning}${bracketed(of)}`;
+  return of.symbol !== of.meaning && pen.measureText(whole).width < room ? whole : text;
+};
 
 // -- axes --
 
@@ -102,7 +108,7 @@ function prepared(canvas, height) {
   const pen = canvas.getContext("2d");
   pen.setTransform(ratio, 0, 0, ratio, 0, 0);
   pen.clearRect(0, 0, width, height);
-  pen.font = `12px ${FONT}`;
+  Object.assign(pen, {font: `12px ${FONT}`, taken: []});
   return {pen, width, height, ratio};
 }
 function line(pen, points, style) {
@@ -120,9 +126,15 @@ function line(pen, points, style) {
   pen.stroke();
   pen.restore();
 }
+// A text that gives way is moved up or down from those before it, or left out if it is dropped there.
 function write(pen, text, x, y, style = {}) {
   pen.save();
   Object.assign(pen, {fillStyle: SOFT, textAlign: "center", textBaseline: "middle"}, style);
+  const {width} = pen.measureText(text), left = x - width * {left: 0, center: 0.5, right: 1}[pen.textAlign];
+  const free = at => pen.taken.every(([from, to, there]) => left > to + 3 || left + width < from - 3 || Math.abs(at - there) > 14);
+  if (style.gives) y = [0, 15, -15, 30, -30, 45, -45].map(by => y + by).find(free) ?? NaN;
+  if (style.drops && !free(y) || Number.isNaN(y)) { pen.restore(); return; }
+  if (!pen.getTransform().b) pen.taken.push([left, left + width, y]);
   if (style.halo) { Object.assign(pen, {strokeStyle: "#fffd", lineWidth: 3.5, lineJoin: "round"}); pen.strokeText(text, x, y); }
   pen.fillText(text, x, y);
   pen.restore();

@@ -18,7 +18,7 @@ function drawLocked() {
   if (place.hidden) { place.replaceChildren(); return; }
   const number = k => make("span", {className: "number", textContent: k + 1});
   const cards = make("div", {id: "cards"}, ...state.locks.map((one, k) => {
-    const show = button("Show", () => { Object.assign(state, {at: {...one.at}, cursor: one.at, held: true}); change({}); });
+    const show = button("Show", () => { const {free, ...at} = one.at; change({at, cursor: one.at, held: true}); });
     const drop = button("Remove", () => { state.locks.splice(k, 1); locksChanged(); }, {title: `Remove design ${k + 1}`});
     return make("figure", {}, ...(mechanism ? [make("canvas", {})] : []), make("figcaption", {}, number(k), show, drop));
   }));
@@ -30,10 +30,12 @@ function drawLocked() {
 }
 function fieldsOf(entries) {
   const along = content.dims.filter(of => of.length > 1 || of.values).filter(of => of.name !== "design");
-  return [...along, ...content.columns, ...content.variables].filter(of => entries.some(one => of.name in dims && of.name in one.at || of.name in one.row));
+  return [...along, ...content.columns, ...content.constants, ...content.variables].filter(of =>
+    entries.some(one => of.name in dims && of.name in one.at || of.name in one.row || of.name in (one.at.free ?? {})));
 }
-const valueIn = (of, {at, row}) => of.name in dims ? (of.values ? of.values[at[of.name]] : of.codes[at[of.name]]) : row[of.name];
-const textIn = (of, one) => of.name in dims ? coordinate(of, one.at[of.name]) : of.name in one.row ? shown(one.row[of.name], of, 6) : "";
+const valueIn = (of, {at, row}) => at.free?.[of.name] ?? of.value ?? (of.name in dims ? (of.values ? of.values[at[of.name]] : of.codes[at[of.name]]) : row[of.name]);
+const textIn = (of, one) => of.name in dims && !(of.name in (one.at.free ?? {})) ? coordinate(of, one.at[of.name])
+  : valueIn(of, one) === undefined ? "" : shown(valueIn(of, one), of, 6);
 function comparison(number) {
   const fields = fieldsOf(state.locks);
   const head = make("tr", {}, make("th", {textContent: isSample ? "design" : ""}), ...state.locks.map((one, k) => make("th", {}, number(k), isSample ? ` ${one.at.design}` : "")));

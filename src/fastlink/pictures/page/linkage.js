@@ -32,13 +32,16 @@ function scene(motion) {
   return {motion, paths, view: [x[0], x[1], y[0], y[1]]};
 }
 
-function drawLinkage(canvas, height, {motion, paths, view}, position, {small = false} = {}) {
-  const {pen, width} = prepared(canvas, height);
-  const margin = small ? 14 : 34;
+// From the plane of the mechanism to a canvas, and back.
+function framing(view, width, height, margin = 34) {
   const wide = Math.max(view[1] - view[0], 1e-9), high = Math.max(view[3] - view[2], 1e-9);
   const scale = Math.min((width - 2 * margin) / wide, (height - 2 * margin) / high);
   const middle = [0.5 * (view[0] + view[1]), 0.5 * (view[2] + view[3])];
-  const on = ([x, y]) => [width / 2 + (x - middle[0]) * scale, height / 2 - (y - middle[1]) * scale];
+  return [([x, y]) => [width / 2 + (x - middle[0]) * scale, height / 2 - (y - middle[1]) * scale],
+    ([x, y]) => [middle[0] + (x - width / 2) / scale, middle[1] - (y - height / 2) / scale]];
+}
+function drawLinkage(canvas, height, {motion, paths, view}, position, {small = false} = {}) {
+  const {pen, width} = prepared(canvas, height), [on] = framing(view, width, height, small ? 14 : 34);
   if (mechanism.metric === "minkowskian" && !small)
     for (const one of mechanism.points.filter(point => point.kind === "ground")) {
       const [x, y] = on(motion.place(motion.at(position, motion.branches[0]), one)), far = width + height;
@@ -103,7 +106,7 @@ function drawBars(pen, places, branch, small, named) {
     if (named && !small && one.named) {
       const away = Math.hypot(x - middle[0], y - middle[1]) || 1;
       const side = one.kind === "ground" ? [x < middle[0] ? -15 : 15, -3] : [15 * (x - middle[0]) / away, 15 * (y - middle[1]) / away];
-      write(pen, one.name, x + side[0], y + side[1], {fillStyle: INK, font: `italic 14px ${FONT}`, halo: true});
+      write(pen, one.name, x + side[0], y + side[1], {fillStyle: INK, font: `italic 14px ${FONT}`, halo: true, gives: true});
     }
   }
 }
@@ -111,7 +114,7 @@ function drawBars(pen, places, branch, small, named) {
 // Curves of one quantity over the input: those of the designs given, each with its motion, number and colour.
 function drawCurves(canvas, height, of, entries, position) {
   const {pen, width} = prepared(canvas, height);
-  const box = {left: 62, right: width - 14, top: 8, bottom: height - 36};
+  const box = {left: 62, right: width - 26, top: 8, bottom: height - 36};
   const every = entries.flatMap(({motion}) => motion.branches.map(branch => ({motion, branch, curves: motion.curve(of.name, branch)})));
   const values = every.flatMap(({curves}) => curves.flat().map(point => point[1])).filter(Number.isFinite).sort((a, b) => a - b);
   if (!values.length) { write(pen, "no finite values", width / 2, height / 2); return; }
@@ -131,14 +134,13 @@ function drawCurves(canvas, height, of, entries, position) {
   const turn = factor(mechanism.position.units), scale = factor(of.units);
   for (const tick of ticks(from * turn, to * turn, 7, turn !== 1)) {
     line(pen, [[x(tick / turn), box.top], [x(tick / turn), box.bottom]], {strokeStyle: "#eceff3", lineWidth: 1});
-    write(pen, short(tick), x(tick / turn), box.bottom + 11);
+    write(pen, short(tick), x(tick / turn), box.bottom + 11, {drops: true});
   }
   for (const tick of ticks(low * scale, high * scale, 5)) {
     line(pen, [[box.left, y(tick / scale)], [box.right, y(tick / scale)]], {strokeStyle: "#eceff3", lineWidth: 1});
-    write(pen, short(tick), box.left - 6, y(tick / scale), {textAlign: "right"});
+    write(pen, short(tick), box.left - 6, y(tick / scale), {textAlign: "right", drops: true});
   }
-  const position_ = mechanism.position;
-  write(pen, `${symbolText(position_.symbol)}${unitsText(position_.units) && ` [${unitsText(position_.units).trim()}]`}`, 0.5 * (box.left + box.right), height - 9);
+  write(pen, labelled(pen, mechanism.position, box.right - box.left), 0.5 * (box.left + box.right), height - 9);
   pen.save();
   pen.beginPath();
   pen.rect(box.left, box.top - 4, box.right - box.left, box.bottom - box.top + 8);
@@ -165,7 +167,7 @@ function drawCurves(canvas, height, of, entries, position) {
       const top = clamp(y(value), box.top, box.bottom);
       line(pen, [[x(at) - 5, top - sign * 9], [x(at) + 5, top - sign * 9], [x(at), top - sign * 2], [x(at) - 5, top - sign * 9]],
         {strokeStyle: modeColour(branch), fillStyle: modeColour(branch), lineWidth: 1});
-      write(pen, shown(value, of, 4), clamp(x(at), box.left + 30, box.right - 34), clamp(top - sign * 17, 9, box.bottom - 8), {fillStyle: INK, halo: true});
+      write(pen, shown(value, of, 4), clamp(x(at), box.left + 30, box.right - 34), clamp(top - sign * 17, 9, box.bottom - 8), {fillStyle: INK, halo: true, gives: true});
     }
     const now = valueOf(motion.at(position, branch), of.name);
     if (Number.isFinite(now) && now >= low && now <= high) {
@@ -176,8 +178,8 @@ function drawCurves(canvas, height, of, entries, position) {
     }
   }
   for (const {motion, number} of entries.slice(1)) {
-    const [at, value] = motion.curve(of.name, motion.branches[0], 9).flat().find(point => Number.isFinite(point[1])) ?? [NaN, NaN];
-    if (Number.isFinite(at)) write(pen, String(number), x(at) + 8, clamp(y(value), box.top, box.bottom), {halo: true, fillStyle: INK});
+    const [at, value] = motion.curve(of.name, motion.branches[0], 9).flat().findLast(point => Number.isFinite(point[1])) ?? [NaN, NaN];
+    if (Number.isFinite(at)) write(pen, String(number), x(at) + 10, clamp(y(value), box.top + 6, box.bottom - 6), {halo: true, fillStyle: INK, gives: true});
   }
 }
 // An angle that passes half a turn goes on at the other side: no line joins the two.

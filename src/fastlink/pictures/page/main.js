@@ -65,7 +65,7 @@ const sliding = () => variables[state.name].dims.filter(dim =>
 function slider(name) {
   const of = dims[name], output = make("output", {});
   const range = make("input", {type: "range", id: `slide-${name}`, min: 0, max: of.length - 1, step: 1, value: state.at[name]});
-  const label = make("label", {htmlFor: range.id, title: of.meaning}, ...symbolNodes(of.symbol), `${of.meaning}`);
+  const label = make("label", {htmlFor: range.id}, ...worded(of));
   const tell = () => {
     output.textContent = coordinate(of, +range.value);
     range.setAttribute("aria-valuetext", output.textContent);
@@ -73,11 +73,11 @@ function slider(name) {
   range.oninput = () => {
     tell();
     state.at = {...state.at, [name]: +range.value};
-    if (state.cursor) state.cursor = {...state.cursor, [name]: +range.value};
+    if (state.cursor) state.cursor = settled({...state.cursor, [name]: +range.value}, {[name]: undefined});
     load();
   };
   tell();
-  return [label, range, output];
+  return [label, output, range];
 }
 const coordinate = (of, place) => of.names ? of.names[place] : of.values ? shown(of.values[place], of) : String(place);
 
@@ -161,6 +161,7 @@ const inputsOf = (at, row) => {
     let value = content.constants.find(one => one.name === name)?.value;
     if (of) value = of.values ? of.values[at[name]] : of.codes[at[name]];
     if (row && name in row) value = row[name];
+    value = at.free?.[name] ?? value;
     found[name] = mechanism.degrees.includes(name) ? value * Math.PI / 180 : value;
   }
   return found;
@@ -170,11 +171,43 @@ function branchesOf(at) {
   if (dims.branch) return [(dims.branch.values ?? dims.branch.codes)[at.branch]];
   return constant ? [constant] : Object.keys(mechanism.branches).map(Number);
 }
+// A place {a2: 7, ...} is of the map; one with {free: {a2: 1.234}} is off its grid, with these inputs in the map's units.
 let design = null;  // {at, row, motion, scene}
 async function designAt(at) {
-  const asked = source.row({at}), early = mechanism && !isSample ? motionOf(at, null) : null;  // while the row is on its way
-  const row = await asked;
-  return {at, row, ...(early ?? (mechanism ? motionOf(at, row) : {}))};
+  const {free, ...places} = at, asked = source.row({at: places});
+  const early = mechanism && !isSample ? motionOf(at, null) : null;  // while the row is on its way
+  const row = await asked, found = {at, row, ...(early ?? (mechanism ? motionOf(at, row) : {}))};
+  return free ? {...found, row: computedRow(found)} : found;
+}
+// What this page can tell of a design that the map does not hold.
+function computedRow({at, row, motion}) {
+  const found = {}, [branch] = motion.branches;
+  for (const {name} of content.columns) found[name] = at.free[name] ?? row[name];
+  for (const {name, of: [quantity, how]} of content.variables) {
+    const value = quantity in FACTS ? how ? motion.reduced(quantity, how, branch) : valueOf(motion.at(givenAt(at), branch), quantity) : undefined;
+    if (value !== undefined) found[name] = value;
+  }
+  return found;
+}
+// A design with some inputs changed; on the grid where these are all on it.
+function settled({free, ...at}, changed) {
+  const every = Object.entries({...free, ...changed}).filter(([, value]) => value !== undefined), places = {...at};
+  const off = every.filter(([name, value]) => {
+    const near = one => Math.abs(one - value) <= 1e-9 * Math.abs(one), k = dims[name]?.values?.findIndex(near) ?? -1;
+    if (k >= 0) places[name] = k;
+    return k < 0 && !(fieldOf(name).value !== undefined && near(fieldOf(name).value));
+  });
+  return off.length ? {...at, free: Object.fromEntries(every)} : places;
+}
+function depart(changed) {
+  const at = settled(design.at, changed);
+  if (at.free) pointTo(at, true);
+  else change({at: {...at}, cursor: at, held: true});
+}
+const fieldOf = name => dims[name] ?? columns[name] ?? content.constants.find(one => one.name === name);
+function givenAt(at) {
+  const of = fieldOf(mechanism.position.name), value = (of?.values ?? of?.codes)?.[at[of.name]] ?? of?.value;
+  return of?.units === "degree" ? value * Math.PI / 180 : value;
 }
 function motionOf(at, row) {
   const motion = new Motion(inputsOf(at, row), branchesOf(at));
@@ -194,26 +227,50 @@ async function findDesign() {
   if (design?.key !== key) {
     const found = await designAt(at);
     design = {...found, key};
-    const driven = mechanism && dims[mechanism.position.name];
-    if (driven?.values && variables[state.name].dims.includes(driven.name)) design.given = driven.values[at[driven.name]] * (driven.units === "degree" ? Math.PI / 180 : 1);
+    if (mechanism && dims[mechanism.position.name]?.values && variables[state.name].dims.includes(mechanism.position.name)) design.given = givenAt(at);
+    if (dragging && design.scene) {
+      design.scene.view = dragging.view;
+      state.share = design.motion.shareOf(dragging.position);
+    }
   }
 }
 function placeTexts(at) {
   return content.dims.filter(of => of.name in at && of.length > 1 && of.name !== "design").map(of => [of, coordinate(of, at[of.name])]);
 }
 function drawValues() {
-  const {at, row} = design, entries = [];
+  const {at, row} = design, inputs = mechanism?.inputs ?? [], entries = [], place = element("values");
   if (isSample) entries.push([{symbol: "design", meaning: "number of the design"}, String(at.design)]);
+  for (const of of inputs.map(fieldOf)) entries.push([of, shown(valueIn(of, design), of)]);
   for (const [of, text] of placeTexts(at)) entries.push([of, text]);
   for (const of of content.columns) if (of.name in row) entries.push([of, shown(row[of.name], of)]);
-  for (const of of content.variables) if (of.name in row) entries.push([of, shown(row[of.name], of, 6)]);
   for (const of of content.constants.filter(one => one.units !== "1")) entries.push([of, shown(of.value, of)]);
-  element("values").replaceChildren(...entries.map(([of, text]) => {
-    const row = make("div", {title: `${of.meaning}${of.name ? ` (${of.name})` : ""}`, className: of.name === state.name ? "shown" : ""},
-      make("dt", {}, ...symbolNodes(of.symbol)), make("span", {className: "value", textContent: text}));
-    row.dataset.name = of.name ?? "design";
-    return row;
-  }));
+  for (const of of content.variables) if (of.name in row) entries.push([of, shown(row[of.name], of, 6) + (at.free && of.of[1] ? " sampled" : "")]);
+    else if (at.free) entries.push([of, "not computed"]);
+  const rows = entries.filter(([of], k) => k < inputs.length + isSample || !inputs.includes(of.name)), key = JSON.stringify([rows.map(([of]) => of.name), state.degrees]);
+  if (place.dataset.key !== key) {
+    place.dataset.key = key;
+    place.replaceChildren(...rows.map(([of, text]) => {
+      const typed = of.name in (mechanism?.rules ?? {}) && make("input", {type: "number", step: "any", id: `type-${of.name}`, oninput: typedIn});
+      const made = make("div", {title: `${of.meaning}${of.name ? ` (${of.name})` : ""}`}, make(typed ? "label" : "span", {htmlFor: `type-${of.name}`}, ...worded(of)),
+        make("span", {className: "value"}, ...(typed ? [typed, unitsText(of.units)] : [])));
+      made.dataset.name = of.name ?? "design";
+      return made;
+    }));
+  }
+  rows.forEach(([of, text], k) => {
+    const made = place.children[k], typed = made.querySelector("input");
+    made.className = of.name === state.name ? "shown" : "";
+    if (!typed) made.lastChild.textContent = text;
+    else if (typed !== document.activeElement) typed.value = +(valueIn(of, design) * factor(of.units)).toPrecision(6);
+  });
+  element("off").hidden = !mechanism;
+  element("off").className = at.free ? "free" : "";
+  element("told").textContent = at.free ? "Off the grid: computed by this page." : "Of the map. Type an input, or drag a joint.";
+}
+function typedIn({target}) {
+  const name = target.id.slice(5), value = target.value === "" ? NaN : target.value / factor(fieldOf(name).units);
+  target.setAttribute("aria-invalid", String(!allowed(name, value)));
+  if (allowed(name, value)) depart({[name]: value});
 }
 function fillCurves() {
   if (!mechanism?.curves.length) { element("curved").hidden = true; return; }
@@ -224,7 +281,7 @@ function fillCurves() {
 }
 const positionNow = () => design.given !== undefined && !state.playing && state.share === null ? design.given : design.motion.played(state.share ?? 0);
 function drawMotion() {
-  const linkage = element("linkage"), width = linkage.clientWidth, height = clamp(0.6 * width, 220, 340);
+  const linkage = element("linkage"), width = linkage.clientWidth, height = clamp(0.45 * width, 220, 340);
   if (!mechanism) { element("mechanism").hidden = true; return; }
   if (!design.scene) {
     const {pen} = prepared(linkage, height);
@@ -236,7 +293,7 @@ function drawMotion() {
   drawFrame();
 }
 function drawFrame() {
-  const linkage = element("linkage"), height = clamp(0.6 * linkage.clientWidth, 220, 340), position = positionNow();
+  const linkage = element("linkage"), height = clamp(0.45 * linkage.clientWidth, 220, 340), position = positionNow();
   drawLinkage(linkage, height, design.scene, position);
   const of = mechanism.curves.find(one => one.name === element("curve").value);
   if (of) drawCurves(element("curves"), 210, of, [{motion: design.motion}, ...state.locks.flatMap(({motion, scene}, k) =>
@@ -269,7 +326,8 @@ function remember() {
 async function recall() {
   let kept = {};
   try { kept = JSON.parse(decodeURIComponent(location.hash.slice(1)) || "{}"); } catch { /* not a view */ }
-  const fits = at => at && Object.entries(at).every(([dim, place]) => dim in dims && Number.isInteger(place) && place >= 0 && place < (dims[dim].length ?? Infinity));
+  const isFree = free => mechanism && free && Object.entries(free).every(([name, value]) => name in mechanism.rules && allowed(name, value));
+  const fits = at => at && Object.entries(at).every(([dim, place]) => dim === "free" ? isFree(place) : dim in dims && Number.isInteger(place) && place >= 0 && place < (dims[dim].length ?? Infinity));
   for (const key of LINKED) if (key in kept) state[key] = kept[key];
   if (!(state.name in variables)) state.name = content.variables[0].name;
   state.at = {...Object.fromEntries(content.dims.map(one => [one.name, 0])), ...(fits(kept.at) ? kept.at : state.at)};

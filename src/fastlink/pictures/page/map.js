@@ -1,6 +1,6 @@
 // The picture of a variable over one or two dimensions, or of designs that were sampled.
 "use strict";
-const MARGIN = {left: 66, right: 96, top: 14, bottom: 46};
+const MARGIN = {left: 66, right: 96, top: 34, bottom: 46};
 const dims = Object.fromEntries(content.dims.map(one => [one.name, one]));
 const variables = Object.fromEntries(content.variables.map(one => [one.name, one]));
 const columns = Object.fromEntries([...content.columns, ...content.variables].map(one => [one.name, one]));
@@ -29,7 +29,7 @@ function axisOf(dim, [low, high], step) {
   const marks = own.names ? places.filter((_, k) => k % Math.ceil(count / 12) === 0).map(place => [shareOf(place), own.names[place]])
     : (ratio ? logTicks(back(first) * scale, back(last) * scale) : ticks(first * scale, last * scale, 6, scale !== 1))
       .map(tick => [(to(tick / scale) - first) / (last - first), short(tick)]);
-  return {dim, places, cell, index: k => descends ? count - 1 - k : k, share: shareOf, marks, of: own, back: one => back(first + one * (last - first))};
+  return {dim, places, cell, index: k => descends ? count - 1 - k : k, share: shareOf, shareOfValue: one => (to(one) - first) / (last - first), marks, of: own, back: one => back(first + one * (last - first))};
 }
 const isEven = numbers => {
   const step = (numbers.at(-1) - numbers[0]) / (numbers.length - 1);
@@ -55,7 +55,8 @@ const view = {};  // the picture as it stands: axes, values, box
 function boxOf(width, height) {
   return {left: MARGIN.left, top: MARGIN.top, width: width - MARGIN.left - MARGIN.right, height: height - MARGIN.top - MARGIN.bottom};
 }
-const heightOf = canvas => clamp(0.72 * canvas.clientWidth, 300, 560);
+// As high as leaves the sliders below it in the window.
+const heightOf = canvas => clamp(window.innerHeight - 150 - element("sliders").offsetHeight, 300, Math.max(300, 0.95 * canvas.clientWidth));
 
 function drawMap() {
   const canvas = element("map"), {pen, width, height, ratio} = prepared(canvas, heightOf(canvas));
@@ -149,19 +150,20 @@ function drawAxes(pen, box, of, width, height) {
     const at = box.left + share * box.width;
     if (share < -1e-6 || share > 1 + 1e-6) continue;
     line(pen, [[at, box.top + box.height], [at, box.top + box.height + 4]], {strokeStyle: INK, lineWidth: 1});
-    write(pen, String(text).slice(0, 12), at, box.top + box.height + 13);
+    write(pen, String(text).slice(0, 12), at, box.top + box.height + 13, {drops: true});
   }
-  write(pen, labelled(x.of), box.left + box.width / 2, height - 12, {fillStyle: INK, font: `13px ${FONT}`});
+  const named = {fillStyle: INK, font: `13px ${FONT}`};
+  write(pen, labelled(pen, x.of, 0.9 * width), Math.min(box.left + box.width / 2, width / 2), height - 12, named);
   for (const [share, text] of y?.marks ?? []) {
     const at = box.top + (1 - share) * box.height;
     if (share < -1e-6 || share > 1 + 1e-6) continue;
     line(pen, [[box.left - 4, at], [box.left, at]], {strokeStyle: INK, lineWidth: 1});
-    write(pen, String(text).slice(0, 8), box.left - 7, at, {textAlign: "right"});
+    write(pen, String(text).slice(0, 8), box.left - 7, at, {textAlign: "right", drops: true});
   }
   pen.save();
   pen.translate(13, box.top + box.height / 2);
   pen.rotate(-Math.PI / 2);
-  write(pen, labelled(y ? y.of : of), 0, 0, {fillStyle: INK, font: `13px ${FONT}`});
+  write(pen, labelled(pen, y ? y.of : of, 2 * box.top + box.height - 8), 0, 0, named);
   pen.restore();
   if (y && view.scale.kind !== "codes") drawColourBar(pen, box, of, width);
   drawLegend(of);
@@ -184,10 +186,9 @@ function drawColourBar(pen, box, of, width) {
     const share = scale.kind === "log" ? Math.log(tick / by / scale.low) / Math.log(scale.high / scale.low) : (tick / by - scale.low) / (scale.high - scale.low);
     const y = box.top + (1 - share) * box.height;
     line(pen, [[left + wide, y], [left + wide + 4, y]], {strokeStyle: INK, lineWidth: 1});
-    write(pen, short(tick, 4), left + wide + 7, y, {textAlign: "left"});
+    write(pen, short(tick, 4), left + wide + 7, y, {textAlign: "left", drops: true});
   }
-  const symbol = symbolText(of.symbol), short_ = symbol.length > 12 ? "" : symbol;  // the menu says what is shown
-  write(pen, short_ + (unitsText(of.units) && ` [${unitsText(of.units).trim()}]`), width - 4, box.top + box.height + 20, {fillStyle: INK, textAlign: "right"});
+  write(pen, symbolText(of.symbol) + bracketed(of), width - 4, 11, {fillStyle: INK, textAlign: "right"});
 }
 
 function drawLegend(of) {
@@ -236,8 +237,13 @@ function pickPoint(across, up) {
   }
   return best < 0 ? null : {...state.at, design: best * content.step};
 }
-function placeOf(at) {
+function placeOf(at, row = design?.row) {
   const {box, axes: [x, y]} = view;
+  if (at.free) {  // off the grid; beyond the picture, at its edge
+    const share = axis => clamp(axis.dim ? axis.dim in at.free ? axis.shareOfValue(at.free[axis.dim]) : axis.share(at[axis.dim])
+      : axis.share(valueIn(axis.of, {at, row})), 0, 1);
+    return [box.left + share(x) * box.width, y ? box.top + (1 - share(y)) * box.height : clamp(view.up(row[state.name]), box.top, box.top + box.height)];
+  }
   if (isSample) {
     const k = Math.round(at.design / content.step);
     return [box.left + x.share(view.x[k]) * box.width, box.top + (1 - y.share(view.y[k])) * box.height];
@@ -256,8 +262,8 @@ function drawOver() {
     line(pen, [[left, top], [right, top], [right, bottom], [left, bottom], [left, top]], {strokeStyle: "#fff", lineWidth: 3});
     line(pen, [[left, top], [right, top], [right, bottom], [left, bottom], [left, top]], {strokeStyle: INK, lineWidth: 1.4, dash: [5, 3]});
   }
-  state.locks.forEach(({at}, k) => {
-    const place = placeOf(at);
+  state.locks.forEach(({at, row}, k) => {
+    const place = placeOf(at, row);
     if (!place) return;
     pen.beginPath();
     pen.arc(...place, 9, 0, 7);
@@ -267,7 +273,10 @@ function drawOver() {
     write(pen, String(k + 1), place[0], place[1] + 0.5, {fillStyle: "#fff", font: `bold 11px ${FONT}`});
   });
   const place = state.cursor && placeOf(state.cursor);
-  if (place) {
+  if (state.cursor?.free) {  // a hollow diamond
+    const [x, y] = place, corners = [[x, y - 9], [x + 9, y], [x, y + 9], [x - 9, y], [x, y - 9]];
+    for (const [strokeStyle, lineWidth] of [["#fff", 5], ["#d1495b", 2]]) line(pen, corners, {strokeStyle, lineWidth});
+  } else if (place) {
     for (const [colour, width] of [["#fff", 3.5], [state.held ? "#d1495b" : INK, 1.5]]) {
       const style = {strokeStyle: colour, lineWidth: width}, [x, y] = place;
       for (const [a, b] of [[1, 0], [-1, 0], [0, 1], [0, -1]]) line(pen, [[x + 5 * a, y + 5 * b], [x + 15 * a, y + 15 * b]], style);

@@ -17,6 +17,19 @@ function valueOf(known, name) {
   return known[name];
 }
 
+// The inputs, and the position, that a value follows from.
+const needed = {};
+const needsOf = name => needed[name] ??= new Set(FACTS[name] ? FACTS[name][1].flatMap(one => [...needsOf(one)])
+  : [...Object.keys(mechanism.rules), mechanism.position.name].filter(one => one === name));
+const allowed = (name, x) => Number.isFinite(x) && (x > 0 || !["positive", "non-negative"].includes(mechanism.rules[name]) || x === 0 && mechanism.rules[name] !== "positive");
+// What dragging a point changes: what it needs, of inputs and position, and no point needs that needs fewer.
+function moversOf(point) {
+  const needs = one => new Set([...needsOf(one.x), ...needsOf(one.y)]), own = needs(point);
+  const fewer = mechanism.points.map(needs).filter(some => some.size < own.size && [...some].every(one => own.has(one)));
+  const left = [...own].filter(name => !fewer.some(some => some.has(name)));
+  return left.length ? left : [...own];
+}
+
 class Motion {
   // inputs: those of the design in SI units and radians; branches: the assembly modes
   constructor(inputs, branches) {
@@ -79,6 +92,57 @@ class Motion {
   played(share) {
     const [low, high] = this.widest;
     return this.turnsFully ? low + (high - low) * share : 0.5 * (low + high) - 0.5 * (high - low) * Math.cos(2 * Math.PI * share);
+  }
+  shareOf(position) {
+    const [low, high] = this.widest, share = Math.min(1, Math.max(0, (this.within(position) - low) / (high - low)));
+    return this.turnsFully ? share : Math.acos(1 - 2 * share) / (2 * Math.PI);
+  }
+  // What brings a point nearest to a place: Gauss-Newton by differences, as far as the linkage holds together.
+  moved(point, branch, position, [x, y]) {
+    const names = moversOf(point), inputs = names.filter(name => name in mechanism.rules);
+    let known = this.at(position, branch), miss = this.missed(known, point, x, y);
+    for (let n = 0; n < 30; n++) {
+      const slopes = names.map(name => {
+        const by = 1e-6 * Math.max(1e-3, Math.abs(known[name]));
+        const [up, down] = [by, -by].map(one => this.missed({...known, [name]: known[name] + one}, point, x, y));
+        return [0, 1].map(k => (down[k] - up[k]) / (2 * by));
+      });
+      const sum = (i, j) => slopes.reduce((total, one) => total + one[i] * one[j], 0), damping = 1e-9 * (sum(0, 0) + sum(1, 1));
+      const [a, b, d] = [sum(0, 0) + damping, sum(0, 1), sum(1, 1) + damping], det = a * d - b * b;
+      const [p, q] = [(d * miss[0] - b * miss[1]) / det, (a * miss[1] - b * miss[0]) / det];
+      let part = 1, better = null;
+      for (; part > 1e-3 && !better; part /= 2) {
+        const next = {...known};
+        names.forEach((name, k) => { next[name] += part * (slopes[k][0] * p + slopes[k][1] * q); });
+        const rest = this.missed(next, point, x, y);
+        if (Math.hypot(...rest) < (1 - 1e-9) * Math.hypot(...miss) && this.holds(next, inputs)) better = [next, rest];
+      }
+      if (!better) break;
+      [known, miss] = better;
+    }
+    return {position: known[mechanism.position.name], inputs: Object.fromEntries(inputs.map(name => [name, known[name]]))};
+  }
+  missed(known, point, x, y) {
+    const [a, b] = this.place({...known}, point);
+    return [x - a, y - b];
+  }
+  holds(known, inputs) {
+    const copy = {...known};
+    return inputs.every(name => allowed(name, known[name])) && this.joints.every(one => this.place(copy, one).every(Number.isFinite));
+  }
+  // A reduction over the cycle by samples, precise where it is an extreme; undefined where samples do not tell it.
+  reduced(name, how, branch) {
+    const curves = this.curve(name, branch);
+    if (how === "mean" || how === "rms") {
+      if (!this.turnsFully) return undefined;
+      const values = curves[0].slice(1).map(([, y]) => how === "rms" ? y * y : y), mean = values.reduce((a, b) => a + b, 0) / values.length;
+      return how === "rms" ? Math.sqrt(mean) : mean;
+    }
+    if (!["max", "min", "peak"].includes(how)) return undefined;
+    const size = how === "peak" ? Math.abs : one => one, values = this.extremes(name, branch, curves).map(one => one.value);
+    for (const points of this.turnsFully ? [] : curves) for (const k of [0, -1])  // at a toggle it grows without bound
+      if (Math.abs(points.at(k)[1]) > 100 * Math.abs(points.at(3 * k + 1)[1])) values.push(Math.sign(points.at(k)[1]) * Infinity);
+    return values.length ? Math[how === "min" ? "min" : "max"](...values.map(size)) : NaN;
   }
   within(position) {
     if (!this.turns) return position;

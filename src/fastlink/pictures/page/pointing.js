@@ -14,6 +14,7 @@ async function load0() {
   designing = true;
   try {
     do { wanted = false; await loadDesign(); } while (wanted);
+    if (state.cursor?.free) drawOver();
   } finally { designing = false; remember(); }
 }
 function placeIn(event) {
@@ -24,7 +25,48 @@ function shareIn(event) {
   const [left, top] = placeIn(event), {box} = view;
   return [clamp((left - box.left) / box.width, 0, 1), clamp(1 - (top - box.top) / box.height, 0, 1)];
 }
+// -- joints of the mechanism that are dragged --
+
+let dragging = null;  // {point, branch, position, view, back: from the canvas to the plane}
+function jointAt(x, y) {
+  if (!design?.scene) return null;
+  const canvas = element("linkage"), {motion, scene: {view}} = design, position = positionNow();
+  const [on, back] = framing(view, canvas.clientWidth, canvas.clientHeight);
+  const found = motion.branches.filter(branch => motion.assembles(position, [branch])).flatMap(branch => mechanism.points.map(point => {
+    const [a, b] = on(motion.place(motion.at(position, branch), point));
+    return {point, branch, position, view, back, away: Math.hypot(a - x, b - y)};
+  })).sort((one, other) => one.away - other.away).find(one => one.away < 18 && moversOf(one.point).length);
+  return found ?? null;
+}
+function dragJoint(x, y) {
+  const {point, branch, position, back} = dragging, {inputs, position: at} = design.motion.moved(point, branch, position, back([x, y]));
+  dragging.position = at;
+  depart(Object.fromEntries(Object.entries(inputs).map(([name, value]) => [name, mechanism.degrees.includes(name) ? value * 180 / Math.PI : value])));
+}
+function listenToJoints() {
+  const canvas = element("linkage");
+  canvas.onpointerdown = event => {
+    dragging = jointAt(event.offsetX, event.offsetY);
+    if (!dragging) return;
+    play(false);
+    canvas.setPointerCapture(event.pointerId);
+  };
+  canvas.addEventListener("touchstart", event => { if (dragging) event.preventDefault(); }, {passive: false});
+  canvas.onpointermove = ({offsetX, offsetY}) => {
+    if (dragging) dragJoint(offsetX, offsetY);
+    else canvas.style.cursor = jointAt(offsetX, offsetY) ? "grab" : "";
+  };
+  canvas.onpointerup = canvas.onpointercancel = () => {
+    if (!dragging) return;
+    dragging = null;
+    if (design.scene) design.scene = scene(design.motion);
+    drawMotion();
+  };
+}
 function listen() {
+  listenToJoints();
+  element("back").onclick = () => { const {free, ...at} = state.cursor; pointTo(at, true); };
+  element("keep").onclick = () => lock(state.cursor);
   const over = element("over");
   let from = null, dragged = false;
   over.onpointerdown = event => { from = shareIn(event); dragged = false; over.setPointerCapture(event.pointerId); over.focus(); };
@@ -81,7 +123,7 @@ function keyed(event) {
   else return;
   event.preventDefault();
 }
-function moveBy(at, across, up) {
+function moveBy({free, ...at}, across, up) {
   const [x, y] = view.axes;
   let to;
   if (isSample) {

@@ -74,15 +74,16 @@ async function drawRegion() {
     make("label", {}, "best by the ", order, " ", select), ...sliders, button("Lock the first three", async () => { for (const one of region.best.slice(0, 3)) await lock(one.at); }),
     button("Save these", () => download("designs.csv", csvOf(region.best)), {id: "best-csv", title: "The best designs as CSV"}),
     button("Show the region alone", zoom, {id: "zoom"}), button("Forget the region", () => { state.brush = null; drawOver(); drawRegion(); remember(); })),
-    make("canvas", {id: "parallel", role: "img", ariaLabel: "parallel coordinates of the designs in the region"}), table);
+    make("div", {className: "scroll"}, make("canvas", {id: "parallel", role: "img", ariaLabel: "parallel coordinates of the designs in the region"})), table);
+  element("parallel").style.minWidth = `${96 * region.fields.length}px`;
   drawParallel();
 }
 function bestTable() {
   const fields = fieldsOf(region.best).filter(of => !(of.name in dims) || of.length > 1);
-  const head = make("tr", {}, make("th", {textContent: ""}), ...fields.map(of => make("th", {title: of.meaning}, ...symbolNodes(of.symbol))));
+  const head = make("tr", {}, make("th", {textContent: ""}), ...fields.map(of => make("th", {title: of.meaning}, ...symbolNodes(of.symbol), bracketed(of).trim())));
   return make("table", {id: "best"}, make("thead", {}, head), make("tbody", {}, ...region.best.map((one, k) => {
     const row = make("tr", {}, make("td", {}, button("Lock", () => lock(one.at), {title: `Lock the ${k + 1}. best design`})),
-      ...fields.map(of => make("td", {textContent: textIn(of, one), className: of.name === rankedBy() ? "by" : ""})));
+      ...fields.map(of => make("td", {textContent: textIn(of, one).replace(unitsText(of.units), ""), className: of.flags ? "words" : ""})));
     row.onmouseenter = () => pointTo(one.at, true);
     return row;
   })));
