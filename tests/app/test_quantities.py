@@ -41,11 +41,20 @@ def test_every_public_quantity_is_listed_once_by_groups_and_as_the_result_says(m
         assert isinstance(row, Quantity)
         assert row.dims == found[row.name].dims
         labels = found[row.name].attrs
-        assert (row.units, row.meaning, row.source) == (
+        title, _, remark = row.meaning.partition("; ")
+        assert (row.units, title, remark, row.source) == (
             labels.get("units", "1"),
             labels["long_name"],
+            labels.get("comment", ""),
             labels["references"],
         )
+
+
+@pytest.mark.parametrize("entry", ENTRIES, ids=lambda entry: f"{entry.mechanism}-{entry.input}")
+def test_a_title_fits_a_picture(entry):
+    catalogue = find_catalogue(entry.mechanism, entry.input)
+    labelled = (*catalogue.public.values(), *catalogue.known_inputs(catalogue.variant_inputs).values())
+    assert {one.name: one.title for one in labelled if len(one.title) > 60} == {}
 
 
 def test_the_table_shows_every_row():

@@ -233,7 +233,8 @@ def row_of(name: str, catalogue: Catalogue) -> Quantity:
     if request.listed and request.listed != "count":
         axes += (EXTREMUM,)
     fact, labels = catalogue.public_fact(request.quantity), request_labels(catalogue, request)
-    units, meaning = labels.get("units", "1"), labels["long_name"]
+    units = labels.get("units", "1")
+    meaning = "; ".join(filter(None, (labels["long_name"], labels.get("comment"))))
     texts = units, (DESIGN, *axes), meaning, labels["references"], labels["symbol"]
     needs = _steps_and_needs(request.quantity, catalogue)[1]
     group = _group(fact, catalogue.varies(request.quantity))

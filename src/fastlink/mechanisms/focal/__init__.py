@@ -103,9 +103,9 @@ RATIO = {
 LABELS: dict[str, dict[str, Any]] = {"theta4": DIRECTION_OF_NB, "output_ratio": RATIO}
 LABELS |= {name: {} for name in ("AB_x", "AB_y", "DB_x", "DB_y", "AB_v", "sigma", "per_sigma")}
 CLASS_MEANING = (
-    "Type of the four-bar: crank MA, coupler AB, output link NB; the bars that turn fully, or the longest"
+    "Type of the four-bar; crank MA, coupler AB, output link NB: the bars that turn fully, or the longest"
 )
-RANGE_MEANING = "reachable direction of {}, 0 to pi on either side of MN; the same where the crank SF drives"
+RANGE_MEANING = "reachable direction of {}; 0 to pi on either side of MN, the same where the crank SF drives"
 
 OF_CLASS: dict[str, dict[str, Any]] = {
     "grashof_class": {

@@ -78,7 +78,7 @@ LABELS: dict[str, dict[str, Any]] = {
         "internal": False,
     },
     "grashof_class": {
-        "meaning": "Type of the four-bar MABN, with the crank MA, the coupler AB and the output link NB"
+        "meaning": "Type of the four-bar MABN; with the crank MA, the coupler AB and the output link NB"
     },
 }
 borrow(hart, planar_4r, NAMES, PREFIX, LABELS)

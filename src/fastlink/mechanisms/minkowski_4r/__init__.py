@@ -21,7 +21,7 @@ minkowski_4r = Catalogue(
         1: "the root with the plus sign of eq. (3)",
         2: "the root with the minus sign of eq. (3)",
     },
-    position=Input("theta", "1", "theta", "input rapidity: of OA in the ground frame"),
+    position=Input("theta", "1", "theta", "input rapidity; of OA in the ground frame"),
     positions=(-4.0, 4.0, 401),
 )
 minkowski_4r.closes = ("half_root", "inside", "outside")

@@ -14,7 +14,7 @@ planar_4r = Catalogue(
         1: "B to the right of the directed line from A to D",
         2: "B to the left of the directed line from A to D",
     },
-    position=Input("theta1", "rad", "theta_1", "input angle: direction of OA in the ground frame"),
+    position=Input("theta1", "rad", "theta_1", "input angle; direction of OA in the ground frame"),
 )
 planar_4r.closes = ("sigma", "p", "q")
 read_sheets(
