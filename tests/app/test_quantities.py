@@ -31,10 +31,13 @@ def results(mechanism):
     return {variable.name: variable for variable in labelled}
 
 
+@pytest.mark.filterwarnings("ignore:extremes are those of the 4 positions")
 @pytest.mark.parametrize("mechanism", NAMES)
 def test_every_public_quantity_is_listed_once_by_groups_and_as_the_result_says(mechanism):
     rows, found = fl.quantities(mechanism), results(mechanism)
-    assert sorted(row.name for row in rows) == sorted(find_catalogue(mechanism).public)
+    catalogue = find_catalogue(mechanism)
+    assert sorted(row.name for row in rows) == sorted({*catalogue.public, *catalogue.most_asked})
+    assert tuple(row.name for row in rows if row.group == GROUPS[0]) == catalogue.most_asked
     order = [GROUPS.index(row.group) for row in rows]
     assert order == sorted(order)
     for row in rows:
@@ -175,4 +178,5 @@ def test_the_source_of_a_quantity_is_its_formula_and_where_it_stands():
     )
     assert text[int(line) - 1] == head
     assert formula in text[int(line) :][:4]
+    assert fl.quantities("planar_4r", find="T41_peak").formulas().count("\nT41 [N m]") == 1
     assert fl.quantities("planar_4r", internal=True).formulas().count(".facts, line") > 300

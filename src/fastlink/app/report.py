@@ -8,7 +8,7 @@ import numbers
 import re
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import astuple, dataclass, field, fields
+from dataclasses import astuple, dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any, SupportsIndex, overload
 
 import numpy as np
@@ -31,7 +31,16 @@ from fastlink.errors import InputError, Setting, door
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.fact import Fact, Input
 from fastlink.facts.find import index_of_inputs
-from fastlink.facts.names import Change, Derivative, ErrorBound, GradientStatus, ListOfExtrema, Reduced, Trust
+from fastlink.facts.names import (
+    Change,
+    Derivative,
+    ErrorBound,
+    GradientStatus,
+    ListOfExtrema,
+    Reduced,
+    Trust,
+    innermost,
+)
 from fastlink.facts.names import Quantity as NameOf
 from fastlink.facts.own import declared_names
 from fastlink.io.joining import JOINED
@@ -155,6 +164,7 @@ COMPONENT = re.compile("(?<=_)[av]?[xy]$")
 
 #: The groups of a list, in its order.
 GROUPS = (
+    "What designers ask for most",
     "Positions and angles",
     "Transmission angle",
     "Velocities and accelerations",
@@ -164,7 +174,7 @@ GROUPS = (
     "The design as a whole",
     "Residuals and causes",
 )
-MOTION, TRANSMISSION, RATES, COUPLER, FORCES, JOINTS, WHOLE, CHECKS = GROUPS
+MOST_ASKED, MOTION, TRANSMISSION, RATES, COUPLER, FORCES, JOINTS, WHOLE, CHECKS = GROUPS
 #: Signs in the name and meaning of a quantity over the cycle, or in its units, of its group; the first counts.
 SIGNS = (
     (
@@ -242,12 +252,13 @@ def row_of(name: str, catalogue: Catalogue) -> Quantity:
 
 
 def public_rows(catalogue: Catalogue) -> list[Quantity]:
-    """Return the rows of the public quantities: by group, then by the number of their steps.
+    """Return the rows of the public quantities: what is most asked for, then by group and the number of steps.
 
     Components of one vector stay together.
     """
     effort: dict[str, int] = {}
-    rows = [row_of(name, catalogue) for name in catalogue.public]
+    first = [replace(row_of(name, catalogue), group=MOST_ASKED) for name in catalogue.most_asked]
+    rows = [row_of(name, catalogue) for name in catalogue.public if name not in catalogue.most_asked]
     for row in rows:
         vector = COMPONENT.sub("", row.name)
         effort[vector] = max(_steps_and_needs(row.name, catalogue)[0], effort.get(vector, 0))
@@ -256,7 +267,7 @@ def public_rows(catalogue: Catalogue) -> list[Quantity]:
         vector = COMPONENT.sub("", row.name)
         return GROUPS.index(row.group), effort[vector], vector, row.name
 
-    return sorted(rows, key=order)
+    return first + sorted(rows, key=order)
 
 
 def _axes(name: str, catalogue: Catalogue) -> tuple[str, ...]:
@@ -391,11 +402,13 @@ class QuantityList(list[Quantity]):
         """Return the formula of each quantity as text, with the sheet and the line where it stands."""
         known = {catalogue.name: catalogue for catalogue in self._catalogues}
         parts = []
-        for row in self:
-            fact = known[row.mechanism].facts.get(row.name) or known[row.mechanism].tables[row.name]
+        for of, name in dict.fromkeys(
+            (row.mechanism, innermost(row.name, known[row.mechanism])) for row in self
+        ):
+            fact = known[of].facts.get(name) or known[of].tables[name]
             *assignments, last = fact.formula.lines
             lines = (*assignments, last.replace("return", "=", 1))
-            head = f"{row.name} [{row.units}] {fact.symbol}: {row.meaning}"
+            head = f"{name} [{fact.units}] {fact.symbol}: {fact.meaning}"
             parts.append(
                 "\n".join([f"{fact.formula.place or fact.source}:", head, *(f"    {line}" for line in lines)])
             )

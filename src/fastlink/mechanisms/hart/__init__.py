@@ -38,6 +38,25 @@ hart = Catalogue(
     position=Input("phi", "rad", "phi", "direction of MA in the ground frame"),
 )
 hart.closes = ("sigma", "past_Z0", "past_C0")
+hart.most_asked = (
+    "F_y",
+    "psi",
+    "dF_y_dphi",
+    "dpsi_dphi",
+    "stroke",
+    "line_x",
+    "F_y_outer",
+    "F_y_inner",
+    "a",
+    "b",
+    "c",
+    "p",
+    "q",
+    "status",
+    "grashof_class",
+    "is_kite",
+    "F_deviation_max",
+)
 read_sheets(__file__, ("inputs",), hart)
 
 # MABN, driven by MA, is a planar 4R, whose position and graded range it has.
