@@ -47,7 +47,7 @@ def test_every_public_quantity_is_listed_once_by_groups_and_as_the_result_says(m
         title, _, remark = row.meaning.partition("; ")
         assert (row.units, title, remark, row.source) == (
             labels.get("units", "1"),
-            labels["long_name"],
+            labels["long_name"].replace("of 4 positions", "over the cycle"),
             labels.get("comment", ""),
             labels["references"],
         )

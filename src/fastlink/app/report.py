@@ -39,7 +39,7 @@ from fastlink.facts.names import (
     ListOfExtrema,
     Reduced,
     Trust,
-    innermost,
+    signed,
 )
 from fastlink.facts.names import Quantity as NameOf
 from fastlink.facts.own import declared_names
@@ -401,18 +401,19 @@ class QuantityList(list[Quantity]):
     def formulas(self) -> str:
         """Return the formula of each quantity as text, with the sheet and the line where it stands."""
         known = {catalogue.name: catalogue for catalogue in self._catalogues}
-        parts = []
-        for of, name in dict.fromkeys(
-            (row.mechanism, innermost(row.name, known[row.mechanism])) for row in self
-        ):
-            fact = known[of].facts.get(name) or known[of].tables[name]
+        parts = {}
+        for row in self:
+            catalogue = known[row.mechanism]
+            fact = catalogue.facts.get(row.name) or catalogue.tables.get(row.name)
+            if fact is None:  # a result over the cycle
+                fact = catalogue.facts[signed(parse_request(row.name, catalogue).quantity)]
             *assignments, last = fact.formula.lines
             lines = (*assignments, last.replace("return", "=", 1))
-            head = f"{name} [{fact.units}] {fact.symbol}: {fact.meaning}"
-            parts.append(
-                "\n".join([f"{fact.formula.place or fact.source}:", head, *(f"    {line}" for line in lines)])
+            head = f"{fact.name} [{fact.units}] {fact.symbol}: {fact.meaning}"
+            parts[row.mechanism, fact.name] = "\n".join(
+                [f"{fact.formula.place or fact.source}:", head, *(f"    {line}" for line in lines)]
             )
-        return "\n\n".join(parts)
+        return "\n\n".join(parts.values())
 
     def markdown(self) -> str:
         """Return the list as Markdown, as it stands in the documentation."""
