@@ -39,14 +39,14 @@ def plain(app, what, name, thing, options, lines):
             lines[number] = "".join(pieces)
 
 
-#: Pages that are written from catalogues and tables in place of the short ones in the repository.
-GENERATED = {"quantities": report.document, "papers": papers.page}
+#: Pages that are written, or go on, from catalogues and tables.
+GENERATED = {"quantities": lambda _: report.document(), "papers": lambda text: text + papers.tables()}
 
 
 def written(app, name, text):
     """Put the text of a generated page in place of what was read."""
     if name in GENERATED:
-        text[0] = GENERATED[name]()
+        text[0] = GENERATED[name](text[0])
 
 
 def setup(app):

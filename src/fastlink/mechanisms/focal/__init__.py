@@ -26,7 +26,7 @@ from fastlink.mechanisms.planar_4r import planar_4r
 __all__ = ["DRIVEN", "PICTURE", "focal"]
 
 WUNDERLICH = "Wunderlich"
-DESIGN = "docs/focal.md"
+DESIGN = "docs/wunderlich.md"
 
 #: The bars of the four-bar by the names of their lengths.
 LINKS = {"a": "rocker MA", "b": "rocker NB", "c": "coupler AB", "d": "ground link MN"}

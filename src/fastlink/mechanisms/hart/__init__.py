@@ -26,7 +26,7 @@ from fastlink.mechanisms.planar_4r import planar_4r
 __all__ = ["DRIVEN", "PICTURE", "hart"]
 
 WUNDERLICH = "Wunderlich"
-POSITION = f"{WUNDERLICH}, eqs. (1.2) to (1.4); docs/hart.md#numerics"
+POSITION = f"{WUNDERLICH}, eqs. (1.2) to (1.4); docs/wunderlich.md#numerics-of-the-six-bars"
 
 hart = Catalogue(
     "hart",
