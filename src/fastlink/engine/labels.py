@@ -266,7 +266,7 @@ def global_attrs(resolved: ResolvedSweep, threads: int) -> dict[str, Any]:
 def _describe(declared: Input, space: DesignSpace) -> dict[str, Any]:
     """Return the labels of an input, with the remark of its design space."""
     labels: dict[str, Any] = {"long_name": declared.title, "symbol": declared.symbol}
-    if comment := "; ".join(filter(None, (declared.remark, space.comments.get(declared.name)))):
+    if comment := space.comments.get(declared.name, declared.remark):
         labels["comment"] = comment
     return labels | (flag_attrs(declared.choices, "int32") if declared.choices else {"units": declared.units})
 
