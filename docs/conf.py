@@ -7,6 +7,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
+from pygments.lexers.special import TextLexer
 from tests.support import papers
 
 from fastlink.app import report
@@ -51,6 +52,7 @@ def written(app, name, text):
 
 def setup(app):
     """Let Sphinx call `plain` before it reads a docstring, and `written` as it reads a page."""
+    app.add_lexer("facts", TextLexer)
     app.connect("autodoc-process-docstring", plain, priority=900)
     app.connect("source-read", written)
     app.connect("env-get-outdated", lambda *_: list(GENERATED))
