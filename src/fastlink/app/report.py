@@ -257,8 +257,9 @@ def public_rows(catalogue: Catalogue) -> list[Quantity]:
     Components of one vector stay together.
     """
     effort: dict[str, int] = {}
-    first = [replace(row_of(name, catalogue), group=MOST_ASKED) for name in catalogue.most_asked]
-    rows = [row_of(name, catalogue) for name in catalogue.public if name not in catalogue.most_asked]
+    most = catalogue.most_asked.split()
+    first = [replace(row_of(name, catalogue), group=MOST_ASKED) for name in most]
+    rows = [row_of(name, catalogue) for name in catalogue.public if name not in most]
     for row in rows:
         vector = COMPONENT.sub("", row.name)
         effort[vector] = max(_steps_and_needs(row.name, catalogue)[0], effort.get(vector, 0))

@@ -238,7 +238,7 @@ class Catalogue:
     #: where no quantity has a value elsewhere.
     closes: tuple[str, ...] = ()
     #: What designers ask for most, by names that may be requested: the first rows of its list.
-    most_asked: tuple[str, ...] = ()
+    most_asked = ""
 
     def __init__(
         self,

@@ -42,26 +42,8 @@ focal = Catalogue(
 )
 focal.closes = ("bar_sigma", "bar_p", "bar_q")
 focal.most_asked = (
-    "psi",
-    "sigma",
-    "dpsi_dphi",
-    "dsigma_dphi",
-    "F_x",
-    "F_y",
-    "T_x",
-    "T_y",
-    "T_straightness",
-    "crank_type",
-    "r",
-    "m",
-    "n",
-    "p",
-    "q",
-    "phi_low",
-    "phi_high",
-    "least_transmission_angle",
-    "transmission_angle_PQ_least",
-    "status",
+    "psi sigma dpsi_dphi dsigma_dphi F_x F_y T_x T_y T_straightness crank_type r m n p q phi_low phi_high "
+    "least_transmission_angle transmission_angle_PQ_least status"
 )
 read_sheets(__file__, ("inputs",), focal)
 

@@ -39,23 +39,8 @@ hart = Catalogue(
 )
 hart.closes = ("sigma", "past_Z0", "past_C0")
 hart.most_asked = (
-    "F_y",
-    "psi",
-    "dF_y_dphi",
-    "dpsi_dphi",
-    "stroke",
-    "line_x",
-    "F_y_outer",
-    "F_y_inner",
-    "a",
-    "b",
-    "c",
-    "p",
-    "q",
-    "status",
-    "grashof_class",
-    "is_kite",
-    "F_deviation_max",
+    "F_y psi dF_y_dphi dpsi_dphi stroke line_x F_y_outer F_y_inner a b c p q status grashof_class is_kite "
+    "F_deviation_max"
 )
 read_sheets(__file__, ("inputs",), hart)
 

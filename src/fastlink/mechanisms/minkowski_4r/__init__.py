@@ -26,24 +26,8 @@ minkowski_4r = Catalogue(
 )
 minkowski_4r.closes = ("half_root", "inside", "outside")
 minkowski_4r.most_asked = (
-    "psi",
-    "CB_orientation",
-    "dpsi_dtheta",
-    "AB_rapidity",
-    "zeta",
-    "X_x",
-    "X_y",
-    "linkage_type",
-    "input_type",
-    "output_type",
-    "grashof",
-    "theta_min",
-    "theta_max",
-    "psi_min",
-    "psi_max",
-    "theta_escape",
-    "assembly_count_future",
-    "status",
+    "psi CB_orientation dpsi_dtheta AB_rapidity zeta X_x X_y linkage_type input_type output_type grashof "
+    "theta_min theta_max psi_min psi_max theta_escape assembly_count_future status"
 )
 read_sheets(__file__, ("inputs", "design_facts", "motion"), minkowski_4r)
 

@@ -18,26 +18,9 @@ planar_4r = Catalogue(
 )
 planar_4r.closes = ("sigma", "p", "q")
 planar_4r.most_asked = (
-    "theta4",
-    "omega4",
-    "alpha4",
-    "theta2",
-    "omega2",
-    "transmission_angle",
-    "least_transmission_angle",
-    "swing",
-    "time_ratio",
-    "grashof_class",
-    "status",
-    "P_x",
-    "P_y",
-    "P_straightness",
-    "T41",
-    "T41_peak",
-    "F41_max",
-    "F21_max",
-    "shaking_force_max",
-    "shaking_moment_peak",
+    "theta4 omega4 alpha4 theta2 omega2 transmission_angle least_transmission_angle swing time_ratio "
+    "grashof_class status P_x P_y P_straightness T41 T41_peak F41_max F21_max shaking_force_max "
+    "shaking_moment_peak"
 )
 read_sheets(
     __file__,

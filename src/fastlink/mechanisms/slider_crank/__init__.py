@@ -33,26 +33,9 @@ slider_crank = Catalogue(
 )
 slider_crank.closes = ("sigma", "p", "q")
 slider_crank.most_asked = (
-    "slider_position",
-    "slider_velocity",
-    "slider_acceleration",
-    "slider_acceleration_peak",
-    "theta2",
-    "omega2",
-    "transmission_angle",
-    "least_transmission_angle",
-    "stroke",
-    "time_ratio",
-    "grashof_class",
-    "status",
-    "outer_dead_centre",
-    "inner_dead_centre",
-    "T41",
-    "T41_peak",
-    "side_force_peak",
-    "F41_max",
-    "F32_max",
-    "shaking_force_max",
+    "slider_position slider_velocity slider_acceleration slider_acceleration_peak theta2 omega2 "
+    "transmission_angle least_transmission_angle stroke time_ratio grashof_class status outer_dead_centre "
+    "inner_dead_centre T41 T41_peak side_force_peak F41_max F32_max shaking_force_max"
 )
 read_sheets(__file__, ("inputs", "motion", "strokes", "forces"), slider_crank)
 
