@@ -7,6 +7,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
+from pygments.lexers.special import TextLexer
 from tests.support import papers
 
 from fastlink.app import report
@@ -39,18 +40,19 @@ def plain(app, what, name, thing, options, lines):
             lines[number] = "".join(pieces)
 
 
-#: Pages that are written from catalogues and tables in place of the short ones in the repository.
-GENERATED = {"quantities": report.document, "papers": papers.page}
+#: Pages that are written, or go on, from catalogues and tables.
+GENERATED = {"quantities": lambda _: report.document(), "papers": lambda text: text + papers.tables()}
 
 
 def written(app, name, text):
     """Put the text of a generated page in place of what was read."""
     if name in GENERATED:
-        text[0] = GENERATED[name]()
+        text[0] = GENERATED[name](text[0])
 
 
 def setup(app):
     """Let Sphinx call `plain` before it reads a docstring, and `written` as it reads a page."""
+    app.add_lexer("facts", TextLexer)
     app.connect("autodoc-process-docstring", plain, priority=900)
     app.connect("source-read", written)
     app.connect("env-get-outdated", lambda *_: list(GENERATED))

@@ -1,4 +1,4 @@
-"""The pictures of a page, by its own commands: ``python -m docs.images.pages gallery`` or ``drawing``.
+"""The pictures of a page, by its own commands: ``python -m docs.images.pages gallery``, ``drawing`` or ``start``.
 
 The commands of the page run from the first to the last, in a folder where data/ is that of the repository; each
 picture that the page shows becomes small and stands in docs/images. A part of a name, as in ``gallery hayes``, makes
@@ -7,13 +7,14 @@ only the pictures that have it in their names.
 
 from __future__ import annotations
 
+import io
 import re
 import shlex
 import shutil
 import sys
 import tempfile
 from collections.abc import Iterator
-from contextlib import chdir
+from contextlib import chdir, redirect_stdout
 from pathlib import Path
 
 from PIL import Image
@@ -49,9 +50,13 @@ def run(arguments: list[str]) -> None:
     """Run a command here, as a shell would."""
     program, *rest = arguments
     place = rest.index(">") if ">" in rest else len(rest)
-    if program != "fastlink" or place < len(rest):
+    if program != "fastlink":
         return  # what the pictures do not need
-    done = app(rest, standalone_mode=False)
+    told = io.StringIO()
+    with redirect_stdout(told):
+        done = app(rest[:place], standalone_mode=False)
+    for name in rest[place + 1 :]:
+        Path(name).write_text(told.getvalue(), encoding="utf-8")
     if done:
         raise RuntimeError(shlex.join(arguments))
 
@@ -63,7 +68,7 @@ def make(page: str, part: str = "") -> Iterator[tuple[str, Path]]:
         if shown.keys() & set(map(output_of, block)):
             for arguments in block:
                 name = output_of(arguments)
-                if arguments[1] == "run" or name in shown:
+                if arguments[1] in ("new", "run") or name in shown:
                     run(arguments)
                 if name in shown:
                     yield shown[name], Path(name)

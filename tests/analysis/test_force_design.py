@@ -106,7 +106,7 @@ def test_table_3_as_it_follows_from_table_1():
         "planar_4r", design, ["shaking_force_extrema", "shaking_moment_extrema"], links=BARS, branch=2
     ).squeeze()
     forces, moments = got.shaking_force_extrema.values, got.shaking_moment_extrema.values
-    # The figures of docs/errata.md, half a unit of the last.
+    # The figures of docs/papers.md, half a unit of the last.
     assert np.nanmax(forces) == pytest.approx(2512.318373, abs=5e-7)
     assert np.nanmin(forces) == pytest.approx(685.182260, abs=5e-7)
     assert np.nanmax(np.abs(moments)) == pytest.approx(2048.609105, abs=5e-7)

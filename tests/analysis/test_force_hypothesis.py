@@ -59,7 +59,7 @@ def test_against_samples_of_a_whole_turn(maps):
 
 
 def test_the_example_of_the_paper():
-    """The text compares 5.7299 rad and 5.9138 rad; the force of Table 1 is greatest elsewhere (docs/errata.md)."""
+    """The text compares 5.7299 rad and 5.9138 rad; the force of Table 1 is greatest elsewhere (docs/papers.md)."""
     space = fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=25.0)
     bars = fl.round_bar(7750.0, 0.01)
     both = fl.sweep("planar_4r", space, read_study(STUDY).quantities, links=bars)
@@ -105,7 +105,7 @@ def best(found, load, rate):
 
 @pytest.mark.stress
 def test_the_answers_of_the_documentation_for_all_designs(tmp_path):
-    """What docs/errata.md says of every one of 1,048,576 designs."""
+    """What docs/papers.md says of every one of 1,048,576 designs."""
     with fl.run_study(STUDY, to=tmp_path / "all.h5") as maps:
         found = fl.planar.force_hypothesis(maps).isel(branch=0)
         lengths = [maps[name].values for name in ("a1", "a2", "a3")]
@@ -142,7 +142,7 @@ def test_the_answers_for_masses_of_any_ratio():
     maps = fl.sweep("planar_4r", fl.table(design), read_study(STUDY).quantities, branch=1)
     found = fl.planar.force_hypothesis(maps)
     rocker = maps.grashof_class.values == 0
-    # shares of docs/errata.md, from 36,920 and 17,832 designs; here about half as many: four deviations
+    # shares of docs/papers.md, from 36,920 and 17,832 designs; here about half as many: four deviations
     for kind, load, rate, share in (
         (rocker, "shaking_force", "alpha4", 0.952),
         (rocker, "F41", "alpha4", 0.999),

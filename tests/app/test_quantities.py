@@ -31,21 +31,34 @@ def results(mechanism):
     return {variable.name: variable for variable in labelled}
 
 
+@pytest.mark.filterwarnings("ignore:extremes are those of the 4 positions")
 @pytest.mark.parametrize("mechanism", NAMES)
 def test_every_public_quantity_is_listed_once_by_groups_and_as_the_result_says(mechanism):
     rows, found = fl.quantities(mechanism), results(mechanism)
-    assert sorted(row.name for row in rows) == sorted(find_catalogue(mechanism).public)
+    catalogue = find_catalogue(mechanism)
+    most = catalogue.most_asked.split()
+    assert [row.name for row in rows[: len(most)]] == most
+    assert sorted(row.name for row in rows) == sorted({*catalogue.public, *most})
     order = [GROUPS.index(row.group) for row in rows]
     assert order == sorted(order)
     for row in rows:
         assert isinstance(row, Quantity)
         assert row.dims == found[row.name].dims
         labels = found[row.name].attrs
-        assert (row.units, row.meaning, row.source) == (
+        title, _, remark = row.meaning.partition("; ")
+        assert (row.units, title, remark, row.source) == (
             labels.get("units", "1"),
-            labels["long_name"],
+            labels["long_name"].replace("of 4 positions", "over the cycle"),
+            labels.get("comment", ""),
             labels["references"],
         )
+
+
+@pytest.mark.parametrize("entry", ENTRIES, ids=lambda entry: f"{entry.mechanism}-{entry.input}")
+def test_a_title_fits_a_picture(entry):
+    catalogue = find_catalogue(entry.mechanism, entry.input)
+    labelled = (*catalogue.public.values(), *catalogue.known_inputs(catalogue.variant_inputs).values())
+    assert {one.name: one.title for one in labelled if len(one.title) > 60} == {}
 
 
 def test_the_table_shows_every_row():
@@ -166,4 +179,5 @@ def test_the_source_of_a_quantity_is_its_formula_and_where_it_stands():
     )
     assert text[int(line) - 1] == head
     assert formula in text[int(line) :][:4]
+    assert fl.quantities("planar_4r", find="T41_peak").formulas().count("\nT41 [N m]") == 1
     assert fl.quantities("planar_4r", internal=True).formulas().count(".facts, line") > 300

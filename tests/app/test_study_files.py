@@ -35,7 +35,7 @@ def reduced(name, angles=24, points=3):
         return maps.load()
 
 
-#: Table 2 and what docs/errata.md has for Table 3, in both assembly modes: value and place.
+#: Table 2 and what docs/papers.md has for Table 3, in both assembly modes: value and place.
 TABLES = (
     ("omega4_min", (-23.95938172, -23.95938172), (0.36933536497, 5.91384994221)),
     ("omega4_max", (13.51343678, 13.51343678), (TURN - 1.66716501134, 1.66716501134)),

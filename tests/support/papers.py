@@ -1,6 +1,6 @@
-"""The page of what the three papers define and where fastlink computes it, which the site has as papers.html.
+"""The tables of what the three papers define and where fastlink computes it, at the end of papers.html.
 
-It is written from the tables ``docs/papers/*.toml``. Each has the title
+They are written from the tables ``docs/papers/*.toml``. Each has the title
 of a paper, the numbers of its numbered items by their spelling (``numbered``), and rows:
 
 place : list of str
@@ -31,11 +31,6 @@ from fastlink.plan.query import parse_request
 
 ROOT = Path(__file__).parents[2]
 TABLES = ROOT / "docs" / "papers"
-HEAD = """# The three papers, line by line
-
-Each definition, equation, theorem, example, table and figure of the three papers, the name that computes it, and the
-test that holds it. Where the papers err, [errata](errata.md) has the correct form; that is what is computed.
-"""
 
 
 def papers() -> list[dict[str, Any]]:
@@ -103,9 +98,9 @@ def _tested(test: str) -> str:
     return f"[`{name}`](../{file})"
 
 
-def page() -> str:
-    """Return the text of the page."""
-    parts = [HEAD]
+def tables() -> str:
+    """Return the tables of the page."""
+    parts = []
     for paper in papers():
         parts.append(f"\n## {paper['title']}\n\n{paper['authors']}.\n")
         parts.append("\n| where | what | computed by | held by |\n|---|---|---|---|\n")

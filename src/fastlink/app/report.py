@@ -8,7 +8,7 @@ import numbers
 import re
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import astuple, dataclass, field, fields
+from dataclasses import astuple, dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any, SupportsIndex, overload
 
 import numpy as np
@@ -31,7 +31,16 @@ from fastlink.errors import InputError, Setting, door
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.fact import Fact, Input
 from fastlink.facts.find import index_of_inputs
-from fastlink.facts.names import Change, Derivative, ErrorBound, GradientStatus, ListOfExtrema, Reduced, Trust
+from fastlink.facts.names import (
+    Change,
+    Derivative,
+    ErrorBound,
+    GradientStatus,
+    ListOfExtrema,
+    Reduced,
+    Trust,
+    signed,
+)
 from fastlink.facts.names import Quantity as NameOf
 from fastlink.facts.own import declared_names
 from fastlink.io.joining import JOINED
@@ -155,6 +164,7 @@ COMPONENT = re.compile("(?<=_)[av]?[xy]$")
 
 #: The groups of a list, in its order.
 GROUPS = (
+    "What designers ask for most",
     "Positions and angles",
     "Transmission angle",
     "Velocities and accelerations",
@@ -164,7 +174,7 @@ GROUPS = (
     "The design as a whole",
     "Residuals and causes",
 )
-MOTION, TRANSMISSION, RATES, COUPLER, FORCES, JOINTS, WHOLE, CHECKS = GROUPS
+MOST_ASKED, MOTION, TRANSMISSION, RATES, COUPLER, FORCES, JOINTS, WHOLE, CHECKS = GROUPS
 #: Signs in the name and meaning of a quantity over the cycle, or in its units, of its group; the first counts.
 SIGNS = (
     (
@@ -233,7 +243,8 @@ def row_of(name: str, catalogue: Catalogue) -> Quantity:
     if request.listed and request.listed != "count":
         axes += (EXTREMUM,)
     fact, labels = catalogue.public_fact(request.quantity), request_labels(catalogue, request)
-    units, meaning = labels.get("units", "1"), labels["long_name"]
+    units = labels.get("units", "1")
+    meaning = "; ".join(filter(None, (labels["long_name"], labels.get("comment"))))
     texts = units, (DESIGN, *axes), meaning, labels["references"], labels["symbol"]
     needs = _steps_and_needs(request.quantity, catalogue)[1]
     group = _group(fact, catalogue.varies(request.quantity))
@@ -241,12 +252,14 @@ def row_of(name: str, catalogue: Catalogue) -> Quantity:
 
 
 def public_rows(catalogue: Catalogue) -> list[Quantity]:
-    """Return the rows of the public quantities: by group, then by the number of their steps.
+    """Return the rows of the public quantities: what is most asked for, then by group and the number of steps.
 
     Components of one vector stay together.
     """
     effort: dict[str, int] = {}
-    rows = [row_of(name, catalogue) for name in catalogue.public]
+    most = catalogue.most_asked.split()
+    first = [replace(row_of(name, catalogue), group=MOST_ASKED) for name in most]
+    rows = [row_of(name, catalogue) for name in catalogue.public if name not in most]
     for row in rows:
         vector = COMPONENT.sub("", row.name)
         effort[vector] = max(_steps_and_needs(row.name, catalogue)[0], effort.get(vector, 0))
@@ -255,7 +268,7 @@ def public_rows(catalogue: Catalogue) -> list[Quantity]:
         vector = COMPONENT.sub("", row.name)
         return GROUPS.index(row.group), effort[vector], vector, row.name
 
-    return sorted(rows, key=order)
+    return first + sorted(rows, key=order)
 
 
 def _axes(name: str, catalogue: Catalogue) -> tuple[str, ...]:
@@ -389,16 +402,19 @@ class QuantityList(list[Quantity]):
     def formulas(self) -> str:
         """Return the formula of each quantity as text, with the sheet and the line where it stands."""
         known = {catalogue.name: catalogue for catalogue in self._catalogues}
-        parts = []
+        parts = {}
         for row in self:
-            fact = known[row.mechanism].facts.get(row.name) or known[row.mechanism].tables[row.name]
+            catalogue = known[row.mechanism]
+            fact = catalogue.facts.get(row.name) or catalogue.tables.get(row.name)
+            if fact is None:  # a result over the cycle
+                fact = catalogue.facts[signed(parse_request(row.name, catalogue).quantity)]
             *assignments, last = fact.formula.lines
             lines = (*assignments, last.replace("return", "=", 1))
-            head = f"{row.name} [{row.units}] {fact.symbol}: {row.meaning}"
-            parts.append(
-                "\n".join([f"{fact.formula.place or fact.source}:", head, *(f"    {line}" for line in lines)])
+            head = f"{fact.name} [{fact.units}] {fact.symbol}: {fact.meaning}"
+            parts[row.mechanism, fact.name] = "\n".join(
+                [f"{fact.formula.place or fact.source}:", head, *(f"    {line}" for line in lines)]
             )
-        return "\n\n".join(parts)
+        return "\n\n".join(parts.values())
 
     def markdown(self) -> str:
         """Return the list as Markdown, as it stands in the documentation."""

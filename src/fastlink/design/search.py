@@ -734,7 +734,7 @@ def search(
         same bits, and another one is refused.
     part : (k, n) or "k/n", optional
         Search the k-th of n nearly equal ranges of consecutive designs alone. What it keeps is not refined; its file is
-        a part, of which `fastlink.join` makes the result of the whole search (see docs/scaling.md).
+        a part, of which `fastlink.join` makes the result of the whole search (see docs/performance.md).
 
     Returns
     -------
@@ -967,7 +967,7 @@ def join(
     again.
 
     The labels and the bits are those of the whole sweep, and `fastlink.sweep` of the same request finds its map in the
-    file. Counts of designs and run times are sums, measured errors the greatest of all parts; docs/scaling.md tells
+    file. Counts of designs and run times are sums, measured errors the greatest of all parts; docs/performance.md tells
     each attribute. Of a search the best rows of all parts are refined here, to the bits of one search of all designs;
     its file needs no part any more.
 

@@ -66,15 +66,15 @@ def request_labels(catalogue: Catalogue, request: Request) -> dict[str, Any]:
     fact = catalogue.public_fact(request.quantity)
     position = catalogue.position
     reduction = request.reduction
-    attrs: dict[str, Any] = {"units": fact.units, "long_name": fact.meaning, "symbol": fact.symbol}
+    attrs: dict[str, Any] = {"units": fact.units, "long_name": fact.title, "symbol": fact.symbol}
     if reduction is not None:
         attrs["units"] = reduction.units_of(fact.units)
-        attrs["long_name"] = f"{fact.meaning}, {reduction.phrase}"
+        attrs["long_name"] = f"{fact.title}, {reduction.phrase}"
         attrs["symbol"] = f"{reduction.suffix} {fact.symbol}"
         if request.is_position:
             attrs = {
                 "units": position.units,
-                "long_name": f"{position.meaning}, where {fact.symbol} is {reduction.phrase}",
+                "long_name": f"{position.title}, where {fact.symbol} is {reduction.phrase}",
                 "symbol": f"{position.symbol} at {reduction.suffix} {fact.symbol}",
             }
     if request.other and reduction is not None:
@@ -90,6 +90,8 @@ def request_labels(catalogue: Catalogue, request: Request) -> dict[str, Any]:
         attrs["long_name"] = f"{attrs['long_name']}: error bound"
         attrs["symbol"] = f"err {attrs['symbol']}"
         attrs["references"] = catalogue.public_fact(request.bounded).source
+    if fact.remark and attrs["long_name"].startswith(fact.title):
+        attrs["comment"] = fact.remark
     return attrs
 
 
@@ -104,7 +106,7 @@ def _of_gradient(catalogue: Catalogue, request: Request, attrs: Mapping[str, Any
     by, of = catalogue.variables[request.by], request.quantity if request.is_position else request.bounded
     return {
         "units": units_of(request, catalogue),
-        "long_name": f"Derivative with respect to {in_a_sentence(by.meaning)} of: {attrs['long_name']}",
+        "long_name": f"Derivative with respect to {in_a_sentence(by.title)} of: {attrs['long_name']}",
         "symbol": f"d {attrs['symbol']}/d {by.symbol}",
         "references": catalogue.public_fact(of).source,
     }
@@ -132,9 +134,9 @@ def _labels(plan: Plan, output: Output) -> dict[str, Any]:
 def _of_list(part: str, fact: Fact, position: Input) -> dict[str, Any]:
     """Return the attributes of listed extremes, or of their places, kinds or number."""
     if part in ("value", "error"):
-        return {"units": fact.units, "long_name": f"{fact.meaning}, extremes", "symbol": f"ext {fact.symbol}"}
+        return {"units": fact.units, "long_name": f"{fact.title}, extremes", "symbol": f"ext {fact.symbol}"}
     if part == "position":
-        meaning = f"{position.meaning}, where {fact.symbol} is extreme"
+        meaning = f"{position.title}, where {fact.symbol} is extreme"
         symbol = f"{position.symbol} at ext {fact.symbol}"
         return {"units": position.units, "long_name": meaning, "symbol": symbol}
     if part == "count":
@@ -263,9 +265,9 @@ def global_attrs(resolved: ResolvedSweep, threads: int) -> dict[str, Any]:
 
 def _describe(declared: Input, space: DesignSpace) -> dict[str, Any]:
     """Return the labels of an input, with the remark of its design space."""
-    labels: dict[str, Any] = {"long_name": declared.meaning, "symbol": declared.symbol}
-    if declared.name in space.comments:
-        labels["comment"] = space.comments[declared.name]
+    labels: dict[str, Any] = {"long_name": declared.title, "symbol": declared.symbol}
+    if comment := space.comments.get(declared.name, declared.remark):
+        labels["comment"] = comment
     return labels | (flag_attrs(declared.choices, "int32") if declared.choices else {"units": declared.units})
 
 

@@ -373,7 +373,7 @@ def sweep(
         another one is refused (see docs/files.md).
     part : (k, n) or "k/n", optional
         Evaluate the k-th of n nearly equal ranges of consecutive designs, k from 1 to n, into a file of its own, flat
-        along ``design``; `fastlink.join` makes the whole map of all n (see docs/scaling.md).
+        along ``design``; `fastlink.join` makes the whole map of all n (see docs/performance.md).
     layout : {"curves", "maps"}
         How the result is to be read. By ``"curves"``, all values of one design lie together, and the swept dimensions
         come first. By ``"maps"``, the values of all designs at one input position (or branch, or extreme) lie together,
@@ -382,7 +382,7 @@ def sweep(
     threads : int, optional
         All processors unless given. Any number gives the same bits.
     client : distributed.Client, optional
-        Evaluate the designs on the workers of a dask.distributed cluster, to the same bits: see docs/scaling.md.
+        Evaluate the designs on the workers of a dask.distributed cluster, to the same bits: see docs/performance.md.
     progress : bool, optional
         Show a progress bar on standard error; by default only on a terminal.
     allow_invalid : bool

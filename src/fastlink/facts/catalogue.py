@@ -238,6 +238,8 @@ class Catalogue:
     #: A fact that is a number exactly where the loop closes, and further ones by which only such values are made. Empty
     #: where no quantity has a value elsewhere.
     closes: tuple[str, ...] = ()
+    #: What designers ask for most, by names that may be requested: the first rows of its list.
+    most_asked = ""
 
     def __init__(
         self,

@@ -115,16 +115,16 @@ def trust(value: Any, error: Any) -> Any:
 
 def labelled(fact: Fact, tree: Made, variables: Mapping[str, Input]) -> Fact:
     """Return a fact with the labels of what is made of it, with its own formula still unless that is a trust."""
-    name, symbol, said = fact.name, fact.symbol, in_a_sentence(fact.meaning)
+    name, symbol, said = fact.name, fact.symbol, in_a_sentence(fact.title)
     more: dict[str, Any] = {}
     match tree:
         case Derivative(by=by):
             symbol = f"d {symbol}/d {variables[by].symbol}"
-            meaning = f"Derivative of {said} with respect to {variables[by].meaning}"
+            meaning = f"Derivative of {said} with respect to {variables[by].title}"
             source = "numerics.md#derivatives"
             more["units"] = units_per(fact.units, variables[by].units)
         case Change(how=how):
-            symbol, meaning, source = f"{how} change {symbol}", worded(how, fact.meaning), TOLERANCED
+            symbol, meaning, source = f"{how} change {symbol}", worded(how, fact.title), TOLERANCED
         case ErrorBound():
             symbol, meaning, source = f"err {symbol}", f"Error bound of {said}", "numerics.md#error-bounds"
         case _:
@@ -419,7 +419,7 @@ def tolerance_inputs(inputs: Iterable[Input]) -> dict[str, Input]:
         if of.choices:
             continue
         own, share = tolerance_name(of.name), tolerance_name(of.name, relative=True)
-        meaning = in_a_sentence(of.meaning)
+        meaning = in_a_sentence(of.title)
         found[own] = Input(own, of.units, f"T_{of.symbol}", f"Tolerance of {meaning}", "non-negative")
         label = f"T_{of.symbol}/{of.symbol}", f"Tolerance of {meaning}, over its value"
         found[share] = Input(share, "1", *label, "non-negative")

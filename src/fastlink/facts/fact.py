@@ -29,8 +29,24 @@ __all__ = [
 Rule = Literal["positive", "non-negative", "any"]
 
 
+class Labelled:
+    """What has a meaning: a title, and perhaps a remark behind a semicolon."""
+
+    meaning: str
+
+    @property
+    def title(self) -> str:
+        """The title of a picture of it."""
+        return self.meaning.partition("; ")[0]
+
+    @property
+    def remark(self) -> str:
+        """How it is meant, and where it has no value; empty where the title says all."""
+        return self.meaning.partition("; ")[2]
+
+
 @dataclass(frozen=True)
-class Input:
+class Input(Labelled):
     """A number that the user gives for each design; optional if it has a default.
 
     An input with `choices` is a code; where it is left out, every choice of each design is evaluated.
@@ -55,7 +71,7 @@ class Input:
 
 
 @dataclass(frozen=True)
-class Fact:
+class Fact(Labelled):
     """One physical statement, with its labels in files and documentation.
 
     The formula of a fact with a `low` part returns an unevaluated sum of two doubles, which are two values: that of

@@ -12,9 +12,10 @@
         = F32_{x,y} - p2_{x,y}
     d_omega4_d_theta1 = omega1 * output_slope
 
-An entry is a head and indented lines. The head has a name, units, a symbol and a meaning; ``step`` makes a fact
-internal; a derivative has the labels of its quantity. A formula is Python's: assignments to local names, then what is
-returned after ``=``. What it depends on are the names that are neither local nor functions. A line that is indented
+An entry is a head and indented lines. The head has a name, units, a symbol and a meaning: the title of a picture of
+it, of at most 60 characters, and perhaps ``; `` and a remark. ``step`` makes a fact internal; a derivative has the
+labels of its quantity. A formula is Python's: assignments to local names, then what is returned after ``=``. What it
+depends on are the names that are neither local nor functions. A line that is indented
 further goes on with the one before. Braces stand for several entries, part by part. ``##`` is the source of what
 follows, ``#`` a remark; ``[inputs]``, ``[tables]``, ``[facts]`` and ``[variant NAME]`` begin a section, and
 ``let NAME = number`` is a constant of the sheet. Further lines of an entry:

@@ -391,7 +391,7 @@ def _mechanism(maps: xr.Dataset) -> dict[str, Any] | None:
         "constants": constants,
         "branches": {str(branch): meaning for branch, meaning in catalogue.branches.items()},
         "position": {"name": position.name, "symbol": position.symbol, "units": position.units,
-                     "meaning": position.meaning},
+                     "meaning": position.title},
         "turns": motion.turns,
         "study": {
             "links": [] if links is None else list(links.values),
@@ -417,7 +417,7 @@ def _curves(maps: xr.Dataset, catalogue: Catalogue) -> list[str]:
 
 def _curve(catalogue: Catalogue, name: str) -> dict[str, Any]:
     fact = catalogue.public_fact(name)
-    return {"name": name, "meaning": fact.meaning, "symbol": fact.symbol, "units": fact.units}
+    return {"name": name, "meaning": fact.title, "symbol": fact.symbol, "units": fact.units}
 
 
 def _shape(picture: Picture, points: list[Any]) -> dict[str, Any]:

@@ -346,7 +346,7 @@ def test_angles_of_a_kite_come_to_their_limits_at_the_fold():
         np.testing.assert_allclose(found[f"{name}_min"], [-np.pi, 0.0], atol=2.0**-51)
 
 
-#: Table 2 of Hayes et al. (the wrong figures corrected, docs/errata.md): mode, quantity, theta1, value, kind.
+#: Table 2 of Hayes et al. (the wrong figures corrected, docs/papers.md): mode, quantity, theta1, value, kind.
 TABLE_2 = [
     (1, "omega4", "0.36933536508", "-23.95938172", -1),
     (1, "omega4", "4.616020295", "13.51343678", 1),

@@ -26,7 +26,7 @@ from fastlink.mechanisms.planar_4r import planar_4r
 __all__ = ["DRIVEN", "PICTURE", "focal"]
 
 WUNDERLICH = "Wunderlich"
-DESIGN = "docs/focal.md"
+DESIGN = "docs/wunderlich.md"
 
 #: The bars of the four-bar by the names of their lengths.
 LINKS = {"a": "rocker MA", "b": "rocker NB", "c": "coupler AB", "d": "ground link MN"}
@@ -41,6 +41,10 @@ focal = Catalogue(
     position=Input("phi", "rad", "phi", "direction of MA in the ground frame"),
 )
 focal.closes = ("bar_sigma", "bar_p", "bar_q")
+focal.most_asked = (
+    "psi sigma dpsi_dphi dsigma_dphi F_x F_y T_x T_y T_straightness crank_type r m n p q phi_low phi_high "
+    "least_transmission_angle transmission_angle_PQ_least status"
+)
 read_sheets(__file__, ("inputs",), focal)
 
 # -- driven by the crank SF, a catalogue beside the one by the rocker MA: the sheet `both` holds for both
@@ -103,9 +107,9 @@ RATIO = {
 LABELS: dict[str, dict[str, Any]] = {"theta4": DIRECTION_OF_NB, "output_ratio": RATIO}
 LABELS |= {name: {} for name in ("AB_x", "AB_y", "DB_x", "DB_y", "AB_v", "sigma", "per_sigma")}
 CLASS_MEANING = (
-    "Type of the four-bar: crank MA, coupler AB, output link NB; the bars that turn fully, or the longest"
+    "Type of the four-bar; crank MA, coupler AB, output link NB: the bars that turn fully, or the longest"
 )
-RANGE_MEANING = "reachable direction of {}, 0 to pi on either side of MN; the same where the crank SF drives"
+RANGE_MEANING = "reachable direction of {}; 0 to pi on either side of MN, the same where the crank SF drives"
 
 OF_CLASS: dict[str, dict[str, Any]] = {
     "grashof_class": {

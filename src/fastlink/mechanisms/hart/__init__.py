@@ -26,7 +26,7 @@ from fastlink.mechanisms.planar_4r import planar_4r
 __all__ = ["DRIVEN", "PICTURE", "hart"]
 
 WUNDERLICH = "Wunderlich"
-POSITION = f"{WUNDERLICH}, eqs. (1.2) to (1.4); docs/hart.md#numerics"
+POSITION = f"{WUNDERLICH}, eqs. (1.2) to (1.4); docs/wunderlich.md#numerics-of-the-six-bars"
 
 hart = Catalogue(
     "hart",
@@ -38,6 +38,10 @@ hart = Catalogue(
     position=Input("phi", "rad", "phi", "direction of MA in the ground frame"),
 )
 hart.closes = ("sigma", "past_Z0", "past_C0")
+hart.most_asked = (
+    "F_y psi dF_y_dphi dpsi_dphi stroke line_x F_y_outer F_y_inner a b c p q status grashof_class is_kite "
+    "F_deviation_max"
+)
 read_sheets(__file__, ("inputs",), hart)
 
 # MABN, driven by MA, is a planar 4R, whose position and graded range it has.
@@ -78,7 +82,7 @@ LABELS: dict[str, dict[str, Any]] = {
         "internal": False,
     },
     "grashof_class": {
-        "meaning": "Type of the four-bar MABN, with the crank MA, the coupler AB and the output link NB"
+        "meaning": "Type of the four-bar MABN; with the crank MA, the coupler AB and the output link NB"
     },
 }
 borrow(hart, planar_4r, NAMES, PREFIX, LABELS)

@@ -21,10 +21,14 @@ minkowski_4r = Catalogue(
         1: "the root with the plus sign of eq. (3)",
         2: "the root with the minus sign of eq. (3)",
     },
-    position=Input("theta", "1", "theta", "input rapidity: of OA in the ground frame"),
+    position=Input("theta", "1", "theta", "input rapidity; of OA in the ground frame"),
     positions=(-4.0, 4.0, 401),
 )
 minkowski_4r.closes = ("half_root", "inside", "outside")
+minkowski_4r.most_asked = (
+    "psi CB_orientation dpsi_dtheta AB_rapidity zeta X_x X_y linkage_type input_type output_type grashof "
+    "theta_min theta_max psi_min psi_max theta_escape assembly_count_future status"
+)
 read_sheets(__file__, ("inputs", "design_facts", "motion"), minkowski_4r)
 
 #: Figs. 9 to 24 of Hegedüs and Moore.

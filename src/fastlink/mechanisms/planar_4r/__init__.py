@@ -14,9 +14,14 @@ planar_4r = Catalogue(
         1: "B to the right of the directed line from A to D",
         2: "B to the left of the directed line from A to D",
     },
-    position=Input("theta1", "rad", "theta_1", "input angle: direction of OA in the ground frame"),
+    position=Input("theta1", "rad", "theta_1", "input angle; direction of OA in the ground frame"),
 )
 planar_4r.closes = ("sigma", "p", "q")
+planar_4r.most_asked = (
+    "theta4 omega4 alpha4 theta2 omega2 transmission_angle least_transmission_angle swing time_ratio "
+    "grashof_class status P_x P_y P_straightness T41 T41_peak F41_max F21_max shaking_force_max "
+    "shaking_moment_peak"
+)
 read_sheets(
     __file__,
     ("inputs", "classes", "position", "rates", "dense", "forces", "graded"),

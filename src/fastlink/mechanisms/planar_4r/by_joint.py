@@ -181,7 +181,7 @@ def _moved(fact: Fact, joint: int) -> Fact:
     law = fact.renamed(lambda other: moved_name(other, joint))
     if name == "transmission_angle":
         _, left, far, right = _points(joint)
-        return replace(law, meaning=f"Transmission angle: between {far}{left} and {far}{right}")
+        return replace(law, meaning=f"Transmission angle; between {far}{left} and {far}{right}")
     numbered = NUMBERED.fullmatch(name)
     if numbered is None:
         return law

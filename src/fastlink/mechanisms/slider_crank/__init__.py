@@ -29,9 +29,14 @@ slider_crank = Catalogue(
         1: "slider to the right of the crank pin A: its x is greater",
         2: "slider to the left of the crank pin A: its x is less",
     },
-    position=Input("theta", "rad", "theta", "crank angle: direction of OA, from the line of the slider"),
+    position=Input("theta", "rad", "theta", "crank angle; direction of OA, from the line of the slider"),
 )
 slider_crank.closes = ("sigma", "p", "q")
+slider_crank.most_asked = (
+    "slider_position slider_velocity slider_acceleration slider_acceleration_peak theta2 omega2 "
+    "transmission_angle least_transmission_angle stroke time_ratio grashof_class status outer_dead_centre "
+    "inner_dead_centre T41 T41_peak side_force_peak F41_max F32_max shaking_force_max"
+)
 read_sheets(__file__, ("inputs", "motion", "strokes", "forces"), slider_crank)
 
 # What the planar 4R says of its crank, its coupler and their joints holds here, too; the coupler is the rod.
@@ -47,7 +52,7 @@ LABELS = {
     }
     for name in ("F21_x", "F21_y", "F41_x", "F41_y", "F41", "F21")
 }
-LABELS["F32"] = {"meaning": "Force of the slider on the connecting rod at B, magnitude", "source": FORCES}
+LABELS["F32"] = {"meaning": "Force of the slider on the connecting rod at B; its magnitude", "source": FORCES}
 LABELS |= {name: {} for name in ("p1_x", "p1_y", "AG_x", "AG_y", "G2_along", "G2_across")}
 borrow(slider_crank, planar_4r, NAMES, "", LABELS)
 
