@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from tests.support.refusals import refused
 
 import fastlink as fl
-from tests.support.refusals import refused
 
 FOUR_BAR = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 10.0}
 PARTIAL = {"a1": 1.0, "a2": 0.6, "a3": 0.7, "a4": 1.2, "omega1": 10.0}
@@ -38,14 +38,17 @@ def test_extremes_over_an_arc_are_those_of_its_dense_samples(case):
         angles = np.linspace(first, first + span, SAMPLES)[: None if span < 6.28 else -1]
         curves = fl.sweep(mechanism, design, names, branch=(1, 2), angles=angles)
         for name in names:
-            curve = curves[name]
-            step = np.nanmax(abs(np.diff(curve.values, axis=-1)), axis=-1)
+            # a crank pin has a place where the linkage cannot be assembled, too, which is no part of the motion
+            curve = curves[name].where(curves[names[0]].notnull())
+            step = abs(curve.diff(curve.dims[-1])).max(curve.dims[-1]).values
             for end, sign in (("max", 1.0), ("min", -1.0)):
                 best = (sign * curve).max(curve.dims[-1]).values
                 value, bound = (found[f"{name}_{end}{more}"][k].values for more in ("", "_error"))
+                there = np.isfinite(best)  # the linkage may reach no position of an arc
+                assert (np.isnan(value) == ~there).all()
                 # a sample is off by some roundings; next to a toggle by the root of one
-                assert (best - sign * value <= bound + 1e-12 * abs(best)).all(), (name, end, first)
-                assert (sign * value - best <= 4.0 * step).all(), (name, end, first)
+                beyond = best - sign * value > bound + 1e-12 * abs(best)
+                assert not (beyond | (sign * value - best > 4.0 * step))[there].any(), (name, end, first)
 
 
 def test_lists_means_and_places_are_of_the_arc():
@@ -84,9 +87,11 @@ def test_the_same_at_every_door(tmp_path):
     arc = {"arc_start_deg": 30.0, "arc_end_deg": 120.0}
     expected = fl.sweep("planar_4r", FOUR_BAR | arc, ["omega4_max"], branch=1).omega4_max.item()
     radians = {name.removesuffix("_deg"): np.radians(value) for name, value in arc.items()}
-    assert fl.sweep("planar_4r", FOUR_BAR | radians, ["omega4_max"], branch=1).omega4_max == expected
+    in_radians = fl.sweep("planar_4r", FOUR_BAR | radians, ["omega4_max"], branch=1).omega4_max.item()
+    # an arc of degrees is rounded once more
+    assert in_radians == pytest.approx(expected, rel=1e-14)
     fixed = {name: value for name, value in (FOUR_BAR | radians).items() if name != "a1"}
-    assert fl.function("planar_4r", ["a1"], ["omega4_max"], branch=1, **fixed)([0.4]).item() == expected
+    assert fl.function("planar_4r", ["a1"], ["omega4_max"], branch=1, **fixed)([0.4]).item() == in_radians
     space = fl.sobol(2000, a1=(0.2, 0.5), a2=(0.8, 1.4), a3=(0.6, 1.2)).with_constants(
         {"a4": 1.0, "omega1": 10.0} | radians
     )
