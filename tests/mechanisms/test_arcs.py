@@ -26,6 +26,7 @@ ARCS = [(0.5, 1.0), (5.5, 1.5), (-0.1, 0.3), (2.0, 1e-3), (3.0, 6.2), (-1.0, 2.0
 SAMPLES = 4001
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("case", CASES)
 def test_extremes_over_an_arc_are_those_of_its_dense_samples(case):
     mechanism, design, names = CASES[case]
@@ -124,3 +125,31 @@ def test_what_is_no_arc_is_refused(more, names, options, what, remedy):
     start = {"arc_start": 0.5} if more else {}
     with refused(what, remedy):
         fl.sweep("planar_4r", FOUR_BAR | start | more, names, **options)
+
+
+def test_travel_tells_how_far_a_link_moves_over_an_arc():
+    names = ["theta4_travel", "d_theta4_travel_d_a1", "theta4", "theta4_max", "theta4_min"]
+    maps = fl.sweep(
+        "planar_4r", FOUR_BAR | {"arc_start": 0.5, "arc_end": 1.5}, names, branch=(1, 2), verify=1
+    )
+    assert maps.attrs["verify_mismatches"] == 0
+    curve = maps.theta4
+    assert (maps.theta4_travel == curve.max("theta1") - curve.min("theta1")).all()
+    # the positions are half a step off the ends of the arc
+    step = float(abs(curve.diff("theta1")).max())
+    exact = maps.theta4_max - maps.theta4_min
+    assert (abs(exact - maps.theta4_travel) <= 2 * step).all()
+    h = 1e-6
+    ends = [
+        fl.sweep(
+            "planar_4r",
+            FOUR_BAR | {"arc_start": 0.5, "arc_end": 1.5, "a1": 0.4 + k * h},
+            names[:1],
+            branch=(1, 2),
+        )
+        for k in (-1, 1)
+    ]
+    # central differences: the square of h and a rounding over h
+    np.testing.assert_allclose(
+        maps.d_theta4_travel_d_a1, (ends[1] - ends[0]).theta4_travel / (2 * h), rtol=1e-8
+    )
