@@ -17,6 +17,7 @@ from fastlink.codegen.runtime.beside import MOST_SPLITS, OCTAVES, SPLIT_ROWS
 from fastlink.codegen.runtime.cells import ITEM_ROWS, LANES, MOST_LANES, STATE_ROWS
 from fastlink.codegen.runtime.results import WINNER_ROWS
 from fastlink.codegen.source import Array, Source, Text, needed_steps, paste_fact
+from fastlink.facts.arc import ARC_FACTS
 from fastlink.facts.fact import Fact
 from fastlink.facts.names import error_name
 
@@ -67,13 +68,15 @@ class ExtremaWriter:
     def item_needs(self, search: ExtremumSearch) -> list[str]:
         """Return the design values that an item of a search carries."""
         names = [*self.slope_names(search), search.quantity, *self.places_wanted]
-        return self.design_needs(self.needed_for([*names, *search.bounded_by, *search.certain_by]))
+        needs = self.design_needs(self.needed_for([*names, *search.bounded_by, *search.certain_by]))
+        return [*needs, *(ARC_FACTS if search.arc else ())]
 
     @property
     def places_wanted(self) -> list[str]:
         """Return the name of the input position where results tell or hang on where extremes are; else none."""
         requests = [output.request for output in self.program.outputs]
         wanted = any(r.is_position or r.listed or r.is_of_gradient for r in requests)
+        wanted = wanted or self.program.searches[0].arc
         return [self.program.catalogue.position.name] if wanted else []
 
     def gradient_names(self, search: ExtremumSearch) -> list[str]:
@@ -308,6 +311,10 @@ class ExtremaWriter:
             stores[cells.THETA] = stores[cells.IMAGE] = "0.0"
             for position in self.places_wanted:
                 stores[cells.THETA] = position
+                if search.arc:
+                    self.text.use("codegen.runtime.results", "within_arc")
+                    stores[cells.VALUE] = f"within_arc({quantity}, {position}, {', '.join(ARC_FACTS)})"
+                    names += ARC_FACTS
                 if self.program.mirrored:
                     self.text.use("codegen.runtime.results", "mirror_image")
                     stores[cells.IMAGE] = f"mirror_image({position}, {2.0 * self.program.graded.axis})"

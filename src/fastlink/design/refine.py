@@ -21,6 +21,7 @@ from fastlink.engine.extend import Extension, check_declared, is_own, own_refuse
 from fastlink.engine.function import Function, function
 from fastlink.engine.labels import flag_attrs, request_labels
 from fastlink.errors import InputError, Problems, listed
+from fastlink.facts.arc import ARC_ENDS
 from fastlink.facts.catalogue import ELIMINATED, Catalogue
 from fastlink.facts.derivative import NoDependence, NoDerivative, is_tolerance
 from fastlink.facts.names import derivative_name
@@ -247,17 +248,19 @@ def _positions(catalogue: Catalogue, maps: xr.Dataset) -> dict[str, Any]:
     count = attrs.get(f"{name}_count")
     found = {"extrema": attrs["extrema"]} if attrs.get("extrema") in ("refined", "sampled") else {}
     if name in maps.dims and name in maps.coords and count == maps.sizes[name]:
-        own = angles_of(catalogue, np.asarray(maps[name].values, dtype=np.float64))
+        arc = ARC_ENDS[0] in maps.variables
+        own = angles_of(catalogue, np.asarray(maps[name].values, dtype=np.float64), arc)
         return {**own, **found}
     if catalogue.positions is None and count is not None:
         return found | {"angles": int(count)}
     return found if catalogue.positions is None else {}
 
 
-def angles_of(catalogue: Catalogue, positions: NDArray[np.float64]) -> dict[str, Any]:
-    """Return input positions as the option of a sweep: the number of equal steps over one turn where they are these."""
+def angles_of(catalogue: Catalogue, positions: NDArray[np.float64], arc: bool) -> dict[str, Any]:
+    """Return input positions as the option of a sweep: the number of equal steps over one turn, or an arc, if so."""
     count = len(positions)
-    if catalogue.positions is None and np.array_equal(positions, check_positions(catalogue, count)):
+    turn = catalogue.positions is None and np.array_equal(positions, check_positions(catalogue, count))
+    if arc or turn:
         return {"angles": count}
     return {"angles": positions}
 

@@ -33,6 +33,7 @@ from fastlink.engine.run import default_threads, run
 from fastlink.engine.sinks import ProgressBar, allocated, check_needs, designs_per_block, within
 from fastlink.engine.sweep import sweep
 from fastlink.errors import InputError, Pair, Problems, Setting, check_switch, door
+from fastlink.facts.arc import ARC
 from fastlink.facts.catalogue import ELIMINATED, Catalogue
 from fastlink.facts.own import declared_names
 from fastlink.io.checksums import Range, Ranges, joined_ranges, missing
@@ -880,7 +881,7 @@ def request_of(
     taken = ("links", "input", "solver", "backend", "branch")
     options = {name: of_sweep[name] for name in taken if name in of_sweep}
     options |= {"extrema": resolved.plan.extrema or None, "threads": None}
-    options |= angles_of(resolved.catalogue, resolved.positions)
+    options |= angles_of(resolved.catalogue, resolved.positions, ARC in resolved.plan.variants)
     wanted = tuple(dict.fromkeys([*others, *names]))
     about = choice_asked, choice, labels, space.size, space.attrs
     request = SearchRequest(mechanism, resolved, options, wanted, only, *about)

@@ -10,6 +10,7 @@ import numpy as np
 
 from fastlink._text import __version__, counted, version
 from fastlink.engine.resolve import ResolvedSweep, axis_lengths
+from fastlink.facts.arc import ARC
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.derivative import in_a_sentence, worded
 from fastlink.facts.fact import Fact, Input
@@ -122,6 +123,8 @@ def _labels(plan: Plan, output: Output) -> dict[str, Any]:
         if not output.refined:
             of_samples = f"of {counted(plan.positions, 'position')}"
             attrs["long_name"] = attrs["long_name"].replace("over the cycle", of_samples)
+    if ARC in plan.variants:
+        attrs["long_name"] = attrs["long_name"].replace("over the cycle", "over the arc")
     if output.request.is_status:
         del attrs["units"]
         attrs |= flag_attrs(STATUS_FLAGS, output.dtype)

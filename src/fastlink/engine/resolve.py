@@ -19,6 +19,7 @@ from fastlink.engine.designs import designs_of, without
 from fastlink.engine.run import Job, KernelTask, Shapes
 from fastlink.engine.scaling import FarDesigns, ScalingAxis, find_scaling_axis
 from fastlink.errors import InputError, KeyPath, Problem, Problems, check_path
+from fastlink.facts.arc import ARC
 from fastlink.facts.catalogue import ELIMINATED, Catalogue
 from fastlink.facts.derivative import is_tolerance, tolerance_name
 from fastlink.facts.own import Definition, used
@@ -118,6 +119,8 @@ def check(
         values = request.check_positions(catalogue, given, key)
         if not problems.noted:
             request.check_turn(catalogue, names, given)
+        if space is not None and ARC in variants and not problems.noted:
+            values = request.positions_of_arc(catalogue, space, given, key, names)
         method = request.check_extrema(extrema, catalogue, given, () if problems.noted else names)
     compiler = problems.attempt(backend_of, backend)
     problems.stop()

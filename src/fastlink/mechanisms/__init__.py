@@ -20,6 +20,7 @@ from weakref import WeakKeyDictionary
 
 from fastlink._text import short_repr
 from fastlink.errors import InputError, check_choice, door, suggest
+from fastlink.facts.arc import with_arc
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -74,7 +75,7 @@ class Mechanism(str):
         except SheetError as error:
             raise InputError(error.what, where=("mechanism", error.place), remedy=error.remedy) from None
         own = super().__new__(cls, f"{known.name}@{sha256(text.encode()).hexdigest()[:8]}")
-        own.text, own.file, own.known = text, file, known
+        own.text, own.file, own.known = text, file, with_arc(known)
         return _sheets.setdefault(str(own), own)
 
     known: Catalogue
@@ -208,7 +209,7 @@ def base_catalogue(mechanism: str | None, input: str | None = None) -> Catalogue
     if input == first.position.name:
         return first
     with _lock:
-        by_input = driven[input]()
+        by_input = with_arc(driven[input]())
     return _travelling(by_input, mechanism, input)
 
 
@@ -229,7 +230,7 @@ def _package(mechanism: str | None) -> tuple[Catalogue, dict[str, Callable[[], C
         return _travelling(_sheets[mechanism].known, _sheets[mechanism]), {}
     mechanism = check_choice(("mechanism",), mechanism, NAMES, meant=_meant)
     package = import_module(f"fastlink.mechanisms.{mechanism}")
-    first = getattr(package, mechanism)
+    first = with_arc(getattr(package, mechanism))
     return _travelling(first, mechanism), package.DRIVEN
 
 

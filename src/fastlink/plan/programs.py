@@ -9,6 +9,7 @@ from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, Literal
 
 from fastlink.errors import InputError, Setting
+from fastlink.facts.arc import ARC, ARC_FACTS, AT_ENDS
 from fastlink.facts.asymptotics import asymptotics
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.derivative import NoDependence, NoDerivative, Term
@@ -175,6 +176,8 @@ class ExtremumSearch:
     jumps: bool = False
     #: Whether these are jumps of what is made of angles as numbers: its values on both sides count.
     both_sides: bool = False
+    #: Whether the extremes are those within an arc.
+    arc: bool = False
     #: What vanishes where the slope jumps or has a kink: cells are split at these places.
     turns: tuple[str, ...] = ()
     #: Whether the zeros of `slope` are such places of other searches, and nothing else.
@@ -524,10 +527,19 @@ class Planner:
     # -- Searches for extrema: each of a quantity by its derivative with respect to the input position
 
     def search(self, quantity: str) -> ExtremumSearch | None:
-        """Return how a quantity is searched, or None where it has no derivative or no graded range."""
+        """Return how a quantity is searched, or None where it has no derivative or no graded range.
+
+        An arc of the turn is no mirror image of itself, and extremes that are known may be outside of it.
+        """
+        found = self._search_of_turn(quantity)
+        if found is None or ARC not in self.variants:
+            return found
+        return replace(found, arc=True, parity=0, slope_parity=0, known=None)
+
+    def _search_of_turn(self, quantity: str) -> ExtremumSearch | None:
         if signed(quantity) != quantity:
             # the magnitude is extreme where the quantity is, or zero: its greatest is found by the same slope
-            found = self.search(signed(quantity))
+            found = self._search_of_turn(signed(quantity))
             return found and replace(found, quantity=quantity, parity=abs(found.parity))
         graded = self.catalogue.graded
         if graded is None or quantity in graded.not_differentiable:
@@ -652,6 +664,14 @@ class Planner:
             for name in self.graded.jumps_at(signed(search.quantity))
             if (one := self.part_search(search, name, name)) is not None
         ]
+        # as of a smooth part that the quantity is there: its derivatives by inputs are those at a fixed position
+        at_ends = [
+            replace(one, piece=True)
+            for search in searches
+            if search.arc
+            for name in AT_ENDS
+            if (one := self.part_search(search, name, name)) is not None
+        ]
         kinks = [one for search in searches for one in self.searches_at_kinks(search)]
         nearly_poles = [
             replace(
@@ -667,7 +687,7 @@ class Planner:
             for s in (*searches, *kinks)
             if s.divisors
         ]
-        return jumps + kinks + nearly_poles
+        return jumps + at_ends + kinks + nearly_poles
 
     def requested(self, search: ExtremumSearch, outputs: Sequence[Output]) -> ExtremumSearch:
         """Return a search with the error bounds and derivatives that are requested of its extremes."""
@@ -733,6 +753,7 @@ class Planner:
             of_group = [o for s in group for o in outputs if o.request.quantity == s.quantity and not s.onto]
             names += [term.tolerance for o in of_group for term in o.terms]
             names += [error_name(end[2]) for end in ends if any(s.bounded_by for s in group)]
+            names += [name for s in group[:1] if s.arc for name in ARC_FACTS]
             of_steps = self.made_of(self.steps(names))
             programs.append(ExtremaProgram(**of_steps, outputs=tuple(of_group), searches=tuple(group)))
         return programs
@@ -850,7 +871,7 @@ def make_plan(
                 refined.add(request.name)
             elif request.listed:
                 raise _not_refined(request, catalogue)
-    whole_turn = extrema == "refined"
+    whole_turn = extrema == "refined" and ARC not in variants
     outputs = tuple(planner.output(r, whole_turn=whole_turn, refined=r.name in refined) for r in requests)
     programs: list[Program] = []
     if sampled := [output.name for output in outputs if not output.refined]:

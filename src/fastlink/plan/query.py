@@ -214,6 +214,10 @@ def _mean(samples: Sequence[Any]) -> tuple[Any, Any]:
     return sum(samples) / len(samples), sum(map(abs, samples)) / len(samples)
 
 
+def _travel(samples: Sequence[Any]) -> tuple[Any, Any]:
+    return max(samples) - min(samples), max(map(abs, samples))
+
+
 def _fluctuation(samples: Sequence[Any]) -> tuple[Any, Any]:
     """Return what `fastlink.codegen.runtime.systems` takes, and the sum of the sizes of its terms."""
     count, (mean, size) = len(samples), _mean(samples)
@@ -322,6 +326,27 @@ register(
         whole="systems.fluctuation_lanes",
         toggle_order=0,  # the curve has a gap, be it between two samples
         keywords=("variation", "ripple"),
+    )
+)
+
+
+register(
+    Reduction(
+        suffix="travel",
+        phrase="greatest minus least of the positions",
+        reference=_travel,
+        accumulators={
+            "high": ("-inf", "select({value} > {high}, {value}, {high})"),
+            "low": ("inf", "select({value} < {low}, {value}, {low})"),
+        },
+        finish="select({high} >= {low}, {high} - {low}, nan)",
+        keywords=("dwell", "rest", "span"),
+        gradient={
+            "of_high": ("nan", "select({value} > {high}, {slope}, {of_high})"),
+            "of_low": ("nan", "select({value} < {low}, {slope}, {of_low})"),
+        },
+        gradient_finish="{of_high} - {of_low}",
+        has_kink=True,
     )
 )
 

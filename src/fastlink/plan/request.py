@@ -26,6 +26,7 @@ from fastlink.errors import (
     remark,
     suggest,
 )
+from fastlink.facts.arc import ARC, ARC_ENDS
 from fastlink.facts.catalogue import ELIMINATED, Catalogue
 from fastlink.facts.derivative import is_tolerance
 from fastlink.facts.fact import Input
@@ -325,6 +326,8 @@ def check_keywords(
                 problems.add("is not an option", (name,), f"write {spaces.degrees_name(position)}")
             else:
                 problems.attempt(spaces.check_angle, name, position, catalogue.position.units, ())
+        elif name in ("over", "arc"):
+            problems.add("is not an option", (name,), f"give {joined(ARC_ENDS)} with the design")
         elif name in IN_DEGREES and catalogue.position.units == spaces.RADIANS:
             problems.add(
                 "is not an option", (name,), f"write angles in degrees as {spaces.degrees_name(position)}"
@@ -464,6 +467,37 @@ def check_turn(catalogue: Catalogue, names: Iterable[str], angles: Any) -> None:
             remedy = "write a number of angles" if catalogue.positions is None else "leave it out"
             problems.add(what, ("quantities", k), remedy)
     problems.stop()
+
+
+def positions_of_arc(
+    catalogue: Catalogue, space: DesignSpace, given: Any, key: str, names: Sequence[str]
+) -> NDArray[Any]:
+    """Return so many input positions of the arc that designs give, in the middles of equal parts; else refuse them."""
+    position = catalogue.position.name
+    if _are_several(given):
+        what = f"{position} is an array, and the designs give an arc"
+        raise InputError(what, (key,), f"write a number of positions, or leave out {joined(ARC_ENDS)}")
+    requests = [parse_request(name, catalogue) for name in names]
+    problems = Problems()
+    for k, request in enumerate(requests):
+        if request.reduction is not None and request.reduction.whole and not request.other:
+            remedy = f"leave out {joined(ARC_ENDS)}"
+            problems.add(f"{request.name!r} is over a whole turn, not an arc", ("quantities", k), remedy)
+    problems.stop()
+    inputs, n = catalogue.known_inputs([ARC]), int(given)
+    varying = [name for name in ARC_ENDS if name in space.names and name not in space.constants]
+    if varying:
+        for k, request in enumerate(requests):
+            if catalogue.varies(request.quantity) and not (request.can_be_refined or request.listed):
+                what = f"{request.name!r} is of positions that all designs share, and {varying[0]} differs"
+                problems.add(what, ("quantities", k), "give one arc, or ask for extremes alone")
+        problems.stop()
+        return np.arange(n) * (2.0 * np.pi / n)
+    start, end = (float(space.constants.get(name, inputs[name].default or 0.0)) for name in ARC_ENDS)
+    if not 0.0 < end - start <= 2.0 * np.pi * (1.0 + 2.0**-50):
+        what = f"is {end}, and arc_start is {start}"
+        raise InputError(what, ("design", ARC_ENDS[1]), "write an end beyond the start, by a turn at most")
+    return start + (np.arange(n) + 0.5) * ((end - start) / n)
 
 
 def check_positions(catalogue: Catalogue, given: int | ArrayLike, key: str = "angles") -> NDArray[Any]:

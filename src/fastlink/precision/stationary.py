@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fastlink.facts.arc import ARC, ARC_FACTS, AT_ENDS
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.evaluate import read_facts
 from fastlink.facts.names import derivative_name, signed
@@ -166,11 +167,14 @@ class Stationary:
         self.inputs = {**inputs, "branch": branches}
         self.variants = (graded.name, *variants)
         given = (*self.inputs, *graded.coordinates)
-        names = (quantity, self.position, *graded.jumps_at(quantity))
+        arc = (*AT_ENDS, *ARC_FACTS) if ARC in variants else ()
+        names = (quantity, self.position, *graded.jumps_at(quantity), *arc)
         self.facts = HighPrecision(catalogue, names, given, self.variants, zeroes=zeroes)
         self.movable = [n for n in inputs if not catalogue.known_inputs(variants)[n].choices]
         self._sample()
         self.candidates = self._candidates()
+        if arc:
+            self._keep_arc()
 
     # -- samples -----------------------------------------------------------------------------------
 
@@ -234,6 +238,32 @@ class Stationary:
         for (design, end), x, value, kind in zip(cells[:, :2].tolist(), *found, strict=True):
             candidates[design].append(Candidate(end, x, value, kind))
         return candidates
+
+    def _keep_arc(self) -> None:
+        """Keep the candidates within the arc of each design, and add the ends of the arc."""
+        designs = np.arange(len(self.x))[:, None, None]
+        high = np.broadcast_to(np.arange(2)[:, None] == 1, self.x.shape)
+        for name, values in zip(AT_ENDS, self._read(AT_ENDS, self.x, high, designs), strict=True):
+            for design, end, cell in np.argwhere(values[..., 1:] * values[..., :-1] < 0.0).tolist():
+                place = float(self.x[design, end, cell]), float(self.values[design, end, cell])
+                self.candidates[design].append(Candidate(end, *place, BESIDE, name))
+        for design, found in enumerate(self.candidates):
+            inside = []
+            for one in found:
+                if one.zero:
+                    base = self.facts.at(
+                        {name: column[design] for name, column in self.inputs.items()}
+                        | self._leaves_at(one.end, CONTEXT.mpf(one.x))
+                    )
+                    one = replace(one, x=float(self._zero(base, one)))
+                x, at = np.array([one.x]), np.array([bool(one.end)])
+                names = (self.position, *ARC_FACTS)
+                theta, middle, reach = self._read(names, x, at, np.array([design]))
+                if abs(np.sin(0.5 * (theta - middle)))[0] <= reach[0] + 2.0**-46:
+                    inside.append(one)
+            self.candidates[design] = inside
+        theta, middle, reach = self._read((self.position, *ARC_FACTS), self.x, high, designs)
+        self.values = np.where(abs(np.sin(0.5 * (theta - middle))) <= reach, self.values, np.nan)
 
     def _jumps(self, angle: str, inside: NDArray[Any]) -> NDArray[Any]:
         """Tell which cells an angle jumps in."""
@@ -351,6 +381,13 @@ class Stationary:
 
     def _beside(self, base: Mapping[str, Any], candidate: Candidate) -> Extreme:
         """Return the value on one side of a jump, whose place a fact's zero is."""
+        end, x = candidate.end, self._zero(base, candidate)
+        aside = ASIDE if (candidate.kind > 0) == (x > 0) else -ASIDE
+        value, farther = (self._at(base, end, x * (1 + k * aside))[self.quantity] for k in (1, 2))
+        return Extreme(value, abs(farther - value) / ASIDE, CONTEXT.nan, CONTEXT.zero)
+
+    def _zero(self, base: Mapping[str, Any], candidate: Candidate) -> Any:
+        """Return the place where the fact of a candidate vanishes."""
         end, zero, x = candidate.end, candidate.zero, CONTEXT.mpf(candidate.x)
         step = (abs(x) + AT_END) / 1000
         for _ in range(MOST_STEPS):
@@ -361,9 +398,7 @@ class Stationary:
             x, step = x + change, abs(change) / 1000 + AT_END
             if abs(change) < ASIDE * abs(x):
                 break
-        aside = ASIDE if (candidate.kind > 0) == (x > 0) else -ASIDE
-        value, farther = (self._at(base, end, x * (1 + k * aside))[self.quantity] for k in (1, 2))
-        return Extreme(value, abs(farther - value) / ASIDE, CONTEXT.nan, CONTEXT.zero)
+        return x
 
     def _leaves_at(self, end: int, x: Any) -> dict[str, Any]:
         near = x * x / (1 + x * x)

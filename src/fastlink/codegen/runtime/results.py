@@ -69,7 +69,7 @@ from fastlink.numerics.compiler import (
     merged,
     outlined,
 )
-from fastlink.numerics.elementary import ANGLE_ROUNDING, INFINITY, NOT_A_NUMBER, PI, TWO_PI
+from fastlink.numerics.elementary import ANGLE_ROUNDING, INFINITY, NOT_A_NUMBER, PI, TWO_PI, sine
 from fastlink.numerics.vectors import magnitude
 
 # -- Error bounds of extrema, where they are requested
@@ -109,6 +109,8 @@ OF_PI = 2.0**-52
 OF_PLACE = 2.0**-48
 # At a kink rounding may hide the sign of a slope that is far beyond that of rounding, and no step leads to its zero.
 UNRESOLVED, FAR = 2.0**20, 2.0**-7
+# An end of an arc is found within some roundings of half its distance from the middle.
+ARC_ROUNDING = 2.0**-48
 # A slope is certain where it is so many times as great as its error bound.
 TIMES = 2.0
 
@@ -244,6 +246,13 @@ def mirror_image(theta: Any, twice_axis: Any) -> Any:
     return image + TWO_PI if image < -(twice_axis * ANGLE_ROUNDING) else (0.0 if image < 0.0 else image)
 
 
+@inlined
+def within_arc(value: Any, theta: Any, middle: Any, reach: Any) -> Any:
+    """Return a value at a position, NaN outside of an arc; `reach` is the sine of a quarter of its length."""
+    half = 0.5 * (theta - middle)
+    return value if abs(sine(half)) <= reach + ARC_ROUNDING else NOT_A_NUMBER
+
+
 @outlined
 def extrema_at_zeros(s: Any, count: int, table: Any, search: Any) -> None:
     """Find of what kind the extremum at each zero is: 1 for a maximum, -1 for a minimum; 0 and pi where an angle jumps.
@@ -263,7 +272,7 @@ def extrema_at_zeros(s: Any, count: int, table: Any, search: Any) -> None:
     else:
         for i in lanes(padded(count)):
             # An angle near 0 passes 0, which is no extremum; it is pi and -pi where it jumps.
-            s[KIND, i] = NOT_A_NUMBER if abs(s[VALUE, i]) < 1.0 else 0.0
+            s[KIND, i] = 0.0 if abs(s[VALUE, i]) >= 1.0 else NOT_A_NUMBER
             s[VALUE, i] = PI
 
 

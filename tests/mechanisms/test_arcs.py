@@ -1,0 +1,155 @@
+"""Extremes over a part of the turn: exact within it, its ends among them, at every door alike."""
+
+import numpy as np
+import pytest
+from tests.support.refusals import refused
+
+import fastlink as fl
+
+FOUR_BAR = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 10.0}
+PARTIAL = {"a1": 1.0, "a2": 0.6, "a3": 0.7, "a4": 1.2, "omega1": 10.0}
+DOUBLE_CRANK = {"a1": 2.0, "a2": 2.5, "a3": 2.2, "a4": 0.8, "omega1": 10.0}
+CASES = {
+    "crank-rocker": ("planar_4r", FOUR_BAR, ["omega4", "alpha4", "theta4", "transmission_angle", "theta2"]),
+    "double crank": ("planar_4r", DOUBLE_CRANK, ["omega4", "theta4", "joint_angle_2"]),
+    "part of the turn": ("planar_4r", PARTIAL, ["theta4", "A_y", "transmission_angle"]),
+    "slider-crank": (
+        "slider_crank",
+        {"r": 0.1, "l": 0.3, "e": 0.02, "omega": 20.0},
+        ["slider_velocity", "slider_acceleration", "theta2"],
+    ),
+    "hart": ("hart", {"m": 4.0, "n": 8.0, "d": 6.0, "kappa": 0.5}, ["B_x", "psi"]),
+    "focal": ("focal", {"a": 5.0, "b": 5.0, "c": 2.0, "d": 4.0, "rho": 1.0, "completion": 1}, ["F_y", "A_x"]),
+}
+#: Start and length: across the end of the turn, tiny, nearly a turn, a turn.
+ARCS = [(0.5, 1.0), (5.5, 1.5), (-0.1, 0.3), (2.0, 1e-3), (3.0, 6.2), (-1.0, 2.0 * np.pi)]
+SAMPLES = 4001
+
+
+@pytest.mark.sample(3)
+@pytest.mark.parametrize("case", CASES)
+def test_extremes_over_an_arc_are_those_of_its_dense_samples(case):
+    mechanism, design, names = CASES[case]
+    start, length = np.array(ARCS).T
+    designs = fl.table({"arc_start": start, "arc_end": start + length}).with_constants(design)
+    wanted = [f"{name}_{end}{more}" for name in names for end in ("min", "max") for more in ("", "_error")]
+    found = fl.sweep(mechanism, designs, wanted, branch=(1, 2))
+    for k, (first, span) in enumerate(ARCS):
+        # the ends of a whole turn are one position
+        angles = np.linspace(first, first + span, SAMPLES)[: None if span < 6.28 else -1]
+        curves = fl.sweep(mechanism, design, names, branch=(1, 2), angles=angles)
+        for name in names:
+            # a crank pin has a place where the linkage cannot be assembled, too, which is no part of the motion
+            curve = curves[name].where(curves[names[0]].notnull())
+            step = abs(curve.diff(curve.dims[-1])).max(curve.dims[-1]).values
+            for end, sign in (("max", 1.0), ("min", -1.0)):
+                best = (sign * curve).max(curve.dims[-1]).values
+                value, bound = (found[f"{name}_{end}{more}"][k].values for more in ("", "_error"))
+                there = np.isfinite(best)  # the linkage may reach no position of an arc
+                assert (np.isnan(value) == ~there).all()
+                # a sample is off by some roundings; next to a toggle by the root of one
+                beyond = best - sign * value > bound + 1e-12 * abs(best)
+                assert not (beyond | (sign * value - best > 4.0 * step))[there].any(), (name, end, first)
+
+
+def test_lists_means_and_places_are_of_the_arc():
+    design = DOUBLE_CRANK | {"arc_start": 2.0, "arc_end": 5.0}
+    names = ["omega4_extrema", "omega4_min", "theta1_at_omega4_min", "omega4_mean", "omega4", "alpha4_peak"]
+    maps = fl.sweep("planar_4r", design, names, positions=1000, branch=1, verify=1)
+    assert maps.attrs["verify_mismatches"] == 0
+    assert maps.theta1.size == 1000
+    step = 3.0 / 1000
+    np.testing.assert_allclose(maps.theta1[[0, -1]], [2.0 + step / 2, 5.0 - step / 2], rtol=1e-15)
+    assert maps.omega4_mean == pytest.approx(float(maps.omega4.mean()), rel=1e-13)
+    assert maps.theta1_at_omega4_min == maps.theta1_at_omega4_extrema[0]
+    assert maps.omega4_extrema_count == 1
+    assert maps.omega4_min.attrs["long_name"].endswith("least over the arc")
+    peak = abs(fl.sweep("planar_4r", design, ["alpha4_max", "alpha4_min"], branch=1).to_array()).max()
+    assert maps.alpha4_peak == peak
+
+
+def test_derivatives_hold_the_ends_of_the_arc():
+    names = ["omega4_max", "d_omega4_max_d_a1", "d_omega4_max_d_a2", "omega4_max_gradient_status"]
+    arc = {"arc_start": 0.5, "arc_end": 1.5}
+    maps = fl.sweep("planar_4r", FOUR_BAR | arc, names, branch=(1, 2))
+    assert (maps.omega4_max_gradient_status == 0).all()
+    for by in ("a1", "a2"):
+        # central differences over h: off by h^2 and by the rounding of the value over h, 1e-9 together
+        h = 1e-5
+        ends = [
+            fl.sweep("planar_4r", FOUR_BAR | arc | {by: FOUR_BAR[by] + k * h}, ["omega4_max"], branch=(1, 2))
+            for k in (-1, 1)
+        ]
+        slope = (ends[1] - ends[0]).omega4_max / (2 * h)
+        np.testing.assert_allclose(maps[f"d_omega4_max_d_{by}"], slope, rtol=1e-6)
+
+
+def test_the_same_at_every_door(tmp_path):
+    arc = {"arc_start_deg": 30.0, "arc_end_deg": 120.0}
+    expected = fl.sweep("planar_4r", FOUR_BAR | arc, ["omega4_max"], branch=1).omega4_max.item()
+    radians = {name.removesuffix("_deg"): np.radians(value) for name, value in arc.items()}
+    in_radians = fl.sweep("planar_4r", FOUR_BAR | radians, ["omega4_max"], branch=1).omega4_max.item()
+    # an arc of degrees is rounded once more
+    assert in_radians == pytest.approx(expected, rel=1e-14)
+    fixed = {name: value for name, value in (FOUR_BAR | radians).items() if name != "a1"}
+    assert fl.function("planar_4r", ["a1"], ["omega4_max"], branch=1, **fixed)([0.4]).item() == in_radians
+    space = fl.sobol(2000, a1=(0.2, 0.5), a2=(0.8, 1.4), a3=(0.6, 1.2)).with_constants(
+        {"a4": 1.0, "omega1": 10.0} | radians
+    )
+    best = fl.search(
+        "planar_4r", space, ["theta4_max", "theta4_min"], minimise="omega4_peak", branch=1, top=1
+    )
+    row = {name: float(best[name][0]) for name in ("a1", "a2", "a3")}
+    again = fl.sweep("planar_4r", FOUR_BAR | radians | row, ["omega4_peak"], branch=1)
+    assert float(best.omega4_peak[0]) == pytest.approx(float(again.omega4_peak), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("more", "names", "options", "what", "remedy"),
+    [
+        ({"arc_end": 0.2}, ["omega4_max"], {}, "arc_end", "beyond the start"),
+        ({"arc_end": 9.0}, ["omega4_max"], {}, "arc_end", "by a turn at most"),
+        (
+            {"arc_end": 2.0},
+            ["omega4_max"],
+            {"theta1": [0.1, 0.2]},
+            "theta1 is an array",
+            "number of positions",
+        ),
+        ({"arc_end": 2.0}, ["omega4_fluctuation"], {}, "a whole turn", "leave out"),
+        ({"arc_end": [1.0, 2.0]}, ["omega4_mean"], {}, "differs", "extremes alone"),
+        ({}, ["omega4_max"], {"over": (0.1, 0.2)}, "over", "arc_start and arc_end"),
+    ],
+)
+def test_what_is_no_arc_is_refused(more, names, options, what, remedy):
+    start = {"arc_start": 0.5} if more else {}
+    with refused(what, remedy):
+        fl.sweep("planar_4r", FOUR_BAR | start | more, names, **options)
+
+
+def test_travel_tells_how_far_a_link_moves_over_an_arc():
+    names = ["theta4_travel", "d_theta4_travel_d_a1", "theta4", "theta4_max", "theta4_min"]
+    maps = fl.sweep(
+        "planar_4r", FOUR_BAR | {"arc_start": 0.5, "arc_end": 1.5}, names, branch=(1, 2), verify=1
+    )
+    assert maps.attrs["verify_mismatches"] == 0
+    curve = maps.theta4
+    assert (maps.theta4_travel == curve.max("theta1") - curve.min("theta1")).all()
+    # the positions are half a step off the ends of the arc
+    step = float(abs(curve.diff("theta1")).max())
+    exact = maps.theta4_max - maps.theta4_min
+    assert (abs(exact - maps.theta4_travel) <= 2 * step).all()
+    h = 1e-6
+    ends = [
+        fl.sweep(
+            "planar_4r",
+            FOUR_BAR | {"arc_start": 0.5, "arc_end": 1.5, "a1": 0.4 + k * h},
+            names[:1],
+            branch=(1, 2),
+        )
+        for k in (-1, 1)
+    ]
+    # central differences: the square of h and a rounding over h
+    np.testing.assert_allclose(
+        maps.d_theta4_travel_d_a1, (ends[1] - ends[0]).theta4_travel / (2 * h), rtol=1e-8
+    )
