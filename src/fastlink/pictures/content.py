@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from fastlink._text import filled, in_words
 from fastlink.errors import InputError
+from fastlink.facts.arc import ARC_ENDS
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.fact import Fact, System
 from fastlink.facts.formula import Formula
@@ -327,7 +328,8 @@ def _request(maps: xr.Dataset, name: str) -> dict[str, Any]:
         asked = parse_request(name, _catalogue_of(maps))
     except InputError:
         return {"requested": False, "of": ["", ""]}
-    plain = name == str(asked.of)
+    # the page computes reductions over the whole turn, and no others
+    plain = name == str(asked.of) and ARC_ENDS[0] not in maps.variables
     return {
         "requested": True,
         "of": [signed(asked.quantity), asked.reduction.suffix if asked.reduction else ""]
