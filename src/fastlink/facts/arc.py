@@ -35,6 +35,6 @@ def with_arc(known: Catalogue) -> Catalogue:
     for name, (text, parameters) in formulas.items():
         units = "rad" if name == "arc_middle" else "1"
         formula = Formula(name, parameters, text.splitlines())
-        about: dict[str, Any] = {"units": units, "symbol": name, "meaning": name, "source": "docs/maps.md"}
+        about: dict[str, Any] = {"units": units, "symbol": name, "meaning": name, "source": "docs/designs.md"}
         known.declare(Fact(name, formula, parameters, **about, internal=True), ARC)
     return known
