@@ -35,7 +35,6 @@ from fastlink.numerics.vectors import cross
 from fastlink.plan.request import branch_codes, check_model, constants_of, selected_variants, value_problems
 from fastlink.space.design_space import (
     MOST_DIMS,
-    RADIANS,
     DesignSpace,
     Links,
     constant,
@@ -44,6 +43,7 @@ from fastlink.space.design_space import (
     numbers_of,
 )
 from fastlink.space.tables import as_space
+from fastlink.space.units import RADIANS
 
 __all__ = [
     "Cognate",

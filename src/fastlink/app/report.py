@@ -45,7 +45,8 @@ from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.programs import make_program
 from fastlink.plan.query import REDUCTIONS, parse_request, rank_quantities
 from fastlink.plan.request import RULES
-from fastlink.space.design_space import BRANCH, DESIGN, EXTREMUM, angle_of
+from fastlink.space.design_space import BRANCH, DESIGN, EXTREMUM
+from fastlink.space.units import split
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -67,7 +68,7 @@ def listed(found: xr.Dataset, names: Sequence[str], *, degrees: bool = False) ->
     along = [(str(name), array) for name, array in maps.coords.items() if array.dims == (DESIGN,)]
     inputs = [name for name, array in along if array.dtype.kind in "iuf"]
     texts = [name for name, array in along if name not in inputs]
-    shown = [name if name in maps.variables else angle_of(name) for name in names]
+    shown = [split(name, maps.variables)[0] for name in names]
     arrays = [maps[name] for name in dict.fromkeys([*inputs, *shown, *texts])]
     rows = list(zip(*(_column(array) for array in arrays if array.dims == (DESIGN,)), strict=True))
     hidden = len(rows) - 2 - MOST_ROWS

@@ -52,9 +52,10 @@ from fastlink.mechanisms import NAMES, SHEET, is_extension, name_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.mechanisms import mechanism as read_mechanism
 from fastlink.plan.request import POSITIONS, check_keywords
-from fastlink.space.design_space import MODELS, Degrees, DesignSpace, Links, angle_of, bounds_of, degrees_name
+from fastlink.space.design_space import MODELS, DesignSpace, Links, bounds_of
 from fastlink.space.samplers import grid, latin_hypercube, sobol
 from fastlink.space.tables import CURVES, table
+from fastlink.space.units import InUnit, split
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -447,7 +448,9 @@ def in_own_tables(
         homes |= dict.fromkeys(catalogue.all_inputs, ("design",))
         homes |= dict.fromkeys(of_links, ("links", "design"))
         position = catalogue.position.name
-        homes |= dict.fromkeys((position, degrees_name(position)), ("cycle",))
+        homes[position] = ("cycle",)
+        keys = [key for table in raw.values() if isinstance(table, dict) for key in table]
+        homes |= {key: homes[split(key, homes)[0]] for key in keys if split(key, homes)[1]}
     tables = {name: dict(table) for name, table in raw.items() if isinstance(table, dict) and name in PLACES}
     tables[""] = {name: value for name, value in raw.items() if name not in tables}
     problems = []
@@ -668,7 +671,7 @@ class StudyRequest:
         for one in found:
             head, *rest = one.where or ("",)
             position = self.catalogue.position.name
-            if head in ("angles", position, degrees_name(position)) and "cycle" in self.broken:
+            if split(str(head), (position,))[0] in ("angles", position) and "cycle" in self.broken:
                 continue
             if head == "quantities" and rest and isinstance(rest[0], int) and rest[0] < len(numbers):
                 one = replace(one, where=(head, numbers[rest[0]]))
@@ -729,7 +732,7 @@ class StudyRequest:
         """Return the table of tolerances by the names that they have in a design, where they may stand too."""
         given = given_tolerances(self.catalogue, self.tables.get(TOLERANCES, {}), TOLERANCES, problems)
         for name in in_design & given.keys():
-            of = (TOLERANCES, toleranced(name.removesuffix("_deg")))
+            of = (TOLERANCES, toleranced(split(name, self.catalogue.all_inputs)[0]))
             problems.add(f"is given, and so is {name} in [design]", of, "write it once")
         return given
 
@@ -959,7 +962,7 @@ def read_study(path: str | Path, trust_code: bool = False) -> Study:
     driven = _driven(mechanism, contents, problems)
     raw, misplaced = in_own_tables(contents, driven)
     name = "" if driven is None else driven.position.name
-    tables, found = read_tables(raw, (name, degrees_name(name)))
+    tables, found = read_tables(raw, [key for key in raw.get("cycle", {}) if split(key, (name,))[0] == name])
     problems.noted += [*misplaced, *found]
     problems.wording = StudyWording(path, raw)
     if driven is None or "mechanism" not in tables:
@@ -970,7 +973,8 @@ def read_study(path: str | Path, trust_code: bool = False) -> Study:
     problems.stop()
     assert request.space is not None
     for name, values in request.positions.items():
-        request.options["angles"] = Degrees(values) if angle_of(name) else values
+        unit = split(name, (driven.position.name,))[1]
+        request.options["angles"] = InUnit(values, unit) if unit else values
     design = tables["design"]
     others = [design["table"]] if "table" in design else []
     others += [tables[KEY]] if KEY in tables else []

@@ -27,8 +27,9 @@ from fastlink.mechanisms import name_of
 from fastlink.plan import request
 from fastlink.plan.programs import ANGLES_FOR_LANES, Plan, all_declared, make_plan
 from fastlink.plan.query import Extrema, check_names, parse_request, with_companions
-from fastlink.space.design_space import COMMENT, EXTREMUM, angle_of, definition_of, in_unit, numbers_of
+from fastlink.space.design_space import EXTREMUM, definition_of, in_unit, numbers_of
 from fastlink.space.tables import CURVES, as_space
+from fastlink.space.units import comment, in_words, split
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -77,8 +78,8 @@ class CheckedRequest:
     backend: str
     #: See `all_declared`.
     declared: tuple[Any, ...]
-    #: Whether the input positions were given in degrees.
-    in_degrees: bool
+    #: The unit in which the input positions were given, if not that of SI.
+    unit: str
 
 
 def check(
@@ -122,7 +123,7 @@ def check(
     compiler = problems.attempt(backend_of, backend)
     problems.stop()
     parts = catalogue, names, links, solver, variants, branches, values, method, compiler, declared
-    return CheckedRequest(*parts, in_degrees=bool(angle_of(key)))
+    return CheckedRequest(*parts, unit=split(key, (catalogue.position.name,))[1])
 
 
 @lru_cache(maxsize=256)
@@ -284,8 +285,9 @@ def resolve(
     checked = problems.attempt(check, mechanism, designs, quantities, **named)
     problems.stop()
     assert designs is not None
-    if checked.in_degrees:
-        designs = replace(designs, comments={**designs.comments, catalogue.position.name: COMMENT})
+    if checked.unit:
+        comments = {**designs.comments, catalogue.position.name: comment(checked.unit)}
+        designs = replace(designs, comments=comments)
     space, variants = designs, checked.variants
     space = space.with_constants(request.constants_of(catalogue, checked.links, variants))
     for name, codes in request.all_choices(catalogue, space.names, variants).items():
@@ -369,34 +371,32 @@ def given_tolerances(
     known[catalogue.position.name] = catalogue.position
     found: dict[str, float] = {}
     for name, value in tolerances.items():
-        of = name if name in known else angle_of(name)
+        of, unit = split(name, known)
         if of not in known:
             problems.noted.append(request.unknown_input(catalogue, name, known, parent))
         elif known[of].choices:
             problems.add("is a code, which has no tolerance", (parent, name), "leave it out")
         else:
             with problems.at():
-                own, number = _tolerance(name, of, value, known[of], parent)
+                own, number = _tolerance(name, of, unit, value, known[of], parent)
                 found[own] = number
     return found
 
 
-def _tolerance(name: str, of: str, value: Any, declared: Input, parent: str) -> tuple[str, float]:
+def _tolerance(name: str, of: str, unit: str, value: Any, declared: Input, parent: str) -> tuple[str, float]:
     """Return a tolerance and the name that it has in a design."""
-    unit = "degrees" if name != of else declared.units
-    remedy = f"write a number of at least 0{'' if unit == '1' else f' in {unit}'}"
-    remedy += "" if name != of else ', or a text such as "0.1 %"'
+    own = unit or declared.units
+    remedy = f"write a number of at least 0{'' if own == '1' else f' in {in_words(own)}'}"
+    remedy += "" if unit else ', or a text such as "0.1 %"'
     if share := isinstance(value, str):
-        number = _percent(value) if name == of else None
+        number = None if unit else _percent(value)
     else:
-        numbers = in_unit(
-            (parent, name), value, numbers_of(parent, name, value), "" if name != of else declared.units
-        )
+        numbers = in_unit((parent, name), value, numbers_of(parent, name, value), own)
         number = float(numbers) if numbers.ndim == 0 else None
     if number is None or not 0.0 <= number < math.inf:
         raise InputError(f"is {short_repr(value)}", (parent, name), remedy)
     own = tolerance_name(of, relative=share)
-    return own if name == of else f"{own}_deg", number
+    return f"{own}_{unit}" if unit else own, number
 
 
 def _percent(text: str) -> float | None:

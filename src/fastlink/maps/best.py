@@ -116,9 +116,9 @@ def _of_code(array: xr.DataArray, where: str, meanings: Any) -> Condition:
 
 
 def _of_name(maps: xr.Dataset, name: Any, given: Any) -> Condition:
-    """Return the condition on one variable or input; the limits of an angle NAME in degrees as NAME_deg."""
+    """Return the condition on one variable or input; the limits of NAME in a unit of its own as NAME_mm."""
     known = {str(one): array for one, array in maps.variables.items() if array.dtype.kind in "iuf"}
-    key, in_degrees = named(known, name)
+    key, factor = named(known, name)
     array = maps[key or check_choice(("where",), name, list(known))]
     if flags_of(array) and isinstance(given, (str, list, tuple)):
         return _of_code(array, name, given)
@@ -133,7 +133,7 @@ def _of_name(maps: xr.Dataset, name: Any, given: Any) -> Condition:
         if limits.low == math.inf or limits.high == -math.inf:
             raise InputError("takes no finite number", remedy=("write ", Pair(unlimited=True)))
     problems.stop()
-    limits = in_units(array, limits, "where", in_degrees=in_degrees)
+    limits = in_units(array, limits, "where", factor)
     return Condition(array, None, limits.low, limits.high)
 
 
