@@ -51,11 +51,12 @@ from fastlink.io.reader import Part, is_hdf5, open_map
 from fastlink.mechanisms import NAMES, SHEET, is_extension, name_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.mechanisms import mechanism as read_mechanism
+from fastlink.plan.query import Results, parse_request, units_of
 from fastlink.plan.request import POSITIONS, check_keywords
 from fastlink.space.design_space import MODELS, DesignSpace, Links, bounds_of
 from fastlink.space.samplers import grid, latin_hypercube, sobol
 from fastlink.space.tables import CURVES, table
-from fastlink.space.units import InUnit, split
+from fastlink.space.units import KINDS, InUnit, factor_of, split, with_unit
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -290,6 +291,7 @@ class StudyFile(BaseModel, extra="forbid"):
     design: Design
     links: LinksTable | None = None
     tolerances: dict[String, Any] | None = None
+    units: dict[String, Text] | None = None
     cycle: Cycle | None = None
     run: Run | None = None
     search: Search | None = None
@@ -467,6 +469,55 @@ def in_own_tables(
             problems.append(Problem(what, ("study", key), remedy))
     top = tables.pop("")
     return {**top, **tables}, problems
+
+
+def in_own_units(raw: Mapping[str, Any], catalogue: Catalogue) -> tuple[dict[str, Any], list[Problem]]:
+    """Return a study whose numbers are named with the units of its table [units], and the problems of that table."""
+    units, problems = raw["units"], Problems()
+    kinds = {noun: one for one, (noun, _) in KINDS.items()}
+    own = {name: one.units for name, one in catalogue.variables.items()}
+
+    def of(name: str) -> str:
+        if name not in own and name in Results(catalogue):
+            own[name] = units_of(parse_request(name, catalogue), catalogue)
+        return own.get(name, "")
+
+    for key, unit in units.items():
+        with problems.at():
+            if not (expected := kinds.get(key) or of(key)):
+                raise InputError("is unknown", ("units", key), suggest(key, [*kinds, *own]))
+            if factor_of(str(unit), expected) is None:
+                what, usual = (
+                    f"is {short_repr(unit)}, no unit of {key}",
+                    KINDS.get(expected, ("", expected))[1],
+                )
+                raise InputError(what, ("units", key), f'write such as "{usual}"')
+
+    def named(name: str, value: Any) -> str:
+        is_number = name == catalogue.position.name and not isinstance(value, dict)  # of positions
+        is_share = isinstance(value, str) and "%" in value
+        unit = "" if is_number or is_share else units.get(name) or units.get(KINDS.get(of(name), ("",))[0])
+        return with_unit(name, unit) if unit else name
+
+    def renamed(table: Mapping[str, Any], within: Collection[str]) -> dict[str, Any]:
+        deeper = {
+            name: renamed(one, within)
+            for name, one in table.items()
+            if name in within and isinstance(one, dict)
+        }
+        return {named(name, value): deeper.get(name, value) for name, value in table.items()}
+
+    within = {
+        "design": (*SAMPLES, "ranges"),
+        "links": (),
+        "cycle": (),
+        TOLERANCES: (),
+        "search": ("where", "bounds"),
+    }
+    tables = {
+        name: renamed(raw[name], inner) for name, inner in within.items() if isinstance(raw.get(name), dict)
+    }
+    return {**raw, **({} if problems.noted else tables)}, problems.noted
 
 
 # -- The table [search] of a study: the designs that it searches, and what for
@@ -962,6 +1013,9 @@ def read_study(path: str | Path, trust_code: bool = False) -> Study:
     driven = _driven(mechanism, contents, problems)
     raw, misplaced = in_own_tables(contents, driven)
     name = "" if driven is None else driven.position.name
+    if driven is not None and isinstance(raw.get("units"), dict):
+        raw, of_units = in_own_units(raw, driven)
+        misplaced += of_units
     tables, found = read_tables(raw, [key for key in raw.get("cycle", {}) if split(key, (name,))[0] == name])
     problems.noted += [*misplaced, *found]
     problems.wording = StudyWording(path, raw)

@@ -76,19 +76,16 @@ def designs_of(
             given = space.columns.get(name)
             values = given.sample() if isinstance(given, Column) else space.values(name)
             remark_on_angles(name, values, "design")
-    thin = {
-        name: value
-        for name, value in (links.values if isinstance(links, Links) else {}).items()
-        if name in lengths
-    }
-    if thin or "radius" in space.names:
+    of_links = links.values if isinstance(links, Links) else {}
+    if "radius" in {*of_links, *space.names}:
         given = {
             **space.columns,
             **space.axes,
             **{name: np.array(one) for name, one in space.constants.items()},
         }
+        given |= {name: np.array(one) for name, one in of_links.items()}
         sizes = {name: max(map(abs, bounds_of(given[name]))) for name in lengths if name in given}
-        remark_on_lengths(sizes | thin, "design")
+        remark_on_lengths(sizes, "design")
     if space.ignored and not problems.noted:
         names = ", ".join(space.ignored)
         what = f"results beside the designs are ignored: {names}"

@@ -174,7 +174,7 @@ def unknown_input(
     option = nearest(name, options)
     near_an_option = option and not nearest(name, names) and not suggest_input(name, catalogue)
     remedy = suggest(name, options) if near_an_option else input_remedy(name, catalogue, names)
-    of = next((key for key in known if name.startswith(f"{key}_")), "")
+    of = next((key for key in names if key in catalogue.variables and name.startswith(f"{key}_")), "")
     if of and (usual := units.usual_name(of, catalogue.variables[of].units)) != of:
         remedy = f"write {of}, or in another unit such as {usual}"
     return Problem(f"is unknown to {catalogue.name}", (parent, name), remedy)
