@@ -21,6 +21,7 @@ from pydantic_core import PydanticCustomError, core_schema
 
 from fastlink._text import short_repr, size, writable
 from fastlink.design.search import SearchRequest, request_of, search
+from fastlink.engine.designs import designs_of
 from fastlink.engine.extend import Extension
 from fastlink.engine.options import check_options
 from fastlink.engine.resolve import check, given_tolerances, resolve
@@ -291,7 +292,7 @@ class StudyFile(BaseModel, extra="forbid"):
     design: Design
     links: LinksTable | None = None
     tolerances: dict[String, Any] | None = None
-    units: dict[String, Text] | None = None
+    units: dict[String, Any] | None = None
     cycle: Cycle | None = None
     run: Run | None = None
     search: Search | None = None
@@ -493,6 +494,9 @@ def in_own_units(raw: Mapping[str, Any], catalogue: Catalogue) -> tuple[dict[str
                 )
                 raise InputError(what, ("units", key), f'write such as "{usual}"')
 
+    if problems.noted:
+        return dict(raw), problems.noted
+
     def named(name: str, value: Any) -> str:
         is_number = name == catalogue.position.name and not isinstance(value, dict)  # of positions
         is_share = isinstance(value, str) and "%" in value
@@ -517,7 +521,7 @@ def in_own_units(raw: Mapping[str, Any], catalogue: Catalogue) -> tuple[dict[str
     tables = {
         name: renamed(raw[name], inner) for name, inner in within.items() if isinstance(raw.get(name), dict)
     }
-    return {**raw, **({} if problems.noted else tables)}, problems.noted
+    return {**raw, **tables}, []
 
 
 # -- The table [search] of a study: the designs that it searches, and what for
@@ -695,7 +699,11 @@ class StudyRequest:
     def _examine(self, function: Any, names: list[str]) -> None:
         misspelt = ("mechanism",) in [one.where for one in self.problems.noted]
         mechanism = self.catalogue.name if misspelt else self.mechanism
-        function(mechanism, self.space, names, **self.of_cycle, **self.options)
+        space, problems = self.space, Problems()
+        if function is check and space is not None:  # which takes inputs by their own names alone
+            space = designs_of(self.catalogue, space, self.options.get("links"), problems)
+        problems.attempt(function, mechanism, space, names, **self.of_cycle, **self.options)
+        problems.stop()
 
     def _check_search(self, names: list[str]) -> None:
         """Check the table [search], once all else is known to be right."""

@@ -145,11 +145,11 @@ def _in_si(space: DesignSpace, known: Mapping[str, Input], problems: Problems) -
         expected, stated = known[of].units, space.units.get(name, "")
         others = {*space.names, *(other for other, *_ in found.values())}
         try:
-            factor = check_unit(name, of, unit, expected, others) if unit else Fraction(1)
+            factor = check_unit(of, unit, expected, others) if unit else Fraction(1)
             if stated and not has_unit(stated, unit or expected):
                 if unit or factor_of(stated, expected) is None:
                     raise InputError(f"has the unit {stated!r}", remedy=unit_remedy(unit or expected))
-                unit, factor = stated, check_unit(name, of, stated, expected)
+                unit, factor = stated, check_unit(of, stated, expected)
         except InputError as error:
             problems.noted += [replace(one, where=("design", name)) for one in error.problems]
             wrong.append(name)

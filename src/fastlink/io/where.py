@@ -56,7 +56,7 @@ def named(known: Mapping[str, Any], name: Any) -> tuple[str, Fraction | None]:
     of, unit = split(name, known)
     if not unit:
         return (name if name in known else ""), None
-    return of, check_unit(name, of, unit, str(known[of].attrs.get("units", "1")))
+    return of, check_unit(of, unit, str(known[of].attrs.get("units", "1")))
 
 
 def in_units(array: xr.DataArray, values: Range, where: str, factor: Fraction | None) -> Range:

@@ -327,7 +327,8 @@ def check_keywords(
         of, unit = units.split(name, (position, "angles"))
         in_degrees = units.usual_name(position, units.RADIANS)
         if of == position:
-            problems.attempt(units.check_unit, name, position, unit, catalogue.position.units)
+            with problems.at(name):
+                units.check_unit(position, unit, catalogue.position.units)
         elif unit:
             problems.add("is not an option", (name,), f"write {units.with_unit(position, unit)}")
         elif name in IN_DEGREES and catalogue.position.units == units.RADIANS:
@@ -395,7 +396,7 @@ def _converted(catalogue: Catalogue, key: str, values: Any, unit: str) -> NDArra
         raise InputError(
             f"is {short_repr(values)}", (key,), f"write a flat array of {units.in_words(unit)}{other}"
         )
-    factor = units.check_unit(key, name, unit, catalogue.position.units)
+    factor = units.check_unit(name, unit, catalogue.position.units)
     return np.asarray(units.scaled(check_positions(catalogue, values, key), factor))
 
 
@@ -413,7 +414,7 @@ def keywords_in_si(
             result[name] = value
             continue
         try:
-            factor = units.check_unit(name, of, unit, declared[of].units, {*given, *result})
+            factor = units.check_unit(of, unit, declared[of].units, {*given, *result})
             numbers = spaces.numbers_of(door, name, value, spaces.MOST_DIMS)
             for stated in spaces.units_of("", value).values():
                 if not units.has_unit(stated, unit):

@@ -540,8 +540,8 @@ class Links:
                 elif not unit:
                     numbers[name] = number
                 else:
-                    with problems.at("links"):
-                        factor = check_unit(name, of, unit, known[of], {*numbers, *self.values})
+                    with problems.at(*where):
+                        factor = check_unit(of, unit, known[of], {*numbers, *self.values})
                         numbers[of] = float(scaled(number, factor))
         problems.stop()
         object.__setattr__(self, "values", numbers)

@@ -28,6 +28,7 @@ __all__ = [
     "has_unit",
     "in_si",
     "in_words",
+    "is_unit",
     "remark_on_angles",
     "remark_on_lengths",
     "scaled",
@@ -112,6 +113,11 @@ def _parts(text: str) -> tuple[tuple[str, int], ...] | None:
     return tuple(found)
 
 
+def is_unit(text: object) -> bool:
+    """Tell whether a text is a unit, or a product of some."""
+    return isinstance(text, str) and _parts(text) is not None
+
+
 @lru_cache(maxsize=1024)
 def factor_of(text: str, units: str) -> Fraction | None:
     """Return by what numbers in one unit are multiplied to be in another of its kind, 1/1000 of mm in m; else None.
@@ -172,17 +178,17 @@ def comment(unit: str) -> str:
     return f"given in {in_words(unit)}"
 
 
-def check_unit(name: str, of: str, unit: str, units: str, others: Collection[str] = ()) -> Fraction:
-    """Return what the unit in a name is in that of its input, or refuse one of another kind, or a second value."""
+def check_unit(of: str, unit: str, units: str, others: Collection[str] = ()) -> Fraction:
+    """Return what a unit is in that of an input, or refuse one of another kind, or a second value of the input."""
     factor = factor_of(unit, units)
     if factor is None:
         nouns = (noun for one, (noun, _) in KINDS.items() if factor_of(unit, one) is not None)
         no = f"no {noun}" if (noun := next(nouns, "")) else f"not in {unit}"
         own, usual = "a plain number" if units == "1" else f"in {units}", usual_name(of, units)
         remedy = f"write {of}" if usual == of else f"write {of}, or such as {usual}"
-        raise InputError(f"{of} is {no} but {own}", where=(name,), remedy=remedy)
+        raise InputError(f"{of} is {no} but {own}", remedy=remedy)
     if of in others:
-        raise InputError(f"{of} is given too", where=(name,), remedy="write one of them")
+        raise InputError(f"{of} is given too", remedy="write one of them")
     return factor
 
 
@@ -191,8 +197,8 @@ def in_si(where: str, given: Mapping[str, Any], units: Mapping[str, str]) -> dic
     found, problems = dict[str, Any](), Problems()
     for name, value in given.items():
         of, unit = split(name, units)
-        with problems.at(where):
-            factor = check_unit(name, of, unit, units[of], {*given, *found}) if unit else Fraction(1)
+        with problems.at(where, name):
+            factor = check_unit(of, unit, units[of], {*given, *found}) if unit else Fraction(1)
             try:
                 found[of] = value if factor == 1 else scaled(value, factor).tolist()
             except (TypeError, ValueError):
