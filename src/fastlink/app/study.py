@@ -472,8 +472,8 @@ def in_own_tables(
     return {**top, **tables}, problems
 
 
-def in_own_units(raw: Mapping[str, Any], catalogue: Catalogue) -> tuple[dict[str, Any], list[Problem]]:
-    """Return a study whose numbers are named with the units of its table [units], and the problems of that table."""
+def in_own_units(raw: Mapping[str, Any], catalogue: Catalogue) -> dict[str, Any]:
+    """Return a study whose numbers are named with the units of its table [units], or refuse that table."""
     units, problems = raw["units"], Problems()
     kinds = {noun: one for one, (noun, _) in KINDS.items()}
     own = {name: one.units for name, one in catalogue.variables.items()}
@@ -483,19 +483,18 @@ def in_own_units(raw: Mapping[str, Any], catalogue: Catalogue) -> tuple[dict[str
             own[name] = units_of(parse_request(name, catalogue), catalogue)
         return own.get(name, "")
 
+    if not isinstance(units, dict):
+        raise InputError(f"is {short_repr(units)}", ("units",), "write a table of keys, such as [units]")
     for key, unit in units.items():
-        with problems.at():
+        with problems.at("units", key):
             if not (expected := kinds.get(key) or of(key)):
-                raise InputError("is unknown", ("units", key), suggest(key, [*kinds, *own]))
+                raise InputError("is unknown", remedy=suggest(key, [*kinds, *own]))
             if factor_of(str(unit), expected) is None:
-                what, usual = (
-                    f"is {short_repr(unit)}, no unit of {key}",
-                    KINDS.get(expected, ("", expected))[1],
+                usual = KINDS.get(expected, ("", expected))[1]
+                raise InputError(
+                    f"is {short_repr(unit)}, no unit of {key}", remedy=f'write such as "{usual}"'
                 )
-                raise InputError(what, ("units", key), f'write such as "{usual}"')
-
-    if problems.noted:
-        return dict(raw), problems.noted
+    problems.stop()
 
     def named(name: str, value: Any) -> str:
         is_number = name == catalogue.position.name and not isinstance(value, dict)  # of positions
@@ -503,25 +502,20 @@ def in_own_units(raw: Mapping[str, Any], catalogue: Catalogue) -> tuple[dict[str
         unit = "" if is_number or is_share else units.get(name) or units.get(KINDS.get(of(name), ("",))[0])
         return with_unit(name, unit) if unit else name
 
-    def renamed(table: Mapping[str, Any], within: Collection[str]) -> dict[str, Any]:
-        deeper = {
-            name: renamed(one, within)
-            for name, one in table.items()
-            if name in within and isinstance(one, dict)
+    def renamed(table: Any, inner: Sequence[str] = (), apart: Collection[str] = ()) -> Any:
+        if not isinstance(table, dict):
+            return table
+        deep = {
+            name: renamed(table[name], ("ranges",), Sample.model_fields if name in SAMPLES else ())
+            for name in inner
+            if name in table
         }
-        return {named(name, value): deeper.get(name, value) for name, value in table.items()}
+        names = {name: named(name, value) for name, value in table.items() if name not in (*deep, *apart)}
+        # a value that is given in its unit too stays, and is refused as such
+        return {names.get(n, n) if names.get(n) not in table else n: deep.get(n, table[n]) for n in table}
 
-    within = {
-        "design": (*SAMPLES, "ranges"),
-        "links": (),
-        "cycle": (),
-        TOLERANCES: (),
-        "search": ("where", "bounds"),
-    }
-    tables = {
-        name: renamed(raw[name], inner) for name, inner in within.items() if isinstance(raw.get(name), dict)
-    }
-    return {**raw, **tables}, []
+    inside = {"design": SAMPLES, "links": (), "cycle": (), TOLERANCES: (), "search": ("where", "bounds")}
+    return {**raw, **{name: renamed(raw[name], inner) for name, inner in inside.items() if name in raw}}
 
 
 # -- The table [search] of a study: the designs that it searches, and what for
@@ -791,7 +785,7 @@ class StudyRequest:
         """Return the table of tolerances by the names that they have in a design, where they may stand too."""
         given = given_tolerances(self.catalogue, self.tables.get(TOLERANCES, {}), TOLERANCES, problems)
         for name in in_design & given.keys():
-            of = (TOLERANCES, toleranced(split(name, self.catalogue.all_inputs)[0]))
+            of = (TOLERANCES, toleranced(name))
             problems.add(f"is given, and so is {name} in [design]", of, "write it once")
         return given
 
@@ -1021,9 +1015,10 @@ def read_study(path: str | Path, trust_code: bool = False) -> Study:
     driven = _driven(mechanism, contents, problems)
     raw, misplaced = in_own_tables(contents, driven)
     name = "" if driven is None else driven.position.name
-    if driven is not None and isinstance(raw.get("units"), dict):
-        raw, of_units = in_own_units(raw, driven)
-        misplaced += of_units
+    if driven is not None and "units" in raw:
+        with problems.at():
+            raw = in_own_units(raw, driven)
+        problems.stop()  # what other numbers mean is not known
     tables, found = read_tables(raw, [key for key in raw.get("cycle", {}) if split(key, (name,))[0] == name])
     problems.noted += [*misplaced, *found]
     problems.wording = StudyWording(path, raw)

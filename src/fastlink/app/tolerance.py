@@ -29,7 +29,6 @@ from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.query import check_names, parse_request
 from fastlink.space.design_space import BRANCH, DESIGN, MODELS, DesignSpace
 from fastlink.space.tables import as_space
-from fastlink.space.units import split
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -252,8 +251,7 @@ def _with_tolerances(subject: Subject, tolerances: Mapping[str, Any]) -> DesignS
     problems = Problems()
     given = given_tolerances(subject.catalogue, tolerances, "tolerance", problems)
     problems.stop()
-    known = subject.catalogue.all_inputs
-    own = {toleranced(split(name, known)[0]) for name in given}
+    own = set(map(toleranced, given))
     space = without(
         subject.space, [n for n in subject.space.names if is_tolerance(n) and toleranced(n) in own]
     )

@@ -20,7 +20,7 @@ from fastlink.engine.run import Job, KernelTask, Shapes
 from fastlink.engine.scaling import FarDesigns, ScalingAxis, find_scaling_axis
 from fastlink.errors import InputError, KeyPath, Problem, Problems, check_path
 from fastlink.facts.catalogue import ELIMINATED, Catalogue
-from fastlink.facts.derivative import is_tolerance, tolerance_name
+from fastlink.facts.derivative import is_tolerance, tolerance_name, toleranced
 from fastlink.facts.own import Definition, used
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.mechanisms import name_of
@@ -29,13 +29,12 @@ from fastlink.plan.programs import ANGLES_FOR_LANES, Plan, all_declared, make_pl
 from fastlink.plan.query import Extrema, check_names, parse_request, with_companions
 from fastlink.space.design_space import EXTREMUM, definition_of, in_unit, numbers_of
 from fastlink.space.tables import CURVES, as_space
-from fastlink.space.units import comment, in_words, split
+from fastlink.space.units import check_unit, comment, in_words, scaled, split
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fastlink.engine.extend import Extension
-    from fastlink.facts.fact import Input
     from fastlink.space.design_space import DesignSpace, Links
 
 
@@ -377,26 +376,27 @@ def given_tolerances(
         elif known[of].choices:
             problems.add("is a code, which has no tolerance", (parent, name), "leave it out")
         else:
-            with problems.at():
-                own, number = _tolerance(name, of, unit, value, known[of], parent)
-                found[own] = number
+            with problems.at(parent, name):
+                units = known[of].units
+                factor = check_unit(of, unit, units, {*tolerances, *map(toleranced, found)}) if unit else None
+                share, number = _tolerance((parent, name), value, unit or units, is_in_unit=bool(unit))
+                number = number if factor is None else float(scaled(number, factor))
+                found[tolerance_name(of, relative=share)] = number
     return found
 
 
-def _tolerance(name: str, of: str, unit: str, value: Any, declared: Input, parent: str) -> tuple[str, float]:
-    """Return a tolerance and the name that it has in a design."""
-    own = unit or declared.units
-    remedy = f"write a number of at least 0{'' if own == '1' else f' in {in_words(own)}'}"
-    remedy += "" if unit else ', or a text such as "0.1 %"'
+def _tolerance(where: tuple[str, str], value: Any, units: str, *, is_in_unit: bool) -> tuple[bool, float]:
+    """Return whether a tolerance is a share, as one in per cent is, and its number."""
+    remedy = f"write a number of at least 0{'' if units == '1' else f' in {in_words(units)}'}"
+    remedy += "" if is_in_unit else ', or a text such as "0.1 %"'
     if share := isinstance(value, str):
-        number = None if unit else _percent(value)
+        number = None if is_in_unit else _percent(value)
     else:
-        numbers = in_unit((parent, name), value, numbers_of(parent, name, value), own)
+        numbers = in_unit(where, value, numbers_of(*where, value), units)
         number = float(numbers) if numbers.ndim == 0 else None
     if number is None or not 0.0 <= number < math.inf:
-        raise InputError(f"is {short_repr(value)}", (parent, name), remedy)
-    own = tolerance_name(of, relative=share)
-    return f"{own}_{unit}" if unit else own, number
+        raise InputError(f"is {short_repr(value)}", where, remedy)
+    return share, number
 
 
 def _percent(text: str) -> float | None:

@@ -69,7 +69,7 @@ def convert(maps: xr.Dataset, of_all: Sequence[Any], given: dict[str, Any]) -> x
     """Return a copy in other units: with all variables and coordinates of a kind in one of it, others by name."""
     known, found = units_of(maps), dict[str, Any]()
     for unit in of_all:
-        alike = [name for name, own in known.items() if isinstance(unit, str) and factor_of(own, unit)]
+        alike = [name for name, own in known.items() if isinstance(unit, str) and factor_of(unit, own)]
         for name in alike:
             if name in found:
                 raise InputError(
@@ -99,8 +99,8 @@ def converted(array: xr.DataArray, units: Any, name: str = "units") -> xr.DataAr
     if own is None or array.dtype.kind not in "iuf":
         what = f"{array.name!r} has no units to convert"
         raise InputError(what, (name,), "give numbers with the attribute 'units'")
-    if isinstance(units, str) and (exact := factor_of(str(own), units)) is not None:
-        return _scaled(array, lambda values: _multiple(values, exact), units)
+    if isinstance(units, str) and (unit := factor_of(units, str(own))) is not None:
+        return _scaled(array, lambda values: _multiple(values, 1 / unit), units)
     factor = _factor(str(own), units, name)
     return _scaled(array, lambda values: values * factor, units)
 

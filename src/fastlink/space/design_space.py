@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from fastlink._text import aligned, counted, html_table, in_words, short_number, short_repr, size
 from fastlink.errors import InputError, KeyPath, Problem, Problems, Remedy, check_whole, door, suggest
 from fastlink.machine import check_memory
-from fastlink.space.units import check_unit, factor_of, has_unit, scaled, split, unit_remedy
+from fastlink.space.units import check_unit, factor_of, has_unit, named_with_unit, scaled, split, unit_remedy
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -190,7 +190,8 @@ def check_input_name(where: str, name: str) -> None:
 def _refuse_non_numbers(where: str, name: str, given: Any) -> None:
     cells = np.asarray(given, dtype=object)
     if cells.ndim == 0 and not is_number(cells[()]):
-        raise InputError(f"is {short_repr(cells[()])}, not a number", where=(where, name), remedy=NUMBERS)
+        remedy = named_with_unit(name, cells[()]) or NUMBERS
+        raise InputError(f"is {short_repr(cells[()])}, not a number", where=(where, name), remedy=remedy)
     for index, cell in np.ndenumerate(cells):
         if not is_number(cell):
             what = f"is {short_repr(cell)}, not a number"

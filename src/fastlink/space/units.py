@@ -29,6 +29,7 @@ __all__ = [
     "in_si",
     "in_words",
     "is_unit",
+    "named_with_unit",
     "remark_on_angles",
     "remark_on_lengths",
     "scaled",
@@ -161,6 +162,12 @@ def with_unit(name: str, unit: str) -> str:
     """Return the name by which something is given in a unit: density_g_cm3 in g/cm3."""
     powers = [(UNITS[one][2], abs(power)) for one, power in _parts(unit) or ()]
     return "_".join([name, *(one if power == 1 else f"{one}{power}" for one, power in powers)])
+
+
+def named_with_unit(name: str, value: object) -> str:
+    """Return the remedy for a number that is given as a text with its unit, such as 40 mm; empty for others."""
+    number, _, unit = value.strip().partition(" ") if isinstance(value, str) else ("", "", "")
+    return f"write {with_unit(name, unit)}={number}" if unit and is_unit(unit) else ""
 
 
 def usual_name(name: str, units: str) -> str:
