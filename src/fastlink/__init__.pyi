@@ -1,4 +1,5 @@
 # Written by `python -m tests.support.stub`; do not edit.
+# ruff: noqa: UP013
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -108,265 +109,74 @@ __all__ = [
     "tolerance",
 ]
 
-class _InUnits(TypedDict, total=False):
-    a1_mm: Any
-    a2_mm: Any
-    a3_mm: Any
-    a4_mm: Any
-    omega1_rpm: Any
-    P_u_mm: Any
-    P_v_mm: Any
-    m1_g: Any
-    I1_kg_mm2: Any
-    G1_u_mm: Any
-    G1_v_mm: Any
-    m2_g: Any
-    I2_kg_mm2: Any
-    G2_u_mm: Any
-    G2_v_mm: Any
-    m3_g: Any
-    I3_kg_mm2: Any
-    G3_u_mm: Any
-    G3_v_mm: Any
-    FP_x_kN: Any
-    FP_y_kN: Any
-    T_load_Nmm: Any
-    M_x_mm: Any
-    M_y_mm: Any
-    counterweight1_mass_g: Any
-    counterweight1_radius_mm: Any
-    counterweight1_direction_deg: Any
-    counterweight3_mass_g: Any
-    counterweight3_radius_mm: Any
-    counterweight3_direction_deg: Any
-    density_g_cm3: Any
-    radius_mm: Any
-    joint_omega_1_rpm: Any
-    joint_omega_2_rpm: Any
-    joint_omega_3_rpm: Any
-    joint_omega_4_rpm: Any
-    a_mm: Any
-    b_mm: Any
-    g_mm: Any
-    h_mm: Any
-    x_mm: Any
-    y_mm: Any
-    c_mm: Any
-    d_mm: Any
-    omega_rpm: Any
-    s_mm: Any
-    m_mm: Any
-    n_mm: Any
-    r_mm: Any
-    l_mm: Any
-    e_mm: Any
-    F_load_kN: Any  # fmt: skip
-
-class _Planar4rInputs(TypedDict, total=False):
-    a1: Any
-    a2: Any
-    a3: Any
-    a4: Any
-    omega1: Any
-    P_u: Any
-    P_v: Any
-    m1: Any
-    I1: Any
-    G1_u: Any
-    G1_v: Any
-    m2: Any
-    I2: Any
-    G2_u: Any
-    G2_v: Any
-    m3: Any
-    I3: Any
-    G3_u: Any
-    G3_v: Any
-    gravity_x: Any
-    gravity_y: Any
-    FP_x: Any
-    FP_y: Any
-    T_load: Any
-    T_load_linear: Any
-    T_load_quadratic: Any
-    M_x: Any
-    M_y: Any
-    counterweight1_mass: Any
-    counterweight1_radius: Any
-    counterweight1_direction: Any
-    counterweight3_mass: Any
-    counterweight3_radius: Any
-    counterweight3_direction: Any
-    alpha1: Any
-    density: Any
-    radius: Any
-    theta1: Any
-    joint_omega_1: Any
-    joint_angle_1: Any
-    joint_omega_2: Any
-    joint_angle_2: Any
-    joint_omega_3: Any
-    joint_angle_3: Any
-    joint_omega_4: Any
-    joint_angle_4: Any
-    a1_mm: Any
-    a2_mm: Any
-    a3_mm: Any
-    a4_mm: Any
-    omega1_rpm: Any
-    P_u_mm: Any
-    P_v_mm: Any
-    m1_g: Any
-    I1_kg_mm2: Any
-    G1_u_mm: Any
-    G1_v_mm: Any
-    m2_g: Any
-    I2_kg_mm2: Any
-    G2_u_mm: Any
-    G2_v_mm: Any
-    m3_g: Any
-    I3_kg_mm2: Any
-    G3_u_mm: Any
-    G3_v_mm: Any
-    FP_x_kN: Any
-    FP_y_kN: Any
-    T_load_Nmm: Any
-    M_x_mm: Any
-    M_y_mm: Any
-    counterweight1_mass_g: Any
-    counterweight1_radius_mm: Any
-    counterweight1_direction_deg: Any
-    counterweight3_mass_g: Any
-    counterweight3_radius_mm: Any
-    counterweight3_direction_deg: Any
-    density_g_cm3: Any
-    radius_mm: Any
-    theta1_deg: Any
-    joint_omega_1_rpm: Any
-    joint_angle_1_deg: Any
-    joint_omega_2_rpm: Any
-    joint_angle_2_deg: Any
-    joint_omega_3_rpm: Any
-    joint_angle_3_deg: Any
-    joint_omega_4_rpm: Any
-    joint_angle_4_deg: Any  # fmt: skip
-
-class _Planar4rPositions(TypedDict, total=False):
-    theta1: Any
-    joint_angle_1: Any
-    joint_angle_2: Any
-    joint_angle_3: Any
-    joint_angle_4: Any
-    theta1_deg: Any
-    joint_angle_1_deg: Any
-    joint_angle_2_deg: Any
-    joint_angle_3_deg: Any
-    joint_angle_4_deg: Any  # fmt: skip
-
-class _Minkowski4rInputs(TypedDict, total=False):
-    a: Any
-    b: Any
-    g: Any
-    h: Any
-    x: Any
-    y: Any
-    tolerance: Any
-    theta: Any
-    a_mm: Any
-    b_mm: Any
-    g_mm: Any
-    h_mm: Any
-    x_mm: Any
-    y_mm: Any  # fmt: skip
-
-class _Minkowski4rPositions(TypedDict, total=False):
-    theta: Any  # fmt: skip
-
-class _FocalInputs(TypedDict, total=False):
-    a: Any
-    b: Any
-    c: Any
-    d: Any
-    rho: Any
-    completion: Any
-    omega: Any
-    s: Any
-    lambda_: Any
-    phi: Any
-    sigma: Any
-    a_mm: Any
-    b_mm: Any
-    c_mm: Any
-    d_mm: Any
-    omega_rpm: Any
-    s_mm: Any
-    phi_deg: Any
-    sigma_deg: Any  # fmt: skip
-
-class _FocalPositions(TypedDict, total=False):
-    phi: Any
-    sigma: Any
-    phi_deg: Any
-    sigma_deg: Any  # fmt: skip
-
-class _HartInputs(TypedDict, total=False):
-    m: Any
-    n: Any
-    d: Any
-    kappa: Any
-    phi: Any
-    F_y: Any
-    m_mm: Any
-    n_mm: Any
-    d_mm: Any
-    phi_deg: Any
-    F_y_mm: Any  # fmt: skip
-
-class _HartPositions(TypedDict, total=False):
-    phi: Any
-    F_y: Any
-    phi_deg: Any
-    F_y_mm: Any  # fmt: skip
-
-class _SliderCrankInputs(TypedDict, total=False):
-    r: Any
-    l: Any
-    e: Any
-    omega: Any
-    m1: Any
-    I1: Any
-    G1_u: Any
-    G1_v: Any
-    m2: Any
-    I2: Any
-    G2_u: Any
-    G2_v: Any
-    m3: Any
-    F_load: Any
-    density: Any
-    radius: Any
-    theta: Any
-    r_mm: Any
-    l_mm: Any
-    e_mm: Any
-    omega_rpm: Any
-    m1_g: Any
-    I1_kg_mm2: Any
-    G1_u_mm: Any
-    G1_v_mm: Any
-    m2_g: Any
-    I2_kg_mm2: Any
-    G2_u_mm: Any
-    G2_v_mm: Any
-    m3_g: Any
-    F_load_kN: Any
-    density_g_cm3: Any
-    radius_mm: Any
-    theta_deg: Any  # fmt: skip
-
-class _SliderCrankPositions(TypedDict, total=False):
-    theta: Any
-    theta_deg: Any  # fmt: skip
+_InUnits = TypedDict("_InUnits", {
+    "a1_mm": Any, "a2_mm": Any, "a3_mm": Any, "a4_mm": Any, "omega1_rpm": Any, "P_u_mm": Any, "P_v_mm": Any,
+    "m1_g": Any, "I1_kg_mm2": Any, "G1_u_mm": Any, "G1_v_mm": Any, "m2_g": Any, "I2_kg_mm2": Any, "G2_u_mm":
+    Any, "G2_v_mm": Any, "m3_g": Any, "I3_kg_mm2": Any, "G3_u_mm": Any, "G3_v_mm": Any, "FP_x_kN": Any,
+    "FP_y_kN": Any, "T_load_Nmm": Any, "M_x_mm": Any, "M_y_mm": Any, "counterweight1_mass_g": Any,
+    "counterweight1_radius_mm": Any, "counterweight1_direction_deg": Any, "counterweight3_mass_g": Any,
+    "counterweight3_radius_mm": Any, "counterweight3_direction_deg": Any, "density_g_cm3": Any, "radius_mm":
+    Any, "joint_omega_1_rpm": Any, "joint_omega_2_rpm": Any, "joint_omega_3_rpm": Any, "joint_omega_4_rpm":
+    Any, "a_mm": Any, "b_mm": Any, "g_mm": Any, "h_mm": Any, "x_mm": Any, "y_mm": Any, "c_mm": Any, "d_mm":
+    Any, "omega_rpm": Any, "s_mm": Any, "m_mm": Any, "n_mm": Any, "r_mm": Any, "l_mm": Any, "e_mm": Any,
+    "F_load_kN": Any
+}, total=False)  # fmt: skip
+_Planar4rInputs = TypedDict("_Planar4rInputs", {
+    "a1": Any, "a2": Any, "a3": Any, "a4": Any, "omega1": Any, "P_u": Any, "P_v": Any, "m1": Any, "I1": Any,
+    "G1_u": Any, "G1_v": Any, "m2": Any, "I2": Any, "G2_u": Any, "G2_v": Any, "m3": Any, "I3": Any, "G3_u":
+    Any, "G3_v": Any, "gravity_x": Any, "gravity_y": Any, "FP_x": Any, "FP_y": Any, "T_load": Any,
+    "T_load_linear": Any, "T_load_quadratic": Any, "M_x": Any, "M_y": Any, "counterweight1_mass": Any,
+    "counterweight1_radius": Any, "counterweight1_direction": Any, "counterweight3_mass": Any,
+    "counterweight3_radius": Any, "counterweight3_direction": Any, "alpha1": Any, "density": Any, "radius":
+    Any, "theta1": Any, "joint_omega_1": Any, "joint_angle_1": Any, "joint_omega_2": Any, "joint_angle_2":
+    Any, "joint_omega_3": Any, "joint_angle_3": Any, "joint_omega_4": Any, "joint_angle_4": Any, "a1_mm": Any,
+    "a2_mm": Any, "a3_mm": Any, "a4_mm": Any, "omega1_rpm": Any, "P_u_mm": Any, "P_v_mm": Any, "m1_g": Any,
+    "I1_kg_mm2": Any, "G1_u_mm": Any, "G1_v_mm": Any, "m2_g": Any, "I2_kg_mm2": Any, "G2_u_mm": Any,
+    "G2_v_mm": Any, "m3_g": Any, "I3_kg_mm2": Any, "G3_u_mm": Any, "G3_v_mm": Any, "FP_x_kN": Any, "FP_y_kN":
+    Any, "T_load_Nmm": Any, "M_x_mm": Any, "M_y_mm": Any, "counterweight1_mass_g": Any,
+    "counterweight1_radius_mm": Any, "counterweight1_direction_deg": Any, "counterweight3_mass_g": Any,
+    "counterweight3_radius_mm": Any, "counterweight3_direction_deg": Any, "density_g_cm3": Any, "radius_mm":
+    Any, "theta1_deg": Any, "joint_omega_1_rpm": Any, "joint_angle_1_deg": Any, "joint_omega_2_rpm": Any,
+    "joint_angle_2_deg": Any, "joint_omega_3_rpm": Any, "joint_angle_3_deg": Any, "joint_omega_4_rpm": Any,
+    "joint_angle_4_deg": Any
+}, total=False)  # fmt: skip
+_Planar4rPositions = TypedDict("_Planar4rPositions", {
+    "theta1": Any, "joint_angle_1": Any, "joint_angle_2": Any, "joint_angle_3": Any, "joint_angle_4": Any,
+    "theta1_deg": Any, "joint_angle_1_deg": Any, "joint_angle_2_deg": Any, "joint_angle_3_deg": Any,
+    "joint_angle_4_deg": Any
+}, total=False)  # fmt: skip
+_Minkowski4rInputs = TypedDict("_Minkowski4rInputs", {
+    "a": Any, "b": Any, "g": Any, "h": Any, "x": Any, "y": Any, "tolerance": Any, "theta": Any, "a_mm": Any,
+    "b_mm": Any, "g_mm": Any, "h_mm": Any, "x_mm": Any, "y_mm": Any
+}, total=False)  # fmt: skip
+_Minkowski4rPositions = TypedDict("_Minkowski4rPositions", {
+    "theta": Any
+}, total=False)  # fmt: skip
+_FocalInputs = TypedDict("_FocalInputs", {
+    "a": Any, "b": Any, "c": Any, "d": Any, "rho": Any, "completion": Any, "omega": Any, "s": Any, "lambda_":
+    Any, "phi": Any, "sigma": Any, "a_mm": Any, "b_mm": Any, "c_mm": Any, "d_mm": Any, "omega_rpm": Any,
+    "s_mm": Any, "phi_deg": Any, "sigma_deg": Any
+}, total=False)  # fmt: skip
+_FocalPositions = TypedDict("_FocalPositions", {
+    "phi": Any, "sigma": Any, "phi_deg": Any, "sigma_deg": Any
+}, total=False)  # fmt: skip
+_HartInputs = TypedDict("_HartInputs", {
+    "m": Any, "n": Any, "d": Any, "kappa": Any, "phi": Any, "F_y": Any, "m_mm": Any, "n_mm": Any, "d_mm": Any,
+    "phi_deg": Any, "F_y_mm": Any
+}, total=False)  # fmt: skip
+_HartPositions = TypedDict("_HartPositions", {
+    "phi": Any, "F_y": Any, "phi_deg": Any, "F_y_mm": Any
+}, total=False)  # fmt: skip
+_SliderCrankInputs = TypedDict("_SliderCrankInputs", {
+    "r": Any, "l": Any, "e": Any, "omega": Any, "m1": Any, "I1": Any, "G1_u": Any, "G1_v": Any, "m2": Any,
+    "I2": Any, "G2_u": Any, "G2_v": Any, "m3": Any, "F_load": Any, "density": Any, "radius": Any, "theta":
+    Any, "r_mm": Any, "l_mm": Any, "e_mm": Any, "omega_rpm": Any, "m1_g": Any, "I1_kg_mm2": Any, "G1_u_mm":
+    Any, "G1_v_mm": Any, "m2_g": Any, "I2_kg_mm2": Any, "G2_u_mm": Any, "G2_v_mm": Any, "m3_g": Any,
+    "F_load_kN": Any, "density_g_cm3": Any, "radius_mm": Any, "theta_deg": Any
+}, total=False)  # fmt: skip
+_SliderCrankPositions = TypedDict("_SliderCrankPositions", {
+    "theta": Any, "theta_deg": Any
+}, total=False)  # fmt: skip
 
 def quantities(
     mechanism: MechanismName | str | Extension | None = ...,

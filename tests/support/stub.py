@@ -183,7 +183,7 @@ def stub() -> str:
         imports |= {known.get(name) or _own(name, statement.module) for name in read - own}
     aliases = ", ".join(sorted(typing.__all__))
     names = "".join(f'    "{one}",\n' for one in sorted(fastlink.__all__))
-    head = f"# {BY}\n\nfrom typing import Literal, TypedDict, Unpack, overload\n\n"
+    head = f"# {BY}\n# ruff: noqa: UP013\n\nfrom typing import Literal, TypedDict, Unpack, overload\n\n"
     used = "\n".join(sorted(filter(None, imports)))
     return (
         f"{head}{used}\n" + "\n".join(kept) + f"\nfrom fastlink.typing import {aliases}\n\n"
