@@ -14,29 +14,9 @@ from fastlink._text import short_repr
 from fastlink.errors import InputError, Problem, Problems, remark
 from fastlink.plan.query import Results
 from fastlink.plan.request import unknown_input
-from fastlink.space.design_space import (
-    BRANCH,
-    EXTREMUM,
-    MODELS,
-    Column,
-    Converted,
-    Links,
-    axis_of,
-    bounds_of,
-)
+from fastlink.space import units
+from fastlink.space.design_space import BRANCH, EXTREMUM, MODELS, Column, Converted, Links, axis_of, bounds_of
 from fastlink.space.tables import or_keep
-from fastlink.space.units import (
-    RADIANS,
-    check_unit,
-    comment,
-    factor_of,
-    has_unit,
-    remark_on_angles,
-    remark_on_lengths,
-    scaled,
-    split,
-    unit_remedy,
-)
 
 if TYPE_CHECKING:
     from fastlink.facts.catalogue import Catalogue
@@ -75,7 +55,7 @@ def designs_of(
         if name in space.names and name not in space.comments:
             given = space.columns.get(name)
             values = given.sample() if isinstance(given, Column) else space.values(name)
-            remark_on_angles(name, values, "design")
+            units.remark_on_angles(name, values, "design")
     of_links = links.values if isinstance(links, Links) else {}
     if "radius" in {*of_links, *space.names}:
         given = {
@@ -85,7 +65,7 @@ def designs_of(
         }
         given |= {name: np.array(one) for name, one in of_links.items()}
         sizes = {name: max(map(abs, bounds_of(given[name]))) for name in lengths if name in given}
-        remark_on_lengths(sizes, "design")
+        units.remark_on_lengths(sizes, "design")
     if space.ignored and not problems.noted:
         names = ", ".join(space.ignored)
         what = f"results beside the designs are ignored: {names}"
@@ -99,7 +79,7 @@ def _known_inputs(catalogue: Catalogue, version: int) -> tuple[dict[str, Input],
     """Return every input of a mechanism, and the names of angles and of lengths; found once for a version of it."""
     known = catalogue.all_inputs
     angles, lengths = (
-        [name for name, one in known.items() if one.units == units] for units in (RADIANS, "m")
+        [name for name, one in known.items() if one.units == of] for of in (units.RADIANS, "m")
     )
     return known, angles, lengths
 
@@ -119,7 +99,7 @@ def without(space: DesignSpace, names: Iterable[str]) -> DesignSpace:
 
 def _inputs_of_labels(space: DesignSpace, known: Mapping[str, Input], problems: Problems) -> DesignSpace:
     """Return designs whose labels are no inputs: an index may be one, texts may not."""
-    inputs = [name for name in space.labels if split(name, known)[0] in known]
+    inputs = [name for name in space.labels if units.split(name, known)[0] in known]
     constants, columns = dict(space.constants), dict(space.columns)
     for name in inputs:
         label = space.labels[name]
@@ -139,17 +119,13 @@ def _in_si(space: DesignSpace, known: Mapping[str, Input], problems: Problems) -
     found: dict[str, tuple[str, str, Fraction]] = {}
     wrong = []
     for name in space.names:
-        of, unit = split(name, known)
+        of, unit = units.split(name, known)
         if of not in known:
             continue
         expected, stated = known[of].units, space.units.get(name, "")
         others = {*space.names, *(other for other, *_ in found.values())}
         try:
-            factor = check_unit(of, unit, expected, others) if unit else Fraction(1)
-            if stated and not has_unit(stated, unit or expected):
-                if unit or factor_of(stated, expected) is None:
-                    raise InputError(f"has the unit {stated!r}", remedy=unit_remedy(unit or expected))
-                unit, factor = stated, check_unit(of, stated, expected)
+            factor, unit = units.conversion(of, unit, stated, expected, others)
         except InputError as error:
             problems.noted += [replace(one, where=("design", name)) for one in error.problems]
             wrong.append(name)
@@ -178,14 +154,16 @@ def _converted(
     constants = {name: float(value) for name, value in converted(space.constants).items()}
     doubtful = {own.get(name, name): problem for name, problem in space.doubtful.items()}
     parts: Any = {"constants": constants, "columns": converted(space.columns), "doubtful": doubtful}
-    comments = space.comments | {of: comment(unit) for of, unit, _ in found.values()}
+    comments = space.comments | {of: units.comment(unit) for of, unit, _ in found.values()}
     dims = tuple(own.get(dim, dim) for dim in space.dims)
     return replace(space, dims=dims, axes=axes, comments=comments, **parts)
 
 
 def _multiple(values: Any, factor: Fraction) -> Any:
     """Return a multiple of values; of those that are computed where they are looked at there."""
-    return Converted(values, factor) if isinstance(values, Column) else np.asarray(scaled(values, factor))
+    return (
+        Converted(values, factor) if isinstance(values, Column) else np.asarray(units.scaled(values, factor))
+    )
 
 
 def _without_results(
@@ -212,7 +190,7 @@ def _no_input(catalogue: Catalogue, name: str) -> Problem | None:
     """Return the problem of an option that stands among the inputs, None of another name."""
     if name == BRANCH:
         return Problem("is not an input", ("design", name), "write assembly modes as an option of the sweep")
-    if split(name, (catalogue.position.name,))[0] == catalogue.position.name:
+    if units.split(name, (catalogue.position.name,))[0] == catalogue.position.name:
         remedy = "write it as an option of the sweep; fastlink.evaluate takes one for each row"
         return Problem("is the input position, which each design runs through", ("design", name), remedy)
     return None

@@ -23,13 +23,7 @@ from fastlink.mechanisms import NAMES, inputs_of, name_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan import request
 from fastlink.plan.query import check_names, parse_request, require_quantity
-from fastlink.space.design_space import (
-    MOST_DIMS,
-    Links,
-    has,
-    in_unit,
-    numbers_of,
-)
+from fastlink.space.design_space import MOST_DIMS, Links, has, in_unit, numbers_of
 from fastlink.space.units import RADIANS, remark_on_angles, remark_on_lengths
 
 if TYPE_CHECKING:

@@ -33,13 +33,7 @@ from fastlink.plan.request import (
     selected_variants,
     unknown_input,
 )
-from fastlink.space.design_space import (
-    DESIGN,
-    MOST_DIMS,
-    DesignSpace,
-    in_unit,
-    numbers_of,
-)
+from fastlink.space.design_space import DESIGN, MOST_DIMS, DesignSpace, in_unit, numbers_of
 from fastlink.space.samplers import grid
 from fastlink.space.units import RADIANS, split
 

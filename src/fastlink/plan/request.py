@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from fractions import Fraction
 from functools import lru_cache
 from numbers import Real
 from typing import TYPE_CHECKING, Any
@@ -322,14 +323,11 @@ def check_keywords(
     """
     position, problems = catalogue.position.name, Problems()
     for name in names:
-        if name in (position, POSITIONS):
-            continue
         of, unit = units.split(name, (position, "angles"))
+        if of in (position, POSITIONS):  # whose unit is looked at with its values
+            continue
         in_degrees = units.usual_name(position, units.RADIANS)
-        if of == position:
-            with problems.at(name):
-                units.check_unit(position, unit, catalogue.position.units)
-        elif unit:
+        if unit:
             problems.add("is not an option", (name,), f"write {units.with_unit(position, unit)}")
         elif name in IN_DEGREES and catalogue.position.units == units.RADIANS:
             problems.add("is not an option", (name,), f"write angles in degrees as {in_degrees}")
@@ -357,7 +355,7 @@ def given_angles(catalogue: Catalogue, angles: Any, positions: Mapping[str, Any]
 
     Those in another unit are converted. A warning tells of numbers that can hardly be radians.
     """
-    name, own = catalogue.position.name, catalogue.position.units
+    name, own, problems = catalogue.position.name, catalogue.position.units, Problems()
     named = {key: one for key, one in positions.items() if units.split(key, (name,))[0] in (POSITIONS, name)}
     given = {key: values for key, values in {"angles": angles, **named}.items() if values is not None}
     if len(given) > 1:
@@ -367,8 +365,7 @@ def given_angles(catalogue: Catalogue, angles: Any, positions: Mapping[str, Any]
     for key, values in given.items():
         if isinstance(values, units.InUnit):
             key, values = units.with_unit(name, values.unit), values.values
-        if (unit := units.split(key, (name,))[1]) and units.factor_of(unit, own) is None:
-            continue  # see `check_keywords`
+        unit = units.split(key, (name,))[1]
         spaces.check_length((key,), values)
         try:
             if not isinstance(values, (list, tuple, range)):
@@ -376,19 +373,18 @@ def given_angles(catalogue: Catalogue, angles: Any, positions: Mapping[str, Any]
         except Exception:  # whatever a class of somebody's does when it is converted
             raise InputError(f"is {short_repr(values)}", (key,), "write a flat array of numbers") from None
         stated = spaces.units_of(key, values).get(key, "")
-        if stated and not units.has_unit(stated, unit or own):
-            if unit or units.factor_of(stated, own) is None:
-                raise InputError(f"has the unit {stated!r}", (key,), units.unit_remedy(unit or own))
-            unit = stated
-        if unit:
-            return key, _converted(catalogue, key, values, unit)
+        with problems.at(key):
+            factor, unit = units.conversion(name, unit, stated, own)
+            if unit:
+                return key, _converted(catalogue, key, values, unit, factor)
+        problems.stop()
         if own == units.RADIANS and _are_several(values):
             units.remark_on_angles(name, values)
         return key, values
     return name, ANGLES if catalogue.positions is None else np.linspace(*catalogue.positions)
 
 
-def _converted(catalogue: Catalogue, key: str, values: Any, unit: str) -> NDArray[Any]:
+def _converted(catalogue: Catalogue, key: str, values: Any, unit: str, factor: Fraction) -> NDArray[Any]:
     """Return input positions that are given in another unit in that of SI, or refuse what is no array."""
     name = catalogue.position.name
     if spaces.listed(values) == 0 or not _are_several(values):
@@ -396,7 +392,6 @@ def _converted(catalogue: Catalogue, key: str, values: Any, unit: str) -> NDArra
         raise InputError(
             f"is {short_repr(values)}", (key,), f"write a flat array of {units.in_words(unit)}{other}"
         )
-    factor = units.check_unit(name, unit, catalogue.position.units)
     return np.asarray(units.scaled(check_positions(catalogue, values, key), factor))
 
 
@@ -414,11 +409,9 @@ def keywords_in_si(
             result[name] = value
             continue
         try:
-            factor = units.check_unit(of, unit, declared[of].units, {*given, *result})
+            stated = spaces.units_of("", value).get("", "")
+            factor, _ = units.conversion(of, unit, stated, declared[of].units, {*given, *result})
             numbers = spaces.numbers_of(door, name, value, spaces.MOST_DIMS)
-            for stated in spaces.units_of("", value).values():
-                if not units.has_unit(stated, unit):
-                    raise InputError(f"has the unit {stated!r}", remedy=units.unit_remedy(unit))
             plain = units.scaled(numbers, factor)
             result[of] = _relabelled(value, plain) if hasattr(value, "dims") else plain
         except InputError as error:

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from fastlink._text import aligned, counted, html_table, in_words, short_number, short_repr, size
 from fastlink.errors import InputError, KeyPath, Problem, Problems, Remedy, check_whole, door, suggest
 from fastlink.machine import check_memory
-from fastlink.space.units import check_unit, factor_of, has_unit, named_with_unit, scaled, split, unit_remedy
+from fastlink.space.units import check_unit, conversion, named_with_unit, scaled, split
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -259,10 +259,8 @@ def frozen(values: Floats) -> Floats:
 def in_unit(where: KeyPath, given: Any, numbers: Floats, expected: str) -> Floats:
     """Return the numbers of labelled values in the expected unit, or refuse those that state one of another kind."""
     for unit in units_of("", given).values():
-        if not has_unit(unit, expected):
-            if (factor := factor_of(unit, expected)) is None:
-                raise InputError(f"has the unit {unit!r}", where=where, remedy=unit_remedy(expected))
-            numbers = np.asarray(scaled(numbers, factor))
+        factor, _ = conversion("", "", unit, expected, where=where)
+        numbers = np.asarray(scaled(numbers, factor))
     return numbers
 
 

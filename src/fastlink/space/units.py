@@ -15,29 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fastlink._text import short_repr
-from fastlink.errors import InputError, Problems, remark
+from fastlink.errors import InputError, KeyPath, Problems, remark
 from fastlink.numerics.compensated import two_product, two_sum
-
-__all__ = [
-    "DEGREES",
-    "RADIANS",
-    "InUnit",
-    "check_unit",
-    "comment",
-    "factor_of",
-    "has_unit",
-    "in_si",
-    "in_words",
-    "is_unit",
-    "named_with_unit",
-    "remark_on_angles",
-    "remark_on_lengths",
-    "scaled",
-    "split",
-    "unit_remedy",
-    "usual_name",
-    "with_unit",
-]
 
 PI = Fraction("3.14159265358979323846264338327950288419716939937510582097494459230781640628620899862803")
 #: Units: how each is written, first as in names such as ``a1_mm``; of what it is a multiple, and of how much of it.
@@ -214,15 +193,28 @@ def in_si(where: str, given: Mapping[str, Any], units: Mapping[str, str]) -> dic
     return found
 
 
+def conversion(
+    of: str, unit: str, stated: str, expected: str, others: Collection[str] = (), where: KeyPath = ()
+) -> tuple[Fraction, str]:
+    """Return what the unit of values is in that of their input, and that unit: of their name, or that they state.
+
+    Values in another unit than their name says are refused.
+    """
+    factor = check_unit(of, unit, expected, others) if unit else Fraction(1)
+    if stated and not has_unit(stated, unit or expected):
+        if unit or (found := factor_of(stated, expected)) is None:
+            mend = (
+                f"convert it to {in_words(unit or expected)}, or leave the unit (the attribute 'units') out"
+            )
+            raise InputError(f"has the unit {stated!r}", where, mend)
+        return found, stated
+    return factor, unit
+
+
 def has_unit(unit: str, expected: str) -> bool:
     """Tell whether labelled values state the unit that is expected, by whatever spelling."""
     plain = unit.translate(str.maketrans("", "", "^* ."))
     return plain == expected.replace(" ", "") or factor_of(unit, expected) == 1
-
-
-def unit_remedy(expected: str) -> str:
-    """Return the remedy for values that state another unit."""
-    return f"convert it to {in_words(expected)}, or leave the attribute 'units' out"
 
 
 # -- Values in another unit, each rounded once
