@@ -1,8 +1,9 @@
 # Written by `python -m tests.support.stub`; do not edit.
+# ruff: noqa: UP013
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal, overload
+from typing import Any, Literal, TypedDict, Unpack, overload
 
 import xarray as xr
 from distributed import Client
@@ -108,6 +109,78 @@ __all__ = [
     "tolerance",
 ]
 
+_InUnits = TypedDict("_InUnits", {
+    "a1_mm": Any, "a2_mm": Any, "a3_mm": Any, "a4_mm": Any, "omega1_rpm": Any, "P_u_mm": Any, "P_v_mm": Any,
+    "m1_g": Any, "I1_kg_mm2": Any, "G1_u_mm": Any, "G1_v_mm": Any, "m2_g": Any, "I2_kg_mm2": Any, "G2_u_mm":
+    Any, "G2_v_mm": Any, "m3_g": Any, "I3_kg_mm2": Any, "G3_u_mm": Any, "G3_v_mm": Any, "FP_x_kN": Any,
+    "FP_y_kN": Any, "T_load_Nmm": Any, "M_x_mm": Any, "M_y_mm": Any, "counterweight1_mass_g": Any,
+    "counterweight1_radius_mm": Any, "counterweight1_direction_deg": Any, "counterweight3_mass_g": Any,
+    "counterweight3_radius_mm": Any, "counterweight3_direction_deg": Any, "density_g_cm3": Any, "radius_mm":
+    Any, "arc_start_deg": Any, "arc_end_deg": Any, "joint_omega_1_rpm": Any, "joint_omega_2_rpm": Any,
+    "joint_omega_3_rpm": Any, "joint_omega_4_rpm": Any, "a_mm": Any, "b_mm": Any, "g_mm": Any, "h_mm": Any,
+    "x_mm": Any, "y_mm": Any, "c_mm": Any, "d_mm": Any, "omega_rpm": Any, "s_mm": Any, "m_mm": Any, "n_mm":
+    Any, "r_mm": Any, "l_mm": Any, "e_mm": Any, "F_load_kN": Any
+}, total=False)  # fmt: skip
+_Planar4rInputs = TypedDict("_Planar4rInputs", {
+    "a1": Any, "a2": Any, "a3": Any, "a4": Any, "omega1": Any, "P_u": Any, "P_v": Any, "m1": Any, "I1": Any,
+    "G1_u": Any, "G1_v": Any, "m2": Any, "I2": Any, "G2_u": Any, "G2_v": Any, "m3": Any, "I3": Any, "G3_u":
+    Any, "G3_v": Any, "gravity_x": Any, "gravity_y": Any, "FP_x": Any, "FP_y": Any, "T_load": Any,
+    "T_load_linear": Any, "T_load_quadratic": Any, "M_x": Any, "M_y": Any, "counterweight1_mass": Any,
+    "counterweight1_radius": Any, "counterweight1_direction": Any, "counterweight3_mass": Any,
+    "counterweight3_radius": Any, "counterweight3_direction": Any, "alpha1": Any, "density": Any, "radius":
+    Any, "arc_start": Any, "arc_end": Any, "theta1": Any, "joint_omega_1": Any, "joint_angle_1": Any,
+    "joint_omega_2": Any, "joint_angle_2": Any, "joint_omega_3": Any, "joint_angle_3": Any, "joint_omega_4":
+    Any, "joint_angle_4": Any, "a1_mm": Any, "a2_mm": Any, "a3_mm": Any, "a4_mm": Any, "omega1_rpm": Any,
+    "P_u_mm": Any, "P_v_mm": Any, "m1_g": Any, "I1_kg_mm2": Any, "G1_u_mm": Any, "G1_v_mm": Any, "m2_g": Any,
+    "I2_kg_mm2": Any, "G2_u_mm": Any, "G2_v_mm": Any, "m3_g": Any, "I3_kg_mm2": Any, "G3_u_mm": Any,
+    "G3_v_mm": Any, "FP_x_kN": Any, "FP_y_kN": Any, "T_load_Nmm": Any, "M_x_mm": Any, "M_y_mm": Any,
+    "counterweight1_mass_g": Any, "counterweight1_radius_mm": Any, "counterweight1_direction_deg": Any,
+    "counterweight3_mass_g": Any, "counterweight3_radius_mm": Any, "counterweight3_direction_deg": Any,
+    "density_g_cm3": Any, "radius_mm": Any, "arc_start_deg": Any, "arc_end_deg": Any, "theta1_deg": Any,
+    "joint_omega_1_rpm": Any, "joint_angle_1_deg": Any, "joint_omega_2_rpm": Any, "joint_angle_2_deg": Any,
+    "joint_omega_3_rpm": Any, "joint_angle_3_deg": Any, "joint_omega_4_rpm": Any, "joint_angle_4_deg": Any
+}, total=False)  # fmt: skip
+_Planar4rPositions = TypedDict("_Planar4rPositions", {
+    "theta1": Any, "joint_angle_1": Any, "joint_angle_2": Any, "joint_angle_3": Any, "joint_angle_4": Any,
+    "theta1_deg": Any, "joint_angle_1_deg": Any, "joint_angle_2_deg": Any, "joint_angle_3_deg": Any,
+    "joint_angle_4_deg": Any
+}, total=False)  # fmt: skip
+_Minkowski4rInputs = TypedDict("_Minkowski4rInputs", {
+    "a": Any, "b": Any, "g": Any, "h": Any, "x": Any, "y": Any, "tolerance": Any, "theta": Any, "a_mm": Any,
+    "b_mm": Any, "g_mm": Any, "h_mm": Any, "x_mm": Any, "y_mm": Any
+}, total=False)  # fmt: skip
+_Minkowski4rPositions = TypedDict("_Minkowski4rPositions", {
+    "theta": Any
+}, total=False)  # fmt: skip
+_FocalInputs = TypedDict("_FocalInputs", {
+    "a": Any, "b": Any, "c": Any, "d": Any, "rho": Any, "completion": Any, "omega": Any, "s": Any, "lambda_":
+    Any, "arc_start": Any, "arc_end": Any, "phi": Any, "sigma": Any, "a_mm": Any, "b_mm": Any, "c_mm": Any,
+    "d_mm": Any, "omega_rpm": Any, "s_mm": Any, "arc_start_deg": Any, "arc_end_deg": Any, "phi_deg": Any,
+    "sigma_deg": Any
+}, total=False)  # fmt: skip
+_FocalPositions = TypedDict("_FocalPositions", {
+    "phi": Any, "sigma": Any, "phi_deg": Any, "sigma_deg": Any
+}, total=False)  # fmt: skip
+_HartInputs = TypedDict("_HartInputs", {
+    "m": Any, "n": Any, "d": Any, "kappa": Any, "arc_start": Any, "arc_end": Any, "phi": Any, "F_y": Any,
+    "m_mm": Any, "n_mm": Any, "d_mm": Any, "arc_start_deg": Any, "arc_end_deg": Any, "phi_deg": Any, "F_y_mm":
+    Any
+}, total=False)  # fmt: skip
+_HartPositions = TypedDict("_HartPositions", {
+    "phi": Any, "F_y": Any, "phi_deg": Any, "F_y_mm": Any
+}, total=False)  # fmt: skip
+_SliderCrankInputs = TypedDict("_SliderCrankInputs", {
+    "r": Any, "l": Any, "e": Any, "omega": Any, "m1": Any, "I1": Any, "G1_u": Any, "G1_v": Any, "m2": Any,
+    "I2": Any, "G2_u": Any, "G2_v": Any, "m3": Any, "F_load": Any, "density": Any, "radius": Any, "arc_start":
+    Any, "arc_end": Any, "theta": Any, "r_mm": Any, "l_mm": Any, "e_mm": Any, "omega_rpm": Any, "m1_g": Any,
+    "I1_kg_mm2": Any, "G1_u_mm": Any, "G1_v_mm": Any, "m2_g": Any, "I2_kg_mm2": Any, "G2_u_mm": Any,
+    "G2_v_mm": Any, "m3_g": Any, "F_load_kN": Any, "density_g_cm3": Any, "radius_mm": Any, "arc_start_deg":
+    Any, "arc_end_deg": Any, "theta_deg": Any
+}, total=False)  # fmt: skip
+_SliderCrankPositions = TypedDict("_SliderCrankPositions", {
+    "theta": Any, "theta_deg": Any
+}, total=False)  # fmt: skip
+
 def quantities(
     mechanism: MechanismName | str | Extension | None = ...,
     internal: bool = ...,
@@ -125,63 +198,7 @@ def evaluate(
     input: Planar4rDriver | None = ...,
     solver: Literal["eliminated", "dense"] = ...,
     allow_invalid: bool = ...,
-    a1: Any = ...,
-    a2: Any = ...,
-    a3: Any = ...,
-    a4: Any = ...,
-    omega1: Any = ...,
-    P_u: Any = ...,
-    P_v: Any = ...,
-    m1: Any = ...,
-    I1: Any = ...,
-    G1_u: Any = ...,
-    G1_v: Any = ...,
-    m2: Any = ...,
-    I2: Any = ...,
-    G2_u: Any = ...,
-    G2_v: Any = ...,
-    m3: Any = ...,
-    I3: Any = ...,
-    G3_u: Any = ...,
-    G3_v: Any = ...,
-    gravity_x: Any = ...,
-    gravity_y: Any = ...,
-    FP_x: Any = ...,
-    FP_y: Any = ...,
-    T_load: Any = ...,
-    T_load_linear: Any = ...,
-    T_load_quadratic: Any = ...,
-    M_x: Any = ...,
-    M_y: Any = ...,
-    counterweight1_mass: Any = ...,
-    counterweight1_radius: Any = ...,
-    counterweight1_direction: Any = ...,
-    counterweight3_mass: Any = ...,
-    counterweight3_radius: Any = ...,
-    counterweight3_direction: Any = ...,
-    alpha1: Any = ...,
-    density: Any = ...,
-    radius: Any = ...,
-    arc_start: Any = ...,
-    arc_end: Any = ...,
-    theta1: Any = ...,
-    joint_omega_1: Any = ...,
-    joint_angle_1: Any = ...,
-    joint_omega_2: Any = ...,
-    joint_angle_2: Any = ...,
-    joint_omega_3: Any = ...,
-    joint_angle_3: Any = ...,
-    joint_omega_4: Any = ...,
-    joint_angle_4: Any = ...,
-    counterweight1_direction_deg: Any = ...,
-    counterweight3_direction_deg: Any = ...,
-    arc_start_deg: Any = ...,
-    arc_end_deg: Any = ...,
-    theta1_deg: Any = ...,
-    joint_angle_1_deg: Any = ...,
-    joint_angle_2_deg: Any = ...,
-    joint_angle_3_deg: Any = ...,
-    joint_angle_4_deg: Any = ...,
+    **inputs: Unpack[_Planar4rInputs],
 ) -> dict[str, Any]: ...
 @overload
 def evaluate(
@@ -193,14 +210,7 @@ def evaluate(
     input: Minkowski4rDriver | None = ...,
     solver: Literal["eliminated"] = ...,
     allow_invalid: bool = ...,
-    a: Any = ...,
-    b: Any = ...,
-    g: Any = ...,
-    h: Any = ...,
-    x: Any = ...,
-    y: Any = ...,
-    tolerance: Any = ...,
-    theta: Any = ...,
+    **inputs: Unpack[_Minkowski4rInputs],
 ) -> dict[str, Any]: ...
 @overload
 def evaluate(
@@ -212,23 +222,7 @@ def evaluate(
     input: FocalDriver | None = ...,
     solver: Literal["eliminated"] = ...,
     allow_invalid: bool = ...,
-    a: Any = ...,
-    b: Any = ...,
-    c: Any = ...,
-    d: Any = ...,
-    rho: Any = ...,
-    completion: Any = ...,
-    omega: Any = ...,
-    s: Any = ...,
-    lambda_: Any = ...,
-    arc_start: Any = ...,
-    arc_end: Any = ...,
-    phi: Any = ...,
-    sigma: Any = ...,
-    arc_start_deg: Any = ...,
-    arc_end_deg: Any = ...,
-    phi_deg: Any = ...,
-    sigma_deg: Any = ...,
+    **inputs: Unpack[_FocalInputs],
 ) -> dict[str, Any]: ...
 @overload
 def evaluate(
@@ -240,17 +234,7 @@ def evaluate(
     input: HartDriver | None = ...,
     solver: Literal["eliminated"] = ...,
     allow_invalid: bool = ...,
-    m: Any = ...,
-    n: Any = ...,
-    d: Any = ...,
-    kappa: Any = ...,
-    arc_start: Any = ...,
-    arc_end: Any = ...,
-    phi: Any = ...,
-    F_y: Any = ...,
-    arc_start_deg: Any = ...,
-    arc_end_deg: Any = ...,
-    phi_deg: Any = ...,
+    **inputs: Unpack[_HartInputs],
 ) -> dict[str, Any]: ...
 @overload
 def evaluate(
@@ -262,28 +246,7 @@ def evaluate(
     input: SliderCrankDriver | None = ...,
     solver: Literal["eliminated"] = ...,
     allow_invalid: bool = ...,
-    r: Any = ...,
-    l: Any = ...,
-    e: Any = ...,
-    omega: Any = ...,
-    m1: Any = ...,
-    I1: Any = ...,
-    G1_u: Any = ...,
-    G1_v: Any = ...,
-    m2: Any = ...,
-    I2: Any = ...,
-    G2_u: Any = ...,
-    G2_v: Any = ...,
-    m3: Any = ...,
-    F_load: Any = ...,
-    density: Any = ...,
-    radius: Any = ...,
-    arc_start: Any = ...,
-    arc_end: Any = ...,
-    theta: Any = ...,
-    arc_start_deg: Any = ...,
-    arc_end_deg: Any = ...,
-    theta_deg: Any = ...,
+    **inputs: Unpack[_SliderCrankInputs],
 ) -> dict[str, Any]: ...
 @overload
 def evaluate(
@@ -310,63 +273,7 @@ def function(
     solver: Literal["eliminated", "dense"] = ...,
     extrema: Literal["refined", "sampled"] | None = ...,
     backend: Literal["llvm", "numba"] | None = ...,
-    a1: Any = ...,
-    a2: Any = ...,
-    a3: Any = ...,
-    a4: Any = ...,
-    omega1: Any = ...,
-    P_u: Any = ...,
-    P_v: Any = ...,
-    m1: Any = ...,
-    I1: Any = ...,
-    G1_u: Any = ...,
-    G1_v: Any = ...,
-    m2: Any = ...,
-    I2: Any = ...,
-    G2_u: Any = ...,
-    G2_v: Any = ...,
-    m3: Any = ...,
-    I3: Any = ...,
-    G3_u: Any = ...,
-    G3_v: Any = ...,
-    gravity_x: Any = ...,
-    gravity_y: Any = ...,
-    FP_x: Any = ...,
-    FP_y: Any = ...,
-    T_load: Any = ...,
-    T_load_linear: Any = ...,
-    T_load_quadratic: Any = ...,
-    M_x: Any = ...,
-    M_y: Any = ...,
-    counterweight1_mass: Any = ...,
-    counterweight1_radius: Any = ...,
-    counterweight1_direction: Any = ...,
-    counterweight3_mass: Any = ...,
-    counterweight3_radius: Any = ...,
-    counterweight3_direction: Any = ...,
-    alpha1: Any = ...,
-    density: Any = ...,
-    radius: Any = ...,
-    arc_start: Any = ...,
-    arc_end: Any = ...,
-    theta1: Any = ...,
-    joint_omega_1: Any = ...,
-    joint_angle_1: Any = ...,
-    joint_omega_2: Any = ...,
-    joint_angle_2: Any = ...,
-    joint_omega_3: Any = ...,
-    joint_angle_3: Any = ...,
-    joint_omega_4: Any = ...,
-    joint_angle_4: Any = ...,
-    counterweight1_direction_deg: Any = ...,
-    counterweight3_direction_deg: Any = ...,
-    arc_start_deg: Any = ...,
-    arc_end_deg: Any = ...,
-    theta1_deg: Any = ...,
-    joint_angle_1_deg: Any = ...,
-    joint_angle_2_deg: Any = ...,
-    joint_angle_3_deg: Any = ...,
-    joint_angle_4_deg: Any = ...,
+    **fixed: Unpack[_Planar4rInputs],
 ) -> Function: ...
 @overload
 def function(
@@ -381,14 +288,7 @@ def function(
     solver: Literal["eliminated"] = ...,
     extrema: Literal["refined", "sampled"] | None = ...,
     backend: Literal["llvm", "numba"] | None = ...,
-    a: Any = ...,
-    b: Any = ...,
-    g: Any = ...,
-    h: Any = ...,
-    x: Any = ...,
-    y: Any = ...,
-    tolerance: Any = ...,
-    theta: Any = ...,
+    **fixed: Unpack[_Minkowski4rInputs],
 ) -> Function: ...
 @overload
 def function(
@@ -403,23 +303,7 @@ def function(
     solver: Literal["eliminated"] = ...,
     extrema: Literal["refined", "sampled"] | None = ...,
     backend: Literal["llvm", "numba"] | None = ...,
-    a: Any = ...,
-    b: Any = ...,
-    c: Any = ...,
-    d: Any = ...,
-    rho: Any = ...,
-    completion: Any = ...,
-    omega: Any = ...,
-    s: Any = ...,
-    lambda_: Any = ...,
-    arc_start: Any = ...,
-    arc_end: Any = ...,
-    phi: Any = ...,
-    sigma: Any = ...,
-    arc_start_deg: Any = ...,
-    arc_end_deg: Any = ...,
-    phi_deg: Any = ...,
-    sigma_deg: Any = ...,
+    **fixed: Unpack[_FocalInputs],
 ) -> Function: ...
 @overload
 def function(
@@ -434,17 +318,7 @@ def function(
     solver: Literal["eliminated"] = ...,
     extrema: Literal["refined", "sampled"] | None = ...,
     backend: Literal["llvm", "numba"] | None = ...,
-    m: Any = ...,
-    n: Any = ...,
-    d: Any = ...,
-    kappa: Any = ...,
-    arc_start: Any = ...,
-    arc_end: Any = ...,
-    phi: Any = ...,
-    F_y: Any = ...,
-    arc_start_deg: Any = ...,
-    arc_end_deg: Any = ...,
-    phi_deg: Any = ...,
+    **fixed: Unpack[_HartInputs],
 ) -> Function: ...
 @overload
 def function(
@@ -459,28 +333,7 @@ def function(
     solver: Literal["eliminated"] = ...,
     extrema: Literal["refined", "sampled"] | None = ...,
     backend: Literal["llvm", "numba"] | None = ...,
-    r: Any = ...,
-    l: Any = ...,
-    e: Any = ...,
-    omega: Any = ...,
-    m1: Any = ...,
-    I1: Any = ...,
-    G1_u: Any = ...,
-    G1_v: Any = ...,
-    m2: Any = ...,
-    I2: Any = ...,
-    G2_u: Any = ...,
-    G2_v: Any = ...,
-    m3: Any = ...,
-    F_load: Any = ...,
-    density: Any = ...,
-    radius: Any = ...,
-    arc_start: Any = ...,
-    arc_end: Any = ...,
-    theta: Any = ...,
-    arc_start_deg: Any = ...,
-    arc_end_deg: Any = ...,
-    theta_deg: Any = ...,
+    **fixed: Unpack[_SliderCrankInputs],
 ) -> Function: ...
 @overload
 def function(
@@ -522,16 +375,7 @@ def sweep(
     attrs: Mapping[str, Any] | None = ...,
     block: int | None = ...,
     backend: Literal["llvm", "numba"] | None = ...,
-    theta1: int | ArrayLike | None = ...,
-    joint_angle_1: int | ArrayLike | None = ...,
-    joint_angle_2: int | ArrayLike | None = ...,
-    joint_angle_3: int | ArrayLike | None = ...,
-    joint_angle_4: int | ArrayLike | None = ...,
-    theta1_deg: int | ArrayLike | None = ...,
-    joint_angle_1_deg: int | ArrayLike | None = ...,
-    joint_angle_2_deg: int | ArrayLike | None = ...,
-    joint_angle_3_deg: int | ArrayLike | None = ...,
-    joint_angle_4_deg: int | ArrayLike | None = ...,
+    **positions: Unpack[_Planar4rPositions],
 ) -> xr.Dataset: ...
 @overload
 def sweep(
@@ -558,7 +402,7 @@ def sweep(
     attrs: Mapping[str, Any] | None = ...,
     block: int | None = ...,
     backend: Literal["llvm", "numba"] | None = ...,
-    theta: int | ArrayLike | None = ...,
+    **positions: Unpack[_Minkowski4rPositions],
 ) -> xr.Dataset: ...
 @overload
 def sweep(
@@ -585,10 +429,7 @@ def sweep(
     attrs: Mapping[str, Any] | None = ...,
     block: int | None = ...,
     backend: Literal["llvm", "numba"] | None = ...,
-    phi: int | ArrayLike | None = ...,
-    sigma: int | ArrayLike | None = ...,
-    phi_deg: int | ArrayLike | None = ...,
-    sigma_deg: int | ArrayLike | None = ...,
+    **positions: Unpack[_FocalPositions],
 ) -> xr.Dataset: ...
 @overload
 def sweep(
@@ -615,9 +456,7 @@ def sweep(
     attrs: Mapping[str, Any] | None = ...,
     block: int | None = ...,
     backend: Literal["llvm", "numba"] | None = ...,
-    phi: int | ArrayLike | None = ...,
-    F_y: int | ArrayLike | None = ...,
-    phi_deg: int | ArrayLike | None = ...,
+    **positions: Unpack[_HartPositions],
 ) -> xr.Dataset: ...
 @overload
 def sweep(
@@ -644,8 +483,7 @@ def sweep(
     attrs: Mapping[str, Any] | None = ...,
     block: int | None = ...,
     backend: Literal["llvm", "numba"] | None = ...,
-    theta: int | ArrayLike | None = ...,
-    theta_deg: int | ArrayLike | None = ...,
+    **positions: Unpack[_SliderCrankPositions],
 ) -> xr.Dataset: ...
 @overload
 def sweep(
@@ -742,10 +580,7 @@ def grid(
     l: ArrayLike = ...,
     e: ArrayLike = ...,
     F_load: ArrayLike = ...,
-    counterweight1_direction_deg: ArrayLike = ...,
-    counterweight3_direction_deg: ArrayLike = ...,
-    arc_start_deg: ArrayLike = ...,
-    arc_end_deg: ArrayLike = ...,
+    **more: Unpack[_InUnits],
 ) -> DesignSpace: ...
 def latin_hypercube(
     n: int,
@@ -815,10 +650,7 @@ def latin_hypercube(
     l: ArrayLike = ...,
     e: ArrayLike = ...,
     F_load: ArrayLike = ...,
-    counterweight1_direction_deg: ArrayLike = ...,
-    counterweight3_direction_deg: ArrayLike = ...,
-    arc_start_deg: ArrayLike = ...,
-    arc_end_deg: ArrayLike = ...,
+    **more: Unpack[_InUnits],
 ) -> DesignSpace: ...
 def sobol(
     n: int,
@@ -888,8 +720,5 @@ def sobol(
     l: ArrayLike = ...,
     e: ArrayLike = ...,
     F_load: ArrayLike = ...,
-    counterweight1_direction_deg: ArrayLike = ...,
-    counterweight3_direction_deg: ArrayLike = ...,
-    arc_start_deg: ArrayLike = ...,
-    arc_end_deg: ArrayLike = ...,
+    **more: Unpack[_InUnits],
 ) -> DesignSpace: ...

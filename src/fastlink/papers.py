@@ -13,8 +13,9 @@ from fastlink.errors import InputError, Problems, check_whole
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.fact import Input
 from fastlink.numerics.compensated import UNIT_ROUNDING
-from fastlink.plan.request import name_problems, value_problems
-from fastlink.space.design_space import MOST_DIMS, angle_of, has, in_unit, numbers_of, read_or_none
+from fastlink.plan.request import keywords_in_si, name_problems, value_problems
+from fastlink.space.design_space import MOST_DIMS, has, in_unit, numbers_of, read_or_none
+from fastlink.space.units import split
 
 #: The inputs of planar_4r that determine a coupler curve.
 CURVE = ("a1", "a2", "a3", "a4", "P_u", "P_v")
@@ -39,10 +40,10 @@ def read_design(
 ) -> dict[str, Any]:
     """Return the inputs of designs that a function needs, as arrays of one shape."""
     known, problems = catalogue.known_inputs(catalogue.variant_inputs), Problems()
-    of_position = (catalogue.position.name, f"{catalogue.position.name}_deg")
-    given = all_entries(function, design, inputs, known, problems, of_position)
-    names = [name for name in given if angle_of(name) not in known]  # no angle is needed
-    problems.noted += name_problems(catalogue, names, known, function)
+    position = catalogue.position.name
+    given = all_entries(function, design, inputs, known, problems, (position,))
+    given = keywords_in_si(catalogue, function, given, problems, position=False)
+    problems.noted += name_problems(catalogue, list(given), known, function)
     for name in needed:
         if name not in given:
             what = f"is missing ({known[name].meaning} [{known[name].units}])"
@@ -59,28 +60,28 @@ def all_entries(
     function: str,
     design: Any,
     inputs: Mapping[str, Any],
-    known: Iterable[str],
+    known: Collection[str],
     problems: Problems,
-    unread: Iterable[str] = (),
+    unread: Collection[str] = (),
 ) -> dict[str, Any]:
     """Return what a design gives of the known names but some, and what is given by name; note what is in both."""
     entries = {} if design is None else read_or_none(_entries_of, design, known)
     if entries is None:
         remedy = "give the inputs by name, such as a1=0.5, or a mapping of them"
         raise InputError(f"is {short_repr(design)}", (function, "design"), remedy)
-    given = {name: of for name, of in entries.items() if name not in unread}
+    given = {name: of for name, of in entries.items() if split(name, unread)[0] not in unread}
     for name in inputs:
         if name in given:
             problems.add("is in the design and given by name", (function, name), "leave one out")
     return given | dict(inputs)
 
 
-def _entries_of(design: Any, known: Iterable[str]) -> dict[str, Any] | None:
+def _entries_of(design: Any, known: Collection[str]) -> dict[str, Any] | None:
     """Return name and values of each input of a DataFrame, a Dataset or a mapping; None of what is none of these."""
     if has(design, "data_vars") and has(design, "variables"):
-        return {name: design[name] for name in design.variables if name in known}
+        return {name: design[name] for name in design.variables if split(name, known)[0] in known}
     if has(design, "columns") and has(design, "to_numpy"):
-        return {name: design[name].to_numpy() for name in design.columns if name in known}
+        return {name: design[name].to_numpy() for name in design.columns if split(name, known)[0] in known}
     if isinstance(design, Mapping) and all(isinstance(name, str) for name in design):
         return dict(design)
     return None

@@ -33,17 +33,9 @@ from fastlink.numerics.compensated import UNIT_ROUNDING, sum_of_four
 from fastlink.numerics.elementary import PI
 from fastlink.numerics.vectors import cross
 from fastlink.plan.request import branch_codes, check_model, constants_of, selected_variants, value_problems
-from fastlink.space.design_space import (
-    MOST_DIMS,
-    RADIANS,
-    DesignSpace,
-    Links,
-    constant,
-    ends_of,
-    in_unit,
-    numbers_of,
-)
+from fastlink.space.design_space import MOST_DIMS, DesignSpace, Links, constant, ends_of, in_unit, numbers_of
 from fastlink.space.tables import as_space
+from fastlink.space.units import RADIANS
 
 __all__ = [
     "Cognate",

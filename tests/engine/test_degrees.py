@@ -12,12 +12,16 @@ from numpy.testing import assert_array_equal
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.space.design_space import DEGREE, DEGREE_LOW, looks_like_degrees, radians
+from fastlink.space.units import PI, looks_like_degrees, scaled
 
 DESIGN = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
 WEIGHT = {"counterweight1_mass": 1.0, "counterweight1_radius": 0.1}
 BARS = fl.round_bar(density=7750.0, radius=0.01)
 ANGLES = [0.0, 40.0, 80.0, 180.0]
+
+
+def radians(degrees):
+    return scaled(degrees, PI / 180)
 
 
 def exact(degrees):
@@ -26,7 +30,7 @@ def exact(degrees):
 
 
 def test_degrees_are_rounded_once():
-    """The sum of two doubles has pi/180 to 2^-108; the chance that a product is rounded otherwise is 2^-50 each."""
+    """The sum of two doubles has pi/180 to 2^-106; the chance that a product is rounded otherwise is 2^-50 each."""
     rng = np.random.default_rng(1)
     values = [*range(-720, 721), *rng.uniform(-400, 400, 2000), 1e-300, 5e-324, 1e15, 1e300, 1.7e308, 0.1]
     assert_array_equal(radians(np.array(values, float)), [exact(float(value)) for value in values])
@@ -34,8 +38,7 @@ def test_degrees_are_rounded_once():
     assert math.copysign(1.0, radians(-0.0)) == -1.0
     assert_array_equal(radians([np.inf, np.nan]), [np.inf, np.nan])
     with mp.workprec(300):
-        left = mp.pi / 180 - mp.mpf(DEGREE) - mp.mpf(DEGREE_LOW)
-        assert abs(left) < mp.mpf(2) ** -112
+        assert abs(mp.pi - mp.mpf(PI.numerator) / PI.denominator) < mp.mpf(2) ** -280
 
 
 def test_input_positions_in_degrees():

@@ -31,10 +31,11 @@ def without(given):
     return {name: value for name, value in {**DESIGN, **given}.items() if name != "a4"}
 
 
+@pytest.mark.parametrize("unit", ["kg", "furlong", "m s-1", "mm2"])
 @pytest.mark.parametrize("door", DOORS)
-def test_another_unit_is_refused(door):
+def test_a_unit_of_another_kind_is_refused(door, unit):
     with refused("a1", "convert it to m"):
-        DOORS[door]({"a1": labelled(400.0, "mm")})
+        DOORS[door]({"a1": labelled(0.4, unit)})
 
 
 @pytest.mark.parametrize("door", DOORS)
@@ -45,12 +46,11 @@ def test_the_unit_of_the_input_is_taken(door):
 @pytest.mark.parametrize("name", ["theta1", "theta1_deg"])
 def test_positions_in_another_unit_are_refused(name):
     remedy = "convert it to degrees" if name.endswith("_deg") else "convert it to rad"
+    unit = "turn" if name.endswith("_deg") else "mm"
     for call in (
-        lambda: fl.sweep("planar_4r", DESIGN, ["omega4"], **{name: labelled([0.1, 0.2], "turn")}),
-        lambda: fl.evaluate("planar_4r", ["omega4"], **DESIGN, **{name: labelled(0.1, "turn")}),
-        lambda: fl.function(
-            "planar_4r", ["a4"], ["omega4"], **without({}), **{name: labelled([0.1], "turn")}
-        ),
+        lambda: fl.sweep("planar_4r", DESIGN, ["omega4"], **{name: labelled([0.1, 0.2], unit)}),
+        lambda: fl.evaluate("planar_4r", ["omega4"], **DESIGN, **{name: labelled(0.1, unit)}),
+        lambda: fl.function("planar_4r", ["a4"], ["omega4"], **without({}), **{name: labelled([0.1], unit)}),
     ):
         with refused(name, remedy):
             call()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 import tracemalloc
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -149,7 +150,7 @@ COLUMNS = {
     "gathered of a column": Gathered(Counted(3, 20), 2, 5, 30),
     "consecutive": Consecutive(Counted(10, 50), 7, 31),
     "counted": Counted(10**10, 33),
-    "converted": Converted(Gathered(np.linspace(1.0, 2.0, 7), 1, 2, 20), np.sqrt),
+    "converted": Converted(Gathered(np.linspace(1.0, 2.0, 7), 1, 2, 20), Fraction(1, 1000)),
 }
 
 

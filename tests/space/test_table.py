@@ -152,7 +152,7 @@ CSV_ERRORS = {
     "digits of another script": ("a1,a2\n0.3,1.0\n0.4,١\n", "row 1 (line 3) of column a2", "a number"),
     "lines within quotes": ('name,a2\n"two\nlines",1.0\nx,y\n', "row 1 (line 4) of column a2", "a number"),
     "the first of two": ("a1,a2\n0.3,1\n0.3,x\n0.4\n", "line 4 has 1 cell", "one cell per column"),
-    "a unit in a name": ("a1,a2 [m]\n0.4,1.0\n", "'a2 [m]'", "such as a2"),
+    "an empty unit in a name": ("a1,a2 []\n0.4,1.0\n", "'a2 []'", "such as a2"),
     "a number among texts": ("a1,a2\nx,1\n2,1\n", "row 0 (line 2) of column a1 in d.csv is 'x'", "a number"),
     "overflow": ("a1\n1e999\n", "row 0 (line 2) of column a1", KEEP),
 }

@@ -19,10 +19,11 @@ from typing import get_args
 import fastlink
 from fastlink import typing
 from fastlink.codegen.kernel import BACKENDS
+from fastlink.facts.catalogue import Catalogue
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.query import Extrema
-from fastlink.space.design_space import degrees_name
+from fastlink.space.units import usual_name
 
 SOURCE = Path(fastlink.__file__).parent
 BY = "Written by `python -m tests.support.stub`; do not edit."
@@ -38,7 +39,7 @@ def literal(name: str, members: Iterable[str]) -> str:
 
 
 #: The names that a stub reads from `typing` and from `fastlink.typing`.
-OWN = {"Literal", "overload", *typing.__all__}
+OWN = {"Literal", "TypedDict", "Unpack", "overload", *typing.__all__}
 
 
 def names_stub() -> str:
@@ -100,14 +101,11 @@ def signature_text(name: str, mechanism: str = "", *, extended: bool = False) ->
             continue
         if parameter.kind is Parameter.VAR_KEYWORD:
             lines += ["/"] if by_position else []
-            if not keyword_only:
-                lines.append("*")
-            taken = set(signature.parameters)
-            lines += [
-                f"{one}: {parameter.annotation} = ..."
-                for one in keywords_of(parameter.name, mechanism)
-                if one not in taken
-            ]
+            if not mechanism:  # each by itself, which all editors complete
+                lines += [] if keyword_only else ["*"]
+                taken, inputs = set(signature.parameters), inputs_of_any()
+                lines += [f"{one}: {parameter.annotation} = ..." for one in inputs if one not in taken]
+            lines.append(f"**{parameter.name}: Unpack[{keywords_type(parameter.name, mechanism)}]")
             continue
         if parameter.kind is Parameter.KEYWORD_ONLY and not keyword_only:
             keyword_only = True
@@ -122,22 +120,45 @@ def signature_text(name: str, mechanism: str = "", *, extended: bool = False) ->
     return f"def {name}(\n{listed}) -> {signature.return_annotation}: ..."
 
 
+def keywords_type(parameter: str, mechanism: str) -> str:
+    """Return the name of the type of further keywords of a function."""
+    kind = "Positions" if parameter == "positions" else "Inputs"
+    return f"_{typing._alias(mechanism, kind)}" if mechanism else "_InUnits"
+
+
+def keywords_types() -> str:
+    """Return the definitions of the types of further keywords: inputs in SI and in their usual units."""
+    wanted = [("inputs", ""), *((kind, name) for name in NAMES for kind in ("inputs", "positions"))]
+    texts = []
+    for parameter, mechanism in wanted:
+        name, names = keywords_type(parameter, mechanism), keywords_of(parameter, mechanism)
+        listed = textwrap.fill(", ".join(f'"{one}": Any' for one in names), WIDTH - 4, break_on_hyphens=False)
+        inside = textwrap.indent(listed, "    ")
+        texts.append(f'{name} = TypedDict("{name}", {{\n{inside}\n}}, total=False)  # fmt: skip')
+    return "\n".join(texts)
+
+
+def catalogues_of(mechanism: str) -> list[Catalogue]:
+    """Return the catalogues of a mechanism, or of all, by whatever drives."""
+    names = [mechanism] if mechanism else NAMES
+    return [find_catalogue(name, driver) for name in names for driver in inputs_of(name)]
+
+
+def inputs_of_any() -> list[str]:
+    """Return the inputs of the designs of all mechanisms."""
+    known = (one.known_inputs(one.variant_inputs) for one in catalogues_of(""))
+    return list(dict.fromkeys(name for inputs in known for name in inputs))
+
+
 def keywords_of(parameter: str, mechanism: str) -> list[str]:
-    """Return the names that stand for further keywords of a function, angles in degrees among them."""
-    catalogues = [
-        find_catalogue(name, driver)
-        for name in ([mechanism] if mechanism else NAMES)
-        for driver in inputs_of(name)
-    ]
-    units = {name: given.units for catalogue in catalogues for name, given in catalogue.variables.items()}
-    if parameter == "positions":
-        names = list(inputs_of(mechanism))
-    elif mechanism:
-        names = list(units)
-    else:
-        known = (catalogue.known_inputs(catalogue.variant_inputs) for catalogue in catalogues)
-        names = list(dict.fromkeys(name for inputs in known for name in inputs))
-    return [*names, *(degrees_name(name) for name in names if units[name] == "rad")]
+    """Return the names that stand for further keywords of a function; of those of any mechanism the ones with units."""
+    found = (one.variables.items() for one in catalogues_of(mechanism))
+    units = {name: given.units for items in found for name, given in items}
+    names = inputs_of(mechanism) if parameter == "positions" else units if mechanism else inputs_of_any()
+    in_units = [usual_name(name, units[name]) for name in names]
+    return list(
+        dict.fromkeys([*names, *in_units] if mechanism else [one for one in in_units if one not in units])
+    )
 
 
 def stub() -> str:
@@ -160,13 +181,13 @@ def stub() -> str:
         read = {node.id for text in texts for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Name)}
         own = {*dir(builtins), *OWN, *fastlink.__all__}
         imports |= {known.get(name) or _own(name, statement.module) for name in read - own}
-    aliases = ", ".join(sorted(OWN - {"Literal", "overload"}))
+    aliases = ", ".join(sorted(typing.__all__))
     names = "".join(f'    "{one}",\n' for one in sorted(fastlink.__all__))
-    head = f"# {BY}\n\nfrom typing import Literal, overload\n\n"
+    head = f"# {BY}\n# ruff: noqa: UP013\n\nfrom typing import Literal, TypedDict, Unpack, overload\n\n"
     used = "\n".join(sorted(filter(None, imports)))
     return (
         f"{head}{used}\n" + "\n".join(kept) + f"\nfrom fastlink.typing import {aliases}\n\n"
-        f"__all__ = [\n{names}]\n\n" + "\n".join(written) + "\n"
+        f"__all__ = [\n{names}]\n\n{keywords_types()}\n\n" + "\n".join(written) + "\n"
     )
 
 

@@ -20,6 +20,8 @@ def names_that_are_spelt() -> None:
     fl.evaluate("hart", ["F_y"], m=1.0, n=0.8, d=1.2, kappa=0.5, phi=np.linspace(0.0, 1.0, 5))
     fl.function("planar_4r", ["a2", "a3"], ["omega4_max"], a1=0.4, a4=1.0, omega1=25.0, theta1=24)
     fl.sweep("planar_4r", SPACE, ["omega4"], theta1_deg=[0.0, 90.0])
+    fl.grid(a1_mm=400, a2_mm=[1100, 1200], a3=0.8, a4=1.0, omega1_rpm=60)
+    fl.evaluate("planar_4r", ["omega4"], a1_mm=400, a2=1.1, a3=0.8, a4=1.0, omega1_rpm=60, theta1_deg=40)
     fl.quantities("focal")
     fl.quantities(find="torque")
 

@@ -642,7 +642,7 @@ def best(
     from fastlink.io.convert import check_conversion
     from fastlink.io.convert import convert as convert_map
     from fastlink.io.reader import open_map
-    from fastlink.space.design_space import angle_of
+    from fastlink.space.units import DEGREES, split
 
     wanted = _conditions(where or [])
     options: dict[str, Any] = {"minimise": minimise or (), "maximise": maximise or ()}
@@ -658,7 +658,7 @@ def best(
     if to is not None:
         convert_map(found, to, overwrite=overwrite)
     names = [*(minimise or ()), *(maximise or ()), *wanted]
-    in_degrees = degrees or any(angle_of(name) for name in wanted)
+    in_degrees = degrees or any(split(name, found.variables)[1] in DEGREES for name in wanted)
     typer.echo(listed(found, [*names, *refinement_columns(found)], degrees=in_degrees))
 
 

@@ -47,14 +47,15 @@ from fastlink.io.joining import JOINED
 from fastlink.io.layout import SOURCE
 from fastlink.io.reader import PartOfMap, as_map, files_of
 from fastlink.maps.best import GAIN, REFINEMENT, STARTS
+from fastlink.maps.units import convert, flag_counts, flags_of
 from fastlink.maps.units import degrees as in_degrees
-from fastlink.maps.units import flag_counts, flags_of
 from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.programs import make_program
 from fastlink.plan.query import REDUCTIONS, parse_request, rank_quantities
 from fastlink.plan.request import RULES
-from fastlink.space.design_space import BRANCH, DESIGN, EXTREMUM, angle_of
+from fastlink.space.design_space import BRANCH, DESIGN, EXTREMUM
+from fastlink.space.units import DEGREES, split
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -73,11 +74,12 @@ def listed(found: xr.Dataset, names: Sequence[str], *, degrees: bool = False) ->
     """Return designs as a table of their inputs and of some variables, below how they were selected."""
     about = str(found.attrs.get("selection", ""))
     maps = in_degrees(found) if degrees else found
+    named = [split(name, maps.variables) for name in names]
+    maps = convert(maps, (), {of: unit for of, unit in named if unit and unit not in DEGREES})
     along = [(str(name), array) for name, array in maps.coords.items() if array.dims == (DESIGN,)]
     inputs = [name for name, array in along if array.dtype.kind in "iuf"]
     texts = [name for name, array in along if name not in inputs]
-    shown = [name if name in maps.variables else angle_of(name) for name in names]
-    arrays = [maps[name] for name in dict.fromkeys([*inputs, *shown, *texts])]
+    arrays = [maps[name] for name in dict.fromkeys([*inputs, *(of for of, _ in named), *texts])]
     rows = list(zip(*(_column(array) for array in arrays if array.dims == (DESIGN,)), strict=True))
     hidden = len(rows) - 2 - MOST_ROWS
     more = f"\n... and {hidden:,} more" if hidden > 0 else ""

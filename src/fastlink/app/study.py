@@ -21,6 +21,7 @@ from pydantic_core import PydanticCustomError, core_schema
 
 from fastlink._text import short_repr, size, writable
 from fastlink.design.search import SearchRequest, request_of, search
+from fastlink.engine.designs import designs_of
 from fastlink.engine.extend import Extension
 from fastlink.engine.options import check_options
 from fastlink.engine.resolve import check, given_tolerances, resolve
@@ -51,10 +52,12 @@ from fastlink.io.reader import Part, is_hdf5, open_map
 from fastlink.mechanisms import NAMES, SHEET, is_extension, name_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.mechanisms import mechanism as read_mechanism
+from fastlink.plan.query import Results, parse_request, units_of
 from fastlink.plan.request import POSITIONS, check_keywords
-from fastlink.space.design_space import MODELS, Degrees, DesignSpace, Links, angle_of, bounds_of, degrees_name
+from fastlink.space.design_space import MODELS, DesignSpace, Links, bounds_of
 from fastlink.space.samplers import grid, latin_hypercube, sobol
 from fastlink.space.tables import CURVES, table
+from fastlink.space.units import KINDS, InUnit, factor_of, split, with_unit
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -289,6 +292,7 @@ class StudyFile(BaseModel, extra="forbid"):
     design: Design
     links: LinksTable | None = None
     tolerances: dict[String, Any] | None = None
+    units: dict[String, Any] | None = None
     cycle: Cycle | None = None
     run: Run | None = None
     search: Search | None = None
@@ -447,7 +451,9 @@ def in_own_tables(
         homes |= dict.fromkeys(catalogue.all_inputs, ("design",))
         homes |= dict.fromkeys(of_links, ("links", "design"))
         position = catalogue.position.name
-        homes |= dict.fromkeys((position, degrees_name(position)), ("cycle",))
+        homes[position] = ("cycle",)
+        keys = [key for table in raw.values() if isinstance(table, dict) for key in table]
+        homes |= {key: homes[split(key, homes)[0]] for key in keys if split(key, homes)[1]}
     tables = {name: dict(table) for name, table in raw.items() if isinstance(table, dict) and name in PLACES}
     tables[""] = {name: value for name, value in raw.items() if name not in tables}
     problems = []
@@ -464,6 +470,52 @@ def in_own_tables(
             problems.append(Problem(what, ("study", key), remedy))
     top = tables.pop("")
     return {**top, **tables}, problems
+
+
+def in_own_units(raw: Mapping[str, Any], catalogue: Catalogue) -> dict[str, Any]:
+    """Return a study whose numbers are named with the units of its table [units], or refuse that table."""
+    units, problems = raw["units"], Problems()
+    kinds = {noun: one for one, (noun, _) in KINDS.items()}
+    own = {name: one.units for name, one in catalogue.variables.items()}
+
+    def of(name: str) -> str:
+        if name not in own and name in Results(catalogue):
+            own[name] = units_of(parse_request(name, catalogue), catalogue)
+        return own.get(name, "")
+
+    if not isinstance(units, dict):
+        raise InputError(f"is {short_repr(units)}", ("units",), "write a table of keys, such as [units]")
+    for key, unit in units.items():
+        with problems.at("units", key):
+            if not (expected := kinds.get(key) or of(key)):
+                raise InputError("is unknown", remedy=suggest(key, [*kinds, *own]))
+            if factor_of(str(unit), expected) is None:
+                usual = KINDS.get(expected, ("", expected))[1]
+                raise InputError(
+                    f"is {short_repr(unit)}, no unit of {key}", remedy=f'write such as "{usual}"'
+                )
+    problems.stop()
+
+    def named(name: str, value: Any) -> str:
+        is_number = name == catalogue.position.name and not isinstance(value, dict)  # of positions
+        is_share = isinstance(value, str) and "%" in value
+        unit = "" if is_number or is_share else units.get(name) or units.get(KINDS.get(of(name), ("",))[0])
+        return with_unit(name, unit) if unit else name
+
+    def renamed(table: Any, inner: Sequence[str] = (), apart: Collection[str] = ()) -> Any:
+        if not isinstance(table, dict):
+            return table
+        deep = {
+            name: renamed(table[name], ("ranges",), Sample.model_fields if name in SAMPLES else ())
+            for name in inner
+            if name in table
+        }
+        names = {name: named(name, value) for name, value in table.items() if name not in (*deep, *apart)}
+        # a value that is given in its unit too stays, and is refused as such
+        return {names.get(n, n) if names.get(n) not in table else n: deep.get(n, table[n]) for n in table}
+
+    inside = {"design": SAMPLES, "links": (), "cycle": (), TOLERANCES: (), "search": ("where", "bounds")}
+    return {**raw, **{name: renamed(raw[name], inner) for name, inner in inside.items() if name in raw}}
 
 
 # -- The table [search] of a study: the designs that it searches, and what for
@@ -641,7 +693,11 @@ class StudyRequest:
     def _examine(self, function: Any, names: list[str]) -> None:
         misspelt = ("mechanism",) in [one.where for one in self.problems.noted]
         mechanism = self.catalogue.name if misspelt else self.mechanism
-        function(mechanism, self.space, names, **self.of_cycle, **self.options)
+        space, problems = self.space, Problems()
+        if function is check and space is not None:  # which takes inputs by their own names alone
+            space = designs_of(self.catalogue, space, self.options.get("links"), problems)
+        problems.attempt(function, mechanism, space, names, **self.of_cycle, **self.options)
+        problems.stop()
 
     def _check_search(self, names: list[str]) -> None:
         """Check the table [search], once all else is known to be right."""
@@ -668,7 +724,7 @@ class StudyRequest:
         for one in found:
             head, *rest = one.where or ("",)
             position = self.catalogue.position.name
-            if head in ("angles", position, degrees_name(position)) and "cycle" in self.broken:
+            if split(str(head), (position,))[0] in ("angles", position) and "cycle" in self.broken:
                 continue
             if head == "quantities" and rest and isinstance(rest[0], int) and rest[0] < len(numbers):
                 one = replace(one, where=(head, numbers[rest[0]]))
@@ -729,7 +785,7 @@ class StudyRequest:
         """Return the table of tolerances by the names that they have in a design, where they may stand too."""
         given = given_tolerances(self.catalogue, self.tables.get(TOLERANCES, {}), TOLERANCES, problems)
         for name in in_design & given.keys():
-            of = (TOLERANCES, toleranced(name.removesuffix("_deg")))
+            of = (TOLERANCES, toleranced(name))
             problems.add(f"is given, and so is {name} in [design]", of, "write it once")
         return given
 
@@ -959,7 +1015,11 @@ def read_study(path: str | Path, trust_code: bool = False) -> Study:
     driven = _driven(mechanism, contents, problems)
     raw, misplaced = in_own_tables(contents, driven)
     name = "" if driven is None else driven.position.name
-    tables, found = read_tables(raw, (name, degrees_name(name)))
+    if driven is not None and "units" in raw:
+        with problems.at():
+            raw = in_own_units(raw, driven)
+        problems.stop()  # what other numbers mean is not known
+    tables, found = read_tables(raw, [key for key in raw.get("cycle", {}) if split(key, (name,))[0] == name])
     problems.noted += [*misplaced, *found]
     problems.wording = StudyWording(path, raw)
     if driven is None or "mechanism" not in tables:
@@ -970,7 +1030,8 @@ def read_study(path: str | Path, trust_code: bool = False) -> Study:
     problems.stop()
     assert request.space is not None
     for name, values in request.positions.items():
-        request.options["angles"] = Degrees(values) if angle_of(name) else values
+        unit = split(name, (driven.position.name,))[1]
+        request.options["angles"] = InUnit(values, unit) if unit else values
     design = tables["design"]
     others = [design["table"]] if "table" in design else []
     others += [tables[KEY]] if KEY in tables else []

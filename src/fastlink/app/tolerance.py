@@ -181,8 +181,8 @@ def tolerance(
         For results of a map that are of quantities of one's own: what `fastlink.extend` returned, with which the map
         was made. What a map says of them is not run.
     **tolerances : float or str
-        For each input how far it may be off, in its own unit, ``F_deg=0.1`` in degrees, or as a text in per cent of its
-        value, such as ``a1="0.1 %"``. What a map has of tolerances already stays unless it is given.
+        For each input how far it may be off, in its own unit, ``a1_mm=0.05`` in another, or as a text in per cent of
+        its value, such as ``a1="0.1 %"``. What a map has of tolerances already stays unless it is given.
 
     Returns
     -------
@@ -251,7 +251,7 @@ def _with_tolerances(subject: Subject, tolerances: Mapping[str, Any]) -> DesignS
     problems = Problems()
     given = given_tolerances(subject.catalogue, tolerances, "tolerance", problems)
     problems.stop()
-    own = {toleranced(name.removesuffix("_deg")) for name in given}
+    own = set(map(toleranced, given))
     space = without(
         subject.space, [n for n in subject.space.names if is_tolerance(n) and toleranced(n) in own]
     )

@@ -65,10 +65,11 @@ from fastlink.maps.best import (
 )
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.mechanisms import mechanism_of_map
-from fastlink.plan.query import check_names, parse_request
+from fastlink.plan.query import Results, check_names, parse_request
 from fastlink.precision import DESIGNS
-from fastlink.space.design_space import BRANCH, DESIGN, DesignSpace, Links, angle_of
+from fastlink.space.design_space import BRANCH, DESIGN, DesignSpace, Links
 from fastlink.space.tables import FORMAT, STATUS, table
+from fastlink.space.units import in_si, split
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -862,8 +863,9 @@ def request_of(
     """Return the request of a search, or refuse it with all its problems; nothing is compiled."""
     problems = Problems()
     only = problems.attempt(inputs_to_refine, asked["refine"])
-    names = _searched(find_catalogue(mechanism, of_sweep["input"]), asked, problems)
-    bounds = _ranges(asked["bounds"], problems)
+    catalogue = find_catalogue(mechanism, of_sweep["input"])
+    names = _searched(catalogue, asked, problems)
+    bounds = _ranges(asked["bounds"], catalogue, problems)
     resolved, others = None, list[str]()
     with problems.at():
         if not isinstance(quantities, (list, tuple)) or quantities:
@@ -908,16 +910,16 @@ def _searched(catalogue: Catalogue, asked: Mapping[str, Any], problems: Problems
             try:
                 parse_request(name, catalogue)
             except InputError:
-                angle = angle_of(name) if key == "where" else ""
-                if angle in inputs:
+                of = split(name, inputs)[0] if key == "where" else name
+                if of in inputs:
                     continue
-                parse_request(angle or name, catalogue)
-                name = angle
+                name = split(name, Results(catalogue))[0] if key == "where" else name
+                parse_request(name, catalogue)
             found[name] = None
     return list(found)
 
 
-def _ranges(bounds: Any, problems: Problems) -> dict[str, tuple[float, float]]:
+def _ranges(bounds: Any, catalogue: Catalogue, problems: Problems) -> dict[str, tuple[float, float]]:
     """Return the ranges of refined designs; what is none is noted."""
     found: dict[str, tuple[float, float]] = {}
     if bounds is None:
@@ -936,7 +938,8 @@ def _ranges(bounds: Any, problems: Problems) -> dict[str, tuple[float, float]]:
             found[str(name)] = low, high
         else:
             problems.add("is not a range", ("bounds", str(name)), ("write ", Pair(), " with finite lo < hi"))
-    return found
+    known = {name: one.units for name, one in catalogue.all_inputs.items()}
+    return problems.attempt(in_si, "bounds", found, known) or {}
 
 
 # -- Join the parts of a map, or of a search

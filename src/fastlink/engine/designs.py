@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from fractions import Fraction
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -11,33 +12,16 @@ import numpy as np
 
 from fastlink._text import short_repr
 from fastlink.errors import InputError, Problem, Problems, remark
-from fastlink.plan.query import parse_request
+from fastlink.plan.query import Results
 from fastlink.plan.request import unknown_input
-from fastlink.space.design_space import (
-    BRANCH,
-    COMMENT,
-    DEGREE_UNIT,
-    DEGREES,
-    EXTREMUM,
-    MODELS,
-    RADIANS,
-    Column,
-    Converted,
-    angle_of,
-    as_floats,
-    axis_of,
-    check_angle,
-    degrees_name,
-    has_unit,
-    remark_on_angles,
-    unit_remedy,
-)
+from fastlink.space import units
+from fastlink.space.design_space import BRANCH, EXTREMUM, MODELS, Column, Converted, Links, axis_of, bounds_of
 from fastlink.space.tables import or_keep
 
 if TYPE_CHECKING:
     from fastlink.facts.catalogue import Catalogue
     from fastlink.facts.fact import Input
-    from fastlink.space.design_space import DesignSpace, Links
+    from fastlink.space.design_space import DesignSpace
 
 
 #: The attribute of a result that names what stood beside its designs and is ignored.
@@ -48,16 +32,13 @@ def designs_of(
     catalogue: Catalogue, space: DesignSpace, links: Links | None, problems: Problems
 ) -> DesignSpace:
     """Return the designs of a request: inputs alone, in the units of the mechanism, besides labels."""
-    # Angles in degrees are converted. Results that stand in a table or come with a map are left out, with a
+    # Values in another unit are converted. Results that stand in a table or come with a map are left out, with a
     # warning that names them; they are in the attribute ``design_ignored`` of the result. Rows of a map that
     # differ only in assembly mode or input position are one design.
-    known, angles = _known_inputs(catalogue, catalogue.version)
+    known, angles, lengths = _known_inputs(catalogue, catalogue.version)
     if space.labels:
         space = _inputs_of_labels(space, known, problems)
-    if space.units:
-        space = _check_units(space, known, problems)
-    if any(map(angle_of, space.names)):
-        space = _in_radians(space, known, problems)
+    space = _in_si(space, known, problems)
     if space.of_map or space.attrs.get("design_kind") == "table":
         space = _without_results(catalogue, space, known, problems)
         if space.of_map:
@@ -74,7 +55,17 @@ def designs_of(
         if name in space.names and name not in space.comments:
             given = space.columns.get(name)
             values = given.sample() if isinstance(given, Column) else space.values(name)
-            remark_on_angles(name, values, "design")
+            units.remark_on_angles(name, values, "design")
+    of_links = links.values if isinstance(links, Links) else {}
+    if "radius" in {*of_links, *space.names}:
+        given = {
+            **space.columns,
+            **space.axes,
+            **{name: np.array(one) for name, one in space.constants.items()},
+        }
+        given |= {name: np.array(one) for name, one in of_links.items()}
+        sizes = {name: max(map(abs, bounds_of(given[name]))) for name in lengths if name in given}
+        units.remark_on_lengths(sizes, "design")
     if space.ignored and not problems.noted:
         names = ", ".join(space.ignored)
         what = f"results beside the designs are ignored: {names}"
@@ -84,10 +75,13 @@ def designs_of(
 
 
 @lru_cache(maxsize=64)
-def _known_inputs(catalogue: Catalogue, version: int) -> tuple[dict[str, Input], tuple[str, ...]]:
-    """Return every input of a mechanism, and the names of those that are angles; found once for a version of it."""
+def _known_inputs(catalogue: Catalogue, version: int) -> tuple[dict[str, Input], list[str], list[str]]:
+    """Return every input of a mechanism, and the names of angles and of lengths; found once for a version of it."""
     known = catalogue.all_inputs
-    return known, tuple(name for name, declared in known.items() if declared.units == RADIANS)
+    angles, lengths = (
+        [name for name, one in known.items() if one.units == of] for of in (units.RADIANS, "m")
+    )
+    return known, angles, lengths
 
 
 def without(space: DesignSpace, names: Iterable[str]) -> DesignSpace:
@@ -105,7 +99,7 @@ def without(space: DesignSpace, names: Iterable[str]) -> DesignSpace:
 
 def _inputs_of_labels(space: DesignSpace, known: Mapping[str, Input], problems: Problems) -> DesignSpace:
     """Return designs whose labels are no inputs: an index may be one, texts may not."""
-    inputs = [name for name in space.labels if name in known or angle_of(name) in known]
+    inputs = [name for name in space.labels if units.split(name, known)[0] in known]
     constants, columns = dict(space.constants), dict(space.columns)
     for name in inputs:
         label = space.labels[name]
@@ -120,63 +114,56 @@ def _inputs_of_labels(space: DesignSpace, known: Mapping[str, Input], problems: 
     return replace(space, constants=constants, columns=columns, labels=labels)
 
 
-def _check_units(space: DesignSpace, known: Mapping[str, Input], problems: Problems) -> DesignSpace:
-    """Refuse values that state another unit than that of their input; degrees are converted."""
-    degrees = []
-    for name, unit in space.units.items():
-        angle = "" if name in known else angle_of(name)
-        if name not in space.names or not (name in known or angle in known):
-            continue
-        expected = DEGREE_UNIT if angle else known[name].units
-        if unit in DEGREES and expected == RADIANS:
-            degrees.append(name)
-        elif not has_unit(unit, expected):
-            problems.add(f"has the unit {unit!r}", ("design", name), unit_remedy(expected))
-    return _renamed(space, {name: name for name in degrees}, problems)
-
-
-def _in_radians(space: DesignSpace, known: Mapping[str, Input], problems: Problems) -> DesignSpace:
-    """Return designs without angles in degrees."""
-    renamed, wrong = {}, []
+def _in_si(space: DesignSpace, known: Mapping[str, Input], problems: Problems) -> DesignSpace:
+    """Return designs whose inputs are in units of SI and called by their own names, or note what cannot be."""
+    found: dict[str, tuple[str, str, Fraction]] = {}
+    wrong = []
     for name in space.names:
-        angle = "" if name in known else angle_of(name)
-        if angle in known:
-            try:
-                check_angle(name, angle, known[angle].units, space.names)
-                renamed[name] = angle
-            except InputError as error:
-                (problem,) = error.problems
-                problems.add(problem.what, ("design", name), problem.remedy)
-                wrong.append(name)
-    return _renamed(without(space, wrong), renamed, problems)
+        of, unit = units.split(name, known)
+        if of not in known:
+            continue
+        expected, stated = known[of].units, space.units.get(name, "")
+        others = {*space.names, *(other for other, *_ in found.values())}
+        try:
+            factor, unit = units.conversion(of, unit, stated, expected, others)
+        except InputError as error:
+            problems.noted += [replace(one, where=("design", name)) for one in error.problems]
+            wrong.append(name)
+        else:
+            if unit:
+                found[name] = of, unit, factor
+    return _converted(without(space, wrong), found, problems) if found or wrong else space
 
 
-def _renamed(space: DesignSpace, angles: Mapping[str, str], problems: Problems) -> DesignSpace:
-    """Return designs with angles in radians, by the names of the inputs."""
-    if not angles:
-        return space
+def _converted(
+    space: DesignSpace, found: Mapping[str, tuple[str, str, Fraction]], problems: Problems
+) -> DesignSpace:
+    """Return designs with the values of some inputs multiplied, by the names of the inputs."""
+    own = {name: of for name, (of, *_) in found.items()}
 
     def converted(values: Mapping[str, Any]) -> dict[str, Any]:
         return {
-            angles.get(name, name): _in_radians_where_read(value) if name in angles else value
+            own.get(name, name): _multiple(value, found[name][2]) if name in found else value
             for name, value in values.items()
         }
 
     axes = converted(space.axes)
-    for name in angles:
-        if name in space.axes:  # two angles that differ by less than a rounding are one in radians
-            problems.attempt(axis_of, "design", angles[name], axes[angles[name]])
+    for name, of in own.items():
+        if name in space.axes:  # two values that differ by less than a rounding are one in another unit
+            problems.attempt(axis_of, "design", of, axes[of])
     constants = {name: float(value) for name, value in converted(space.constants).items()}
-    doubtful = {angles.get(name, name): problem for name, problem in space.doubtful.items()}
+    doubtful = {own.get(name, name): problem for name, problem in space.doubtful.items()}
     parts: Any = {"constants": constants, "columns": converted(space.columns), "doubtful": doubtful}
-    comments = space.comments | dict.fromkeys(angles.values(), COMMENT)
-    dims = tuple(angles.get(dim, dim) for dim in space.dims)
+    comments = space.comments | {of: units.comment(unit) for of, unit, _ in found.values()}
+    dims = tuple(own.get(dim, dim) for dim in space.dims)
     return replace(space, dims=dims, axes=axes, comments=comments, **parts)
 
 
-def _in_radians_where_read(degrees: Any) -> Any:
-    """Return values in radians; those that are computed where they are looked at are converted there."""
-    return Converted(degrees, as_floats) if isinstance(degrees, Column) else as_floats(degrees)
+def _multiple(values: Any, factor: Fraction) -> Any:
+    """Return a multiple of values; of those that are computed where they are looked at there."""
+    return (
+        Converted(values, factor) if isinstance(values, Column) else np.asarray(units.scaled(values, factor))
+    )
 
 
 def _without_results(
@@ -184,7 +171,7 @@ def _without_results(
 ) -> DesignSpace:
     """Return the designs of a table without results of the mechanism, each design of a map once."""
     others = [name for name in (*space.columns, *space.constants, *space.labels) if name not in known]
-    results = [name for name in others if _is_result(catalogue, name)]
+    results = [name for name in others if name in Results(catalogue)]
     values = [name for name in results if name not in space.labels]  # a coordinate of a Dataset is no news
     of_map = space.of_map or bool(values)
     inside = (BRANCH, EXTREMUM, catalogue.position.name)
@@ -199,19 +186,11 @@ def _without_results(
     return replace(space, of_map=of_map, ignored=(*space.ignored, *values))
 
 
-def _is_result(catalogue: Catalogue, name: str) -> bool:
-    try:
-        parse_request(name, catalogue)
-    except InputError:
-        return False
-    return True
-
-
 def _no_input(catalogue: Catalogue, name: str) -> Problem | None:
     """Return the problem of an option that stands among the inputs, None of another name."""
     if name == BRANCH:
         return Problem("is not an input", ("design", name), "write assembly modes as an option of the sweep")
-    if name in (catalogue.position.name, degrees_name(catalogue.position.name)):
+    if units.split(name, (catalogue.position.name,))[0] == catalogue.position.name:
         remedy = "write it as an option of the sweep; fastlink.evaluate takes one for each row"
         return Problem("is the input position, which each design runs through", ("design", name), remedy)
     return None

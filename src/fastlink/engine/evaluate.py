@@ -23,16 +23,8 @@ from fastlink.mechanisms import NAMES, inputs_of, name_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan import request
 from fastlink.plan.query import check_names, parse_request, require_quantity
-from fastlink.space.design_space import (
-    MOST_DIMS,
-    RADIANS,
-    Links,
-    angle_of,
-    has,
-    in_unit,
-    numbers_of,
-    remark_on_angles,
-)
+from fastlink.space.design_space import MOST_DIMS, Links, has, in_unit, numbers_of
+from fastlink.space.units import RADIANS, remark_on_angles, remark_on_lengths
 
 if TYPE_CHECKING:
     from fastlink.engine.extend import Extension
@@ -145,7 +137,7 @@ def evaluate(
         Evaluate impossible values too (NaN, a length that is not positive, a number beyond 2^-80 to 2^80, NaN in an
         array of assembly modes) instead of refusing them; what depends on them is NaN or flagged.
     **inputs : float, array_like or xarray.DataArray
-        The inputs and the input position (angles in degrees by names such as ``theta1_deg``), broadcast against each
+        The inputs and the input position (in other units by names such as ``theta1_deg``), broadcast against each
         other: arrays by their shapes, DataArrays by the names of their dimensions, whose coordinates must agree. A
         choice that is not given is its first.
 
@@ -161,8 +153,8 @@ def evaluate(
     4.0
     """
     catalogue, problems = find_catalogue(mechanism, input), Problems()
-    if any(map(angle_of, inputs)):
-        inputs = request.radian_keywords(catalogue, "evaluate", inputs, problems, position=True)
+    if not _variables(catalogue, catalogue.version).issuperset(inputs):
+        inputs = request.keywords_in_si(catalogue, "evaluate", inputs, problems, position=True)
     version = catalogue.version
     names = problems.attempt(check_names, "quantities", quantities) or ()
     of_design = bool(names) and problems.attempt(_check_quantities, catalogue, version, names) is False
@@ -186,6 +178,11 @@ def evaluate(
     theta = arrays.pop(catalogue.position.name)
     if catalogue.position.units == RADIANS:
         remark_on_angles(catalogue.position.name, theta, "evaluate")
+    if "radius" in arrays:
+        lengths = {
+            name: arrays[name] for name, one in given.declared.items() if one.units == "m" and name in arrays
+        }
+        remark_on_lengths({name: float(np.max(abs(one))) for name, one in lengths.items()}, "evaluate")
     tabled = angle_tables(catalogue, recipe.tables, np.ravel(theta))
     arrays |= zip(recipe.tables, tabled.reshape(len(recipe.tables), *np.shape(theta)), strict=True)
     far = any_beyond_range(given.declared, arrays) if allow_invalid else np.False_
@@ -262,6 +259,12 @@ def _given(
     defaults = {name: np.float64(value) for name, value in numbers.items() if name not in given}
     names = (*defaults, *given, "branch")
     return _Given(names, variants, {**known, position.name: position}, defaults, problems.noted)
+
+
+@lru_cache(maxsize=64)
+def _variables(catalogue: Catalogue, version: int) -> set[str]:
+    """Return the names of every input, and of the input position."""
+    return {*catalogue.all_inputs, catalogue.position.name}
 
 
 @lru_cache(maxsize=256)

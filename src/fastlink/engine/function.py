@@ -29,20 +29,13 @@ from fastlink.plan.query import Request, check_names, parse_request
 from fastlink.plan.request import (
     check_inputs,
     flag_beyond_range,
-    radian_keywords,
+    keywords_in_si,
     selected_variants,
     unknown_input,
 )
-from fastlink.space.design_space import (
-    DESIGN,
-    MOST_DIMS,
-    DesignSpace,
-    angle_of,
-    degrees_name,
-    in_unit,
-    numbers_of,
-)
+from fastlink.space.design_space import DESIGN, MOST_DIMS, DesignSpace, in_unit, numbers_of
 from fastlink.space.samplers import grid
+from fastlink.space.units import RADIANS, split
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -60,10 +53,10 @@ def wrong_inputs(catalogue: Catalogue, names: Sequence[str]) -> list[Problem]:
     position, known = catalogue.position.name, catalogue.all_inputs
     problems = []
     for k, name in enumerate(names):
-        if name in (position, degrees_name(position), "branch"):
+        if split(name, (position,))[0] in (position, "branch"):
             remedy = f"leave it out of the list, and write {name} as an option of the function"
             problems.append(Problem(f"{name!r} is not an input of a design", ("inputs", k), remedy))
-        elif name not in known and angle_of(name) not in known:
+        elif split(name, known)[0] not in known:
             problems.append(unknown_input(catalogue, name, known, "inputs"))
     return problems
 
@@ -228,14 +221,14 @@ def function(
             raise InputError(what, ("function", name), "leave one out")
     catalogue, problems = find_catalogue(mechanism, input), Problems()
     known = catalogue.all_inputs
-    if any(map(angle_of, (*fixed, *names))):
-        fixed = radian_keywords(catalogue, "function", fixed, problems, position=False)
-        for angle in filter(known.__contains__, map(angle_of, names)):
-            problems.add(
-                "takes radians", ("function", degrees_name(angle)), f"write {angle} among the inputs"
-            )
+    fixed = keywords_in_si(catalogue, "function", fixed, problems, position=False)
+    for name in names:
+        of, unit = split(name, known)
+        if unit:
+            what = f"takes {'radians' if known[of].units == RADIANS else known[of].units}"
+            problems.add(what, ("function", name), f"write {of} among the inputs")
     drives = {name for other in NAMES for name in inputs_of(other)} - known.keys()
-    strange = [name for name in fixed if not {name, angle_of(name)} & {*known, *drives}]
+    strange = [name for name in fixed if split(name, drives)[0] not in {*known, *drives}]
     keywords = (*_OPTIONS, catalogue.position.name)
     problems.noted += [unknown_input(catalogue, name, known, "function", keywords) for name in strange]
     problems.noted += wrong_inputs(catalogue, names)

@@ -21,21 +21,21 @@ from fastlink.engine.scaling import FarDesigns, ScalingAxis, find_scaling_axis
 from fastlink.errors import InputError, KeyPath, Problem, Problems, check_path
 from fastlink.facts.arc import ARC
 from fastlink.facts.catalogue import ELIMINATED, Catalogue
-from fastlink.facts.derivative import is_tolerance, tolerance_name
+from fastlink.facts.derivative import is_tolerance, tolerance_name, toleranced
 from fastlink.facts.own import Definition, used
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.mechanisms import name_of
 from fastlink.plan import request
 from fastlink.plan.programs import ANGLES_FOR_LANES, Plan, all_declared, make_plan
 from fastlink.plan.query import Extrema, check_names, parse_request, with_companions
-from fastlink.space.design_space import COMMENT, EXTREMUM, angle_of, definition_of, in_unit, numbers_of
+from fastlink.space.design_space import EXTREMUM, definition_of, in_unit, numbers_of
 from fastlink.space.tables import CURVES, as_space
+from fastlink.space.units import check_unit, comment, in_words, scaled, split
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fastlink.engine.extend import Extension
-    from fastlink.facts.fact import Input
     from fastlink.space.design_space import DesignSpace, Links
 
 
@@ -78,8 +78,8 @@ class CheckedRequest:
     backend: str
     #: See `all_declared`.
     declared: tuple[Any, ...]
-    #: Whether the input positions were given in degrees.
-    in_degrees: bool
+    #: The unit in which the input positions were given, if not that of SI.
+    unit: str
 
 
 def check(
@@ -125,7 +125,7 @@ def check(
     compiler = problems.attempt(backend_of, backend)
     problems.stop()
     parts = catalogue, names, links, solver, variants, branches, values, method, compiler, declared
-    return CheckedRequest(*parts, in_degrees=bool(angle_of(key)))
+    return CheckedRequest(*parts, unit=split(key, (catalogue.position.name,))[1])
 
 
 @lru_cache(maxsize=256)
@@ -287,8 +287,9 @@ def resolve(
     checked = problems.attempt(check, mechanism, designs, quantities, **named)
     problems.stop()
     assert designs is not None
-    if checked.in_degrees:
-        designs = replace(designs, comments={**designs.comments, catalogue.position.name: COMMENT})
+    if checked.unit:
+        comments = {**designs.comments, catalogue.position.name: comment(checked.unit)}
+        designs = replace(designs, comments=comments)
     space, variants = designs, checked.variants
     space = space.with_constants(request.constants_of(catalogue, checked.links, variants))
     for name, codes in request.all_choices(catalogue, space.names, variants).items():
@@ -372,34 +373,33 @@ def given_tolerances(
     known[catalogue.position.name] = catalogue.position
     found: dict[str, float] = {}
     for name, value in tolerances.items():
-        of = name if name in known else angle_of(name)
+        of, unit = split(name, known)
         if of not in known:
             problems.noted.append(request.unknown_input(catalogue, name, known, parent))
         elif known[of].choices:
             problems.add("is a code, which has no tolerance", (parent, name), "leave it out")
         else:
-            with problems.at():
-                own, number = _tolerance(name, of, value, known[of], parent)
-                found[own] = number
+            with problems.at(parent, name):
+                units = known[of].units
+                factor = check_unit(of, unit, units, {*tolerances, *map(toleranced, found)}) if unit else None
+                share, number = _tolerance((parent, name), value, unit or units, is_in_unit=bool(unit))
+                number = number if factor is None else float(scaled(number, factor))
+                found[tolerance_name(of, relative=share)] = number
     return found
 
 
-def _tolerance(name: str, of: str, value: Any, declared: Input, parent: str) -> tuple[str, float]:
-    """Return a tolerance and the name that it has in a design."""
-    unit = "degrees" if name != of else declared.units
-    remedy = f"write a number of at least 0{'' if unit == '1' else f' in {unit}'}"
-    remedy += "" if name != of else ', or a text such as "0.1 %"'
+def _tolerance(where: tuple[str, str], value: Any, units: str, *, is_in_unit: bool) -> tuple[bool, float]:
+    """Return whether a tolerance is a share, as one in per cent is, and its number."""
+    remedy = f"write a number of at least 0{'' if units == '1' else f' in {in_words(units)}'}"
+    remedy += "" if is_in_unit else ', or a text such as "0.1 %"'
     if share := isinstance(value, str):
-        number = _percent(value) if name == of else None
+        number = None if is_in_unit else _percent(value)
     else:
-        numbers = in_unit(
-            (parent, name), value, numbers_of(parent, name, value), "" if name != of else declared.units
-        )
+        numbers = in_unit(where, value, numbers_of(*where, value), units)
         number = float(numbers) if numbers.ndim == 0 else None
     if number is None or not 0.0 <= number < math.inf:
-        raise InputError(f"is {short_repr(value)}", (parent, name), remedy)
-    own = tolerance_name(of, relative=share)
-    return own if name == of else f"{own}_deg", number
+        raise InputError(f"is {short_repr(value)}", where, remedy)
+    return share, number
 
 
 def _percent(text: str) -> float | None:

@@ -765,8 +765,8 @@ def convert(
         CSV and Parquet have one row per configuration, with all inputs as columns.
     select : mapping, optional
         What to take, by the names of dimensions and inputs: ``"1.1:1.2"`` or ``(1.1, 1.2)`` a range with both ends,
-        ``0.5`` the nearest value, ``"#3"`` and ``"#0:10"`` numbers of values as Python counts. Angles in degrees by
-        names that end in ``_deg``.
+        ``0.5`` the nearest value, ``"#3"`` and ``"#0:10"`` numbers of values as Python counts. Other units by names
+        that end in them, ``theta1_deg``.
     quantities : sequence of str, optional
         The variables to take, and ``status``; all unless given.
     dtype : {"float32", "float64"}, optional

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -13,15 +14,8 @@ from numpy.typing import NDArray
 
 from fastlink._text import short_number, short_repr
 from fastlink.errors import InputError, Problems, Remedy, Setting, remark, suggest
-from fastlink.space.design_space import (
-    RADIANS,
-    angle_of,
-    as_real,
-    check_angle,
-    degrees_name,
-    radians,
-    remark_on_angles,
-)
+from fastlink.space.design_space import as_real
+from fastlink.space.units import RADIANS, check_unit, remark_on_angles, scaled, split, usual_name
 
 __all__ = [
     "SLACK",
@@ -54,19 +48,21 @@ class Range:
         return [end for end in (self.low, self.high) if math.isfinite(end)]
 
 
-def named(known: Mapping[str, Any], name: Any) -> tuple[str, bool]:
-    """Return which variable a name means, and whether in degrees, as NAME_deg means NAME; an empty text for none."""
-    angle = angle_of(name) if isinstance(name, str) and name not in known else ""
-    if angle not in known:
-        return (name if name in known else ""), False
-    check_angle(name, angle, str(known[angle].attrs.get("units", "1")), ())
-    return angle, True
+def named(known: Mapping[str, Any], name: Any) -> tuple[str, Fraction | None]:
+    """Return which variable a name means, an empty text for none, and its unit in that of the variable, if it has one.
+
+    So of NAME_deg, which means NAME in degrees.
+    """
+    of, unit = split(name, known)
+    if not unit:
+        return (name if name in known else ""), None
+    return of, check_unit(of, unit, str(known[of].attrs.get("units", "1")))
 
 
-def in_units(array: xr.DataArray, values: Range, where: str, *, in_degrees: bool) -> Range:
+def in_units(array: xr.DataArray, values: Range, where: str, factor: Fraction | None) -> Range:
     """Return a range in the units of an array; radians that look like degrees are remarked on."""
-    if in_degrees:
-        return Range(float(radians(values.low)), float(radians(values.high)))
+    if factor is not None:
+        return Range(*(float(scaled(end, factor)) for end in (values.low, values.high)))
     if array.attrs.get("units") == RADIANS:
         given = values.low if values.low == values.high else values.ends
         remark_on_angles(str(array.name), given, where)
@@ -141,8 +137,8 @@ def selected(maps: xr.Dataset, given: Any) -> Selection:
         raise InputError(f"is {short_repr(given)}", where=("select",), remedy=FORMS)
     for name, condition in given.items():
         with problems.at("select", str(name)):
-            coordinate, in_degrees = _coordinate(maps, name)
-            taken = _taken(coordinate, condition, in_degrees=in_degrees)
+            coordinate, factor = _coordinate(maps, name)
+            taken = _taken(coordinate, condition, factor)
             if not isinstance(taken, int) and not len(taken):
                 raise InputError(f"{_text(condition)} takes nothing; {_span(coordinate)}", remedy="widen it")
             for dim in coordinate.dims:
@@ -156,25 +152,25 @@ def selected(maps: xr.Dataset, given: Any) -> Selection:
     return selection
 
 
-def _coordinate(maps: xr.Dataset, name: Any) -> tuple[xr.DataArray, bool]:
-    """Return the coordinate of a condition, and whether its values are in degrees."""
+def _coordinate(maps: xr.Dataset, name: Any) -> tuple[xr.DataArray, Fraction | None]:
+    """Return the coordinate of a condition, and the unit of its values in that of the coordinate; see `named`."""
     known = {str(key): coord for key, coord in maps.coords.items() if coord.ndim < 2}
     known |= {
         str(dim): xr.DataArray(np.arange(size), dims=str(dim), name=str(dim))
         for dim, size in maps.sizes.items()
         if str(dim) not in known
     }
-    key, in_degrees = named(known, name)
+    key, factor = named(known, name)
     if key in known:
-        return known[key], in_degrees
+        return known[key], factor
     if name in maps.data_vars:
         what, remedy = "is a result, which has no dimension of its own", f"select by {', '.join(known)}"
         raise InputError(what, remedy=remedy)
-    angles = [degrees_name(key) for key, one in known.items() if one.attrs.get("units") == RADIANS]
-    raise InputError("is no dimension and no coordinate of the map", remedy=suggest(name, [*known, *angles]))
+    others = [usual_name(key, one.attrs.get("units", "")) for key, one in known.items()]
+    raise InputError("is no dimension and no coordinate of the map", remedy=suggest(name, [*known, *others]))
 
 
-def _taken(coordinate: xr.DataArray, condition: Any, *, in_degrees: bool) -> Indexer:
+def _taken(coordinate: xr.DataArray, condition: Any, factor: Fraction | None) -> Indexer:
     """Return what a condition takes along the dimension of a coordinate; of a single value, whether it takes it."""
     values, text = np.atleast_1d(coordinate.values), condition.strip() if isinstance(condition, str) else None
     if text is not None and text.startswith(NUMBER_SIGN):
@@ -187,7 +183,7 @@ def _taken(coordinate: xr.DataArray, condition: Any, *, in_degrees: bool) -> Ind
         return np.flatnonzero(values.astype(str) == text)
     given = form_of(condition, FORMS)
     limits = given if isinstance(given, Range) else Range(given, given)
-    limits = in_units(coordinate, limits, "select", in_degrees=in_degrees)
+    limits = in_units(coordinate, limits, "select", factor)
     slack = SLACK * max(map(abs, limits.ends), default=0.0)
     if isinstance(given, Range):
         return np.flatnonzero(limits.holds(values, slack))

@@ -138,21 +138,32 @@ class MapAccessor:
         return units_of(self._maps)
 
     @door
-    def convert(self, **units: str) -> xr.Dataset:
+    def convert(self, *of_all: str, **units: str) -> xr.Dataset:
         """Return a copy with some variables or coordinates in other units.
 
         Parameters
         ----------
+        *of_all : str
+            Units in which all of their kind are: ``"mm", "rpm"``.
         **units : str
-            Such as ``omega4_max="rpm", a1="mm"``; read by pint, the optional dependency ``units``.
+            Those of single ones, such as ``a1="in"``. Units that no name of an input may end in are read by pint, the
+            optional dependency ``units``.
 
         Raises
         ------
         InputError
             A name or unit is unknown, a unit is of another kind, or pint is missing.
+
+        Examples
+        --------
+        >>> space = fl.grid(a1_mm=400, a2=1.2, a3=0.8, a4=1, omega1_rpm=60)
+        >>> maps = fl.sweep("planar_4r", space, ["omega4_max"], branch=1)
+        >>> shown = maps.fastlink.convert("mm", omega1="rpm")
+        >>> shown.a1.item(), shown.a2.item(), shown.omega1.item()
+        (400.0, 1200.0, 60.0)
         """
         with as_dataset(self._maps) as maps:
-            return convert(maps, units)
+            return convert(maps, of_all, units)
 
     @door
     def top(
@@ -232,5 +243,5 @@ class VariableAccessor:
 
     @door
     def convert(self, units: str) -> xr.DataArray:
-        """Return a copy in other units, such as ``"rpm"``, by pint."""
+        """Return a copy in other units, such as ``"rpm"``."""
         return converted(self._array, units)

@@ -116,9 +116,12 @@ def _of_code(array: xr.DataArray, where: str, meanings: Any) -> Condition:
 
 
 def _of_name(maps: xr.Dataset, name: Any, given: Any) -> Condition:
-    """Return the condition on one variable or input; the limits of an angle NAME in degrees as NAME_deg."""
+    """Return the condition on one variable or input; the limits of NAME in a unit of its own as NAME_mm."""
     known = {str(one): array for one, array in maps.variables.items() if array.dtype.kind in "iuf"}
-    key, in_degrees = named(known, name)
+    key, factor, problems = "", None, Problems()
+    with problems.at("where", str(name)):
+        key, factor = named(known, name)
+    problems.stop()
     array = maps[key or check_choice(("where",), name, list(known))]
     if flags_of(array) and isinstance(given, (str, list, tuple)):
         return _of_code(array, name, given)
@@ -126,14 +129,13 @@ def _of_name(maps: xr.Dataset, name: Any, given: Any) -> Condition:
         what = f"{array.name} is a code, and given {short_repr(given)}"
         remedy = f"write one of its meanings, {', '.join(flags_of(array))}"
         raise InputError(what, ("where", str(name)), remedy)
-    problems = Problems()
     with problems.at("where", str(name)):
         form = form_of(given, ("write ", Pair(unlimited=True), ", or a number to be met"))
         limits = form if isinstance(form, Range) else Range(form, form)
         if limits.low == math.inf or limits.high == -math.inf:
             raise InputError("takes no finite number", remedy=("write ", Pair(unlimited=True)))
     problems.stop()
-    limits = in_units(array, limits, "where", in_degrees=in_degrees)
+    limits = in_units(array, limits, "where", factor)
     return Condition(array, None, limits.low, limits.high)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
 from functools import cache
 from typing import Any, TypeVar
 
@@ -14,8 +15,9 @@ import xarray as xr
 from fastlink._text import short_repr
 from fastlink.errors import InputError, KeyPath, check_choice, door, require_package, suggest
 from fastlink.io.reader import as_dataset
+from fastlink.space.units import factor_of, is_unit, scaled
 
-# -- Convert the units of maps: radians to degrees, and others by pint
+# -- Convert the units of maps: by the table of units, others by pint
 
 
 RADIAN, DEGREE = "rad", "degree"  # in the spelling of CF
@@ -63,9 +65,24 @@ def _in_degrees(arrays: Mapping[Any, xr.DataArray]) -> dict[Any, xr.Variable]:
     return {name: _scaled(array, np.rad2deg, DEGREE).variable for name, array in angles.items()}
 
 
-def convert(maps: xr.Dataset, given: dict[str, Any]) -> xr.Dataset:
-    """Return a copy with some variables and coordinates in other units, by name."""
-    known = units_of(maps)
+def convert(maps: xr.Dataset, of_all: Sequence[Any], given: dict[str, Any]) -> xr.Dataset:
+    """Return a copy in other units: with all variables and coordinates of a kind in one of it, others by name."""
+    known, found = units_of(maps), dict[str, Any]()
+    for unit in of_all:
+        alike = [name for name, own in known.items() if isinstance(unit, str) and factor_of(unit, own)]
+        for name in alike:
+            if name in found:
+                raise InputError(
+                    f"{found[name]!r} and {unit!r} are of one kind", ("units",), "write one of them"
+                )
+            found[name] = unit
+        if not alike:
+            what, names = (
+                f"{short_repr(unit)} is a unit of nothing in the map",
+                ", ".join(dict.fromkeys(known.values())),
+            )
+            raise InputError(what, ("units",), f"write units of {names}, such as 'mm', or NAME='mile'")
+    given = found | given
     for name in given:
         if name not in known:
             what = f"{name!r} is not a variable with units" if name in maps.variables else "is unknown"
@@ -82,8 +99,17 @@ def converted(array: xr.DataArray, units: Any, name: str = "units") -> xr.DataAr
     if own is None or array.dtype.kind not in "iuf":
         what = f"{array.name!r} has no units to convert"
         raise InputError(what, (name,), "give numbers with the attribute 'units'")
+    if isinstance(units, str) and (unit := factor_of(units, str(own))) is not None:
+        return _scaled(array, lambda values: _multiple(values, 1 / unit), units)
     factor = _factor(str(own), units, name)
     return _scaled(array, lambda values: values * factor, units)
+
+
+def _multiple(values: Any, factor: Fraction) -> Any:
+    """Return a multiple of values, each rounded once; chunks of dask stay chunks."""
+    if hasattr(values, "map_blocks"):
+        return values.map_blocks(_multiple, factor, dtype=values.dtype)
+    return scaled(values, factor).astype(values.dtype if values.dtype.kind == "f" else np.float64)
 
 
 def _along(maps: T, changed: dict[Any, xr.Variable]) -> T:
@@ -128,9 +154,11 @@ def _parsed(text: Any, name: str) -> Any:
 
 def _factor(own: str, units: Any, name: str) -> float:
     """Return the factor from one unit to another of the same kind: 1 rad/s is not 1 Hz, though both are 1/s to pint."""
-    registry, old, new = _registry(), _parsed(own, name), _parsed(units, name)
-    roots = [registry.get_root_units(unit) for unit in (old, new)]
-    if dict(roots[0][1]._units) != dict(roots[1][1]._units):
+    same, roots = False, list[Any]()
+    if not (is_unit(own) and is_unit(units)):
+        roots = [_registry().get_root_units(_parsed(unit, name)) for unit in (own, units)]
+        same = dict(roots[0][1]._units) == dict(roots[1][1]._units)
+    if not same:
         what = f"{short_repr(units)} is not of the kind of {own!r}"
         similar = ", ".join(sorted(map(repr, _EXAMPLES.get(own, (own,)))))
         raise InputError(what, (name,), f"write such as {similar}")

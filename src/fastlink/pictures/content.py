@@ -35,8 +35,9 @@ from fastlink.pictures.draw import picture_of
 from fastlink.pictures.motion import Motion
 from fastlink.plan.query import parse_request
 from fastlink.plan.request import constants_of, selected_variants
-from fastlink.space.design_space import BRANCH, DEGREES, DESIGN, taken_links
+from fastlink.space.design_space import BRANCH, DESIGN, taken_links
 from fastlink.space.tables import STATUS
+from fastlink.space.units import DEGREES
 
 if TYPE_CHECKING:
     import xarray as xr

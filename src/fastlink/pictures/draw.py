@@ -39,23 +39,28 @@ from fastlink.pictures.maps import nearest_place
 from fastlink.pictures.motion import Motion, as_draw
 from fastlink.pictures.picture import check_picture, save
 from fastlink.plan.query import check_names
-from fastlink.plan.request import all_choices, check_branches, check_model, radian_keywords, selected_variants
+from fastlink.plan.request import all_choices, check_branches, check_model, keywords_in_si, selected_variants
 from fastlink.space.design_space import (
     BRANCH,
-    DEGREES,
     DESIGN,
     EXTREMUM,
-    RADIANS,
     Links,
-    angle_of,
     constant,
-    degrees_name,
     has,
     numbers_of,
-    remark_on_angles,
     taken_links,
 )
 from fastlink.space.tables import STATUS
+from fastlink.space.units import (
+    DEGREES,
+    RADIANS,
+    has_unit,
+    in_si,
+    remark_on_angles,
+    split,
+    usual_name,
+    with_unit,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -97,7 +102,10 @@ def read_source(
         source = mechanism if is_map else check_path(("mechanism",), mechanism)
         is_study = not is_map and _ends(source) == STUDY
         found = _of_study(source, design, at, trust_code) if is_study else _of_map(source, design, at)
-        own = {key: value for key, value in found.inputs.items() if not _is_given(key, inputs)}
+        catalogue = find_catalogue(found.mechanism, found.input)
+        known = {*catalogue.all_inputs, catalogue.position.name}
+        anew = {split(key, known)[0] for key in inputs}
+        own = {key: value for key, value in found.inputs.items() if split(key, known)[0] not in anew}
         return replace(found, inputs={**own, **inputs})
     find_catalogue(mechanism)
     if at is not None:
@@ -129,24 +137,21 @@ def _is_file(source: Any) -> bool:
         return False
 
 
-def _is_given(name: str, inputs: Mapping[str, Any]) -> bool:
-    """Tell whether a caller gives an input of the source anew, in whichever unit."""
-    return any({one, degrees_name(one)} & {name, degrees_name(name)} for one in inputs)
-
-
 def _of_study(path: Any, design: Any, at: Any, trust_code: bool) -> Source:
     """Return a design of a study."""
     study, problems = read_study(path, trust_code), Problems()
     options = study.options
     links, input = options.get("links"), options.get("input")
-    space = designs_of(find_catalogue(study.mechanism, input), study.space, links, problems)
+    catalogue = find_catalogue(study.mechanism, input)
+    space = designs_of(catalogue, study.space, links, problems)
     problems.stop()
+    known = {name: one.units for name, one in catalogue.all_inputs.items()}
     along = {dim: space.axes.get(dim, np.arange(n)) for dim, n in zip(space.dims, space.shape, strict=True)}
     if along and space.size > 1 and design is None and at is None:
         place = _first_that_assembles(study.mechanism, space, links, input)
         remark(f"design {place} of {space.size:,} is drawn", ("design",))
     else:
-        place = int(np.ravel_multi_index(_places(along, design, at), space.shape)) if along else 0
+        place = int(np.ravel_multi_index(_places(along, design, at, known), space.shape)) if along else 0
     inputs = {name: float(values[0]) for name, values in space.at(np.array([place])).items()}
     return Source(study.mechanism, inputs, options.get("branch"), links, input)
 
@@ -174,20 +179,22 @@ def _of_map(maps: Any, design: Any, at: Any) -> Source:
             for dim in dict.fromkeys(dims)
             if dim not in outside
         }
-        row = dataset.isel(dict(zip(along, _places(along, design, at), strict=True)))
-        known = {*catalogue.known_inputs(catalogue.variant_inputs), catalogue.position.name}
+        stated = {dim: dataset[dim].attrs.get("units", "1") for dim in along}
+        row = dataset.isel(dict(zip(along, _places(along, design, at, stated), strict=True)))
+        known = {name: one.units for name, one in catalogue.known_inputs(catalogue.variant_inputs).items()}
+        known[catalogue.position.name] = catalogue.position.units
         inputs: dict[str, Any] = {}
         for name in known:
             if name in row.variables and row[name].ndim == 0:
-                units = row[name].attrs.get("units")
-                inputs[degrees_name(name) if units in DEGREES else name] = float(row[name])
+                units = str(row[name].attrs.get("units", known[name]))
+                inputs[name if has_unit(units, known[name]) else with_unit(name, units)] = float(row[name])
         branch = int(row[BRANCH]) if BRANCH in row.coords and row[BRANCH].ndim == 0 else None
         own = str(dataset.attrs.get("own_quantities", ""))
     links = taken_links(inputs)
     return Source(mechanism, inputs, branch, links, input, own)
 
 
-def _places(along: Mapping[str, Any], design: Any, at: Any) -> tuple[int, ...]:
+def _places(along: Mapping[str, Any], design: Any, at: Any, units: Mapping[str, str]) -> tuple[int, ...]:
     """Return the place of a design along each dimension: by its number in C order, or by values."""
     shape = tuple(len(values) for values in along.values())
     size = int(np.prod(shape, dtype=np.int64))
@@ -196,7 +203,7 @@ def _places(along: Mapping[str, Any], design: Any, at: Any) -> tuple[int, ...]:
     if design is not None and at is not None:
         raise InputError("is given beside design", where=("at",), remedy="leave one of them out")
     if at is not None:
-        return _nearest_places(along, at)
+        return _nearest_places(along, at, units)
     if design is None and size > 1:
         dim = next(iter(along))
         example = {dim: float(along[dim][0])} if along[dim].dtype.kind in "iuf" else {}
@@ -210,12 +217,12 @@ def _places(along: Mapping[str, Any], design: Any, at: Any) -> tuple[int, ...]:
     return tuple(int(k) for k in np.unravel_index(number, shape)) if shape else ()
 
 
-def _nearest_places(along: Mapping[str, Any], at: Any) -> tuple[int, ...]:
+def _nearest_places(along: Mapping[str, Any], at: Any, units: Mapping[str, str]) -> tuple[int, ...]:
     """Return the place that is nearest to given values along each dimension."""
     if not isinstance(at, Mapping) or hasattr(at, "data_vars"):
         remedy = ("write such as ", Setting("at", {"a4": 1.0}))
         raise InputError(f"is {short_repr(at)}", where=("at",), remedy=remedy)
-    problems, places = Problems(), []
+    problems, places, at = Problems(), [], in_si("at", at, units)
     for dim in at:
         if dim not in along:
             problems.add(f"{short_repr(dim)} is not a dimension of the designs", ("at",), suggest(dim, along))
@@ -306,7 +313,7 @@ def request_of(source: Source, strip: Any, curves: Any, show: Any, degrees: Any,
     )
     words, names = _words(motions[0], show), _curves(motions[0], curves, source.own)
     degrees = degrees or in_degrees
-    key = degrees_name(catalogue.position.name) if in_degrees else catalogue.position.name
+    key = usual_name(catalogue.position.name, RADIANS) if in_degrees else catalogue.position.name
     drawable = tuple(motion for motion in motions if motion.ranges) or motions[:1]
     for motion in drawable:
         motion.check(positions, degrees, key)
@@ -343,9 +350,10 @@ def _numbers(catalogue: Catalogue, source: Source, problems: Problems) -> tuple[
     """Return the inputs of a design, the input positions or None, and whether an angle is given in degrees."""
     name = catalogue.position.name
     given = dict(source.inputs)
-    in_degrees = any(map(angle_of, given))
+    units = [split(key, {*catalogue.all_inputs, name})[1] for key in given]
+    in_degrees = not DEGREES.isdisjoint(units)
     noted = len(problems.noted)
-    given = radian_keywords(catalogue, "draw", given, problems, position=True)
+    given = keywords_in_si(catalogue, "draw", given, problems, position=True)
     del problems.noted[noted:]  # which the evaluation refused
     positions, known = None, {one.where[:2] for one in problems.noted}
     if name in given and ("draw", name) not in known:

@@ -36,7 +36,7 @@ from fastlink.pictures.charts import cut
 from fastlink.pictures.labels import mathematical, units_text
 from fastlink.pictures.motion import PLANES, Names, function_of, samples_of
 from fastlink.pictures.style import LINES, NotebookFigure, drawable, limits_of
-from fastlink.space.design_space import RADIANS
+from fastlink.space.units import RADIANS
 
 if TYPE_CHECKING:
     from fastlink.mechanisms._shared.picture import Bar, Circle, Locus, Point, Value

@@ -21,6 +21,7 @@ from fastlink.pictures.labels import plain, units_text, valued
 from fastlink.pictures.picture import checked_request, save
 from fastlink.space.design_space import BRANCH, as_real
 from fastlink.space.tables import STATUS
+from fastlink.space.units import in_si
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -82,12 +83,13 @@ def select(
     beside each other.
     """
     variable = _variable(dataset, name)
+    at = in_si("at", at, {str(dim): variable[dim].attrs.get("units", "1") for dim in variable.dims})
     if branch is not None:
         variable = one_branch(variable, branch)
     if split is not None:
         _check_split(variable, *split, at)
     beside = None if split is None else str(split[1])
-    places, fixed = _fixed(variable, dict(at), beside)
+    places, fixed = _fixed(variable, at, beside)
     if variable.size == 0:
         empty = next(str(dim) for dim, length in variable.sizes.items() if not length)
         what = f"{name} has no values along {empty}"

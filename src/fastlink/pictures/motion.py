@@ -17,7 +17,7 @@ from fastlink._text import in_words, short_number
 from fastlink.engine.evaluate import evaluate
 from fastlink.errors import InputError, InputWarning, KeyPath, Remedy, Setting
 from fastlink.plan.request import missing_inputs, selected_variants
-from fastlink.space.design_space import RADIANS
+from fastlink.space.units import RADIANS
 
 if TYPE_CHECKING:
     from fastlink.engine.extend import Extension

@@ -448,6 +448,19 @@ def check_sampled(requests: Iterable[Request], catalogue: Catalogue) -> None:
             raise InputError(what, remedy="leave it out")
 
 
+class Results:
+    """The names of all that may be computed of a mechanism."""
+
+    def __init__(self, catalogue: Catalogue) -> None:
+        self.catalogue = catalogue
+
+    def __contains__(self, name: object) -> bool:
+        try:
+            return bool(parse_request(str(name), self.catalogue))
+        except InputError:
+            return False
+
+
 def units_of(request: Request, catalogue: Catalogue) -> str:
     """Return the units of a request, of that which has units."""
     if request.by and request.is_position:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from fractions import Fraction
 from functools import lru_cache
 from numbers import Real
 from typing import TYPE_CHECKING, Any
@@ -35,6 +36,7 @@ from fastlink.facts.powers import beyond_range, limits
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.plan.query import Extrema, input_remedy, parse_request, suggest_input
 from fastlink.space import design_space as spaces
+from fastlink.space import units
 from fastlink.space.design_space import DesignSpace, steps
 
 if TYPE_CHECKING:
@@ -174,6 +176,9 @@ def unknown_input(
     option = nearest(name, options)
     near_an_option = option and not nearest(name, names) and not suggest_input(name, catalogue)
     remedy = suggest(name, options) if near_an_option else input_remedy(name, catalogue, names)
+    of = next((key for key in names if key in catalogue.variables and name.startswith(f"{key}_")), "")
+    if of and (usual := units.usual_name(of, catalogue.variables[of].units)) != of:
+        remedy = f"write {of}, or in another unit such as {usual}"
     return Problem(f"is unknown to {catalogue.name}", (parent, name), remedy)
 
 
@@ -319,19 +324,16 @@ def check_keywords(
     """
     position, problems = catalogue.position.name, Problems()
     for name in names:
-        if name in (position, POSITIONS):
+        of, unit = units.split(name, (position, "angles"))
+        if of in (position, POSITIONS):  # whose unit is looked at with its values
             continue
-        if name in (spaces.degrees_name(position), "angles_deg"):
-            if name == "angles_deg":
-                problems.add("is not an option", (name,), f"write {spaces.degrees_name(position)}")
-            else:
-                problems.attempt(spaces.check_angle, name, position, catalogue.position.units, ())
+        in_degrees = units.usual_name(position, units.RADIANS)
+        if unit:
+            problems.add("is not an option", (name,), f"write {units.with_unit(position, unit)}")
         elif name in ("over", "arc"):
             problems.add("is not an option", (name,), f"give {joined(ARC_ENDS)} with the design")
-        elif name in IN_DEGREES and catalogue.position.units == spaces.RADIANS:
-            problems.add(
-                "is not an option", (name,), f"write angles in degrees as {spaces.degrees_name(position)}"
-            )
+        elif name in IN_DEGREES and catalogue.position.units == units.RADIANS:
+            problems.add("is not an option", (name,), f"write angles in degrees as {in_degrees}")
         elif any(name in inputs_of(other) for other in NAMES):
             own = name in inputs_of(mechanism)
             other = (f", or, to drive {name}, write ", Setting("input", name)) if own else ()
@@ -354,76 +356,70 @@ def _are_several(values: Any) -> bool:
 def given_angles(catalogue: Catalogue, angles: Any, positions: Mapping[str, Any]) -> tuple[str, Any]:
     """Return the input positions that were given, and by which name; else the usual ones.
 
-    Those in degrees are converted. A warning tells of numbers that can hardly be radians.
+    Those in another unit are converted. A warning tells of numbers that can hardly be radians.
     """
-    name = catalogue.position.name
-    given = {
-        "angles": angles,
-        POSITIONS: positions.get(POSITIONS),
-        name: positions.get(name),
-        spaces.degrees_name(name): positions.get(spaces.degrees_name(name)),
-    }
-    given = {key: values for key, values in given.items() if values is not None}
+    name, own, problems = catalogue.position.name, catalogue.position.units, Problems()
+    named = {key: one for key, one in positions.items() if units.split(key, (name,))[0] in (POSITIONS, name)}
+    given = {key: values for key, values in {"angles": angles, **named}.items() if values is not None}
     if len(given) > 1:
         first, second, *_ = given
         are = "angles are" if first == "angles" else f"{first} is"
         raise InputError(f"{are} given too", (second,), "write one of them")
-    if catalogue.position.units != spaces.RADIANS:
-        given.pop(spaces.degrees_name(name), None)  # see `check_keywords`
     for key, values in given.items():
+        if isinstance(values, units.InUnit):
+            key, values = units.with_unit(name, values.unit), values.values
+        unit = units.split(key, (name,))[1]
         spaces.check_length((key,), values)
         try:
             if not isinstance(values, (list, tuple, range)):
                 np.ndim(values)
         except Exception:  # whatever a class of somebody's does when it is converted
             raise InputError(f"is {short_repr(values)}", (key,), "write a flat array of numbers") from None
-        if isinstance(values, spaces.Degrees):
-            return spaces.degrees_name(name), _from_degrees(catalogue, values.values)
-        unit = spaces.units_of(key, values).get(key, "")
-        expected = spaces.DEGREE_UNIT if key == spaces.degrees_name(name) else catalogue.position.units
-        if unit in spaces.DEGREES and expected == spaces.RADIANS:
-            return key, _from_degrees(catalogue, values)
-        if unit and not spaces.has_unit(unit, expected):
-            raise InputError(f"has the unit {unit!r}", (key,), spaces.unit_remedy(expected))
-        if key == spaces.degrees_name(name):
-            return key, _from_degrees(catalogue, values)
-        if catalogue.position.units == spaces.RADIANS and _are_several(values):
-            spaces.remark_on_angles(name, values)
+        stated = spaces.units_of(key, values).get(key, "")
+        with problems.at(key):
+            factor, unit = units.conversion(name, unit, stated, own)
+            if unit:
+                return key, _converted(catalogue, key, values, unit, factor)
+        problems.stop()
+        if own == units.RADIANS and _are_several(values):
+            units.remark_on_angles(name, values)
         return key, values
     return name, ANGLES if catalogue.positions is None else np.linspace(*catalogue.positions)
 
 
-def _from_degrees(catalogue: Catalogue, values: Any) -> NDArray[Any]:
-    """Return input positions in radians, or refuse what is no array of degrees."""
+def _converted(catalogue: Catalogue, key: str, values: Any, unit: str, factor: Fraction) -> NDArray[Any]:
+    """Return input positions that are given in another unit in that of SI, or refuse what is no array."""
     name = catalogue.position.name
-    key = spaces.degrees_name(name)
     if spaces.listed(values) == 0 or not _are_several(values):
         other = f"; {name} may be a number of angles" if catalogue.positions is None else ""
-        raise InputError(f"is {short_repr(values)}", (key,), f"write a flat array of degrees{other}")
-    return spaces.as_floats(check_positions(catalogue, values, key))
+        raise InputError(
+            f"is {short_repr(values)}", (key,), f"write a flat array of {units.in_words(unit)}{other}"
+        )
+    return np.asarray(units.scaled(check_positions(catalogue, values, key), factor))
 
 
-def radian_keywords(
+def keywords_in_si(
     catalogue: Catalogue, door: str, given: Mapping[str, Any], problems: Problems, *, position: bool
 ) -> dict[str, Any]:
-    """Return inputs that are given by keywords with every angle in radians, by its own name."""
+    """Return inputs that are given by keywords, each by its own name and in SI."""
     declared = catalogue.all_inputs
     if position:
         declared[catalogue.position.name] = catalogue.position
     result: dict[str, Any] = {}
     for name, value in given.items():
-        angle = "" if name in declared else spaces.angle_of(name)
-        if angle not in declared:
+        of, unit = units.split(name, declared)
+        if not unit:
             result[name] = value
             continue
         try:
-            spaces.check_angle(name, angle, declared[angle].units, given)
+            stated = spaces.units_of("", value).get("", "")
+            factor, _ = units.conversion(of, unit, stated, declared[of].units, {*given, *result})
             numbers = spaces.numbers_of(door, name, value, spaces.MOST_DIMS)
-            plain = spaces.radians(spaces.in_unit((door, name), value, numbers, spaces.DEGREE_UNIT))
-            result[angle] = _relabelled(value, plain) if hasattr(value, "dims") else plain
+            plain = units.scaled(numbers, factor)
+            result[of] = _relabelled(value, plain) if hasattr(value, "dims") else plain
         except InputError as error:
             problems.noted += [replace(one, where=(door, name, *one.where[2:])) for one in error.problems]
-            result.setdefault(angle, 0.5)  # so that it is not reported as missing too
+            result.setdefault(of, 0.5)  # so that it is not reported as missing too
     return result
 
 
@@ -503,7 +499,8 @@ def positions_of_arc(
 def check_positions(catalogue: Catalogue, given: int | ArrayLike, key: str = "angles") -> NDArray[Any]:
     """Return the input positions: a number of equal steps over one turn, or the positions themselves."""
     name, noun = catalogue.position.name, "angles in rad" if catalogue.positions is None else "numbers"
-    noun = "angles in degrees" if spaces.angle_of(key) else noun
+    if unit := units.split(key, (name,))[1]:
+        noun = "angles in degrees" if unit == "deg" else f"numbers in {unit}"
     if catalogue.positions is not None and not _are_several(given):
         what = f"{short_repr(given)} is not an array, and {name} has no bounds"
         remedies = ("write them all, such as ", Samples(*catalogue.positions))

@@ -8,9 +8,10 @@ import math
 import numbers
 import sys
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any, SupportsFloat, TypeVar, cast
 
 import numpy as np
@@ -18,44 +19,30 @@ from numpy.lib.mixins import NDArrayOperatorsMixin
 from numpy.typing import NDArray
 
 from fastlink._text import aligned, counted, html_table, in_words, short_number, short_repr, size
-from fastlink.errors import InputError, KeyPath, Problem, Problems, Remedy, check_whole, door, remark, suggest
+from fastlink.errors import InputError, KeyPath, Problem, Problems, Remedy, check_whole, door, suggest
 from fastlink.machine import check_memory
-from fastlink.numerics.compensated import two_product, two_sum
+from fastlink.space.units import check_unit, conversion, named_with_unit, scaled, split
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 __all__ = [
-    "COMMENT",
-    "DEGREES",
-    "DEGREE_UNIT",
     "MODELS",
-    "RADIANS",
     "STEP",
     "Column",
     "Consecutive",
     "Converted",
     "Counted",
-    "Degrees",
     "Gathered",
     "Links",
-    "angle_of",
-    "as_floats",
     "bounds_of",
-    "check_angle",
     "definition_of",
-    "degrees_name",
     "ends_of",
-    "has_unit",
     "in_unit",
-    "looks_like_degrees",
     "part_of",
-    "radians",
-    "remark_on_angles",
     "round_bar",
     "steps",
     "taken_links",
-    "unit_remedy",
 ]
 
 
@@ -203,7 +190,8 @@ def check_input_name(where: str, name: str) -> None:
 def _refuse_non_numbers(where: str, name: str, given: Any) -> None:
     cells = np.asarray(given, dtype=object)
     if cells.ndim == 0 and not is_number(cells[()]):
-        raise InputError(f"is {short_repr(cells[()])}, not a number", where=(where, name), remedy=NUMBERS)
+        remedy = named_with_unit(name, cells[()]) or NUMBERS
+        raise InputError(f"is {short_repr(cells[()])}, not a number", where=(where, name), remedy=remedy)
     for index, cell in np.ndenumerate(cells):
         if not is_number(cell):
             what = f"is {short_repr(cell)}, not a number"
@@ -268,105 +256,11 @@ def frozen(values: Floats) -> Floats:
     return values
 
 
-# -- Angles that are given in degrees, by names that end in ``_deg``
-
-
-ENDING = "_deg"
-#: The unit of angles, and the texts by which labelled values say that theirs is the degree.
-RADIANS, DEGREES = "rad", frozenset({"deg", "degree", "degrees", "°"})
-#: The unit of an input whose name ends in ``_deg``.
-DEGREE_UNIT = "deg"
-#: What labelled values call units, by the catalogue's own text.
-SAME_UNITS = {
-    "m": {"m", "meter", "metre", "meters", "metres"},
-    "rad": {"rad", "radian", "radians"},
-    "1": {"1", "", "dimensionless"},
-    "kg": {"kg", "kilogram", "kilograms"},
-    "N": {"N", "newton", "newtons"},
-    DEGREE_UNIT: DEGREES,
-}
-#: The comment of a coordinate whose values were converted.
-COMMENT = "given in degrees"
-#: pi/180 as an unevaluated sum of two doubles, 106 bits of it.
-DEGREE, DEGREE_LOW = 0.017453292519943295, 2.9486522708701687e-19
-#: Numbers beyond are shifted by a power of two, for Veltkamp's splitting would leave the range of doubles.
-GREAT, SMALL, SHIFT = 1e290, 1e-200, 256
-#: Whole numbers of at least so much are no usual angles in radians, and multiples of 30 are usual ones in degrees.
-BEYOND, STEP_OF_DEGREES, MOST_DEGREES = 10.0, 30.0, 36000.0
-
-
-@dataclass(frozen=True, eq=False)
-class Degrees:
-    """Input positions in degrees, in place of an array of angles."""
-
-    values: Any
-
-
-def angle_of(name: str) -> str:
-    """Return the name of an angle that is given in degrees, theta1 of theta1_deg; an empty text for another name."""
-    return name.removesuffix(ENDING) if name.endswith(ENDING) else ""
-
-
-def degrees_name(name: str) -> str:
-    """Return the name by which an angle is given in degrees."""
-    return name + ENDING
-
-
-def radians(degrees: Any) -> Any:
-    """Return degrees in radians, rounded once from 100 bits of deg pi/180, if not below 1e-307: 180 gives pi."""
-    values = np.asarray(degrees, dtype=np.float64)
-    with np.errstate(all="ignore"):
-        size = abs(values)
-        scale = np.where(size > GREAT, 2.0**-SHIFT, np.where(size < SMALL, 2.0**SHIFT, 1.0))
-        product, rest = two_product(values * scale, DEGREE)
-        high, _ = two_sum(product, rest + values * scale * DEGREE_LOW)
-        # -0.0 and what is not finite as they are
-        return np.where((size > 0.0) & (size < np.inf), high / scale, values)[()]
-
-
-def looks_like_degrees(values: Any) -> bool:
-    """Tell whether numbers can hardly be radians by their size: whole ones, or up to a multiple of 30."""
-    if isinstance(values, (bytes, bytearray, memoryview)):
-        return False  # refused as such
-    try:
-        numbers: NDArray[Any] = np.asarray(values, dtype=np.float64)
-    except Exception:  # whatever a class of somebody's does when it is converted
-        return False
-    if not numbers.size:
-        return False
-    most = float(abs(numbers).max())
-    if not BEYOND <= most <= MOST_DEGREES:
-        return False
-    return most % STEP_OF_DEGREES == 0.0 or bool((numbers % 1.0 == 0.0).all())
-
-
-def check_angle(name: str, angle: str, unit: str, others: Collection[str]) -> None:
-    """Refuse degrees of what is no angle, or is given in radians too."""
-    if unit != RADIANS:
-        unit = "a plain number" if unit == "1" else f"in {unit}"
-        raise InputError(f"{angle} is no angle but {unit}", where=(name,), remedy=f"write {angle}")
-    if angle in others:
-        raise InputError(f"{angle} is given too", where=(name,), remedy="write one of them")
-
-
-def has_unit(unit: str, expected: str) -> bool:
-    """Tell whether labelled values state the unit that is expected, by whatever spelling."""
-    plain = unit.translate(str.maketrans("", "", "^* ."))
-    return plain == expected.replace(" ", "") or unit.strip() in SAME_UNITS.get(expected, ())
-
-
-def unit_remedy(expected: str) -> str:
-    """Return the remedy for values that state another unit."""
-    return f"convert it to {'degrees' if expected == DEGREE_UNIT else expected}, or leave the attribute 'units' out"
-
-
 def in_unit(where: KeyPath, given: Any, numbers: Floats, expected: str) -> Floats:
-    """Return the numbers of labelled values in the expected unit: degrees are converted, other units refused."""
+    """Return the numbers of labelled values in the expected unit, or refuse those that state one of another kind."""
     for unit in units_of("", given).values():
-        if unit in DEGREES and expected == RADIANS:
-            return as_floats(numbers)
-        if not has_unit(unit, expected):
-            raise InputError(f"has the unit {unit!r}", where=where, remedy=unit_remedy(expected))
+        factor, _ = conversion("", "", unit, expected, where=where)
+        numbers = np.asarray(scaled(numbers, factor))
     return numbers
 
 
@@ -377,18 +271,6 @@ def ends_of(where: str, name: str, given: Any, unit: str, remedy: Remedy) -> tup
         if ends.shape != (2,) or not 0.0 < ends[1] - ends[0] < np.inf:
             raise InputError(f"is {short_repr(given)}", where=(where, name), remedy=remedy)
     return float(ends[0]), float(ends[1])
-
-
-def remark_on_angles(name: str, values: Any, *where: str) -> None:
-    """Warn of angles that can hardly be meant as radians."""
-    if looks_like_degrees(values):
-        what = f"{short_repr(np.asarray(values).tolist())} is taken as radians"
-        remark(what, (*where, name), f"if these are degrees, write {degrees_name(name)}")
-
-
-def as_floats(values: Any) -> Floats:
-    """Return values in degrees as an array in radians."""
-    return np.asarray(radians(values), dtype=np.float64)
 
 
 # -- Columns of designs whose values are computed where they are looked at
@@ -562,20 +444,20 @@ class Counted(Column):
 class Converted(Column):
     """Values of another column in another unit."""
 
-    def __init__(self, source: Column, convert: Callable[[Any], Any]) -> None:
-        low, high = (float(convert(end)) for end in source.bounds)
+    def __init__(self, source: Column, factor: Fraction) -> None:
+        low, high = (float(scaled(end, factor)) for end in source.bounds)
         super().__init__(source.length, (low, high))
-        self.source, self.convert = source, convert
+        self.source, self.factor = source, factor
 
     def read(self, start: int, stop: int, out: NDArray[Any]) -> None:
         """Write some values."""
         self.source.read(start, stop, out)
-        out[:] = self.convert(out)
+        out[:] = scaled(out, self.factor)
 
     @property
     def definition(self) -> tuple[Any, ...]:
         """The class and its parameters."""
-        return "converted", self.convert.__name__, self.source.definition
+        return "converted", str(self.factor), self.source.definition
 
 
 def steps(start: int, stop: int) -> Iterator[tuple[int, int]]:
@@ -625,7 +507,7 @@ def part_of(values: NDArray[Any] | Column, inner: int, start: int, stop: int) ->
 # -- Models of the links, which give mass data from the lengths
 
 
-MODELS: dict[str, tuple[str, ...]] = {"round_bar": ("density", "radius")}
+MODELS: dict[str, dict[str, str]] = {"round_bar": {"density": "kg m-3", "radius": "m"}}
 
 
 @dataclass(frozen=True)
@@ -643,8 +525,9 @@ class Links:
         numbers: dict[str, float] = {}
         for name, value in self.values.items():
             where = ("links", name)
+            of, unit = split(name, known)
             value = value[()] if isinstance(value, np.ndarray) and value.ndim == 0 else value
-            if name not in known:
+            if of not in known:
                 problems.add(f"{self.model} has no {short_repr(name)}", where, suggest(name, known))
             elif not is_number(value):
                 remedy = f"write one number, or leave it out and give {name} in the design"
@@ -653,8 +536,12 @@ class Links:
                 number = as_real(value)
                 if number is None or not 0 <= number < math.inf:
                     problems.add(f"is {short_repr(value)}", where, "write a finite number of at least 0")
-                else:
+                elif not unit:
                     numbers[name] = number
+                else:
+                    with problems.at(*where):
+                        factor = check_unit(of, unit, known[of], {*numbers, *self.values})
+                        numbers[of] = float(scaled(number, factor))
         problems.stop()
         object.__setattr__(self, "values", numbers)
 
@@ -662,14 +549,14 @@ class Links:
 def taken_links(given: dict[str, Any]) -> Links | None:
     """Take the numbers of a model of the links out of what is given, and return it; None without any."""
     for model, names in MODELS.items():
-        values = {name: given.pop(name) for name in names if name in given}
+        values = {name: given.pop(name) for name in list(given) if split(name, names)[0] in names}
         if values:
             return Links(model, values)
     return None
 
 
 @door
-def round_bar(density: float | None = None, radius: float | None = None) -> Links:
+def round_bar(density: float | None = None, radius: float | None = None, **in_units: float) -> Links:
     """Links made of solid round bars.
 
     Each link of length a has the mass ``density * pi * radius**2 * a``, the moment of inertia
@@ -682,6 +569,8 @@ def round_bar(density: float | None = None, radius: float | None = None) -> Link
         In kg m-3. Left out, the design gives it (to sweep it, make it an axis there).
     radius : float, optional
         In m. Left out, the design gives it.
+    **in_units : float
+        Either in another unit: ``density_g_cm3=7.75, radius_mm=10``.
 
     Raises
     ------
@@ -693,7 +582,7 @@ def round_bar(density: float | None = None, radius: float | None = None) -> Link
     >>> round_bar(density=7750.0, radius=0.01).values["radius"]
     0.01
     """
-    given = {"density": density, "radius": radius}
+    given = {"density": density, "radius": radius, **in_units}
     return Links("round_bar", {name: value for name, value in given.items() if value is not None})
 
 

@@ -6,6 +6,7 @@ import contextlib
 import csv
 import hashlib
 import os
+import re
 import threading
 from abc import ABC, abstractmethod
 from bisect import bisect_right
@@ -14,7 +15,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any, TextIO, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,12 +73,17 @@ __all__ = [
 ]
 
 
+T = TypeVar("T")
+
+
 # -- Collect the columns and constants of a table: the numbers of inputs, and labels of its rows
 
 
 #: Names of columns that tell designs apart and are no inputs, whatever they hold; and endings of such names.
 LABELS = frozenset({DESIGN, "id", "uuid", "name", "label", "index", "key"})
 LONGEST_NAME = 200
+#: A name with its unit, as it heads a column.
+HEAD = re.compile(r"(\w+)\s*[\[(]\s*([^\[\]()]+?)\s*[\])]")
 LABEL_ENDINGS = ("_id", "_name", "_label")
 #: Cells without a finite number that a message names for each column.
 MOST_CELLS = 6
@@ -115,6 +121,12 @@ def is_label(name: str, keep: Collection[str]) -> bool:
     """Tell whether a column labels designs by its name alone."""
     low = name.lower()
     return name in keep or low in LABELS or low.endswith(LABEL_ENDINGS)
+
+
+def head_of(name: str) -> tuple[str, str]:
+    """Return the name and the unit in the head of a column, a1 and mm of ``a1 [mm]``; no unit of one without."""
+    head = HEAD.fullmatch(name)
+    return (head[1], head[2]) if head else (name, "")
 
 
 def is_text(values: NDArray[Any]) -> bool:
@@ -179,7 +191,7 @@ class Columns:
             if is_label(name, self.keep) or is_text(cells_of(given)):
                 self.add_label(name, given)
                 return
-            check_input_name("table", name)
+            check_input_name("table", head_of(name)[0])
             values = numbers_of("table", name, given)
             self.units |= units_of(name, given)
             if values.ndim == 0:
@@ -202,7 +214,7 @@ class Columns:
     def take(self, name: str, numbers: Walk) -> None:
         """Take over the numbers of a column of a file, which were looked at."""
         with self.problems.at():
-            check_input_name("table", name)
+            check_input_name("table", head_of(name)[0])
             self.columns[name] = numbers.column()
 
     def check_finite(self, name: str, values: Floats, first: int = 0) -> None:
@@ -243,6 +255,17 @@ class Columns:
                 remedy = "give one per design, or combine all values by fl.grid(**...)"
                 raise refused(what, remedy)
 
+    def _without_units(self, named: Mapping[str, T]) -> dict[str, T]:
+        """Return what is named by columns by their names without units, which are noted."""
+        found = dict[str, T]()
+        for head, value in named.items():
+            name, unit = head_of(head)
+            if name in found or (unit and name in named):
+                raise refused(f"two columns are named {name!r}", "name each by the input it holds")
+            found[name] = value
+            self.units |= {name: unit} if unit else {}
+        return found
+
     def space(self, attrs: dict[str, str | int], *, single: bool = False) -> DesignSpace:
         """Return the designs, or refuse them with all their problems.
 
@@ -251,7 +274,9 @@ class Columns:
         if not (self.of_map or (single and self.columns)):
             self.problems.noted += self.doubtful.values()
         self.problems.stop()
-        further: dict[str, Any] = {"units": self.units, "of_map": self.of_map, "doubtful": self.doubtful}
+        doubtful = self._without_units(self.doubtful)
+        self.columns, self.constants = self._without_units(self.columns), self._without_units(self.constants)
+        further: dict[str, Any] = {"units": self.units, "of_map": self.of_map, "doubtful": doubtful}
         if self.columns:
             return sampled("table", self.constants, self.columns, attrs, labels=self.labels, **further)
         if self.constants and single and not any(label.ndim for label in self.labels.values()):
