@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import nbformat
+import pytest
 from nbclient import NotebookClient
 
 import fastlink as fl
@@ -40,12 +41,16 @@ def command(line, folder):
     return done.stdout
 
 
-def test_the_main_job_of_the_readme(tmp_path):
+@pytest.mark.parametrize("count", [9, pytest.param(101, marks=pytest.mark.stress)])
+def test_the_main_job_of_the_readme(tmp_path, count):
     shutil.copytree(ROOT / "data", tmp_path / "data")
+    study = tmp_path / "data" / "studies" / "crank_rocker_map.toml"
+    assert study.read_text().count(", 101]}") == 3
+    study.write_text(study.read_text().replace(", 101]}", f", {count}]}}"))
     (first, *_) = code_blocks(README, "sh")
     install, run = first.strip().split(" && ")
     assert install == "python -m pip install ."
-    assert "1,030,301" in command(run, tmp_path)
+    assert f"{count**3:,}" in command(run, tmp_path)
     plot = re.search(r"`(fastlink plot [^`]*)`", README)
     assert plot is not None
     command(plot.group(1), tmp_path)

@@ -71,19 +71,6 @@ def difference(names, one, by, variants=()):
         return {name: (ends[0][name] - ends[1][name]) / (2 * step) for name in names}
 
 
-@pytest.mark.parametrize("by", ["theta1", "omega1", "m2", "G3_u", "P_v"])
-def test_the_complex_step_agrees(by):
-    """Where facts are analytic; the step is 1e-30, so only rounding is left: 1e4 (condition) times 2e-16."""
-    names = ["B_x", "omega4", "alpha2", "P_ax", "F32_x", "F43_y", "T41", "shaking_moment", "shaking_force"]
-    made = derivatives(by, names)
-    one = one_configuration(3)
-    stepped = read_facts(PLANAR, made, one | {by: one[by] + 1e-30j})
-    found = read_facts(PLANAR, made.values(), one)
-    for name, derivative in made.items():
-        assert stepped[name].imag / 1e-30 == pytest.approx(found[derivative], rel=1e-11, abs=1e-11)
-    assert made
-
-
 def test_second_derivatives_are_derivatives_of_derivatives():
     one = one_configuration(4)
     slopes = difference(["d_T41_d_a2"], one, "m3")

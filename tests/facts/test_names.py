@@ -105,7 +105,6 @@ def test_what_is_spelt_is_read_again(mechanism, drive, data):
     assert parse(str(tree), catalogue) == (Quantity(str(tree)) if replaced else tree)
 
 
-@pytest.mark.sample(3)
 def reduced_names(catalogue):
     """Yield every name of a reduction or list over a mechanism's cycle: of all but the codes of a design."""
     for quantity in filter(catalogue.varies, catalogue.public):
@@ -118,6 +117,7 @@ def reduced_names(catalogue):
         yield from list_names(catalogue, quantity)
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize(("mechanism", "drive"), DRIVES)
 def test_every_listed_name_is_read(mechanism, drive):
     catalogue = find_catalogue(mechanism, drive)
