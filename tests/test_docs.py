@@ -1,7 +1,5 @@
 """The pages are true: their examples run, their links lead somewhere."""
 
-from __future__ import annotations
-
 import doctest
 import re
 from pathlib import Path

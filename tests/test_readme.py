@@ -1,7 +1,5 @@
 """README, CONTRIBUTING and the notebook are true: what they show runs."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

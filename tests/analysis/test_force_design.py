@@ -1,7 +1,5 @@
 """What designers do with forces: balancing, flywheels, and Table 3 of Hayes et al. as it follows from Table 1."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from tests.support.configurations import LENGTHS, PLANAR, condition_sums, masses_and_points, random_lengths

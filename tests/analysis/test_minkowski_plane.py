@@ -4,8 +4,6 @@ Rational boosts: ch = (1 + t^2)/(1 - t^2) and sh = 2 t/(1 - t^2) with t = p/q, s
 of whole numbers is one of whole numbers, boosted by 2 artanh(p/q) exactly.
 """
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import mpmath as mp

@@ -3,8 +3,6 @@
 The map of crank-rockers runs at its size in test_readme.py; those of minkowski_4r in test_minkowski_studies.py.
 """
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

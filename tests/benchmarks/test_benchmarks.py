@@ -1,7 +1,5 @@
 """The benchmarks run, agree and report; how fast they are is for ``python -m benchmarks`` to say."""
 
-from __future__ import annotations
-
 import math
 import re
 from pathlib import Path

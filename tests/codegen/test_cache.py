@@ -1,7 +1,5 @@
 """The cache of kernels: one writer, nothing lost by damage, a bound, and what it says while it compiles."""
 
-from __future__ import annotations
-
 import contextlib
 import hashlib
 import importlib

@@ -1,7 +1,5 @@
 """A part of a sweep is the same bits in a labelled file of its own."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Designs with a number beyond 2^-80 to 2^80 are refused where they are given alone, and flagged among others."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

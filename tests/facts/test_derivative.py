@@ -1,7 +1,5 @@
 """Derivatives d_NAME_d_PARAM: against 50-digit differences and the complex step, their bits, labels and errors."""
 
-from __future__ import annotations
-
 import ast
 from fractions import Fraction
 

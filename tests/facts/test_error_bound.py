@@ -1,7 +1,5 @@
 """Error bounds: each law alone, every quantity by 50 digits, bits, labels, messages."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from importlib import import_module
 from operator import mul, truediv

@@ -1,7 +1,5 @@
 """A byte that changes in a map is found."""
 
-from __future__ import annotations
-
 import itertools
 import os
 import zlib

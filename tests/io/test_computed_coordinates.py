@@ -1,7 +1,5 @@
 """Coordinates that are computed block by block are written so: equal to those in memory."""
 
-from __future__ import annotations
-
 import itertools
 
 import netCDF4

@@ -1,7 +1,5 @@
 """A converted map holds what it says, of the map that it names."""
 
-from __future__ import annotations
-
 import errno
 import fcntl
 import functools

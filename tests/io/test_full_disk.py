@@ -3,8 +3,6 @@
 They are mounted for the tests, which the system allows to some only.
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """The two layouts of a map: the same numbers, in other places."""
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import replace
 

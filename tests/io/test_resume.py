@@ -1,7 +1,5 @@
 """A run that was killed or interrupted is gone on with, and ends with the same bits."""
 
-from __future__ import annotations
-
 import errno
 import os
 import signal

@@ -5,8 +5,6 @@ tolerance: |value - exact| <= bound is what a bound is. How loose bounds are is 
 they may be: of the planar linkage half are within 10 to 130 errors, an error being a rounding of the value at least.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -6,8 +6,6 @@ one rounding of f: the `multiple` of the entry in `support/registry.py`. Derivat
 differences, and held to the same rule.
 """
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 

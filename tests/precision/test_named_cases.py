@@ -4,8 +4,6 @@ No value is beyond its bound, none is a number where there is none, and the stat
 of the focal mechanism, of Hart's linkage and of the slider-crank are families of the registry.
 """
 
-from __future__ import annotations
-
 import math
 from fractions import Fraction
 

@@ -1,7 +1,5 @@
 """What a sweep says of its own errors: right where it is right, and not silent where it is not."""
 
-from __future__ import annotations
-
 from importlib import import_module
 
 import numpy as np

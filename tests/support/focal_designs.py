@@ -1,7 +1,5 @@
 """Designs of the focal mechanism, easy and hard, and their facts."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fastlink.facts.evaluate import read_facts

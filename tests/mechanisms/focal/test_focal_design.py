@@ -1,7 +1,5 @@
 """Completions of a four-bar to a focal mechanism: the paper's equations, its example, and brute force."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from tests.support.focal_designs import GIVEN, LENGTHS, exact, facts, given_by, one, random_designs

@@ -3,8 +3,6 @@
 Joints, circles and angles of the figure are held by the loops (tests/precision/test_loops.py).
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from tests.support.focal_configurations import DRIVES, family, random_designs

@@ -1,7 +1,5 @@
 """Hart's linkage: the stroke by brute force, the kite, status; its equations are held by the loops (test_loops.py)."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -3,8 +3,6 @@
 Its formulas are held by the loops (tests/precision/test_loops.py), its digits by the rule of all mechanisms.
 """
 
-from __future__ import annotations
-
 import contextlib
 
 import numpy as np

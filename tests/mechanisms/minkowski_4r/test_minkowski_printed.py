@@ -1,7 +1,5 @@
 """Where the closed forms of section 3 hold, and what they leave undefined; their values are held by the loops."""
 
-from __future__ import annotations
-
 import numpy as np
 
 import fastlink as fl

@@ -1,7 +1,5 @@
 """The studies of the Minkowskian 4R: every number of section 3.7 of the paper, and the tables at reduced size."""
 
-from __future__ import annotations
-
 from collections import Counter
 from itertools import product
 from math import comb

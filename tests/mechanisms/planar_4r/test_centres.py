@@ -1,7 +1,5 @@
 """Mass centres, and the vectors r_ij of eq. (9) against differences of positions; what is printed of v."""
 
-from __future__ import annotations
-
 import mpmath as mp
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Class, ranges, swing, transmission angle and time ratio of a design: rational numbers, and the law of cosines."""
 
-from __future__ import annotations
-
 import math
 from fractions import Fraction
 

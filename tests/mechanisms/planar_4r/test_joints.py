@@ -1,7 +1,5 @@
 """Joint angles and half-angle tangents driven by theta1 or any joint: the six equations, and what the joints do."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import mpmath as mp
