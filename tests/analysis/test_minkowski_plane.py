@@ -137,20 +137,6 @@ def test_boosts_turn_vectors_by_their_angle():
     assert np.isnan(plane.hyperbolic_angle(z, w[:, ::-1])).all()
 
 
-def test_the_hyperbolic_cosine_of_an_angle_is_the_scalar_product_of_unit_vectors():
-    z, w = vectors(6), vectors(7)
-    angles, scalars = plane.hyperbolic_angle(z, w), plane.scalar_product(z, w)
-    there = np.isfinite(angles)
-    assert there.sum() > N // 8
-    with mp.workdps(60):
-        true = []
-        for k in np.flatnonzero(there):
-            cosh = abs(mp.mpf(float(scalars[k]))) / (modulus(z[k]) * modulus(w[k]))
-            moment = z[k, 0] * w[k, 1] - z[k, 1] * w[k, 0]
-            true.append(mp.acosh(cosh) * int(np.sign(moment) * plane.causal_type(z[k])))
-        assert_near(angles[there], true, 12)
-
-
 def test_rapidities_and_polar_coordinates():
     z = vectors(8)
     with mp.workdps(60):

@@ -26,17 +26,6 @@ def random_designs(rng, n):
     return lengths | {"rho": 2.0 * rng.normal(size=n)}
 
 
-def given_by(name, designs):
-    """Return designs given by s or lambda_ instead of rho; those that have none are left out."""
-    if name == "rho":
-        return designs
-    if name == "s":
-        return designs | {"s": designs["d"] * designs["rho"] / (1.0 + designs["rho"])}
-    found = facts(designs, 1.0, ["lambda_"])["lambda_"]
-    kept = np.isfinite(found)
-    return {key: values[kept] for key, values in (designs | {"lambda_": found}).items()}
-
-
 def facts(designs, completion, names=FACTS, given="rho"):
     """Return facts of many designs as arrays."""
     inputs, variants = GIVEN[given]
