@@ -55,6 +55,7 @@ def test_the_main_job_of_the_readme(tmp_path, count):
     assert list(tmp_path.glob("*.png"))
 
 
+@pytest.mark.stress
 def test_the_command_lines_of_the_readme(folder):
     (lines,) = [block for block in code_blocks(README, "sh") if "fastlink new" in block]
     run_commands(lines)
@@ -90,6 +91,7 @@ def test_the_quantity_and_the_reduction_of_contributing_work(tmp_path):
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.stress
 def test_the_notebook_runs(tmp_path):
     notebook = nbformat.read(ROOT / "docs" / "how_to" / "first_map.ipynb", as_version=4)
     NotebookClient(notebook, timeout=120, resources={"metadata": {"path": str(tmp_path)}}).execute()

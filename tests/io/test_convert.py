@@ -91,7 +91,7 @@ def assert_same(one, other):
             np.testing.assert_array_equal(one[name].attrs[key], value)
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(
     ("kind", "name"), [*(("grid", name) for name in WHOLE), ("sampled", "plain.h5"), ("sampled", "gzip.zarr")]
 )
