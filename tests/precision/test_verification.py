@@ -169,15 +169,6 @@ def test_a_value_that_should_vanish_and_does_not_is_a_mismatch(monkeypatch):
     assert "NOT AS WITH 50 DIGITS" in fl.summary(maps)
 
 
-@pytest.mark.parametrize("verify", [-1, 1.5, True, "all"])
-def test_bad_numbers_of_designs(verify):
-    with pytest.raises(
-        fl.InputError,
-        match=r"^verify is .*; write how many designs to compute again, from 0 for none to 200000$",
-    ):
-        fl.sweep("planar_4r", fl.grid(**CRANK), ["theta4"], verify=verify)
-
-
 def test_division_by_zero_and_choices_are_as_in_doubles():
     """At the fold of a change point rates are NaN; a massless link has no torque."""
     folded = {"a1": 0.5, "a2": 1.0, "a3": 0.5, "a4": 1.0, "omega1": 1.0, "theta1": 0.0, "branch": 1}
