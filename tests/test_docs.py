@@ -1,7 +1,5 @@
 """The pages are true: their examples run, their links lead somewhere."""
 
-from __future__ import annotations
-
 import doctest
 import re
 from pathlib import Path
@@ -17,6 +15,7 @@ OTHERS = ROOT / "docs" / "how_to" / "search_with_other_libraries.md"
 DOCUMENTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 
 
+@pytest.mark.sample(14)
 @pytest.mark.parametrize("document", [d for d in DOCUMENTS if d != OTHERS], ids=lambda path: path.name)
 def test_the_examples_of_the_documents(document, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

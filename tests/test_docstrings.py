@@ -1,7 +1,5 @@
 """Docstrings are true: their examples run, with fastlink as fl and numpy as np."""
 
-from __future__ import annotations
-
 import doctest
 import importlib
 import inspect

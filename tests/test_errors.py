@@ -3,11 +3,9 @@
 import pickle
 
 import pytest
-from typer.testing import CliRunner
 
 import fastlink as fl
 from fastlink._text import short_repr
-from fastlink.app.cli import app
 from fastlink.errors import InputError, Pair, Problem, Problems, Samples, Setting, Wording
 from tests.support.study_files import GOOD, written
 
@@ -68,6 +66,10 @@ def test_a_sweep_names_all_that_is_wrong_with_it():
             fl.grid(a1=-0.4, a2=1.2, a3=0.8, a9=1.0),
             ["omega4", "omga4"],
             branch=3,
+            threads=0,
+            block=0,
+            to=b"x",
+            attrs={"threads": 1},
             solver="dens",
             backend="gcc",
             theta1=[0.0, 0.0],
@@ -76,6 +78,10 @@ def test_a_sweep_names_all_that_is_wrong_with_it():
     assert paths == {
         ("quantities", 1),
         ("solver",),
+        ("threads",),
+        ("block",),
+        ("to",),
+        ("attrs",),
         ("design", "a1"),
         ("design", "a9"),
         ("branch",),
@@ -110,24 +116,6 @@ def test_each_door_has_its_own_words(folder, door, path, remedy):
     line = message_of(door)
     assert path in line
     assert remedy in line
-
-
-@pytest.mark.parametrize(
-    ("arguments", "line"),
-    [
-        (["--threads", "0"], "--threads is 0; write a whole number from 1 to "),
-        (["--verify", "-1"], "--verify is -1; write how many designs"),
-        (["--to", "letter.h5"], "--to: "),
-    ],
-)
-def test_the_command_line_names_its_options(folder, arguments, line):
-    written(GOOD)
-    written("a letter", "letter.h5")
-    result = CliRunner().invoke(app, ["run", "study.toml", *arguments])
-    assert result.exit_code == 2
-    assert result.stderr.startswith(f"fastlink: {line}")
-    if line == "--to: ":
-        assert "--overwrite" in result.stderr
 
 
 @pytest.mark.parametrize(

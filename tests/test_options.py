@@ -129,13 +129,6 @@ def test_a_wrong_option_is_refused_alike_at_every_door(folder, door, option, val
     assert sorted(path.name for path in folder.iterdir()) in ([], ["study.toml"])
 
 
-def test_all_wrong_options_and_all_else_that_is_wrong_are_named_together(folder):
-    with pytest.raises(fl.InputError) as caught:
-        fl.sweep("planar_4r", SPACE, ["omga4"], threads=0, block=0, to=b"x", attrs={"threads": 1}, branch=7)
-    wheres = {one.where[0] for one in caught.value.problems}
-    assert wheres == {"threads", "block", "to", "attrs", "quantities", "branch"}
-
-
 # -- paths -----------------------------------------------------------------------------------------
 
 

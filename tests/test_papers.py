@@ -1,7 +1,5 @@
 """Each line of the three papers is computed, by a name that is there and held by a test that is there."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.support import papers

@@ -1,7 +1,5 @@
 """README, CONTRIBUTING and the notebook are true: what they show runs."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil
@@ -10,6 +8,7 @@ import sys
 from pathlib import Path
 
 import nbformat
+import pytest
 from nbclient import NotebookClient
 
 import fastlink as fl
@@ -40,18 +39,23 @@ def command(line, folder):
     return done.stdout
 
 
-def test_the_main_job_of_the_readme(tmp_path):
+@pytest.mark.parametrize("count", [9, pytest.param(101, marks=pytest.mark.stress)])
+def test_the_main_job_of_the_readme(tmp_path, count):
     shutil.copytree(ROOT / "data", tmp_path / "data")
+    study = tmp_path / "data" / "studies" / "crank_rocker_map.toml"
+    assert study.read_text().count(", 101]}") == 3
+    study.write_text(study.read_text().replace(", 101]}", f", {count}]}}"))
     (first, *_) = code_blocks(README, "sh")
     install, run = first.strip().split(" && ")
     assert install == "python -m pip install ."
-    assert "1,030,301" in command(run, tmp_path)
+    assert f"{count**3:,}" in command(run, tmp_path)
     plot = re.search(r"`(fastlink plot [^`]*)`", README)
     assert plot is not None
     command(plot.group(1), tmp_path)
     assert list(tmp_path.glob("*.png"))
 
 
+@pytest.mark.stress
 def test_the_command_lines_of_the_readme(folder):
     (lines,) = [block for block in code_blocks(README, "sh") if "fastlink new" in block]
     run_commands(lines)
@@ -87,6 +91,7 @@ def test_the_quantity_and_the_reduction_of_contributing_work(tmp_path):
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.stress
 def test_the_notebook_runs(tmp_path):
     notebook = nbformat.read(ROOT / "docs" / "how_to" / "first_map.ipynb", as_version=4)
     NotebookClient(notebook, timeout=120, resources={"metadata": {"path": str(tmp_path)}}).execute()

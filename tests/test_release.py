@@ -1,7 +1,5 @@
 """What is released: a wheel, made from the archive of sources, that works alone in a fresh environment."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

@@ -1,7 +1,5 @@
 """Crunodes and cusps of coupler curves against polylines and the instant centre."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Section 5: conics that touch the four lines of a position, their foci, and the involution of their tangents."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal

@@ -1,7 +1,5 @@
 """Inscribed conics of four-bars next to parallelograms, kites and rhombi, and next to parabolas, against 60 digits."""
 
-from __future__ import annotations
-
 import mpmath as mp
 import numpy as np
 import pytest

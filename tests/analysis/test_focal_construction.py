@@ -1,7 +1,5 @@
 """From a point of the focal cubic to the mechanism, the best point, the five-bar, and AB held in place of MN."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The focal cubic: it goes through the points that the paper names, and its points are foci."""
 
-from __future__ import annotations
-
 import numpy as np
 from tests.support.focal_configurations import random_designs
 

@@ -1,7 +1,5 @@
 """The distance of T from the straight line that fits its path best, from maps by either input."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

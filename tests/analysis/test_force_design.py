@@ -1,17 +1,12 @@
 """What designers do with forces: balancing, flywheels, and Table 3 of Hayes et al. as it follows from Table 1."""
 
-from __future__ import annotations
-
-import mpmath as mp
 import numpy as np
 import pytest
 from tests.support.configurations import LENGTHS, PLANAR, condition_sums, masses_and_points, random_lengths
-from tests.support.newton import newton_euler
 from tests.support.refusals import refused
 from tests.support.registry import MULTIPLE
 
 import fastlink as fl
-from fastlink.facts.evaluate import read_facts
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.plan.request import selected_variants
 
@@ -133,22 +128,3 @@ def test_the_bound_and_the_printed_expression_of_table_3():
     # The nearest sample is half a step off: f'' h^2/8 with |f''| below 100 times the value, 4e-7 of it.
     assert float(printed.max()) == pytest.approx(806.192, rel=2e-6)
     assert float(printed.min()) == pytest.approx(-399.354, rel=2e-6)
-
-
-def test_the_shaking_force_of_table_3_from_positions_alone():
-    bars = {name: value for name, value in zip(("density", "radius"), (7750.0, 0.01), strict=True)}
-    with mp.workdps(50):
-        links = read_facts(
-            PLANAR,
-            [
-                f"{kind}{i}{axis}"
-                for i in (1, 2, 3)
-                for kind, axis in (("m", ""), ("I", ""), ("G", "_u"), ("G", "_v"))
-            ],
-            {name: mp.mpf(value) for name, value in (HAYES | bars).items()},
-            ("round_bar",),
-        )
-        for theta, value in ((0.109628483542, "2512.318373"), (5.546473595953, "685.182260")):
-            force, _, _ = newton_euler({**links, "theta1": theta, "branch": 2})
-            # Extremes are flat: an error of 1e-12 rad is none.
-            assert mp.almosteq(abs(sum(force.values())), mp.mpf(value), abs_eps=mp.mpf("5e-7"))

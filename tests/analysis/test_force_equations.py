@@ -1,7 +1,5 @@
 """Equation (9) as labelled arrays, Table 1, and the extremes of the rates of any pair of joints."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

@@ -1,7 +1,5 @@
 """Greatest forces and extreme rates: against samples of a whole turn, the paper's example, the shipped study."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Hart's linkages of whole sizes, against brute force over all sizes and against the sweep."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from itertools import product
 from math import gcd

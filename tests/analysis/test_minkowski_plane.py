@@ -4,8 +4,6 @@ Rational boosts: ch = (1 + t^2)/(1 - t^2) and sh = 2 t/(1 - t^2) with t = p/q, s
 of whole numbers is one of whole numbers, boosted by 2 artanh(p/q) exactly.
 """
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import mpmath as mp
@@ -137,20 +135,6 @@ def test_boosts_turn_vectors_by_their_angle():
         assert_near(plane.hyperbolic_angle(w, z), [-one for one in true], 12)
     assert np.isnan(plane.hyperbolic_angle(z, -w)).all()
     assert np.isnan(plane.hyperbolic_angle(z, w[:, ::-1])).all()
-
-
-def test_the_hyperbolic_cosine_of_an_angle_is_the_scalar_product_of_unit_vectors():
-    z, w = vectors(6), vectors(7)
-    angles, scalars = plane.hyperbolic_angle(z, w), plane.scalar_product(z, w)
-    there = np.isfinite(angles)
-    assert there.sum() > N // 8
-    with mp.workdps(60):
-        true = []
-        for k in np.flatnonzero(there):
-            cosh = abs(mp.mpf(float(scalars[k]))) / (modulus(z[k]) * modulus(w[k]))
-            moment = z[k, 0] * w[k, 1] - z[k, 1] * w[k, 0]
-            true.append(mp.acosh(cosh) * int(np.sign(moment) * plane.causal_type(z[k])))
-        assert_near(angles[there], true, 12)
 
 
 def test_rapidities_and_polar_coordinates():

@@ -1,7 +1,5 @@
 """The sextic of the Minkowskian planar 4R, against points traced in null coordinates and the paper's elimination."""
 
-from __future__ import annotations
-
 import mpmath as mp
 import numpy as np
 import pytest

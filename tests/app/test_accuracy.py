@@ -1,7 +1,5 @@
 """Error against run time: the methods, their errors, the front, the file, the picture, bad input."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

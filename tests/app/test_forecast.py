@@ -1,7 +1,5 @@
 """The memory, file and time that `fastlink explain` says beforehand."""
 
-from __future__ import annotations
-
 import os
 import shutil
 from pathlib import Path

@@ -4,13 +4,12 @@ from pathlib import Path
 
 import h5py
 import pytest
-from tests.hostile.values import texts_of
 from tests.support.study_files import BARE, GOOD, LENGTHS, written
 from typer.testing import CliRunner
 
 import fastlink as fl
 from fastlink.app.cli import app
-from fastlink.app.study import read_study, run_study
+from fastlink.app.study import run_study
 from fastlink.errors import MOST_LINES
 
 
@@ -233,43 +232,6 @@ def test_a_study_of_its_own_replaces_maps_alone(folder, search):
     assert done.output.endswith("or write --overwrite\n")
     run_study(written(text), overwrite=True).close()
     run_study(written(text + "# and more\n")).close()
-
-
-VALUES = [
-    *texts_of(
-        "3  -1  1.5  nan  true  ''  'x'  1979-05-27  []  [1, 2]  [[1]]  ['a']  {}  {n = 3}  {values = 3}"
-    )
-]
-VALUES += ["{values = [1, 2]}", "{linspace = 3}", "{linspace = [1, 1e308, 3]}", f"1{400 * '0'}"]
-KEYS = {
-    "": ["mechanism", "title", "quantities"],
-    "design": ["a1", "sobol", "latin_hypercube", "table", "unknown"],
-    "links": ["model", "radius"],
-    "cycle": ["input", "angles", "theta1", "branch", "solver", "extrema", "unknown"],
-    "run": ["backend"],
-    "output": ["file", "overwrite", "verify"],
-}
-
-
-@pytest.mark.filterwarnings("ignore::fastlink.errors.InputWarning")  # angles may look like degrees
-@pytest.mark.parametrize(("table", "key"), [(table, key) for table, keys in KEYS.items() for key in keys])
-def test_any_value_of_any_key_is_read_or_refused_at_its_key(folder, table, key):
-    tables = {"": {"mechanism": '"planar_4r"', "quantities": '["theta4"]'}, "links": {"model": '"round_bar"'}}
-    tables["design"] = {"a1": "0.4", "a2": "1.2", "a3": "0.8", "a4": "1.0"}
-    lines = []
-    for value in VALUES:
-        changed = {**tables, table: {**tables.get(table, {}), key: value}}
-        text = "".join(
-            f"[{name}]\n" * bool(name) + "".join(f"{k} = {v}\n" for k, v in entries.items())
-            for name, entries in sorted(changed.items())
-        )
-        try:
-            read_study(written(text))
-        except fl.InputError as error:
-            lines.append(str(error))
-    assert len(lines) > len(VALUES) / 2
-    assert all(line.startswith("study.toml: ") for text in lines for line in text.splitlines())
-    assert any(f"{table}.{key}".lstrip(".") in line for line in lines)
 
 
 def test_columns_of_a_table_are_kept(folder):

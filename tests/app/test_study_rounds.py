@@ -1,7 +1,5 @@
 """All that is wrong with a study is said in one round; files that are no study are told what they are."""
 
-from __future__ import annotations
-
 import json
 import os
 from pathlib import Path

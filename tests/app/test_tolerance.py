@@ -1,7 +1,5 @@
 """What tolerances do to the results of maps, studies and files, at every door."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from tests.support.refusals import refused

@@ -1,7 +1,5 @@
 """The cache of kernels: one writer, nothing lost by damage, a bound, and what it says while it compiles."""
 
-from __future__ import annotations
-
 import contextlib
 import hashlib
 import importlib
@@ -472,18 +470,14 @@ def wait_for(terminal):
         time.sleep(0.01)
 
 
-def test_what_takes_long_is_told_and_wiped_out(terminal):
-    with cache.notice():
+@pytest.mark.parametrize("fails", [False, True])
+def test_what_takes_long_is_told_and_wiped_out(terminal, fails):
+    with contextlib.suppress(ValueError), cache.notice():
         wait_for(terminal)
         assert terminal.getvalue() == f"\r{cache.TEXT}"
+        if fails:
+            raise ValueError
     assert terminal.getvalue() == f"\r{cache.TEXT}\r{' ' * len(cache.TEXT)}\r"
-
-
-def test_what_is_quick_is_not_told(terminal, monkeypatch):
-    monkeypatch.setattr(cache, "PATIENCE", 60.0)
-    with cache.notice():
-        pass
-    assert terminal.getvalue() == ""
 
 
 def test_many_short_ones_are_one_wait(terminal, monkeypatch):
@@ -496,17 +490,10 @@ def test_many_short_ones_are_one_wait(terminal, monkeypatch):
     assert terminal.getvalue().startswith(f"\r{cache.TEXT}")
 
 
-def test_what_fails_is_wiped_out_too(terminal):
-    with contextlib.suppress(ValueError), cache.notice():
-        wait_for(terminal)
-        raise ValueError
-    assert terminal.getvalue().endswith(" \r")
-
-
-@pytest.mark.parametrize("stream", [io.StringIO(), None])
-def test_without_a_terminal_nothing_is_told(monkeypatch, stream):
+@pytest.mark.parametrize("stream", [Terminal(), io.StringIO(), None], ids=["quick", "no terminal", "none"])
+def test_what_is_quick_or_without_a_terminal_is_not_told(monkeypatch, stream):
     monkeypatch.setattr(cache, "sys", SimpleNamespace(stderr=stream))
-    monkeypatch.setattr(cache, "PATIENCE", 0.0)
+    monkeypatch.setattr(cache, "PATIENCE", 60.0 if isinstance(stream, Terminal) else 0.0)
     with cache.notice():
         time.sleep(0.05)
     assert stream is None or stream.getvalue() == ""

@@ -1,7 +1,5 @@
 """Every kind of kernel: the text run as Python, our machine code and numba's give the same bits."""
 
-from __future__ import annotations
-
 import importlib
 import pkgutil
 import re

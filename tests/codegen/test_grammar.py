@@ -1,7 +1,5 @@
 """The grammar of kernel text: what is outside is refused with its line, and what is inside means what Python means."""
 
-from __future__ import annotations
-
 import llvmlite.binding as llvm
 import numpy as np
 import pytest

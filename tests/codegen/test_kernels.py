@@ -1,7 +1,5 @@
 """The text of kernels: what is computed, what it is called, that it can be read."""
 
-from __future__ import annotations
-
 import ast
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Machine code of every target: whole vectors in the loops over lanes, no call of a library, nothing fused."""
 
-from __future__ import annotations
-
 import ast
 import re
 

@@ -1,7 +1,5 @@
 """Kernels with little to do are compiled in less time; `test_differential` compares their bits."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Plans are found once, whatever the values are, and anew when what is declared is another thing."""
 
-from __future__ import annotations
-
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 

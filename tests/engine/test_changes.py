@@ -1,7 +1,5 @@
 """Changes by tolerances as variables of a sweep: NAME_worst_change and NAME_rss_change."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -1,7 +1,5 @@
 """One configuration has the bits that it has in an array, however degenerate: no division of Python's own numbers."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

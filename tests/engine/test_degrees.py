@@ -1,7 +1,5 @@
 """Angles in degrees, by names that end in _deg, at every door; and remarks on angles that look like degrees."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

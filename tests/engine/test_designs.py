@@ -1,7 +1,5 @@
 """Designs of every kind through a sweep: tables, maps fed back, labels, units, angles in degrees."""
 
-from __future__ import annotations
-
 import warnings
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Sweeps on a real cluster of dask.distributed, two processes: the bits of one thread, whatever is lost on the way."""
 
-from __future__ import annotations
-
 import functools
 import heapq
 import os

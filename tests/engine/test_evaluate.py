@@ -1,7 +1,5 @@
 """`fl.evaluate` refuses what a sweep refuses: inputs, branches and positions that nothing would depend on."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from tests.support.registry import ENTRIES

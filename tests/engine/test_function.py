@@ -1,7 +1,5 @@
 """`fastlink.function`: the bits of a sweep, as a function of arrays that threads, pickles and optimisers use."""
 
-from __future__ import annotations
-
 import pickle
 import subprocess
 import sys

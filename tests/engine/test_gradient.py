@@ -1,7 +1,5 @@
 """The gradient of a function: the derivatives of its outputs by its inputs, as a sweep has them."""
 
-from __future__ import annotations
-
 import pickle
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Functions that numba's compiled code calls: the same bits, nothing compiled twice, nothing shared."""
 
-from __future__ import annotations
-
 from concurrent.futures import ThreadPoolExecutor
 
 import numba

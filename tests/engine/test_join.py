@@ -1,7 +1,5 @@
 """Parts joined are the file that one sweep writes, whatever happens on the way; what does not belong is refused."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """What does not fit memory is refused before anything is computed; the count of bytes is that of the run."""
 
-from __future__ import annotations
-
 import tracemalloc
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A part of a sweep is the same bits in a labelled file of its own."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np
@@ -12,8 +10,6 @@ from tests.support.part_requests import AXES, REQUESTS, sweep
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.io import partial_file
-from fastlink.io.writer import Writer
 
 
 def assert_is_part(part, whole, swept):
@@ -76,39 +72,6 @@ def test_an_axis_that_only_scales_results_has_the_same_bits_in_parts(order):
             part = sweep(of, part=(k, count), block=block)
             assert part.attrs["scaling_axis"] == "omega1"
             assert_is_part(part, whole, 3)
-
-
-@pytest.mark.parametrize("order", [("a2", "a3", "omega1"), ("omega1", "a2", "a3")])
-def test_a_part_that_is_interrupted_goes_on(tmp_path, monkeypatch, order):
-    monkeypatch.setattr(partial_file, "STEP_SECONDS", 0.0)
-    space = fl.grid(a1=0.4, a4=1.0, **{name: AXES[name] for name in order})
-    of, path = ("planar_4r", lambda: space, ["omega4"], {"theta1": 4}), tmp_path / "m.h5"
-    options = {"part": (2, 3), "verify": 2, "to": path}
-    record = Writer.record
-
-    def interrupted(self, start, stop, seen=[0]):  # noqa: B006
-        record(self, start, stop)
-        seen[0] += 1
-        if seen[0] == 5:
-            raise KeyboardInterrupt
-
-    with monkeypatch.context() as patched:
-        patched.setattr(Writer, "record", interrupted)
-        with pytest.raises(KeyboardInterrupt):
-            sweep(of, block=2, threads=1, **options)
-    with refused("to", "restart=True"):  # another part is another request
-        sweep(of, **(options | {"part": (1, 3)}))
-    with sweep(of, block=4, threads=2, **options) as resumed:
-        assert 0 < resumed.attrs["designs_of_earlier_runs"] < 35
-        assert_is_part(resumed, sweep(of), 3)
-        expected = {
-            name: n for name, n in sweep(of, part=(2, 3)).attrs.items() if name.startswith("designs_")
-        }
-        del expected["designs_per_second"]
-        assert expected == {name: resumed.attrs[name] for name in expected}
-    assert fl.check(path)
-    with sweep(of, **options) as again:  # finished
-        assert again.attrs == resumed.attrs
 
 
 def test_the_request_of_a_part_is_that_of_its_whole(tmp_path):

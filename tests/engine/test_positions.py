@@ -46,6 +46,7 @@ def test_a_sweep_takes_positions_by_the_name_of_the_input(mechanism, input):
     np.testing.assert_array_equal(one[quantity], other[quantity])
 
 
+@pytest.mark.sample(3)
 @EVERY
 def test_a_function_takes_positions_by_the_name_of_the_input(mechanism, input):
     design, quantity = request_of(mechanism, input)
@@ -75,6 +76,7 @@ def test_a_study_takes_positions_by_the_name_of_the_input(folder, mechanism, inp
     np.testing.assert_array_equal(maps[0], swept[quantity])
 
 
+@pytest.mark.sample(3)
 @EVERY
 def test_the_name_of_another_input_is_refused_with_the_right_one(folder, mechanism, input):
     design, quantity = request_of(mechanism, input)

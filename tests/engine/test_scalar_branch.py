@@ -1,7 +1,5 @@
 """A single assembly mode is a scalar coordinate, as xarray's users expect; a list of one is a dimension."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

@@ -1,7 +1,5 @@
 """An axis that only scales results is multiplied, not evaluated again."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal

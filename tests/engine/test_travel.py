@@ -1,7 +1,5 @@
 """What is resolved, compiled or made by fastlink travels to other processes: pickle, cloudpickle, joblib, dask, ray."""
 
-from __future__ import annotations
-
 import pickle
 
 import cloudpickle

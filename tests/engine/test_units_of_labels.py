@@ -1,7 +1,5 @@
 """The unit that labelled values state is that of their input, is converted, or is refused; at every door."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

@@ -1,7 +1,5 @@
 """Declarations: what follows from them, what a catalogue rejects, and that all mechanisms are declared in full."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from importlib import import_module
 

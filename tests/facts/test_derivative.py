@@ -1,7 +1,5 @@
 """Derivatives d_NAME_d_PARAM: against 50-digit differences and the complex step, their bits, labels and errors."""
 
-from __future__ import annotations
-
 import ast
 from fractions import Fraction
 
@@ -69,19 +67,6 @@ def difference(names, one, by, variants=()):
         step = abs(exact[by]) * mp.mpf(10) ** -20
         ends = [facts.moved(exact, {by: exact[by] + s * step}) for s in (1, -1)]
         return {name: (ends[0][name] - ends[1][name]) / (2 * step) for name in names}
-
-
-@pytest.mark.parametrize("by", ["theta1", "omega1", "m2", "G3_u", "P_v"])
-def test_the_complex_step_agrees(by):
-    """Where facts are analytic; the step is 1e-30, so only rounding is left: 1e4 (condition) times 2e-16."""
-    names = ["B_x", "omega4", "alpha2", "P_ax", "F32_x", "F43_y", "T41", "shaking_moment", "shaking_force"]
-    made = derivatives(by, names)
-    one = one_configuration(3)
-    stepped = read_facts(PLANAR, made, one | {by: one[by] + 1e-30j})
-    found = read_facts(PLANAR, made.values(), one)
-    for name, derivative in made.items():
-        assert stepped[name].imag / 1e-30 == pytest.approx(found[derivative], rel=1e-11, abs=1e-11)
-    assert made
 
 
 def test_second_derivatives_are_derivatives_of_derivatives():

@@ -1,7 +1,5 @@
 """Error bounds: each law alone, every quantity by 50 digits, bits, labels, messages."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from importlib import import_module
 from operator import mul, truediv
@@ -15,7 +13,7 @@ from tests.support.configurations import (
     PLANAR,
     lengths_and_angles,
 )
-from tests.support.precision import Truth, derivatives, in_every_mode, numbers_of, plain
+from tests.support.precision import Truth, in_every_mode, plain
 from tests.support.registry import ENTRIES
 from tests.support.toys import toy
 
@@ -191,19 +189,6 @@ def test_every_bound_holds_and_is_not_much_greater_than_the_error(entry):
     assert bool(near) == bool(entry.sharing_errors)
     assert not near or np.mean(near) > entry.near_bounds
     assert np.median([ratio for _name, ratio in ratios]) < entry.looseness
-
-
-@pytest.mark.sample(5)
-@pytest.mark.parametrize("entry", BOUNDED, ids=str)
-def test_bounds_of_derivatives_hold(entry):
-    """By the input position and by the first input; in every third family, where derivatives may lose digits."""
-    truth = Truth(entry, (), in_every_mode(entry, entry.drawn("random", 1, 2)))
-    tested = 0
-    for by in truth.numbers[:2]:
-        names = tuple(derivatives(entry, numbers_of(entry), by, truth.variants).values())
-        for kind in list(entry.families)[::3]:
-            tested += len(bounds_over_errors(entry, names, kind, 2))
-    assert tested > len(entry.names)
 
 
 # -- in sweeps -----------------------------------------------------------------------------------------------

@@ -1,7 +1,5 @@
 """Each fact is defined once: no two of a catalogue compute one expression, and the factors are the paper's."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from importlib import import_module
 

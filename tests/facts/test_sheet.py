@@ -1,7 +1,5 @@
 """Formula sheets: what each construct declares, and what is refused, with file, line, reason and remedy."""
 
-from __future__ import annotations
-
 import pytest
 from tests.support.toys import add, toy
 

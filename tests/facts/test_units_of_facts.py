@@ -1,7 +1,5 @@
 """The units of every fact, internal ones too, are those that its text gives numbers of the units it depends on."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

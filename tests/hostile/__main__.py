@@ -1,7 +1,5 @@
 """Run lines of cases as they stand: ``python -m tests.hostile "fl.grid(a1=10**400)"``."""
 
-from __future__ import annotations
-
 import os
 import sys
 import tempfile

@@ -1,6 +1,4 @@
-"""A byte that changes in a map is found; one that changes in a partial file is computed again."""
-
-from __future__ import annotations
+"""A byte that changes in a map is found."""
 
 import itertools
 import os
@@ -9,13 +7,12 @@ import zlib
 import h5py
 import numpy as np
 import pytest
-from numpy.testing import assert_array_equal
-from tests.io.test_faults import failing_after, sweep
+from tests.io.test_faults import sweep
 from tests.support.map_files import SPACES, Sample
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.io import checksums, partial_file
+from fastlink.io import checksums
 
 
 def test_a_sum_of_pieces_in_any_order_is_the_crc_of_the_block():
@@ -75,42 +72,6 @@ def test_a_file_without_checksums_is_refused(tmp_path):
         del file["checksums"]
     with refused("m.h5", "write it again"):
         fl.check(path)
-
-
-# --- partial files ---------------------------------------------------------------------------------
-
-
-@pytest.fixture
-def interrupted(tmp_path, monkeypatch, small_blocks):
-    """A partial file of 40 of 64 designs, and the whole map in memory."""
-    path = tmp_path / "m.h5"
-    with monkeypatch.context() as patch:
-        patch.setattr(partial_file, "STEP_SECONDS", 0.0)
-        failing_after(patch, 5, KeyboardInterrupt())
-        with pytest.raises(KeyboardInterrupt):
-            sweep(path)
-    with sweep(None) as expected:
-        return path, expected.load()
-
-
-def assert_goes_on(path, expected):
-    with sweep(path, verify=0) as found:
-        for name in expected:
-            assert_array_equal(found[name], expected[name], err_msg=name)
-        assert fl.check(path)
-        return int(found.attrs.get("designs_of_earlier_runs", 0))
-
-
-def test_changed_values_of_a_partial_file_are_computed_again(interrupted):
-    path, expected = interrupted
-    part = path.with_name("m.h5.part")
-    with h5py.File(part) as file:
-        start = file["theta4"].id.get_offset()
-    with open(part, "r+b") as file:
-        file.seek(start + 1000)
-        file.write(b"changed!")
-    with pytest.warns(fl.InputWarning, match="the values of 2 designs have changed; they are computed again"):
-        assert assert_goes_on(path, expected) == 38
 
 
 @pytest.mark.skipif(not os.path.exists("/proc/self/mem"), reason="of Linux")

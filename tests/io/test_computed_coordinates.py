@@ -1,6 +1,4 @@
-"""Coordinates that are computed block by block are written so: equal to those in memory, checked, resumed."""
-
-from __future__ import annotations
+"""Coordinates that are computed block by block are written so: equal to those in memory."""
 
 import itertools
 
@@ -9,7 +7,6 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.testing import assert_array_equal
-from tests.io.test_resume import interrupt_after
 
 import fastlink as fl
 from fastlink.engine.resolve import resolve
@@ -56,55 +53,6 @@ def test_a_file_is_equal_to_the_result_in_memory(tmp_path, space):
             assert all(file[name].getncattr(key) == value for key, value in coord.attrs.items())
     with sweep(space, to=path) as again:  # the same request: the file is opened as it is
         assert again.attrs["fingerprint"] == fl.open(path).attrs["fingerprint"]
-
-
-def records(path):
-    """Return every variable's values as they lie in the file, apart from the times of a run."""
-    with xr.open_dataset(path, engine="h5netcdf") as maps:
-        return {name: maps[name].values for name in maps.variables}
-
-
-@pytest.mark.parametrize("space", SPACES.values(), ids=SPACES)
-def test_an_interrupted_run_goes_on_with_the_same_coordinates(tmp_path, monkeypatch, space):
-    path = tmp_path / "m.h5"
-    with monkeypatch.context() as patched:
-        interrupt_after(patched, 5)
-        with pytest.raises(KeyboardInterrupt):
-            sweep(space, to=path, threads=1)
-    resumed = sweep(space, to=path, block=24)
-    assert resumed.attrs["designs_of_earlier_runs"] == 5 * 16 * (3 if "omega1" in space.dims else 1)
-    resumed.close()
-    sweep(space, to=tmp_path / "whole.h5").close()
-    whole, found = records(tmp_path / "whole.h5"), records(path)
-    assert found.keys() == whole.keys()
-    for name, values in whole.items():
-        assert_array_equal(found[name], values)
-    assert fl.check(path)
-
-
-@pytest.mark.parametrize("name", ["a2", "design"])
-def test_a_changed_coordinate_is_named_and_computed_again(tmp_path, monkeypatch, name):
-    space, path = SPACES["of a grid"], tmp_path / "m.h5"
-    with monkeypatch.context() as patched:
-        interrupt_after(patched, 20)
-        with pytest.raises(KeyboardInterrupt):
-            sweep(space, to=path, threads=1)
-    part = tmp_path / "m.h5.part"
-    flip(part, space, name, 200)
-    with pytest.warns(fl.InputWarning, match="have changed; they are computed again"):
-        sweep(space, to=path).close()
-    assert fl.check(path)
-    flip(path, space, name, 200)
-    assert list(fl.check(path).damaged) == [name]
-
-
-def flip(path, space, name, design):
-    """Change one bit of a coordinate of a design in a file."""
-    values = np.asarray(space.columns[name] if name in space.columns else space.labels[name])
-    data = bytearray(path.read_bytes())
-    place = data.index(values[design : design + 8].tobytes())
-    data[place] ^= 1
-    path.write_bytes(data)
 
 
 def test_every_value_is_written_once_whatever_the_blocks():

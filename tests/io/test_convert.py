@@ -1,7 +1,5 @@
 """A converted map holds what it says, of the map that it names."""
 
-from __future__ import annotations
-
 import errno
 import fcntl
 import functools
@@ -93,7 +91,7 @@ def assert_same(one, other):
             np.testing.assert_array_equal(one[name].attrs[key], value)
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(
     ("kind", "name"), [*(("grid", name) for name in WHOLE), ("sampled", "plain.h5"), ("sampled", "gzip.zarr")]
 )

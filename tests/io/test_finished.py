@@ -1,7 +1,5 @@
 """A map that is there already: used where it is that of the request, else refused with what differs."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import time

@@ -1,9 +1,9 @@
-"""Disks that are full: file systems of a few megabytes, filled up by another program while something is written.
+"""Disks that fill up as a map is converted: file systems of a few megabytes, filled up by another program.
+
+Sweeps on full disks are among the faults of system calls (test_faults.py).
 
 They are mounted for the tests, which the system allows to some only.
 """
-
-from __future__ import annotations
 
 import contextlib
 import os
@@ -18,9 +18,7 @@ from tests.support.map_files import left_in
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.io import partial_file
 from fastlink.io.convert import Source
-from fastlink.io.writer import Writer
 
 pytestmark = pytest.mark.filterwarnings("default:NOT TESTED")
 COUPLERS = np.linspace(1.0, 1.4, 120)
@@ -68,94 +66,11 @@ def disk(tmp_path):
 
 
 @pytest.fixture(scope="module")
-def expected():
-    with sweep(None) as found:
-        return found.load()
-
-
-@pytest.fixture(scope="module")
 def source(tmp_path_factory):
     """A folder on a good disk with the map."""
     folder = tmp_path_factory.mktemp("source")
     sweep(folder / "m.h5").close()
     return folder
-
-
-def assert_whole(path, expected):
-    assert fl.check(path)
-    with fl.open(path) as found:
-        for name in expected:
-            assert_array_equal(found[name], expected[name], err_msg=name)
-
-
-def test_a_disk_without_room_is_refused_before_anything_is_computed(disk, expected):
-    path = disk.folder / "m.h5"
-    for left in (0, 300_000, 1_400_000):  # the last would hold the values, but not what else is reserved
-        disk.fill(left)
-        with refused("are free", "make room"):
-            sweep(path)
-        assert left_in(disk.folder) == ["other"]
-        disk.make_room()
-    sweep(path).close()
-    assert_whole(path, expected)
-
-
-def fill_after(patch, disk, blocks):
-    """Let the disk be full once so many blocks are noted."""
-    record, seen = Writer.record, []
-
-    def filled(self, start, stop):
-        record(self, start, stop)
-        seen.append(start)
-        if len(seen) == blocks:
-            self._journal._commit()
-        if len(seen) == max(blocks, 1):
-            disk.fill()
-
-    patch.setattr(partial_file, "STEP_SECONDS", 60.0)
-    patch.setattr(Writer, "record", filled)
-
-
-def test_a_disk_that_fills_up_during_a_sweep_loses_nothing(disk, monkeypatch, expected):
-    """On a system that cannot reserve room."""
-    path = disk.folder / "m.h5"
-    with monkeypatch.context() as patch:
-        fill_after(patch, disk, 9)
-        patch.delattr(os, "posix_fallocate")
-        with pytest.raises(fl.InputError) as caught:
-            sweep(path)
-    assert "No space left on device" in str(caught.value)
-    assert "make room" in str(caught.value)
-    assert "are kept in" in caught.value.__notes__[0]
-    assert not path.exists()
-    with refused("to", "make room"):  # there is no more than before
-        sweep(path)
-    disk.make_room()
-    with sweep(path) as found:
-        assert found.attrs["designs_of_earlier_runs"] >= 16 * 9
-    assert_whole(path, expected)
-    assert left_in(disk.folder) == ["m.h5"]
-
-
-def test_a_sweep_whose_room_is_reserved_ends_on_a_disk_that_is_full_since(disk, monkeypatch, expected):
-    path = disk.folder / "m.h5"
-    with monkeypatch.context() as patch:
-        fill_after(patch, disk, 3)
-        sweep(path).close()
-    assert_whole(path, expected)
-    assert left_in(disk.folder) == ["m.h5", "other"]
-
-
-def test_a_sweep_that_cannot_begin_its_journal_leaves_nothing(disk, monkeypatch, expected):
-    path = disk.folder / "m.h5"
-    with monkeypatch.context() as patch:
-        fill_after(patch, disk, 0)
-        with refused("to", "make room"):
-            sweep(path)
-    assert left_in(disk.folder) == ["other"]
-    disk.make_room()
-    sweep(path).close()
-    assert_whole(path, expected)
 
 
 CONVERSIONS = {

@@ -1,7 +1,5 @@
 """The two layouts of a map: the same numbers, in other places."""
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import replace
 
@@ -9,8 +7,6 @@ import h5py
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
-from tests.io.test_faults import failing_after
-from tests.support.map_files import left_in
 from tests.support.refusals import refused
 from tests.support.study_files import BARE
 from typer.testing import CliRunner
@@ -19,7 +15,7 @@ import fastlink as fl
 from fastlink.app.cli import app
 from fastlink.engine.resolve import resolve
 from fastlink.engine.sinks import designs_per_block, needs_of
-from fastlink.io import checksums, partial_file
+from fastlink.io import checksums
 from fastlink.io.layout import Placement
 from fastlink.pictures.maps import select
 
@@ -93,44 +89,6 @@ def test_a_map_of_the_other_layout_is_refused_by_name(tmp_path):
     assert path.stat().st_mtime_ns == before
     sweep(path, layout="maps", overwrite=True).close()
     sweep(path, layout="maps").close()
-
-
-@pytest.mark.parametrize("space", [SPACES[name] for name in ("lengths", "speeds first")])
-def test_an_interrupted_run_goes_on_in_its_layout_alone(tmp_path, monkeypatch, space):
-    path, part = tmp_path / "m.h5", tmp_path / "m.h5.part"
-    with monkeypatch.context() as patch:
-        failing_after(patch, 3, KeyboardInterrupt())
-        with pytest.raises(KeyboardInterrupt):
-            sweep(path, space, layout="maps", block=9)
-    with refused("to", "restart=True"):
-        sweep(path, space)
-    assert part.exists()
-    with sweep(path, space, layout="maps", block=4, threads=2) as found, sweep(None, space) as expected:
-        assert found.attrs["designs_of_earlier_runs"] == 27 * (3 if space.size > 91 else 1)
-        assert_same(found, expected)
-    assert fl.check(path)
-    assert left_in(tmp_path) == ["m.h5"]
-
-
-def test_changed_values_of_a_partial_file_are_computed_again(tmp_path, monkeypatch, small_blocks):
-    space = SPACES["speeds first"]
-    path, part = tmp_path / "m.h5", tmp_path / "m.h5.part"
-    with monkeypatch.context() as patch:
-        patch.setattr(partial_file, "STEP_SECONDS", 0.0)
-        failing_after(patch, 20, KeyboardInterrupt())
-        with pytest.raises(KeyboardInterrupt):
-            sweep(path, space, layout="maps", block=4)
-    with h5py.File(part) as file:
-        start = file["theta4"].id.get_offset()
-    with open(part, "r+b") as file:
-        file.seek(start + space.size * 8 * 3 + 8 * 20)  # of the twenty-first design at the fourth position
-        file.write(b"changed!")
-    with pytest.warns(fl.InputWarning, match="designs have changed; they are computed again"):
-        found = sweep(path, space, layout="maps")
-    with found, sweep(None, space) as expected:
-        assert 0 < found.attrs["designs_of_earlier_runs"] < space.size
-        assert_same(found, expected)
-    assert fl.check(path)
 
 
 def test_a_study_and_the_command_line_choose_the_layout(tmp_path):

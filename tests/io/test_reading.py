@@ -1,7 +1,5 @@
 """Files keep the rules of CF, and are read as docs/files.md says: by other programs, without fastlink."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

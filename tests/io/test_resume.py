@@ -1,17 +1,16 @@
 """A run that was killed or interrupted is gone on with, and ends with the same bits."""
 
-from __future__ import annotations
-
 import errno
 import os
 import signal
 import subprocess
 import sys
 
+import h5py
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
-from tests.support.map_files import raising
+from tests.support.map_files import left_in, raising
 from tests.support.refusals import refused
 
 import fastlink as fl
@@ -21,26 +20,41 @@ from fastlink.io.partial_file import Journal, journal_of, read_journal
 from fastlink.io.writer import Writer
 
 COUPLERS, OUTPUTS = np.linspace(1.0, 1.4, 41), np.linspace(0.6, 1.0, 31)
-DESIGNS = {"a1": 0.4, "a2": COUPLERS, "a3": OUTPUTS, "a4": 1.0}
+FIXED = {"a1": 0.4, "a4": 1.0}
 SPEEDS = {"omega1": np.array([1.0, 5.0, 25.0])}
+LENGTHS = {"a2": COUPLERS, "a3": OUTPUTS}
+FEW = {"a2": COUPLERS[:20], "a3": OUTPUTS}
+TABLE = fl.table(
+    FIXED | {"a2": np.linspace(1.0, 1.4, 900), "a3": 0.8, "maker": [f"No. {k}" for k in range(900)]}
+)
 NAMES = ["omega4_max", "theta4", "grashof_class"]
+GRID = fl.grid(**FIXED, **LENGTHS, omega1=2.0)
+#: Designs and options of runs whose results, or coordinates too, are written block by block, in every order.
+RUNS = {
+    "grid": (GRID, {}),
+    "an axis that scales": (fl.grid(**FIXED, **FEW, **SPEEDS), {}),
+    "layout of maps": (GRID, {"layout": "maps"}),
+    "layout of maps, an axis that scales": (fl.grid(**FIXED, **SPEEDS, **FEW), {"layout": "maps"}),
+    "consecutive designs": (GRID.consecutive(100, 1100), {}),
+    "consecutive rows with texts": (TABLE.with_constants({"omega1": 2.0}).consecutive(10, 610), {}),
+    "consecutive rows, an axis that scales": (TABLE.consecutive(100, 500).with_axis("omega1", [1.0, 2.5, 7.0]), {}),
+    "consecutive rows, an axis": (
+        fl.grid(**FIXED, a2=np.linspace(1.0, 1.4, 500), omega1=2.0).consecutive(100, 400).with_axis("a3", [0.7, 0.8]),
+        {},
+    ),
+    "part": (GRID, {"part": (2, 3)}),
+    "part, an axis that scales": (fl.grid(**FIXED, **SPEEDS, **FEW), {"part": (2, 3)}),
+}  # fmt: skip
 
 
-def sweep(to, **given):
-    options = {
-        "theta1": 8,
-        "block": 64,
-        "threads": 1,
-        "to": to,
-        "verify": 1,
-        "branch": given.pop("branch", (1, 2)),
-    }
-    options |= given.pop("options", {})
-    return fl.sweep("planar_4r", fl.grid(**(DESIGNS | {"omega1": 2.0} | given)), NAMES, **options)
+def sweep(to, run="grid", **options):
+    space, of_run = RUNS[run]
+    given = {"theta1": 8, "block": 16, "threads": 1, "verify": 1, "branch": (1, 2), "to": to}
+    return fl.sweep("planar_4r", space, NAMES, **given | of_run | options)
 
 
-def interrupt_after(monkeypatch, records):
-    """Let a sweep be interrupted once so many blocks are written."""
+def interrupted(monkeypatch, path, records, **options):
+    """Sweep until so many blocks are written; return the interrupt."""
     record = Writer.record
 
     def counted(self, start, stop, seen=[0]):  # noqa: B006
@@ -49,48 +63,91 @@ def interrupt_after(monkeypatch, records):
         if seen[0] == records:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(Writer, "record", counted)
+    with monkeypatch.context() as patched:
+        patched.setattr(partial_file, "STEP_SECONDS", 0.0)
+        patched.setattr(Writer, "record", counted)
+        with pytest.raises(KeyboardInterrupt) as caught:
+            sweep(path, **options)
+    assert not path.exists()
+    return caught.value
 
 
 def assert_same(resumed, expected):
-    for name in expected:
+    """Assert the same values, coordinates and counts of designs."""
+    assert set(resumed.variables) == set(expected.variables)
+    for name in expected.variables:
         assert_array_equal(resumed[name], expected[name], err_msg=name)
     counts = [name for name in expected.attrs if name.startswith("designs_") and name != "designs_per_second"]
     assert len(counts) >= 5
     assert all(resumed.attrs[name] == expected.attrs[name] for name in counts)
 
 
-@pytest.mark.parametrize("given", [{}, {"a2": COUPLERS[:20], **SPEEDS}])
-def test_an_interrupted_sweep_goes_on(tmp_path, monkeypatch, given):
+@pytest.mark.sample(5)
+@pytest.mark.parametrize("run", RUNS)
+def test_an_interrupted_run_goes_on(tmp_path, monkeypatch, run):
     path = tmp_path / "map.h5"
-    with monkeypatch.context() as patched:
-        interrupt_after(patched, 5)
-        with pytest.raises(KeyboardInterrupt) as caught:
-            sweep(path, **given)
-    assert "run the same again" in caught.value.__notes__[0]
-    assert not path.exists()
+    assert "run the same again" in interrupted(monkeypatch, path, 5, run=run).__notes__[0]
+    other = {"part": (1, 3)} if "part" in run else {"layout": "curves"} if "layout" in run else {"theta1": 9}
+    with refused("to", "restart=True"):
+        sweep(path, run, **other)
     # the rest with other blocks and threads
-    more = {"options": {"block": 40, "threads": 2}}
-    with sweep(path, **given, **more) as resumed, sweep(tmp_path / "whole.h5", **given) as expected:
-        assert resumed.attrs["designs_of_earlier_runs"] == 5 * 64 * (3 if "omega1" in given else 1)
+    with sweep(path, run, block=40, threads=2) as resumed, sweep(tmp_path / "whole.h5", run) as expected:
+        done = resumed.attrs["designs_of_earlier_runs"]
+        assert 0 < done < resumed.status.size
+        assert "scales" in run or done == 5 * 16
         assert "designs_of_earlier_runs" not in expected.attrs
         assert_same(resumed, expected)
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["map.h5", "whole.h5"]
+        with sweep(path, run) as again:  # finished
+            assert again.attrs == resumed.attrs
+    assert fl.check(path)
+    assert left_in(tmp_path) == ["map.h5", "whole.h5"]
 
 
-@pytest.mark.parametrize("change", [{"omega1": 3.0}, {"options": {"theta1": 9}}])
-def test_another_sweep_is_refused_and_starts_afresh_when_told(tmp_path, monkeypatch, change):
+def flip(path, name, design, part):
+    """Change one bit of the first value that a file holds of a design."""
+    with h5py.File(part) as file:
+        data = file[name]
+        a_design = data.nbytes // data.shape[0] if data.ndim == 1 or name != "theta4" else data.dtype.itemsize
+        place = data.id.get_offset() + design * a_design
+    with open(path, "r+b") as file:
+        file.seek(place)
+        byte = file.read(1)
+        file.seek(place)
+        file.write(bytes([byte[0] ^ 1]))
+
+
+@pytest.mark.parametrize(
+    ("run", "name"),
+    [
+        ("grid", "theta4"),
+        ("layout of maps, an axis that scales", "theta4"),
+        ("consecutive designs", "a2"),
+        ("consecutive designs", "design"),
+    ],
+)
+def test_what_has_changed_of_a_partial_file_is_computed_again(tmp_path, monkeypatch, small_blocks, run, name):
     path = tmp_path / "map.h5"
-    with monkeypatch.context() as patched:
-        interrupt_after(patched, 5)
-        with pytest.raises(KeyboardInterrupt):
-            sweep(path)
+    interrupted(monkeypatch, path, 20, run=run)
+    part = tmp_path / "map.h5.part"
+    flip(part, name, 20, part)
+    with pytest.warns(fl.InputWarning, match="designs have changed; they are computed again"):
+        found = sweep(path, run)
+    with found, sweep(None, run) as expected:
+        assert 0 < found.attrs["designs_of_earlier_runs"] < found.status.size
+        assert_same(found, expected)
+    assert fl.check(path)
+    flip(path, name, 20, path)
+    assert list(fl.check(path).damaged) == [name]
+
+
+def test_another_sweep_is_refused_and_starts_afresh_when_told(tmp_path, monkeypatch):
+    path = tmp_path / "map.h5"
+    interrupted(monkeypatch, path, 5)
     before = [one.read_bytes() for one in sorted(tmp_path.iterdir())]
-    with refused("to", "restart=True"), sweep(path, **change):
-        pass
+    with refused("to", "restart=True"):
+        sweep(path, theta1=9)
     assert [one.read_bytes() for one in sorted(tmp_path.iterdir())] == before
-    change = {**change, "options": {**change.get("options", {}), "restart": True}}
-    with sweep(path, **change) as resumed:
+    with sweep(path, theta1=9, restart=True) as resumed:
         assert "designs_of_earlier_runs" not in resumed.attrs
     assert [path.name for path in tmp_path.iterdir()] == ["map.h5"]
 
@@ -98,13 +155,10 @@ def test_another_sweep_is_refused_and_starts_afresh_when_told(tmp_path, monkeypa
 def test_a_sweep_may_be_interrupted_again_and_again(tmp_path, monkeypatch):
     path = tmp_path / "map.h5"
     for _ in range(3):
-        with monkeypatch.context() as patched:
-            interrupt_after(patched, 4)
-            with pytest.raises(KeyboardInterrupt):
-                sweep(path)
+        interrupted(monkeypatch, path, 4)
     with sweep(path) as resumed, sweep(tmp_path / "whole.h5") as expected:
-        assert resumed.attrs["designs_of_earlier_runs"] == 12 * 64
-        assert "resumed         768 designs from an earlier run" in fl.summary(resumed)
+        assert resumed.attrs["designs_of_earlier_runs"] == 12 * 16
+        assert "resumed         192 designs from an earlier run" in fl.summary(resumed)
         assert_same(resumed, expected)
 
 
@@ -160,10 +214,7 @@ def test_a_resumed_run_that_cannot_begin_its_journal_keeps_that_of_the_run_befor
 ):
     """What was noted stays noted: the old journal goes when the new one names the same designs."""
     path = tmp_path / "map.h5"
-    with monkeypatch.context() as patched:
-        interrupt_after(patched, 5)
-        with pytest.raises(KeyboardInterrupt):
-            sweep(path)
+    interrupted(monkeypatch, path, 5)
     start = Journal._start
     with monkeypatch.context() as patched:
 
@@ -175,9 +226,9 @@ def test_a_resumed_run_that_cannot_begin_its_journal_keeps_that_of_the_run_befor
         patched.setattr(Journal, "_start", failing)
         with refused("to"):
             sweep(path)
-    assert read_journal(tmp_path / "map.h5.part")[1] == [(0, 5 * 64)]
+    assert read_journal(tmp_path / "map.h5.part")[1] == [(0, 5 * 16)]
     with sweep(path) as resumed:
-        assert resumed.attrs["designs_of_earlier_runs"] == 5 * 64
+        assert resumed.attrs["designs_of_earlier_runs"] == 5 * 16
 
 
 def test_at_no_moment_are_noted_designs_without_a_journal(tmp_path, monkeypatch):

@@ -1,7 +1,5 @@
 """Pictures, films, pages and measurements: an older file of the name stays until the new one is whole."""
 
-from __future__ import annotations
-
 import errno
 import os
 

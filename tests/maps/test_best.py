@@ -46,10 +46,12 @@ def front_by_definition(points):
 def clouds(draw):
     """Points with many ties, some objectives that agree or oppose each other."""
     rows, columns = draw(st.integers(1, 60)), draw(st.integers(2, 4))
-    values = draw(
-        st.lists(st.integers(0, draw(st.integers(1, 30))), min_size=rows * columns, max_size=rows * columns)
-    )
-    points = np.array(values, dtype=float).reshape(rows, columns)
+    whole = st.integers(0, draw(st.integers(1, 30))).map(float)
+    value = st.one_of(
+        whole, whole, whole, st.sampled_from([np.inf, -np.inf])
+    )  # infinities are values as others
+    values = draw(st.lists(value, min_size=rows * columns, max_size=rows * columns))
+    points = np.array(values).reshape(rows, columns)
     points[:, 1] = draw(st.sampled_from([points[:, 1], -points[:, 0], points[:, 0]]))
     return points
 
@@ -58,7 +60,9 @@ def clouds(draw):
 @settings(max_examples=200, deadline=None)
 def test_the_front_is_that_of_the_definition(points, cut):
     expected = front_by_definition(points)
-    assert sorted(nondominated(points).tolist()) == expected
+    found = nondominated(points)
+    assert sorted(found.tolist()) == expected
+    assert_array_equal(np.lexsort(points[found].T[::-1]), np.arange(len(found)))
     front = points[:cut][nondominated(points[:cut])]
     left = undominated(points[cut:], front)
     assert {k - cut for k in expected if k >= cut} <= set(left.tolist())

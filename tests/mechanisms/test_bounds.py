@@ -5,8 +5,6 @@ value is none, where a gap of the lengths counts as zero, and where powers under
 common: an infinite error meets a slope of 0, or another infinite one.
 """
 
-from __future__ import annotations
-
 import contextlib
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Derivatives of extremes by the inputs are those of the extremes, as differences with 50 digits tell."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from tests.support.extremes import SEARCHED, designs_of, searched, slopes_of_extremes

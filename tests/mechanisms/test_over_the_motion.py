@@ -101,7 +101,7 @@ def test_the_verification_counts_the_same_positions(tmp_path: Any) -> None:
     assert all(maps[name].attrs["error_max_relative"] < 1e-14 for name in names)
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("part", range(6))
 @pytest.mark.parametrize("mechanism", [name for name in NAMES if catalogue(name).graded is not None])
 def test_a_peak_is_the_greatest_magnitude(mechanism: str, part: int) -> None:

@@ -1,7 +1,5 @@
 """A mechanism of a user's own, from a sheet: the same numbers as one that is built in, and the refusals of sheets."""
 
-from __future__ import annotations
-
 import pickle
 import re
 from pathlib import Path

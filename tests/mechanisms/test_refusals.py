@@ -1,7 +1,5 @@
 """What a sweep over any mechanism says of a wrong request: the key that is wrong, and what to write instead."""
 
-from __future__ import annotations
-
 import pytest
 from tests.support.refusals import refused
 

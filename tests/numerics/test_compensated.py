@@ -1,7 +1,5 @@
 """Sums and products that keep every digit: exact in rational numbers, with twice the digits of any reading."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np

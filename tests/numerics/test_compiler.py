@@ -1,7 +1,5 @@
 """Texts of functions are read by any number of threads."""
 
-from __future__ import annotations
-
 import gc
 import sys
 import time

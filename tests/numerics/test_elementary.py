@@ -1,7 +1,5 @@
 """Elementary functions and sums: compiled and plain, against mpmath and IEEE 754."""
 
-from __future__ import annotations
-
 import itertools
 
 import mpmath as mp

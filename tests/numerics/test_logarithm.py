@@ -1,7 +1,5 @@
 """Logarithms: compiled and plain, against mpmath and IEEE 754, and as facts differentiate them."""
 
-from __future__ import annotations
-
 import itertools
 import re
 

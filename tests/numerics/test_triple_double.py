@@ -1,7 +1,5 @@
 """Sums of three doubles: their errors stay below their bounds, and tables made of them are correctly rounded."""
 
-from __future__ import annotations
-
 import math
 
 import mpmath

@@ -1,7 +1,5 @@
 """Reductions over the cycle: one entry is all that a new one needs, and a wrong one is found."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Integrals over a turn that do not exist: decided by how quantities grow at toggles, which is measured here."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

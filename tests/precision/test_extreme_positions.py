@@ -1,7 +1,5 @@
 """Positions from the least to the greatest double are held to a few roundings, as all others."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from tests.support.precision import in_every_mode, plain, wrong

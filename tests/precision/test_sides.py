@@ -1,7 +1,5 @@
 """Extremes at folds, where a slope in doubles is its own rounding error: of the reference, and lists of kernels."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from tests.support.configurations import masses_and_points

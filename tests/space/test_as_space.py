@@ -1,7 +1,5 @@
 """What stands in place of a design space: tables, one design, Datasets; and labels of designs."""
 
-from __future__ import annotations
-
 from decimal import Decimal
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Columns that are computed where they are looked at, and consecutive designs of any space."""
 
-from __future__ import annotations
-
 import pickle
 import tracemalloc
 from fractions import Fraction

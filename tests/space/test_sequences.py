@@ -1,7 +1,5 @@
 """Sobol's sequence and Latin hypercubes, design by design: scipy's bits, one design in each slice."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import pickle

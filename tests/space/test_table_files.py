@@ -1,7 +1,5 @@
 """Tables in files, small ones in memory and large ones block by block: the same designs, labels and refusals."""
 
-from __future__ import annotations
-
 import math
 import pickle
 import sys

@@ -1,7 +1,5 @@
 """Functions of `fastlink.numerics` as kernels compile them, by both compilers."""
 
-from __future__ import annotations
-
 import ast
 
 import numpy as np

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from benchmarks.cases import near_change_point as near_change_point
 from benchmarks.cases import near_toggle as near_toggle
 
+import fastlink as fl
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.fact import Input
 from fastlink.mechanisms import catalogue
@@ -120,3 +121,16 @@ def condition_sums(
     """Return sum over the inputs of |x df/dx|: what one rounding of each input does to each quantity."""
     facts = HighPrecision(catalogue, names, inputs, variants)
     return facts.condition(facts.at(inputs), [name for name in inputs if name != "branch"])
+
+
+def under_loads(seed: int, loads: Sequence[str]) -> dict[str, float]:
+    """Return one random design with these loads, at an angle where it assembles, as numbers."""
+    rng = np.random.default_rng(seed)
+    while True:
+        inputs = dict(zip(LENGTHS, random_lengths(rng, 1), strict=True)) | masses_and_points(rng, 1)
+        for load in loads:
+            inputs |= draw(PLANAR.variant_inputs[load], rng, 1)
+        one = {name: float(value[0]) for name, value in inputs.items()}
+        one |= {"theta1": rng.uniform(-np.pi, np.pi), "branch": int(rng.integers(1, 3))}
+        if fl.evaluate("planar_4r", ["transmission_angle"], **one)["transmission_angle"] > 0.2:
+            return one

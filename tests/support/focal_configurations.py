@@ -1,7 +1,5 @@
 """Configurations of the focal mechanism, easy and hard."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fastlink.mechanisms import catalogue

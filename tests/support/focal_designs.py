@@ -1,7 +1,5 @@
 """Designs of the focal mechanism, easy and hard, and their facts."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fastlink.facts.evaluate import read_facts
@@ -26,17 +24,6 @@ def random_designs(rng, n):
     """Designs of all classes, with rho of either sign."""
     lengths = dict(zip(LENGTHS, rng.uniform(0.2, 2.0, (4, n)), strict=True))
     return lengths | {"rho": 2.0 * rng.normal(size=n)}
-
-
-def given_by(name, designs):
-    """Return designs given by s or lambda_ instead of rho; those that have none are left out."""
-    if name == "rho":
-        return designs
-    if name == "s":
-        return designs | {"s": designs["d"] * designs["rho"] / (1.0 + designs["rho"])}
-    found = facts(designs, 1.0, ["lambda_"])["lambda_"]
-    kept = np.isfinite(found)
-    return {key: values[kept] for key, values in (designs | {"lambda_": found}).items()}
 
 
 def facts(designs, completion, names=FACTS, given="rho"):

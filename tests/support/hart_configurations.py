@@ -24,19 +24,12 @@ def family(kind: str, rng: np.random.Generator, n: int) -> dict[str, np.ndarray]
     name, *_, size = kind.split(" ") if " " in kind else (kind, "1")
     m, n_, kappa = rng.uniform(0.3, 2.0, n), rng.uniform(0.3, 2.0, n), some_kappa(rng, n)
     sign = rng.choice([-1.0, 1.0], n)
-    if name == "kappa":
-        kappa = sign * float(size) * rng.uniform(1.0, 2.0, n)
-    elif name == "near":
+    if name == "near":
         kappa = sign * (1.0 + float(size) * rng.choice([-1.0, 1.0], n))
-    elif name == "great":
-        kappa = sign * rng.uniform(5.0, 100.0, n)
     K = abs(kappa)
     low, high = abs(1.0 - K) * abs(m - n_), (1.0 + K) * (m + n_)
     d = low + (high - low) * rng.uniform(0.02, 0.98, n)
-    if name == "kite":
-        m = K * n_
-        d = abs((1.0 - K) * (1.0 + K)) * n_ + float(size) * rng.uniform(-1.0, 1.0, n)
-    elif name == "gap":
+    if name == "gap":
         reach = np.where(rng.random(n) < 0.5, abs(1.0 - K) * (m + n_), (1.0 + K) * abs(m - n_))
         d = reach + float(size) * rng.uniform(-1.0, 1.0, n)
     e = np.where(K < 1.0, d, -d)
@@ -47,10 +40,7 @@ def family(kind: str, rng: np.random.Generator, n: int) -> dict[str, np.ndarray]
     if name == "toggle":
         share = np.where(rng.random(n) < 0.5, float(size), 1.0 - float(size))
     phi = 2.0 * np.arcsin(np.sqrt(np.clip(first + (last - first) * share, 0.0, 1.0)))
-    if name == "folded":
-        phi = float(size) * rng.uniform(0.5, 2.0, n)
-    scale = float(size) if name == "scale" else 1.0
-    return {"m": m * scale, "n": n_ * scale, "d": d * scale, "kappa": kappa, "phi": phi * sign}
+    return {"m": m, "n": n_, "d": d, "kappa": kappa, "phi": phi * sign}
 
 
 def along_line(rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:

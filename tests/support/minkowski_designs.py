@@ -1,7 +1,5 @@
 """Designs of the Minkowskian 4R by the conditions of the paper's theorems, and their facts."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fastlink.facts.evaluate import read_facts

@@ -6,8 +6,6 @@ ordinary ones, multiples of a quarter turn, toggles, very small and very great o
 and 1e-60 angles have powers that underflow, see "Not guaranteed" in docs/accuracy.md.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 ULP = 2.0**-52

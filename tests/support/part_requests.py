@@ -1,7 +1,5 @@
 """Requests of each kind of design space, for the tests of sweeps in parts."""
 
-from __future__ import annotations
-
 import numpy as np
 
 import fastlink as fl

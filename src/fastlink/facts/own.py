@@ -36,7 +36,16 @@ from fastlink.facts.expression import (
 )
 from fastlink.facts.fact import Fact, Input, System
 from fastlink.facts.formula import NAMESPACE, CatalogueError, Formula
-from fastlink.facts.names import ErrorBound, ListOfExtrema, Reduced, Trust, bounded_of, plain_part, root_of
+from fastlink.facts.names import (
+    ErrorBound,
+    ListOfExtrema,
+    Quantity,
+    Reduced,
+    Trust,
+    bounded_of,
+    plain_part,
+    root_of,
+)
 from fastlink.facts.powers import UNITS, Powers, UnlikePowers, units_text
 from fastlink.numerics.compiler import parsed
 from fastlink.numerics.elementary import NOT_A_NUMBER, select, sqrt
@@ -912,13 +921,15 @@ def _units_of(catalogue: Catalogue, one: OwnQuantity, name: str) -> str:
     if name == "branch":
         return "1"
     tree = catalogue.parse(name)
-    of, what = bounded_of(tree), f"the parameter {name} is"
+    of, own, what = bounded_of(tree), Quantity(one.name), f"the parameter {name} is"
     if isinstance(of, (Reduced, ListOfExtrema)) and catalogue.is_quantity(str(of.of)):
         what += " of the whole cycle, and a quantity is of one input position"
-        remedy = f"take {of.of}, and ask for the extremes of {one.name}: {one.name}_max, {one.name}_mean"
+        remedy = (
+            f"take {of.of}, and ask for the extremes of {own}: {Reduced(own, 'max')}, {Reduced(own, 'mean')}"
+        )
     elif isinstance(tree, (ErrorBound, Trust)) and catalogue.is_quantity(str(tree.of)):
         what += " an error bound"
-        remedy = f"take {tree.of}; {one.name}_error follows by itself"
+        remedy = f"take {tree.of}; {ErrorBound(own)} follows by itself"
     elif name == one.name:
         what, remedy = "depends on itself", "take parameters that are declared before"
     elif not catalogue.is_quantity(name):

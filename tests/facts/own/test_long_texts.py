@@ -54,7 +54,7 @@ def declared(tmp_path):
     return declare
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("kind", TEXTS)
 def test_a_long_chain_has_the_value_that_python_gives_it(declared, kind):
     mine, function = declared(f"    return {TEXTS[kind]}")
@@ -90,6 +90,7 @@ def test_a_long_chain_is_taken_by_every_reader(declared, kind):
     assert float(maps.long_error.max()) < 1e-9
 
 
+@pytest.mark.stress
 def test_ten_thousand_terms(declared):
     lines = [f"    y = {'y + ' if k else ''}{TEXTS['sum']}" for k in range(10)]
     mine, function = declared("\n".join([*lines, "    return y"]))

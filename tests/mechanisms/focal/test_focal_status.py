@@ -1,7 +1,5 @@
 """Status of focal mechanisms at and next to every boundary, and a study at reduced size."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from pathlib import Path
 

@@ -1,74 +1,24 @@
-"""Hart's linkage: the line, the loop of the paper's equations, the stroke by brute force, the kite, status."""
-
-from __future__ import annotations
+"""Hart's linkage: the stroke by brute force, the kite, status; its equations are held by the loops (test_loops.py)."""
 
 from pathlib import Path
 
-import mpmath as mp
 import numpy as np
 import pytest
-from tests.support.configurations import DIGITS
 from tests.support.hart_configurations import (
     HART,
-    INPUTS,
     OF_THE_CRANK,
     QUANTITIES,
     WUNDERLICH,
     at,
-    family,
 )
 
 import fastlink as fl
 from fastlink.app.study import run_study
 from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
-from fastlink.precision.reference import HighPrecision
 
 KITE_FLAGS = catalogue("hart").facts["is_kite"].flags
 STATUS_FLAGS = catalogue("hart").facts["status"].flags
-
-
-# -- the equations of the paper -------------------------------------------------------------------------------
-
-
-def test_the_equations_of_the_paper_hold():
-    """By substitution with 50 digits: u, v are the bars MP, NQ, w is the angle omega.
-
-    Section 7: with AB held fixed, F moves along a straight line perpendicular to AB.
-    """
-    names = ["psi", "omega_angle", "F_x", "F_y", *"pqabc", "lambda_", "A_x", "A_y", "B_x", "B_y"]
-    facts, line = (
-        HighPrecision(HART, names, [*INPUTS, "branch"]),
-        HighPrecision(HART, ["line_x"], INPUTS[:-1]),
-    )
-    drawn, tested = family("random", np.random.default_rng(3), 40), 0
-    for i in range(40):
-        one = {name: float(values[i]) for name, values in drawn.items()} | {"branch": 1 + i % 2}
-        found = facts.at(one)
-        if mp.isnan(found["psi"]):
-            continue
-        with mp.workdps(DIGITS):
-            m, n, d, kappa = (mp.mpf(one[name]) for name in INPUTS[:-1])
-            p, q, a, b, c, factor = (mp.mpf(found[name]) for name in (*"pqabc", "lambda_"))
-            turned = 1 if factor > 0 else -1  # phi and psi are the directions of MA, NB
-            u, v = turned * mp.expj(one["phi"]), turned * mp.expj(found["psi"])
-            A, B, z = (mp.mpc(found[f"{joint}_x"], found[f"{joint}_y"]) for joint in "ABF")
-            w, K = mp.expj(found["omega_angle"]), abs(kappa)
-            held = line.at({"m": K**2 * m, "n": K**2 * n, "d": K * d, "kappa": 1 / K})["line_x"]
-            off = [
-                m * u - p * u * w - z,  # (1.3)
-                d + n * v + q * v * w - z,  # (1.4)
-                a * u - A,
-                d + b * v - B,
-                abs(a * u - b * v - d) - abs(c),  # (2.3)
-                m * p + n * q,  # section 7
-                1 + p * q / (m * n) - factor,  # (2.6)
-                d / 2 + (1 - kappa * kappa) * (m * m - n * n) / (2 * d) - z.real,  # (7.5), corrected
-                ((z - A) * mp.conj(B - A)).real / abs(B - A) - held,
-            ]
-            assert max(map(abs, off)) <= mp.mpf(10) ** (5 - DIGITS)
-        tested += 1
-    assert tested > 20
 
 
 # -- the stroke, and F as the driven joint ---------------------------------------------------------------------

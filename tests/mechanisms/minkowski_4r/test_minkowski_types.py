@@ -1,7 +1,5 @@
 """Limits, types, branching and status of the Minkowskian 4R: the paper's examples, tables and theorems, exactly."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import mpmath as mp

@@ -1,7 +1,5 @@
 """Circuits: which configurations a linkage of any class moves through without being taken apart."""
 
-from __future__ import annotations
-
 from collections import Counter
 
 import numpy as np

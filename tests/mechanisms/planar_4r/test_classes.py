@@ -1,8 +1,5 @@
 """Class, ranges, swing, transmission angle and time ratio of a design: rational numbers, and the law of cosines."""
 
-from __future__ import annotations
-
-import math
 from fractions import Fraction
 
 import mpmath as mp
@@ -20,7 +17,6 @@ CODES = {meaning: code for code, meaning in CLASS_FLAGS.items()}
 LIMITS = [f"{joint}_{end}" for joint in ("theta1", "theta4") for end in ("low", "high")]
 LIMITS += ["swing", "least_transmission_angle", "time_ratio"]
 FACTS = ["grashof_class", "grashof_excess", *LIMITS]
-TABLE_1 = (0.4, 1.2, 0.8, 1.0)
 NAMES_OF_LINKS = ("crank", "coupler", "output_link", "ground")
 
 
@@ -141,19 +137,3 @@ def test_limits_are_those_of_the_law_of_cosines(kind):
                 tested += 1
         assert mp.isnan(found["time_ratio"]) == ("time_ratio" not in expected)
     assert tested > 200
-
-
-def test_table_1():
-    got = facts(TABLE_1)
-    assert got["grashof_class"] == "crank_rocker"
-    # The excess of the lengths as the doubles they are: each is off by half a unit at most.
-    assert got["grashof_excess"] == pytest.approx(-0.2, abs=2 * UNIT_ROUNDING * sum(TABLE_1))
-    assert (got["theta1_low"], got["theta1_high"]) == (0.0, np.pi)
-    # |AD| = 0.6 and 1.4 with sides 1.2 and 0.8; |OB| = 0.8 and 1.6 with sides 0.8 and 1.0. A few roundings.
-    for name, cosine in (
-        ("least_transmission_angle", (2.08 - 0.36) / 1.92),
-        ("theta4_low", -(1.64 - 2.56) / 1.6),
-        ("theta4_high", -(1.64 - 0.64) / 1.6),
-    ):
-        assert got[name] == pytest.approx(math.acos(cosine), rel=1e-14), name
-    assert got["swing"] == pytest.approx(math.acos(-0.625) - math.acos(0.575), rel=1e-14)

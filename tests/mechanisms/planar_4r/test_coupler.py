@@ -1,7 +1,5 @@
 """The coupler curve: sextic, cognates, straightness and inflections, each against another way to it."""
 
-from __future__ import annotations
-
 import mpmath as mp
 import numpy as np
 import pytest

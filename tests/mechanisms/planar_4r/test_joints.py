@@ -1,7 +1,5 @@
 """Joint angles and half-angle tangents driven by theta1 or any joint: the six equations, and what the joints do."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import mpmath as mp
@@ -84,27 +82,6 @@ def test_the_six_equations_and_their_derivatives_hold(drive):
                 second = 2 * (P * y**2 + Q) * dx**2 + 2 * (P * x**2 + R) * dy**2
                 second += 2 * (4 * P * x * y + cross) * dx * dy
                 assert abs(slope_x * ddx + slope_y * ddy + second) < small
-
-
-@pytest.mark.parametrize("drive", DRIVES)
-def test_joints_are_the_turns_of_a_polygon_that_stays_closed(drive):
-    """The polygon of the convention, and its first and second derivative, from nothing but the joints."""
-    with mp.workdps(DIGITS):
-        for given, joints in configurations(drive, 10):
-            direction, spin, bend = mp.pi, mp.mpf(0), mp.mpf(0)
-            position = velocity = acceleration = mp.mpc(0)
-            for i in JOINTS:
-                direction += (
-                    joints[f"joint_angle_{i}"] if drive != "theta1" or i > 1 else given["theta1"] - mp.pi
-                )
-                spin += joints[f"joint_omega_{i}"]
-                bend += joints[f"joint_alpha_{i}"]
-                link = given[f"a{i}"] * mp.expj(direction)
-                position += link
-                velocity += 1j * spin * link
-                acceleration += (1j * bend - spin**2) * link
-            for left in (position, velocity, acceleration, mp.expj(direction) + 1, spin, bend):
-                assert abs(left) < EXACT
 
 
 @pytest.mark.parametrize("k", JOINTS)

@@ -331,6 +331,8 @@ def test_what_is_constant_or_never_assembles_has_no_extremum(lengths, omega1, mo
         assert np.isnan([value.values, theta1.values]).all()
         assert not np.any(count)
         assert not np.any(kind)
+        assert value.dims == theta1.dims == kind.dims == (*count.dims, "extremum")
+        assert count.dtype == kind.dtype == np.int8
     ends = [f"{rate}_{end}" for rate in RATES for end in ("max", "min")]
     maps = fl.sweep("planar_4r", fl.table(designs), ends)
     assert all(np.array_equal(maps[end], [[most, most]], equal_nan=True) for end in ends)
@@ -344,34 +346,3 @@ def test_angles_of_a_kite_come_to_their_limits_at_the_fold():
         # half-turns to the last bit: pi is rounded, and so is the angle next to it
         np.testing.assert_allclose(found[f"{name}_max"], [0.0, np.pi], atol=2.0**-51)
         np.testing.assert_allclose(found[f"{name}_min"], [-np.pi, 0.0], atol=2.0**-51)
-
-
-#: Table 2 of Hayes et al. (the wrong figures corrected, docs/papers.md): mode, quantity, theta1, value, kind.
-TABLE_2 = [
-    (1, "omega4", "0.36933536508", "-23.95938172", -1),
-    (1, "omega4", "4.616020295", "13.51343678", 1),
-    (1, "alpha4", "0.8382412814", "462.6986574", 1),
-    (1, "alpha4", "6.134929607", "-1062.775829", -1),
-    (2, "omega4", "1.667165012", "13.51343678", 1),
-    (2, "omega4", "5.913849943", "-23.95938172", -1),
-    (2, "alpha4", "0.1482557001", "1062.775829", 1),
-    (2, "alpha4", "5.444944024", "-462.6986574", -1),
-]
-
-
-def test_table_2_of_the_paper():
-    designs = by_lengths([[0.4], [1.2], [0.8], [1.0]], 25.0)
-    lists = listed(designs, ["omega4", "alpha4"])
-    for mode, quantity, theta1, printed, kind in TABLE_2:
-        value, place, count, kinds = (part.sel(branch=mode).values[0] for part in lists[quantity])
-        assert count == 2
-        (j,) = np.flatnonzero(kinds == kind)
-        # The printed angles come from a search of flat extrema: up to 1.8e-9 off.
-        assert abs(place[j] - float(theta1)) <= 2e-9
-        # All printed digits of the value: some are cut, not rounded.
-        assert abs(value[j] - float(printed)) <= 10.0 ** -len(printed.partition(".")[2])
-    value, place, count, kind = lists["omega4"]
-    assert value.dims == place.dims == kind.dims == ("design", "branch", "extremum")
-    assert count.dims == ("design", "branch")
-    assert count.dtype == kind.dtype == np.int8
-    assert (value.attrs["units"], place.attrs["units"]) == ("rad s-1", "rad")

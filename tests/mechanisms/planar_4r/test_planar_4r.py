@@ -3,8 +3,6 @@
 Its formulas are held by the loops (tests/precision/test_loops.py).
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from tests.support.configurations import (
@@ -14,8 +12,8 @@ from tests.support.configurations import (
     all_loads,
     masses_and_points,
     random_lengths,
+    under_loads,
 )
-from tests.support.newton import configuration
 
 import fastlink as fl
 from fastlink.codegen.kernel import kernel_of
@@ -66,7 +64,7 @@ ODD = ("T41", *MOMENTS, *(f"inertia_moment{i}" for i in (1, 2, 3)), *TANGENTS)
 def test_the_mirror_in_the_ground_line_exchanges_the_branches_bit_by_bit():
     """Every operation is odd or even in what changes sign, and rounding is symmetric."""
     for seed in range(20):
-        one = configuration(200 + seed, LOADS)
+        one = under_loads(200 + seed, LOADS)
         other = {name: -value if name in MIRRORED else value for name, value in one.items()}
         got = fl.evaluate("planar_4r", EVERY, **one)
         mirrored = fl.evaluate("planar_4r", EVERY, **other | {"branch": 3 - one["branch"]})

@@ -1,7 +1,5 @@
 """Forces at the folded position of a change point: infinite or not, however small the factor of the pole is."""
 
-from __future__ import annotations
-
 import numpy as np
 
 import fastlink as fl

@@ -3,8 +3,6 @@
 Its formulas are held by the loops (tests/precision/test_loops.py).
 """
 
-from __future__ import annotations
-
 import re
 from fractions import Fraction
 from itertools import product

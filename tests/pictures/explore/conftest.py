@@ -1,7 +1,5 @@
 """One browser, and one small map, for all tests of the page."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from tests.support.browser import chromium

@@ -1,7 +1,5 @@
 """The page in a real browser: what a reader sees follows from what is done."""
 
-from __future__ import annotations
-
 import contextlib
 import csv
 import time

@@ -1,7 +1,5 @@
 """What the server answers, and what it refuses."""
 
-from __future__ import annotations
-
 import contextlib
 import itertools
 import json

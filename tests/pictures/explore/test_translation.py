@@ -1,7 +1,5 @@
 """Facts as JavaScript give what the same facts give in Python, and motions the same ranges."""
 
-from __future__ import annotations
-
 from importlib.resources import files
 
 import numpy as np
