@@ -305,13 +305,15 @@ def request_of(source: Source, strip: Any, curves: Any, show: Any, degrees: Any,
         for choice in _choices(catalogue, links, numbers)
     )
     words, names = _words(motions[0], show), _curves(motions[0], curves, source.own)
-    degrees = degrees or in_degrees
+    degrees = degrees or in_degrees or positions is None
     key = degrees_name(catalogue.position.name) if in_degrees else catalogue.position.name
     drawable = tuple(motion for motion in motions if motion.ranges) or motions[:1]
     for motion in drawable:
         motion.check(positions, degrees, key)
     if positions is None:
         positions = drawable[0].spread(strip, ends=False) if strip else np.array([drawable[0].usual])
+    if source.branch is None and (moves or words & set(motions[0].picture.loads)):
+        drawable = tuple(_one_mode(motion, positions) for motion in drawable)
     titles = tuple(_title(motion, len(drawable)) for motion in drawable)
     return Request(drawable, titles, positions, words, names, degrees, moves)
 
@@ -390,6 +392,12 @@ def _choices(
     for name, codes in found.items():
         choices = [{**one, name: float(code)} for one in choices for code in codes]
     return choices
+
+
+def _one_mode(motion: Motion, positions: Any) -> Motion:
+    """Return a design in the first assembly mode that it has there: arrows and films of several cover each other."""
+    found = int(motion.assembles(positions).any(axis=1).argmax())
+    return replace(motion, branches=(motion.branches[found],))
 
 
 def _title(motion: Motion, count: int) -> str:
@@ -507,7 +515,7 @@ def draw(
     at : mapping of str to float, optional
         Of a study or a map, the design by the values of its dimensions, each the nearest one, in place of its number.
     branch : int or sequence of int, optional
-        Assembly modes; by default all, or that of a row of `maps.fastlink.top`.
+        Assembly modes; by default all, with forces and in films the first, or that of a row of `maps.fastlink.top`.
     links : Links, optional
         Where mass data come from, for forces.
     input : str, optional
@@ -521,7 +529,7 @@ def draw(
         which joints run), ``comb`` (the curvature of the path), ``forces``, ``torques``, ``all``; an unknown word is
         answered with those of the mechanism.
     degrees : bool, default False
-        Show angles in degrees; so they are if one is given in degrees.
+        Show angles in degrees; so they are unless the input position is given in radians.
     to : path, optional
         The picture to write; its ending (png, svg, pdf) is its kind. An existing one is replaced.
     animate : path, optional
@@ -553,7 +561,7 @@ def draw(
     1
     >>> figure = fl.draw("hart", m=4.0, n=8.0, d=6.0, kappa=0.5, strip=4, branch=1)
     >>> [axis.get_title() for axis in figure.axes][2]
-    '$\\phi$ = 3.142 rad'
+    '$\\phi$ = 214.1°'
     """
     require_package("matplotlib", ("draw",))
     path = None if to is None else check_picture(to, "to", example="linkage.png")
