@@ -69,8 +69,12 @@ __all__ = [
 
 
 CONTOURS = 8
-APART = 3, 30  # contours that are nearer to each other than 3 cells, or a 30th of a panel, are left out
-BESIDE, BELOW, NARROW = 32, 60, 40  # letters in a line of a legend, and of a label
+APART = (
+    3,
+    {False: 30, True: 14},
+)  # contours nearer to each other than 3 cells, or this part of a panel, are left out
+LABELS_APART = {False: 0.06, True: 0.14}  # of a panel
+BESIDE, BELOW, NARROW = 32, 60, 34  # letters in a line of a legend, and of a label
 COLUMNS = 3  # of a grid
 LARGE, SMALL = (5.2, 5.0), (2.75, 2.5)  # panels, in inches
 OUTSIDE = 1.5  # inches of titles and legend above and below a grid
@@ -166,7 +170,7 @@ def _axes(figure: Any, shown: Selection, rows: list[list[Panel]], is_code: bool)
             if shown.split is not None:
                 axis.xaxis.label.set_fontsize(8)
                 axis.yaxis.label.set_fontsize(8)
-                axis.title.set_fontsize(9.5)
+                axis.title.set_fontsize(9.5 if len(rows) == 1 else 8.5)
                 axis.tick_params(labelsize=8)
     return taken
 
@@ -273,14 +277,20 @@ def _add_contours(axis: Any, x: Any, y: Any, cells: Any, norm: Any, small: bool)
         slopes = zip(cells.shape, np.gradient(heights), strict=True)
         rise = np.hypot(*(size * slope for size, slope in slopes))
     step = np.diff(places).min(initial=np.inf)
-    steep = rise * max(APART[0] / min(cells.shape), 1.0 / APART[1]) > step
+    steep = rise * max(APART[0] / min(cells.shape), 1.0 / APART[1][small]) > step
     near = [np.abs(heights - place) < 0.5 * step for place in places]
     levels = [level for level, one in zip(levels, near, strict=True) if 2 * (steep & one).sum() <= one.sum()]
     line = {"colors": "white", "linestyles": "solid", "linewidths": 0.7, "alpha": 0.8}
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "No contour levels were found")
         lines = axis.contour(x, y, np.ma.masked_invalid(cells), levels, **line)
+    kept: list[Any] = []
     for label in axis.clabel(lines, fontsize=6.5 if small else 7.5, fmt="%g"):
+        at = axis.transLimits.transform(label.get_position())
+        if any(np.hypot(*(at - one)) < LABELS_APART[small] for one in kept):
+            label.remove()
+            continue
+        kept.append(at)
         label.set_path_effects([withStroke(linewidth=1.6, foreground="0.25")])
 
 
@@ -861,7 +871,7 @@ def draw_cumulative(clouds: Sequence[Cloud]) -> Any:
         axis.set_xlabel(textwrap.fill(group[0][1].label(), LETTERS + 14) if len(group) == 1 else unit)
         if len(group) > 1 or any(cloud.infinite for cloud, _ in group):
             axis.legend(loc="best", fontsize=9)
-    axes[0].set_ylabel("share of the rows that have at most this [%]")
+    axes[0].set_ylabel("share of rows with at most this [%]")
     return figure
 
 

@@ -31,13 +31,15 @@ from fastlink.errors import (
     require_package,
     suggest,
 )
+from fastlink.io.output import write_whole
 from fastlink.io.reader import as_map
 from fastlink.mechanisms import NAMES, SHEET, mechanism_of_map, name_of
 from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.pictures.cad import DXF, is_cad, written
 from fastlink.pictures.labels import mathematical
 from fastlink.pictures.maps import nearest_place
 from fastlink.pictures.motion import Motion, as_draw
-from fastlink.pictures.picture import check_picture, save
+from fastlink.pictures.picture import KINDS, check_picture, save
 from fastlink.plan.query import check_names
 from fastlink.plan.request import all_choices, check_branches, check_model, radian_keywords, selected_variants
 from fastlink.space.design_space import (
@@ -478,6 +480,8 @@ def _check_curve(motion: Motion, name: str, k: int) -> None:
 # -- Draw a mechanism: check the request, draw, write
 
 
+#: Endings of what is drawn.
+DRAWINGS = (*KINDS, DXF.removeprefix("."))
 FILMS, MOST_FRAMES = ("gif", "html", "mp4"), 720
 
 
@@ -531,7 +535,9 @@ def draw(
     degrees : bool, default False
         Show angles in degrees; so they are unless the input position is given in radians.
     to : path, optional
-        The picture to write; its ending (png, svg, pdf) is its kind. An existing one is replaced.
+        The picture to write; its ending (png, svg, pdf) is its kind. An existing one is replaced. A name that ends in
+        .dxf (by ezdxf) or .mm.svg is a drawing for CAD: bars, joints, ground and paths on layers of their own, with
+        1 unit = 1 mm.
     animate : path, optional
         The moving picture to write, of one turn, or there and back through the range: gif, html (a page with a slider
         that needs nothing else), or mp4 if ffmpeg is installed.
@@ -564,7 +570,9 @@ def draw(
     '$\\phi$ = 214.1°'
     """
     require_package("matplotlib", ("draw",))
-    path = None if to is None else check_picture(to, "to", example="linkage.png")
+    path = None if to is None else check_picture(to, "to", kinds=DRAWINGS, example="linkage.png")
+    if path is not None and path.suffix.lower() == DXF:
+        require_package("ezdxf", ("to",))
     film = None
     if animate is not None:
         from fastlink.pictures.linkage import check_film
@@ -583,7 +591,9 @@ def draw(
     with style():
         board = Board(request)
         board.show()
-        if path is not None:
+        if path is not None and is_cad(path):
+            write_whole(path, written(request, path))
+        elif path is not None:
             save(board.figure, path, "to")
         if film is not None:
             write_film(board, film, frames)

@@ -387,10 +387,7 @@ def mode_line(branch: int, **changes: Any) -> dict[str, Any]:
 
 def _traced(sheet: Sheet, unless: str = "") -> list[Point]:
     """Return the points whose paths are shown; where none are, those of a word."""
-    traced = sheet.motion.picture.traced
-    words = [word for word in traced if word in sheet.show] or [unless]
-    names = [name for word in words for name in traced.get(word, "").split()]
-    return [one for one in sheet.motion.points if one.name in names]
+    return sheet.motion.traced(sheet.show) or sheet.motion.traced([unless])
 
 
 def _add_paths(sheet: Sheet, position: float) -> list[Any]:
@@ -1070,8 +1067,8 @@ def _view(request: Request) -> Any:
     for motion in request.motions:
         points = [point for point in motion.points if point.kind != "mark"]
         corners += [at.reshape(-1, 2) for at in motion.places(request.positions, points).values()]
-        of_paths = {name for word in request.show for name in motion.picture.traced.get(word, "").split()}
-        moving = [one for one in points if request.moves or one.kind == "slider" or one.name in of_paths]
+        traced = motion.traced(request.show)
+        moving = [one for one in points if request.moves or one.kind == "slider" or one in traced]
         along = motion.along(61, None if request.moves else request.positions) if bounded else []
         along += [motion.spread(61)] if request.moves and not bounded else []
         if "limits" in request.show and bounded and not motion.turns_fully:

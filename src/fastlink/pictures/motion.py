@@ -166,6 +166,11 @@ class Motion:
             one for one in self.picture.points if one.kind in needed or (self.has(one.x) and self.has(one.y))
         )
 
+    def traced(self, words: Iterable[str]) -> list[Point]:
+        """Return the points whose paths some words show."""
+        names = {name for word in words for name in self.picture.traced.get(word, "").split()}
+        return [one for one in self.points if one.name in names]
+
     def places(self, positions: Any, points: Sequence[Point] | None = None) -> dict[str, Any]:
         """Return each point over assembly modes, positions, and x and y."""
         points = self.points if points is None else points
