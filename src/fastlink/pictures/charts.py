@@ -291,7 +291,7 @@ def _add_contours(axis: Any, x: Any, y: Any, cells: Any, norm: Any, small: bool)
             label.remove()
             continue
         kept.append(at)
-        label.set_path_effects([withStroke(linewidth=1.6, foreground="0.25")])
+        label.set_path_effects([withStroke(linewidth=0.9, foreground="0.25")])
 
 
 def _add_veil(axis: Any, x: Any, y: Any, veiled: Any) -> None:

@@ -868,7 +868,7 @@ FLATTEST, TALLEST = 0.42, 1.1
 #: Of the size of what is drawn: the margin in a view, and in one of a plane without bounds.
 AROUND, WIDE_AROUND = 0.09, 0.3
 #: The same where the teeth of a comb stand on the path.
-COMB_AROUND = 0.27
+COMB_AROUND = 0.32
 #: How much the margin and the arrows themselves add to a view in which forces are shown.
 GROWN = 1.4
 LETTER = 0.072  # of the legend, in inches
@@ -1068,7 +1068,7 @@ def _view(request: Request) -> Any:
         points = [point for point in motion.points if point.kind != "mark"]
         corners += [at.reshape(-1, 2) for at in motion.places(request.positions, points).values()]
         traced = motion.traced(request.show)
-        moving = [one for one in points if request.moves or one.kind == "slider" or one in traced]
+        moving = [one for one in points if request.moves or one.kind == "slider"] + traced
         along = motion.along(61, None if request.moves else request.positions) if bounded else []
         along += [motion.spread(61)] if request.moves and not bounded else []
         if "limits" in request.show and bounded and not motion.turns_fully:
