@@ -20,7 +20,7 @@ RATES = {"alpha4": "-", "omega4": ":"}
 with fl.open(sys.argv[1]) as maps:
     ratio = fl.planar.force_hypothesis(maps).ratio.isel(branch=0)
     classes = maps.grashof_class.values
-figure, axes = plt.subplots(1, 2, figsize=(9.0, 3.8), layout="constrained", sharey=True)
+figure, axes = plt.subplots(1, 2, figsize=(10.4, 3.8), layout="constrained", sharey=True)
 for axis, (code, title) in zip(axes, CLASSES.items(), strict=True):
     share = np.linspace(0.0, 100.0, 501)
     for k, (load, label) in enumerate(LOADS.items()):
@@ -31,5 +31,7 @@ for axis, (code, title) in zip(axes, CLASSES.items(), strict=True):
     axis.axhline(1.0 - 0.032, color="0.6", linewidth=0.8)
     axis.set(title=title, xlabel="% of the designs", xlim=(0.0, 100.0), ylim=(0.0, 1.02))
 axes[0].set_ylabel("force at the rate's extreme / greatest force")
-axes[0].legend(title="full: alpha4, dotted: omega4", loc="lower left", fontsize="small")
+handles, labels = axes[0].get_legend_handles_labels()
+look = {"title": "full: alpha4, dotted: omega4", "fontsize": "small", "frameon": False}
+figure.legend(handles, labels, loc="outside right upper", **look)
 figure.savefig(Path(__file__).with_suffix(".png"), dpi=110)

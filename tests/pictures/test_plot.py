@@ -7,6 +7,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.collections import PathCollection, QuadMesh
+from matplotlib.contour import ContourSet
 from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.refusals import refused
 
@@ -103,8 +104,8 @@ def test_a_map_shows_the_values_where_they_belong(maps):
     assert axes.get_xlabel() == "length of the input crank OA $a_{1}$ [m]"
     assert axes.get_ylabel() == "length of the coupler AB $a_{2}$ [m]"
     assert bar(figure).get_ylabel() == r"max $\omega_{4}$ [rad s$^{-1}$]"
-    assert axes.get_title() == "assembly mode 2"
-    assert figure.get_suptitle().endswith("greatest over the cycle\n$a_{4}$ = 1 m")  # the nearest
+    # the nearest
+    assert figure.get_suptitle().endswith("greatest over the cycle\n$a_{4}$ = 1 m, assembly mode 2")
     assert "$a_{3}$ = 0.8 m" in figure.get_supxlabel()
     shuffled = fl.plot_map(maps.isel(a1=[2, 0, 3, 1]), "omega4_max", branch=2, at={"a4": 1.0})
     assert_array_equal(cells(panels(shuffled)[0]), finite(expected))
@@ -162,8 +163,13 @@ def test_a_code_of_many_values_has_a_legend_beside_the_axes(types):
     meanings = types["linkage_type"].attrs["flag_meanings"].split()
     present = [meanings[codes.index(code)].replace("_", " ") for code in np.unique(types["linkage_type"])]
     assert len(present) >= 8
-    assert legend(figure) == present
+    assert legend(figure) == [f"{number}  {name}" for number, name in enumerate(present, 1)]
     (axes,) = figure.axes
+    of_code = dict(enumerate(np.unique(types["linkage_type"]), 1))
+    assert len(axes.texts) > 3  # in the areas
+    for text in axes.texts:
+        x, y = text.get_position()
+        assert types["linkage_type"].sel(a=x, b=y) == of_code[int(text.get_text())]
     # Codes with gaps between them: each has a colour of its own, the one that the legend shows.
     mesh = axes.collections[0]
     patches = dict(zip(present, axes.get_legend().get_patches(), strict=True))
@@ -264,13 +270,62 @@ def test_curves_are_a_line_for_each_mode(curves):
 
 def test_a_line_for_each_value_of_an_input(solid):
     figure = fl.plot_map(solid, "omega4_max", lines="a1", at={"a3": 0.8}, branch=2)
-    lines = panels(figure)[0].get_lines()
+    lines = [line for line in panels(figure)[0].get_lines() if line.get_linestyle() != "None"]
     assert len(lines) == len({line.get_color() for line in lines}) == 6
     values = solid.omega4_max.sel(branch=2, a1=0.2, a3=0.8).values
     assert_array_equal(finite(lines[0].get_ydata()), finite(values))
     assert legend(figure)[0] == "$a_{1}$ = 0.2 m"
     both = fl.plot_map(solid, "theta1_at_omega4_max", lines="a1", at={"a3": 0.8})
-    assert {line.get_linestyle() for line in panels(both)[0].get_lines()} == {"-", "--"}
+    assert {line.get_linestyle() for line in panels(both)[0].get_lines()} == {"-", "--", "None"}
+
+
+def test_a_change_point_is_a_dot_and_what_grows_without_bound_a_bar_of_its_line():
+    """Of two lines one has its change point at a2 = 1.2, the other none; beyond it the force has no bound."""
+    space = fl.grid(a1=0.4, a2=np.linspace(1.0, 1.4, 9), a3=0.8, a4=[0.8, 1.2], omega1=25.0)
+    maps = fl.sweep(
+        "planar_4r", space, ["shaking_force_max"], branch=1, links=fl.round_bar(7750.0, 0.01), verify=0
+    )
+    (axis,) = fl.plot_map(maps, "shaking_force_max", lines="a4").axes
+    dots = [line for line in axis.get_lines() if line.get_linestyle() == "None"]
+    ((place, value),) = [line.get_xydata()[0] for line in dots]
+    at = maps.shaking_force_max.sel(a4=0.8)
+    assert (place, value) == (1.2, float(at.sel(a2=1.2, method="nearest")))
+    line, other = (one for one in axis.get_lines() if one.get_linestyle() != "None")
+    assert_array_equal(np.isfinite(line.get_ydata()), np.isfinite(at) & (maps.a2 != place))
+    assert np.isfinite(other.get_ydata()).all()
+    (bar_of_line,) = axis.collections
+    assert_allclose(bar_of_line.get_facecolor()[0], line.get_color())
+    assert bar_of_line.get_paths()[0].get_extents().y0 > 0.9
+    assert_allclose(bar_of_line.get_paths()[0].get_extents().intervalx, [1.225, 1.4])
+    alone = fl.plot_map(maps.sel(a4=0.8), "shaking_force_max").axes[0]
+    assert alone.collections[0].get_paths()[0].get_extents().y0 == 0.0
+    assert words(alone) == [WITHOUT_BOUND, "change point"]  # and no entry of the one line
+
+
+def test_change_points_along_a_line_of_cells_are_dots_and_contours_have_room():
+    space = fl.grid(
+        a1=0.4,
+        a2=np.linspace(1.0, 1.4, 41),
+        a3=np.linspace(0.6, 1.0, 41),
+        a4=1.0,
+        omega1=25.0,
+    )
+    maps = fl.sweep(
+        "planar_4r",
+        space,
+        ["shaking_force_max", "status"],
+        branch=1,
+        links=fl.round_bar(7750.0, 0.01),
+        verify=0,
+    )
+    figure = fl.plot_map(maps, "shaking_force_max")
+    (axis,) = panels(figure)
+    (dots,) = axis.get_lines()
+    there = maps.status.values == maps.status.attrs["flag_meanings"].split().index("change_point")
+    assert len(dots.get_xdata()) == there.sum() > 10
+    assert legend(figure) == ["change point", WITHOUT_BOUND]
+    (contours,) = [one for one in axis.collections if isinstance(one, ContourSet)]
+    assert 1 < len(contours.levels) < 7  # of eight; those near the toggles are on each other
 
 
 # -- degrees ---------------------------------------------------------------------------------------
@@ -278,7 +333,7 @@ def test_a_line_for_each_value_of_an_input(solid):
 
 def test_angles_in_degrees_along_axes_and_in_colours(flat):
     figure = drawn(flat, "theta4", branch=2, at={"theta1": 91.0}, degrees=True)
-    assert figure.get_suptitle().endswith(r"$\theta_{1}$ = 90°")
+    assert figure.get_suptitle().endswith(r"$\theta_{1}$ = 90°, assembly mode 2")
     expected = np.rad2deg(flat.theta4.isel(branch=1, theta1=2).transpose("a2", "a1"))
     assert_array_equal(cells(panels(figure)[0]), expected)
     for degrees in (False, True):  # a map that is in degrees already stays
@@ -359,7 +414,7 @@ def test_labels_of_designs_stand_along_the_axis_as_they_are(path, flat):
         fl.plot_map(named, "omega4_max", at={"a1": 1.0})
     strange = flat.assign_coords(a1=LABELS)
     strange["omega4_max"] = strange.omega4_max.assign_attrs(long_name="100 $", units=3, symbol="$x_")
-    assert drawn(strange, "omega4_max", branch=1).get_suptitle() == r"100 \$"
+    assert drawn(strange, "omega4_max", branch=1).get_suptitle() == "100 \\$\nassembly mode 1"
     equal = flat.assign_coords(
         a1=[2.0, 1.0, 2.0, 1.0]
     )  # the status is that of the cell, not of its coordinate
@@ -371,7 +426,7 @@ def test_a_map_of_one_mode_has_that_mode():
     one = fl.sweep("planar_4r", space, ["omega4_max"], branch=2)
     assert "branch" not in one.dims
     for options in ({}, {"branch": 2}):
-        assert panels(drawn(one, "omega4_max", **options))[0].get_title() == "assembly mode 2"
+        assert drawn(one, "omega4_max", **options).get_suptitle().endswith("assembly mode 2")
     with refused("branch", "2"):
         fl.plot_map(one, "omega4_max", branch=1)
 

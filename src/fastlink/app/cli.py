@@ -446,7 +446,7 @@ def draw(
     --curves NAME  A quantity over the input, beside; may be repeated.
     --show WORD  Instead of the usual: path, circles, comb, forces, torques, all; may be repeated.
     --degrees  Show angles in degrees.
-    --to PICTURE
+    --to PICTURE  png, svg or pdf; .dxf or .mm.svg: at true scale, in millimetres.
     --animate FILM  The motion: gif, html or mp4 by its ending.
     --frames N  Pictures of a film.
     --trust-code

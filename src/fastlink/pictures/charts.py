@@ -6,7 +6,6 @@ import functools
 import itertools
 import textwrap
 import warnings
-from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -16,9 +15,13 @@ import numpy as np
 from matplotlib.colors import LinearSegmentedColormap, ListedColormap, LogNorm
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator, MaxNLocator
+from matplotlib.transforms import ScaledTranslation
+from scipy.ndimage import distance_transform_edt
 
 from fastlink._text import in_words
+from fastlink.maps.best import INFINITE as INFINITE_ROWS
 from fastlink.maps.best import Choice, Condition, Objective, Reading, Rows
 from fastlink.maps.units import DEGREE, RADIAN, flags_of, half_turn
 from fastlink.pictures.labels import constants_of, label_of, plain, title_of
@@ -66,9 +69,18 @@ __all__ = [
 
 
 CONTOURS = 8
-BESIDE, BELOW, NARROW = 32, 60, 40  # letters in a line of a legend, and of a label
+APART = (
+    3,
+    {False: 30, True: 14},
+)  # contours nearer to each other than 3 cells, or this part of a panel, are left out
+LABELS_APART = {False: 0.06, True: 0.14}  # of a panel
+BESIDE, BELOW, NARROW = 32, 60, 34  # letters in a line of a legend, and of a label
 COLUMNS = 3  # of a grid
 LARGE, SMALL = (5.2, 5.0), (2.75, 2.5)  # panels, in inches
+OUTSIDE = 1.5  # inches of titles and legend above and below a grid
+ROOM = 14  # a number stands in an area whose middle is this part of a panel from its edge
+MANY_CODES = 8  # so many colours are told apart by numbers in the map, too
+DOT: dict[str, Any] = {"marker": ".", "color": "0.1", "markersize": 5.0, "linestyle": "none"}
 
 
 def draw_maps(figure: Any, shown: Selection) -> None:
@@ -78,7 +90,7 @@ def draw_maps(figure: Any, shown: Selection) -> None:
     panels = [panel for row in rows for panel in row]
     axes = _axes(figure, shown, rows, bool(flags_of(variable)))
     values = np.stack([panel.array.transpose(free[1], free[0]).values for panel in panels]).astype(float)
-    codes, flags = _codes(status, panels), {} if status is None else flags_of(status)
+    codes, flags = codes_of(shown, panels), {} if status is None else flags_of(status)
     same = sameness(variable, values)
     infinite = np.isinf(values)
     values = np.where(infinite, np.nan, drawable(values))
@@ -89,7 +101,12 @@ def draw_maps(figure: Any, shown: Selection) -> None:
     norm, colours, extend = _scale(variable, values, ~veiled)
     veiled &= not plain
     x, y = (variable[dim].values for dim in free)
-    for axis, panel, cells, beyond, veil in zip(axes, panels, values, infinite, veiled, strict=True):
+    blocks = np.array([_in_blocks(veil) for veil in veiled])
+    handles = flag_handles(variable, values) if flags_of(variable) else []
+    numbers = _numbered(variable, values, handles)
+    for axis, panel, cells, beyond, veil, block in zip(
+        axes, panels, values, infinite, veiled, blocks, strict=True
+    ):
         axis.set_facecolor(ABSENT)
         drawn = flag_indices(variable, cells) if flags_of(variable) else near(cells, norm)
         image = _fill(axis, x, y, np.ma.masked_invalid(drawn), norm=norm, cmap=colours)
@@ -98,15 +115,18 @@ def draw_maps(figure: Any, shown: Selection) -> None:
         if not plain:
             if colours.name != CYCLIC and not same:
                 _add_contours(axis, x, y, np.where(veil, np.nan, cells), norm, small=shown.split is not None)
-            _add_veil(axis, x, y, veil)
+            _add_veil(axis, x, y, block)
+            down, along = np.nonzero(veil & ~block)
+            axis.plot(x[along], y[down], **DOT)
+        for code, number in numbers.items():
+            _write_inside(axis, x, y, cells == code, number)
         axis.set_title(panel.title)
         if same:
             _write(axis, same)
-    handles = flag_handles(variable, values) if flags_of(variable) else []
     if not flags_of(variable) and not same:
         bar = figure.colorbar(image, ax=list(axes), extend=extend, pad=0.02, ticks=_bar_ticks(values))
         bar.set_label(label_of(variable, name=False))
-    handles += _reasons(codes, flags, veiled, infinite, np.isnan(values) & ~infinite)
+    handles += _reasons(codes, flags, veiled, blocks, infinite, np.isnan(values) & ~infinite)
     _add_legend(axes, handles, beside=bool(flags_of(variable)))
 
 
@@ -126,7 +146,8 @@ def _axes(figure: Any, shown: Selection, rows: list[list[Panel]], is_code: bool)
     columns = len(rows[0])
     width, height = LARGE if shown.split is None else SMALL
     legend = 3.0 if is_code else 1.6
-    figure.set_size_inches(legend + width * columns, height * len(rows) + 0.9 * (len(rows) > 1))
+    outside = 0.0 if shown.split is None else OUTSIDE
+    figure.set_size_inches(legend + width * columns, height * len(rows) + outside)
     grid = figure.subplots(len(rows), columns, sharex=True, sharey=True, squeeze=False)
     variable, free = shown.variable, shown.free
     letters = BELOW if shown.split is None else NARROW
@@ -149,16 +170,17 @@ def _axes(figure: Any, shown: Selection, rows: list[list[Panel]], is_code: bool)
             if shown.split is not None:
                 axis.xaxis.label.set_fontsize(8)
                 axis.yaxis.label.set_fontsize(8)
-                axis.title.set_fontsize(9.5)
+                axis.title.set_fontsize(9.5 if len(rows) == 1 else 8.5)
                 axis.tick_params(labelsize=8)
     return taken
 
 
-def _codes(status: xr.DataArray | None, panels: Sequence[Panel]) -> Any:
+def codes_of(shown: Selection, panels: Sequence[Panel]) -> Any:
     """Return the status of each cell of each panel, or None."""
-    if status is None:
+    if shown.status is None:
         return None
-    return np.stack([status.values if status.ndim == 2 else status.values[panel.place] for panel in panels])
+    every = shown.status.values
+    return np.stack([every if every.ndim == len(shown.free) else every[panel.place] for panel in panels])
 
 
 def _veiled(values: Any, codes: Any, flags: Mapping[str, int]) -> Any:
@@ -196,12 +218,37 @@ def _write(axis: Any, text: str) -> None:
     axis.text(0.5, 0.5, textwrap.fill(text, 30), transform=axis.transAxes, ha="center", va="center", bbox=box)
 
 
-def _reasons(codes: Any, flags: Mapping[str, int], veiled: Any, infinite: Any, absent: Any) -> list[Patch]:
-    """Return the legend of cells under the veil, without bound, or without a value."""
-    handles = []
-    if veiled.any():
-        label = _meanings(codes[veiled], flags)
+def _numbered(variable: xr.DataArray, values: Any, handles: Sequence[Any]) -> dict[int, int]:
+    """Number the entries of a long legend, and return the number of each code that occurs."""
+    present = [code for code in flags_of(variable).values() if (values == code).any()]
+    if len(present) <= MANY_CODES:
+        return {}
+    for number, handle in enumerate(handles, 1):
+        handle.set_label(f"{number}  {handle.get_label()}")
+    return {code: number for number, code in enumerate(present, 1)}
+
+
+def _write_inside(axis: Any, x: Any, y: Any, inside: Any, number: int) -> None:
+    """Write the number of a code where most of its cells are around, unless it has no room."""
+    depth = distance_transform_edt(np.pad(inside, 1))[1:-1, 1:-1]
+    row, column = np.unravel_index(int(depth.argmax()), depth.shape)
+    if depth[row, column] * ROOM > min(inside.shape):
+        look: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": 7, "color": "0.1"}
+        axis.text(
+            x[column], y[row], str(number), **look, path_effects=[withStroke(linewidth=2.0, foreground="w")]
+        )
+
+
+def _reasons(
+    codes: Any, flags: Mapping[str, int], veiled: Any, blocks: Any, infinite: Any, absent: Any
+) -> list[Any]:
+    """Return the legend of cells under the veil or with a dot, without bound, or without a value."""
+    handles: list[Any] = []
+    if blocks.any():
+        label = _meanings(codes[blocks], flags)
         handles.append(Patch(facecolor=VEIL, edgecolor="0.35", linewidth=0, hatch="////", label=label))
+    if (alone := veiled & ~blocks).any():
+        handles.append(Line2D([], [], **DOT, label=_meanings(codes[alone], flags)))
     if infinite.any():
         handles.append(Patch(facecolor=INFINITE, label=WITHOUT_BOUND))
     if absent.any():
@@ -210,21 +257,46 @@ def _reasons(codes: Any, flags: Mapping[str, int], veiled: Any, infinite: Any, a
     return handles
 
 
+def _in_blocks(veiled: Any) -> Any:
+    """Return the cells that are part of two by two such cells: hatching needs room."""
+    corners = veiled[1:, 1:] & veiled[1:, :-1] & veiled[:-1, 1:] & veiled[:-1, :-1]
+    padded = np.pad(corners, 1)
+    return padded[1:, 1:] | padded[1:, :-1] | padded[:-1, 1:] | padded[:-1, :-1]
+
+
 def _add_contours(axis: Any, x: Any, y: Any, cells: Any, norm: Any, small: bool) -> None:
+    """Draw lines of equal values, where they have room."""
     if min(cells.shape) < 2 * CONTOURS or not np.isfinite(cells).any():
         return
-    locator = LogLocator(subs=(1.0, 2.0, 5.0)) if isinstance(norm, LogNorm) else MaxNLocator(CONTOURS)
+    is_log = isinstance(norm, LogNorm)
+    locator = LogLocator(subs=(1.0, 2.0, 5.0)) if is_log else MaxNLocator(CONTOURS)
     levels = [level for level in locator.tick_values(norm.vmin, norm.vmax) if norm.vmin < level < norm.vmax]
+    scaled = np.log10 if is_log else np.asarray
+    with np.errstate(all="ignore"):
+        heights, places = scaled(cells), scaled(levels)
+        slopes = zip(cells.shape, np.gradient(heights), strict=True)
+        rise = np.hypot(*(size * slope for size, slope in slopes))
+    step = np.diff(places).min(initial=np.inf)
+    steep = rise * max(APART[0] / min(cells.shape), 1.0 / APART[1][small]) > step
+    near = [np.abs(heights - place) < 0.5 * step for place in places]
+    levels = [level for level, one in zip(levels, near, strict=True) if 2 * (steep & one).sum() <= one.sum()]
     line = {"colors": "white", "linestyles": "solid", "linewidths": 0.7, "alpha": 0.8}
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "No contour levels were found")
         lines = axis.contour(x, y, np.ma.masked_invalid(cells), levels, **line)
-    axis.clabel(lines, fontsize=6.5 if small else 7.5, fmt="%g")
+    kept: list[Any] = []
+    for label in axis.clabel(lines, fontsize=6.5 if small else 7.5, fmt="%g"):
+        at = axis.transLimits.transform(label.get_position())
+        if any(np.hypot(*(at - one)) < LABELS_APART[small] for one in kept):
+            label.remove()
+            continue
+        kept.append(at)
+        label.set_path_effects([withStroke(linewidth=0.9, foreground="0.25")])
 
 
 def _add_veil(axis: Any, x: Any, y: Any, veiled: Any) -> None:
     """Cover the cells of designs with toggles with a light veil, and hatch them."""
-    if min(veiled.shape) < 2 or not veiled.any():
+    if not veiled.any():
         return
     _fill(axis, x, y, np.ma.masked_equal(veiled, False), cmap=ListedColormap([VEIL]))
     outer_x, outer_y = (
@@ -244,15 +316,18 @@ def _add_legend(axes: Sequence[Any], handles: Sequence[Any], beside: bool) -> No
     for handle in handles:
         handle.set_label(textwrap.fill(handle.get_label(), letters))
     look: dict[str, Any] = {"handles": handles, "frameon": False, "loc": "upper left", "borderaxespad": 0.0}
+    figure = axes[0].get_figure()
     if beside and rows > 1:
-        axes[0].get_figure().legend(**look | {"loc": "outside right upper"}, fontsize=9)
+        figure.legend(**look | {"loc": "outside right center"}, fontsize=9)
     elif beside:
         axes[columns - 1].legend(**look, bbox_to_anchor=(1.02, 1.0))
-    elif small:
-        axes[(rows - 1) * columns].legend(**look, bbox_to_anchor=(0.0, -0.27), fontsize=8.5)
     else:
-        together = 3 if sum(len(handle.get_label()) for handle in handles) < BELOW else 1
-        axes[0].legend(**look, bbox_to_anchor=(0.0, -0.13), ncols=together)
+        axis = axes[(rows - 1) * columns]
+        few = not small and sum(len(handle.get_label()) for handle in handles) < BELOW
+        under = axis.bbox.y0 - axis.xaxis.get_tightbbox(figure.canvas.get_renderer()).y0
+        below = axis.transAxes + ScaledTranslation(0.0, -under / figure.dpi - 0.1, figure.dpi_scale_trans)
+        place: dict[str, Any] = {"bbox_to_anchor": (0.0, 0.0), "bbox_transform": below}
+        axis.legend(**look, **place, ncols=3 if few else 1, fontsize=8.5 if small else None)
 
 
 def _why_absent(codes: Any, flags: Mapping[str, int]) -> str:
@@ -278,9 +353,10 @@ QUARTERS = (r"$0$", r"$\pi/2$", r"$\pi$", r"$3\pi/2$", r"$2\pi$")
 STYLES = ("-", "--", ":", "-.")
 SHADES = matplotlib.colormaps["viridis"].resampled(64)
 MOST_INSIDE = 4  # entries of a legend that stands among the lines
-MANY_POINTS = (
-    10_000  # points from which to look for the best place of a legend takes longer than to draw them
-)
+MANY_POINTS = 10_000  # from so many to look for the best place of a legend takes longer than to draw them
+OVER_EDGE: dict[str, Any] = {"clip_on": False, "zorder": 3.0, "in_layout": False}
+MOST_ALONE = 5  # of fewer points none is set apart from its line
+BAR = 0.025  # of the height: the bar of a line that grows without bound
 
 
 def draw_lines(figure: Any, shown: Selection) -> None:
@@ -288,27 +364,49 @@ def draw_lines(figure: Any, shown: Selection) -> None:
     variable, (dim,) = shown.variable, shown.free
     axis = figure.subplots()
     x = variable[dim].values
-    every = []
-    for panel, look in _looks(shown):
-        values = panel.array.values.astype(float)
-        every.append(values)
-        axis.plot(*cut(x, drawable(values), variable.attrs.get("units")), label=panel.title, **look)
+    looks = _looks(shown)
+    every = np.array([panel.array.values.astype(float) for panel, _ in looks])
+    codes = codes_of(shown, [panel for panel, _ in looks])
+    alone = _alone(None if _is_listed(shown) else codes, every)
+    for (panel, look), values, apart in zip(looks, drawable(every), alone, strict=True):
+        units = variable.attrs.get("units")
+        axis.plot(*cut(x, np.where(apart, np.nan, values), units), label=panel.title, **look)
+        if apart.any():
+            axis.plot(x[apart], values[apart], **DOT | {"color": look["color"]}, **OVER_EDGE)
+    beyond = np.isinf(every)
     _shade(axis, x, np.isnan(every).all(axis=0), ABSENT, "does not assemble")
-    _shade(axis, x, np.isinf(every).any(axis=0), INFINITE, WITHOUT_BOUND)
+    _shade(axis, x, beyond.any(axis=0) & ~np.isfinite(every).any(axis=0), INFINITE, WITHOUT_BOUND)
+    if (others := beyond & np.isfinite(every).any(axis=0)).any():
+        # at the upper edge, where the other lines go on below
+        for k, ((_, look), there) in enumerate(zip(looks, others, strict=True)):
+            _shade(axis, x, there, look["color"], "", 1.0 - BAR * (k + 1))
     _scale_along(axis, shown)
     axis.grid(color="0.9", linewidth=0.8)
     axis.set_axisbelow(True)
     axis.set_xlabel(label_of(variable[dim]))
     axis.set_ylabel(label_of(variable, name=False))
-    _scale_across(axis, variable, np.array(every))
-    handles, labels = axis.get_legend_handles_labels()
-    if any(labels):
-        named = [(handle, label) for handle, label in zip(handles, labels, strict=True) if label]
+    _scale_across(axis, variable, every)
+    named = [
+        (handle, label) for handle, label in zip(*axis.get_legend_handles_labels(), strict=True) if label
+    ]
+    if others.any():
+        named.append((Patch(facecolor="0.7"), f"{WITHOUT_BOUND} (a bar above)"))
+    if shown.status is not None and alone.any():
+        named.append((Line2D([], [], **DOT), _meanings(codes[alone], flags_of(shown.status))))
+    if named:
         beside: dict[str, Any] = {"loc": "best" if len(x) < MANY_POINTS else "upper right"}
         if len(named) > MOST_INSIDE:
             beside = {"loc": "upper left", "bbox_to_anchor": (1.01, 1.0), "frameon": False, "fontsize": 9}
             figure.set_size_inches(9.2, 4.2)
         axis.legend(*zip(*named, strict=True), **beside)
+
+
+def _alone(codes: Any, every: Any) -> Any:
+    """Return the values of a status that both neighbours do not share, such as a change point: no line leads there."""
+    if codes is None or codes.shape[-1] < MOST_ALONE:
+        return np.zeros(every.shape, bool)
+    changes = np.pad(np.diff(codes, axis=-1) != 0, ((0, 0), (1, 1)), constant_values=True)
+    return changes[:, 1:] & changes[:, :-1] & np.isfinite(every)
 
 
 def _looks(shown: Selection) -> list[tuple[Panel, dict[str, Any]]]:
@@ -321,10 +419,15 @@ def _looks(shown: Selection) -> list[tuple[Panel, dict[str, Any]]]:
             shade = SHADES(0.9 * k / (len(row) - 1)) if len(row) > 1 else LINES[i % len(LINES)]
             marker = "." if shown.variable.sizes[dim] < 40 else ""
             look = {"color": shade, "linestyle": STYLES[i % len(STYLES)], "marker": marker, "linewidth": 1.6}
-            if dim == DESIGN or dim in shown.names:
+            if _is_listed(shown):
                 look |= {"marker": ".", "linestyle": "none"}
             looks.append((panel, look))
     return looks
+
+
+def _is_listed(shown: Selection) -> bool:
+    """Tell whether the values are those of a list of designs, of which neighbours have nothing in common."""
+    return shown.free[0] == DESIGN or shown.free[0] in shown.names
 
 
 def _scale_across(axis: Any, variable: xr.DataArray, every: Any) -> None:
@@ -367,18 +470,17 @@ def cut(x: Any, values: Any, units: Any) -> tuple[Any, Any]:
     return np.insert(x.astype(float), jumps, x[jumps]), np.insert(values, jumps, np.nan)
 
 
-def _shade(axis: Any, x: Any, absent: Any, colour: str, label: str) -> None:
+def _shade(axis: Any, x: Any, absent: Any, colour: Any, label: str, low: float = 0.0) -> None:
     """Shade where there is no value to draw, half-way to the neighbours that have one."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], absent, [False])).astype(int)))
     if not edges.size:
         return
     middles = np.concatenate((x[:1], 0.5 * (x[:-1] + x[1:]), x[-1:]))
     starts, stops = middles[edges[::2]], middles[edges[1::2]]
-    spans = list(
-        zip(starts, stops - starts, strict=True)
-    )  # as one shape: a sample has a span for every third design
-    height = axis.get_xaxis_transform()
-    axis.broken_barh(spans, (0.0, 1.0), transform=height, color=colour, linewidth=0, label=label)
+    # as one shape: a sample has a span for every third design
+    spans = list(zip(starts, stops - starts, strict=True))
+    height, extent = axis.get_xaxis_transform(), (low, BAR if low else 1.0)
+    axis.broken_barh(spans, extent, transform=height, color=colour, linewidth=0, label=label)
     axis.update_datalim([(starts[0], 0.0), (stops[-1], 0.0)], updatey=False)
 
 
@@ -393,8 +495,7 @@ def draw(dataset: xr.Dataset, shown: Selection) -> NotebookFigure:
         draw_lines(figure, shown)
     else:
         draw_maps(figure, shown)
-    titles = [title_of(dataset, shown.variable, shown.fixed), modes_of(shown)]
-    figure.suptitle("\n".join(filter(None, titles)), fontsize=12)
+    figure.suptitle(title_of(dataset, shown.variable, shown.fixed, modes_of(shown)), fontsize=12)
     figure.supxlabel(constants_of(dataset), fontsize=7.5, color="0.45")
     return figure
 
@@ -407,6 +508,8 @@ MOST_POINTS = 100_000
 CELLS = 140
 #: A range that is so many times longer than that of its inner 96 % is cut; so many times greater, it is logarithmic.
 FAR, WIDE = 5.0, 30.0
+#: Of a range: the least that is shown about a front, and the margin.
+LEAST_SHOWN, EDGE = 0.005, 0.06
 
 
 @dataclass
@@ -427,6 +530,14 @@ class Column:
     def flags(self) -> dict[str, int]:
         """The codes by their meanings."""
         return flags_of(self.array)
+
+    def show_around(self, values: Any) -> None:
+        """Show the range of some values and as much again on both sides, as far as there are rows."""
+        inside = self.scaled(values)
+        low, high = float(inside.min()), float(inside.max())
+        span = max(high - low, LEAST_SHOWN * (self.high - self.low))
+        self.low = min(low, max(self.low, low - span)) - EDGE * span
+        self.high = max(high, min(self.high, high + span)) + EDGE * span
 
     def label(self, name: bool = True) -> str:
         """Return name, symbol and units."""
@@ -478,8 +589,9 @@ class Cloud:
     #: How many are shown, and how many meet the conditions.
     count: int = 0
     considered: int = 0
-    #: How many are not shown, by why.
-    left_out: Counter[str] = field(default_factory=Counter)
+    #: How many grow without bound; which are not shown, in words.
+    infinite: int = 0
+    noted: str = ""
     names: Mapping[str, int] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -498,7 +610,8 @@ class Cloud:
         for column, values in zip(self.columns, some.T, strict=True):
             column.settle(values)
         self.points = some if step == 1 and self.count <= MOST_POINTS else None
-        self.considered, self.left_out = reading.tally.considered, reading.left_out
+        self.considered, self.infinite = reading.tally.considered, reading.left_out[INFINITE_ROWS]
+        self.noted = reading.noted()
 
     def _reading(self) -> Reading:
         arrays = [column.array for column in self.columns]
@@ -543,10 +656,8 @@ class Cloud:
 
     def note(self) -> str:
         """Return how many rows are shown, and why others are not."""
-        if self.count == self.considered:
-            return f"{self.count:,} rows"
-        others = ", ".join(f"{count:,} {why}" for why, count in self.left_out.items() if count)
-        return f"{self.count:,} of {self.considered:,} rows, without {others}"
+        some = "" if self.count == self.considered else f" of {self.considered:,}"
+        return f"{self.count:,}{some} rows{self.noted}"
 
 
 def column_of(maps: xr.Dataset, name: str, degrees: bool) -> Column:
@@ -565,7 +676,7 @@ FRONT = LINES[1]
 CROWD = LinearSegmentedColormap.from_list("crowd", ["#cfd8e6", "#7f9cc0", "#2f5d92", "#0b2545"])
 FAINT = LinearSegmentedColormap.from_list("faint", ["#e4e4e4", "#8c8c8c"])
 LETTERS = 46
-MIDDLE = 50.0
+QUARTILES, MIDDLE = (0, 25, 50, 75, 100), 50.0
 #: Marks of a front that are so many have no rims.
 MANY_MARKS = 400
 
@@ -576,6 +687,9 @@ def draw_scatter(cloud: Cloud, front: Any = None) -> Any:
     axis = figure.subplots()
     names = list(cloud.names)
     x, y, *third = cloud.columns
+    if front is not None:
+        for column, values in zip((x, y), front.T, strict=True):
+            column.show_around(values)
     counted = _counted(cloud, [names] if cloud.points is None else [])
     image = _fill_with_rows(axis, cloud, names, counted, faint=front is not None)
     axis.set_xlabel(textwrap.fill(x.label(), LETTERS + 14))
@@ -739,7 +853,7 @@ def draw_cumulative(clouds: Sequence[Cloud]) -> Any:
             (cloud, column) for cloud, column in zip(clouds, columns, strict=True) if _unit(column) == unit
         ]
         for k, (cloud, column) in enumerate(group):
-            infinite = cloud.left_out["infinite"]
+            infinite = cloud.infinite
             values, counts = cloud.below(str(column.array.name))
             remark = f" ({_percent(infinite, cloud.count + infinite)} without bound)" if infinite else ""
             look = {"color": LINES[k % len(LINES)], "linestyle": STYLES[k % len(STYLES)], "linewidth": 1.7}
@@ -750,14 +864,14 @@ def draw_cumulative(clouds: Sequence[Cloud]) -> Any:
             axis.set_xscale("log")
         ends = np.array([column.edges(1) for _, column in group])
         axis.set_xlim(ends[:, 0].min(), ends[:, 1].max())
-        axis.set_ylim(0.0, 100.0)
+        axis.set(ylim=(0.0, 100.0), yticks=QUARTILES)
         axis.axhline(MIDDLE, color="0.6", linewidth=0.8)
         axis.grid(color="0.9", linewidth=0.8)
         axis.set_axisbelow(True)
         axis.set_xlabel(textwrap.fill(group[0][1].label(), LETTERS + 14) if len(group) == 1 else unit)
-        if len(group) > 1 or any(cloud.left_out["infinite"] for cloud, _ in group):
+        if len(group) > 1 or any(cloud.infinite for cloud, _ in group):
             axis.legend(loc="best", fontsize=9)
-    axes[0].set_ylabel("share of the rows that have at most this [%]")
+    axes[0].set_ylabel("share of rows with at most this [%]")
     return figure
 
 

@@ -16,6 +16,7 @@ from fastlink.maps.best import MISSED, choice_of, chosen, conditions, listed, nu
 from fastlink.pictures.labels import constants_of, plain
 from fastlink.pictures.maps import one_branch, plot_map
 from fastlink.pictures.picture import checked_request, save
+from fastlink.space.design_space import BRANCH
 from fastlink.space.tables import STATUS
 
 if TYPE_CHECKING:
@@ -108,13 +109,14 @@ def plot_designs(
         problems.stop()
         if kind == "cumulative":
             clouds = [_cloud(dataset, [name], where, degrees) for name in wanted]
-            title = f"{max(cloud.considered for cloud in clouds):,} rows"
-            return _finished(lambda: draw_cumulative(clouds), dataset, title + _of(where), path)
+            title = f"{max(cloud.considered for cloud in clouds):,} rows{_of(where)}"
+            return _finished(lambda: draw_cumulative(clouds), dataset, title, path, _modes_of(clouds))
         cloud = _cloud(dataset, wanted, where, degrees)
         if kind == "scatter":
             _check_colour(cloud)
         drawer = draw_scatter if kind == "scatter" else draw_corner
-        return _finished(lambda: drawer(cloud), dataset, cloud.note() + _of(where), path)
+        title = cloud.note() + _of(where)
+        return _finished(lambda: drawer(cloud), dataset, title, path, _modes_of([cloud]))
 
 
 @door
@@ -180,19 +182,21 @@ def plot_front(
         factors = [column.factor for column in cloud.columns]
         front = np.stack([found[name].values for name in names], axis=1) * factors
         drawer = draw_scatter if len(names) == low else draw_corner
-        about, conditions = str(found.attrs["selection"]), _of(where)
-        title = about[:1].upper() + about[1:] + (conditions and f",{conditions}")
-        return _finished(lambda: drawer(cloud, front), dataset, title, path)
+        title = str(found.attrs["selection"]).removesuffix(cloud.noted).capitalize() + _of(where)
+        return _finished(lambda: drawer(cloud, front), dataset, title, path, cloud.noted.removeprefix(", "))
 
 
-def _finished(draw: Callable[[], Any], dataset: xr.Dataset, title: str, path: Path | None) -> Figure:
+def _finished(
+    draw: Callable[[], Any], dataset: xr.Dataset, title: str, path: Path | None, remark: str = ""
+) -> Figure:
     """Draw a picture, with title and constants, and write it."""
     from fastlink.pictures.style import style
 
     with style():
         figure: Figure = draw()
         figure.suptitle(textwrap.fill(plain(title), TITLE), fontsize=10.5)
-        figure.supxlabel(constants_of(dataset), fontsize=7.5, color="0.45")
+        below = "\n".join(filter(None, [remark, constants_of(dataset)]))
+        figure.supxlabel(below, fontsize=7.5, color="0.45")
         if path is not None:
             save(figure, path, "to")
     return figure
@@ -242,6 +246,12 @@ def _cloud(maps: xr.Dataset, names: Sequence[str], where: Any, degrees: bool) ->
         what = f"{joined(names)} {'has' if len(names) == 1 else 'have'} no numbers in any of {cloud.considered:,} rows"
         raise InputError(what, where=("plot",), remedy="write other names, or fewer conditions")
     return cloud
+
+
+def _modes_of(clouds: Sequence[Cloud]) -> str:
+    """Return that rows are designs several times, where they are."""
+    counts = [column.array.sizes.get(BRANCH, 1) for cloud in clouds for column in cloud.columns]
+    return f"a design is a row in each of {max(counts)} assembly modes" if max(counts) > 1 else ""
 
 
 def _of(where: Any) -> str:

@@ -31,13 +31,15 @@ from fastlink.errors import (
     require_package,
     suggest,
 )
+from fastlink.io.output import write_whole
 from fastlink.io.reader import as_map
 from fastlink.mechanisms import NAMES, SHEET, mechanism_of_map, name_of
 from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.pictures.cad import DXF, is_cad, written
 from fastlink.pictures.labels import mathematical
 from fastlink.pictures.maps import nearest_place
 from fastlink.pictures.motion import Motion, as_draw
-from fastlink.pictures.picture import check_picture, save
+from fastlink.pictures.picture import KINDS, check_picture, save
 from fastlink.plan.query import check_names
 from fastlink.plan.request import all_choices, check_branches, check_model, keywords_in_si, selected_variants
 from fastlink.space.design_space import (
@@ -312,13 +314,15 @@ def request_of(source: Source, strip: Any, curves: Any, show: Any, degrees: Any,
         for choice in _choices(catalogue, links, numbers)
     )
     words, names = _words(motions[0], show), _curves(motions[0], curves, source.own)
-    degrees = degrees or in_degrees
+    degrees = degrees or in_degrees or positions is None
     key = usual_name(catalogue.position.name, RADIANS) if in_degrees else catalogue.position.name
     drawable = tuple(motion for motion in motions if motion.ranges) or motions[:1]
     for motion in drawable:
         motion.check(positions, degrees, key)
     if positions is None:
         positions = drawable[0].spread(strip, ends=False) if strip else np.array([drawable[0].usual])
+    if source.branch is None and (moves or words & set(motions[0].picture.loads)):
+        drawable = tuple(_one_mode(motion, positions) for motion in drawable)
     titles = tuple(_title(motion, len(drawable)) for motion in drawable)
     return Request(drawable, titles, positions, words, names, degrees, moves)
 
@@ -400,6 +404,12 @@ def _choices(
     return choices
 
 
+def _one_mode(motion: Motion, positions: Any) -> Motion:
+    """Return a design in the first assembly mode that it has there: arrows and films of several cover each other."""
+    found = int(motion.assembles(positions).any(axis=1).argmax())
+    return replace(motion, branches=(motion.branches[found],))
+
+
 def _title(motion: Motion, count: int) -> str:
     """Return what tells a design from the others side by side."""
     inputs = motion.catalogue.known_inputs(motion.catalogue.variant_inputs)
@@ -478,6 +488,8 @@ def _check_curve(motion: Motion, name: str, k: int) -> None:
 # -- Draw a mechanism: check the request, draw, write
 
 
+#: Endings of what is drawn.
+DRAWINGS = (*KINDS, DXF.removeprefix("."))
 FILMS, MOST_FRAMES = ("gif", "html", "mp4"), 720
 
 
@@ -515,7 +527,7 @@ def draw(
     at : mapping of str to float, optional
         Of a study or a map, the design by the values of its dimensions, each the nearest one, in place of its number.
     branch : int or sequence of int, optional
-        Assembly modes; by default all, or that of a row of `maps.fastlink.top`.
+        Assembly modes; by default all, with forces and in films the first, or that of a row of `maps.fastlink.top`.
     links : Links, optional
         Where mass data come from, for forces.
     input : str, optional
@@ -529,9 +541,11 @@ def draw(
         which joints run), ``comb`` (the curvature of the path), ``forces``, ``torques``, ``all``; an unknown word is
         answered with those of the mechanism.
     degrees : bool, default False
-        Show angles in degrees; so they are if one is given in degrees.
+        Show angles in degrees; so they are unless the input position is given in radians.
     to : path, optional
-        The picture to write; its ending (png, svg, pdf) is its kind. An existing one is replaced.
+        The picture to write; its ending (png, svg, pdf) is its kind. An existing one is replaced. A name that ends in
+        .dxf (by ezdxf) or .mm.svg is a drawing for CAD: bars, joints, ground and paths on layers of their own, with
+        1 unit = 1 mm.
     animate : path, optional
         The moving picture to write, of one turn, or there and back through the range: gif, html (a page with a slider
         that needs nothing else), or mp4 if ffmpeg is installed.
@@ -561,10 +575,12 @@ def draw(
     1
     >>> figure = fl.draw("hart", m=4.0, n=8.0, d=6.0, kappa=0.5, strip=4, branch=1)
     >>> [axis.get_title() for axis in figure.axes][2]
-    '$\\phi$ = 3.142 rad'
+    '$\\phi$ = 214.1°'
     """
     require_package("matplotlib", ("draw",))
-    path = None if to is None else check_picture(to, "to", example="linkage.png")
+    path = None if to is None else check_picture(to, "to", kinds=DRAWINGS, example="linkage.png")
+    if path is not None and path.suffix.lower() == DXF:
+        require_package("ezdxf", ("to",))
     film = None
     if animate is not None:
         from fastlink.pictures.linkage import check_film
@@ -583,7 +599,9 @@ def draw(
     with style():
         board = Board(request)
         board.show()
-        if path is not None:
+        if path is not None and is_cad(path):
+            write_whole(path, written(request, path))
+        elif path is not None:
             save(board.figure, path, "to")
         if film is not None:
             write_film(board, film, frames)

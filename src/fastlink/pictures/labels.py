@@ -100,10 +100,12 @@ def valued(array: xr.DataArray, value: object) -> str:
     return f"{symbol} = {plain(short_number(value))}{space}{'' if units == '1' else units_text(units)}"
 
 
-def title_of(dataset: xr.Dataset, variable: xr.DataArray, fixed: Mapping[str, object]) -> str:
-    """Return the name of a variable, and the values at which dimensions are fixed."""
+def title_of(
+    dataset: xr.Dataset, variable: xr.DataArray, fixed: Mapping[str, object], modes: str = ""
+) -> str:
+    """Return the name of a variable, the values at which dimensions are fixed, and the assembly modes."""
     title = textwrap.fill(plain(variable.attrs.get("long_name", variable.name)), TITLE_WIDTH)
-    values = ", ".join(valued(dataset[dim], value) for dim, value in fixed.items())
+    values = ", ".join(filter(None, [*(valued(dataset[dim], one) for dim, one in fixed.items()), modes]))
     return f"{title}\n{values}" if values else title
 
 

@@ -10,6 +10,8 @@ import base64
 import html
 import io
 import json
+import pathlib
+import re
 import shutil
 import subprocess
 import tempfile
@@ -17,13 +19,13 @@ import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from inspect import signature
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.patches import Ellipse
-from matplotlib.patheffects import withTickedStroke
+from matplotlib.path import Path
+from matplotlib.patheffects import withStroke, withTickedStroke
 from matplotlib.transforms import ScaledTranslation
 from PIL import Image
 
@@ -34,7 +36,7 @@ from fastlink.io.output import write_whole
 from fastlink.maps.units import half_turn
 from fastlink.pictures.charts import cut
 from fastlink.pictures.labels import mathematical, units_text
-from fastlink.pictures.motion import PLANES, Names, function_of, samples_of
+from fastlink.pictures.motion import PLANES, STAY_IN_FILM, Names, function_of, samples_of
 from fastlink.pictures.style import LINES, NotebookFigure, drawable, limits_of
 from fastlink.space.units import RADIANS
 
@@ -53,6 +55,8 @@ INK, FAINT, GHOST = "0.15", "0.62", "0.72"
 POINT = 1.0 / 72.0
 #: Of a slider in points: half its length and half its height.
 SLIDER = (10.0, 6.0)
+#: Round the letters of names, over lines.
+HALO = withStroke(linewidth=2.0, foreground="white")
 HATCH: dict[str, Any] = {"spacing": 4.0, "length": 0.6}
 #: Of a curved arrow: the turn of the greatest and of the least, where it begins, its head in points.
 TURN, LEAST_TURN, TURN_START, HEAD = 1.5 * np.pi, 0.35 * np.pi, 0.25 * np.pi, 7.0
@@ -91,6 +95,21 @@ def add_joint(axis: Any, at: Any, colour: Any, size: float) -> None:
     """Draw a revolute joint."""
     style = {"marker": "o", "markersize": size, "markerfacecolor": "white", "markeredgecolor": colour}
     axis.plot(*np.reshape(at, (2, 1)), linestyle="none", markeredgewidth=1.3, zorder=6, **style)
+
+
+def _quartered() -> Path:
+    """Return the mark of a mass centre: a circle of which two quarters are filled."""
+    turn = np.linspace(0.0, 2.0 * np.pi, 41)
+    circle = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
+    quarters = [np.concatenate([[(0.0, 0.0)], circle[k : k + 11]]) for k in (0, 20)]
+    return Path.make_compound_path(*map(Path, (circle, 0.84 * circle[::-1], *quarters)))
+
+
+def add_centre(axis: Any, at: Any, colour: Any, size: float) -> None:
+    """Draw a mass centre."""
+    for marker, face in (("o", "white"), (CENTRE, colour)):
+        style = {"marker": marker, "color": face, "markersize": size, "markeredgewidth": 0.0}
+        axis.plot(*np.reshape(at, (2, 1)), linestyle="none", zorder=6, **style)
 
 
 def add_slider(axis: Any, at: Any, colour: Any, size: float) -> None:
@@ -135,6 +154,8 @@ def add_scale(axis: Any, view: Any, width: float) -> None:
     clear = {"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.85}
     axis.annotate(f"{length:g} m", (left + 0.5 * length, low), fontsize=8, color=INK, bbox=clear, **text)
 
+
+CENTRE = _quartered()
 
 # -- Show what moves with a linkage besides its bars: loci of a position, circles about moving points
 
@@ -244,7 +265,7 @@ def _add_level(sheet: Sheet, coefficients: Any, style: dict[str, Any]) -> None:
 # -- Show forces as arrows and torques as curved ones, all of a kind by one scale
 
 
-FORCES, TORQUES = "forces", "torques"
+FORCES, TORQUES, CENTRES = "forces", "torques", "centres"
 #: The units of a kind; its mark in the legend, with size and width of line.
 UNITS, MARKS = (
     {FORCES: "N", TORQUES: "N m"},
@@ -348,8 +369,10 @@ class Loads:
 #: The colours of assembly modes.
 MODES = LINES
 TEETH = 90
+#: Points from tooth to tooth, twice; how often they are spaced anew, evenly along feet and tips.
+FINE, SPACED = 8, 3
 #: Of the picture: the length of a usual tooth, and of the longest.
-TOOTH, LONGEST_TOOTH = 0.06, 4.0
+TOOTH, LONGEST_TOOTH = 0.06, 3.0
 #: Of the whole span: how far the positions are from each other of which the change of the slope is taken.
 ASIDE = 1e-6
 #: The usual curvature times the size of the picture below which a path is a straight line, and rounding its curvature.
@@ -364,10 +387,7 @@ def mode_line(branch: int, **changes: Any) -> dict[str, Any]:
 
 def _traced(sheet: Sheet, unless: str = "") -> list[Point]:
     """Return the points whose paths are shown; where none are, those of a word."""
-    traced = sheet.motion.picture.traced
-    words = [word for word in traced if word in sheet.show] or [unless]
-    names = [name for word in words for name in traced.get(word, "").split()]
-    return [one for one in sheet.motion.points if one.name in names]
+    return sheet.motion.traced(sheet.show) or sheet.motion.traced([unless])
 
 
 def _add_paths(sheet: Sheet, position: float) -> list[Any]:
@@ -379,15 +399,13 @@ def _add_paths(sheet: Sheet, position: float) -> list[Any]:
     for positions in motion.along(361, None if every_range else position):
         places = motion.places(positions, traced)
         for one in traced:
-            for branch, line in zip(motion.branches, places[one.name], strict=True):
+            for branch, look, line in zip(motion.branches, motion.looks, places[one.name], strict=True):
                 if np.isfinite(line).all(axis=-1).any():
-                    style = mode_line(branch, zorder=2.0, gid=f"path {one.name} {branch}")
+                    style = mode_line(look, zorder=2.0, gid=f"path {one.name} {branch}")
                     sheet.axis.plot(*line.T, **style)
                     sheet.keep_free(samples_of(line, sheet.scale)[::2], 0.5)
-    letters = " and ".join(
-        mathematical(one.name) if one.is_named else "the middle of a bar" for one in traced
-    )
-    style = mode_line(motion.branches[0]) if len(motion.branches) == 1 else {"color": FAINT, "linewidth": 1.3}
+    letters = " and ".join(_lettered(one.name) if one.is_named else "the middle of a bar" for one in traced)
+    style = mode_line(1) if len(motion.branches) == 1 else {"color": FAINT, "linewidth": 1.3}
     return [Line2D([], [], label=f"path of {letters}", **style)]
 
 
@@ -404,9 +422,9 @@ def _add_circles(sheet: Sheet, position: float, group: str) -> list[Any]:
             x = motion.number(guide.x)
             if np.isfinite(x):
                 sheet.axis.axvline(x, color=FAINT, linewidth=0.9, linestyle=(0, (8, 3, 1, 3)), zorder=1.0)
-    if not arms or motion.picture.metric == "euclidean":
-        return []
-    labels = {True: "future-pointing arms", False: "past-pointing arms"}
+    labels = {True: "future-pointing arms", False: "past-pointing arms"} if arms else {}
+    if motion.picture.metric == "euclidean":
+        labels = {True: "circles of joints"} if group == "circles" else {}
     style: dict[str, Any] = {"color": FAINT, "linewidth": 0.9}
     return [Line2D([], [], linestyle=ARMS[one], label=label, **style) for one, label in labels.items()]
 
@@ -437,26 +455,43 @@ def _add_cones(sheet: Sheet, position: float) -> list[Any]:
 
 def _add_comb(sheet: Sheet, position: float) -> list[Any]:
     """Draw the curvature of each path that is shown as teeth across it, on the outer side."""
-    motion = sheet.motion
+    motion, handles = sheet.motion, list[Any]()
+    centre = 0.5 * (sheet.view[::2] + sheet.view[1::2])
     size = min(np.ptp(sheet.view[:2]), np.ptp(sheet.view[2:]))
     for point in _traced(sheet, unless="path"):
-        pieces = [_curved(sheet, point, one) for one in motion.along(2 * TEETH, position)]
-        every = np.concatenate([np.hypot(*np.moveaxis(bend, -1, 0)).ravel() for _, bend in pieces])
+        ranges = motion.along(2 * TEETH, position)
+        every = np.concatenate(
+            [np.hypot(*np.moveaxis(_curved(sheet, point, one)[1], -1, 0)).ravel() for one in ranges]
+        )
         every = every[np.isfinite(every)]
         usual = float(np.median(every)) if every.size else 0.0
         if usual * size < STRAIGHT:
             continue
-        for places, bends in pieces:
-            for branch, at, bend in zip(motion.branches, places, bends, strict=True):
-                tooth = -TOOTH * size / usual * bend
-                with np.errstate(all="ignore"):
-                    tooth *= np.minimum(1.0, LONGEST_TOOTH * TOOTH * size / np.hypot(*tooth.T))[:, None]
-                tips = at + tooth
-                teeth = np.stack([at, tips, np.full_like(at, np.nan)], axis=1)[::2].reshape(-1, 2)
-                for line, width in ((teeth, 0.5), (tips, 0.8)):
+        for positions in ranges:
+            for _ in range(SPACED):
+                feet, tips = _teeth(sheet, point, positions, TOOTH * size, usual)
+                steps = sum(np.linalg.norm(np.diff(one, axis=1), axis=-1) for one in (feet, tips))
+                near = np.linalg.norm(feet[:, 1:] - centre, axis=-1) < np.ptp(sheet.view)
+                steps = np.where(near & np.isfinite(steps), steps, 0.0).max(axis=0)
+                way = np.concatenate([[0.0], np.cumsum(steps)])
+                positions = np.interp(np.linspace(0.0, way[-1], FINE * TEETH + 1), way, positions)
+            feet, tips = _teeth(sheet, point, positions, TOOTH * size, usual)
+            for look, foot, tip in zip(motion.looks, feet, tips, strict=True):
+                teeth = np.stack([foot, tip, np.full_like(foot, np.nan)], axis=1)[:: FINE // 2].reshape(-1, 2)
+                for line, width in ((teeth, 0.5), (tip, 0.8)):
                     style = {"linestyle": "solid", "linewidth": width, "alpha": 0.7, "zorder": 1.8}
-                    sheet.axis.plot(*line.T, **mode_line(branch, **style))
-    return []
+                    sheet.axis.plot(*line.T, **mode_line(look, **style))
+        handles = [Line2D([], [], color=FAINT, linewidth=0.8, label="comb: the curvature of the path")]
+    return handles
+
+
+def _teeth(sheet: Sheet, point: Point, positions: Any, length: float, usual: float) -> tuple[Any, Any]:
+    """Return feet and tips of teeth, of a length where the curvature is the usual one."""
+    feet, bends = _curved(sheet, point, positions)
+    with np.errstate(all="ignore"):
+        teeth = -length / usual * bends
+        teeth *= np.minimum(1.0, LONGEST_TOOTH * length / np.linalg.norm(teeth, axis=-1))[..., None]
+    return feet, feet + teeth
 
 
 def _slope(motion: Motion, coordinate: Value) -> Value:
@@ -502,6 +537,15 @@ def add_overlays(sheet: Sheet, position: float) -> list[Any]:
     for word, add in OF_WORDS.items():
         if word in sheet.show:
             handles += add(sheet, position)
+    marks = {CENTRES: (CENTRE, "mass centres"), "foci": ("x", "second focus of the conic")}
+    for word in sorted(marks.keys() & sheet.show):
+        marker, label = marks[word]
+        style: dict[str, Any] = {
+            "linestyle": "none",
+            "color": INK,
+            "markeredgewidth": 1.0 * (word != CENTRES),
+        }
+        handles.append(Line2D([], [], marker=marker, label=label, **style))
     return handles
 
 
@@ -603,7 +647,7 @@ class Sheet:
                 self._bar(bar, position, places, common)
         for one in points:
             for at, colour in self._modes(places[one.name], common[one.name]):
-                self._point(one.kind, at, colour)
+                self._point(one, at, colour)
         if not assembled.any():
             self.write("does not assemble", 0.5 * (self.view[::2] + self.view[1::2]), "0.4")
         self.loads.draw(position, places)
@@ -625,16 +669,18 @@ class Sheet:
 
     def colour(self, k: int) -> str:
         """Return the colour of the assembly mode with an index."""
-        return MODES[(self.motion.branches[k] - 1) % len(MODES)]
+        return MODES[(self.motion.looks[k] - 1) % len(MODES)]
 
-    def _point(self, kind: str, at: Any, colour: Any) -> None:
-        joint = self.style.joint
+    def _point(self, point: Point, at: Any, colour: Any) -> None:
+        joint, kind = self.style.joint, point.kind
         if kind == "slider":
             add_slider(self.axis, at, colour, self.size)
             half = np.multiply(SLIDER, self.size) / self.scale
             corners = at + half * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)])
             self.names.keep_free(samples_of(corners, self.scale))
             add_joint(self.axis, at, colour, 0.8 * joint)
+        elif point.group == CENTRES:
+            add_centre(self.axis, at, colour, 1.1 * joint)
         elif kind in ("traced", "mark"):
             size = (0.5 if kind == "traced" else 0.4) * joint
             self.axis.plot(*np.reshape(at, (2, 1)), "o", color=colour, markersize=size, zorder=6)
@@ -697,7 +743,7 @@ class Sheet:
             if self._is_in_view(at):
                 text = ", ".join(letters)
                 middle = self.names.place(f"{text} {number}", text, at)
-                self.write(", ".join(map(mathematical, letters)), middle, colour)
+                self.write(", ".join(map(_lettered, letters)), middle, colour)
 
     def _is_in_view(self, at: Any) -> bool:
         view = self.view
@@ -727,7 +773,7 @@ class Sheet:
     def write(self, text: str, at: Any, colour: Any) -> None:
         """Write the name of something."""
         style = {"ha": "center", "va": "center", "fontsize": self.style.font, "zorder": 8, "gid": "name"}
-        self.axis.text(*at, text, color=colour, **style)
+        self.axis.text(*at, text, color=colour, path_effects=[HALO], **style)
 
 
 # -- Curves of quantities over the input, beside a linkage, with the input marked
@@ -735,6 +781,11 @@ class Sheet:
 
 CURVE_POINTS = 361
 MOST_RANGE = 50.0
+
+
+def _lettered(name: str) -> str:
+    """Return the name of a point as it is written: the number of a mass centre is an index."""
+    return mathematical(re.sub(r"(?<=[A-Z])(\d+)$", r"_\1", name))
 
 
 class Curves:
@@ -770,7 +821,7 @@ class Curves:
         units = self.units[name]
         for positions in motion.along(CURVE_POINTS):
             values = self._scaled(motion.values([name], positions)[name], units)
-            for k, branch in enumerate(motion.branches):
+            for k, branch in enumerate(motion.looks):
                 x, y = cut(
                     self._at(positions), drawable(values[k]), self._units(units).replace("°", "degree")
                 )
@@ -793,7 +844,7 @@ class Curves:
             for position, x in zip(positions, self._at(shown), strict=True):
                 axis.axvline(x, color="0.35", linewidth=0.9, zorder=1.5)
                 values = self._scaled(self.motion.values([name], [position])[name][:, 0], self.units[name])
-                for branch, value in zip(self.motion.branches, values, strict=True):
+                for branch, value in zip(self.motion.looks, values, strict=True):
                     if np.isfinite(value):
                         colour = MODES[(branch - 1) % len(MODES)]
                         style = {"color": colour, "markersize": 5, "markeredgecolor": "white", "zorder": 5}
@@ -817,7 +868,7 @@ FLATTEST, TALLEST = 0.42, 1.1
 #: Of the size of what is drawn: the margin in a view, and in one of a plane without bounds.
 AROUND, WIDE_AROUND = 0.09, 0.3
 #: The same where the teeth of a comb stand on the path.
-COMB_AROUND = 0.22
+COMB_AROUND = 0.32
 #: How much the margin and the arrows themselves add to a view in which forces are shown.
 GROWN = 1.4
 LETTER = 0.072  # of the legend, in inches
@@ -841,6 +892,8 @@ class Board:
         #: The axes with their places in inches, from the upper left corner.
         self.placed: list[tuple[Any, tuple[float, float, float, float]]] = []
         self.sheets: list[Sheet] = []
+        letters = int(self.width * TITLE_LETTERS)
+        self.sheets_of = [(motion, at, textwrap.fill(title, letters)) for motion, at, title in request.sheets]
         handles = self._add_sheets(columns)
         page, low = self._block(columns)
         self.curves = self._add_curves(page, low)
@@ -849,19 +902,21 @@ class Board:
         self.moving: list[Any] = []
 
     def _title_height(self) -> float:
-        return LINE * 1.2 if any(title for *_, title in self.request.sheets) else 0.0
+        return LINE * 1.2 * max(title.count("\n") + bool(title) for *_, title in self.sheets_of)
 
     def _add_sheets(self, columns: int) -> list[Any]:
         """Add the axes of each linkage with what stands still, and return its legend."""
         handles: list[Any] = []
         style, each = self._style(columns), self.height + self._title_height() + MARGIN
-        for number, (motion, position, title) in enumerate(self.request.sheets):
+        for number, (motion, position, title) in enumerate(self.sheets_of):
             row, column = divmod(number, columns)
             left = MARGIN + column * (self.width + MARGIN)
             top = MARGIN + TITLE + row * each + self._title_height()
             axis = self._axes((left, top, self.width, self.height))
             sheet = Sheet(axis, motion, self.view, self.scale, self.request.show, style=style)
             sheet.moves = self.request.moves or len(self.request.positions) > 1
+            if self.request.moves:
+                sheet.names.stay = STAY_IN_FILM
             found = sheet.background(position)
             handles = handles or found
             if title:
@@ -905,8 +960,8 @@ class Board:
     def _finish(self, width: float, low: float, handles: list[Any]) -> None:
         """Write title, legend and numbers, and give the page the size that all of it takes."""
         caption = self._caption(width)
-        longest = max(len(handle.get_label()) for handle in handles)
-        columns = 2 if len(handles) > 3 and 2 * (longest * LETTER + 0.6) < width else 1
+        longest = max((len(handle.get_label()) for handle in handles), default=0)
+        columns = 2 if len(handles) > 3 and 2 * (longest * LETTER + 0.9) < width else 1
         room = int((width / columns - 0.9) / LETTER)
         for handle in handles:
             handle.set_label(textwrap.fill(handle.get_label(), room))
@@ -917,7 +972,7 @@ class Board:
         for axis, (left, top, wide, high) in self.placed:
             axis.set_position((left / width, 1.0 - (top + high) / height, wide / width, high / height))
         centre: dict[str, Any] = {"ha": "center", "va": "center"}
-        title = textwrap.fill(self.motion.catalogue.title, int(width * TITLE_LETTERS))
+        title = textwrap.fill(self.motion.title, int(width * TITLE_LETTERS))
         figure.text(0.5, 1.0 - 1.2 * MARGIN / height, title, fontsize=10.5, **centre)
         style = {"frameon": False, "fontsize": 8.5, "borderaxespad": 0.0, "handlelength": 2.4}
         place = (0.5, 1.0 - (low + 0.7 * MARGIN) / height)
@@ -927,12 +982,17 @@ class Board:
             figure.text(0.5, at, line, fontsize=8, color="0.35", **centre)
 
     def _legend_of_modes(self) -> list[Any]:
-        """Return a line for each assembly mode."""
-        branches = self.motion.catalogue.branches
+        """Return a line for each assembly mode, none for one alone, which the numbers name."""
+        if len(self.motion.branches) < 2:
+            return []
         return [
-            Line2D([], [], **mode_line(b), label=f"assembly mode {b}: {branches[b]}{self._orientations(k)}")
-            for k, b in enumerate(self.motion.branches)
+            Line2D([], [], **mode_line(b), label=self._mode(k)) for k, b in enumerate(self.motion.branches)
         ]
+
+    def _mode(self, k: int) -> str:
+        """Return an assembly mode in words."""
+        branch = self.motion.branches[k]
+        return f"assembly mode {branch}: {self.motion.catalogue.branches[branch]}{self._orientations(k)}"
 
     def _orientations(self, k: int) -> str:
         """Return which bars of an assembly mode point to the future and to the past, of a single picture."""
@@ -963,9 +1023,8 @@ class Board:
         symbol = mathematical(motion.catalogue.position.symbol)
         if len(self.request.positions) == 1 and not self.request.moves:
             own.append(f"{symbol} = {motion.shown(self.request.positions[0], degrees)}")
-        words = [
-            motion.meaning(name) for name in ("grashof_class", "status") if name in motion.catalogue.facts
-        ]
+        words = [motion.meaning("status")] if "status" in motion.catalogue.facts else []
+        words += [self._mode(0)] if len(motion.branches) < 2 else []
         if not motion.turns_fully:
             ends = [] if motion.ranges == (motion.span,) else motion.range_texts(degrees)
             words += [f"{symbol} {', '.join(ends)}"] if ends else []
@@ -978,6 +1037,12 @@ class Board:
         given = [position for _, position, _ in self.request.sheets] if positions is None else positions
         for sheet, position in zip(self.sheets, given, strict=True):
             sheet.linkage(position)
+        if self.request.moves:
+            symbol = mathematical(self.motion.catalogue.position.symbol)
+            text, axis = self.motion.shown(given[0], self.request.degrees, brief=True), self.sheets[0].axis
+            axis.text(
+                0.0, 1.0, f"{symbol} = {text}", transform=axis.transAxes, va="top", fontsize=9, color=INK
+            )
         if self.curves is not None:
             self.curves.mark(given)
         self.moving = [one for one in self._artists() if one not in still]
@@ -993,18 +1058,29 @@ class Board:
 
 
 def _view(request: Request) -> Any:
-    """Return what every sheet shows: all of the motion, or where a plane has no bounds, the positions."""
+    """Return what every sheet shows: the linkage and what is drawn about it, all of the motion where it moves.
+
+    Where a plane has no bounds, the positions.
+    """
     corners: list[Any] = []
     bounded = all(one.picture.metric == "euclidean" for one in request.motions)
     for motion in request.motions:
-        positions = [request.positions]
-        if bounded:
-            positions += motion.along(61, None if request.moves else request.positions)
-        elif request.moves:
-            positions += [motion.spread(61)]
-        for one in positions:
-            points = [point for point in motion.points if point.kind != "mark"]
-            corners += [at.reshape(-1, 2) for at in motion.places(one, points).values()]
+        points = [point for point in motion.points if point.kind != "mark"]
+        corners += [at.reshape(-1, 2) for at in motion.places(request.positions, points).values()]
+        traced = motion.traced(request.show)
+        moving = [one for one in points if request.moves or one.kind == "slider"] + traced
+        along = motion.along(61, None if request.moves else request.positions) if bounded else []
+        along += [motion.spread(61)] if request.moves and not bounded else []
+        if "limits" in request.show and bounded and not motion.turns_fully:
+            ends = [end for one in motion.around(request.positions) for end in one]
+            corners += [at.reshape(-1, 2) for at in motion.places(ends, points).values()]
+        for one in along:
+            corners += [at.reshape(-1, 2) for at in motion.places(one, moving).values()]
+        for circle in motion.picture.circles if bounded and "circles" in request.show else ():
+            if motion.picture.point(circle.centre).kind == "ground" and circle.group == "circles":
+                centre = motion.places_at(0.0, [motion.picture.point(circle.centre)])[circle.centre][:1]
+                radius = motion.number(circle.radius)
+                corners += [centre + radius * np.array([[1.0, 1.0], [-1.0, -1.0]])]
     every = np.concatenate(corners)
     every = every[np.isfinite(every).all(axis=1)]
     low, high = every.min(axis=0), every.max(axis=0)
@@ -1052,14 +1128,14 @@ PHASE = 0.25
 INSTALL = "install it, such as by `apt install ffmpeg`, or write a .gif or an .html"
 
 
-def check_film(path: Path) -> None:
+def check_film(path: pathlib.Path) -> None:
     """Refuse a film where there is no program that writes it."""
     if path.suffix.lower() == ".mp4" and shutil.which("ffmpeg") is None:
         what = "ffmpeg, which writes films, is not installed"
         raise InputError(what, where=("animate",), remedy=INSTALL)
 
 
-def write_film(board: Board, path: Path, frames: int) -> None:
+def write_film(board: Board, path: pathlib.Path, frames: int) -> None:
     """Write the motion of a picture of one position: a turn, or there and back through the range."""
     motion = board.motion
     low, high = motion.around(board.request.positions)[0]
@@ -1070,7 +1146,7 @@ def write_film(board: Board, path: Path, frames: int) -> None:
         positions = 0.5 * (low + high) - 0.5 * (high - low) * np.cos(2.0 * np.pi * share)
     pictures = _pictures(board, positions)
     written = {".gif": _gif, ".mp4": _film, ".html": _page}[path.suffix.lower()]
-    labels = [motion.shown(one, board.request.degrees) for one in positions]
+    labels = [motion.shown(one, board.request.degrees, brief=True) for one in positions]
     write_whole(path, written(pictures, f"{motion.mechanism}: {motion.input}", labels), "animate")
 
 
@@ -1128,7 +1204,7 @@ def _film(pictures: list[Any], title: str, labels: Sequence[str]) -> bytes:
     with (
         tempfile.TemporaryDirectory() as folder
     ):  # a file: ffmpeg goes back in it to note where the pictures are
-        film = Path(folder, "film.mp4")
+        film = pathlib.Path(folder, "film.mp4")
         command = ["ffmpeg", "-y", "-loglevel", "error", *given, *wanted, str(film)]
         done = subprocess.run(command, input=pixels, capture_output=True, check=False)
         if done.returncode:

@@ -243,14 +243,14 @@ def _status(
     dataset: xr.Dataset, name: str, places: Mapping[str, int], free: list[str], beside: str | None
 ) -> xr.DataArray | None:
     """Return the status of the designs of a map, or None if its cells are not designs."""
-    if name == STATUS or STATUS not in dataset.data_vars or len(free) != 2:
+    if name == STATUS or STATUS not in dataset.data_vars:
         return None
     status = dataset[STATUS]
     status = status.isel({dim: place for dim, place in places.items() if dim in status.dims})
     known = set(status.dims) - {beside} == set(free)
     if not known or status.dtype.kind not in "iu" or not flags_of(status):
         return None
-    return status.transpose(..., free[1], free[0])
+    return status.transpose(..., *reversed(free))
 
 
 # -- The panels of a picture: assembly modes, and values of a dimension that stand side by side
@@ -283,11 +283,11 @@ class Panel:
 
 def panels_of(shown: Selection) -> list[list[Panel]]:
     """Return rows of panels: assembly modes, those that agree in one row; in each row the values of a dimension."""
-    if shown.split is None:
-        return [[Panel(title, "", part) for title, part in _modes(shown.variable)]]
-    along = shown.variable[shown.split]
     modes = _modes(shown.variable)
     alone = len(modes) == 1
+    if shown.split is None:
+        return [[Panel(title * (not alone), "", part) for title, part in modes]]
+    along = shown.variable[shown.split]
     few = spread(along.size, MOST_BESIDE if alone or len(shown.free) == 1 else MOST_BELOW)
     titles = {int(k): valued(along, along.values[k]) for k in few}
     return [
@@ -297,9 +297,9 @@ def panels_of(shown: Selection) -> list[list[Panel]]:
 
 
 def modes_of(shown: Selection) -> str:
-    """Return the assembly modes of all panels where they are of one row, and none says so."""
+    """Return the assembly modes of all panels where they are the same, and none says so."""
     modes = _modes(shown.variable)
-    return modes[0][0] if shown.split is not None and len(modes) == 1 else ""
+    return modes[0][0] if len(modes) == 1 else ""
 
 
 def _modes(variable: xr.DataArray) -> list[tuple[str, xr.DataArray]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 import warnings
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -25,7 +26,17 @@ if TYPE_CHECKING:
     from fastlink.mechanisms._shared.picture import Locus, Picture, Point, Value
     from fastlink.space.design_space import Links
 
-__all__ = ["PLANES", "Euclidean", "Minkowskian", "Motion", "Names", "as_draw", "function_of", "samples_of"]
+__all__ = [
+    "PLANES",
+    "STAY_IN_FILM",
+    "Euclidean",
+    "Minkowskian",
+    "Motion",
+    "Names",
+    "as_draw",
+    "function_of",
+    "samples_of",
+]
 
 
 # -- Positions of the points of one design, by the facts of its mechanism, and the range in which it
@@ -87,6 +98,34 @@ class Motion:
         """Return a value of the design: what does not depend on assembly mode and position."""
         return float(self.values([value], [0.0])[value].flat[0])
 
+    @property
+    def title(self) -> str:
+        """What tells this design from others: its class, and how far its output goes."""
+        parts = []
+        for part in self.picture.title.split(", "):
+            told = {name: self._told(name) for name in re.findall(r"\{(\w+)\}", part)}
+            parts += [part.format(**told)] if part and all(told.values()) else []
+        text = ", ".join(parts) or self.catalogue.title
+        return text[0].upper() + text[1:]
+
+    def _told(self, name: str) -> str:
+        """Return a number of the design, or the words of a code, as a title has it; nothing of what it lacks."""
+        if not self.has(name):
+            return ""
+        fact = self.catalogue.public_fact(name)
+        if fact.flags:
+            return self.meaning(name).replace("crank rocker", "crank-rocker")
+        value = self.number(name)
+        is_whole_turn = fact.units == RADIANS and value > 2.0 * np.pi - 1e-9
+        if not np.isfinite(value) or is_whole_turn:
+            return ""
+        return f"{np.degrees(value):.3g}°" if fact.units == RADIANS else f"{value:.3g} {fact.units}"
+
+    @property
+    def looks(self) -> tuple[int, ...]:
+        """The assembly modes in whose colours and dashes curves are drawn: of one alone those of the first."""
+        return self.branches if len(self.branches) > 1 else (1,)
+
     def meaning(self, name: str) -> str:
         """Return the words for the code of the design, such as its status."""
         code = int(self.number(name))
@@ -126,6 +165,11 @@ class Motion:
         return tuple(
             one for one in self.picture.points if one.kind in needed or (self.has(one.x) and self.has(one.y))
         )
+
+    def traced(self, words: Iterable[str]) -> list[Point]:
+        """Return the points whose paths some words show."""
+        names = {name for word in words for name in self.picture.traced.get(word, "").split()}
+        return [one for one in self.points if one.name in names]
 
     def places(self, positions: Any, points: Sequence[Point] | None = None) -> dict[str, Any]:
         """Return each point over assembly modes, positions, and x and y."""
@@ -260,7 +304,8 @@ class Motion:
     def shown(self, position: float, degrees: bool, brief: bool = False) -> str:
         """Return a position as text."""
         if self.turns and degrees:
-            return f"{short_number(round(float(np.degrees(position)), 3))}°"
+            angle = float(np.degrees(position))
+            return f"{angle:.4g}°" if brief else f"{short_number(round(angle, 3))}°"
         units = "" if self.catalogue.position.units == "1" else f" {self.catalogue.position.units}"
         return f"{position:.4g}{units}" if brief else f"{short_number(float(position))}{units}"
 
@@ -375,6 +420,8 @@ LETTER, HEIGHT, AWAY, STEP = 5.6, 12.0, 12.0, 3.0
 ROUND = np.pi / 8.0 * np.arange(16)
 #: Where a name stands best if all places are free: above to the right.
 BEST, PREFERENCE, STAY = np.pi / 4.0, 0.15, 0.6
+#: The last in a film, where names that jump cannot be read.
+STAY_IN_FILM = 6.0
 #: How much farther away a name may stand where that is free, and what it costs.
 FURTHER, FARTHER = 6.0, 3.0
 NEAR, OUTSIDE = 1.7, 6.0
@@ -399,6 +446,8 @@ class Names:
     def __init__(self, scale: float, view: Any) -> None:
         self.scale, self.view = scale, np.asarray(view, dtype=float)
         self.last: dict[str, int] = {}
+        #: What it costs to stand elsewhere than in the picture before.
+        self.stay = STAY
         self.clear()
 
     def clear(self) -> None:
@@ -442,7 +491,7 @@ class Names:
         half = np.array([wide + 2.0, 0.5 * HEIGHT + 1.0]) / self.scale
         cost = PREFERENCE * (1.0 - np.cos(angles - BEST)) + farther
         if key in self.last:
-            cost += STAY * (np.arange(len(middles)) != self.last[key])
+            cost += self.stay * (np.arange(len(middles)) != self.last[key])
         if len(self.cloud):
             gaps = np.abs(self.cloud[None] - middles[:, None]) / half
             cost = cost + np.maximum(0.0, NEAR - gaps.max(axis=-1)) ** 2 @ self.weights

@@ -133,6 +133,8 @@ class Picture:
     metric: Literal["euclidean", "minkowskian"] = "euclidean"
     #: The words of `fastlink.draw` that hold unless others are given.
     usual: str = "path limits"
+    #: What it says above of a design, by facts in braces; a part between commas that lacks a value is left out.
+    title: str = ""
     #: Of an input that has no turn, the ends of what is drawn: facts or numbers, the first with its sign changed.
     spans: Mapping[str, tuple[Value, Value]] = field(default_factory=dict)
 

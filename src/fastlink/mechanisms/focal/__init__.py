@@ -215,6 +215,7 @@ PICTURE = Picture(
     ),
     traced={"path": "T"},
     usual="path cubic",
+    title="focal mechanism, {grashof_class}",
 )
 
 #: The same mechanism by its other inputs.

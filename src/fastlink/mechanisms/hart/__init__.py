@@ -144,6 +144,7 @@ PICTURE = Picture(
     guides=(Guide(x="line_x", group="line"),),
     traced={"path": "F", "ellipse": "PF_mid"},
     usual="path line",
+    title="Hart's linkage, {grashof_class}, stroke {stroke}",
     spans={"F_y": ("F_y_outer", "F_y_outer")},
 )
 

@@ -51,6 +51,7 @@ PICTURE = Picture(
     traced={"path": "X"},
     metric="minkowskian",
     usual="path circles cone",
+    title="Minkowskian four-bar, {linkage_type}",
     spans={"theta": (2.0, 2.0)},
 )
 

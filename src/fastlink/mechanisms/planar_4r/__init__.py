@@ -92,6 +92,7 @@ PICTURE = Picture(
     forces=(Force("F41", "O"), Force("F21", "A"), Force("F32", "B"), Force("F43", "D")),
     torques=(Torque("T41", "O"),),
     traced={"path": "P"},
+    title="{grashof_class}, swing {swing}",
 )
 
 from fastlink.mechanisms.planar_4r import by_joint  # noqa: E402 (it reads what is declared above)

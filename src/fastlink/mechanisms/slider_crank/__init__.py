@@ -84,6 +84,7 @@ PICTURE = Picture(
     circles=(Circle("O", "r"),),
     guides=(Guide(y="e", slider="B"),),
     usual="limits",
+    title="slider-crank, {grashof_class}, stroke {stroke}",
     forces=(Force("F41", "O"), Force("F21", "A"), Force("F32", "B")),
     torques=(Torque("T41", "O"),),
 )

@@ -1,0 +1,136 @@
+"""Every kind of picture at three sizes: no text covers another, none stands outside the frame."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from tests.support.texts import flaws_of
+
+import fastlink as fl
+from fastlink.pictures.style import NotebookFigure
+
+LINKS = fl.round_bar(7750.0, 0.01)
+FOUR_BAR = {"a1": 0.4, "a2": 1.1, "a3": 0.8, "a4": 1.0, "P_u": 0.5, "P_v": 0.35}
+DESIGNS = {
+    "planar_4r": FOUR_BAR | {"omega1": 10.0},
+    "minkowski_4r": {"a": 1.0, "b": 1.0, "g": 4.0, "h": 1.0, "x": 0.5, "y": 0.3},
+    "focal": {"a": 5.0, "b": 5.0, "c": 2.0, "d": 4.0, "s": 2.0},
+    "hart": {"m": 4.0, "n": 8.0, "d": 5.0, "kappa": 0.5},
+    "slider_crank": {"r": 0.1, "l": 0.3, "e": 0.02, "omega": 50.0, "m3": 0.5},
+}
+LOADS = {"planar_4r", "slider_crank"}
+QUANTITIES = [
+    "shaking_force_max",
+    "transmission_angle_min",
+    "omega4_max",
+    "status",
+    "grashof_class",
+    "theta1_at_omega4_max",
+]
+FORCE, ANGLE = QUANTITIES[:2]
+
+
+@cache
+def maps():
+    """The starter study, of fewer designs."""
+    space = fl.grid(
+        a1=0.4,
+        a2=np.linspace(1.0, 1.4, 31),
+        a3=np.linspace(0.6, 1.0, 31),
+        a4=[0.8, 0.9, 1.0, 1.1, 1.2],
+        omega1=25.0,
+    )
+    return fl.sweep("planar_4r", space, QUANTITIES, links=LINKS, verify=0)
+
+
+@cache
+def types():
+    lengths = np.linspace(0.125, 4.0, 32)
+    space = fl.grid(a=lengths, b=lengths, g=1.0, h=[0.1, 0.8, 1.6, 2.4, 3.2, 4.0])
+    return fl.sweep("minkowski_4r", space, ["linkage_type", "assembly_count_future"], verify=0)
+
+
+def plot(*given, of=maps, **options):
+    return lambda: fl.plot_map(of(), *given, **options)
+
+
+def designs(*given, **options):
+    return lambda: fl.plot_designs(maps(), *given, **options)
+
+
+def drawn(mechanism, **options):
+    options = ({"links": LINKS} if mechanism in LOADS else {}) | options
+    return lambda: fl.draw(mechanism, DESIGNS[mechanism], **options)
+
+
+AT = {"a4": 1.0}
+KINDS = {
+    "map": plot(FORCE, at=AT),
+    "map of two modes": plot("theta1_at_omega4_max", at=AT, degrees=True),
+    "codes": plot("status", at=AT),
+    "panels": plot(FORCE, panels="a4", branch=1),
+    "one row of panels": lambda: fl.plot_map(maps().isel(a4=[1, 2, 3]), FORCE, panels="a4", branch=1),
+    "panels of two modes": plot("theta1_at_omega4_max", panels="a4"),
+    "panels of types": plot("linkage_type", of=types, panels="h"),
+    "panels of counts": plot("assembly_count_future", of=types, panels="h"),
+    "two panels of codes": lambda: fl.plot_map(maps().isel(a4=[1, 2]), "grashof_class", panels="a4"),
+    "line": plot(FORCE, at=AT | {"a3": 0.8}, branch=1),
+    "lines": plot(FORCE, lines="a4", at={"a3": 0.8}, branch=1),
+    "lines of two modes": plot("theta1_at_omega4_max", lines="a4", at={"a3": 0.8}),
+    "scatter": designs([FORCE, ANGLE]),
+    "scatter of three": designs([FORCE, ANGLE, "omega4_max"], degrees=True),
+    "scatter of a code": designs([FORCE, ANGLE, "grashof_class"]),
+    "corner": designs([FORCE, ANGLE, "a2", "a3"], where={"status": "rotates_fully", ANGLE: (0.2, None)}),
+    "corner of two": designs([FORCE, ANGLE], kind="corner"),
+    "corner of six": designs([FORCE, ANGLE, "omega4_max", "a2", "a3", "a4"]),
+    "cumulative": designs([FORCE]),
+    "cumulative of two": designs([FORCE, ANGLE], kind="cumulative"),
+    "front": lambda: fl.plot_front(
+        maps(), minimise=FORCE, maximise=ANGLE, degrees=True, where="rotates_fully"
+    ),
+    "front of three": lambda: fl.plot_front(maps(), minimise=[FORCE, "omega4_max"], maximise=ANGLE),
+}
+for name in DESIGNS:
+    KINDS |= {
+        name: drawn(name),
+        f"{name}, one mode": drawn(name, branch=2),
+        f"{name}, all": drawn(name, show="all"),
+        f"{name}, all of two modes": drawn(name, show="all", branch=[1, 2]),
+        f"{name}, strip of 3": drawn(name, strip=3),
+        f"{name}, strip of 8": drawn(name, strip=8, branch=1),
+    }
+KINDS |= {
+    "forces": drawn("planar_4r", show="forces torques"),
+    "forces of a slider": drawn("slider_crank", show="forces torques", branch=[1, 2]),
+    "curves": drawn(
+        "planar_4r", branch=1, show="path comb", curves=["curvature", "transmission_angle", "omega4"]
+    ),
+    "by another joint": lambda: fl.draw("planar_4r", FOUR_BAR, input="joint_angle_3"),
+}
+
+
+@pytest.mark.sample(16)
+@pytest.mark.parametrize("size", [0, 1, 2])
+@pytest.mark.parametrize("kind", KINDS)
+def test_no_text_covers_another_and_none_is_outside(kind, size):
+    """A chart lays itself out anew, a drawing to scale has the inches that its letters need."""
+    figure = KINDS[kind]()
+    size = [0.85 if figure.get_layout_engine() else 1.25, 1.0, 1.5][size]
+    figure.set_size_inches(size * figure.get_size_inches())
+    assert flaws_of(figure) == ([], [])
+
+
+@pytest.mark.parametrize("frame", [0, 3, 7, 11])
+@pytest.mark.parametrize("mechanism", ["planar_4r", "slider_crank"])
+def test_no_text_of_a_film_covers_another(mechanism, frame, tmp_path, monkeypatch):
+    """The figure of a film stands at its last picture."""
+    figure = drawn(mechanism, show="forces torques", animate=tmp_path / "a.gif", frames=2 + frame)()
+    assert flaws_of(figure) == ([], [])
+
+
+def test_texts_that_overlap_are_found():
+    figure = NotebookFigure(layout=None)
+    figure.text(0.5, 0.5, "one text")
+    figure.text(0.5, 0.51, "another")
+    figure.text(0.99, 0.1, "beyond the frame")
+    assert flaws_of(figure) == ([("one text", "another")], ["beyond the frame"])
