@@ -43,6 +43,7 @@ OTHER_NAMES = {
     "progress": ("progressbar", "show_progress", "tqdm", "verbose"),
     "quantities": ("names", "outputs", "results", "variables"),
     "seed": ("random_seed", "random_state", "rng"),
+    "subject": ("mechanism", "study"),
     "space": ("data", "design", "designs", "df", "grid", "table"),
     "threads": ("cores", "cpus", "n_jobs", "n_workers", "processes", "workers"),
     "to": ("file", "filename", "fname", "out", "outfile", "output", "path", "save", "savefig"),

@@ -516,7 +516,7 @@ class Explanation:
 
 @door(hint=A_STUDY)
 def explain(
-    study: str | Path,
+    subject: Any,
     space: DesignSpace | None = None,
     quantities: Sequence[str] | None = None,
     *,
@@ -531,14 +531,14 @@ def explain(
 
     Parameters
     ----------
-    study : path or str
-        A study file; or, with `space` and `quantities`, the name of a mechanism, or one that `fastlink.extend` returns.
+    subject : path, str or Extension
+        A study file; or, with `space` and `quantities`, a mechanism, as in `fastlink.sweep`.
     space, quantities, **options
         As in `fastlink.sweep`.
     measure : bool, optional
         Whether to run a sample of the designs: by default where nothing has to be compiled for it.
     trust_code : bool, default False
-        Run the Python file of quantities that the study names (see `fastlink.run_study`).
+        Run the Python file of quantities that the study names (see `fastlink.run`).
 
     Returns
     -------
@@ -572,14 +572,14 @@ def explain(
         for name in options:
             what = "is an option of a sweep, not of a study"
             raise InputError(what, (name,), "write it in the study, or give space and quantities")
-        read = read_study(study, trust_code)
+        read = read_study(subject, trust_code)
         if read.search is not None:
             return _of_search(read, measure)
         request = resolve(read.mechanism, read.space, read.quantities, **read.options)
         verify = read.output.get("verify", DESIGNS)
         needs = forecast(request, folder=read.target().parent, verify=verify, measure=measure)
     else:
-        request, given = request_of(study, space, quantities, options)
+        request, given = request_of(subject, space, quantities, options)
         needs = forecast(request, measure=measure, **given)
     return replace(explain_request(request), forecast=needs)
 

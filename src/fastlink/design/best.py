@@ -37,7 +37,7 @@ def best(
     Parameters
     ----------
     maps : xarray.Dataset or path
-        From `fastlink.sweep`, `fastlink.run_study` or `fastlink.open`, or the file of a map.
+        From `fastlink.sweep`, `fastlink.run` or `fastlink.open`, or the file of a map.
     minimise, maximise : str or sequence of str
         The objectives: variables, or inputs that are swept. A row is a place along all dimensions that these and the
         conditions have: a design, in an assembly mode, and at one input position where they have them.

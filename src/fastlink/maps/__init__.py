@@ -28,10 +28,13 @@ from fastlink.maps.units import (
 from fastlink.space.tables import STATUS
 
 if TYPE_CHECKING:
-    from fastlink.pictures.designs import MapPlots
+    from collections.abc import Sequence
+
+    from matplotlib.figure import Figure
+
     from fastlink.pictures.explore import Page
 
-__all__ = ["MapAccessor", "VariableAccessor", "finite", "open"]
+__all__ = ["MapAccessor", "VariableAccessor", "open"]
 
 
 @xr.register_dataset_accessor("fastlink")  # type: ignore[no-untyped-call]
@@ -100,9 +103,61 @@ class MapAccessor:
 
     @door
     def finite(self) -> xr.Dataset:
-        """Replace infinite values by NaN, and note how many there were; see `fastlink.finite`."""
-        result: xr.Dataset = finite(self._maps)
-        return result
+        """Replace infinite values by NaN, and note how many there were.
+
+        A quantity that grows without bound at a toggle has an infinite extreme. Matplotlib has no colour for it, and a
+        mean over designs is infinite too.
+
+        Returns
+        -------
+        xarray.Dataset
+            A copy in memory, in which each variable that had infinite values has their number as attribute
+            ``infinite_values``. Variables in dask chunks stay so, and are not counted.
+
+        Examples
+        --------
+        >>> space = fl.grid(a1=[0.5, 1.5], a2=1.2, a3=0.8, a4=1.0, omega1=25.0)
+        >>> maps = fl.sweep("planar_4r", space, ["omega4_max"])
+        >>> finite = maps.fastlink.finite()
+        >>> maps.omega4_max.values.round(2), finite.omega4_max.values.round(2)
+        (array([16.91,   inf]), array([16.91,   nan]))
+        >>> finite.omega4_max.attrs["infinite_values"]
+        1
+        """
+        with as_dataset(self._maps) as maps:
+            return maps.assign({name: finite(array).variable for name, array in maps.data_vars.items()})
+
+    @door
+    def summary(self) -> str:
+        """Return what a sweep did as lines of text; of what `fastlink.accuracy` measures the table.
+
+        Returns
+        -------
+        str
+            Designs and how many have each status, configurations where there were given input positions, run time and
+            speed, the largest errors that were measured; and the file with its size, for a map that is opened from one.
+            Of a part of a map, the designs of that part. Of measured methods a line each, the fastest first; a star
+            marks those that no other one beats in both error and time.
+
+        Examples
+        --------
+        >>> space = fl.grid(a1=[0.4, 0.6], a2=1.2, a3=0.8, a4=1.0)
+        >>> maps = fl.sweep("planar_4r", space, ["transmission_angle"])
+        >>> print(maps.fastlink.summary().partition("run time")[0])
+        designs         2
+                            1  rotates fully                     50.0 %
+                            0  assembles over part of the turn    0.0 %
+                            0  never assembles                    0.0 %
+                            1  change point                      50.0 %
+                            0  invalid input                      0.0 %
+                            0  assembles in one position          0.0 %
+                            0  beyond range                       0.0 %
+        configurations  720
+        <BLANKLINE>
+        """
+        from fastlink.app.report import summary  # of maps and of what is measured, which stands above both
+
+        return summary(self._maps)
 
     @door
     def degrees(self) -> xr.Dataset:
@@ -118,12 +173,12 @@ class MapAccessor:
         """The inputs of the map without its results, to be swept again."""
         return self._maps.drop_vars(list(self._maps.data_vars))
 
-    @property
-    def plot(self) -> MapPlots:
-        """Pictures: ``plot("omega4_max")``, ``plot.designs([...])``, ``plot.front(minimise=...)``."""
-        from fastlink.pictures.designs import MapPlots  # pictures stand above maps; this is their door
+    @door
+    def plot(self, names: str | Sequence[str] = (), **options: Any) -> Figure:
+        """Draw this map, see `fastlink.plot`."""
+        from fastlink.pictures.designs import plot  # pictures stand above maps; this is their door
 
-        return MapPlots(self._maps)
+        return plot(self._maps, names, **options)
 
     @door
     def explore(self, *, to: Any = None, port: int = 0, browser: bool = True) -> Page:
@@ -221,9 +276,8 @@ class VariableAccessor:
 
     @door
     def finite(self) -> xr.DataArray:
-        """Replace infinite values by NaN, and note how many there were; see `fastlink.finite`."""
-        result: xr.DataArray = finite(self._array)
-        return result
+        """Replace infinite values by NaN, and note how many there were, as those of a map."""
+        return finite(self._array)
 
     @door
     def degrees(self) -> xr.DataArray:

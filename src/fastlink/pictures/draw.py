@@ -530,7 +530,7 @@ def draw(
     frames : int, default 60
         How many pictures it has.
     trust_code : bool, default False
-        Run the Python file of quantities that a study names (see `fastlink.run_study`).
+        Run the Python file of quantities that a study names (see `fastlink.run`).
     **inputs : float or array_like
         The inputs, and the input position, such as ``theta1`` or ``theta1_deg``: one, or a list for as many linkages
         side by side. Left out, one a sixth of the turn, or a third of the way through the range.
