@@ -34,7 +34,7 @@ def ratios_to_c():
 def error_of(case, K, count, **options):
     """Return the largest error in roundings, by the verification of a sweep."""
     options |= {"theta1": K, "extrema": "sampled", "verify": count, "progress": False}
-    maps = fl.sweep("planar_4r", space_of(designs(64, seed=1)), CASES[case], **options)
+    maps = fl.sweep("planar_4r", space_of(designs(64, seed=1)), CASES[case], **{"branch": (1, 2)} | options)
     return max(float(maps[name].attrs["error_max_roundings"]) for name in CASES[case])
 
 
@@ -104,7 +104,9 @@ def end_to_end(n=200_000, rounds=4):
     """Extremes of omega4 of many designs through `fastlink.sweep`, over the kernel alone."""
     names, space = REFINED["omega4"], space_of(designs(n))
     calls = {
-        "sweep": lambda: fl.sweep("planar_4r", space, names, threads=1, verify=0, progress=False),
+        "sweep": lambda: fl.sweep(
+            "planar_4r", space, names, threads=1, verify=0, progress=False, branch=(1, 2)
+        ),
         "kernel": bind(names, space)[0],
     }
     best = race(calls, rounds, 0.0)

@@ -49,7 +49,7 @@ def test_every_public_function_refuses_a_call_that_does_not_fit(name):
 
 
 def swept(space, **options):
-    return fl.sweep("planar_4r", space, ["theta4"], **options)
+    return fl.sweep("planar_4r", space, ["theta4"], **{"branch": (1, 2)} | options)
 
 
 @pytest.mark.parametrize(
@@ -61,7 +61,11 @@ def swept(space, **options):
         (lambda: swept(fl.sobol(4, Seed=1, a1=(0.1, 0.2))), "Seed", "'seed'"),
         (lambda: swept(fl.grid(a1=1.0), n_jobs=2), "n_jobs", "'threads'"),
         (lambda: swept(fl.grid(a1=1.0), output="maps.h5"), "output", "'to'"),
-        (lambda: fl.sweep("planar_4r", designs=fl.grid(a1=1.0), outputs=["omega4"]), "space", "of designs"),
+        (
+            lambda: fl.sweep("planar_4r", designs=fl.grid(a1=1.0), outputs=["omega4"], branch=(1, 2)),
+            "space",
+            "of designs",
+        ),
         (lambda: fl.latin_hypercube(a1=(1, 2)), "n", "latin_hypercube(n, ranges=..., seed=..., **more)"),
         (lambda: fl.grid([1.0, 2.0]), "grid", "by name"),
         (lambda: fl.sobol(8, n=8), "n", "once"),
@@ -69,15 +73,27 @@ def swept(space, **options):
         (lambda: fl.evaluate("planar_4r", ["theta4"], {"a1": 0.4}), "evaluate", "as **design"),
         (lambda: fl.focal.cubic(a=1.0), "b, c, d and phi", "cubic(a, b, c, d, phi, branch=...)"),
         (lambda: fl.summary(), "summary", "summary("),
-        (lambda: fl.plot_map("maps.h5"), "name", "plot_map(maps, name"),
+        (lambda: fl.plot("maps.h5"), "name", "plot_map(maps, name"),
         (lambda: fl.mechanisms(3), "mechanisms", "mechanisms()"),
         (lambda: fl.open(), "path", "open(path"),
-        (lambda: fl.sweep("planar_4r", fl.grid(a1=1.0), quantites=["omega4"]), "quantities", "of quantites"),
-        (lambda: fl.sweep("planar_4r", fl.grid(a1=1.0), ["omega4"], 360), "sweep", "links=..."),
-        (lambda: fl.sweep("planar_4r", fl.grid(a1=1.0)), "quantities", "sweep(mechanism, space, quantities"),
+        (
+            lambda: fl.sweep("planar_4r", fl.grid(a1=1.0), quantites=["omega4"], branch=(1, 2)),
+            "quantities",
+            "of quantites",
+        ),
+        (
+            lambda: fl.sweep("planar_4r", fl.grid(a1=1.0), ["omega4"], 360, branch=(1, 2)),
+            "sweep",
+            "links=...",
+        ),
+        (
+            lambda: fl.sweep("planar_4r", fl.grid(a1=1.0), branch=(1, 2)),
+            "quantities",
+            "sweep(mechanism, space, quantities",
+        ),
         (lambda: fl.accuracy("planar_4r", fl.grid(a1=1.0), ["omega4"]), "accuracy", "fastlink new"),
         (lambda: fl.accuracy("planar_4r"), "study", "fastlink new"),
-        (lambda: fl.run_study("s.toml", thraeds=2), "thraeds", "'threads'"),
+        (lambda: fl.run("s.toml", thraeds=2), "thraeds", "'threads'"),
         (lambda: fl.grid(a1=1.0).values(), "values", "values(name)"),
         (lambda: fl.DesignSpace("grid"), "dims", "grid, table, sobol"),
         (lambda: fl.planar.cognates(1, 2, 3), "cognates", "cognates("),
@@ -93,7 +109,7 @@ def test_a_wrong_call_names_the_parameter_and_what_to_write(call, key, remedy):
 
 def test_all_that_is_wrong_with_a_call_is_named():
     with pytest.raises(CallError) as caught:
-        fl.plot_map(nmae="omega4", branches=1, colour="red")
+        fl.plot(nmae="omega4", branches=1, colour="red")
     wheres = {one.where for one in caught.value.problems}
     assert wheres == {("plot_map", key) for key in ("maps", "name", "branches", "colour")}
 
@@ -118,7 +134,7 @@ def test_a_guarded_function_keeps_its_signature_and_travels():
 
 
 def test_a_mechanism_or_a_missing_file_is_not_a_study():
-    for function in (fl.accuracy, fl.explain, fl.run_study):
+    for function in (fl.accuracy, fl.explain, fl.run):
         with refused("planar_4r", "`fastlink new planar_4r > study.toml` writes one"):
             function("planar_4r")
 
@@ -140,7 +156,9 @@ LINES = (
 def swept_maps(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(tmp_path_factory.mktemp("words"))
-        with fl.sweep("planar_4r", DESIGN | {"a1": [0.3, 0.4]}, ["omega4_max"], to="maps.h5") as maps:
+        with fl.sweep(
+            "planar_4r", DESIGN | {"a1": [0.3, 0.4]}, ["omega4_max"], to="maps.h5", branch=(1, 2)
+        ) as maps:
             yield maps
 
 
@@ -158,7 +176,7 @@ def test_at_least_one_objective_is_named(swept_maps):
     for none in ([], ()):
         for call in (
             lambda none=none: fl.best(swept_maps, minimise=none),
-            lambda none=none: fl.plot_front(swept_maps, maximise=none),
+            lambda none=none: fl.plot(swept_maps, maximise=none),
             lambda none=none: fl.search("planar_4r", DESIGN | {"a1": [0.3, 0.4]}, minimise=none),
         ):
             with pytest.raises(fl.InputError, match="no objective; write minimise="):

