@@ -46,6 +46,7 @@ a3 = {linspace = [0.6, 1.0, 4]}
 a4 = 1.0
 omega1 = 25.0
 [cycle]
+branch = [1, 2]
 theta1 = 36
 """
 
@@ -421,7 +422,7 @@ def test_plot_refuses(mapped):
         assert refused("plot", "study.h5", "omega4_max", *arguments) == [message]
     for arguments, key, remedy in (
         ([], "NAME...", "write a variable"),
-        (["omega4_max", "--minimise", "omega4_max"], "NAME...", "leave out"),
+        (["omega4_max", "--minimise", "omega4_max"], "NAME...", "leave it out"),
         (["omega4_max", "a3", "--at", "a3=1"], "--at", "--where"),
         (["omega4_max", "a3", "--kind", "pie"], "--kind", "scatter"),
     ):

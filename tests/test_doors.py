@@ -2,6 +2,7 @@
 
 import inspect
 import pickle
+import re
 import subprocess
 import sys
 
@@ -72,8 +73,13 @@ def swept(space, **options):
         (lambda: fl.sobol(8, n=(1.0, 2.0)), "n", "in a mapping"),
         (lambda: fl.evaluate("planar_4r", ["theta4"], {"a1": 0.4}), "evaluate", "as **design"),
         (lambda: fl.focal.cubic(a=1.0), "b, c, d and phi", "cubic(a, b, c, d, phi, branch=...)"),
-        (lambda: fl.summary(), "summary", "summary("),
-        (lambda: fl.plot("maps.h5"), "name", "plot_map(maps, name"),
+        (
+            lambda: fl.function("planar_4r", ["a2"], outputs=["omega4"]),
+            "quantities",
+            "quantities in place of outputs",
+        ),
+        (lambda: fl.explain(study="study.toml"), "subject", "subject in place of study"),
+        (lambda: fl.plot("maps.h5", maximise=[]), "names", "or objectives by minimise or maximise"),
         (lambda: fl.mechanisms(3), "mechanisms", "mechanisms()"),
         (lambda: fl.open(), "path", "open(path"),
         (
@@ -111,7 +117,7 @@ def test_all_that_is_wrong_with_a_call_is_named():
     with pytest.raises(CallError) as caught:
         fl.plot(nmae="omega4", branches=1, colour="red")
     wheres = {one.where for one in caught.value.problems}
-    assert wheres == {("plot_map", key) for key in ("maps", "name", "branches", "colour")}
+    assert wheres == {("plot", key) for key in ("maps", "nmae", "branches", "colour")}
 
 
 def test_an_error_inside_a_right_call_is_passed_on():
@@ -176,7 +182,6 @@ def test_at_least_one_objective_is_named(swept_maps):
     for none in ([], ()):
         for call in (
             lambda none=none: fl.best(swept_maps, minimise=none),
-            lambda none=none: fl.plot(swept_maps, maximise=none),
             lambda none=none: fl.search("planar_4r", DESIGN | {"a1": [0.3, 0.4]}, minimise=none),
         ):
             with pytest.raises(fl.InputError, match="no objective; write minimise="):
@@ -220,3 +225,50 @@ def test_a_misspelt_public_name_is_answered_with_the_nearest():
         fl.swep  # noqa: B018
     with pytest.raises(ImportError, match=r"cannot import 'swep' .*; did you mean 'sweep'\?"):
         from fastlink import swep  # noqa: F401
+
+
+#: The names of 0.2 that are gone, and what stands in their place.
+GONE = {
+    "accuracy_table": "fl.accuracy(study).fastlink.summary()",
+    "finite": "maps.fastlink.finite()",
+    "plot_designs": "fl.plot(maps, names)",
+    "plot_front": "fl.plot(maps, minimise=..., maximise=...)",
+    "plot_map": "fl.plot(maps, name)",
+    "run_study": "fl.run(study)",
+    "summary": "maps.fastlink.summary()",
+}
+
+
+@pytest.mark.parametrize("name", GONE)
+def test_a_name_of_an_earlier_version_is_answered_with_what_replaces_it(name):
+    remedy = re.escape(f"; write {GONE[name]}")
+    with pytest.raises(AttributeError, match=remedy):
+        getattr(fl, name)
+    with pytest.raises(ImportError, match=remedy):
+        exec(f"from fastlink import {name}")
+    assert name not in dir(fl)
+
+
+def test_the_outputs_of_a_function_are_its_quantities():
+    function = fl.function("planar_4r", ["a2"], ["grashof_class"], a1=0.4, a3=0.8, a4=1.0)
+    with pytest.raises(AttributeError, match=r"'outputs'; did you mean 'quantities'\?"):
+        function.outputs  # noqa: B018
+
+
+# -- one default for the branch --------------------------------------------------------------------
+
+
+def test_every_door_takes_branch_1_unless_it_is_told(tmp_path):
+    space = {**DESIGN, "a2": [1.1, 1.2]}
+    study = tmp_path / "study.toml"
+    text = 'mechanism = "planar_4r"\nquantities = ["omega4_max"]\n[design]\na2 = {values = [1.1, 1.2]}\n'
+    study.write_text(text + "a1 = 0.4\na3 = 0.8\na4 = 1.0\nomega1 = 25.0\n")
+    maps = fl.sweep("planar_4r", space, ["omega4_max"])
+    with fl.run(study, to=tmp_path / "maps.h5", progress=False) as run:
+        assert (maps.branch, run.branch) == (1, 1)
+        assert maps.omega4_max.dims == run.omega4_max.dims == ("a2",)
+    assert fl.search("planar_4r", space, minimise="omega4_max").branch == 1
+    for call in (fl.sweep, fl.search, fl.function, fl.evaluate, fl.focal.cubic, fl.planar.curve_length):
+        assert inspect.signature(call).parameters["branch"].default == 1
+    assert "2 designs, 1 branch" in fl.explain("planar_4r", space, ["omega4_max"]).title
+    assert fl.planar.rate_extrema(space, pair="14").branch == 1

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import fastlink as fl
-from fastlink.app.study import read_study, run_study
+from fastlink.app.study import read_study
 from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
 
@@ -31,7 +31,7 @@ def reduced(name, angles=24, points=3):
     small = re.sub(r"^theta1 = \d+$", turn, small, flags=re.MULTILINE)
     path = Path(name)
     path.write_text(small, encoding="utf-8")
-    with run_study(path) as maps:
+    with fl.run(path) as maps:
         return maps.load()
 
 
@@ -60,7 +60,7 @@ def test_the_example_of_the_paper(folder):
 
 
 def test_the_example_of_the_paper_to_every_digit(folder):
-    with run_study(STUDIES / "hayes_table1.toml") as maps:
+    with fl.run(STUDIES / "hayes_table1.toml") as maps:
         # Half a unit of the last of ten digits printed; of the places the errata give eleven decimals.
         assert_tables(maps, TABLES, value=5e-10, place=1e-10)
         assert_tables(maps, [SHAKING], value=3e-7, place=5e-5)

@@ -24,17 +24,10 @@ def maps(path):
 
 def test_a_path_is_as_good_as_a_map(path, maps):
     with fl.open(path) as opened:
-        assert (
-            fl.open(path).fastlink.summary()
-            == fl.open(str(path)).fastlink.summary()
-            == opened.fastlink.summary()
-        )
         assert contents(path) == contents(opened)
 
 
-def test_a_variable_and_a_bare_dataset_are_told_from_a_map(maps):
-    with refused("maps", "whole map"):
-        maps.omega4_max.fastlink.summary()
+def test_a_bare_dataset_is_told_from_a_map(maps):
     with refused("fastlink_map", "keep_attrs"):
         maps.drop_attrs().fastlink.summary()
 

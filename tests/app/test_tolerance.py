@@ -22,6 +22,8 @@ a2 = {values = [1.1, 1.2]}
 a3 = 0.8
 a4 = 1.0
 omega1 = 25.0
+[cycle]
+branch = [1, 2]
 [tolerances]
 a1 = 1e-4
 a3 = "0.1 %"

@@ -6,7 +6,6 @@ import pytest
 from tests.support.study_files import written
 
 import fastlink as fl
-from fastlink.app.study import run_study
 from fastlink.engine.resolve import resolve
 from fastlink.facts.fact import System
 from fastlink.mechanisms import NAMES
@@ -43,7 +42,7 @@ def doors(mechanism, drives):
         "sweep": lambda: fl.sweep(mechanism, fl.grid(), ["status"], **{"branch": (1, 2)} | options),
         "evaluate": lambda: fl.evaluate(mechanism, ["status"], **options),
         "function": lambda: fl.function(mechanism, ["x"], ["status"], **options),
-        "study": lambda: run_study(study),
+        "study": lambda: fl.run(study),
         "explain": lambda: fl.explain(study),
         "accuracy": lambda: fl.accuracy(study),
     }

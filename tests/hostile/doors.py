@@ -18,10 +18,10 @@ NAMED = {
     "movable outside browser trust_code error measure",
     "count": "threads block verify top n seed designs strip frames port samples max_size start stop count",
     "mapping": "attrs select where at bounds design extra",
-    "path": "to path paths picture animate study",
+    "path": "to path paths picture animate study subject",
     "thing": "links client announce mass1 mass3 function out rng",
     "space": "space",
-    "dataset": "maps measured",
+    "dataset": "maps",
     "branch": "branch",
     "positions": "angles",
     "lengths": "a1 a2 a3 a4 a b c d g h m p q r l radius1 radius3",
@@ -235,8 +235,6 @@ DOORS = [
         "overwrite=True, progress=False)",
         {"quantities": "None"},
     ),
-    _door("fl.summary(maps=MAPS)"),
-    _door("fl.finite(maps=MAPS)", {"maps": DATASETS}),
     _door("MAPS.fastlink.status_is(dict(meaning='rotates_fully')['meaning'], of='status')"),
     _door("MAPS.fastlink.counts(of='status')"),
     _door(
@@ -281,16 +279,13 @@ DOORS = [
     ),
     _door("fl.extend('planar_4r').quantity(units='N')(function=len)", opens=False, units="", more=False),
     _door(
-        "fl.plot_map(maps=MAPS, name='omega4_max', branch=1, at=None, panels=None, lines=None, degrees=False, to=None)"
+        "fl.plot(maps=MAPS, names='omega4_max', branch=1, at=None, panels=None, lines=None, degrees=False, to=None)"
     ),
-    _door(f"fl.plot_designs(maps=MAPS, names=['omega4_max', 'a2'], kind=None, {SHOWN})"),
+    _door(f"fl.plot(maps=MAPS, names=['omega4_max', 'a2'], kind=None, {SHOWN})"),
+    _door(f"fl.plot(maps=MAPS, minimise='omega4_max', maximise=['a2'], {SHOWN})", OBJECTIVES),
     _door(
-        f"fl.plot_front(maps=MAPS, minimise='omega4_max', maximise=['a2'], {SHOWN})",
-        OBJECTIVES,
-    ),
-    _door(
-        "fl.explain(study='study.toml', measure=None, trust_code=False).title",
-        {"study": "'study.toml/a.h5'"},
+        "fl.explain(subject='study.toml', measure=None, trust_code=False).title",
+        {"subject": "'study.toml/a.h5'"},
         more=False,
     ),
     _door(
@@ -304,7 +299,6 @@ DOORS = [
         {"announce": "lambda: 1   float"},
         opens=False,
     ),
-    _door("fl.accuracy_table(measured=MEASURED)"),
     # planes
     *(
         _door(f"fl.planar.{name}({CURVE}{options})", **MODES)

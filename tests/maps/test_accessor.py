@@ -83,12 +83,7 @@ def test_codes_whose_attributes_are_damaged_have_no_meanings(maps):
 def test_infinite_values_become_nan_and_are_counted(maps, path):
     infinite = np.isinf(maps.omega4_max.values)
     assert infinite.any()
-    for result in (
-        maps.fastlink.finite(),
-        fl.open(path).fastlink.finite(),
-        fl.open(str(path)).fastlink.finite(),
-        maps.fastlink.finite(),
-    ):
+    for result in (maps.fastlink.finite(), fl.open(path).fastlink.finite()):
         values = result.omega4_max.values
         assert_array_equal(values, np.where(infinite, np.nan, maps.omega4_max.values))
         assert result.omega4_max.attrs["infinite_values"] == infinite.sum()
@@ -102,11 +97,6 @@ def test_a_finite_map_is_drawn_by_xarray(maps):
     pytest.importorskip("matplotlib").use("agg")
     mesh = maps.fastlink.finite().omega4_max.isel(a4=0, branch=0).plot()
     assert np.isfinite(mesh.get_clim()).all()
-
-
-def test_what_has_no_values_to_replace_is_refused():
-    with refused("maps", "sweep"):
-        fl.finite(3)
 
 
 # -- units -----------------------------------------------------------------------------------------

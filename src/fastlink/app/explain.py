@@ -601,7 +601,7 @@ def explain_request(request: ResolvedSweep) -> Explanation:
     plan, catalogue, axis = request.plan, request.catalogue, request.scaling_axis
     computed = {name for program in plan.programs for step in program.steps for name in step.names}
     requested = {output.request.quantity for output in plan.outputs}
-    sizes = [counted(request.space.size, "design"), counted(len(request.branches), "assembly mode")]
+    sizes = [counted(request.space.size, "design"), counted(len(request.branches), "branch")]
     if plan.uses_position:
         sizes.append(f"{counted(request.positions.size, 'value')} of {catalogue.position.name}")
     return Explanation(

@@ -132,7 +132,8 @@ def plot(
     if of_rows:
         return plot_designs(maps, wanted, kind, where, branch, degrees, path)
     if not wanted:
-        raise InputError("is missing", ("names",), "write a variable, such as omega4_max")
+        names_it = "write a variable, such as omega4_max, or objectives by minimise or maximise"
+        raise InputError("is missing", ("names",), names_it)
     return plot_map(maps, wanted[0], branch, at, panels, lines, degrees, path)
 
 

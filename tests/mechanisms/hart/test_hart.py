@@ -19,7 +19,6 @@ from tests.support.hart_configurations import (
 )
 
 import fastlink as fl
-from fastlink.app.study import run_study
 from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.precision.reference import HighPrecision
@@ -119,7 +118,7 @@ def test_the_linkage_of_figures_6_and_7():
 
 def test_the_study_of_the_example(tmp_path):
     study = Path(__file__).parents[3] / "data" / "studies" / "hart_8.toml"
-    with run_study(study, to=tmp_path / "hart_8.h5") as maps:
+    with fl.run(study, to=tmp_path / "hart_8.h5") as maps:
         maps.load()
     assert maps.F_deviation.max() <= 3.0
     # sixteen joints of about four roundings each, over the longest bar

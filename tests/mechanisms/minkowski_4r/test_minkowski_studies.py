@@ -13,7 +13,6 @@ from tests.mechanisms.minkowski_4r.test_minkowski_types import EXAMPLES
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.app.study import run_study
 from fastlink.mechanisms import catalogue
 
 LINKAGE_FLAGS = catalogue("minkowski_4r").facts["linkage_type"].flags
@@ -23,9 +22,7 @@ STUDIES = Path(__file__).parents[3] / "data" / "studies"
 
 @pytest.fixture(scope="module")
 def examples(tmp_path_factory):
-    with run_study(
-        STUDIES / "minkowski_examples.toml", to=tmp_path_factory.mktemp("examples") / "e.h5"
-    ) as maps:
+    with fl.run(STUDIES / "minkowski_examples.toml", to=tmp_path_factory.mktemp("examples") / "e.h5") as maps:
         return maps.load()
 
 
@@ -66,7 +63,7 @@ def tables(tmp_path_factory):
     assert "32 x 32 x 32 x 32" in text
     study = folder / "tables.toml"
     study.write_text(text.replace("linspace = [1.0, 32.0, 32]", "linspace = [1.0, 9.0, 9]"), encoding="utf-8")
-    with run_study(study, to=folder / "tables.h5"):
+    with fl.run(study, to=folder / "tables.h5"):
         return fl.minkowski.linkage_table(folder / "tables.h5")
 
 
