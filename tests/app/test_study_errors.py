@@ -72,7 +72,7 @@ BARS = "[links]\nmodel = 'round_bar'\n"
             "cycle.theta1",
             "write a number of angles from 1 to 10000000, {linspace =",
         ),
-        ("[cycle]", "[cycle]\nbranch = 'left'", "cycle.branch", "write assembly modes, such as [1, 2]"),
+        ("[cycle]", "[cycle]\nbranch = 'left'", "cycle.branch", "write branches, such as [1, 2]"),
         ("[cycle]", "[output]\noverwrite = 1\n[cycle]", "output.overwrite", "write true or false"),
         ("[cycle]", f"{BARS}radius = {{values = [1]}}\n[cycle]", "links.radius", "make it an axis in"),
         ("[0.8, 0.7]", "[]", "design.a3.values", "write a list of one or more finite numbers"),

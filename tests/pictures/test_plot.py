@@ -105,7 +105,7 @@ def test_a_map_shows_the_values_where_they_belong(maps):
     assert axes.get_xlabel() == "length of the input crank OA $a_{1}$ [m]"
     assert axes.get_ylabel() == "length of the coupler AB $a_{2}$ [m]"
     assert bar(figure).get_ylabel() == r"max $\omega_{4}$ [rad s$^{-1}$]"
-    assert axes.get_title() == "assembly mode 2"
+    assert axes.get_title() == "branch 2"
     assert figure.get_suptitle().endswith("greatest over the cycle\n$a_{4}$ = 1 m")  # the nearest
     assert "$a_{3}$ = 0.8 m" in figure.get_supxlabel()
     shuffled = fl.plot(maps.isel(a1=[2, 0, 3, 1]), "omega4_max", branch=2, at={"a4": 1.0})
@@ -154,7 +154,7 @@ def test_gaps_along_a_sample_are_one_shape_however_many_they_are():
 def test_modes_that_agree_are_one_panel_and_others_two(maps):
     assert len(panels(fl.plot(maps, "omega4_max", at={"a4": 1.0}))) == 1
     differ = panels(fl.plot(maps, "theta1_at_omega4_max", at={"a4": 1.0}))
-    assert [axes.get_title() for axes in differ] == ["assembly mode 1", "assembly mode 2"]
+    assert [axes.get_title() for axes in differ] == ["branch 1", "branch 2"]
     assert_array_equal(cells(differ[1]), maps["theta1_at_omega4_max"].sel(branch=2, a4=1.0).T)
 
 
@@ -245,11 +245,11 @@ def test_a_grid_has_a_map_for_values_over_the_whole_input(solid):
 
 def test_assembly_modes_that_differ_have_a_row_each_and_codes_a_legend(solid):
     axes = panels(fl.plot(solid, "theta1_at_omega4_max", panels="a1"))
-    rows = ["assembly mode 1"] * 3 + ["assembly mode 2"] * 3
+    rows = ["branch 1"] * 3 + ["branch 2"] * 3
     assert [axis.get_title().partition(",")[0] for axis in axes] == rows
     figure = fl.plot(solid, "omega4_max", panels="a1")
     assert len(panels(figure)) == 6
-    assert figure.get_suptitle().endswith("assembly modes 1 and 2 (they agree)")
+    assert figure.get_suptitle().endswith("branches 1 and 2 (they agree)")
     codes = panels(fl.plot(solid, "grashof_class", panels="a3"))
     assert (len(codes), "crank rocker" in words(codes[-1])) == (3, True)
 
@@ -259,7 +259,7 @@ def test_assembly_modes_that_differ_have_a_row_each_and_codes_a_legend(solid):
 
 def test_curves_are_a_line_for_each_mode(curves):
     figure = fl.plot(curves, "omega4")
-    assert legend(figure) == ["assembly mode 1", "assembly mode 2", "does not assemble"]
+    assert legend(figure) == ["branch 1", "branch 2", "does not assemble"]
     for branch, line in zip((1, 2), figure.axes[0].get_lines(), strict=True):
         assert_array_equal(line.get_ydata(), curves["omega4"].sel(branch=branch))
         assert_array_equal(line.get_xdata(), curves["theta1"])
@@ -377,7 +377,7 @@ def test_a_map_of_one_mode_has_that_mode():
     one = fl.sweep("planar_4r", space, ["omega4_max"], branch=2)
     assert "branch" not in one.dims
     for options in ({}, {"branch": 2}):
-        assert panels(drawn(one, "omega4_max", **options))[0].get_title() == "assembly mode 2"
+        assert panels(drawn(one, "omega4_max", **options))[0].get_title() == "branch 2"
     with refused("branch", "2"):
         fl.plot(one, "omega4_max", branch=1)
 
@@ -636,7 +636,7 @@ def designs(names=(*NAMES,), **options):
             "fix one of them by at={'a4': 1.0}, or show some values side by side by panels",
         ),
         (plot(at={"a5": 1.0}), "at: 'a5'", "did you mean 'a4'?"),
-        (plot(at={"branch": 1}), "at: 'branch'", "an assembly mode by branch=1"),
+        (plot(at={"branch": 1}), "at: 'branch'", "choose one by branch=1"),
         (plot(at={"a4": 1.2}), "at: a4", "a number from 0.9 to 1"),
         (plot(at={"a4": "1"}), "at: a4", "a finite number"),
         (plot(at={"a4": np.inf}), "at: a4", "a finite number"),

@@ -49,7 +49,7 @@ C = TypeVar("C", bound=Callable[..., Any])
 MEANINGS = {
     "STUDY.toml": "The study file.",
     "FILE": "A map.",
-    "--branch B": "One assembly mode; all if left out.",
+    "--branch B": "One of the branches, the two ways in which a loop closes; all if left out.",
     "--maximise NAME": "An objective; may be repeated.",
     "--minimise NAME": "An objective; may be repeated.",
     "--overwrite": "Replace an existing file.",

@@ -245,7 +245,7 @@ class Cycle(BaseModel, extra="allow"):
     input: Text | None = None
     angles: Positions | None = None
     positions: Positions | None = None
-    branch: Annotated[Whole | list[Whole], Write("assembly modes, such as [1, 2]")] | None = None
+    branch: Annotated[Whole | list[Whole], Write("branches, such as [1, 2]")] | None = None
     solver: Annotated[String, Write('"eliminated" or "dense"')] | None = None
     extrema: Annotated[String, Write('"refined" or "sampled"')] | None = None
 

@@ -720,7 +720,7 @@ def search(
     bounds : mapping, optional
         For inputs that are swept the least and greatest value of refined designs; by default those of the space.
     branch : int or sequence of int, default 1
-        The assembly mode, or several, in each of which a design is a row of its own.
+        A branch, or both, in each of which a design is a row of its own.
     verify : int, optional
         How many of the designs that are found are computed again with 50 digits, as in `fastlink.sweep`.
     to : path, optional

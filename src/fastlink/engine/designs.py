@@ -210,7 +210,7 @@ def _is_result(catalogue: Catalogue, name: str) -> bool:
 def _no_input(catalogue: Catalogue, name: str) -> Problem | None:
     """Return the problem of an option that stands among the inputs, None of another name."""
     if name == BRANCH:
-        return Problem("is not an input", ("design", name), "write assembly modes as an option of the sweep")
+        return Problem("is not an input", ("design", name), "write it as an option of the sweep")
     if name in (catalogue.position.name, degrees_name(catalogue.position.name)):
         remedy = "write it as an option of the sweep; fastlink.evaluate takes one for each row"
         return Problem("is the input position, which each design runs through", ("design", name), remedy)

@@ -275,7 +275,7 @@ class Function:
     inputs, quantities : tuple of str
         The rows of its argument and of its result.
     shape : tuple of int
-        The last axes of its result: assembly modes where there are several, input positions.
+        The last axes of its result: branches where there are several, input positions.
     """
 
     def __init__(

@@ -222,7 +222,7 @@ class MapAccessor:
         n : int
             How many rows; there are fewer where the map has fewer.
         by : str
-            The variable. A row is one of its values: a design in an assembly mode, and at one input position if the
+            The variable. A row is one of its values: a design in a branch, and at one input position if the
             variable has them.
         largest : bool, default True
             The greatest values; False for the least.
@@ -236,7 +236,7 @@ class MapAccessor:
         -------
         xarray.Dataset
             Along ``design``, the best first, equal ones in the order of the map: all inputs (those that are the same
-            for all designs as scalars), the assembly mode, and all results of that place. ``.to_dataframe()`` is the
+            for all designs as scalars), the branch, and all results of that place. ``.to_dataframe()`` is the
             table of pandas. The attribute ``selection`` says how many values were considered and left out.
         """
         from fastlink.maps.best import top  # not whenever a map is opened

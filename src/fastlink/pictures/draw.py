@@ -494,7 +494,7 @@ def draw(
 ) -> Figure:
     r"""Draw a mechanism to scale, as it stands at an input position.
 
-    Links, joints, hatched ground, names as in the papers, the path of the coupler point, each assembly mode in a colour
+    Links, joints, hatched ground, names as in the papers, the path of the coupler point, each branch in a colour
     of its own (the second with hollow bars and dashed curves), faintly where the motion ends. All places are facts of
     the mechanism, as `fastlink.evaluate` gives them.
 

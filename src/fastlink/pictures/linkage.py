@@ -930,7 +930,7 @@ class Board:
         """Return a line for each assembly mode."""
         branches = self.motion.catalogue.branches
         return [
-            Line2D([], [], **mode_line(b), label=f"assembly mode {b}: {branches[b]}{self._orientations(k)}")
+            Line2D([], [], **mode_line(b), label=f"branch {b}: {branches[b]}{self._orientations(k)}")
             for k, b in enumerate(self.motion.branches)
         ]
 

@@ -155,7 +155,7 @@ def _variable(dataset: xr.Dataset, name: Any) -> xr.DataArray:
 def one_branch(variable: T, branch: Any) -> T:
     """Return the part of a variable, or of a map, for one assembly mode."""
     if BRANCH not in variable.coords:
-        what = f"{getattr(variable, 'name', 'the map')} is the same in every assembly mode"
+        what = f"{getattr(variable, 'name', 'the map')} is the same in every branch"
         raise InputError(what, where=("branch",), remedy="leave it out")
     known = np.atleast_1d(variable[BRANCH].values).tolist()
     remedy = f"write one of {', '.join(map(str, known))}"
@@ -178,7 +178,7 @@ def _fixed(
         known = [str(key) for key in variable.dims if key != BRANCH]
         remedy: Remedy = suggest(dim, known) if known else "it has none"
         if dim == BRANCH:
-            remedy = ("choose an assembly mode by ", Setting("branch", 1))
+            remedy = ("choose one by ", Setting("branch", 1))
         what = f"{short_repr(dim)} is not a dimension of {variable.name} that can be fixed"
         raise InputError(what, where=("at",), remedy=remedy)
     return places, {dim: variable[dim].values[place] for dim, place in places.items()}
@@ -304,16 +304,14 @@ def _modes(variable: xr.DataArray) -> list[tuple[str, xr.DataArray]]:
     """Return title and values of each assembly mode, or of all if they agree."""
     numbers = np.atleast_1d(variable[BRANCH].values).tolist() if BRANCH in variable.coords else []
     if BRANCH not in variable.dims:
-        return [(f"assembly mode {numbers[0]}" if numbers else "", variable)]
+        return [(f"branch {numbers[0]}" if numbers else "", variable)]
     count = variable.sizes[BRANCH]
-    titles = [f"assembly mode {b}" for b in numbers] or [
-        f"branch {k} of {count}" for k in range(1, count + 1)
-    ]
+    titles = [f"branch {b}" for b in numbers] or [f"branch {k} of {count}" for k in range(1, count + 1)]
     parts = [(title, variable.isel({BRANCH: k})) for k, title in enumerate(titles)]
     first = parts[0][1].values
     alike = all(np.allclose(part.values, first, rtol=1e-9, atol=0.0, equal_nan=True) for _, part in parts)
     if alike and len(parts) > 1 and numbers:
-        return [(f"assembly modes {' and '.join(map(str, numbers))} (they agree)", parts[0][1])]
+        return [(f"branches {' and '.join(map(str, numbers))} (they agree)", parts[0][1])]
     return parts
 
 

@@ -274,7 +274,7 @@ def branch_codes(catalogue: Catalogue, branch: Any, *, gaps: bool = False) -> ND
         cells = values.ravel().tolist()
         bad = [cell for cell in cells if not _is_branch(catalogue, cell, gaps)][:1]
     for value in bad:
-        what = f"{short_repr(value)} is not an assembly mode of {catalogue.name}"
+        what = f"{short_repr(value)} is not a branch of {catalogue.name}"
         raise InputError(what, ("branch",), remedy)
     return values.astype(np.float64)
 
