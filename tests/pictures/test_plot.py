@@ -559,13 +559,13 @@ from fastlink.app.cli import app
 maps = fl.sweep("planar_4r", fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0), ["swing"], verify=0, to="maps.h5")
 design = {"a1": 0.4, "a2": 1.1, "a3": 0.8, "a4": 1.0}
 doors = [
-    lambda: fl.plot_map(maps, "swing"),
-    lambda: fl.plot_designs(maps, ["swing", "a2"]),
-    lambda: fl.plot_front(maps, minimise="swing", maximise="a2"),
+    lambda: fl.plot(maps, "swing"),
+    lambda: fl.plot(maps, ["swing", "a2"]),
+    lambda: fl.plot(maps, minimise="swing", maximise="a2"),
     lambda: fl.draw("planar_4r", **design),
     lambda: fl.explore(maps, to="page.html"),
     lambda: maps.fastlink.plot("swing"),
-    lambda: maps.fastlink.plot.designs(["swing", "a2"]),
+    lambda: maps.fastlink.plot(["swing", "a2"]),
 ]
 for door in doors:
     try:
@@ -581,7 +581,7 @@ for line in ("plot maps.h5 swing --to a.png", draw, "explore maps.h5 --to c.html
 del sys.modules["matplotlib"]
 import matplotlib
 matplotlib.rcParams["font.size"] = 31
-figure = fl.plot_map(maps, "swing")
+figure = fl.plot(maps, "swing")
 print("matplotlib.pyplot" in sys.modules, matplotlib.rcParams["font.size"], figure.axes[0].xaxis.label.get_size())
 """
 
@@ -624,12 +624,12 @@ def designs(names=(*NAMES,), **options):
 @pytest.mark.parametrize(
     ("draw", "key", "remedy"),
     [
-        (plot("omega_max"), "name", "did you mean 'omega4_max'?"),
-        (plot(None), "name", "did you mean"),
-        (plot(["omega4_max"]), "name", "omega4_max"),
+        (plot("omega_max"), "names", "did you mean 'omega4_max'?"),
+        (plot(None), "names", "did you mean"),
+        (plot([["omega4_max"]]), "names", "did you mean"),
         (plot("note"), "numbers", "numbers"),
         (plot("odd"), "numbers", "numbers"),
-        (plot("a1"), "name", "known"),
+        (plot("a1"), "names", "known"),
         (
             plot(),
             "plot: omega4_max",
@@ -672,8 +672,12 @@ def designs(names=(*NAMES,), **options):
         (designs(where={"a2": (9.0, None)}), "omega4_max", "fewer conditions"),
         (designs(where={"a2": "x"}), "a2", "None"),
         (designs(branch=3), "branch", "1"),
-        (lambda maps: fl.plot(maps, minimise="omega4_max"), "front", "fastlink.best"),
-        (lambda maps: fl.plot(maps), "best", "minimise"),
+        (lambda maps: fl.plot(maps, minimise="omega4_max"), "plot", "fastlink.best"),
+        (lambda maps: fl.plot(maps), "names", "minimise"),
+        (plot(minimise="a1"), "names", "or the objectives"),
+        (designs([], kind="corner", minimise="a1"), "kind", "or the objectives"),
+        (designs(at={"a4": 1.0}), "at", "where={'status': 'rotates_fully'}"),
+        (designs([], minimise=["a1", "omega4_max"], panels="a4"), "panels", "where={'status':"),
     ],
 )
 def test_requests_without_sense_are_refused(maps, draw, key, remedy, folder):
