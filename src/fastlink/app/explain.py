@@ -564,7 +564,7 @@ def explain(
 
     >>> designs = fl.grid(a1=np.linspace(0.1, 0.5, 40_000), a2=np.linspace(1.0, 1.4, 40_000), a3=0.8, a4=1.0)
     >>> needs = fl.explain("planar_4r", designs, ["theta4"], measure=False).forecast
-    >>> needs.memory > 8 * 2 * 360 * 40_000**2  # 9 TB: write it to a file, if there is a disk for it
+    >>> needs.memory > 8 * 360 * 40_000**2  # 5 TB: write it to a file, if there is a disk for it
     True
     """
     measure = check_options({"measure": measure})["measure"]

@@ -1008,7 +1008,7 @@ def join(
     ...         fl.sweep(*request, part=(k, 3), to=f"{folder}/maps.part-{k}-of-3.h5", verify=0).close()
     ...     with fl.join(folder, to=pathlib.Path(folder, "maps.h5")) as maps:
     ...         dict(maps.transmission_angle_min.sizes)
-    {'a2': 3, 'a4': 2, 'branch': 2}
+    {'a2': 3, 'a4': 2}
     """
     problems = Problems()
     ways: dict[str, Any] = {"overwrite": overwrite, "restart": restart}

@@ -15,7 +15,7 @@ import numpy as np
 from fastlink._text import counted, short_repr
 from fastlink.engine.resolve import ResolvedSweep, check, of_request, resolve
 from fastlink.engine.run import VECTOR, Runner
-from fastlink.errors import InputError, Problem, Problems, door, suggest
+from fastlink.errors import InputError, Problem, Problems, Suggesting, door
 from fastlink.facts.catalogue import ELIMINATED, Catalogue
 from fastlink.facts.derivative import NoDependence, is_tolerance
 from fastlink.facts.fact import Input
@@ -267,7 +267,7 @@ def function(
 _OPTIONS = tuple(name for name in signature(function).parameters if name != "fixed")
 
 
-class Function:
+class Function(Suggesting):
     """Compiled quantities of a mechanism as a function of arrays.
 
     Attributes
@@ -339,10 +339,6 @@ class Function:
 
     def __reduce__(self) -> tuple[Callable[..., Function], tuple[list[str]]]:
         return self._recipe, (list(self.quantities),)
-
-    def __getattr__(self, name: str) -> Any:
-        remedy = suggest(name, ("gradient", "inputs", "jitted", "quantities", "shape", "without_gradient"))
-        raise AttributeError(f"a function has no attribute {name!r}; {remedy}")
 
     def __repr__(self) -> str:
         mechanism = self._resolved.mechanism

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import xarray as xr
 
 from fastlink._text import short_repr
-from fastlink.errors import InputError, check_choice, door
+from fastlink.errors import InputError, Suggesting, check_choice, door
 from fastlink.io.reader import as_dataset
 from fastlink.io.reader import open_map as open
 from fastlink.maps.units import (
@@ -38,7 +38,7 @@ __all__ = ["MapAccessor", "VariableAccessor", "open"]
 
 
 @xr.register_dataset_accessor("fastlink")  # type: ignore[no-untyped-call]
-class MapAccessor:
+class MapAccessor(Suggesting):
     """The attribute ``fastlink`` of a map.
 
     Examples
@@ -173,12 +173,10 @@ class MapAccessor:
         """The inputs of the map without its results, to be swept again."""
         return self._maps.drop_vars(list(self._maps.data_vars))
 
-    @door
-    def plot(self, names: str | Sequence[str] = (), **options: Any) -> Figure:
-        """Draw this map, see `fastlink.plot`."""
-        from fastlink.pictures.designs import plot  # pictures stand above maps; this is their door
-
-        return plot(self._maps, names, **options)
+    @property
+    def plot(self) -> Plot:
+        """``plot(names, ...)`` draws this map, see `fastlink.plot`."""
+        return Plot(self._maps)
 
     @door
     def explore(self, *, to: Any = None, port: int = 0, browser: bool = True) -> Page:
@@ -252,8 +250,29 @@ class MapAccessor:
         return self._maps[of]
 
 
+class Plot:
+    """The door of a map to its pictures."""
+
+    def __init__(self, maps: xr.Dataset) -> None:
+        self._maps = maps
+
+    @door(name="plot")
+    def __call__(self, names: str | Sequence[str] = (), **options: Any) -> Figure:
+        """Draw the map, see `fastlink.plot`."""
+        from fastlink.pictures.designs import plot  # pictures stand above maps; this is their door
+
+        return plot(self._maps, names, **options)
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name):
+            raise AttributeError(
+                f"there is no plot.{name}; write maps.fastlink.plot(names, ...), see fastlink.plot"
+            )
+
+
 @xr.register_dataarray_accessor("fastlink")  # type: ignore[no-untyped-call]
-class VariableAccessor:
+class VariableAccessor(Suggesting):
     """The attribute ``fastlink`` of a variable of a map.
 
     Examples

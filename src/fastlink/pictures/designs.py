@@ -104,7 +104,7 @@ def plot(
     >>> maps = fl.sweep("planar_4r", space, ["omega4_max", "transmission_angle_min"])
     >>> figure = fl.plot(maps, "omega4_max", at={"a4": 1.0})
     >>> figure.axes[0].get_xlabel()
-    'length of the coupler AB $a_{2}$ [m]'
+    'length of the input crank OA $a_{1}$ [m]'
     >>> figure = fl.plot(maps, "omega4_max", panels="a4")
     >>> [axis.get_title() for axis in figure.axes[:2]]
     ['$a_{4}$ = 0.9 m', '$a_{4}$ = 1 m']
@@ -124,7 +124,7 @@ def plot(
         raise InputError("is given beside objectives", ("names" if wanted else "kind",), remedy)
     for option, value in (("at", at), ("panels", panels), ("lines", lines)):
         if (objectives or of_rows) and value is not None:
-            rows = ("choose rows by such as ", Setting("where", {STATUS: "rotates_fully"}))
+            rows = ("choose rows, such as by ", Setting("where", {STATUS: "rotates_fully"}))
             raise InputError("is of a map of one variable", (option,), rows)
     path = checked_request(to, degrees)
     if objectives:
@@ -187,7 +187,7 @@ def plot_front(
         low, high = KINDS["corner"]
         if not low <= len(names) <= high:
             remedy = f"write {low} to {high}, or list the best by fastlink.best"
-            raise InputError(f"there are {counted(len(names), 'objective')}", where=("plot",), remedy=remedy)
+            raise InputError(f"a front of {counted(len(names), 'objective')}", where=("plot",), remedy=remedy)
         cloud = _cloud(dataset, names, where, degrees)
         factors = [column.factor for column in cloud.columns]
         front = np.stack([found[name].values for name in names], axis=1) * factors
@@ -240,8 +240,9 @@ def _check_name(maps: xr.Dataset, name: Any) -> None:
     """Refuse a name that has no numbers along a dimension."""
     usable = numeric(maps)
     if isinstance(name, str) and name in maps.variables and name not in usable:
-        remedy = "write the name of a variable, or of an input that is swept"
-        raise InputError(f"{name} is not a number for each design", where=("names",), remedy=remedy)
+        alone = "it is one value" if maps[name].size == 1 else "it is not a number for each design"
+        remedy = "write the name of a variable, or of an input, that has several"
+        raise InputError(f"{name} cannot be drawn: {alone}", where=("names",), remedy=remedy)
     check_choice(("names",), name, usable)
 
 

@@ -334,7 +334,7 @@ def check_keywords(
             other = (f", or, to drive {name}, write ", Setting("input", name)) if own else ()
             problems.add(f"the input is {position}", (name,), (f"write its positions as {position}", other))
         else:
-            problems.add("is not an option", (name,), suggest(name, {*options, position}))
+            problems.add("is not an option", (name,), suggest(name, {*options, position, POSITIONS}))
     problems.stop()
 
 
