@@ -79,7 +79,11 @@ def swept(space, **options):
             "quantities in place of outputs",
         ),
         (lambda: fl.explain(study="study.toml"), "subject", "subject in place of study"),
-        (lambda: fl.plot("maps.h5", maximise=[]), "names", "or objectives by minimise or maximise"),
+        (
+            lambda: fl.plot("maps.h5", maximise=[]),
+            "names",
+            "or objectives by minimise='NAME' and maximise='NAME'",
+        ),
         (lambda: fl.mechanisms(3), "mechanisms", "mechanisms()"),
         (lambda: fl.open(), "path", "open(path"),
         (

@@ -73,7 +73,7 @@ def test_a_study_takes_positions_by_the_name_of_the_input(folder, mechanism, inp
         with fl.run(written(f"{text}{name} = {{values = {VALUES}}}\n"), to=f"{name}.h5") as result:
             maps.append(result[quantity].values)
     np.testing.assert_array_equal(*maps)
-    swept = fl.sweep(mechanism, fl.grid(**design), [quantity], input=input, angles=VALUES, branch=(1, 2))
+    swept = fl.sweep(mechanism, fl.grid(**design), [quantity], input=input, angles=VALUES, branch=1)
     np.testing.assert_array_equal(maps[0], swept[quantity])
 
 

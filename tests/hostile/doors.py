@@ -216,7 +216,7 @@ DOORS = [
         )
     ),
     _door(
-        "fl.function(mechanism='planar_4r', inputs=['a2'], outputs=['omega4_max', 'transmission_angle_min'], "
+        "fl.function(mechanism='planar_4r', inputs=['a2'], quantities=['omega4_max', 'transmission_angle_min'], "
         f"{POSITIONS}, branch=1, a1=0.4, a3=0.8, a4=1.0, omega1=25.0)",
         **ONE,
     ),

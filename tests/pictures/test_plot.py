@@ -672,7 +672,7 @@ def designs(names=(*NAMES,), **options):
         (designs(where={"a2": (9.0, None)}), "omega4_max", "fewer conditions"),
         (designs(where={"a2": "x"}), "a2", "None"),
         (designs(branch=3), "branch", "1"),
-        (lambda maps: fl.plot(maps, minimise="omega4_max"), "plot", "fastlink.best"),
+        (lambda maps: fl.plot(maps, minimise="omega4_max"), "plot", "rank by `best`"),
         (lambda maps: fl.plot(maps), "names", "minimise"),
         (plot(minimise="a1"), "names", "or the objectives"),
         (designs([], kind="corner", minimise="a1"), "kind", "or the objectives"),

@@ -202,7 +202,7 @@ cycle = {angles = 24}
     study = written(text)
     with fl.run(study) as maps:
         assert maps.omega4_sum.attrs["error_max_roundings"] <= POSITIONS
-        couplers, expected = maps.a2.values, maps.omega4_sum.sel(branch=1).values
+        couplers, expected = maps.a2.values, maps.omega4_sum.values
         assert "d_omega4_d_a2_range" in maps
     compiled = fl.function(
         "planar_4r", ["a2"], ["omega4_sum"], a1=0.4, a3=0.8, a4=1.0, omega1=25.0, angles=24

@@ -132,8 +132,8 @@ def plot(
     if of_rows:
         return plot_designs(maps, wanted, kind, where, branch, degrees, path)
     if not wanted:
-        names_it = "write a variable, such as omega4_max, or objectives by minimise or maximise"
-        raise InputError("is missing", ("names",), names_it)
+        front = (", or objectives by ", Setting("minimise", "NAME"), " and ", Setting("maximise", "NAME"))
+        raise InputError("is missing", ("names",), ("write a variable, such as omega4_max", *front))
     return plot_map(maps, wanted[0], branch, at, panels, lines, degrees, path)
 
 
@@ -186,7 +186,7 @@ def plot_front(
         names = [*listed(minimise), *listed(maximise)]
         low, high = KINDS["corner"]
         if not low <= len(names) <= high:
-            remedy = f"write {low} to {high}, or list the best by fastlink.best"
+            remedy = f"write {low} to {high}, or rank by `best`"
             raise InputError(f"a front of {counted(len(names), 'objective')}", where=("plot",), remedy=remedy)
         cloud = _cloud(dataset, names, where, degrees)
         factors = [column.factor for column in cloud.columns]

@@ -160,7 +160,7 @@ def one_branch(variable: T, branch: Any) -> T:
     known = np.atleast_1d(variable[BRANCH].values).tolist()
     remedy = f"write one of {', '.join(map(str, known))}"
     if len(known) == 1:
-        remedy = f"the map is of branch {known[0]} alone: leave it out, or sweep with branch=(1, 2)"
+        remedy = f"the map is of branch {known[0]} alone: leave it out, or compute both branches"
     if check_whole(("branch",), branch, min(known), max(known), remedy) not in known:
         raise InputError(f"{branch} is not in the result", where=("branch",), remedy=remedy)
     return variable.isel({BRANCH: [known.index(branch)]}) if BRANCH in variable.dims else variable

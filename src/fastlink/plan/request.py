@@ -13,6 +13,7 @@ import numpy as np
 
 from fastlink._text import counted, joined, short_repr
 from fastlink.errors import (
+    OTHER_NAMES,
     InputError,
     KeyPath,
     Model,
@@ -333,6 +334,8 @@ def check_keywords(
             own = name in inputs_of(mechanism)
             other = (f", or, to drive {name}, write ", Setting("input", name)) if own else ()
             problems.add(f"the input is {position}", (name,), (f"write its positions as {position}", other))
+        elif name in OTHER_NAMES["n"]:
+            problems.add("is not an option", (name,), "the designs have a number: fl.sobol(n, a2=(1.0, 1.4))")
         else:
             problems.add("is not an option", (name,), suggest(name, {*options, position, POSITIONS}))
     problems.stop()
