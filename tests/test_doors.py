@@ -276,3 +276,69 @@ def test_every_door_takes_branch_1_unless_it_is_told(tmp_path):
         assert inspect.signature(call).parameters["branch"].default == 1
     assert "2 designs, 1 branch" in fl.explain("planar_4r", space, ["omega4_max"]).title
     assert fl.planar.rate_extrema(space, pair="14").branch == 1
+
+
+# -- answers that misled ---------------------------------------------------------------------------
+
+
+def test_a_branch_that_a_result_lacks_is_no_condition_to_be_missed():
+    """A map of branch 1 gave its own designs as the nearest, and a search ended in a KeyError."""
+    space = fl.grid(DESIGN | {"a2": [1.1, 1.2]})
+    maps = fl.sweep("planar_4r", space, ["omega4_max"])
+    both = fl.sweep("planar_4r", space, ["omega4_max"], branch=(1, 2))
+    with refused("where: branch: here is branch 1 alone", "compute both branches"):
+        fl.best(maps, minimise="omega4_max", where={"branch": 2})
+    with refused("where: branch: here is branch 1 alone", "compute both branches"):
+        fl.search("planar_4r", space, minimise="omega4_max", where={"branch": (2, None)})
+    for where in ({"branch": 1}, {"branch": (1, 2)}):
+        found = fl.search("planar_4r", space, minimise="omega4_max", where=where, refine=False)
+        assert (found.sizes["design"], found.branch) == (2, 1)
+    assert fl.best(both, minimise="omega4_max", where={"branch": 2}).branch.values.tolist() == [2, 2]
+    with refused("branch is 2", "the map is of branch 1 alone: leave it out"):
+        fl.plot(maps, "omega4_max", branch=2)
+
+
+@pytest.mark.parametrize(
+    ("call", "key", "remedy"),
+    [
+        (
+            lambda maps: fl.search("planar_4r", DESIGN, minimise="omega4_max", samples=9),
+            "samples",
+            "fl.sobol(n, ",
+        ),
+        (
+            lambda maps: fl.sweep("planar_4r", DESIGN, ["omega4"], position=9),
+            "position",
+            "did you mean 'positions'?",
+        ),
+        (lambda maps: fl.sweep("planar_4r", DESIGN, ["omega4"], mode=2), "mode", "did you mean 'branch'?"),
+        (
+            lambda maps: fl.best(maps, minimise="omega4_max", where="a1 < 0.5"),
+            "where: 'a1 < 0.5'",
+            "{'a1': ':0.5'}",
+        ),
+        (
+            lambda maps: fl.plot(maps.isel(design=0, branch=0), "omega4_max", kind="cumulative"),
+            "it is one value",
+            "has several",
+        ),
+        (
+            lambda maps: fl.sweep("planar_4r", written(GOOD), ["swing"]),
+            "is a study",
+            "fastlink.run('study.toml')",
+        ),
+    ],
+)
+def test_an_answer_names_what_is_meant(swept_maps, call, key, remedy):
+    with refused(key, remedy):
+        call(swept_maps)
+
+
+def test_the_accessors_answer_as_the_module_does(swept_maps):
+    for lacking, remedy in (
+        (lambda: swept_maps.fastlink.summry, "did you mean 'summary'"),
+        (lambda: swept_maps.omega4_max.fastlink.summary, "known: convert, degrees, finite, status_is"),
+        (lambda: swept_maps.fastlink.plot.designs, "write maps.fastlink.plot(names, ...)"),
+    ):
+        with pytest.raises(AttributeError, match=re.escape(remedy)):
+            lacking()

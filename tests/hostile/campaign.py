@@ -108,7 +108,6 @@ def namespace() -> dict[str, Any]:
         "planar_4r", space, ["omega4_max"], to="part.h5", part=(1, 1), **{"branch": (1, 2)} | to_file
     ).close()
     focal = fl.grid(a=5.0, b=5.0, c=2.0, d=4.0, rho=1.0, completion=1)
-    figures = ("error_max", "error_99", "error_median", "ns_per_design", "missed", "values", "pareto")
     rates = [f"{name}_{end}" for name in ("shaking_force", "omega4") for end in ("max", "min")]
     rates += [f"theta1_at_{name}" for name in rates]
     linkages = fl.grid(a=1.0, b=[1.0, 7.0], g=[4.0, 3.0], h=1.0)
@@ -128,9 +127,6 @@ def namespace() -> dict[str, Any]:
             "planar_4r", ["a2", "a3"], ["omega4_max"], a1=0.4, a4=1.0, omega1=25.0, angles=8
         ),
         "COGNATE": fl.planar.cognates(a1=0.5, a2=1.0, a3=0.75, a4=2.0, P_u=0.0, P_v=2.0)[1],
-        "MEASURED": xr.Dataset(
-            {name: (("way", "quantity"), [[1.0]]) for name in figures}, {"way": ["w"], "quantity": ["q"]}
-        ),
     }
 
 

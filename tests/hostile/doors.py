@@ -12,7 +12,7 @@ from tests.hostile.values import ROLES, Value, texts_of
 #: The role of an argument by its name, unless a door has another; see `values.ROLES`.
 NAMED = {
     "name": "mechanism solver layout minimise meaning of by name units rule",
-    "names": "quantities maximise inputs outputs curves show names",
+    "names": "quantities maximise inputs curves show names",
     "choice": "input backend extrema part dtype compress kind panels lines pair find",
     "flag": "overwrite restart progress allow_invalid infinite refine contributions degrees copy internal largest "
     "movable outside browser trust_code error measure",

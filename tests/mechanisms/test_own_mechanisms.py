@@ -99,7 +99,7 @@ def test_a_sheet_stands_for_a_mechanism_at_every_door(tmp_path, monkeypatch, qui
     assert len(fl.best("m.h5", maximise="psi_rate_max", refine=True).psi_rate_max) == 2
     Path("study.toml").write_text(
         f'mechanism = "quick_return.facts"\nquantities = {names}\n'
-        '[design]\nr = { values = [0.1, 0.12] }\nd = 0.2\ne = 0.02\nomega = 1.0\n'
+        "[design]\nr = { values = [0.1, 0.12] }\nd = 0.2\ne = 0.02\nomega = 1.0\n"
         '[cycle]\nbranch = [1, 2]\n[output]\nfile = "s.h5"\n'
     )
     for line in (
