@@ -108,7 +108,7 @@ def test_a_whole_map_comes_through_every_format(request, tmp_path, small_blocks,
     assert converted.designs == whole(path).designs
     assert "fingerprint" not in converted.attrs
     assert f"convert {path.name} --to {name}" in converted.history.splitlines()[-1]
-    assert "of 32" in made.fastlink.summary() or "of 8" in made.fastlink.summary()
+    assert "of 32" in fl.open(made).fastlink.summary() or "of 8" in fl.open(made).fastlink.summary()
     assert digest(path) == before
 
 
