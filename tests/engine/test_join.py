@@ -43,7 +43,7 @@ def parts_of(of, folder, count=3, **options):
     """Write the parts of a request, and return their paths."""
     paths = [folder / f"maps.part-{k}-of-{count}.h5" for k in range(1, count + 1)]
     for k, path in enumerate(paths, 1):
-        sweep(of, part=(k, count), to=path, **{"branch": (1, 2)} | options).close()
+        sweep(of, part=(k, count), to=path, **options).close()
     return paths
 
 
@@ -65,7 +65,7 @@ def assert_same(joined, whole):
 @pytest.mark.sample(2)
 @pytest.mark.parametrize("of", REQUESTS)
 def test_joined_parts_are_the_map_of_one_sweep(of, tmp_path):
-    with sweep(of, to=tmp_path / "whole.h5", branch=(1, 2)) as whole:
+    with sweep(of, to=tmp_path / "whole.h5") as whole:
         parts = parts_of(of, tmp_path, min(3, whole.attrs["designs"]))
         for copy in (False, True):
             with fl.join(parts[::-1], to=tmp_path / "maps.h5", copy=copy, overwrite=True) as joined:
@@ -74,7 +74,7 @@ def test_joined_parts_are_the_map_of_one_sweep(of, tmp_path):
             assert fl.check(tmp_path / "maps.h5")
             before = digest(tmp_path / "maps.h5")
             again = fl.join(tmp_path, to=tmp_path / "maps.h5", copy=copy)
-            with again, sweep(of, to=tmp_path / "maps.h5", branch=(1, 2)) as found:
+            with again, sweep(of, to=tmp_path / "maps.h5") as found:
                 assert found.attrs == again.attrs == joined.attrs
             assert digest(tmp_path / "maps.h5") == before
 
@@ -84,7 +84,7 @@ def test_parts_of_several_blocks_are_joined_piece_by_piece(layout, tmp_path, mon
     monkeypatch.setattr(joining, "PIECE_BYTES", 700_001)
     of = (*LARGE, {"theta1": 72, "layout": layout})
     paths = parts_of(of, tmp_path)
-    with sweep(of, to=tmp_path / "whole.h5", branch=(1, 2)) as whole:
+    with sweep(of, to=tmp_path / "whole.h5") as whole:
         for copy in (False, True):
             with fl.join(paths, to=tmp_path / "maps.h5", copy=copy, overwrite=True) as joined:
                 assert_same(joined, whole)
@@ -127,7 +127,7 @@ SUBFOLDER = "parts of 50%b"  # by which HDF5 would count
 def sixteen(tmp_path_factory):
     """Return a folder with the map of one sweep, and one of maps.h5 that shows sixteen parts below it."""
     folder = tmp_path_factory.mktemp("sixteen")
-    sweep(SIXTEEN, to=folder / "whole.h5", branch=(1, 2)).close()
+    sweep(SIXTEEN, to=folder / "whole.h5").close()
     (folder / "joined" / SUBFOLDER).mkdir(parents=True)
     fl.join(parts_of(SIXTEEN, folder / "joined" / SUBFOLDER, 16), to=folder / "joined" / "maps.h5").close()
     return folder
@@ -195,7 +195,7 @@ def test_a_part_that_is_missing_or_another_is_named(what, moved):
         part.unlink()
         why = "is missing"
     elif what == "another run":
-        sweep(SIXTEEN, part=(7, 16), to=part, overwrite=True, branch=(1, 2)).close()
+        sweep(SIXTEEN, part=(7, 16), to=part, overwrite=True).close()
     elif what == "labels":
         flip(part, part.read_bytes().index(b"Euclidean"))
     else:
@@ -209,7 +209,7 @@ def test_a_part_that_is_missing_or_another_is_named(what, moved):
             assert why in str(caught.value)
             assert "join the parts again" in str(caught.value)
     with refused("part-7-of-16.h5", "join the parts again"):  # not `is no map`
-        sweep(SIXTEEN, to=moved, branch=(1, 2))
+        sweep(SIXTEEN, to=moved)
 
 
 def test_a_check_reads_every_part(moved):
@@ -233,7 +233,7 @@ def test_values_of_other_files_than_parts_are_not_shown(source, tmp_path, grid_p
     os.symlink("../secret.h5", folder / "link.h5")
     layout = h5py.VirtualLayout((11,), "i1")
     layout[:] = h5py.VirtualSource(source.format(folder=tmp_path), "status", (11,))
-    sweep("grid", to=folder / "maps.h5", branch=(1, 2)).close()
+    sweep("grid", to=folder / "maps.h5").close()
     with h5py.File(folder / "maps.h5", "r+") as file:
         file.create_virtual_dataset("more", layout)
         if source != "beside.h5":
@@ -257,7 +257,7 @@ def test_what_cannot_be_shown_is_refused_before_anything_is_written(tmp_path, gr
         file.attrs["note"] = "mine"
         del file.attrs["note"]
     assert not list(tmp_path.glob("**/maps.h5*"))
-    sweep("grid", part=(2, 3), to=grid_parts[1], overwrite=True, branch=(1, 2)).close()
+    sweep("grid", part=(2, 3), to=grid_parts[1], overwrite=True).close()
     joined_to(tmp_path, grid_parts).close()
     with refused("to", "overwrite=True"):  # what is there is no copy
         joined_to(tmp_path, grid_parts, copy=True)
@@ -308,7 +308,7 @@ def test_six_processes_at_once_one_of_which_is_killed(tmp_path):
     assert done.stdout == "[0, 0, 0, 0, -9, 0]\n[0]\n", done.stderr
     with fl.open(tmp_path / "m.part-5-of-6.h5") as resumed:
         assert resumed.attrs["designs_of_earlier_runs"] >= 16
-    with sweep("hundreds", to=tmp_path / "whole.h5", branch=(1, 2)) as whole:
+    with sweep("hundreds", to=tmp_path / "whole.h5") as whole:
         for copy in (True, False):
             with fl.join(tmp_path / "m.part-*-of-6.h5", to=tmp_path / f"m-{copy}.h5", copy=copy) as joined:
                 assert_same(joined, whole)
@@ -336,11 +336,11 @@ def test_a_join_that_is_interrupted_goes_on(tmp_path, monkeypatch):
             fl.join(paths, to=tmp_path / "maps.h5", copy=True)
     assert "60% of the designs" in caught.value.__notes__[0]
     with refused("to", "restart=True"):  # a sweep does not go on with it
-        sweep("grid", to=tmp_path / "maps.h5", branch=(1, 2))
+        sweep("grid", to=tmp_path / "maps.h5")
     monkeypatch.setattr(Writer, "record", noted)
     with fl.join(paths, to=tmp_path / "maps.h5", copy=True) as joined:
         assert copied == [(21, 28), (28, 35)]
-        assert_same(joined, sweep("grid", to=tmp_path / "whole.h5", branch=(1, 2)))
+        assert_same(joined, sweep("grid", to=tmp_path / "whole.h5"))
 
 
 # --- what is refused -------------------------------------------------------------------------------
@@ -361,8 +361,8 @@ def test_parts_that_are_missing_or_of_another_map_are_refused(tmp_path, grid_par
         joined_to(tmp_path, tmp_path)
     with pytest.raises(fl.InputError, match="of a run that has not finished"):
         joined_to(tmp_path, tmp_path)
-    sweep("grid", part=(1, 4), to=tmp_path / "quarter.h5", branch=(1, 2)).close()
-    sweep("table", part=(1, 3), to=tmp_path / "table.h5", branch=(1, 2)).close()
+    sweep("grid", part=(1, 4), to=tmp_path / "quarter.h5").close()
+    sweep("table", part=(1, 3), to=tmp_path / "table.h5").close()
     with refused("quarter.h5", "all of the same n"):
         joined_to(tmp_path, [*grid_parts[::2], tmp_path / "quarter.h5"])
     with refused("table.h5", "the parts of one map"):
@@ -372,7 +372,7 @@ def test_parts_that_are_missing_or_of_another_map_are_refused(tmp_path, grid_par
 
 def test_a_part_twice_is_read_once_and_refused_with_other_values(tmp_path, grid_parts):
     twin = tmp_path / "twin.h5"
-    sweep("grid", part=(2, 3), to=twin, branch=(1, 2)).close()
+    sweep("grid", part=(2, 3), to=twin).close()
     with pytest.warns(InputWarning, match="one of them is read"):
         joined_to(tmp_path, [*grid_parts, twin, grid_parts[0]]).close()
     sums = "checksums/values"
@@ -383,7 +383,7 @@ def test_a_part_twice_is_read_once_and_refused_with_other_values(tmp_path, grid_
 
 
 def test_what_is_no_part_is_refused(tmp_path, grid_parts):
-    sweep("grid", to=tmp_path / "whole.h5", branch=(1, 2)).close()
+    sweep("grid", to=tmp_path / "whole.h5").close()
     (tmp_path / "notes.txt").write_text("mine")
     (tmp_path / "empty").mkdir()
     for given in ("whole.h5", "notes.txt", "nothing.h5", "nothing-*.h5", "empty"):
@@ -417,9 +417,9 @@ def test_a_damaged_part_is_refused_by_name_and_its_new_run_joined(tmp_path, monk
     with refused("maps.part-3-of-3.h5", "run that part again"):
         joined_to(tmp_path, paths, copy=True)
     assert not (tmp_path / "maps.h5").exists()
-    sweep(of, part=(3, 3), to=paths[2], overwrite=True, branch=(1, 2)).close()
+    sweep(of, part=(3, 3), to=paths[2], overwrite=True).close()
     with joined_to(tmp_path, paths, copy=True) as joined:
-        assert_same(joined, sweep(of, to=tmp_path / "whole.h5", branch=(1, 2)))
+        assert_same(joined, sweep(of, to=tmp_path / "whole.h5"))
 
 
 def test_damaged_labels_and_marks_are_refused(tmp_path, grid_parts):

@@ -44,10 +44,10 @@ def assert_is_part(part, whole, swept):
 @pytest.mark.sample(4)
 @pytest.mark.parametrize("of", [of for of in REQUESTS if of != "layout of maps"])
 def test_parts_are_those_of_the_whole(of):
-    whole = sweep(of, branch=(1, 2))
+    whole = sweep(of)
     swept = whole["status"].ndim
     count = min(5, whole["status"].size)
-    parts = [sweep(of, part=(k, count), threads=2, branch=(1, 2)) for k in range(1, count + 1)]
+    parts = [sweep(of, part=(k, count), threads=2) for k in range(1, count + 1)]
     assert parts[0].attrs["part_start"] == 0
     assert [part.attrs["part_start"] for part in parts[1:]] == [
         part.attrs["part_stop"] for part in parts[:-1]
@@ -69,11 +69,11 @@ def test_an_axis_that_only_scales_results_has_the_same_bits_in_parts(order):
     """Rows of a part follow from designs that are evaluated at another speed, perhaps of another part."""
     space = fl.grid(a1=0.4, a4=1.0, **{name: AXES[name] for name in order})
     of = "planar_4r", lambda: space, ["omega4", "omega4_max"], {"theta1": 4}
-    whole = sweep(of, branch=(1, 2))
+    whole = sweep(of)
     assert whole.attrs["scaling_axis"] == "omega1"
     for count, block in ((2, None), (16, 4)):
         for k in range(1, count + 1):
-            part = sweep(of, part=(k, count), block=block, branch=(1, 2))
+            part = sweep(of, part=(k, count), block=block)
             assert part.attrs["scaling_axis"] == "omega1"
             assert_is_part(part, whole, 3)
 
@@ -95,27 +95,25 @@ def test_a_part_that_is_interrupted_goes_on(tmp_path, monkeypatch, order):
     with monkeypatch.context() as patched:
         patched.setattr(Writer, "record", interrupted)
         with pytest.raises(KeyboardInterrupt):
-            sweep(of, block=2, threads=1, **{"branch": (1, 2)} | options)
+            sweep(of, block=2, threads=1, **options)
     with refused("to", "restart=True"):  # another part is another request
-        sweep(of, **({"branch": (1, 2)} | options | {"part": (1, 3)}))
-    with sweep(of, block=4, threads=2, **{"branch": (1, 2)} | options) as resumed:
+        sweep(of, **(options | {"part": (1, 3)}))
+    with sweep(of, block=4, threads=2, **options) as resumed:
         assert 0 < resumed.attrs["designs_of_earlier_runs"] < 35
-        assert_is_part(resumed, sweep(of, branch=(1, 2)), 3)
+        assert_is_part(resumed, sweep(of), 3)
         expected = {
-            name: n
-            for name, n in sweep(of, part=(2, 3), branch=(1, 2)).attrs.items()
-            if name.startswith("designs_")
+            name: n for name, n in sweep(of, part=(2, 3)).attrs.items() if name.startswith("designs_")
         }
         del expected["designs_per_second"]
         assert expected == {name: resumed.attrs[name] for name in expected}
     assert fl.check(path)
-    with sweep(of, **{"branch": (1, 2)} | options) as again:  # finished
+    with sweep(of, **options) as again:  # finished
         assert again.attrs == resumed.attrs
 
 
 def test_the_request_of_a_part_is_that_of_its_whole(tmp_path):
     def fingerprints(**options):
-        attrs = sweep("grid", **{"branch": (1, 2)} | options).attrs
+        attrs = sweep("grid", **options).attrs
         return attrs["whole_fingerprint"]
 
     one = fingerprints(part=(1, 3))
@@ -124,8 +122,8 @@ def test_the_request_of_a_part_is_that_of_its_whole(tmp_path):
         == fingerprints(part="2/3", threads=1, block=7)
         == fingerprints(part=(1, 4), to=tmp_path / "a.h5", verify=0)
     )
-    assert one != sweep("table", part=(1, 3), branch=(1, 2)).attrs["whole_fingerprint"]
-    with sweep("grid", to=tmp_path / "m.h5", verify=0, branch=(1, 2)) as whole:
+    assert one != sweep("table", part=(1, 3)).attrs["whole_fingerprint"]
+    with sweep("grid", to=tmp_path / "m.h5", verify=0) as whole:
         assert whole.attrs["fingerprint"] == one
 
 
@@ -135,12 +133,9 @@ def kinds(tmp_path_factory):
     folder = tmp_path_factory.mktemp("kinds")
     for part in (None, "1/3", "2/3", "3/3", "2/4"):
         sweep(
-            "grid",
-            part=part,
-            to=folder / f"{'whole' if part is None else part.replace('/', ' of ')}.h5",
-            branch=(1, 2),
+            "grid", part=part, to=folder / f"{'whole' if part is None else part.replace('/', ' of ')}.h5"
         ).close()
-    sweep("numbered table", part="1/3", to=folder / "other 1 of 3.h5", branch=(1, 2)).close()
+    sweep("numbered table", part="1/3", to=folder / "other 1 of 3.h5").close()
     space = fl.sobol(7, seed=1, a1=(0.3, 0.5), a2=(1.0, 1.4), a3=0.8, a4=1.0)
     fl.sweep(
         "planar_4r", space, ["theta4"], theta1=6, verify=0, to=folder / "sobol.h5", branch=(1, 2)
@@ -167,7 +162,7 @@ def test_a_file_of_another_part_or_of_the_whole_is_refused_with_what_it_is(kinds
         if asked == "join":
             fl.join([kinds / f"{k} of 3.h5" for k in (1, 2, 3)], to=path)
         else:
-            sweep("grid", part=asked, to=path, branch=(1, 2))
+            sweep("grid", part=asked, to=path)
     assert path.read_bytes() == before
 
 
@@ -184,21 +179,21 @@ def test_a_file_of_another_part_or_of_the_whole_is_refused_with_what_it_is(kinds
 )
 def test_what_is_no_part_is_refused(part):
     with refused("part", "k from 1 to n"):
-        sweep("grid", part=part, branch=(1, 2))
+        sweep("grid", part=part)
 
 
 def test_a_part_without_designs_is_refused():
     with refused("part", "at most 35 parts"):
-        sweep("grid", part=(1, 36), branch=(1, 2))
+        sweep("grid", part=(1, 36))
     with refused("part", "at most 1 part"):
-        sweep("one design", part=(1, 2), branch=(1, 2))
-    assert sweep("grid", part=(35, 35), branch=(1, 2)).sizes["design"] == 1
+        sweep("one design", part=(1, 2))
+    assert sweep("grid", part=(35, 35)).sizes["design"] == 1
 
 
 @pytest.mark.parametrize("of", ["grid", "sobol", "completions of a numbered table"])
 def test_the_netcdf_library_reads_a_part_as_xarray_does(of, tmp_path):
     """The axes of the whole, which have the names of coordinates along the designs, are none of its dimensions."""
-    sweep(of, part=(2, 3), to=tmp_path / "part.h5", branch=(1, 2)).close()
+    sweep(of, part=(2, 3), to=tmp_path / "part.h5").close()
     with (
         fl.open(tmp_path / "part.h5") as part,
         xr.open_dataset(tmp_path / "part.h5", engine="netcdf4") as other,

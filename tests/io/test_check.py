@@ -55,7 +55,7 @@ def test_checksums_are_read_without_fastlink(tmp_path, space, small_blocks):
 
 def test_what_has_changed_is_told(tmp_path, small_blocks):
     path = tmp_path / "m.h5"
-    sweep(path, branch=(1, 2)).close()
+    sweep(path).close()
     assert str(fl.check(path)).endswith("is as it was written")
     with h5py.File(path, "r+") as file:
         start = file["theta4"].id.get_offset()
@@ -88,13 +88,13 @@ def interrupted(tmp_path, monkeypatch, small_blocks):
         patch.setattr(partial_file, "STEP_SECONDS", 0.0)
         failing_after(patch, 5, KeyboardInterrupt())
         with pytest.raises(KeyboardInterrupt):
-            sweep(path, branch=(1, 2))
-    with sweep(None, branch=(1, 2)) as expected:
+            sweep(path)
+    with sweep(None) as expected:
         return path, expected.load()
 
 
 def assert_goes_on(path, expected):
-    with sweep(path, verify=0, branch=(1, 2)) as found:
+    with sweep(path, verify=0) as found:
         for name in expected:
             assert_array_equal(found[name], expected[name], err_msg=name)
         assert fl.check(path)

@@ -34,7 +34,7 @@ SPACES = {
 
 def sweep(space, **options):
     return fl.sweep(
-        "planar_4r", space, NAMES, **{"verify": 1, "block": 16, "threads": 2, **options}, branch=(1, 2)
+        "planar_4r", space, NAMES, **{"branch": (1, 2)} | {"verify": 1, "block": 16, "threads": 2, **options}
     )
 
 

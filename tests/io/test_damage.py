@@ -60,13 +60,13 @@ class Files:
 
     def __init__(self, folder: Path, layout: str, patch: pytest.MonkeyPatch) -> None:
         self.layout = layout
-        with sweep(None, layout=layout, branch=(1, 2)) as found:
+        with sweep(None, layout=layout) as found:
             self.expected = found.load()
-        sweep(folder / "whole.h5", layout=layout, verify=0, branch=(1, 2)).close()
+        sweep(folder / "whole.h5", layout=layout, verify=0).close()
         with patch.context() as interrupted:
             failing_after(interrupted, 5, KeyboardInterrupt())
             with pytest.raises(KeyboardInterrupt):
-                sweep(folder / "m.h5", layout=layout, verify=0, branch=(1, 2))
+                sweep(folder / "m.h5", layout=layout, verify=0)
         names = {"map": "whole.h5", "part": "m.h5.part", "journal": "m.h5.part.journal"}
         self.contents = {which: (folder / name).read_bytes() for which, name in names.items()}
         self.regions = {
@@ -124,7 +124,7 @@ def resumed(folder: Path, contents: dict[str, bytes], files: Files) -> str:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", fl.InputWarning)
-            sweep(path, layout=files.layout, verify=0, branch=(1, 2)).close()
+            sweep(path, layout=files.layout, verify=0).close()
     except fl.InputError:
         return WRONG if path.exists() else NOTICED
     assert fl.check(path)
