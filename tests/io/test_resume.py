@@ -139,7 +139,7 @@ partial_file.Journal._commit, partial_file.Journal.add = counted, waits
 fl.sweep(
     "planar_4r",
     fl.grid(a1=0.4, a2=np.linspace(1.0, 1.4, 41), a3=np.linspace(0.6, 1.0, 31), a4=1.0, omega1=2.0),
-    ["omega4_max", "theta4", "grashof_class"], theta1=8, block=8, threads=2, to=place, verify=2,
+    ["omega4_max", "theta4", "grashof_class"], theta1=8, block=8, threads=2, to=place, verify=2, branch=(1, 2),
 )
 """
 
