@@ -71,7 +71,7 @@ def request(label):
 
 
 def sweep(label):
-    return fl.sweep(**request(label), threads=1, verify=0)
+    return fl.sweep(**{"branch": (1, 2)} | request(label), threads=1, verify=0)
 
 
 def first(label, is_known):
@@ -161,7 +161,9 @@ def layouts(side=500, repeats=3):
         best[label] = min(1e3 * seconds, best.get(label, np.inf))
 
     def write(path):
-        fl.sweep("planar_4r", space, ["theta4"], to=path, layout=path.stem, **options).close()
+        fl.sweep(
+            "planar_4r", space, ["theta4"], to=path, layout=path.stem, **{"branch": (1, 2)} | options
+        ).close()
 
     with tempfile.TemporaryDirectory(dir=Path.cwd(), prefix="fastlink-benchmark-") as folder:
         paths = [Path(folder, f"{layout}.h5") for layout in ("curves", "maps")]

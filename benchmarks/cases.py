@@ -159,7 +159,7 @@ def space_of(x, names=INPUTS):
 
 def job_of(names, space, mechanism="planar_4r", **options):
     """Return the compiled kernels of quantities, bound to designs, by the options of `fastlink.sweep`."""
-    job = resolve(mechanism, space, names, companions=False, **options).job()
+    job = resolve(mechanism, space, names, companions=False, **{"branch": (1, 2)} | options).job()
     return replace(job, far=None)  # the sizes of inputs are looked at by sweeps, not by kernels
 
 

@@ -270,7 +270,7 @@ def bind_heyoka(case, x, tables):
 
     def call():
         for block, result in zip(blocks, results, strict=True):
-            function(block, outputs=result)
+            function(block, quantities=result)
 
     call()
     return call, tuple(np.hstack(results).reshape(len(CASES[case]), 2, n, K).swapaxes(1, 2))

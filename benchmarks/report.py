@@ -38,7 +38,7 @@ ANSWERS = {
 }
 FACTS = {"fact": ("fact", ""), "value": ("measured", ".3g"), "unit": ("unit", "")}
 LEGEND = (
-    "One thread, 360 input angles, two assembly modes; times are shortest of many, taken in turns in one "
+    "One thread, 360 input angles, two branches; times are shortest of many, taken in turns in one "
     "process (JAX: fresh ones), without compilation. C: `benchmarks/kernels.c`, gcc -O3, the same arithmetic. "
     "np.linalg.solve: the stacked 9x9 systems, ready assembled. Errors against 50 digits, in roundings: "
     "2^-53 (|f| + sum of |x df/dx| over the inputs x). numba by hand: textbook formulas in plain loops. "

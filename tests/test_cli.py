@@ -46,6 +46,7 @@ a3 = {linspace = [0.6, 1.0, 4]}
 a4 = 1.0
 omega1 = 25.0
 [cycle]
+branch = [1, 2]
 theta1 = 36
 """
 
@@ -62,7 +63,7 @@ def map_of_study(tmp_path_factory):
     """Return the bytes of the map of the study."""
     folder = tmp_path_factory.mktemp("map")
     (folder / "study.toml").write_text(STUDY)
-    fl.run_study(folder / "study.toml", to=folder / "study.h5").close()
+    fl.run(folder / "study.toml", to=folder / "study.h5").close()
     return (folder / "study.h5").read_bytes()
 
 
@@ -268,7 +269,7 @@ def test_info_prints_what_a_map_holds(mapped):
 
 def test_info_of_a_sample_prints_the_ranges(folder):
     space = fl.sobol(16, seed=1, a1=(0.2, 0.4), a2=1.2, a3=0.8, a4=1.0)
-    fl.sweep("planar_4r", space, ["status"], to="sample.h5").close()
+    fl.sweep("planar_4r", space, ["status"], to="sample.h5", branch=(1, 2)).close()
     lines = called("info", "sample.h5").stdout.splitlines()
     (line,) = [line for line in lines if line.startswith("  a1")]
     assert re.fullmatch(r"  a1  0\.2\d* to 0\.3\d* m  length of the input crank OA", line)
@@ -382,7 +383,7 @@ def test_an_option_that_is_written_as_an_input_is_refused_with_how_it_is_written
     doors = {
         "draw": (fl.draw, ["planar_4r", "a1=0.4", "a2=1.1", "a3=0.8", "a4=1.0"]),
         "tolerance": (fl.tolerance, ["study.h5", "a1=1e-4"]),
-        "plot": (fl.plot_map, ["study.h5", "omega4_max"]),
+        "plot": (fl.plot, ["study.h5", "omega4_max"]),
     }
     for name, (function, words) in doors.items():
         for key, option in options_of(commands[name], function):
@@ -421,7 +422,7 @@ def test_plot_refuses(mapped):
         assert refused("plot", "study.h5", "omega4_max", *arguments) == [message]
     for arguments, key, remedy in (
         ([], "NAME...", "write a variable"),
-        (["omega4_max", "--minimise", "omega4_max"], "NAME...", "leave out"),
+        (["omega4_max", "--minimise", "omega4_max"], "NAME...", "leave it out"),
         (["omega4_max", "a3", "--at", "a3=1"], "--at", "--where"),
         (["omega4_max", "a3", "--kind", "pie"], "--kind", "scatter"),
     ):

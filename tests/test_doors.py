@@ -2,6 +2,7 @@
 
 import inspect
 import pickle
+import re
 import subprocess
 import sys
 
@@ -49,7 +50,7 @@ def test_every_public_function_refuses_a_call_that_does_not_fit(name):
 
 
 def swept(space, **options):
-    return fl.sweep("planar_4r", space, ["theta4"], **options)
+    return fl.sweep("planar_4r", space, ["theta4"], **{"branch": (1, 2)} | options)
 
 
 @pytest.mark.parametrize(
@@ -61,23 +62,48 @@ def swept(space, **options):
         (lambda: swept(fl.sobol(4, Seed=1, a1=(0.1, 0.2))), "Seed", "'seed'"),
         (lambda: swept(fl.grid(a1=1.0), n_jobs=2), "n_jobs", "'threads'"),
         (lambda: swept(fl.grid(a1=1.0), output="maps.h5"), "output", "'to'"),
-        (lambda: fl.sweep("planar_4r", designs=fl.grid(a1=1.0), outputs=["omega4"]), "space", "of designs"),
+        (
+            lambda: fl.sweep("planar_4r", designs=fl.grid(a1=1.0), outputs=["omega4"], branch=(1, 2)),
+            "space",
+            "of designs",
+        ),
         (lambda: fl.latin_hypercube(a1=(1, 2)), "n", "latin_hypercube(n, ranges=..., seed=..., **more)"),
         (lambda: fl.grid([1.0, 2.0]), "grid", "by name"),
         (lambda: fl.sobol(8, n=8), "n", "once"),
         (lambda: fl.sobol(8, n=(1.0, 2.0)), "n", "in a mapping"),
         (lambda: fl.evaluate("planar_4r", ["theta4"], {"a1": 0.4}), "evaluate", "as **design"),
         (lambda: fl.focal.cubic(a=1.0), "b, c, d and phi", "cubic(a, b, c, d, phi, branch=...)"),
-        (lambda: fl.summary(), "summary", "summary("),
-        (lambda: fl.plot_map("maps.h5"), "name", "plot_map(maps, name"),
+        (
+            lambda: fl.function("planar_4r", ["a2"], outputs=["omega4"]),
+            "quantities",
+            "quantities in place of outputs",
+        ),
+        (lambda: fl.explain(study="study.toml"), "subject", "subject in place of study"),
+        (
+            lambda: fl.plot("maps.h5", maximise=[]),
+            "names",
+            "or objectives by minimise='NAME' and maximise='NAME'",
+        ),
         (lambda: fl.mechanisms(3), "mechanisms", "mechanisms()"),
         (lambda: fl.open(), "path", "open(path"),
-        (lambda: fl.sweep("planar_4r", fl.grid(a1=1.0), quantites=["omega4"]), "quantities", "of quantites"),
-        (lambda: fl.sweep("planar_4r", fl.grid(a1=1.0), ["omega4"], 360), "sweep", "links=..."),
-        (lambda: fl.sweep("planar_4r", fl.grid(a1=1.0)), "quantities", "sweep(mechanism, space, quantities"),
+        (
+            lambda: fl.sweep("planar_4r", fl.grid(a1=1.0), quantites=["omega4"], branch=(1, 2)),
+            "quantities",
+            "of quantites",
+        ),
+        (
+            lambda: fl.sweep("planar_4r", fl.grid(a1=1.0), ["omega4"], 360, branch=(1, 2)),
+            "sweep",
+            "links=...",
+        ),
+        (
+            lambda: fl.sweep("planar_4r", fl.grid(a1=1.0), branch=(1, 2)),
+            "quantities",
+            "sweep(mechanism, space, quantities",
+        ),
         (lambda: fl.accuracy("planar_4r", fl.grid(a1=1.0), ["omega4"]), "accuracy", "fastlink new"),
         (lambda: fl.accuracy("planar_4r"), "study", "fastlink new"),
-        (lambda: fl.run_study("s.toml", thraeds=2), "thraeds", "'threads'"),
+        (lambda: fl.run("s.toml", thraeds=2), "thraeds", "'threads'"),
         (lambda: fl.grid(a1=1.0).values(), "values", "values(name)"),
         (lambda: fl.DesignSpace("grid"), "dims", "grid, table, sobol"),
         (lambda: fl.planar.cognates(1, 2, 3), "cognates", "cognates("),
@@ -93,9 +119,9 @@ def test_a_wrong_call_names_the_parameter_and_what_to_write(call, key, remedy):
 
 def test_all_that_is_wrong_with_a_call_is_named():
     with pytest.raises(CallError) as caught:
-        fl.plot_map(nmae="omega4", branches=1, colour="red")
+        fl.plot(nmae="omega4", branches=1, colour="red")
     wheres = {one.where for one in caught.value.problems}
-    assert wheres == {("plot_map", key) for key in ("maps", "name", "branches", "colour")}
+    assert wheres == {("plot", key) for key in ("maps", "branches", "colour")}
 
 
 def test_an_error_inside_a_right_call_is_passed_on():
@@ -118,7 +144,7 @@ def test_a_guarded_function_keeps_its_signature_and_travels():
 
 
 def test_a_mechanism_or_a_missing_file_is_not_a_study():
-    for function in (fl.accuracy, fl.explain, fl.run_study):
+    for function in (fl.accuracy, fl.explain, fl.run):
         with refused("planar_4r", "`fastlink new planar_4r > study.toml` writes one"):
             function("planar_4r")
 
@@ -140,7 +166,9 @@ LINES = (
 def swept_maps(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(tmp_path_factory.mktemp("words"))
-        with fl.sweep("planar_4r", DESIGN | {"a1": [0.3, 0.4]}, ["omega4_max"], to="maps.h5") as maps:
+        with fl.sweep(
+            "planar_4r", DESIGN | {"a1": [0.3, 0.4]}, ["omega4_max"], to="maps.h5", branch=(1, 2)
+        ) as maps:
             yield maps
 
 
@@ -158,7 +186,6 @@ def test_at_least_one_objective_is_named(swept_maps):
     for none in ([], ()):
         for call in (
             lambda none=none: fl.best(swept_maps, minimise=none),
-            lambda none=none: fl.plot_front(swept_maps, maximise=none),
             lambda none=none: fl.search("planar_4r", DESIGN | {"a1": [0.3, 0.4]}, minimise=none),
         ):
             with pytest.raises(fl.InputError, match="no objective; write minimise="):
@@ -202,3 +229,116 @@ def test_a_misspelt_public_name_is_answered_with_the_nearest():
         fl.swep  # noqa: B018
     with pytest.raises(ImportError, match=r"cannot import 'swep' .*; did you mean 'sweep'\?"):
         from fastlink import swep  # noqa: F401
+
+
+#: The names of 0.2 that are gone, and what stands in their place.
+GONE = {
+    "accuracy_table": "fl.accuracy(study).fastlink.summary()",
+    "finite": "maps.fastlink.finite()",
+    "plot_designs": "fl.plot(maps, names)",
+    "plot_front": "fl.plot(maps, minimise=..., maximise=...)",
+    "plot_map": "fl.plot(maps, name)",
+    "run_study": "fl.run(study)",
+    "summary": "maps.fastlink.summary()",
+}
+
+
+@pytest.mark.parametrize("name", GONE)
+def test_a_name_of_an_earlier_version_is_answered_with_what_replaces_it(name):
+    remedy = re.escape(f"; write {GONE[name]}")
+    with pytest.raises(AttributeError, match=remedy):
+        getattr(fl, name)
+    with pytest.raises(ImportError, match=remedy):
+        exec(f"from fastlink import {name}")
+    assert name not in dir(fl)
+
+
+def test_the_outputs_of_a_function_are_its_quantities():
+    function = fl.function("planar_4r", ["a2"], ["grashof_class"], a1=0.4, a3=0.8, a4=1.0)
+    with pytest.raises(AttributeError, match=r"'outputs'; did you mean 'quantities'\?"):
+        function.outputs  # noqa: B018
+
+
+# -- one default for the branch --------------------------------------------------------------------
+
+
+def test_every_door_takes_branch_1_unless_it_is_told(tmp_path):
+    space = fl.grid(DESIGN | {"a2": [1.1, 1.2]})
+    study = tmp_path / "study.toml"
+    text = 'mechanism = "planar_4r"\nquantities = ["omega4_max"]\n[design]\na2 = {values = [1.1, 1.2]}\n'
+    study.write_text(text + "a1 = 0.4\na3 = 0.8\na4 = 1.0\nomega1 = 25.0\n")
+    maps = fl.sweep("planar_4r", space, ["omega4_max"])
+    with fl.run(study, to=tmp_path / "maps.h5", progress=False) as run:
+        assert (maps.branch, run.branch) == (1, 1)
+        assert maps.omega4_max.dims == run.omega4_max.dims == ("a2",)
+    assert fl.search("planar_4r", space, minimise="omega4_max").branch == 1
+    for call in (fl.sweep, fl.search, fl.function, fl.evaluate, fl.focal.cubic, fl.planar.curve_length):
+        assert inspect.signature(call).parameters["branch"].default == 1
+    assert "2 designs, 1 branch" in fl.explain("planar_4r", space, ["omega4_max"]).title
+    assert fl.planar.rate_extrema(space, pair="14").branch == 1
+
+
+# -- answers that misled ---------------------------------------------------------------------------
+
+
+def test_a_branch_that_a_result_lacks_is_no_condition_to_be_missed():
+    """A map of branch 1 gave its own designs as the nearest, and a search ended in a KeyError."""
+    space = fl.grid(DESIGN | {"a2": [1.1, 1.2]})
+    maps = fl.sweep("planar_4r", space, ["omega4_max"])
+    both = fl.sweep("planar_4r", space, ["omega4_max"], branch=(1, 2))
+    with refused("where: branch: here is branch 1 alone", "compute both branches"):
+        fl.best(maps, minimise="omega4_max", where={"branch": 2})
+    with refused("where: branch: here is branch 1 alone", "compute both branches"):
+        fl.search("planar_4r", space, minimise="omega4_max", where={"branch": (2, None)})
+    for where in ({"branch": 1}, {"branch": (1, 2)}):
+        found = fl.search("planar_4r", space, minimise="omega4_max", where=where, refine=False)
+        assert (found.sizes["design"], found.branch) == (2, 1)
+    assert fl.best(both, minimise="omega4_max", where={"branch": 2}).branch.values.tolist() == [2, 2]
+    with refused("branch is 2", "the map is of branch 1 alone: leave it out"):
+        fl.plot(maps, "omega4_max", branch=2)
+
+
+@pytest.mark.parametrize(
+    ("call", "key", "remedy"),
+    [
+        (
+            lambda maps: fl.search("planar_4r", DESIGN, minimise="omega4_max", samples=9),
+            "samples",
+            "fl.sobol(n, ",
+        ),
+        (
+            lambda maps: fl.sweep("planar_4r", DESIGN, ["omega4"], position=9),
+            "position",
+            "did you mean 'positions'?",
+        ),
+        (lambda maps: fl.sweep("planar_4r", DESIGN, ["omega4"], mode=2), "mode", "did you mean 'branch'?"),
+        (
+            lambda maps: fl.best(maps, minimise="omega4_max", where="a1 < 0.5"),
+            "where: 'a1 < 0.5'",
+            "{'a1': ':0.5'}",
+        ),
+        (
+            lambda maps: fl.plot(maps.isel(design=0, branch=0), "omega4_max", kind="cumulative"),
+            "it is one value",
+            "has several",
+        ),
+        (
+            lambda maps: fl.sweep("planar_4r", written(GOOD), ["swing"]),
+            "is a study",
+            "fastlink.run('study.toml')",
+        ),
+    ],
+)
+def test_an_answer_names_what_is_meant(swept_maps, call, key, remedy):
+    with refused(key, remedy):
+        call(swept_maps)
+
+
+def test_the_accessors_answer_as_the_module_does(swept_maps):
+    for lacking, remedy in (
+        (lambda: swept_maps.fastlink.summry, "did you mean 'summary'"),
+        (lambda: swept_maps.omega4_max.fastlink.summary, "known: convert, degrees, finite, status_is"),
+        (lambda: swept_maps.fastlink.plot.designs, "write maps.fastlink.plot(names, ...)"),
+    ):
+        with pytest.raises(AttributeError, match=re.escape(remedy)):
+            lacking()

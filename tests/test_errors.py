@@ -100,11 +100,12 @@ def message_of(door):
                 ["theta4_max"],
                 theta1=[0.0],
                 extrema="refined",
+                branch=(1, 2),
             )
         return str(caught.value)
     text = GOOD.replace("theta1 = 8", 'theta1 = {values = [0.0]}\nextrema = "refined"')
     with pytest.raises(InputError) as caught:
-        fl.run_study(written(text))
+        fl.run(written(text))
     return str(caught.value)
 
 

@@ -35,7 +35,7 @@ PATHS += ["d/" * 3000 + "m.h5"]
 
 
 def sweep(**options):
-    return fl.sweep("planar_4r", SPACE, ["omega4_max"], **options)
+    return fl.sweep("planar_4r", SPACE, ["omega4_max"], **{"branch": (1, 2)} | options)
 
 
 def function(**options):
@@ -48,7 +48,7 @@ def evaluate(**options):
 
 
 def study(**options):
-    return fl.run_study(written(GOOD), **options)
+    return fl.run(written(GOOD), **options)
 
 
 def accuracy(**options):
@@ -60,7 +60,7 @@ def table(**options):
 
 
 def plot_map(**options):
-    return fl.plot_map(sweep(), "omega4_max", **options)
+    return fl.plot(sweep(), "omega4_max", **options)
 
 
 def quantities(**options):
@@ -136,7 +136,7 @@ def test_a_wrong_option_is_refused_alike_at_every_door(folder, door, option, val
     ("door", "key", "example"),
     [
         (fl.open, "path", "maps.h5"),
-        (fl.run_study, "study", "study.toml"),
+        (fl.run, "study", "study.toml"),
         (fl.accuracy, "study", "study.toml"),
         (fl.explain, "study", "study.toml"),
     ],
@@ -173,7 +173,7 @@ def test_the_longest_name_has_room_for_what_is_beside_it(folder):
 def test_pictures_are_png_svg_or_pdf(folder, name):
     maps = sweep()
     with refused("to", "png, svg, pdf"):
-        fl.plot_map(maps, "omega4_max", to=name)
+        fl.plot(maps, "omega4_max", to=name)
     with refused("picture", "png, svg, pdf"):
         accuracy(picture=name)
     assert not Path(name).exists()
@@ -244,8 +244,10 @@ def test_other_attributes_are_kept_in_memory_and_in_files(folder):
 def test_no_attribute_of_a_map_can_be_overwritten(folder):
     maps = [
         sweep(to="maps.h5", verify=1),
-        fl.sweep("planar_4r", fl.sobol(4, a1=(0.1, 0.2), a2=1.1, a3=0.8, a4=1.0), ["theta4_max"]),
-        fl.sweep("hart", fl.grid(m=4.0, n=8.0, d=6.0, kappa=0.5), ["F_x"]),
+        fl.sweep(
+            "planar_4r", fl.sobol(4, a1=(0.1, 0.2), a2=1.1, a3=0.8, a4=1.0), ["theta4_max"], branch=(1, 2)
+        ),
+        fl.sweep("hart", fl.grid(m=4.0, n=8.0, d=6.0, kappa=0.5), ["F_x"], branch=(1, 2)),
         study(verify=1),
     ]
     for one in maps:
@@ -275,8 +277,8 @@ def test_a_system_that_starts_few_threads_computes_all_the_same(monkeypatch, sta
         return usual(pool, work)
 
     space = fl.grid(a1=0.4, a2=np.linspace(1.1, 1.3, 64), a3=0.8, a4=1.0, omega1=25.0)
-    expected = fl.sweep("planar_4r", space, ["omega4_max"], threads=1)
+    expected = fl.sweep("planar_4r", space, ["omega4_max"], threads=1, branch=(1, 2))
     monkeypatch.setattr(machine.ThreadPoolExecutor, "submit", limited)
-    maps = fl.sweep("planar_4r", space, ["omega4_max"], threads=4, block=4)
+    maps = fl.sweep("planar_4r", space, ["omega4_max"], threads=4, block=4, branch=(1, 2))
     assert count > started
     assert maps.omega4_max.equals(expected.omega4_max)

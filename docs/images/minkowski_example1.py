@@ -11,10 +11,10 @@ THETA = 1.6
 COLOURS = {1: "tab:blue", -1: "tab:orange"}
 design = fl.grid(a=1.0, b=1.0, g=4.0, h=1.0, x=0.5, y=0.0)
 curves = fl.sweep(
-    "minkowski_4r", design, ["psi", "CB_orientation"], theta=np.linspace(-4.0, 4.0, 1601)
+    "minkowski_4r", design, ["psi", "CB_orientation"], theta=np.linspace(-4.0, 4.0, 1601), branch=(1, 2)
 ).squeeze()
 one = fl.sweep(
-    "minkowski_4r", design, ["A_x", "A_y", "B_x", "B_y", "CB_orientation"], theta=[THETA]
+    "minkowski_4r", design, ["A_x", "A_y", "B_x", "B_y", "CB_orientation"], theta=[THETA], branch=(1, 2)
 ).squeeze()
 
 figure, (plane, rapidities) = plt.subplots(1, 2, figsize=(9.6, 4.4), layout="constrained")

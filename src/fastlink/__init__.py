@@ -15,11 +15,9 @@ if TYPE_CHECKING:
     from fastlink import planar as planar
     from fastlink._text import __version__ as __version__
     from fastlink.app.accuracy import accuracy as accuracy
-    from fastlink.app.accuracy import accuracy_table as accuracy_table
     from fastlink.app.explain import explain as explain
     from fastlink.app.report import quantities as quantities
-    from fastlink.app.report import summary as summary
-    from fastlink.app.study import run_study as run_study
+    from fastlink.app.study import run as run
     from fastlink.app.tolerance import tolerance as tolerance
     from fastlink.design.best import best as best
     from fastlink.design.search import join as join
@@ -32,15 +30,12 @@ if TYPE_CHECKING:
     from fastlink.errors import InputWarning as InputWarning
     from fastlink.io.convert import convert as convert
     from fastlink.io.reader import check as check
-    from fastlink.maps import finite as finite
     from fastlink.maps import open as open
     from fastlink.mechanisms import mechanism as mechanism
     from fastlink.mechanisms.listing import mechanisms as mechanisms
-    from fastlink.pictures.designs import plot_designs as plot_designs
-    from fastlink.pictures.designs import plot_front as plot_front
+    from fastlink.pictures.designs import plot as plot
     from fastlink.pictures.draw import draw as draw
     from fastlink.pictures.explore import explore as explore
-    from fastlink.pictures.maps import plot_map as plot_map
     from fastlink.space.design_space import DesignSpace as DesignSpace
     from fastlink.space.design_space import round_bar as round_bar
     from fastlink.space.samplers import grid as grid
@@ -59,6 +54,16 @@ else:
 
     _MODULES = _modules()
     __all__ = sorted(_MODULES)
+    #: What replaces the names of 0.2.
+    _GONE = {
+        "accuracy_table": "fl.accuracy(study).fastlink.summary()",
+        "finite": "maps.fastlink.finite()",
+        "plot_designs": "fl.plot(maps, names), with kind='cumulative' of one name",
+        "plot_front": "fl.plot(maps, minimise=..., maximise=...)",
+        "plot_map": "fl.plot(maps, name)",
+        "run_study": "fl.run(study)",
+        "summary": "maps.fastlink.summary(), or fl.open(path).fastlink.summary()",
+    }
 
     def __getattr__(name: str) -> object:
         from importlib import import_module
@@ -81,10 +86,11 @@ else:
 
         from fastlink.errors import suggest
 
+        remedy = f"write {_GONE[name]}" if name in _GONE else suggest(name, __all__)
         imported = sys._getframe(2).f_globals.get("__name__") == "importlib._bootstrap"
         if imported and find_spec(f"{__name__}.{name}") is None:
-            return ImportError(f"cannot import {name!r} from 'fastlink'; {suggest(name, __all__)}")
-        return AttributeError(f"module 'fastlink' has no attribute {name!r}; {suggest(name, __all__)}")
+            return ImportError(f"cannot import {name!r} from 'fastlink'; {remedy}")
+        return AttributeError(f"module 'fastlink' has no attribute {name!r}; {remedy}")
 
     def __dir__() -> list[str]:
         return __all__

@@ -15,11 +15,9 @@ from fastlink import minkowski as minkowski
 from fastlink import planar as planar
 from fastlink._text import __version__ as __version__
 from fastlink.app.accuracy import accuracy as accuracy
-from fastlink.app.accuracy import accuracy_table as accuracy_table
 from fastlink.app.explain import explain as explain
 from fastlink.app.report import QuantityList
-from fastlink.app.report import summary as summary
-from fastlink.app.study import run_study as run_study
+from fastlink.app.study import run as run
 from fastlink.app.tolerance import tolerance as tolerance
 from fastlink.design.best import best as best
 from fastlink.design.search import join as join
@@ -31,15 +29,12 @@ from fastlink.errors import InputError as InputError
 from fastlink.errors import InputWarning as InputWarning
 from fastlink.io.convert import convert as convert
 from fastlink.io.reader import check as check
-from fastlink.maps import finite as finite
 from fastlink.maps import open as open
 from fastlink.mechanisms import mechanism as mechanism
 from fastlink.mechanisms.listing import mechanisms as mechanisms
-from fastlink.pictures.designs import plot_designs as plot_designs
-from fastlink.pictures.designs import plot_front as plot_front
+from fastlink.pictures.designs import plot as plot
 from fastlink.pictures.draw import draw as draw
 from fastlink.pictures.explore import explore as explore
-from fastlink.pictures.maps import plot_map as plot_map
 from fastlink.space.design_space import DesignSpace as DesignSpace
 from fastlink.space.design_space import Links
 from fastlink.space.design_space import round_bar as round_bar
@@ -74,7 +69,6 @@ __all__ = [
     "InputWarning",
     "__version__",
     "accuracy",
-    "accuracy_table",
     "best",
     "check",
     "convert",
@@ -83,7 +77,6 @@ __all__ = [
     "explain",
     "explore",
     "extend",
-    "finite",
     "focal",
     "function",
     "grid",
@@ -95,15 +88,12 @@ __all__ = [
     "minkowski",
     "open",
     "planar",
-    "plot_designs",
-    "plot_front",
-    "plot_map",
+    "plot",
     "quantities",
     "round_bar",
-    "run_study",
+    "run",
     "search",
     "sobol",
-    "summary",
     "sweep",
     "table",
     "tolerance",
@@ -264,7 +254,7 @@ def evaluate(
 def function(
     mechanism: Literal["planar_4r"],
     inputs: Sequence[Planar4rInput] | Sequence[str],
-    outputs: Sequence[Planar4rResult] | Sequence[str],
+    quantities: Sequence[Planar4rResult] | Sequence[str],
     *,
     links: Links | None = ...,
     input: Planar4rDriver | None = ...,
@@ -279,7 +269,7 @@ def function(
 def function(
     mechanism: Literal["minkowski_4r"],
     inputs: Sequence[Minkowski4rInput] | Sequence[str],
-    outputs: Sequence[Minkowski4rResult] | Sequence[str],
+    quantities: Sequence[Minkowski4rResult] | Sequence[str],
     *,
     links: Links | None = ...,
     input: Minkowski4rDriver | None = ...,
@@ -294,7 +284,7 @@ def function(
 def function(
     mechanism: Literal["focal"],
     inputs: Sequence[FocalInput] | Sequence[str],
-    outputs: Sequence[FocalResult] | Sequence[str],
+    quantities: Sequence[FocalResult] | Sequence[str],
     *,
     links: Links | None = ...,
     input: FocalDriver | None = ...,
@@ -309,7 +299,7 @@ def function(
 def function(
     mechanism: Literal["hart"],
     inputs: Sequence[HartInput] | Sequence[str],
-    outputs: Sequence[HartResult] | Sequence[str],
+    quantities: Sequence[HartResult] | Sequence[str],
     *,
     links: Links | None = ...,
     input: HartDriver | None = ...,
@@ -324,7 +314,7 @@ def function(
 def function(
     mechanism: Literal["slider_crank"],
     inputs: Sequence[SliderCrankInput] | Sequence[str],
-    outputs: Sequence[SliderCrankResult] | Sequence[str],
+    quantities: Sequence[SliderCrankResult] | Sequence[str],
     *,
     links: Links | None = ...,
     input: SliderCrankDriver | None = ...,
@@ -339,7 +329,7 @@ def function(
 def function(
     mechanism: Extension,
     inputs: Sequence[str],
-    outputs: Sequence[str],
+    quantities: Sequence[str],
     *,
     links: Links | None = ...,
     input: str | None = ...,

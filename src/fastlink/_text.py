@@ -70,7 +70,7 @@ def folded(header: Sequence[str], rows: Iterable[Sequence[str]], widths: Sequenc
 
 def counted(number: int, noun: str) -> str:
     """Return a number with its noun, in the plural where there is not one."""
-    return f"{number:,} {noun}{'' if number == 1 else 's'}"
+    return f"{number:,} {noun}{'' if number == 1 else 'es' if noun.endswith('ch') else 's'}"
 
 
 def joined(parts: Sequence[str]) -> str:

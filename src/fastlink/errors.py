@@ -16,7 +16,7 @@ from inspect import Parameter, Signature, signature
 from numbers import Integral
 from pathlib import Path
 from types import TracebackType
-from typing import Any, ParamSpec, Self, TypeAlias, TypeVar, overload
+from typing import TYPE_CHECKING, Any, ParamSpec, Self, TypeAlias, TypeVar, overload
 
 from fastlink._text import counted, joined, short_repr
 
@@ -37,12 +37,14 @@ LONGEST_NAME, FIRST_LETTERS, LAST_LETTERS = 200, 100, 60
 #: Names of options in other programs.
 OTHER_NAMES = {
     "attrs": ("attributes", "metadata"),
+    "branch": ("assembly", "assembly_mode", "branches", "mode", "modes"),
     "block": ("batch", "batch_size", "chunk", "chunks", "chunksize"),
     "n": ("count", "designs", "n_samples", "num", "number", "points", "samples", "size"),
     "overwrite": ("clobber", "exist_ok", "force", "replace"),
     "progress": ("progressbar", "show_progress", "tqdm", "verbose"),
     "quantities": ("names", "outputs", "results", "variables"),
     "seed": ("random_seed", "random_state", "rng"),
+    "subject": ("mechanism", "study"),
     "space": ("data", "design", "designs", "df", "grid", "table"),
     "threads": ("cores", "cpus", "n_jobs", "n_workers", "processes", "workers"),
     "to": ("file", "filename", "fname", "out", "outfile", "output", "path", "save", "savefig"),
@@ -306,6 +308,16 @@ def suggest(name: object, known: Iterable[str]) -> str:
     if comparable and (near := nearest(str(name), options)) is not None:
         return f"did you mean {near!r}?"
     return listed(options)
+
+
+class Suggesting:
+    """Objects that answer the name of an attribute that they lack with the nearest."""
+
+    if not TYPE_CHECKING:  # type checkers know the attributes
+
+        def __getattr__(self, name):
+            known = [one for one in dir(self) if not one.startswith("_")]
+            raise AttributeError(f"there is no attribute {name!r}; {suggest(name, known)}")
 
 
 def listed(options: Sequence[str]) -> str:

@@ -1091,7 +1091,7 @@ def T_deviation(maps: Any) -> Any:
     -------
     xarray.DataArray
         In the units of ``T_x``; positive to the left of the line, whose direction is in (-pi/2, pi/2]. NaN where the
-        mechanism does not assemble. Each design and assembly mode has a line of its own, through all its positions.
+        mechanism does not assemble. Each design and branch has a line of its own, through all its positions.
 
     Examples
     --------

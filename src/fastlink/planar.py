@@ -1,6 +1,6 @@
 """Functions of the planar 4R alone: algebraic equations, coupler curves, balancing.
 
-Designs are given as for `cognates`, assembly modes as numbers or arrays that are broadcast with the designs.
+Designs are given as for `cognates`, branches as numbers or arrays that are broadcast with the designs.
 Lengths are 1e-25 to 1e25 m, coordinates at most 1e25 m: others are refused with `fastlink.InputError`, as their
 products may leave the range of doubles. So is what is missing, is not a finite number, or does not broadcast.
 """
@@ -566,7 +566,7 @@ BLOCK = 256
 
 @door(hint=papers.BY_NAME)
 def curve_length(design: Any = None, *, branch: Any = 1, error: bool = False, **inputs: Any) -> Any:
-    """Return the length of the path of the coupler point in an assembly mode [m].
+    """Return the length of the path of the coupler point in a branch [m].
 
     Parameters
     ----------
@@ -612,7 +612,7 @@ def curve_area(design: Any = None, *, branch: Any = 1, error: bool = False, **in
     area : ndarray
         The signed area, half the integral of x dy - y dx: parts that the curve runs around to the left
         as theta1 grows count positive, to the right negative (the loops of a figure eight subtract). NaN where
-        the input does not turn fully: the path of one assembly mode is not closed then.
+        the input does not turn fully: the path of one branch is not closed then.
     error : ndarray
         With ``error=True``: a bound of the absolute error [m2].
 
@@ -1161,12 +1161,11 @@ def rate_extrema(space: Any, *, pair: str = "14", **options: Any) -> Any:
     -------
     xarray.Dataset
         The map of that sweep: of pair "14" ``joint_omega_4_extrema``, ``joint_alpha_4_extrema``, the places
-        ``joint_angle_1_at_joint_omega_4_extrema`` and so on, their numbers and kinds, along `extremum`, for both
-        assembly modes.
+        ``joint_angle_1_at_joint_omega_4_extrema`` and so on, their numbers and kinds, along `extremum`.
 
     Examples
     --------
-    The example of the paper in mode 2, rates of joint 3 at B over a turn of joint 1 at O:
+    The example of the paper in branch 2, rates of joint 3 at B over a turn of joint 1 at O:
 
     >>> design = dict(a1=0.4, a2=1.2, a3=0.8, a4=1.0, joint_omega_1=25.0)
     >>> found = fl.planar.rate_extrema(design, pair="13", branch=2)
@@ -1347,7 +1346,7 @@ def force_hypothesis(maps: Any, **options: Any) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        For each design and assembly mode, each `load` and each `extreme` of a rate (such as ``"omega4_max"``):
+        For each design and branch, each `load` and each `extreme` of a rate (such as ``"omega4_max"``):
         ``distance``, the angle of the input between the greatest magnitude of the load and the extreme, 0 to pi [rad];
         ``ratio``, the magnitude of the load at the extreme over the greatest: how good an estimate it is. NaN where the
         design does not assemble, and where a load grows without bound at a toggle.

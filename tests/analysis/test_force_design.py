@@ -70,7 +70,13 @@ def test_the_free_radius_or_mass_is_kept_and_the_link_itself_is_the_default_radi
 
 
 def test_the_flywheel_takes_up_the_fluctuation():
-    maps = fl.sweep("planar_4r", fl.grid(**{**HAYES, "omega1": [5.0, 25.0]}), ["T41_fluctuation"], links=BARS)
+    maps = fl.sweep(
+        "planar_4r",
+        fl.grid(**{**HAYES, "omega1": [5.0, 25.0]}),
+        ["T41_fluctuation"],
+        links=BARS,
+        branch=(1, 2),
+    )
     inertia = fl.planar.flywheel_inertia(maps, C_s=0.02)
     assert inertia.dims == maps.T41_fluctuation.dims
     assert inertia.attrs["units"] == "kg m2"
@@ -83,7 +89,9 @@ def test_the_flywheel_takes_up_the_fluctuation():
 
 def test_the_flywheel_of_a_map_in_a_file(tmp_path):
     crank = fl.grid(r=0.1, l=0.4, e=0.0, omega=[5.0, 25.0], m3=1.0)
-    maps = fl.sweep("slider_crank", crank, ["T41_fluctuation"], links=BARS, to=tmp_path / "m.h5", verify=0)
+    maps = fl.sweep(
+        "slider_crank", crank, ["T41_fluctuation"], links=BARS, to=tmp_path / "m.h5", verify=0, branch=(1, 2)
+    )
     expected = fl.planar.flywheel_inertia(maps, C_s=0.02)
     maps.close()
     np.testing.assert_array_equal(fl.planar.flywheel_inertia(tmp_path / "m.h5", C_s=0.02), expected)

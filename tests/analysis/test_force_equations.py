@@ -132,7 +132,7 @@ def by_the_equation(pair, lengths, rate):
 @pytest.mark.parametrize(("pair", "lengths"), CASES, ids=[pair for pair, _ in CASES])
 def test_extremes_of_rates_follow_from_the_equation_of_the_pair(pair, lengths):
     i, j = pair
-    found = fl.planar.rate_extrema(lengths | {f"joint_omega_{i}": 25.0}, pair=pair)
+    found = fl.planar.rate_extrema(lengths | {f"joint_omega_{i}": 25.0}, pair=pair, branch=(1, 2))
     for name, curve in zip(("omega", "alpha"), by_the_equation(pair, lengths, 25.0), strict=True):
         extremes = found[f"joint_{name}_{j}_extrema"]
         # half a step of 1.6e-4 from the extreme, a curve of second derivative 100 times its size at most is 3e-7 lower
@@ -145,7 +145,7 @@ def test_extremes_of_rates_follow_from_the_equation_of_the_pair(pair, lengths):
 def test_pairs_of_the_paper_alone_have_rates():
     for pair in ("11", "15", 14, None):
         with refused("pair", "12, 13, 14"):
-            fl.planar.rate_extrema(TABLE_1, pair=pair)
+            fl.planar.rate_extrema(TABLE_1, pair=pair, branch=(1, 2))
 
 
 def test_the_rate_of_the_crank_may_have_its_usual_name():
@@ -153,7 +153,9 @@ def test_the_rate_of_the_crank_may_have_its_usual_name():
     usual = [lengths | {"omega1": [25.0, 30.0]}, fl.grid(**lengths, omega1=[25.0, 30.0])]
     other = [lengths | {"joint_omega_1": [25.0, 30.0]}, fl.grid(**lengths, joint_omega_1=[25.0, 30.0])]
     for one, two in zip(usual, other, strict=True):
-        found = fl.planar.rate_extrema(one, pair="13")
-        assert found.identical(fl.planar.rate_extrema(two, pair="13").assign_attrs(found.attrs))
+        found = fl.planar.rate_extrema(one, pair="13", branch=(1, 2))
+        assert found.identical(
+            fl.planar.rate_extrema(two, pair="13", branch=(1, 2)).assign_attrs(found.attrs)
+        )
     with refused("omega1", "joint_omega_2"):
-        fl.planar.rate_extrema(usual[0], pair="23")
+        fl.planar.rate_extrema(usual[0], pair="23", branch=(1, 2))

@@ -89,7 +89,7 @@ def test_bounds_of_extremes_are_left_out(measured):
 
 
 def test_the_table_marks_the_front(measured):
-    table = fl.accuracy_table(measured)
+    table = measured.fastlink.summary()
     assert [line for line in table.splitlines() if line and not line.startswith((" ", "*"))] == [
         "omega4_max",
         "transmission_angle",
@@ -179,6 +179,6 @@ def test_change_points_are_counted_in_a_line_of_their_own(tmp_path):
     refined = measured.sel(way="refined", quantity="transmission_angle_min")
     assert (int(refined.change_points), int(refined["values"]), int(refined.missed)) == (6, 3, 0)
     assert float(refined.error_max) < 1e-14
-    assert "6 designs left out: change points" in fl.accuracy_table(measured)
-    maps = fl.sweep("planar_4r", fl.table(columns), ["transmission_angle_min"], verify=9)
+    assert "6 designs left out: change points" in measured.fastlink.summary()
+    maps = fl.sweep("planar_4r", fl.table(columns), ["transmission_angle_min"], verify=9, branch=(1, 2))
     assert maps.attrs["verify_mismatches"] == 0

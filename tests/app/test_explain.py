@@ -27,7 +27,9 @@ LENGTHS = {"a1": 0.4, "a2": 1.1, "a3": 0.8, "a4": 1.0}
 
 def asked(names, mechanism="planar_4r", angles=36, **inputs):
     return explain_request(
-        resolve(mechanism, fl.grid(**LENGTHS, **inputs), names, angles=angles, extrema="sampled")
+        resolve(
+            mechanism, fl.grid(**LENGTHS, **inputs), names, angles=angles, extrema="sampled", branch=(1, 2)
+        )
     )
 
 
@@ -115,7 +117,9 @@ def test_an_axis_that_scales_is_named():
 
 
 def test_refined_extremes_tell_samples_and_places():
-    found = explain_request(resolve("planar_4r", fl.grid(**LENGTHS, omega1=9.0), ["omega4_max"]))
+    found = explain_request(
+        resolve("planar_4r", fl.grid(**LENGTHS, omega1=9.0), ["omega4_max"], branch=(1, 2))
+    )
     pers = [loop.per for kernel in found.kernels for loop in kernel.loops]
     assert {"design", "design and sample", "place", "extreme"} <= set(pers)
 
@@ -124,7 +128,7 @@ def test_a_search_is_told_by_what_is_searched():
     """Steps and extremes of each quantity, samples of all, with what is told by both sides of the range."""
     names = ["omega4_max", "T41_extrema"]
     space = fl.grid(**LENGTHS, omega1=9.0, gravity_y=-9.81)  # gravity makes the sides unlike
-    found = explain_request(resolve("planar_4r", space, names, links=ROUND_BAR))
+    found = explain_request(resolve("planar_4r", space, names, links=ROUND_BAR, branch=(1, 2)))
     loops = {(loop.per, loop.times): loop.work for kernel in found.kernels for loop in kernel.loops}
     for quantity in ("omega4", "T41"):
         step = loops["place", f"each step of the search of {quantity}"]
@@ -138,14 +142,18 @@ def test_a_search_is_told_by_what_is_searched():
     assert "gather" in found.text(kernels=True).partition("not counted")[2]
     assert "not counted" not in asked(["omega4_max"], omega1=9.0).text(kernels=True)
     assert "kernel 1" not in str(found)  # the answer alone
-    loaded = resolve("planar_4r", fl.grid(**LENGTHS, omega1=9.0, T_load=1.0), names, links=ROUND_BAR)
+    loaded = resolve(
+        "planar_4r", fl.grid(**LENGTHS, omega1=9.0, T_load=1.0), names, links=ROUND_BAR, branch=(1, 2)
+    )
     text = explain_request(loaded).text(kernels=True)
     assert "every extreme of T41; cells split at the zeros of omega4\n" in text
 
 
 def test_curves_in_pieces_are_of_designs_and_positions():
     space = fl.grid(a=1.0, b=1.1, g=0.9, h=0.8)
-    found = explain_request(resolve("minkowski_4r", space, ["psi"], angles=np.linspace(-1.0, 1.0, 600)))
+    found = explain_request(
+        resolve("minkowski_4r", space, ["psi"], angles=np.linspace(-1.0, 1.0, 600), branch=(1, 2))
+    )
     assert "for piece in" in found.kernels[-1].source.text
     assert [loop.per for loop in found.kernels[-1].loops] == ["design", "design and theta"]
 

@@ -32,7 +32,7 @@ def empty_cache(monkeypatch, tmp_path):
 def test_a_kernel_that_a_sweep_has_compiled_counts_as_compiled(empty_cache):
     request = ("planar_4r", fl.grid(**LENGTHS), ["swing"])
     assert fl.explain(*request).forecast.compiled == 0
-    fl.sweep(*request)
+    fl.sweep(*request, branch=(1, 2))
     shutil.rmtree(os.environ["FASTLINK_CACHE_DIR"])
     assert fl.explain(*request).forecast.compiled == 1
 
@@ -66,8 +66,12 @@ def test_nothing_is_compiled_unless_it_is_to_be_measured(folder, empty_cache, mo
     ],
 )
 def test_the_file_is_as_large_as_was_said(names, space, options, tmp_path):
-    said = fl.explain("planar_4r", space, names, to=tmp_path / "maps.h5", measure=False, **options).forecast
-    fl.sweep("planar_4r", space, names, to=tmp_path / "maps.h5", verify=1, **options).close()
+    said = fl.explain(
+        "planar_4r", space, names, to=tmp_path / "maps.h5", measure=False, **{"branch": (1, 2)} | options
+    ).forecast
+    fl.sweep(
+        "planar_4r", space, names, to=tmp_path / "maps.h5", verify=1, **{"branch": (1, 2)} | options
+    ).close()
     # values and coordinates are counted; the labels, of which there are 10 to 50 kB, are estimated
     assert abs(os.path.getsize(tmp_path / "maps.h5") - said.file) < 50_000
     assert said.folder == tmp_path
@@ -75,14 +79,19 @@ def test_the_file_is_as_large_as_was_said(names, space, options, tmp_path):
 
 def test_the_memory_is_that_which_a_sweep_is_refused_by(monkeypatch):
     space, angles = fl.grid(**{**LENGTHS, "a2": np.linspace(1.0, 1.4, 20_000)}), {"theta1": 200}
-    said = fl.explain("planar_4r", space, ["theta4"], threads=2, measure=False, **angles).forecast
-    assert said.memory == needs_of(resolve("planar_4r", space, ["theta4"], angles=200), 2).in_memory
+    said = fl.explain(
+        "planar_4r", space, ["theta4"], threads=2, measure=False, **{"branch": (1, 2)} | angles
+    ).forecast
+    assert (
+        said.memory
+        == needs_of(resolve("planar_4r", space, ["theta4"], angles=200, branch=(1, 2)), 2).in_memory
+    )
     monkeypatch.setattr(machine, "available_memory", lambda: said.memory - 1)
     with refused("the result", "to='maps.h5'"):
-        fl.sweep("planar_4r", space, ["theta4"], threads=2, **angles)
+        fl.sweep("planar_4r", space, ["theta4"], threads=2, **{"branch": (1, 2)} | angles)
     monkeypatch.setattr("fastlink.app.explain.available_memory", lambda: said.memory - 1)
     assert "which is refused" in str(
-        fl.explain("planar_4r", space, ["theta4"], threads=2, **angles, measure=False)
+        fl.explain("planar_4r", space, ["theta4"], threads=2, **{"branch": (1, 2)} | angles, measure=False)
     )
 
 
@@ -100,7 +109,7 @@ def test_samples_are_spread_over_all_designs(size, count):
 def test_the_time_of_a_sample_is_that_of_all_designs():
     """In proportion: a sample's time per design times their number, whatever a clock says."""
     space = fl.grid(**{**LENGTHS, "a2": np.linspace(1.0, 1.4, 300), "a3": np.linspace(0.6, 1.0, 300)})
-    request = resolve("planar_4r", space, ["theta4"], angles=5000)
+    request = resolve("planar_4r", space, ["theta4"], angles=5000, branch=(1, 2))
     clock = iter(np.arange(0.0, 1000.0, 0.5))
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(explain.time, "perf_counter", lambda: next(clock))
@@ -125,11 +134,11 @@ def test_a_sweep_is_explained_with_the_arguments_of_a_sweep(tmp_path):
         "progress": False,
     }
     options |= {"to": tmp_path / "m.h5", "attrs": {"a": 1}, "block": 8}
-    found = fl.explain("planar_4r", space, ["T41"], **options)
+    found = fl.explain("planar_4r", space, ["T41"], **{"branch": (1, 2)} | options)
     assert "7 values of theta1" in found.title
     assert found.forecast.threads == 1
     with refused("theta_1", "did you mean 'theta1'?"):
-        fl.explain("planar_4r", space, ["T41"], theta_1=7, links=steel)
+        fl.explain("planar_4r", space, ["T41"], theta_1=7, links=steel, branch=(1, 2))
     with refused("quantities is missing", "explain(mechanism, space, quantities)"):
         fl.explain("planar_4r", space)
     with refused("threads is an option of a sweep", "write it in the study"):
@@ -138,7 +147,9 @@ def test_a_sweep_is_explained_with_the_arguments_of_a_sweep(tmp_path):
 
 def test_all_problems_of_an_explained_sweep_are_told_together():
     with pytest.raises(fl.InputError) as caught:
-        fl.explain("planar_4r", fl.grid(**LENGTHS), ["thta4"], threads=0, overwrite="no", theta_1=3)
+        fl.explain(
+            "planar_4r", fl.grid(**LENGTHS), ["thta4"], threads=0, overwrite="no", theta_1=3, branch=(1, 2)
+        )
     assert {one.where[0] for one in caught.value.problems} == {
         "quantities",
         "threads",
@@ -146,4 +157,4 @@ def test_all_problems_of_an_explained_sweep_are_told_together():
         "theta_1",
     }
     with refused("measure is 'yes'", "True or False"):
-        fl.explain("planar_4r", fl.grid(**LENGTHS), ["theta4"], measure="yes")
+        fl.explain("planar_4r", fl.grid(**LENGTHS), ["theta4"], measure="yes", branch=(1, 2))

@@ -26,7 +26,7 @@ def results(mechanism):
     angles = drawn.pop(position)
     drawn.pop("branch", None)
     names = [row.name for row in fl.quantities(mechanism)]
-    resolved = resolve(mechanism, fl.table(drawn), names, angles=angles)
+    resolved = resolve(mechanism, fl.table(drawn), names, angles=angles, branch=(1, 2))
     labelled = variables(resolved.plan, resolved.space, resolved.positions.size)
     return {variable.name: variable for variable in labelled}
 
@@ -98,7 +98,7 @@ def test_the_rules_of_names_stand_once_and_are_true():
             assert len(named) == (2 if REDUCTIONS[suffix].has_position else 1)
         assert len(re.findall(r"theta1_at_NAME_max\b", text)) == 1
     space = fl.grid(a1=[0.3, 0.4], a2=1.2, a3=0.8, a4=1.0, omega1=25.0)
-    maps = fl.sweep("planar_4r", space, ["omega4_rms", "theta1_at_omega4_max"], theta1=4)
+    maps = fl.sweep("planar_4r", space, ["omega4_rms", "theta1_at_omega4_max"], theta1=4, branch=(1, 2))
     assert maps["omega4_rms"].dims == maps["theta1_at_omega4_max"].dims == ("a1", "branch")
     assert maps["theta1_at_omega4_max"].attrs["units"] == "rad"
 
@@ -125,14 +125,21 @@ def test_markdown_tables_are_regular():
 def test_a_row_by_name_says_what_a_sweep_gives_and_needs(name):
     row = fl.quantities("planar_4r")[name]
     inputs = {given: 1.0 for given in row.needs} | {"a1": 0.4, "a2": 1.1, "a3": 0.8}
-    resolved = resolve("planar_4r", fl.table({"a1": [0.4], **{k: [v] for k, v in inputs.items()}}), [name])
+    resolved = resolve(
+        "planar_4r", fl.table({"a1": [0.4], **{k: [v] for k, v in inputs.items()}}), [name], branch=(1, 2)
+    )
     (variable, *_) = variables(resolved.plan, resolved.space, resolved.positions.size)
     assert (row.name, row.dims) == (name, variable.dims)
     assert row.units == variable.attrs["units"]
     assert row.meaning == variable.attrs["long_name"]
     for without in row.needs:
         with pytest.raises(fl.InputError, match=rf"\b{without} is missing"):
-            resolve("planar_4r", fl.grid(**{k: v for k, v in inputs.items() if k != without}), [name])
+            resolve(
+                "planar_4r",
+                fl.grid(**{k: v for k, v in inputs.items() if k != without}),
+                [name],
+                branch=(1, 2),
+            )
 
 
 def test_a_row_of_an_unknown_name_is_refused():

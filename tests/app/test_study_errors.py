@@ -9,7 +9,6 @@ from typer.testing import CliRunner
 
 import fastlink as fl
 from fastlink.app.cli import app
-from fastlink.app.study import run_study
 from fastlink.errors import MOST_LINES
 
 
@@ -17,7 +16,7 @@ def refused(text, **options):
     """Return the lines with which a study is refused, without the name of the file."""
     path = written(text)
     with pytest.raises(fl.InputError) as caught:
-        run_study(path, **options)
+        fl.run(path, **options)
     lines = str(caught.value).splitlines()
     assert all(line.startswith("study.toml: ") for line in lines)
     return [line.removeprefix("study.toml: ") for line in lines]
@@ -71,7 +70,7 @@ BARS = "[links]\nmodel = 'round_bar'\n"
             "cycle.theta1",
             "write a number of angles from 1 to 10000000, {linspace =",
         ),
-        ("[cycle]", "[cycle]\nbranch = 'left'", "cycle.branch", "write assembly modes, such as [1, 2]"),
+        ("[cycle]", "[cycle]\nbranch = 'left'", "cycle.branch", "write branches, such as [1, 2]"),
         ("[cycle]", "[output]\noverwrite = 1\n[cycle]", "output.overwrite", "write true or false"),
         ("[cycle]", f"{BARS}radius = {{values = [1]}}\n[cycle]", "links.radius", "make it an axis in"),
         ("[0.8, 0.7]", "[]", "design.a3.values", "write a list of one or more finite numbers"),
@@ -153,7 +152,9 @@ def test_very_many_problems_are_counted(folder):
 
 
 def test_what_is_no_study_is_told_so(folder):
-    fl.sweep("planar_4r", fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0), ["grashof_class"], to="map.h5").close()
+    fl.sweep(
+        "planar_4r", fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0), ["grashof_class"], to="map.h5", branch=(1, 2)
+    ).close()
     written(GOOD.replace("a1 = 0.4", "a1 = "), "value.toml")
     written(GOOD + "a1\n", "key.toml")
     for path, message in (
@@ -167,14 +168,14 @@ def test_what_is_no_study_is_told_so(folder):
         ("map.h5", "map.h5: is a map, not a study; `fastlink info map.h5` shows it"),
     ):
         with pytest.raises(fl.InputError) as caught:
-            run_study(path)
+            fl.run(path)
         assert str(caught.value).startswith(message)
 
 
 def of_the_caller(text, **options):
     """Return the error of what the study does not say, but its caller."""
     with pytest.raises(fl.InputError) as caught:
-        run_study(written(text), **options)
+        fl.run(written(text), **options)
     return caught.value
 
 
@@ -206,13 +207,13 @@ def test_what_the_caller_says_is_told_in_the_words_of_the_caller(folder):
 
 def test_an_existing_file_is_replaced_when_the_study_or_the_caller_says_so(folder):
     path = written(GOOD)
-    run_study(path).close()
-    run_study(path).close()  # the same again is up to date
+    fl.run(path).close()
+    fl.run(path).close()  # the same again is up to date
     (line,) = refused(GOOD + "# and more\n")
     assert line.startswith("output.file: ")
     assert line.endswith("overwrite=True")
-    run_study(path, overwrite=True).close()
-    run_study(written(GOOD + "[output]\noverwrite = true\n")).close()
+    fl.run(path, overwrite=True).close()
+    fl.run(written(GOOD + "[output]\noverwrite = true\n")).close()
 
 
 @pytest.mark.parametrize("search", ["", '[search]\nminimise = ["omega4_max"]\ntop = 1\n'])
@@ -230,8 +231,8 @@ def test_a_study_of_its_own_replaces_maps_alone(folder, search):
     done = CliRunner().invoke(app, ["run", "study.toml", "--quiet"])
     assert done.exit_code == 2
     assert done.output.endswith("or write --overwrite\n")
-    run_study(written(text), overwrite=True).close()
-    run_study(written(text + "# and more\n")).close()
+    fl.run(written(text), overwrite=True).close()
+    fl.run(written(text + "# and more\n")).close()
 
 
 def test_columns_of_a_table_are_kept(folder):
@@ -239,7 +240,7 @@ def test_columns_of_a_table_are_kept(folder):
     rest = "a1 = 0.4\na3 = 0.8\na4 = 1.0\n"
     text = BARE + "[design]\n{}table = 'designs.csv'\n" + rest
     assert_problem(text.format(""), "design.table.part_no", 'keep = ["part_no"]')
-    with run_study(written(text.format("keep = ['part_no']\n"))) as maps:
+    with fl.run(written(text.format("keep = ['part_no']\n"))) as maps:
         assert maps.part_no.values.tolist() == [7, 8]
     assert_problem(BARE + "[design]\nkeep = ['part_no']\na2 = 1.2\n" + rest, "design.keep", "table = ...")
     assert refused(text.format("keep = 7\n"))[0].startswith("design.keep is 7; write names of columns")
@@ -254,6 +255,6 @@ quantities = ["stroke"]
 [design]
 sobol = {n = 8, ranges = {n = [1.0, 2.0]}, m = [1.5, 2.5], d = 1.0, kappa = 0.5}
 """
-    with run_study(written(text)) as maps:
+    with fl.run(written(text)) as maps:
         assert (maps.n.dims, maps.attrs["design_n"]) == (("design",), 8)
         assert 1.0 <= maps.n.values.min() < maps.n.values.max() <= 2.0

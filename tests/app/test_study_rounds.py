@@ -10,7 +10,7 @@ from tests.support.study_files import BARE, GOOD, LENGTHS, written
 
 import fastlink as fl
 from fastlink.app import study
-from fastlink.app.study import read_study, run_study
+from fastlink.app.study import read_study
 
 #: Wrong in every table: types, names and values.
 WRONG = """
@@ -64,7 +64,7 @@ def test_shapes_names_and_values_are_refused_together(folder, mechanism, further
     assert keys_of(WRONG.replace("MECHANISM", mechanism)) == sorted((*KEYS, *further))
 
 
-@pytest.mark.parametrize("door", [read_study, run_study, fl.explain, fl.accuracy])
+@pytest.mark.parametrize("door", [read_study, fl.run, fl.explain, fl.accuracy])
 def test_every_door_says_the_same(folder, door):
     assert lines_of(WRONG, door) == lines_of(WRONG)
 
@@ -129,12 +129,12 @@ def test_what_is_no_study_is_told_what_it_is(folder, monkeypatch):
         ("empty.toml", "is empty", "fastlink new planar_4r"),
         ("latin.toml", "is not UTF-8 text", "save it as UTF-8"),
     ):
-        for door in (fl.run_study, fl.explain, fl.accuracy):
+        for door in (fl.run, fl.explain, fl.accuracy):
             with refused(f"{name}: {what}", remedy):
                 door(name)
     monkeypatch.setattr(study, "MOST_BYTES", 100)
     with refused("too long for a study", "Parquet file"):
-        run_study(written(GOOD))
+        fl.run(written(GOOD))
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes here")
@@ -142,4 +142,4 @@ def test_pipes_and_devices_are_not_read(folder):
     os.mkfifo("pipe.toml")
     for name in ("pipe.toml", "/dev/zero"):
         with refused("is a device or a pipe, not a study", "give the path of a study"):
-            run_study(name)
+            fl.run(name)

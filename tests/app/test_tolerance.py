@@ -20,6 +20,8 @@ a2 = {values = [1.1, 1.2]}
 a3 = 0.8
 a4 = 1.0
 omega1 = 25.0
+[cycle]
+branch = [1, 2]
 [tolerances]
 a1 = 1e-4
 a3 = "0.1 %"
@@ -30,7 +32,7 @@ PLAIN = STUDY.partition("[tolerances]")[0].replace(', "omega4_max_worst_change"'
 
 @pytest.fixture(scope="module")
 def maps():
-    return fl.sweep("planar_4r", fl.grid(DESIGN), NAMES, progress=False)
+    return fl.sweep("planar_4r", fl.grid(DESIGN), NAMES, progress=False, branch=(1, 2))
 
 
 def written(folder, text=STUDY):
@@ -44,14 +46,20 @@ def test_a_map_is_swept_again_with_tolerances(maps):
     space = fl.grid(DESIGN | {"a1_tolerance": 1e-4, "a3_relative_tolerance": 1e-3})
     for name in NAMES[:3]:
         swept = fl.sweep(
-            "planar_4r", space, [name, f"{name}_worst_change", f"{name}_rss_change"], progress=False
+            "planar_4r",
+            space,
+            [name, f"{name}_worst_change", f"{name}_rss_change"],
+            progress=False,
+            branch=(1, 2),
         )
         for of in swept.data_vars:
             assert found[of].equals(swept[of])
         parts = found[f"{name}_contribution"]
         assert parts.dims == (*found[name].dims, "toleranced")
         np.testing.assert_array_equal(abs(parts).sum("toleranced"), swept[f"{name}_worst_change"])
-    slope = fl.sweep("planar_4r", fl.grid(DESIGN), ["d_omega4_max_d_a3"], progress=False).d_omega4_max_d_a3
+    slope = fl.sweep(
+        "planar_4r", fl.grid(DESIGN), ["d_omega4_max_d_a3"], progress=False, branch=(1, 2)
+    ).d_omega4_max_d_a3
     np.testing.assert_array_equal(found.omega4_max_contribution.sel(toleranced="a3"), slope * (0.8 * 1e-3))
     assert "grashof_class" not in found
     assert not any(name.startswith("d_") for name in found.data_vars)
@@ -77,7 +85,7 @@ def test_links_angles_and_modes_of_a_map_stay(tmp_path):
         "to": tmp_path / "maps.h5",
         "progress": False,
     }
-    fl.sweep("planar_4r", fl.grid(DESIGN), ["F21_x", "omega4_max"], **options).close()
+    fl.sweep("planar_4r", fl.grid(DESIGN), ["F21_x", "omega4_max"], **{"branch": (1, 2)} | options).close()
     found = fl.tolerance(tmp_path / "maps.h5", density="1 %", a1=1e-4)
     assert found.F21_x_worst_change.dims == ("a2", "theta1")
     assert int(found.branch) == 2
@@ -88,7 +96,7 @@ def test_links_angles_and_modes_of_a_map_stay(tmp_path):
 
 
 def test_a_study_has_tolerances_of_its_own_or_is_given_some(tmp_path, maps):
-    with fl.run_study(written(tmp_path), to=tmp_path / "maps.h5", progress=False) as run:
+    with fl.run(written(tmp_path), to=tmp_path / "maps.h5", progress=False) as run:
         found = fl.tolerance(maps, **GIVEN)
         assert run.omega4_max_worst_change.equals(found.omega4_max_worst_change)
         assert list(run.data_vars)[2] == "omega4_max_gradient_status"
@@ -112,7 +120,7 @@ def test_a_study_has_tolerances_of_its_own_or_is_given_some(tmp_path, maps):
 )
 def test_wrong_tolerances_of_a_study_are_refused(tmp_path, section, key, remedy):
     with refused(key, remedy):
-        fl.run_study(written(tmp_path, STUDY.partition("a1 = 1e-4")[0] + section), to=tmp_path / "maps.h5")
+        fl.run(written(tmp_path, STUDY.partition("a1 = 1e-4")[0] + section), to=tmp_path / "maps.h5")
 
 
 @pytest.mark.parametrize(

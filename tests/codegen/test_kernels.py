@@ -98,7 +98,7 @@ def test_no_value_of_a_mechanism_has_a_name_that_kernels_use(name):
 def test_designs_beyond_the_first_lanes_are_computed_too():
     """Of lengths that are called m and n."""
     n, design = np.linspace(0.8, 1.2, 130), {"m": 1.0, "d": 1.2, "kappa": 0.5}
-    found = fl.sweep("hart", fl.grid(n=n, **design), ["stroke"])["stroke"]
+    found = fl.sweep("hart", fl.grid(n=n, **design), ["stroke"], branch=(1, 2))["stroke"]
     np.testing.assert_array_equal(found, evaluate("hart", ["stroke"], n=n, phi=0.0, **design)["stroke"])
 
 

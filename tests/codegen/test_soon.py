@@ -34,28 +34,28 @@ def space(size):
 def test_few_designs_come_soon_and_many_fast(compiled, names):
     most = FEW // (SEARCHED if names == ("swing",) else 36)
     assert most > 1000
-    first = fl.sweep("planar_4r", space(9), names, angles=36)
+    first = fl.sweep("planar_4r", space(9), names, angles=36, branch=(1, 2))
     assert compiled == [True]
     kernel_of.cache_clear()  # as another process, which finds it in the cache
     kernel._loaded.clear()
-    second = fl.sweep("planar_4r", space(9), names, angles=36)
-    fl.sweep("planar_4r", space(most - 9), names, angles=36)
+    second = fl.sweep("planar_4r", space(9), names, angles=36, branch=(1, 2))
+    fl.sweep("planar_4r", space(most - 9), names, angles=36, branch=(1, 2))
     assert compiled == [True]
-    third = fl.sweep("planar_4r", space(9), names, angles=36)  # too many, all told
+    third = fl.sweep("planar_4r", space(9), names, angles=36, branch=(1, 2))  # too many, all told
     assert compiled == [True, False]
-    fl.sweep("planar_4r", space(most + 1), names, angles=36)
+    fl.sweep("planar_4r", space(most + 1), names, angles=36, branch=(1, 2))
     assert compiled == [True, False]
     for found in (second, third):
         np.testing.assert_array_equal(found[names[0]], first[names[0]], strict=True)
 
 
 def test_code_that_runs_fast_is_taken_wherever_it_is(compiled):
-    fl.sweep("planar_4r", space(FEW), ["swing"])
+    fl.sweep("planar_4r", space(FEW), ["swing"], branch=(1, 2))
     kernel_of.cache_clear()
-    fl.sweep("planar_4r", space(9), ["swing"])
+    fl.sweep("planar_4r", space(9), ["swing"], branch=(1, 2))
     kernel._loaded.clear()
     kernel_of.cache_clear()
-    fl.sweep("planar_4r", space(9), ["swing"])
+    fl.sweep("planar_4r", space(9), ["swing"], branch=(1, 2))
     assert compiled == [False]
 
 
@@ -68,7 +68,7 @@ def test_a_forecast_tells_them_apart(compiled):
     small, large = (("planar_4r", space(size), ["swing"]) for size in (9, FEW))
     times = [fl.explain(*request).forecast.compile_time for request in (small, large)]
     assert 0.0 < times[0] < times[1]
-    fl.sweep(*small)
+    fl.sweep(*small, branch=(1, 2))
     assert [fl.explain(*request).forecast.compiled for request in (small, large)] == [1, 0]
     assert fl.explain(*large, measure=True).forecast.timing is not None  # of the code that will run
     assert compiled == [True, False]
@@ -83,7 +83,7 @@ def test_what_numba_compiles_is_compiled_once(compiled, monkeypatch):
     monkeypatch.setattr(
         "fastlink.codegen.numba_backend.compile_by_numba", lambda source, key: keys.append(key)
     )
-    (of,) = resolve("planar_4r", space(9), ["swing"]).kernels
+    (of,) = resolve("planar_4r", space(9), ["swing"], branch=(1, 2)).kernels
     for compiler in (SOON, "llvm"):
         load_kernel(of.source, compiler)
     assert len(keys) == 2

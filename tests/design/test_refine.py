@@ -159,7 +159,12 @@ def test_a_position_is_found_too(rockers):
     """Of a quantity at each position a row has one: the best is at the greatest value over the cycle."""
     inputs, _ = MECHANISMS["planar_4r"]
     maps = fl.sweep(
-        "planar_4r", fl.sobol(16, inputs, seed=2), ["omega4", "omega4_max"], theta1=16, progress=False
+        "planar_4r",
+        fl.sobol(16, inputs, seed=2),
+        ["omega4", "omega4_max"],
+        theta1=16,
+        progress=False,
+        branch=(1, 2),
     )
     where = {"status": "rotates_fully", "branch": (1, 1)}
     found = fl.best(maps, maximise="omega4", where=where, top=2, refine=["a1"])
@@ -242,7 +247,9 @@ def refused_cases(maps):
     yield maps, {"where": mask}, "where", "ranges"
     yield cost, {"minimise": "cost"}, "minimise", "leave refine out"
     yield maps.fastlink.degrees(), {"minimise": "swing"}, "swing", "before it was converted"
-    single = fl.sweep("planar_4r", fl.grid(a1=[0.4], a2=1.2, a3=0.8, a4=1.0), ["swing"], progress=False)
+    single = fl.sweep(
+        "planar_4r", fl.grid(a1=[0.4], a2=1.2, a3=0.8, a4=1.0), ["swing"], progress=False, branch=(1, 2)
+    )
     yield single, {"minimise": "swing"}, "refine", "sweep the inputs"
 
 
@@ -255,10 +262,10 @@ def test_what_cannot_be_refined_is_refused(rockers):
 def test_extremes_over_positions_that_a_map_does_not_hold_are_refused():
     space = fl.sobol(16, {"m": (3.0, 5.0), "n": (7.0, 9.0), "d": 6.0, "kappa": (0.3, 0.6)})
     given = {"input": "F_y", "F_y": np.linspace(-1.0, 1.0, 9), "branch": 1, "progress": False}
-    maps = fl.sweep("hart", space, ["A_y_max"], **given)
+    maps = fl.sweep("hart", space, ["A_y_max"], **{"branch": (1, 2)} | given)
     with refused("minimise", "along F_y"):
         fl.best(maps, minimise="A_y_max", refine=True)
-    both = fl.sweep("hart", space, ["A_y_max", "A_y"], **given)
+    both = fl.sweep("hart", space, ["A_y_max", "A_y"], **{"branch": (1, 2)} | given)
     found = fl.best(both, minimise="A_y_max", top=1, refine=True)
     assert float(found.A_y_max_gain[0]) > 0.0
     asked = {name: value for name, value in given.items() if name != "branch"}

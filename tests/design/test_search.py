@@ -261,10 +261,10 @@ def test_a_study_searches(tmp_path):
     where = {"status": "rotates_fully", "transmission_angle_min_deg": (40, None), "swing_deg": (60, None)}
     space = fl.sobol(2000, a3=(0.5, 1.2), a1=(0.1, 0.5), a2=(0.8, 1.3), a4=1.0, omega1=1.0)
     expected = fl.search("planar_4r", space, ["omega4_min"], minimise="omega4_max", where=where, top=2)
-    with fl.run_study(path, to=tmp_path / "found.h5", progress=False) as found:
+    with fl.run(path, to=tmp_path / "found.h5", progress=False) as found:
         check_rows(found, expected)
         assert found.attrs["study"] == STUDY
-        assert "2,000 designs" in fl.summary(found)
+        assert "2,000 designs" in found.fastlink.summary()
     needs = fl.explain(path).forecast
     assert needs.size == 2000
     assert needs.file < 1e5
@@ -290,7 +290,7 @@ def test_what_is_wrong_in_a_search_of_a_study_is_said(folder, old, new, key, rem
     assert old in STUDY
     (folder / "study.toml").write_text(STUDY.replace(old, new))
     with pytest.raises(fl.InputError) as caught:
-        fl.run_study("study.toml", to="found.h5")
+        fl.run("study.toml", to="found.h5")
     line = next(line for line in str(caught.value).splitlines() if key in line)
     assert "study.toml" in line
     assert remedy in line.partition("; ")[2]
@@ -305,13 +305,13 @@ def run(line):
 def test_parts_of_a_study_are_joined(folder):
     (folder / "study.toml").write_text(STUDY)
     with refused("layout", "leave it out"):
-        fl.run_study("study.toml", layout="maps")
+        fl.run("study.toml", layout="maps")
     for k in (1, 2):
         assert f"part {k}/2 of a search" in run(f"run study.toml --part {k}/2 --verify 2")
     said = run("join study.part-1-of-2.h5 study.part-2-of-2.h5 --to study.h5")
     assert "transmission_angle_min >= 0.698132 rad" in said  # the designs that were found
     assert "is up to date" in run("run study.toml --verify 2")
-    with fl.open("study.h5") as joined, fl.run_study("study.toml", to="whole.h5", verify=2) as whole:
+    with fl.open("study.h5") as joined, fl.run("study.toml", to="whole.h5", verify=2) as whole:
         check_same(joined, whole)
 
 
@@ -358,7 +358,7 @@ def test_a_part_is_no_whole_search(tmp_path):
     first, second, *_ = paths = parts_of(tmp_path, space, asked, 3)
     for part in (fl.open(first), fl.best(first, minimise="omega4_max")):
         with part:
-            assert "1/3: designs 0 to 999 of 3,000" in fl.summary(part)
+            assert "1/3: designs 0 to 999 of 3,000" in part.fastlink.summary()
     with fl.open(first) as part:
         assert "part 1/3 of a search, to be joined" in part.attrs["selection"]
         assert part.attrs["searched_designs"] == 1000
@@ -374,7 +374,9 @@ def test_a_part_is_no_whole_search(tmp_path):
     with refused("do not belong together", "of one map"):
         fl.join([first, second, other], to=tmp_path / "found.h5")
     with refused("mechanism", "leave it out"):
-        maps = fl.sweep("planar_4r", space, ["swing"], part=(1, 1), to=tmp_path / "maps.h5", verify=0)
+        maps = fl.sweep(
+            "planar_4r", space, ["swing"], part=(1, 1), to=tmp_path / "maps.h5", verify=0, branch=(1, 2)
+        )
         maps.close()
         fl.join(tmp_path / "maps.h5", to=tmp_path / "found.h5", mechanism=fl.extend("planar_4r"))
 

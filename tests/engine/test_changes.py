@@ -38,7 +38,9 @@ FIRST = ("slider_crank", "minkowski_4r")
 
 
 def swept(names, tolerances=TOLERANCES, **options):
-    return fl.sweep("planar_4r", fl.grid(DESIGN | tolerances), names, progress=False, **options)
+    return fl.sweep(
+        "planar_4r", fl.grid(DESIGN | tolerances), names, progress=False, **{"branch": (1, 2)} | options
+    )
 
 
 @pytest.mark.parametrize(
@@ -55,7 +57,7 @@ def test_changes_are_those_of_designs_at_all_corners_of_the_tolerances(mechanism
     }
     given = designs | {f"{name}_relative_tolerance": np.full(n, SHARE) for name in designs}
     changes = [f"{name}_{how}_change" for name in names for how in ("worst", "rss")]
-    found = fl.sweep(mechanism, fl.table(given), changes, **options)
+    found = fl.sweep(mechanism, fl.table(given), changes, **{"branch": (1, 2)} | options)
     signs = np.array(list(itertools.product((-1.0, 1.0), repeat=len(designs))))
 
     def at_corners(share):
@@ -63,7 +65,7 @@ def test_changes_are_those_of_designs_at_all_corners_of_the_tolerances(mechanism
             name: (column[:, None] * (1.0 + share * signs[:, k])).ravel()
             for k, (name, column) in enumerate(designs.items())
         }
-        return fl.sweep(mechanism, fl.table(moved), names, **options)
+        return fl.sweep(mechanism, fl.table(moved), names, **{"branch": (1, 2)} | options)
 
     whole, half = at_corners(SHARE), at_corners(SHARE / 2)
     compared = 0
@@ -102,7 +104,7 @@ def test_the_status_of_the_derivatives_comes_along():
     ]  # fmt: skip
     infinite = fl.sweep(
         "planar_4r", fl.grid(a1=1.0, a2=0.6, a3=0.7, a4=1.2, omega1=1.0, a2_tolerance=1e-4),
-        ["omega4_max_worst_change"], progress=False,
+        ["omega4_max_worst_change"], progress=False, branch=(1, 2),
     )  # fmt: skip
     assert np.isnan(infinite.omega4_max_worst_change).all()
     assert (infinite.omega4_max_gradient_status == 3).all()
@@ -111,7 +113,7 @@ def test_the_status_of_the_derivatives_comes_along():
 def test_an_axis_of_tolerances_only_scales_the_changes():
     space = fl.grid(DESIGN | {"a2": [1.1, 1.2], "a2_tolerance": [1e-5, 1e-4, 1e-3]})
     names = ["omega4_max_worst_change", "omega4_rms_rss_change", "omega4_rss_change"]
-    found = fl.sweep("planar_4r", space, names, angles=4, progress=False)
+    found = fl.sweep("planar_4r", space, names, angles=4, progress=False, branch=(1, 2))
     assert found.attrs["scaling_axis"] == "a2_tolerance"
     for k, size in enumerate((1e-5, 1e-4, 1e-3)):
         one = swept(names, {"a2_tolerance": size}, angles=4)
@@ -119,7 +121,10 @@ def test_an_axis_of_tolerances_only_scales_the_changes():
             np.testing.assert_allclose(found[name][0, k], one[name], rtol=4 * 2.0**-52)
     # with a second tolerance that stays it does not; the speed still does
     both = fl.grid(DESIGN | {"omega1": [1.0, 2.0], "a1_tolerance": 1e-4, "a2_tolerance": [1e-5, 1e-4]})
-    assert fl.sweep("planar_4r", both, names[:1], progress=False).attrs["scaling_axis"] == "omega1"
+    assert (
+        fl.sweep("planar_4r", both, names[:1], progress=False, branch=(1, 2)).attrs["scaling_axis"]
+        == "omega1"
+    )
 
 
 def test_a_change_over_the_cycle_has_its_extremes():
@@ -147,7 +152,9 @@ def test_other_doors_have_them():
     assert by_size([2e-4])[0] == pytest.approx(2 * by_size([1e-4])[0], rel=1e-15)
     found = fl.sweep("planar_4r", one.fastlink.designs, ["omega4_max_worst_change"], branch=1, progress=False)
     assert found.omega4_max_worst_change.equals(one.omega4_max_worst_change)
-    explained = fl.explain("planar_4r", fl.grid(DESIGN | TOLERANCES), ["omega4_max_worst_change"])
+    explained = fl.explain(
+        "planar_4r", fl.grid(DESIGN | TOLERANCES), ["omega4_max_worst_change"], branch=(1, 2)
+    )
     assert any("d_omega4_d_a2" in kernel.facts for kernel in explained.kernels)
 
 

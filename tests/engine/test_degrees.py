@@ -41,14 +41,23 @@ def test_degrees_are_rounded_once():
 
 def test_input_positions_in_degrees():
     names = ["theta4", "omega4"]
-    got = fl.sweep("planar_4r", fl.grid(**DESIGN), names, theta1_deg=ANGLES)
-    expected = fl.sweep("planar_4r", fl.grid(**DESIGN), names, theta1=[exact(value) for value in ANGLES])
+    got = fl.sweep("planar_4r", fl.grid(**DESIGN), names, theta1_deg=ANGLES, branch=(1, 2))
+    expected = fl.sweep(
+        "planar_4r", fl.grid(**DESIGN), names, theta1=[exact(value) for value in ANGLES], branch=(1, 2)
+    )
     xr.testing.assert_equal(got, expected)
     assert got.theta1.attrs["units"] == "rad"
     assert got.theta1.attrs["comment"] == "given in degrees"
     assert expected.theta1.attrs["comment"] == "direction of OA in the ground frame"
     lengths = fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0)
-    one = fl.sweep("planar_4r", lengths, ["joint_angle_3"], input="joint_angle_2", joint_angle_2_deg=[100.0])
+    one = fl.sweep(
+        "planar_4r",
+        lengths,
+        ["joint_angle_3"],
+        input="joint_angle_2",
+        joint_angle_2_deg=[100.0],
+        branch=(1, 2),
+    )
     assert one.joint_angle_2.item() == exact(100.0)
 
 
@@ -69,18 +78,30 @@ def test_inputs_in_degrees():
     options = {"links": BARS, "branch": 1}
     inputs = {**DESIGN, **WEIGHT}
     name = "counterweight1_direction"
-    expected = fl.sweep("planar_4r", fl.grid(**inputs, **{name: turned}), ["shaking_force_max"], **options)
+    expected = fl.sweep(
+        "planar_4r",
+        fl.grid(**inputs, **{name: turned}),
+        ["shaking_force_max"],
+        **{"branch": (1, 2)} | options,
+    )
     got = fl.sweep(
-        "planar_4r", fl.grid(**inputs, **{f"{name}_deg": ANGLES}), ["shaking_force_max"], **options
+        "planar_4r",
+        fl.grid(**inputs, **{f"{name}_deg": ANGLES}),
+        ["shaking_force_max"],
+        **{"branch": (1, 2)} | options,
     )
     xr.testing.assert_equal(got, expected)
     assert got[name].attrs["comment"] == "given in degrees"
     table = fl.table({**inputs, f"{name}_deg": ANGLES})
-    tabled = fl.sweep("planar_4r", table, ["shaking_force_max"], **options)
+    tabled = fl.sweep("planar_4r", table, ["shaking_force_max"], **{"branch": (1, 2)} | options)
     assert_array_equal(tabled.shaking_force_max, got.shaking_force_max)
     labelled = fl.grid(**inputs, **{name: xr.DataArray(ANGLES, dims="k", attrs={"units": "degrees"})})
-    xr.testing.assert_equal(fl.sweep("planar_4r", labelled, ["shaking_force_max"], **options), expected)
-    one = fl.sweep("planar_4r", {**inputs, f"{name}_deg": 40.0}, ["shaking_force_max"], **options)
+    xr.testing.assert_equal(
+        fl.sweep("planar_4r", labelled, ["shaking_force_max"], **{"branch": (1, 2)} | options), expected
+    )
+    one = fl.sweep(
+        "planar_4r", {**inputs, f"{name}_deg": 40.0}, ["shaking_force_max"], **{"branch": (1, 2)} | options
+    )
     assert one.shaking_force_max == expected.shaking_force_max[1]
     fixed = {key: value for key, value in inputs.items() if key != "a2"}
     function = fl.function(
@@ -101,13 +122,13 @@ def test_functions_and_studies_in_degrees(tmp_path):
             f'mechanism = "planar_4r"\nquantities = ["omega4"]\n[design]\n{design}\n'
             f"[cycle]\nbranch = 1\ntheta1_deg = {axis}\n"
         )
-        with fl.run_study(path, to=tmp_path / "map.h5", overwrite=True, verify=0) as maps:
+        with fl.run(path, to=tmp_path / "map.h5", overwrite=True, verify=0) as maps:
             assert maps.theta1.values[-1] == math.pi
             assert maps.theta1.attrs["comment"] == "given in degrees"
             assert maps.omega4.values[0] == expected.omega4.values[0]
     path.write_text(path.read_text().replace("{linspace = [0.0, 180.0, 4]}", "72"))
     with pytest.raises(fl.InputError, match=r"cycle\.theta1_deg"):
-        fl.run_study(path, to=tmp_path / "map.h5", overwrite=True)
+        fl.run(path, to=tmp_path / "map.h5", overwrite=True)
 
 
 SWEEPS = {
@@ -122,18 +143,18 @@ SWEEPS = {
 @pytest.mark.parametrize(("options", "key", "remedy"), SWEEPS.values(), ids=SWEEPS)
 def test_what_is_no_array_of_degrees(options, key, remedy):
     with refused(key, remedy):
-        fl.sweep("planar_4r", fl.grid(**DESIGN), ["omega4"], **options)
+        fl.sweep("planar_4r", fl.grid(**DESIGN), ["omega4"], **{"branch": (1, 2)} | options)
 
 
 def test_only_angles_have_degrees():
     hart = {"m": 1.0, "n": 1.4, "d": 2.5, "kappa": 0.6}
     with refused("F_y_deg", "write F_y"):
-        fl.sweep("hart", fl.grid(**hart), ["phi"], input="F_y", F_y_deg=[0.1, 0.2])
+        fl.sweep("hart", fl.grid(**hart), ["phi"], input="F_y", F_y_deg=[0.1, 0.2], branch=(1, 2))
     with refused("a2_deg", "write a2"):
-        fl.sweep("planar_4r", {**DESIGN, "a2_deg": 1.0}, ["omega4"], theta1=8)
+        fl.sweep("planar_4r", {**DESIGN, "a2_deg": 1.0}, ["omega4"], theta1=8, branch=(1, 2))
     both = {"counterweight1_direction_deg": 40.0, "counterweight1_direction": 0.5, **WEIGHT, **DESIGN}
     with refused("counterweight1_direction_deg", "write one of them"):
-        fl.sweep("planar_4r", fl.grid(**both), ["omega4"], theta1=8)
+        fl.sweep("planar_4r", fl.grid(**both), ["omega4"], theta1=8, branch=(1, 2))
     with refused("theta1_deg", "write one of them"):
         fl.evaluate("planar_4r", ["omega4"], theta1=1.0, theta1_deg=40.0, **DESIGN)
     with refused("a2_deg", "write a2"):
@@ -160,13 +181,18 @@ def test_what_can_hardly_be_radians_gets_a_remark(values):
     assert looks_like_degrees(values)
     if np.ndim(values):
         with pytest.warns(fl.InputWarning, match="theta1_deg"):
-            fl.sweep("planar_4r", fl.grid(**DESIGN), ["omega4"], theta1=values)
+            fl.sweep("planar_4r", fl.grid(**DESIGN), ["omega4"], theta1=values, branch=(1, 2))
         with pytest.warns(fl.InputWarning, match="theta1_deg"):
-            fl.sweep("planar_4r", fl.grid(**DESIGN), ["omega4"], angles=values)
+            fl.sweep("planar_4r", fl.grid(**DESIGN), ["omega4"], angles=values, branch=(1, 2))
     with pytest.warns(fl.InputWarning, match="theta1_deg"):
         fl.evaluate("planar_4r", ["omega4"], theta1=values, **DESIGN)
     with pytest.warns(fl.InputWarning, match="counterweight1_direction_deg"):
-        fl.sweep("planar_4r", fl.grid(counterweight1_direction=values, **WEIGHT, **DESIGN), ["omega4_max"])
+        fl.sweep(
+            "planar_4r",
+            fl.grid(counterweight1_direction=values, **WEIGHT, **DESIGN),
+            ["omega4_max"],
+            branch=(1, 2),
+        )
 
 
 @pytest.mark.parametrize("values", IN_RADIANS)

@@ -68,7 +68,7 @@ def _restore():
 
 
 def swept(space="grid", names=NAMES, **options):
-    return fl.sweep("planar_4r", SPACES[space], names, **OPTIONS | options)
+    return fl.sweep("planar_4r", SPACES[space], names, **{"branch": (1, 2)} | OPTIONS | options)
 
 
 def assert_same(found, expected):

@@ -105,7 +105,7 @@ def test_a_pickled_function_is_the_same():
         "planar_4r", ["a2", "a3"], ["shaking_force_max"], links=BAR, branch=(1, 2), **FIXED
     )
     again = pickle.loads(pickle.dumps(function))
-    assert (again.inputs, again.outputs, again.shape) == (("a2", "a3"), ("shaking_force_max",), (2,))
+    assert (again.inputs, again.quantities, again.shape) == (("a2", "a3"), ("shaking_force_max",), (2,))
     np.testing.assert_array_equal(again(LENGTHS), function(LENGTHS))
 
 
@@ -150,7 +150,7 @@ def test_what_is_wrong_with_inputs_and_outputs_is_told_together():
     with pytest.raises(fl.InputError) as caught:
         fl.function("planar_4r", ["a9"], ["omega9_max"], a1=0.4, alpha9=1.0, solver="x")
     where = sorted(str(one.where) for one in caught.value.problems)
-    assert where == ["('function', 'alpha9')", "('inputs', 'a9')", "('outputs', 0)", "('solver',)"]
+    assert where == ["('function', 'alpha9')", "('inputs', 'a9')", "('quantities', 0)", "('solver',)"]
 
 
 def test_what_is_slow_to_import_is_imported_where_it_is_used_only():

@@ -60,7 +60,7 @@ def test_it_has_none_where_there_is_no_value_or_a_mean_is_taken_between_limits_t
 
 @pytest.mark.parametrize("name", ["status", "omega4_extrema", "omega4_max_error"])
 def test_what_has_no_derivative_is_refused(name):
-    with refused("outputs[1]", "leave it out"):
+    with refused("quantities[1]", "leave it out"):
         made(["omega4_max", name]).gradient([1.2, 0.8])
 
 

@@ -110,8 +110,8 @@ def test_errors_are_the_greatest_and_numbers_are_sums(tmp_path):
         assert joined.theta4.attrs["verified_values"] == sum(
             part.theta4.attrs["verified_values"] for part in parts
         )
-        assert "of 3 parts together" in fl.summary(joined)
-    assert "2/3: designs 11 to 22 of 35" in fl.summary(parts[1])
+        assert "of 3 parts together" in joined.fastlink.summary()
+    assert "2/3: designs 11 to 22 of 35" in parts[1].fastlink.summary()
 
 
 # --- without a copy --------------------------------------------------------------------------------
@@ -174,7 +174,7 @@ def test_a_map_that_shows_its_parts_is_a_map_at_every_door(sixteen, moved):
             shown.theta4.sel(a2=1.2, method="nearest").load(),
             whole.theta4.sel(a2=1.2, method="nearest").load(),
         )
-        assert "shows values of 16 parts" in fl.summary(shown)
+        assert "shows values of 16 parts" in shown.fastlink.summary()
         ranked = [fl.best(one, maximise="theta4", top=3, refine=False) for one in (whole, shown)]
         xr.testing.assert_identical(*(one.drop_attrs() for one in ranked))
     found = fl.check(moved)
@@ -198,7 +198,7 @@ def test_a_part_that_is_missing_or_another_is_named(what, moved):
         flip(part, part.read_bytes().index(b"Euclidean"))
     else:
         shutil.copy(moved, part)
-    for door in (fl.open, fl.summary, lambda path: fl.best(path, minimise="status"), fl.check):
+    for door in (fl.open, lambda path: fl.best(path, minimise="status"), fl.check):
         if what == "labels" and door is fl.check:
             assert str(fl.check(moved)).startswith(str(part))
         else:

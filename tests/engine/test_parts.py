@@ -100,7 +100,9 @@ def kinds(tmp_path_factory):
         ).close()
     sweep("numbered table", part="1/3", to=folder / "other 1 of 3.h5").close()
     space = fl.sobol(7, seed=1, a1=(0.3, 0.5), a2=(1.0, 1.4), a3=0.8, a4=1.0)
-    fl.sweep("planar_4r", space, ["theta4"], theta1=6, verify=0, to=folder / "sobol.h5").close()
+    fl.sweep(
+        "planar_4r", space, ["theta4"], theta1=6, verify=0, to=folder / "sobol.h5", branch=(1, 2)
+    ).close()
     return folder
 
 

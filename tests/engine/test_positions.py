@@ -27,7 +27,9 @@ def request_of(mechanism, input):
         if any(other in columns for other in result.mutually_exclusive_inputs(name)):
             del columns[name]
     quantity = next(name for name, fact in result.public.items() if result.varies(name) and not fact.flags)
-    values = fl.sweep(mechanism, fl.table(columns), [quantity], input=input, angles=VALUES)[quantity].values
+    values = fl.sweep(mechanism, fl.table(columns), [quantity], input=input, angles=VALUES, branch=(1, 2))[
+        quantity
+    ].values
     first = int(np.flatnonzero(np.isfinite(values.reshape(64, -1)).any(axis=1))[0])
     return {name: float(column[first]) for name, column in columns.items()}, quantity
 
@@ -37,7 +39,7 @@ def request_of(mechanism, input):
 def test_a_sweep_takes_positions_by_the_name_of_the_input(mechanism, input):
     design, quantity = request_of(mechanism, input)
     one, other = (
-        fl.sweep(mechanism, fl.grid(**design), [quantity], input=input, **{name: VALUES})
+        fl.sweep(mechanism, fl.grid(**design), [quantity], input=input, **{name: VALUES}, branch=(1, 2))
         for name in ("angles", input)
     )
     np.testing.assert_array_equal(other[input], VALUES)
@@ -69,10 +71,10 @@ def test_a_study_takes_positions_by_the_name_of_the_input(folder, mechanism, inp
     text += f'[cycle]\ninput = "{input}"\n'
     maps = []
     for name in ("angles", input):
-        with fl.run_study(written(f"{text}{name} = {{values = {VALUES}}}\n"), to=f"{name}.h5") as result:
+        with fl.run(written(f"{text}{name} = {{values = {VALUES}}}\n"), to=f"{name}.h5") as result:
             maps.append(result[quantity].values)
     np.testing.assert_array_equal(*maps)
-    swept = fl.sweep(mechanism, fl.grid(**design), [quantity], input=input, angles=VALUES)
+    swept = fl.sweep(mechanism, fl.grid(**design), [quantity], input=input, angles=VALUES, branch=1)
     np.testing.assert_array_equal(maps[0], swept[quantity])
 
 
@@ -84,18 +86,18 @@ def test_the_name_of_another_input_is_refused_with_the_right_one(folder, mechani
     for wrong in [*sorted(others), f"{input}_"]:
         message = rf"{re.escape(wrong)}\b.*\b{re.escape(input)}\b"
         with pytest.raises(fl.InputError, match=message):
-            fl.sweep(mechanism, fl.grid(**design), [quantity], input=input, **{wrong: VALUES})
+            fl.sweep(mechanism, fl.grid(**design), [quantity], input=input, **{wrong: VALUES}, branch=(1, 2))
         with pytest.raises(fl.InputError, match=message):
             fl.function(mechanism, list(design), [quantity], input=input, **{wrong: VALUES})
         text = f'mechanism = "{mechanism}"\nquantities = ["{quantity}"]\n[design]\n'
         text += "".join(f"{name} = {value!r}\n" for name, value in design.items())
         text += f'[cycle]\ninput = "{input}"\n{wrong} = {{values = {VALUES}}}\n'
         with pytest.raises(fl.InputError, match=rf"cycle\.{message}"):
-            fl.run_study(written(text))
+            fl.run(written(text))
 
 
 @pytest.mark.parametrize("name", ["theta1", "theta1_deg", "angles"])
 def test_a_range_of_more_positions_than_can_be_read_is_refused_at_once(name):
     design = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
     with refused(name, "at most"):
-        fl.sweep("planar_4r", design, ["theta4"], **{name: range(10**12)})
+        fl.sweep("planar_4r", design, ["theta4"], **{name: range(10**12)}, branch=(1, 2))

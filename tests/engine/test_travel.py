@@ -62,7 +62,7 @@ def of_pickled_job(data):
     ids=["values and extremes", "forces"],
 )
 def test_a_resolved_sweep_and_its_kernels_travel(elsewhere, pickler, quantities, options):
-    resolved = resolve("planar_4r", fl.grid(**LENGTHS), quantities, angles=8, **options)
+    resolved = resolve("planar_4r", fl.grid(**LENGTHS), quantities, angles=8, **{"branch": (1, 2)} | options)
     data, job = pickler.dumps(resolved), pickler.dumps(resolved.job())
     assert elsewhere(lambda data: __import__("pickle").loads(data).fingerprint, data) == resolved.fingerprint
     assert elsewhere(of_pickled_job, job) == results(resolved)
@@ -78,7 +78,7 @@ def test_every_plan_is_made_again_from_its_names(mechanism, input):
     space = {key: values for key, values in drawn.items() if key in known.known_inputs(known.variant_inputs)}
     some = [name for name, fact in known.public.items() if name not in space and "status" not in name][:3]
     options = {"input": input, "angles": np.linspace(0.1, 0.5, 4)}
-    resolved = resolve(mechanism, fl.table(space), some, allow_invalid=True, **options)
+    resolved = resolve(mechanism, fl.table(space), some, allow_invalid=True, **{"branch": (1, 2)} | options)
     again = pickle.loads(pickle.dumps(resolved))
     assert again.fingerprint == resolved.fingerprint
     assert again.plan is pickle.loads(pickle.dumps(resolved.plan))  # made once for all blocks of a sweep
@@ -139,7 +139,7 @@ def test_a_quantity_that_is_declared_otherwise_there_is_refused(elsewhere):
 
     try:
         declare("+")
-        resolved = resolve("planar_4r", fl.grid(**LENGTHS), ["some_length"])
+        resolved = resolve("planar_4r", fl.grid(**LENGTHS), ["some_length"], branch=(1, 2))
         data, job, expected = pickle.dumps(resolved), pickle.dumps(resolved.job()), results(resolved)
         declare("-")
         with refused("planar_4r", "import the modules that declare"):

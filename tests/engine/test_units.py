@@ -104,7 +104,7 @@ def study(folder, inputs, tables=""):
 
 
 def ran(path):
-    with fl.run_study(path, to=path.with_suffix(".h5"), overwrite=True, verify=0, progress=False) as maps:
+    with fl.run(path, to=path.with_suffix(".h5"), overwrite=True, verify=0, progress=False) as maps:
         return maps.load()
 
 
@@ -227,15 +227,16 @@ def test_samples_are_drawn_in_their_unit():
 def test_positions_that_are_lengths_and_turns():
     hart = {"m": 1.0, "n": 1.4, "d": 2.5, "kappa": 0.6}
     names, values = ["phi"], np.array([0.1, 0.2])
-    expected = fl.sweep("hart", fl.grid(**hart), names, input="F_y", F_y=values)
+    expected = fl.sweep("hart", fl.grid(**hart), names, input="F_y", F_y=values, branch=(1, 2))
     for positions in (
         {"F_y_mm": 1000 * values},
         {"F_y": xr.DataArray(100 * values, dims="k", attrs={"units": "cm"})},
     ):
-        xr.testing.assert_equal(fl.sweep("hart", fl.grid(**hart), names, input="F_y", **positions), expected)
+        found = fl.sweep("hart", fl.grid(**hart), names, input="F_y", **{"branch": (1, 2)} | positions)
+        xr.testing.assert_equal(found, expected)
     with refused("F_y_kg", "F_y_mm"):
-        fl.sweep("hart", fl.grid(**hart), names, input="F_y", F_y_kg=values)
-    turned = fl.sweep("planar_4r", {"a1": 0.4, **REST}, ["theta4"], theta1_turn=[0.25, 0.5])
+        fl.sweep("hart", fl.grid(**hart), names, input="F_y", F_y_kg=values, branch=(1, 2))
+    turned = fl.sweep("planar_4r", {"a1": 0.4, **REST}, ["theta4"], theta1_turn=[0.25, 0.5], branch=(1, 2))
     assert_array_equal(turned.theta1, [math.pi / 2, math.pi])
     assert turned.theta1.attrs["comment"] == "given in turn"
 
@@ -276,7 +277,7 @@ CONDITIONS = {
     "best": lambda maps, where: fl.best(maps, minimise="swing", where=where, top=9),
     "search": lambda maps, where: fl.search("planar_4r", AXES, minimise="swing", where=where, **SEARCHED),
     "plot of designs": lambda maps, where: np.concatenate(
-        [one.get_offsets() for one in maps.fastlink.plot.designs(["swing", "P_y_max"], where=where).axes[0].collections]
+        [one.get_offsets() for one in maps.fastlink.plot(["swing", "P_y_max"], where=where).axes[0].collections]
     ),
 }  # fmt: skip
 SEARCHED = {"top": 9, "refine": False, "progress": False, "links": BARS}
@@ -305,12 +306,11 @@ def test_parts_of_a_map_in_other_units(maps, tmp_path):
         assert_array_equal(part.a1, [0.4, 0.5])
         assert part.a3 == 0.8
     lines = [
-        fl.plot_map(maps, "swing", at=at).axes[0].lines[0].get_xydata()
-        for at in ({"a3": 0.7}, {"a3_mm": 700})
+        fl.plot(maps, "swing", at=at).axes[0].lines[0].get_xydata() for at in ({"a3": 0.7}, {"a3_mm": 700})
     ]
     assert_array_equal(*lines)
     with refused("a3_kg", "a3_mm"):
-        fl.plot_map(maps, "swing", at={"a3_kg": 0.7})
+        fl.plot(maps, "swing", at={"a3_kg": 0.7})
     fl.convert(maps, tmp_path / "map.h5")
     drawn = [
         fl.draw(tmp_path / "map.h5", at=at) for at in ({"a1": 0.3, "a3": 0.8}, {"a1_mm": 300, "a3_cm": 80})

@@ -18,7 +18,7 @@ def labelled(values, units):
 
 
 DOORS = {
-    "sweep": lambda given: fl.sweep("planar_4r", fl.grid({**DESIGN, **given}), ["omega4_max"]),
+    "sweep": lambda given: fl.sweep("planar_4r", fl.grid({**DESIGN, **given}), ["omega4_max"], branch=(1, 2)),
     "evaluate": lambda given: fl.evaluate("planar_4r", ["omega4"], **{**DESIGN, **given}, theta1=1.0),
     "function": lambda given: fl.function("planar_4r", ["a4"], ["omega4_max"], **without(given)),
     "curve_length": lambda given: fl.planar.curve_length({**LENGTHS, **POINT, **given}),
@@ -46,7 +46,9 @@ def test_positions_in_another_unit_are_refused(name):
     remedy = "convert it to degrees" if name.endswith("_deg") else "convert it to rad"
     unit = "turn" if name.endswith("_deg") else "mm"
     for call in (
-        lambda: fl.sweep("planar_4r", DESIGN, ["omega4"], **{name: labelled([0.1, 0.2], unit)}),
+        lambda: fl.sweep(
+            "planar_4r", DESIGN, ["omega4"], **{name: labelled([0.1, 0.2], unit)}, branch=(1, 2)
+        ),
         lambda: fl.evaluate("planar_4r", ["omega4"], **DESIGN, **{name: labelled(0.1, unit)}),
         lambda: fl.function("planar_4r", ["a4"], ["omega4"], **without({}), **{name: labelled([0.1], unit)}),
     ):
@@ -67,7 +69,7 @@ def test_labelled_degrees_are_converted_alike():
 def test_results_of_evaluate_are_labelled_as_in_a_map(name):
     angles = xr.DataArray([0.5, 1.0], dims="theta1")
     found = fl.evaluate("planar_4r", [name], **DESIGN, theta1=angles)[name]
-    swept = fl.sweep("planar_4r", DESIGN, [name], theta1=angles)[name]
+    swept = fl.sweep("planar_4r", DESIGN, [name], theta1=angles, branch=(1, 2))[name]
     for label in ("units", "long_name", "symbol", "references"):
         assert found.attrs.get(label) == swept.attrs.get(label), label
     twice = fl.evaluate("planar_4r", [name], **DESIGN, theta1=angles)[name]

@@ -213,7 +213,7 @@ def swept():
     for name, (inputs, options, names) in SWEPT.items():
         asked = [x for quantity in names for x in (quantity, f"{quantity}_error", f"{quantity}_trust")]
         asked += [f"{names[0]}_error_max", f"{MECHANISMS[name].position.name}_at_{names[0]}_error_max"]
-        found[name] = fl.sweep(name, fl.grid(**inputs), asked, **options)
+        found[name] = fl.sweep(name, fl.grid(**inputs), asked, **{"branch": (1, 2)} | options)
     return found
 
 
@@ -291,7 +291,13 @@ def test_what_has_no_bound_is_refused_in_one_line():
         ("Z0_error", "'Z0' is unknown"),
     ):
         with pytest.raises(InputError, match=about):
-            fl.sweep("planar_4r", fl.grid(a1=0.3, a2=1.2, a3=0.8, a4=1.0, omega1=25.0), [name], angles=8)
+            fl.sweep(
+                "planar_4r",
+                fl.grid(a1=0.3, a2=1.2, a3=0.8, a4=1.0, omega1=25.0),
+                [name],
+                angles=8,
+                branch=(1, 2),
+            )
     with pytest.raises(InputError, match="a linear system determines"):
         fl.evaluate("planar_4r", ["T41_error"], theta1=1.0, solver="dense", a1=0.3)
 

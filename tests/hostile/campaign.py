@@ -103,10 +103,11 @@ def namespace() -> dict[str, Any]:
     bars = fl.round_bar(density=7750.0, radius=0.01)
     options: dict[str, Any] = {"angles": 8, "threads": 1}
     to_file = options | {"overwrite": True, "verify": 0}
-    fl.sweep("planar_4r", space, ["omega4_max"], to="maps.h5", **to_file).close()
-    fl.sweep("planar_4r", space, ["omega4_max"], to="part.h5", part=(1, 1), **to_file).close()
+    fl.sweep("planar_4r", space, ["omega4_max"], to="maps.h5", **{"branch": (1, 2)} | to_file).close()
+    fl.sweep(
+        "planar_4r", space, ["omega4_max"], to="part.h5", part=(1, 1), **{"branch": (1, 2)} | to_file
+    ).close()
     focal = fl.grid(a=5.0, b=5.0, c=2.0, d=4.0, rho=1.0, completion=1)
-    figures = ("error_max", "error_99", "error_median", "ns_per_design", "missed", "values", "pareto")
     rates = [f"{name}_{end}" for name in ("shaking_force", "omega4") for end in ("max", "min")]
     rates += [f"theta1_at_{name}" for name in rates]
     linkages = fl.grid(a=1.0, b=[1.0, 7.0], g=[4.0, 3.0], h=1.0)
@@ -116,19 +117,16 @@ def namespace() -> dict[str, Any]:
         **dict(np=np, pd=pd, xr=xr, fl=fl, array=array.array, Decimal=Decimal, Fraction=Fraction, Path=Path),
         "SPACE": space,
         "BARS": bars,
-        "MAPS": fl.sweep("planar_4r", space, ["omega4_max"], **options),
+        "MAPS": fl.sweep("planar_4r", space, ["omega4_max"], **{"branch": (1, 2)} | options),
         "TORQUE": fl.sweep("planar_4r", space, ["T41_fluctuation"], links=bars, branch=1, **options),
         "RATES": fl.sweep("planar_4r", space, rates, links=bars, branch=1, threads=1),
-        "LINKAGES": fl.sweep("minkowski_4r", linkages, of_linkages, threads=1),
+        "LINKAGES": fl.sweep("minkowski_4r", linkages, of_linkages, threads=1, branch=(1, 2)),
         "RAYS": fl.focal.involution(5.0, 5.0, 2.0, 4.0, 1.369, branch=2, x=2.0, y=0.4495),
-        "PATH": fl.sweep("focal", focal, ["T_x", "T_y"], phi=8),
+        "PATH": fl.sweep("focal", focal, ["T_x", "T_y"], phi=8, branch=(1, 2)),
         "SPEED": fl.function(
             "planar_4r", ["a2", "a3"], ["omega4_max"], a1=0.4, a4=1.0, omega1=25.0, angles=8
         ),
         "COGNATE": fl.planar.cognates(a1=0.5, a2=1.0, a3=0.75, a4=2.0, P_u=0.0, P_v=2.0)[1],
-        "MEASURED": xr.Dataset(
-            {name: (("way", "quantity"), [[1.0]]) for name in figures}, {"way": ["w"], "quantity": ["q"]}
-        ),
     }
 
 

@@ -45,7 +45,11 @@ def filled(space: Any, names: Any, start: Any, stop: Any, out: Any) -> Any:
 
 def swept(space: Any, **options: Any) -> Any:
     """Return a small map of some designs."""
-    return checked(fl.sweep("planar_4r", space, ["theta4", "omega4_max"], angles=8, threads=1, **options))
+    return checked(
+        fl.sweep(
+            "planar_4r", space, ["theta4", "omega4_max"], angles=8, threads=1, **{"branch": (1, 2)} | options
+        )
+    )
 
 
 def read(data: bytes) -> Any:
@@ -65,7 +69,7 @@ def explained(data: bytes) -> str:
 def ran(data: bytes) -> Any:
     """Run a small study, and return its map, whose designs are those that it means."""
     path = written(data, "changed.toml")
-    with fl.run_study(path, to="changed.h5", overwrite=True, threads=1, progress=False) as maps:
+    with fl.run(path, to="changed.h5", overwrite=True, threads=1, progress=False) as maps:
         maps = maps.load()
     for name, wanted in meant(data).items():
         assert np.array_equal(maps[name], wanted), f"{name} is not {wanted!r}"

@@ -12,16 +12,16 @@ from tests.hostile.values import ROLES, Value, texts_of
 #: The role of an argument by its name, unless a door has another; see `values.ROLES`.
 NAMED = {
     "name": "mechanism solver layout minimise meaning of by name units rule",
-    "names": "quantities maximise inputs outputs curves show names",
+    "names": "quantities maximise inputs curves show names",
     "choice": "input backend extrema part dtype compress kind panels lines pair find",
     "flag": "overwrite restart progress allow_invalid infinite refine contributions degrees copy internal largest "
     "movable outside browser trust_code error measure",
     "count": "threads block verify top n seed designs strip frames port samples max_size start stop count",
     "mapping": "attrs select where at bounds design extra",
-    "path": "to path paths picture animate study",
+    "path": "to path paths picture animate study subject",
     "thing": "links client announce mass1 mass3 function out rng",
     "space": "space",
-    "dataset": "maps measured",
+    "dataset": "maps",
     "branch": "branch",
     "positions": "angles",
     "lengths": "a1 a2 a3 a4 a b c d g h m p q r l radius1 radius3",
@@ -216,7 +216,7 @@ DOORS = [
         )
     ),
     _door(
-        "fl.function(mechanism='planar_4r', inputs=['a2'], outputs=['omega4_max', 'transmission_angle_min'], "
+        "fl.function(mechanism='planar_4r', inputs=['a2'], quantities=['omega4_max', 'transmission_angle_min'], "
         f"{POSITIONS}, branch=1, a1=0.4, a3=0.8, a4=1.0, omega1=25.0)",
         **ONE,
     ),
@@ -235,8 +235,6 @@ DOORS = [
         "overwrite=True, progress=False)",
         {"quantities": "None"},
     ),
-    _door("fl.summary(maps=MAPS)"),
-    _door("fl.finite(maps=MAPS)", {"maps": DATASETS}),
     _door("MAPS.fastlink.status_is(dict(meaning='rotates_fully')['meaning'], of='status')"),
     _door("MAPS.fastlink.counts(of='status')"),
     _door(
@@ -281,20 +279,17 @@ DOORS = [
     ),
     _door("fl.extend('planar_4r').quantity(units='N')(function=len)", opens=False, units="", more=False),
     _door(
-        "fl.plot_map(maps=MAPS, name='omega4_max', branch=1, at=None, panels=None, lines=None, degrees=False, to=None)"
+        "fl.plot(maps=MAPS, names='omega4_max', branch=1, at=None, panels=None, lines=None, degrees=False, to=None)"
     ),
-    _door(f"fl.plot_designs(maps=MAPS, names=['omega4_max', 'a2'], kind=None, {SHOWN})"),
+    _door(f"fl.plot(maps=MAPS, names=['omega4_max', 'a2'], kind=None, {SHOWN})"),
+    _door(f"fl.plot(maps=MAPS, minimise='omega4_max', maximise=['a2'], {SHOWN})", OBJECTIVES),
     _door(
-        f"fl.plot_front(maps=MAPS, minimise='omega4_max', maximise=['a2'], {SHOWN})",
-        OBJECTIVES,
-    ),
-    _door(
-        "fl.explain(study='study.toml', measure=None, trust_code=False).title",
-        {"study": "'study.toml/a.h5'"},
+        "fl.explain(subject='study.toml', measure=None, trust_code=False).title",
+        {"subject": "'study.toml/a.h5'"},
         more=False,
     ),
     _door(
-        "fl.run_study(path='study.toml', to='out.h5', threads=1, overwrite=True, progress=False, verify=0, "
+        "fl.run(path='study.toml', to='out.h5', threads=1, overwrite=True, progress=False, verify=0, "
         "restart=False, part=None, layout='maps', client=None, trust_code=False)",
         {"layout": "None"},
     ),
@@ -304,7 +299,6 @@ DOORS = [
         {"announce": "lambda: 1   float"},
         opens=False,
     ),
-    _door("fl.accuracy_table(measured=MEASURED)"),
     # planes
     *(
         _door(f"fl.planar.{name}({CURVE}{options})", **MODES)

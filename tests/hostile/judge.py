@@ -136,13 +136,15 @@ def plain_of(result: Any) -> Any:
         return plain | {"columns": {name: np.asarray(values) for name, values in result.columns.items()}}
     if isinstance(result, Function):
         sample = np.linspace(0.7, 1.3, 3)[None].repeat(len(result.inputs), axis=0)
-        return result.inputs, result.outputs, result(sample)
+        return result.inputs, result.quantities, result(sample)
     if is_dataclass(result) and not isinstance(result, type):
         return {one.name: getattr(result, one.name) for one in fields(result)}
     if isinstance(result, fl.focal.Involution):
         return vars(result)
     if isinstance(result, pd.DataFrame):
         return result.to_dict("list")
+    if type(result).__name__ == "Page":  # whose address has a token of its own
+        return None
     if type(result).__name__ == "NotebookFigure":
         return [len(axes.get_children()) for axes in result.axes]
     return result

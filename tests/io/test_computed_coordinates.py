@@ -30,7 +30,9 @@ SPACES = {
 
 
 def sweep(space, **options):
-    return fl.sweep("planar_4r", space, NAMES, **{"verify": 1, "block": 16, "threads": 2, **options})
+    return fl.sweep(
+        "planar_4r", space, NAMES, **{"branch": (1, 2)} | {"verify": 1, "block": 16, "threads": 2, **options}
+    )
 
 
 def without_times(maps):
@@ -71,7 +73,7 @@ def test_a_file_needs_no_memory_for_them():
     axis = np.linspace(1.0, 1.2, 2155)  # 2155^3 > 10^10
     space = fl.grid(a2=axis, a3=axis - 0.3, a4=axis, a1=0.4)
     part = space.consecutive(10**9, 9 * 10**9)
-    resolved = resolve("planar_4r", part, ["grashof_class"])
+    resolved = resolve("planar_4r", part, ["grashof_class"], branch=(1, 2))
     evaluation = Evaluation(resolved, {}, 2, None, 0, in_memory=False)
     assert sum(variable.nbytes for variable, _ in evaluation.columns) == 8 * 10**9 * 8 * 4
     assert "a2" not in evaluation._coordinates()

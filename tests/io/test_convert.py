@@ -42,7 +42,7 @@ WHOLE = {
 
 def sweep(space, path, **options):
     given = {"angles": 24, "verify": 8, "overwrite": True, "threads": 1} | options
-    fl.sweep("planar_4r", space, QUANTITIES, to=path, **given).close()
+    fl.sweep("planar_4r", space, QUANTITIES, to=path, **{"branch": (1, 2)} | given).close()
     return path
 
 
@@ -106,7 +106,7 @@ def test_a_whole_map_comes_through_every_format(request, tmp_path, small_blocks,
     assert converted.designs == whole(path).designs
     assert "fingerprint" not in converted.attrs
     assert f"convert {path.name} --to {name}" in converted.history.splitlines()[-1]
-    assert "of 32" in fl.summary(made) or "of 8" in fl.summary(made)
+    assert "of 32" in fl.open(made).fastlink.summary() or "of 8" in fl.open(made).fastlink.summary()
     assert digest(path) == before
 
 
@@ -206,7 +206,7 @@ def test_columns_select_designs(sampled, tmp_path, small_blocks):
     assert part.design_kind == "table"
     assert not [name for name in part.attrs if name.startswith("design_") and name != "design_kind"]
     assert (part.source_design_kind, part.source_design_n) == ("sobol", 32)
-    again = fl.sweep("planar_4r", part.fastlink.designs, QUANTITIES, angles=24)
+    again = fl.sweep("planar_4r", part.fastlink.designs, QUANTITIES, angles=24, branch=(1, 2))
     assert_array_equal(again.theta4, part.theta4)
 
 
@@ -228,19 +228,19 @@ def test_attributes_of_a_part_are_not_those_of_the_whole(grid, tmp_path):
     assert part.source_verified_designs == 8
     assert "verified_values" not in part.theta4.attrs
     assert part.theta4.source_verified_values == whole(grid).theta4.verified_values
-    assert "of the whole map" in fl.summary(path)
+    assert "of the whole map" in fl.open(path).fastlink.summary()
 
 
 def test_a_rerun_does_not_take_a_converted_file_for_its_map(tmp_path):
     space = fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0)
     request = "planar_4r", space, ["transmission_angle_min"]
-    fl.sweep(*request, to=tmp_path / "whole.h5", verify=0).close()
-    fl.sweep(*request, to=tmp_path / "whole.h5", verify=0).close()  # taken for what it is
+    fl.sweep(*request, to=tmp_path / "whole.h5", verify=0, branch=(1, 2)).close()
+    fl.sweep(*request, to=tmp_path / "whole.h5", verify=0, branch=(1, 2)).close()  # taken for what it is
     for options in ({}, {"select": {"a2": "1.1"}}, {"dtype": "float32"}, {"compress": "gzip"}):
         fl.convert(tmp_path / "whole.h5", tmp_path / "other.h5", overwrite=True, **options)
         before = digest(tmp_path / "other.h5")
         with refused("to", "overwrite=True"):
-            fl.sweep(*request, to=tmp_path / "other.h5", verify=0)
+            fl.sweep(*request, to=tmp_path / "other.h5", verify=0, branch=(1, 2))
         assert digest(tmp_path / "other.h5") == before
 
 
@@ -267,7 +267,7 @@ def test_rounding_is_as_the_attributes_say(grid, tmp_path):
             assert maps[name].error_max_relative + unit <= array.error_max_relative <= 1.01 * unit + 1e-9
         assert "error_max_roundings" not in array.attrs
     assert part.a2.dtype == np.float64
-    assert "float32" in fl.summary(tmp_path / "f4.nc")
+    assert "float32" in fl.open(tmp_path / "f4.nc").fastlink.summary()
 
 
 def test_what_float32_cannot_hold_is_said(tmp_path):
@@ -542,7 +542,9 @@ def test_a_partial_file_of_a_sweep_is_kept(grid, tmp_path, monkeypatch):
     space = fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0)
     monkeypatch.setattr(partial_file, "publish", raising(errno.EIO))
     with refused("to"):
-        fl.sweep("planar_4r", space, ["transmission_angle_min"], to=tmp_path / "m.h5", verify=0)
+        fl.sweep(
+            "planar_4r", space, ["transmission_angle_min"], to=tmp_path / "m.h5", verify=0, branch=(1, 2)
+        )
     monkeypatch.undo()
     assert left_in(tmp_path) == ["m.h5.part", "m.h5.part.journal"]
     for options in ({}, {"compress": "gzip"}):
@@ -585,14 +587,14 @@ def test_designs_are_read_back_from_a_table(grid, tmp_path):
     space = fl.table(path)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", fl.InputWarning)  # of results that are left out
-        again = fl.sweep("planar_4r", space, ["theta4_max"])
-    straight = fl.sweep("planar_4r", whole(grid).fastlink.designs, ["theta4_max"])
+        again = fl.sweep("planar_4r", space, ["theta4_max"], branch=(1, 2))
+    straight = fl.sweep("planar_4r", whole(grid).fastlink.designs, ["theta4_max"], branch=(1, 2))
     assert_array_equal(again.theta4_max.values.reshape(-1), straight.theta4_max.values.reshape(-1))
 
 
 def test_a_table_has_one_kind_of_rows(tmp_path):
     space = fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0, omega1=25.0)
-    maps = fl.sweep("planar_4r", space, ["theta4", "omega4_extrema"], angles=8)
+    maps = fl.sweep("planar_4r", space, ["theta4", "omega4_extrema"], angles=8, branch=(1, 2))
     with refused("quantities", "choose"):
         fl.convert(maps, tmp_path / "out.csv")
     fl.convert(maps, tmp_path / "out.csv", quantities=["theta4"])
@@ -601,7 +603,7 @@ def test_a_table_has_one_kind_of_rows(tmp_path):
 
 def test_names_of_designs_come_along(tmp_path):
     table = {"name": ['crank, "A"', "b", "ü"], "a1": [0.4, 0.5, 0.6], "a2": 1.2, "a3": 0.8, "a4": 1.0}
-    maps = fl.sweep("planar_4r", fl.table(table), ["transmission_angle_min"])
+    maps = fl.sweep("planar_4r", fl.table(table), ["transmission_angle_min"], branch=(1, 2))
     names = maps["name"].values.tolist()
     for ending in ("h5", "nc", "zarr"):
         path = fl.convert(maps, tmp_path / f"out.{ending}", compress="gzip", select={"name": "b"})
@@ -649,7 +651,7 @@ def test_memory_does_not_grow_with_the_map(tmp_path, monkeypatch, name):
     as fit: 4 blocks are enough, and what is not of a size with the map: labels, HDF5's and Python's own.
     """
     space = fl.grid(a1=np.linspace(0.3, 0.5, 30), a2=np.linspace(1.1, 1.2, 30), a3=0.8, a4=1.0)
-    maps = fl.sweep("planar_4r", space, ["theta4"], angles=100, to=tmp_path / "m.h5", verify=0)
+    maps = fl.sweep("planar_4r", space, ["theta4"], angles=100, to=tmp_path / "m.h5", verify=0, branch=(1, 2))
     block = 1 << 16
     monkeypatch.setattr(convert, "BLOCK_BYTES", block)
     monkeypatch.setattr(convert, "CHUNK_BYTES", block // 4)
@@ -684,7 +686,9 @@ def test_levels_are_those_of_the_libraries():
 def test_inputs_of_many_designs_are_read_block_by_block(tmp_path, monkeypatch, name, options):
     """To the result that a few have."""
     space = fl.sobol(40, seed=1, a1=(0.3, 0.5), a2=(1.0, 1.3), a3=0.8, a4=1.0)
-    maps = fl.sweep("planar_4r", space, ["transmission_angle_min"], to=tmp_path / "maps.h5", verify=0)
+    maps = fl.sweep(
+        "planar_4r", space, ["transmission_angle_min"], to=tmp_path / "maps.h5", verify=0, branch=(1, 2)
+    )
     few, many = tmp_path / name, tmp_path / f"many-{name}"
     options |= {"select": {"design": "#3:30"}}
     fl.convert(maps, few, **options)
@@ -723,7 +727,7 @@ OF_STRANGERS = {
 def test_values_labels_and_attributes_that_are_no_numbers_are_refused(tmp_path, name):
     values, ending = OF_STRANGERS[name], ".csv" if name in ("dates", "bytes", "truths") else ".h5"
     space = fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0)
-    maps = fl.sweep("planar_4r", space, ["grashof_class"], verify=0)
+    maps = fl.sweep("planar_4r", space, ["grashof_class"], verify=0, branch=(1, 2))
     with_others = [
         maps.assign(other=("a2", values)),
         maps.assign_coords(other=("a2", values)),

@@ -185,10 +185,10 @@ def sealed(tmp_path_factory):
     space = fl.grid(a1=0.4, a2=np.linspace(1.0, 1.4, 7), a3=[0.6, 0.8], a4=1.0, omega1=25.0)
     quantities = ["omega4_max", "omega4_extrema"]
     found = {name: folder / f"{name}.h5" for name in ("map", "joined", "shown", "compressed")}
-    fl.sweep("planar_4r", space, quantities, to=found["map"]).close()
+    fl.sweep("planar_4r", space, quantities, to=found["map"], branch=(1, 2)).close()
     parts = [folder / f"part-{k}.h5" for k in (1, 2)]
     for k, part in enumerate(parts, 1):
-        fl.sweep("planar_4r", space, quantities, to=part, part=(k, 2)).close()
+        fl.sweep("planar_4r", space, quantities, to=part, part=(k, 2), branch=(1, 2)).close()
     fl.join(parts, to=found["joined"], copy=True).close()
     fl.join(parts, to=found["shown"]).close()
     fl.convert(found["map"], to=found["compressed"], compress="gzip")
@@ -251,9 +251,9 @@ def test_no_door_lets_hdf5_read_changed_labels(sealed, tmp_path):
         "best": lambda: fl.best(path, minimise="omega4_max"),
         "convert": lambda: fl.convert(path, to=tmp_path / "c.nc"),
         "join": lambda: fl.join([path], to=tmp_path / "j.h5"),
-        "summary": lambda: fl.summary(path),
-        "plot_map": lambda: fl.plot_map(path, "omega4_max", to=tmp_path / "p.png"),
-        "plot_designs": lambda: fl.plot_designs(path, ["omega4_max", "a2"], to=tmp_path / "p.png"),
+        "summary": lambda: fl.open(path).fastlink.summary(),
+        "plot_map": lambda: fl.plot(path, "omega4_max", to=tmp_path / "p.png"),
+        "plot_designs": lambda: fl.plot(path, ["omega4_max", "a2"], to=tmp_path / "p.png"),
         "draw": lambda: fl.draw(path, design=1, to=tmp_path / "d.png"),
         "tolerance": lambda: fl.tolerance(path, a1=1e-3),
         "explore": lambda: fl.explore(path, to=tmp_path / "e.html"),
@@ -263,7 +263,7 @@ def test_no_door_lets_hdf5_read_changed_labels(sealed, tmp_path):
             door()
     # what stands where a sweep is to write is no map, and is not replaced
     with pytest.raises(fl.InputError, match="and is not a map"):
-        fl.sweep("planar_4r", space, ["omega4_max"], to=path)
+        fl.sweep("planar_4r", space, ["omega4_max"], to=path, branch=(1, 2))
 
 
 @pytest.mark.parametrize("engine", ["h5netcdf", "netcdf4"])
@@ -339,7 +339,7 @@ def test_what_maps_of_strangers_do_not_hold_themselves_is_not_read(tmp_path, kin
         "check": lambda: fl.check(path),
         "best": lambda: fl.best(path, minimise="x"),
         "convert": lambda: fl.convert(path, tmp_path / "new.csv"),
-        "plot": lambda: fl.plot_map(path, "x", to=tmp_path / "new.png"),
+        "plot": lambda: fl.plot(path, "x", to=tmp_path / "new.png"),
         "explore": lambda: fl.explore(path, to=tmp_path / "new.html"),
         "join": lambda: fl.join([path], to=tmp_path / "new.h5"),
     }

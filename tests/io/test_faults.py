@@ -37,6 +37,7 @@ def sweep(to, **options):
         fl.grid(a1=0.4, a2=COUPLERS, a3=0.8, a4=1.0, omega1=2.0),
         ["omega4_max", "theta4"],
         **{"theta1": 8, "block": 8, "threads": 1, "verify": 1, "to": to, **options},
+        branch=(1, 2),
     )
 
 

@@ -23,7 +23,7 @@ def swept(path, **changes):
     request = {name: value for name, value in {**REQUEST, **changes}.items() if value is not None}
     names = [request.pop(name) for name in ("mechanism", "space", "quantities")]
     names[1] = names[1] if isinstance(names[1], fl.DesignSpace) else fl.grid(**names[1])
-    return fl.sweep(*names, to=path, **request)
+    return fl.sweep(*names, to=path, **{"branch": (1, 2)} | request)
 
 
 @pytest.fixture(scope="module")

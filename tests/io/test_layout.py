@@ -34,7 +34,11 @@ NAMES = ["omega4_max", "theta4", "omega4_extrema", "grashof_class"]
 
 def sweep(to, space=SPACES["lengths"], **options):
     return fl.sweep(
-        "planar_4r", space, NAMES, **{"theta1": 5, "threads": 1, "verify": 0, "to": to, **options}
+        "planar_4r",
+        space,
+        NAMES,
+        **{"theta1": 5, "threads": 1, "verify": 0, "to": to, **options},
+        branch=(1, 2),
     )
 
 
@@ -95,15 +99,15 @@ def test_a_study_and_the_command_line_choose_the_layout(tmp_path):
     study = tmp_path / "study.toml"
     design = "[design]\na1 = 0.4\na2 = {linspace = [1.0, 1.4, 3]}\na3 = 0.8\na4 = 1.0\n"
     study.write_text(f'{BARE}{design}[cycle]\ntheta1 = 4\n[output]\nlayout = "maps"\nverify = 0\n')
-    with fl.run_study(study, to=tmp_path / "a.h5") as found:
+    with fl.run(study, to=tmp_path / "a.h5") as found:
         assert found.theta4.dims == ("branch", "theta1", "a2")
-    with fl.run_study(study, to=tmp_path / "b.h5", layout="curves") as found:
+    with fl.run(study, to=tmp_path / "b.h5", layout="curves") as found:
         assert found.theta4.dims == ("a2", "branch", "theta1")
     study.write_text(study.read_text().replace('"maps"', '"map"'))
     with refused("output.layout", '"curves" or "maps"'):
-        fl.run_study(study, to=tmp_path / "c.h5")
+        fl.run(study, to=tmp_path / "c.h5")
     with refused("layout", "maps"):
-        fl.run_study(study, to=tmp_path / "c.h5", layout="map")
+        fl.run(study, to=tmp_path / "c.h5", layout="map")
     with refused("layout", "maps"):
         sweep(None, layout="map")
     study.write_text(study.read_text().replace('layout = "map"\n', ""))
@@ -116,14 +120,21 @@ def test_a_study_and_the_command_line_choose_the_layout(tmp_path):
 def test_functions_of_maps_read_both_layouts(tmp_path):
     space = fl.grid(a=np.linspace(4.5, 5.5, 3), b=5.0, c=2.0, d=4.0, rho=1.0, completion=1)
     given = {"input": "sigma", "sigma": np.linspace(3.3, 6.0, 9), "verify": 0, "to": tmp_path / "curves.h5"}
-    curves = fl.sweep("focal", space, ["T_x", "T_y"], **given)
-    maps = fl.sweep("focal", space, ["T_x", "T_y"], **given | {"layout": "maps", "to": tmp_path / "maps.h5"})
+    curves = fl.sweep("focal", space, ["T_x", "T_y"], **{"branch": (1, 2)} | given)
+    maps = fl.sweep(
+        "focal",
+        space,
+        ["T_x", "T_y"],
+        **{"branch": (1, 2)} | given | {"layout": "maps", "to": tmp_path / "maps.h5"},
+    )
     with curves, maps:
         deviations = [fl.focal.T_deviation(one) for one in (maps, curves)]
         assert_array_equal(deviations[0].transpose(*deviations[1].dims), deviations[1])
         best = [one.fastlink.top(4, "T_x").drop_attrs() for one in (maps, curves)]
         assert best[0].equals(best[1])
-        again = fl.sweep("focal", maps.fastlink.designs, ["T_x"], input="sigma", sigma=given["sigma"])
+        again = fl.sweep(
+            "focal", maps.fastlink.designs, ["T_x"], input="sigma", sigma=given["sigma"], branch=(1, 2)
+        )
         assert_array_equal(again.T_x, curves.T_x)
         drawn = [select(one, "T_x", 1, {"sigma": 4.0}).variable for one in (maps, curves)]
         assert_array_equal(drawn[0].transpose(*drawn[1].dims), drawn[1])
@@ -132,7 +143,7 @@ def test_functions_of_maps_read_both_layouts(tmp_path):
 def test_memory_of_blocks_that_are_put_in_order_is_counted():
     space = fl.grid(**LENGTHS | {"a2": np.linspace(1.0, 1.4, 4000)}, omega1=2.0)
     options = {"angles": 360, "positions": {}, "options": ("theta1",)}
-    curves = resolve("planar_4r", space, ["theta4", "omega4"], **options)
+    curves = resolve("planar_4r", space, ["theta4", "omega4"], **{"branch": (1, 2)} | options)
     maps = replace(curves, layout="maps")
     longer = designs_per_block(maps, 2) / designs_per_block(curves, 2)
     assert 7 < longer <= 9

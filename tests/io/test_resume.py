@@ -50,7 +50,7 @@ RUNS = {
 def sweep(to, run="grid", **options):
     space, of_run = RUNS[run]
     given = {"theta1": 8, "block": 16, "threads": 1, "verify": 1, "branch": (1, 2), "to": to}
-    return fl.sweep("planar_4r", space, NAMES, **given | of_run | options)
+    return fl.sweep("planar_4r", space, NAMES, **{"branch": (1, 2)} | given | of_run | options)
 
 
 def interrupted(monkeypatch, path, records, **options):
@@ -158,7 +158,7 @@ def test_a_sweep_may_be_interrupted_again_and_again(tmp_path, monkeypatch):
         interrupted(monkeypatch, path, 4)
     with sweep(path) as resumed, sweep(tmp_path / "whole.h5") as expected:
         assert resumed.attrs["designs_of_earlier_runs"] == 12 * 16
-        assert "resumed         192 designs from an earlier run" in fl.summary(resumed)
+        assert "resumed         192 designs from an earlier run" in resumed.fastlink.summary()
         assert_same(resumed, expected)
 
 
@@ -191,7 +191,7 @@ partial_file.Journal._commit, partial_file.Journal.add = counted, waits
 fl.sweep(
     "planar_4r",
     fl.grid(a1=0.4, a2=np.linspace(1.0, 1.4, 41), a3=np.linspace(0.6, 1.0, 31), a4=1.0, omega1=2.0),
-    ["omega4_max", "theta4", "grashof_class"], theta1=8, block=8, threads=2, to=place, verify=2,
+    ["omega4_max", "theta4", "grashof_class"], theta1=8, block=8, threads=2, to=place, verify=2, branch=(1, 2),
 )
 """
 

@@ -20,11 +20,11 @@ design = {a1 = 0.4, a2 = {linspace = [1.0, 1.3, 9]}, a3 = 0.8, a4 = 1.0}
 @pytest.fixture(scope="module")
 def maps():
     space = fl.grid(**(DESIGN | {"a2": np.linspace(1.0, 1.3, 9), "a3": [0.7, 0.8], "omega1": 1.0}))
-    return fl.sweep("planar_4r", space, ["omega4_max"], verify=0)
+    return fl.sweep("planar_4r", space, ["omega4_max"], verify=0, branch=(1, 2))
 
 
 def plot(path, maps, folder):
-    fl.plot_map(maps, "omega4_max", to=path)
+    fl.plot(maps, "omega4_max", to=path)
 
 
 def draw(path, maps, folder):
@@ -84,7 +84,7 @@ def test_an_older_file_stays_until_the_new_one_is_whole(write, key, name, maps, 
 def test_what_a_killed_run_left_is_not_replaced_by_a_measurement(tmp_path):
     path = tmp_path / "maps.h5"
     space = fl.grid(**(DESIGN | {"a2": np.linspace(1.0, 1.3, 9), "omega1": 1.0}))
-    fl.sweep("planar_4r", space, ["omega4_max"], verify=0, to=path).close()
+    fl.sweep("planar_4r", space, ["omega4_max"], verify=0, to=path, branch=(1, 2)).close()
     os.rename(path, f"{path}.part")
     with refused("to", "rename or remove it"):
         accuracy(path, None, tmp_path)

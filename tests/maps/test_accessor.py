@@ -21,7 +21,7 @@ def folder(tmp_path_factory):
 def path(folder):
     """A map with designs of several statuses, and infinite extremes."""
     space = fl.grid(a1=[0.2, 0.5, 1.0, 3.0], a2=np.linspace(0.3, 1.5, 5), a3=0.8, a4=[0.9, 1.0], omega1=25.0)
-    fl.sweep("planar_4r", space, NAMES, theta1=8, to=folder / "maps.h5", verify=2).close()
+    fl.sweep("planar_4r", space, NAMES, theta1=8, to=folder / "maps.h5", verify=2, branch=(1, 2)).close()
     return folder / "maps.h5"
 
 
@@ -83,25 +83,20 @@ def test_codes_whose_attributes_are_damaged_have_no_meanings(maps):
 def test_infinite_values_become_nan_and_are_counted(maps, path):
     infinite = np.isinf(maps.omega4_max.values)
     assert infinite.any()
-    for result in (fl.finite(maps), fl.finite(path), fl.finite(str(path)), maps.fastlink.finite()):
+    for result in (maps.fastlink.finite(), fl.open(path).fastlink.finite()):
         values = result.omega4_max.values
         assert_array_equal(values, np.where(infinite, np.nan, maps.omega4_max.values))
         assert result.omega4_max.attrs["infinite_values"] == infinite.sum()
         assert "infinite_values" not in result.theta4.attrs
     assert "infinite_values" not in maps.omega4_max.attrs
-    again = fl.finite(fl.finite(maps.omega4_max))
+    again = maps.omega4_max.fastlink.finite().fastlink.finite()
     assert again.attrs["infinite_values"] == infinite.sum()
 
 
 def test_a_finite_map_is_drawn_by_xarray(maps):
     pytest.importorskip("matplotlib").use("agg")
-    mesh = fl.finite(maps).omega4_max.isel(a4=0, branch=0).plot()
+    mesh = maps.fastlink.finite().omega4_max.isel(a4=0, branch=0).plot()
     assert np.isfinite(mesh.get_clim()).all()
-
-
-def test_what_has_no_values_to_replace_is_refused():
-    with refused("maps", "sweep"):
-        fl.finite(3)
 
 
 # -- units -----------------------------------------------------------------------------------------
@@ -253,7 +248,7 @@ def test_averages_of_codes_are_no_codes(maps):
 
 def test_stacked_maps(maps):
     stacked = maps.stack(both=("a1", "theta1"))
-    assert_array_equal(fl.finite(stacked).theta4, stacked.theta4)
+    assert_array_equal(stacked.fastlink.finite().theta4, stacked.theta4)
     assert stacked.fastlink.where_status("rotates_fully").theta4.sizes == stacked.theta4.sizes
     with refused("theta1", "unstack"):
         stacked.fastlink.degrees()
@@ -266,8 +261,8 @@ def test_a_map_whose_file_is_gone_is_refused(maps, tmp_path):
     opened.close()
     (tmp_path / "gone.h5").unlink()
     for call in (
-        lambda: fl.finite(opened),
-        lambda: fl.plot_map(opened, "omega4_max", at={"a4": 1.0}),
+        lambda: opened.fastlink.finite(),
+        lambda: fl.plot(opened, "omega4_max", at={"a4": 1.0}),
         lambda: opened.fastlink.top(1, "omega4_max"),
         opened.fastlink.counts,
         opened.fastlink.degrees,
@@ -281,7 +276,7 @@ def test_a_map_without_variables(maps):
     for call in (
         empty.fastlink.counts,
         lambda: empty.fastlink.top(1, "omega4_max"),
-        lambda: fl.plot_map(empty, "omega4_max"),
+        lambda: fl.plot(empty, "omega4_max"),
     ):
         with refused("unknown", "there is none"):
             call()

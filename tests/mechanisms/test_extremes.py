@@ -61,7 +61,14 @@ def by_name(*lengths, **others):
 
 def swept(names, lengths=CRANK, **options):
     design = dict(zip(LENGTHS, lengths, strict=True)) | {"omega1": 1.0}
-    return fl.sweep("planar_4r", fl.grid(**design), names, progress=False, allow_invalid=True, **options)
+    return fl.sweep(
+        "planar_4r",
+        fl.grid(**design),
+        names,
+        progress=False,
+        allow_invalid=True,
+        **{"branch": (1, 2)} | options,
+    )
 
 
 # -- within their bounds ----------------------------------------------------------------------------------------------
@@ -122,7 +129,7 @@ def test_forces_are_infinite_where_a_change_point_folds_under_a_load():
     links, lengths = fl.round_bar(density=7750.0, radius=0.01), (2.0, 3.0, 2.5, 2.5)
     names = ["F21_max", "F21_max_error", "F21_min", "F21_min_error"]
     space = fl.grid(**dict(zip(LENGTHS, lengths, strict=True)), omega1=1.0, gravity_y=[-9.81])
-    loaded = fl.sweep("planar_4r", space, names, links=links, progress=False)
+    loaded = fl.sweep("planar_4r", space, names, links=links, progress=False, branch=(1, 2))
     assert np.isinf(loaded["F21_max"]).all()
     assert np.isinf(loaded["F21_max_error"]).all()
     assert (loaded["F21_min_error"] < 1e-9 * loaded["F21_min"]).all()
@@ -145,7 +152,9 @@ def test_extremes_of_derivatives_are_those_at_one_input_position(entry):
     name = next(one for one in names if search_of(entry, one, designs))
     ends = [f"{name}_max", f"{name}_min"]
     found, sampled = (
-        fl.sweep(entry.mechanism, fl.table(designs), ends, input=entry.input, **QUIET, **at)
+        fl.sweep(
+            entry.mechanism, fl.table(designs), ends, input=entry.input, **{"branch": (1, 2)} | QUIET, **at
+        )
         for at in ({}, {"angles": 500, "extrema": "sampled"})
     )
     for end, sign in zip(ends, (1.0, -1.0), strict=True):
@@ -193,7 +202,7 @@ def test_an_axis_that_would_scale_results_leaves_bounds_right():
     """Left out as a product, its rounding would be missing."""
     one = swept(["omega4_max_error"])
     axis = fl.grid(**dict(zip(LENGTHS, CRANK, strict=True)), omega1=[1.0, 3.0])
-    found = fl.sweep("planar_4r", axis, ["omega4_max", "omega4_max_error"], progress=False)
+    found = fl.sweep("planar_4r", axis, ["omega4_max", "omega4_max_error"], progress=False, branch=(1, 2))
     assert "scaling_axis" not in found.attrs
     np.testing.assert_array_equal(found["omega4_max_error"][0], one["omega4_max_error"])
 
@@ -205,7 +214,7 @@ def test_verification_holds_errors_of_extremes_against_their_bounds():
         assert 0.0 <= found[name].attrs["error_max_of_bound"] <= 1.0
     assert found.attrs["verify_mismatches"] == 0
     assert found.attrs["verify_left_out"] == "theta4_min_error"  # without its value there is no error
-    assert "of the bound, of 1" in fl.summary(found)
+    assert "of the bound, of 1" in found.fastlink.summary()
     measured = MeasuredErrors("")
     measured.add_bound(0.5, 1.0, CONTEXT.mpf(1.25))
     assert measured.attrs()["error_max_of_bound"] == 0.5
@@ -270,7 +279,9 @@ def differing(entry, designs, requests):
     """Return the results that are not the same together and in requests of their own, by name."""
 
     def found(names):
-        maps = fl.sweep(entry.mechanism, fl.table(designs), names, input=entry.input, **QUIET)
+        maps = fl.sweep(
+            entry.mechanism, fl.table(designs), names, input=entry.input, **{"branch": (1, 2)} | QUIET
+        )
         return {name: maps[name].values for name in names}
 
     together = found(list(dict.fromkeys(name for names in requests for name in names)))
@@ -324,7 +335,7 @@ def test_designs_in_a_sweep_leave_each_other_alone():
         columns = by_name(*((constant, narrow)[k] for k in rows))
         columns |= {name: np.array([of[k] for k in rows]) for name, of in points.items()}
         columns["omega1"] = np.array([(1.0, -1.0)[k] for k in rows])
-        return fl.sweep("planar_4r", fl.table(columns), ["P_speed_min"]).P_speed_min.values[-1]
+        return fl.sweep("planar_4r", fl.table(columns), ["P_speed_min"], branch=(1, 2)).P_speed_min.values[-1]
 
     np.testing.assert_array_equal(least(40), least(0))
 
@@ -481,7 +492,9 @@ def counted(entry, designs, names, monkeypatch=None):
         monkeypatch.setattr(entry.catalogue, "graded", replace(entry.catalogue.graded, cells_otherwise=FINE))
     _plan.cache_clear()
     asked = [f"{name}_extrema_count" for name in names]
-    maps = fl.sweep(entry.mechanism, fl.table(designs), asked, input=entry.input, **QUIET)
+    maps = fl.sweep(
+        entry.mechanism, fl.table(designs), asked, input=entry.input, **{"branch": (1, 2)} | QUIET
+    )
     _plan.cache_clear()
     return np.stack([maps[name].transpose("design", ...).values for name in asked])
 
@@ -523,7 +536,9 @@ def test_rounding_errors_beside_the_fold_of_a_kite_are_no_extremes():
     )
     space = fl.table({"a1": a, "a2": b, "a3": b, "a4": a, "omega1": np.full(2, 25.0)})
     bars = fl.round_bar(density=7750.0, radius=0.01)
-    counts = fl.sweep("planar_4r", space, ["F32_extrema_count"], links=bars, verify=0).F32_extrema_count
+    counts = fl.sweep(
+        "planar_4r", space, ["F32_extrema_count"], links=bars, verify=0, branch=(1, 2)
+    ).F32_extrema_count
     assert np.all(counts == 0)
 
 

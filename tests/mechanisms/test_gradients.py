@@ -83,7 +83,14 @@ def test_derivatives_of_extremes_of_many_designs(entry):
 
 def swept(names, lengths=(0.4, 1.2, 0.8, 1.0), omega1=1.0, point=(), **options):
     design = dict(zip(LENGTHS, lengths, strict=True)) | {"omega1": omega1} | dict(point)
-    return fl.sweep("planar_4r", fl.grid(**design), names, progress=False, allow_invalid=True, **options)
+    return fl.sweep(
+        "planar_4r",
+        fl.grid(**design),
+        names,
+        progress=False,
+        allow_invalid=True,
+        **{"branch": (1, 2)} | options,
+    )
 
 
 @pytest.mark.sample(2)
@@ -142,7 +149,9 @@ def test_mechanisms_without_a_graded_range_have_derivatives_of_samples():
 
     def extreme(name, **moved):
         space = fl.grid(**design | moved)
-        return fl.sweep("minkowski_4r", space, [name], progress=False, allow_invalid=True)[name]
+        return fl.sweep("minkowski_4r", space, [name], progress=False, allow_invalid=True, branch=(1, 2))[
+            name
+        ]
 
     found = extreme("d_A_y_max_d_a")
     difference = (extreme("A_y_max", a=1.0 + h) - extreme("A_y_max", a=1.0 - h)) / (2.0 * h)
@@ -193,7 +202,9 @@ def test_an_extreme_at_a_limit_of_motion_changes_with_what_moves_the_limit_alone
     # where the crank turns fully, nothing moves
     assert (swept(["d_A_y_max_d_a3"])["d_A_y_max_d_a3"] == 0.0).all()
     tolerances = {"a1": 1.0, "a2": 0.6, "a3": 0.7, "a4": 1.2, "a3_tolerance": 1e-4}
-    changed = fl.sweep("planar_4r", fl.grid(tolerances), ["A_y_max_worst_change"], progress=False)
+    changed = fl.sweep(
+        "planar_4r", fl.grid(tolerances), ["A_y_max_worst_change"], progress=False, branch=(1, 2)
+    )
     assert (changed["A_y_max_worst_change"] > 1e-5).all()
 
 
@@ -211,6 +222,7 @@ def test_an_angle_that_folds_at_pi_keeps_its_greatest_value():
         fl.grid(**bars, rho=-0.21249720035072545, omega=1.9386164640461634, completion=1),
         [*names, "transmission_angle_P_max_gradient_status"],
         verify=0,
+        branch=(1, 2),
     )
     assert (found[names[0]] > np.pi - 1e-15).all()
     assert (found[names[1]] == 0.0).all()

@@ -47,9 +47,9 @@ def assert_alike(mechanism: str, input: str | None, designs: dict[str, np.ndarra
     assert of.graded is not None
     ends = [f"{name}_{end}" for name in of.graded.known for end in ("max", "min")]
     names = [name + part for name in ends for part in ("", "_error")]
-    known = fl.sweep(mechanism, fl.table(designs), names, input=input)
+    known = fl.sweep(mechanism, fl.table(designs), names, input=input, branch=(1, 2))
     with searched(of):
-        found = fl.sweep(mechanism, fl.table(designs), names, input=input)
+        found = fl.sweep(mechanism, fl.table(designs), names, input=input, branch=(1, 2))
     for name in ends:
         one, other = known[name].values, found[name].values
         bound, other_bound = known[f"{name}_error"].values, found[f"{name}_error"].values
@@ -97,9 +97,9 @@ def test_places_are_those_of_a_search_and_hold_the_extreme():
     designs = dict(zip(LENGTHS, np.random.default_rng(1).uniform(0.2, 2.0, (4, 400)), strict=True))
     names = [f"{name}_{end}" for name in ("theta4", "B_x") for end in ("max", "min")]
     places = [f"theta1_at_{name}" for name in names]
-    known = fl.sweep("planar_4r", fl.table(designs), [*names, *places])
+    known = fl.sweep("planar_4r", fl.table(designs), [*names, *places], branch=(1, 2))
     with searched(catalogue("planar_4r")):
-        found = fl.sweep("planar_4r", fl.table(designs), places)
+        found = fl.sweep("planar_4r", fl.table(designs), places, branch=(1, 2))
     for name, place in zip(names, places, strict=True):
         apart = abs(known[place] - found[place]).values
         # a place where the slope is 0 to a rounding is known to its root
@@ -118,9 +118,9 @@ def test_derivatives_of_known_extremes_are_those_that_a_search_finds(quantity):
     ends = [f"{quantity}_{end}" for end in ("max", "min")]
     slopes = [f"d_{of}_d_{by}" for end in ends for of in (end, f"theta1_at_{end}") for by in LENGTHS]
     names = [*slopes, *(f"{end}_gradient_status" for end in ends)]
-    known = fl.sweep("planar_4r", fl.table(designs), names)
+    known = fl.sweep("planar_4r", fl.table(designs), names, branch=(1, 2))
     with searched(catalogue("planar_4r")):
-        found = fl.sweep("planar_4r", fl.table(designs), names)
+        found = fl.sweep("planar_4r", fl.table(designs), names, branch=(1, 2))
     for end in ends:
         assert np.array_equal(known[f"{end}_gradient_status"], found[f"{end}_gradient_status"])
     for name in slopes:
@@ -134,7 +134,9 @@ def test_what_is_known_is_not_searched():
     names = ["transmission_angle_max", "omega4_max", "theta4_extrema"]
     kinds = [type(p) is KnownProgram for p in make_plan(planar, names, given=list(planar.inputs)).programs]
     assert sorted(kinds) == [False, False, True] or sorted(kinds) == [False, True]
-    text = fl.explain("planar_4r", fl.grid(a1=1, a2=2, a3=2, a4=3), ["theta4_max"]).text(kernels=True)
+    text = fl.explain("planar_4r", fl.grid(a1=1, a2=2, a3=2, a4=3), ["theta4_max"], branch=(1, 2)).text(
+        kernels=True
+    )
     assert "theta4_max; known extremes, which are not searched, of theta4" in text
     by_crank = catalogue("focal", "sigma")
     asked, given = ["transmission_angle_P_max"], ["a", "b", "c", "d", "lambda_", "completion"]

@@ -54,7 +54,7 @@ def test_reductions_run_over_positions_that_assemble(mechanism: str, drive: str)
     assert part.sum() > 5
     asked = [*(f"{name}_{how}" for how in REDUCED), f"{drive}_at_{name}_max"]
     options = {"input": drive, "branch": 1, "verify": 0, drive: positions, "extrema": "sampled"}
-    maps = fl.sweep(mechanism, fl.table(design), asked, **options)
+    maps = fl.sweep(mechanism, fl.table(design), asked, **{"branch": (1, 2)} | options)
     for k in np.flatnonzero(part):
         values = np.broadcast_to(found[name], closes.shape)[k][closes[k]]
         for how, reduce in REDUCED.items():
@@ -78,7 +78,9 @@ def test_a_mean_over_the_motion_is_an_integral() -> None:
 
 def test_what_never_assembles_has_no_mean() -> None:
     names = ["A_x_mean", "A_x_rms", "A_x_max", "status"]
-    maps = fl.sweep("planar_4r", fl.grid(a1=1.0, a2=0.1, a3=0.2, a4=5.0), names, theta1=36, verify=0)
+    maps = fl.sweep(
+        "planar_4r", fl.grid(a1=1.0, a2=0.1, a3=0.2, a4=5.0), names, theta1=36, verify=0, branch=(1, 2)
+    )
     assert all(np.isnan(maps[name]).all() for name in names[:3])
 
 
@@ -96,7 +98,16 @@ def test_derivatives_of_means_count_the_same_positions() -> None:
 def test_the_verification_counts_the_same_positions(tmp_path: Any) -> None:
     names = ["A_x_mean", "A_y_rms", "G1_x_max", "v1_dot_min", "A_x_min"]
     space = fl.grid(a1=np.linspace(0.5, 1.5, 8), a2=0.6, a3=0.7, a4=1.2, G1_u=0.3, G1_v=0.1, omega1=2.0)
-    maps = fl.sweep("planar_4r", space, names, theta1=60, extrema="sampled", to=tmp_path / "map.h5", verify=8)
+    maps = fl.sweep(
+        "planar_4r",
+        space,
+        names,
+        theta1=60,
+        extrema="sampled",
+        to=tmp_path / "map.h5",
+        verify=8,
+        branch=(1, 2),
+    )
     assert all(maps[name].attrs["verify_mismatches"] == 0 for name in names)
     assert all(maps[name].attrs["error_max_relative"] < 1e-14 for name in names)
 
@@ -120,7 +131,7 @@ def test_a_peak_is_the_greatest_magnitude(mechanism: str, part: int) -> None:
     for extrema in ("refined", "sampled"):
         has_slope = extrema == "refined" and part == SLOPED
         asked += [f"d_{names[0]}_{how}_d_{first}" for how in EXTREMES if has_slope]
-        maps = fl.sweep(mechanism, fl.table(design), asked, extrema=extrema, verify=0)
+        maps = fl.sweep(mechanism, fl.table(design), asked, extrema=extrema, verify=0, branch=(1, 2))
         for name in names:
             high, low, peak = (maps[f"{name}_{how}"].values for how in EXTREMES)
             np.testing.assert_array_equal(peak, np.maximum(high, -low), err_msg=name)
@@ -136,7 +147,7 @@ def test_a_peak_is_the_greatest_magnitude(mechanism: str, part: int) -> None:
 def test_a_peak_has_an_error_bound_and_is_verified() -> None:
     names = ["alpha4_peak", "alpha4_peak_error", "alpha4_max_error", "alpha4_min_error", "theta4_peak"]
     space = fl.grid(a1=0.3, a2=np.linspace(0.6, 1.2, 7), a3=0.8, a4=1.0, omega1=2.0)
-    maps = fl.sweep("planar_4r", space, names, verify=7)
+    maps = fl.sweep("planar_4r", space, names, verify=7, branch=(1, 2))
     assert maps.alpha4_peak.attrs["long_name"].endswith("greatest magnitude over the cycle")
     assert maps.attrs["verify_mismatches"] == 0
     assert maps.alpha4_peak.attrs["independent_max_difference"] < 1e-30  # of 50 digits

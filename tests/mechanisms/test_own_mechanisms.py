@@ -63,13 +63,15 @@ def test_extremes_of_a_sheet_are_those_of_the_mechanism_that_is_built_in(tmp_pat
     rng = np.random.default_rng(11)
     design = {"r": rng.uniform(0.5, 1.5, 40), "l": rng.uniform(0.5, 3.0, 40), "e": rng.uniform(-0.6, 0.6, 40)}
     space = fl.table({**design, "omega": np.full(40, 2.0)})
-    own = fl.sweep(mine, space, ["x_max", "x_min", "velocity_max"])
+    own = fl.sweep(mine, space, ["x_max", "x_min", "velocity_max"], branch=(1, 2))
     theirs = {
         "slider_position_max": "x_max",
         "slider_position_min": "x_min",
         "slider_velocity_max": "velocity_max",
     }
-    known = fl.sweep("slider_crank", fl.table({**design, "omega": np.full(40, 2.0)}), list(theirs))
+    known = fl.sweep(
+        "slider_crank", fl.table({**design, "omega": np.full(40, 2.0)}), list(theirs), branch=(1, 2)
+    )
     differ = 0
     for name, other in theirs.items():
         one, two = known[name].values, own[other].values
@@ -86,7 +88,7 @@ def test_a_sheet_stands_for_a_mechanism_at_every_door(tmp_path, monkeypatch, qui
     monkeypatch.chdir(tmp_path)
     design = {"r": [0.1, 0.12], "d": 0.2, "e": 0.02, "omega": 1.0}
     names = ["psi_rate_max", "psi_rate_extrema", "psi_error_max"]
-    maps = fl.sweep(quick_return, design, names, to="m.h5")
+    maps = fl.sweep(quick_return, design, names, to="m.h5", branch=(1, 2))
     assert maps.attrs["mechanism_sheet"] == QUICK_RETURN
     assert maps.attrs["verify_mismatches"] == 0
     assert maps.psi_rate_max.attrs["independent_max_difference"] < 1e-40
@@ -95,7 +97,8 @@ def test_a_sheet_stands_for_a_mechanism_at_every_door(tmp_path, monkeypatch, qui
     assert len(fl.best("m.h5", maximise="psi_rate_max", refine=True).psi_rate_max) == 2
     Path("study.toml").write_text(
         f'mechanism = "quick_return.facts"\nquantities = {names}\n'
-        '[design]\nr = { values = [0.1, 0.12] }\nd = 0.2\ne = 0.02\nomega = 1.0\n[output]\nfile = "s.h5"\n'
+        "[design]\nr = { values = [0.1, 0.12] }\nd = 0.2\ne = 0.02\nomega = 1.0\n"
+        '[cycle]\nbranch = [1, 2]\n[output]\nfile = "s.h5"\n'
     )
     for line in (
         "run study.toml",
@@ -120,7 +123,9 @@ def test_a_wrong_formula_of_a_sheet_is_a_mismatch_with_its_loops(tmp_path):
     )
     mine = fl.mechanism(written(tmp_path, wrong))
     design = {"r": 0.1, "d": 0.2, "e": 0.02, "omega": 1.0}
-    with fl.sweep(mine, design, ["slide_rate", "psi_rate"], theta=5, to=tmp_path / "m.h5") as maps:
+    with fl.sweep(
+        mine, design, ["slide_rate", "psi_rate"], theta=5, to=tmp_path / "m.h5", branch=(1, 2)
+    ) as maps:
         assert maps.slide_rate.attrs["independent_max_difference"] > 1e-8
         assert maps.psi_rate.attrs["independent_max_difference"] < 1e-40
         assert maps.attrs["verify_mismatches"] > 0

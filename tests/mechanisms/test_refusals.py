@@ -34,7 +34,12 @@ def test_every_mechanism_refuses_in_the_same_words(mechanism, drive):
         (moving, {}, {"angles": 5, drive: [0.1]}, f"{drive}: angles are given too", "one of them"),
     ):
         with refused(key, remedy):
-            fl.sweep(mechanism, fl.grid(**design | changes), [asked], **{"input": drive} | options)
+            fl.sweep(
+                mechanism,
+                fl.grid(**design | changes),
+                [asked],
+                **{"branch": (1, 2)} | {"input": drive} | options,
+            )
 
 
 @pytest.mark.parametrize(
@@ -79,4 +84,4 @@ def test_every_mechanism_refuses_in_the_same_words(mechanism, drive):
 )
 def test_what_a_mechanism_has_not_is_told(mechanism, design, name, options, key, remedy):
     with refused(key, remedy):
-        fl.sweep(mechanism, fl.grid(**design), [name], **options)
+        fl.sweep(mechanism, fl.grid(**design), [name], **{"branch": (1, 2)} | options)

@@ -24,7 +24,9 @@ NAMES = ["omega4_max", "transmission_angle_min"]
 def maps():
     """Designs of every status, in three dimensions."""
     space = fl.grid(a1=A1, a2=np.linspace(0.3, 1.5, 5), a3=0.8, a4=[0.9, 1.0], omega1=25.0)
-    return fl.sweep("planar_4r", space, [*NAMES, "theta1_at_omega4_max", "grashof_class", "time_ratio"])
+    return fl.sweep(
+        "planar_4r", space, [*NAMES, "theta1_at_omega4_max", "grashof_class", "time_ratio"], branch=(1, 2)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -32,7 +34,7 @@ def path(tmp_path_factory):
     """The file of a map with curves, of which it has one value along the ground link."""
     path = tmp_path_factory.mktemp("maps") / "maps.h5"
     space = fl.grid(a1=A1, a2=np.linspace(0.3, 1.5, 5), a3=0.8, a4=1.0, omega1=25.0)
-    fl.sweep("planar_4r", space, ["omega4_max", "theta4"], theta1=8, to=path, verify=0).close()
+    fl.sweep("planar_4r", space, ["omega4_max", "theta4"], theta1=8, to=path, verify=0, branch=(1, 2)).close()
     return path
 
 
@@ -46,7 +48,7 @@ def flat(path):
 def curves():
     """One design that assembles over part of the turn."""
     space = fl.grid(a1=1.2, a2=1.3, a3=0.8, a4=1.0, omega1=25.0)
-    return fl.sweep("planar_4r", space, ["omega4", "theta4", "omega4_max"], theta1=90)
+    return fl.sweep("planar_4r", space, ["omega4", "theta4", "omega4_max"], theta1=90, branch=(1, 2))
 
 
 @pytest.fixture(scope="module")
@@ -54,12 +56,12 @@ def types():
     """Minkowskian linkages of many types."""
     lengths = np.linspace(0.125, 4.0, 32)
     names = ["linkage_type", "assembly_count_future", "theta_max"]
-    return fl.sweep("minkowski_4r", fl.grid(a=lengths, b=lengths, g=1.0, h=1.0), names)
+    return fl.sweep("minkowski_4r", fl.grid(a=lengths, b=lengths, g=1.0, h=1.0), names, branch=(1, 2))
 
 
 def drawn(maps, name, **options):
     """Draw all of a picture, text too."""
-    figure = fl.plot_map(maps, name, **options)
+    figure = fl.plot(maps, name, **options)
     figure.draw_without_rendering()
     return figure
 
@@ -95,7 +97,7 @@ def finite(values):
 
 
 def test_a_map_shows_the_values_where_they_belong(maps):
-    figure = fl.plot_map(maps, "omega4_max", branch=2, at={"a4": 0.97})
+    figure = fl.plot(maps, "omega4_max", branch=2, at={"a4": 0.97})
     (axes,) = panels(figure)
     expected = maps["omega4_max"].sel(branch=2, a4=1.0).transpose("a2", "a1").values
     assert_array_equal(cells(axes), finite(expected))
@@ -107,7 +109,7 @@ def test_a_map_shows_the_values_where_they_belong(maps):
     # the nearest
     assert figure.get_suptitle().endswith("greatest over the cycle\n$a_{4}$ = 1 m, assembly mode 2")
     assert "$a_{3}$ = 0.8 m" in figure.get_supxlabel()
-    shuffled = fl.plot_map(maps.isel(a1=[2, 0, 3, 1]), "omega4_max", branch=2, at={"a4": 1.0})
+    shuffled = fl.plot(maps.isel(a1=[2, 0, 3, 1]), "omega4_max", branch=2, at={"a4": 1.0})
     assert_array_equal(cells(panels(shuffled)[0]), finite(expected))
 
 
@@ -115,7 +117,7 @@ def test_what_has_no_value_or_grows_without_bound_is_marked_and_in_the_legend(ma
     values = maps["omega4_max"].sel(branch=1, a4=1.0).T
     assert np.isnan(values).any()
     assert np.isposinf(values).any()
-    figure = fl.plot_map(maps, "omega4_max", at={"a4": 1.0})
+    figure = fl.plot(maps, "omega4_max", at={"a4": 1.0})
     (axes,) = panels(figure)
     assert axes.get_facecolor() == mpl.colors.to_rgba(ABSENT)
     assert_array_equal(np.isnan(cells(axes)), ~np.isfinite(values))
@@ -124,19 +126,19 @@ def test_what_has_no_value_or_grows_without_bound_is_marked_and_in_the_legend(ma
     assert "does not assemble" in text
     assert WITHOUT_BOUND in text
     assert "never" not in text
-    line = fl.plot_map(maps, "omega4_max", branch=1, at={"a4": 1.0, "a2": float(maps.a2[0])})
+    line = fl.plot(maps, "omega4_max", branch=1, at={"a4": 1.0, "a2": float(maps.a2[0])})
     assert WITHOUT_BOUND in legend(line)
-    assert legend(fl.plot_map(maps.isel(a1=0, a2=[2, 3]), NAMES[1])) == []
+    assert legend(fl.plot(maps.isel(a1=0, a2=[2, 3]), NAMES[1])) == []
     partial = maps.sel(a4=1.0).isel(a1=[1, 2], a2=[2, 3])
-    assert "has no value" in (found := legend(fl.plot_map(partial, "time_ratio")))
+    assert "has no value" in (found := legend(fl.plot(partial, "time_ratio")))
     assert "does not assemble" not in found
-    assert any("assembles over part of the turn" in word for word in legend(fl.plot_map(partial, NAMES[1])))
+    assert any("assembles over part of the turn" in word for word in legend(fl.plot(partial, NAMES[1])))
 
 
 def test_gaps_along_a_sample_are_one_shape_however_many_they_are():
     space = fl.sobol(512, a1=(0.05, 2.0), a2=(0.05, 2.0), a3=(0.05, 2.0), a4=1.0, omega1=1.0)
     sample = fl.sweep("planar_4r", space, ["omega4_max"], branch=1)
-    (axis,) = fl.plot_map(sample, "omega4_max").axes
+    (axis,) = fl.plot(sample, "omega4_max").axes
     (line,) = axis.get_lines()
     assert line.get_linestyle() == "None"
     assert_array_equal(line.get_xdata(), np.arange(512))
@@ -151,14 +153,14 @@ def test_gaps_along_a_sample_are_one_shape_however_many_they_are():
 
 
 def test_modes_that_agree_are_one_panel_and_others_two(maps):
-    assert len(panels(fl.plot_map(maps, "omega4_max", at={"a4": 1.0}))) == 1
-    differ = panels(fl.plot_map(maps, "theta1_at_omega4_max", at={"a4": 1.0}))
-    assert [axes.get_title() for axes in differ] == ["assembly mode 1", "assembly mode 2"]
+    assert len(panels(fl.plot(maps, "omega4_max", at={"a4": 1.0}))) == 1
+    differ = panels(fl.plot(maps, "theta1_at_omega4_max", at={"a4": 1.0}))
+    assert [axes.get_title() for axes in differ] == ["branch 1", "branch 2"]
     assert_array_equal(cells(differ[1]), maps["theta1_at_omega4_max"].sel(branch=2, a4=1.0).T)
 
 
 def test_a_code_of_many_values_has_a_legend_beside_the_axes(types):
-    figure = fl.plot_map(types, "linkage_type")
+    figure = fl.plot(types, "linkage_type")
     codes = types["linkage_type"].attrs["flag_values"].tolist()
     meanings = types["linkage_type"].attrs["flag_meanings"].split()
     present = [meanings[codes.index(code)].replace("_", " ") for code in np.unique(types["linkage_type"])]
@@ -184,21 +186,23 @@ def test_a_code_of_many_values_has_a_legend_beside_the_axes(types):
 
 def test_codes_and_counts(types):
     space = fl.grid(a=1.0, b=1.0, g=np.linspace(1.0, 4.0, 5), h=1.0)
-    figure = fl.plot_map(fl.sweep("minkowski_4r", space, ["CB_orientation"]), "CB_orientation", branch=1)
+    figure = fl.plot(
+        fl.sweep("minkowski_4r", space, ["CB_orientation"], branch=(1, 2)), "CB_orientation", branch=1
+    )
     assert set(legend(figure)) <= {"past pointing", "none", "future pointing"}
     assert set(np.unique(panels(figure)[0].collections[0].get_array().compressed())) <= {0.0, 1.0, 2.0}
-    figure = fl.plot_map(types, "assembly_count_future")
+    figure = fl.plot(types, "assembly_count_future")
     (axes,) = panels(figure)
     assert len(axes.collections) == 1  # steps, and no contours
     assert_array_equal(axes.collections[0].get_clim(), (0.5, 3.5))
     assert legend(figure) == []
     # theta_max is where a design assembles over part of theta only: a veil would cover all that there is
-    assert legend(fl.plot_map(types, "theta_max")) == ["has no value"]
+    assert legend(fl.plot(types, "theta_max")) == ["has no value"]
 
 
 def test_very_large_maps_are_thinned():
     space = fl.grid(a1=np.linspace(0.1, 0.3, 4000), a2=[1.1, 1.2], a3=0.8, a4=1.0)
-    figure = fl.plot_map(fl.sweep("planar_4r", space, ["status"]), "status")
+    figure = fl.plot(fl.sweep("planar_4r", space, ["status"], branch=(1, 2)), "status")
     assert cells(panels(figure)[0]).shape == (2, 1334)
 
 
@@ -219,11 +223,13 @@ def solid():
     space = fl.grid(
         a1=np.linspace(0.2, 0.9, 8), a2=np.linspace(0.6, 1.4, 5), a3=[0.7, 0.8, 0.9], a4=1.0, omega1=25.0
     )
-    return fl.sweep("planar_4r", space, ["omega4_max", "theta1_at_omega4_max", "grashof_class"], verify=0)
+    return fl.sweep(
+        "planar_4r", space, ["omega4_max", "theta1_at_omega4_max", "grashof_class"], verify=0, branch=(1, 2)
+    )
 
 
 def test_a_grid_has_a_map_for_values_over_the_whole_input(solid):
-    figure = fl.plot_map(solid, "omega4_max", panels="a1", branch=1)
+    figure = fl.plot(solid, "omega4_max", panels="a1", branch=1)
     axes, shown = (
         panels(figure),
         solid.a1.values[[0, 1, 3, 4, 6, 7]],
@@ -244,13 +250,13 @@ def test_a_grid_has_a_map_for_values_over_the_whole_input(solid):
 
 
 def test_assembly_modes_that_differ_have_a_row_each_and_codes_a_legend(solid):
-    axes = panels(fl.plot_map(solid, "theta1_at_omega4_max", panels="a1"))
-    rows = ["assembly mode 1"] * 3 + ["assembly mode 2"] * 3
+    axes = panels(fl.plot(solid, "theta1_at_omega4_max", panels="a1"))
+    rows = ["branch 1"] * 3 + ["branch 2"] * 3
     assert [axis.get_title().partition(",")[0] for axis in axes] == rows
-    figure = fl.plot_map(solid, "omega4_max", panels="a1")
+    figure = fl.plot(solid, "omega4_max", panels="a1")
     assert len(panels(figure)) == 6
-    assert figure.get_suptitle().endswith("assembly modes 1 and 2 (they agree)")
-    codes = panels(fl.plot_map(solid, "grashof_class", panels="a3"))
+    assert figure.get_suptitle().endswith("branches 1 and 2 (they agree)")
+    codes = panels(fl.plot(solid, "grashof_class", panels="a3"))
     assert (len(codes), "crank rocker" in words(codes[-1])) == (3, True)
 
 
@@ -258,24 +264,24 @@ def test_assembly_modes_that_differ_have_a_row_each_and_codes_a_legend(solid):
 
 
 def test_curves_are_a_line_for_each_mode(curves):
-    figure = fl.plot_map(curves, "omega4")
-    assert legend(figure) == ["assembly mode 1", "assembly mode 2", "does not assemble"]
+    figure = fl.plot(curves, "omega4")
+    assert legend(figure) == ["branch 1", "branch 2", "does not assemble"]
     for branch, line in zip((1, 2), figure.axes[0].get_lines(), strict=True):
         assert_array_equal(line.get_ydata(), curves["omega4"].sel(branch=branch))
         assert_array_equal(line.get_xdata(), curves["theta1"])
     assert [text.get_text() for text in figure.axes[0].get_xticklabels()][2] == r"$\pi$"
-    (line,) = fl.plot_map(curves, "omega4", branch=2).axes[0].get_lines()
+    (line,) = fl.plot(curves, "omega4", branch=2).axes[0].get_lines()
     assert_array_equal(line.get_ydata(), curves["omega4"].sel(branch=2))
 
 
 def test_a_line_for_each_value_of_an_input(solid):
-    figure = fl.plot_map(solid, "omega4_max", lines="a1", at={"a3": 0.8}, branch=2)
+    figure = fl.plot(solid, "omega4_max", lines="a1", at={"a3": 0.8}, branch=2)
     lines = [line for line in panels(figure)[0].get_lines() if line.get_linestyle() != "None"]
     assert len(lines) == len({line.get_color() for line in lines}) == 6
     values = solid.omega4_max.sel(branch=2, a1=0.2, a3=0.8).values
     assert_array_equal(finite(lines[0].get_ydata()), finite(values))
     assert legend(figure)[0] == "$a_{1}$ = 0.2 m"
-    both = fl.plot_map(solid, "theta1_at_omega4_max", lines="a1", at={"a3": 0.8})
+    both = fl.plot(solid, "theta1_at_omega4_max", lines="a1", at={"a3": 0.8})
     assert {line.get_linestyle() for line in panels(both)[0].get_lines()} == {"-", "--", "None"}
 
 
@@ -285,7 +291,7 @@ def test_a_change_point_is_a_dot_and_what_grows_without_bound_a_bar_of_its_line(
     maps = fl.sweep(
         "planar_4r", space, ["shaking_force_max"], branch=1, links=fl.round_bar(7750.0, 0.01), verify=0
     )
-    (axis,) = fl.plot_map(maps, "shaking_force_max", lines="a4").axes
+    (axis,) = fl.plot(maps, "shaking_force_max", lines="a4").axes
     dots = [line for line in axis.get_lines() if line.get_linestyle() == "None"]
     ((place, value),) = [line.get_xydata()[0] for line in dots]
     at = maps.shaking_force_max.sel(a4=0.8)
@@ -297,7 +303,7 @@ def test_a_change_point_is_a_dot_and_what_grows_without_bound_a_bar_of_its_line(
     assert_allclose(bar_of_line.get_facecolor()[0], line.get_color())
     assert bar_of_line.get_paths()[0].get_extents().y0 > 0.9
     assert_allclose(bar_of_line.get_paths()[0].get_extents().intervalx, [1.225, 1.4])
-    alone = fl.plot_map(maps.sel(a4=0.8), "shaking_force_max").axes[0]
+    alone = fl.plot(maps.sel(a4=0.8), "shaking_force_max").axes[0]
     assert alone.collections[0].get_paths()[0].get_extents().y0 == 0.0
     assert words(alone) == [WITHOUT_BOUND, "change point"]  # and no entry of the one line
 
@@ -318,7 +324,7 @@ def test_change_points_along_a_line_of_cells_are_dots_and_contours_have_room():
         links=fl.round_bar(7750.0, 0.01),
         verify=0,
     )
-    figure = fl.plot_map(maps, "shaking_force_max")
+    figure = fl.plot(maps, "shaking_force_max")
     (axis,) = panels(figure)
     (dots,) = axis.get_lines()
     there = maps.status.values == maps.status.attrs["flag_meanings"].split().index("change_point")
@@ -344,12 +350,12 @@ def test_angles_in_degrees_along_axes_and_in_colours(flat):
     assert_allclose(curve.get_xlim(), (0.0, 360.0))
     assert [text.get_text() for text in curve.get_xticklabels()] == ["0", "90", "180", "270", "360"]
     with refused("theta1", "315"):
-        fl.plot_map(flat, "theta4", at={"theta1": 400.0}, degrees=True)
+        fl.plot(flat, "theta4", at={"theta1": 400.0}, degrees=True)
 
 
 def test_an_angle_that_passes_half_a_turn_is_cut_and_has_cyclic_colours():
     space = fl.grid(a1=1.2, a2=np.linspace(1.0, 2.0, 6), a3=0.8, a4=1.0)
-    wide, lines = fl.sweep("planar_4r", space, ["theta4"], theta1=40), []
+    wide, lines = fl.sweep("planar_4r", space, ["theta4"], theta1=40, branch=(1, 2)), []
     for degrees, half in ((False, np.pi), (True, 180.0)):
         (axes,) = panels(drawn(wide, "theta4", branch=2, degrees=degrees))
         assert axes.get_ylabel().endswith(rf"$\theta_{{1}}$ [{'°' if degrees else 'rad'}]")
@@ -395,9 +401,9 @@ CHANGES = {
 def test_whatever_became_of_a_map_is_drawn(flat, change):
     changed = change(flat.isel(branch=[0]))
     if "mode" in changed.dims:  # no assembly modes any more, but one dimension too many
-        assert fl.plot_map(changed, "state")
+        assert fl.plot(changed, "state")
         changed = changed.isel(mode=0)
-    assert fl.plot_map(changed, "omega4_max")
+    assert fl.plot(changed, "omega4_max")
 
 
 def test_labels_of_designs_stand_along_the_axis_as_they_are(path, flat):
@@ -411,7 +417,7 @@ def test_labels_of_designs_stand_along_the_axis_as_they_are(path, flat):
         shown = [text.get_text() for text in panels(figure)[0].get_xticklabels()]
         assert shown == ["north", "east", "south", "west"]
     with refused("a1", "isel"):
-        fl.plot_map(named, "omega4_max", at={"a1": 1.0})
+        fl.plot(named, "omega4_max", at={"a1": 1.0})
     strange = flat.assign_coords(a1=LABELS)
     strange["omega4_max"] = strange.omega4_max.assign_attrs(long_name="100 $", units=3, symbol="$x_")
     assert drawn(strange, "omega4_max", branch=1).get_suptitle() == "100 \\$\nassembly mode 1"
@@ -426,9 +432,9 @@ def test_a_map_of_one_mode_has_that_mode():
     one = fl.sweep("planar_4r", space, ["omega4_max"], branch=2)
     assert "branch" not in one.dims
     for options in ({}, {"branch": 2}):
-        assert drawn(one, "omega4_max", **options).get_suptitle().endswith("assembly mode 2")
+        assert drawn(one, "omega4_max", **options).get_suptitle().endswith("branch 2")
     with refused("branch", "2"):
-        fl.plot_map(one, "omega4_max", branch=1)
+        fl.plot(one, "omega4_max", branch=1)
 
 
 # -- values ----------------------------------------------------------------------------------------
@@ -476,7 +482,7 @@ def test_any_values_are_drawn_and_what_is_the_same_everywhere_says_so(flat, valu
     assert says in text
     assert ("where" in text) == bool(says)
     assert (len(figure.axes) == 1) == bool(says)  # without a scale of colours
-    line = fl.plot_map(changed, "omega4_max", branch=1, at={"a1": 0.2}).axes[0]
+    line = fl.plot(changed, "omega4_max", branch=1, at={"a1": 0.2}).axes[0]
     assert says.partition(" where")[0] in line.get_title()
     assert line.get_ylim()[0] < line.get_ylim()[1]
 
@@ -504,7 +510,7 @@ def shown(axis, kind):
 
 
 def test_a_scatter_has_every_row_with_numbers_and_counts_the_others(rows, usable):
-    figure = fl.plot_designs(rows, NAMES, degrees=True)
+    figure = fl.plot(rows, NAMES, degrees=True)
     (axis,) = figure.axes
     places = [usable[0], np.rad2deg(usable[1])]
     assert_allclose(shown(axis, PathCollection).get_offsets().T, places, rtol=4e-16)
@@ -514,65 +520,65 @@ def test_a_scatter_has_every_row_with_numbers_and_counts_the_others(rows, usable
     assert figure.get_suptitle() == f"{usable.shape[1]} of {rows.omega4_max.size} rows, {without}"
     assert axis.get_ylabel().replace("\n", " ").endswith("[°]")
     where = {"status": "rotates_fully", "a2": (1.0, None)}  # conditions are those of best
-    figure = fl.plot_designs(rows, NAMES, where=where)
+    figure = fl.plot(rows, NAMES, where=where)
     expected = int(((rows.status == 0) & (rows.a2 >= 1.0)).sum())
     assert len(shown(figure.axes[0], PathCollection).get_offsets()) == expected
     assert figure.get_suptitle() == f"{expected} rows where status is rotates fully and a2 is at least 1"
 
 
 def test_a_third_quantity_colours(rows):
-    axis, scale = fl.plot_designs(rows, [*NAMES, "a1"]).axes
+    axis, scale = fl.plot(rows, [*NAMES, "a1"]).axes
     assert scale.get_ylabel() == "$a_{1}$ [m]"
     values = rows.a1.broadcast_like(rows.omega4_max).values[np.isfinite(rows.omega4_max.values)]
     assert_array_equal(shown(axis, PathCollection).get_array(), values)
-    assert "crank rocker" in words(fl.plot_designs(rows, [*NAMES, "grashof_class"]).axes[0])
+    assert "crank rocker" in words(fl.plot(rows, [*NAMES, "grashof_class"]).axes[0])
 
 
 def test_many_rows_are_counted_in_cells(rows, usable, monkeypatch):
     monkeypatch.setattr(charts, "MOST_POINTS", 20)
-    axis, scale = fl.plot_designs(rows, NAMES).axes
+    axis, scale = fl.plot(rows, NAMES).axes
     assert scale.get_ylabel() == "rows in a cell"
     mesh = shown(axis, QuadMesh)
     expected, *_ = np.histogram2d(
         *usable, bins=[mesh.get_coordinates()[0, :, 0], mesh.get_coordinates()[:, 0, 1]]
     )
     assert_array_equal(mesh.get_array().filled(0.0), expected.T)
-    assert fl.plot_designs(rows, [*NAMES, "a1"]).axes[1].get_ylabel() == "mean of $a_{1}$ [m]"
+    assert fl.plot(rows, [*NAMES, "a1"]).axes[1].get_ylabel() == "mean of $a_{1}$ [m]"
     with refused("grashof_class", "where"):
-        fl.plot_designs(rows, [*NAMES, "grashof_class"])
+        fl.plot(rows, [*NAMES, "grashof_class"])
 
 
 def test_a_corner_has_each_pair_and_each_by_itself(rows):
-    axes = [axis for axis in fl.plot_designs(rows, [*NAMES, "a1", "a2"]).axes if axis.get_visible()]
+    axes = [axis for axis in fl.plot(rows, [*NAMES, "a1", "a2"]).axes if axis.get_visible()]
     assert len(axes) == 4 + 6
     assert [axis.get_xlabel() for axis in axes[-4:]][2:] == ["$a_{1}$ [m]", "$a_{2}$ [m]"]
     assert not axes[0].collections
-    (two,) = [axis for axis in fl.plot_designs(rows, NAMES, kind="corner").axes if axis.collections]
+    (two,) = [axis for axis in fl.plot(rows, NAMES, kind="corner").axes if axis.collections]
     assert len(shown(two, PathCollection).get_offsets())
 
 
 @pytest.mark.parametrize("most", [charts.MOST_POINTS, 20], ids=["points", "cells"])
 def test_a_cumulative_distribution_counts_what_grows_without_bound(rows, most, monkeypatch):
     monkeypatch.setattr(charts, "MOST_POINTS", most)
-    (axis,) = fl.plot_designs(rows, "omega4_max", where={"a4": (1.0, 1.0)}).axes
+    (axis,) = fl.plot(rows, "omega4_max", kind="cumulative", where={"a4": (1.0, 1.0)}).axes
     (line, _) = axis.get_lines()
     values = rows.omega4_max.sel(a4=1.0).values
     values = values[~np.isnan(values)]
     expected = [100.0 * np.mean(values <= one) for one in line.get_xdata()]
     assert_allclose(line.get_ydata(), expected, atol=1e-10)
     assert f"{100 * np.isinf(values).mean():.3g} % without bound" in words(axis)[0]
-    assert len(fl.plot_designs(rows, NAMES, kind="cumulative").axes) == 2  # of different units
+    assert len(fl.plot(rows, NAMES, kind="cumulative").axes) == 2  # of different units
 
 
 def test_a_front_is_that_of_best(rows):
     options = {"minimise": "omega4_max", "maximise": "transmission_angle_min", "where": "rotates_fully"}
-    (axis,) = fl.plot_front(rows, **options, degrees=True).axes
+    (axis,) = fl.plot(rows, **options, degrees=True).axes
     front = fl.best(rows, **options)
     x, y = axis.get_lines()[0].get_data()
     assert_array_equal(x, np.sort(front.omega4_max.values))
     assert_allclose(np.sort(y), np.sort(np.rad2deg(front.transmission_angle_min.values)), rtol=4e-16)
     assert words(axis) == ["all rows", "Pareto front"]
-    three = fl.plot_front(rows, minimise="omega4_max", maximise=["transmission_angle_min", "a1"])
+    three = fl.plot(rows, minimise="omega4_max", maximise=["transmission_angle_min", "a1"])
     assert len([axis for axis in three.axes if axis.get_visible()]) == 6
 
 
@@ -582,9 +588,9 @@ def test_a_front_is_that_of_best(rows):
 def test_a_map_has_its_pictures_itself(rows, folder):
     fronts = {"minimise": "omega4_max", "maximise": "a1"}
     for figure, other in (
-        (rows.fastlink.plot("omega4_max", at={"a4": 1.0}), fl.plot_map(rows, "omega4_max", at={"a4": 1.0})),
-        (rows.fastlink.plot.designs(NAMES, to="a.png"), fl.plot_designs(rows, NAMES)),
-        (rows.fastlink.plot.front(**fronts), fl.plot_front(rows, **fronts)),
+        (rows.fastlink.plot("omega4_max", at={"a4": 1.0}), fl.plot(rows, "omega4_max", at={"a4": 1.0})),
+        (rows.fastlink.plot(NAMES, to="a.png"), fl.plot(rows, NAMES)),
+        (rows.fastlink.plot(**fronts), fl.plot(rows, **fronts)),
     ):
         assert (figure.get_suptitle(), len(figure.axes)) == (other.get_suptitle(), len(other.axes))
     assert (folder / "a.png").exists()
@@ -595,7 +601,7 @@ def test_a_map_has_its_pictures_itself(rows, folder):
 def test_the_ending_is_the_kind_of_picture(curves, tmp_path, ending, start):
     place = tmp_path / f"map.{ending}"
     place.write_text("which is replaced")
-    fl.plot_map(curves, "omega4", branch=1, to=place)
+    fl.plot(curves, "omega4", branch=1, to=place)
     assert place.read_bytes().startswith(start)
 
 
@@ -608,13 +614,13 @@ from fastlink.app.cli import app
 maps = fl.sweep("planar_4r", fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0), ["swing"], verify=0, to="maps.h5")
 design = {"a1": 0.4, "a2": 1.1, "a3": 0.8, "a4": 1.0}
 doors = [
-    lambda: fl.plot_map(maps, "swing"),
-    lambda: fl.plot_designs(maps, ["swing", "a2"]),
-    lambda: fl.plot_front(maps, minimise="swing", maximise="a2"),
+    lambda: fl.plot(maps, "swing"),
+    lambda: fl.plot(maps, ["swing", "a2"]),
+    lambda: fl.plot(maps, minimise="swing", maximise="a2"),
     lambda: fl.draw("planar_4r", **design),
     lambda: fl.explore(maps, to="page.html"),
     lambda: maps.fastlink.plot("swing"),
-    lambda: maps.fastlink.plot.designs(["swing", "a2"]),
+    lambda: maps.fastlink.plot(["swing", "a2"]),
 ]
 for door in doors:
     try:
@@ -630,7 +636,7 @@ for line in ("plot maps.h5 swing --to a.png", draw, "explore maps.h5 --to c.html
 del sys.modules["matplotlib"]
 import matplotlib
 matplotlib.rcParams["font.size"] = 31
-figure = fl.plot_map(maps, "swing")
+figure = fl.plot(maps, "swing")
 print("matplotlib.pyplot" in sys.modules, matplotlib.rcParams["font.size"], figure.axes[0].xaxis.label.get_size())
 """
 
@@ -661,33 +667,31 @@ def test_symbols_are_set_as_mathematics(symbol, text):
 
 
 def plot(name="omega4_max", **options):
-    return lambda maps: fl.plot_map(
+    return lambda maps: fl.plot(
         maps.assign(note=("a1", list("abcd")), odd=maps.omega4_max * 1j), name, **options
     )
 
 
 def designs(names=(*NAMES,), **options):
-    return lambda maps: fl.plot_designs(
-        maps, names if isinstance(names, (str, int)) else list(names), **options
-    )
+    return lambda maps: fl.plot(maps, names if isinstance(names, (str, int)) else list(names), **options)
 
 
 @pytest.mark.parametrize(
     ("draw", "key", "remedy"),
     [
-        (plot("omega_max"), "name", "did you mean 'omega4_max'?"),
-        (plot(None), "name", "did you mean"),
-        (plot(["omega4_max"]), "name", "omega4_max"),
+        (plot("omega_max"), "names", "did you mean 'omega4_max'?"),
+        (plot(None), "names", "did you mean"),
+        (plot([["omega4_max"]]), "names", "did you mean"),
         (plot("note"), "numbers", "numbers"),
         (plot("odd"), "numbers", "numbers"),
-        (plot("a1"), "name", "known"),
+        (plot("a1"), "names", "known"),
         (
             plot(),
             "plot: omega4_max",
             "fix one of them by at={'a4': 1.0}, or show some values side by side by panels",
         ),
         (plot(at={"a5": 1.0}), "at: 'a5'", "did you mean 'a4'?"),
-        (plot(at={"branch": 1}), "at: 'branch'", "an assembly mode by branch=1"),
+        (plot(at={"branch": 1}), "at: 'branch'", "choose one by branch=1"),
         (plot(at={"a4": 1.2}), "at: a4", "a number from 0.9 to 1"),
         (plot(at={"a4": "1"}), "at: a4", "a finite number"),
         (plot(at={"a4": np.inf}), "at: a4", "a finite number"),
@@ -708,11 +712,11 @@ def designs(names=(*NAMES,), **options):
         (plot(at={"a4": 1.0}, to="map"), "map", "png"),
         (plot(at={"a4": 1.0}, to="no/map.png"), "no", "create it or choose another"),
         (plot(at={"a4": 1.0}, to="folder.png"), "folder.png is a folder", "add a file name"),
-        (lambda maps: fl.plot_map(maps.isel(a1=[], a4=0), "omega4_max"), "a1", "at least one"),
-        (lambda maps: fl.plot_map(maps.isel(a1=0, a2=0, a4=0), "omega4_max"), "omega4_max", "leave one free"),
-        (lambda maps: fl.plot_map(None, "omega4_max"), "maps", "give"),
-        (lambda maps: fl.plot_map(maps.omega4_max, "omega4_max"), "maps", "give"),
-        (lambda maps: fl.plot_map(maps.drop_attrs(), "omega4_max"), "maps", "give"),
+        (lambda maps: fl.plot(maps.isel(a1=[], a4=0), "omega4_max"), "a1", "at least one"),
+        (lambda maps: fl.plot(maps.isel(a1=0, a2=0, a4=0), "omega4_max"), "omega4_max", "leave one free"),
+        (lambda maps: fl.plot(None, "omega4_max"), "maps", "give"),
+        (lambda maps: fl.plot(maps.omega4_max, "omega4_max"), "maps", "give"),
+        (lambda maps: fl.plot(maps.drop_attrs(), "omega4_max"), "maps", "give"),
         (designs([]), "names", "omega4_max"),
         (designs(3), "names", "omega4_max"),
         (designs(["omega4_mxa", "a1"]), "names", "did you mean 'omega4_max'"),
@@ -723,8 +727,12 @@ def designs(names=(*NAMES,), **options):
         (designs(where={"a2": (9.0, None)}), "omega4_max", "fewer conditions"),
         (designs(where={"a2": "x"}), "a2", "None"),
         (designs(branch=3), "branch", "1"),
-        (lambda maps: fl.plot_front(maps, minimise="omega4_max"), "front", "fastlink.best"),
-        (lambda maps: fl.plot_front(maps), "best", "minimise"),
+        (lambda maps: fl.plot(maps, minimise="omega4_max"), "plot", "rank by `best`"),
+        (lambda maps: fl.plot(maps), "names", "minimise"),
+        (plot(minimise="a1"), "names", "or the objectives"),
+        (designs([], kind="corner", minimise="a1"), "kind", "or the objectives"),
+        (designs(at={"a4": 1.0}), "at", "where={'status': 'rotates_fully'}"),
+        (designs([], minimise=["a1", "omega4_max"], panels="a4"), "panels", "where={'status':"),
     ],
 )
 def test_requests_without_sense_are_refused(maps, draw, key, remedy, folder):
@@ -736,4 +744,4 @@ def test_requests_without_sense_are_refused(maps, draw, key, remedy, folder):
 def test_a_single_number_is_stated_instead_of_drawn(curves):
     value = float(curves["omega4_max"].sel(branch=1))
     with pytest.raises(fl.InputError, match=rf"its value is {value:g}; leave one free$"):
-        fl.plot_map(curves, "omega4_max", branch=1)
+        fl.plot(curves, "omega4_max", branch=1)

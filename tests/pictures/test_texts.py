@@ -40,22 +40,22 @@ def maps():
         a4=[0.8, 0.9, 1.0, 1.1, 1.2],
         omega1=25.0,
     )
-    return fl.sweep("planar_4r", space, QUANTITIES, links=LINKS, verify=0)
+    return fl.sweep("planar_4r", space, QUANTITIES, links=LINKS, verify=0, branch=(1, 2))
 
 
 @cache
 def types():
     lengths = np.linspace(0.125, 4.0, 32)
     space = fl.grid(a=lengths, b=lengths, g=1.0, h=[0.1, 0.8, 1.6, 2.4, 3.2, 4.0])
-    return fl.sweep("minkowski_4r", space, ["linkage_type", "assembly_count_future"], verify=0)
+    return fl.sweep("minkowski_4r", space, ["linkage_type", "assembly_count_future"], verify=0, branch=(1, 2))
 
 
 def plot(*given, of=maps, **options):
-    return lambda: fl.plot_map(of(), *given, **options)
+    return lambda: fl.plot(of(), *given, **options)
 
 
 def designs(*given, **options):
-    return lambda: fl.plot_designs(maps(), *given, **options)
+    return lambda: fl.plot(maps(), *given, **options)
 
 
 def drawn(mechanism, **options):
@@ -69,11 +69,11 @@ KINDS = {
     "map of two modes": plot("theta1_at_omega4_max", at=AT, degrees=True),
     "codes": plot("status", at=AT),
     "panels": plot(FORCE, panels="a4", branch=1),
-    "one row of panels": lambda: fl.plot_map(maps().isel(a4=[1, 2, 3]), FORCE, panels="a4", branch=1),
+    "one row of panels": lambda: fl.plot(maps().isel(a4=[1, 2, 3]), FORCE, panels="a4", branch=1),
     "panels of two modes": plot("theta1_at_omega4_max", panels="a4"),
     "panels of types": plot("linkage_type", of=types, panels="h"),
     "panels of counts": plot("assembly_count_future", of=types, panels="h"),
-    "two panels of codes": lambda: fl.plot_map(maps().isel(a4=[1, 2]), "grashof_class", panels="a4"),
+    "two panels of codes": lambda: fl.plot(maps().isel(a4=[1, 2]), "grashof_class", panels="a4"),
     "line": plot(FORCE, at=AT | {"a3": 0.8}, branch=1),
     "lines": plot(FORCE, lines="a4", at={"a3": 0.8}, branch=1),
     "lines of two modes": plot("theta1_at_omega4_max", lines="a4", at={"a3": 0.8}),
@@ -85,10 +85,8 @@ KINDS = {
     "corner of six": designs([FORCE, ANGLE, "omega4_max", "a2", "a3", "a4"]),
     "cumulative": designs([FORCE]),
     "cumulative of two": designs([FORCE, ANGLE], kind="cumulative"),
-    "front": lambda: fl.plot_front(
-        maps(), minimise=FORCE, maximise=ANGLE, degrees=True, where="rotates_fully"
-    ),
-    "front of three": lambda: fl.plot_front(maps(), minimise=[FORCE, "omega4_max"], maximise=ANGLE),
+    "front": lambda: fl.plot(maps(), minimise=FORCE, maximise=ANGLE, degrees=True, where="rotates_fully"),
+    "front of three": lambda: fl.plot(maps(), minimise=[FORCE, "omega4_max"], maximise=ANGLE),
 }
 for name in DESIGNS:
     KINDS |= {

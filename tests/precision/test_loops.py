@@ -227,8 +227,10 @@ def test_a_wrong_formula_is_a_mismatch_in_the_file(
     options = options | {known.position.name: np.linspace(0.9, 1.1, 5), "verify": 1}
 
     def swept(name):
-        with fl.sweep(mechanism, fl.grid(**design), [quantity], **options, to=tmp_path / name) as maps:
-            return dict(maps[quantity].attrs), maps.attrs["verify_mismatches"], fl.summary(maps)
+        with fl.sweep(
+            mechanism, fl.grid(**design), [quantity], **{"branch": (1, 2)} | options, to=tmp_path / name
+        ) as maps:
+            return dict(maps[quantity].attrs), maps.attrs["verify_mismatches"], maps.fastlink.summary()
 
     attrs, mismatches, summary = swept("right.h5")
     assert mismatches == 0

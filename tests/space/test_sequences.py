@@ -140,7 +140,7 @@ RANGES = {"a2": (1.0, 1.2), "a3": (0.7, 0.9), "a4": (1.0, 1.2), "a1": 0.4}
 def test_the_fingerprint_is_that_of_the_definition(sample):
     def fingerprint(n=10**10, seed=1, **ranges):
         return resolve(
-            "planar_4r", sample(n, RANGES | ranges, seed=seed), ["omega4_max"], angles=5
+            "planar_4r", sample(n, RANGES | ranges, seed=seed), ["omega4_max"], angles=5, branch=(1, 2)
         ).fingerprint
 
     given_once = [
@@ -156,8 +156,8 @@ def test_the_fingerprint_is_that_of_the_definition(sample):
 def test_a_part_of_ten_thousand_million_designs_is_swept(tmp_path, sample):
     part = sample(10**10, RANGES, seed=1).consecutive(5 * 10**9, 5 * 10**9 + 3000)
     names = ["transmission_angle_min"]
-    expected = fl.sweep("planar_4r", part, names, threads=1, block=64)
-    with fl.sweep("planar_4r", part, names, to=tmp_path / "m.h5", verify=2, threads=2) as maps:
+    expected = fl.sweep("planar_4r", part, names, threads=1, block=64, branch=(1, 2))
+    with fl.sweep("planar_4r", part, names, to=tmp_path / "m.h5", verify=2, threads=2, branch=(1, 2)) as maps:
         for name in ("a2", "a3", "a4", "design", *names):
             assert_array_equal(maps[name], expected[name])
     whole = sample(10**10, RANGES, seed=1)

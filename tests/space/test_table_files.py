@@ -116,11 +116,13 @@ def test_a_sweep_of_a_large_file_has_the_bits_of_one_in_memory(tmp_path, every_f
     path, names = tmp_path / "designs", ["omega4_max", "transmission_angle_min"]
     write(FRAME, path)
     space = fl.table(path).with_constants(FIXED)
-    expected = fl.sweep("planar_4r", fl.table(FRAME).with_constants(FIXED), names)
-    with fl.sweep("planar_4r", space, names, to=tmp_path / "m.h5", verify=2, block=8, threads=2) as maps:
+    expected = fl.sweep("planar_4r", fl.table(FRAME).with_constants(FIXED), names, branch=(1, 2))
+    with fl.sweep(
+        "planar_4r", space, names, to=tmp_path / "m.h5", verify=2, block=8, threads=2, branch=(1, 2)
+    ) as maps:
         for name in expected.variables:
             assert_array_equal(maps[name], expected[name])
-    part = fl.sweep("planar_4r", space.consecutive(11, 30), names)
+    part = fl.sweep("planar_4r", space.consecutive(11, 30), names, branch=(1, 2))
     assert_array_equal(part.omega4_max, expected.omega4_max[11:30])
     assert_array_equal(part.maker, expected.maker[11:30])
 
@@ -129,7 +131,7 @@ def test_the_fingerprint_is_that_of_the_numbers(tmp_path, every_file_is_large):
     def fingerprint(frame, name, **options):
         frame.to_parquet(tmp_path / name, **options)
         space = fl.table(tmp_path / name).with_constants(FIXED)
-        return resolve("planar_4r", space, ["omega4_max"]).fingerprint
+        return resolve("planar_4r", space, ["omega4_max"], branch=(1, 2)).fingerprint
 
     frame = FRAME[["a2", "a3"]]
     one = fingerprint(frame, "one.parquet", row_group_size=7)
@@ -201,7 +203,7 @@ def test_a_study_takes_a_parquet_file(tmp_path, monkeypatch):
         'mechanism = "planar_4r"\nquantities = ["omega4_max"]\n[design]\ntable = "d.parquet"\n'
         "a1 = 0.4\na4 = 1.0\nomega1 = 25.0\n"
     )
-    with fl.run_study(study) as maps:
+    with fl.run(study) as maps:
         assert maps.sizes["design"] == 50
         assert_array_equal(maps.a3, FRAME["a3"])
 
@@ -238,16 +240,16 @@ def test_all_bad_rows_are_named_at_once_and_may_be_kept(tmp_path):
     lines = ["a1,a2,a3,a4", *(",".join(map(str, row)) for row in rows)]
     (tmp_path / "d.csv").write_text("\n".join(lines))
     with pytest.raises(fl.InputError) as caught:
-        fl.sweep("planar_4r", tmp_path / "d.csv", ["swing"])
+        fl.sweep("planar_4r", tmp_path / "d.csv", ["swing"], branch=(1, 2))
     cells, numbers = str(caught.value).splitlines()
     assert "row 17 (line 19) of column a2 in d.csv is empty, row 333 (line 335) is 'n/a'; write" in cells
     assert "a1[200] is -0.4, 0.0 at 400 (" in numbers
-    kept = fl.sweep("planar_4r", tmp_path / "d.csv", ["swing"], allow_invalid=True, verify=0)
+    kept = fl.sweep("planar_4r", tmp_path / "d.csv", ["swing"], allow_invalid=True, verify=0, branch=(1, 2))
     assert np.flatnonzero(np.isnan(kept.swing)).tolist() == [17, 200, 333, 400]
     study = 'mechanism = "planar_4r"\nquantities = ["swing"]\n[design]\ntable = "d.csv"\n'
     (tmp_path / "s.toml").write_text(study)
     with refused("row 17 (line 19)", "allow_invalid = true"):
-        fl.run_study(tmp_path / "s.toml", to=tmp_path / "s.h5")
+        fl.run(tmp_path / "s.toml", to=tmp_path / "s.h5")
     (tmp_path / "s.toml").write_text(study + "allow_invalid = true\n")
-    with fl.run_study(tmp_path / "s.toml", to=tmp_path / "s.h5") as found:
+    with fl.run(tmp_path / "s.toml", to=tmp_path / "s.h5") as found:
         np.testing.assert_array_equal(found.swing, kept.swing)

@@ -47,7 +47,9 @@ class Family:
         columns |= {name: np.full(self.designs, value) for name, value in self.more.items()}
         # Only angles have a turn that a number of them can share.
         angles = self.angles if found.position.units == "rad" else np.linspace(-2.0, 2.0, self.angles)
-        return resolve(self.mechanism, fl.table(columns), self.names, angles=angles, **self.options)
+        return resolve(
+            self.mechanism, fl.table(columns), self.names, angles=angles, **{"branch": (1, 2)} | self.options
+        )
 
 
 OWN = fl.extend("planar_4r")

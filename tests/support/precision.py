@@ -65,6 +65,7 @@ def _swept(entry: Entry, names: tuple[str, ...], inputs: dict[str, np.ndarray]) 
         angles=np.unique(inputs.get(entry.input, 1.0)),
         threads=1,
         extrema="sampled",
+        branch=(1, 2),
     )
     rows = len(next(iter(inputs.values())))
     places = {"design": np.arange(rows)}  # of each configuration along each dimension

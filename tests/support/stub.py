@@ -71,7 +71,7 @@ def narrowed(parameter: Parameter, mechanism: str) -> str:
     plain = str(parameter.annotation)
     if not mechanism:
         return plain.replace("str", "MechanismName | str") if parameter.name == "mechanism" else plain
-    kind = {"quantities": "Result", "outputs": "Result", "inputs": "Input"}.get(parameter.name)
+    kind = {"quantities": "Result", "inputs": "Input"}.get(parameter.name)
     if kind == "Result" and plain.startswith("Iterable"):
         kind = "Quantity"
     texts = {

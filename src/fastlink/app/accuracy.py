@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from fastlink._text import aligned, counted, duration, short_repr, writable
+from fastlink._text import aligned, counted, duration, writable
 from fastlink.app.study import A_STUDY, Study, read_study
 from fastlink.engine.labels import flag_attrs
 from fastlink.engine.options import check_options
@@ -212,33 +212,8 @@ def front(measured: xr.Dataset) -> NDArray[np.int8]:
     return best
 
 
-@door
 def accuracy_table(measured: xr.Dataset) -> str:
-    """Return the result of `fastlink.accuracy` as lines of text, the fastest method first.
-
-    A star marks the methods that no other one beats in both error and time.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> of_one = {"error_max": 4e-16, "error_99": 3e-16, "error_median": 1e-16, "ns_per_design": 335.0}
-    >>> counts = {"missed": 0, "values": 64, "pareto": 1}
-    >>> measured = xr.Dataset(
-    ...     {name: (("way", "quantity"), [[value]]) for name, value in (of_one | counts).items()},
-    ...     {"way": ["refined"], "quantity": ["omega4_max"]},
-    ... )
-    >>> print(accuracy_table(measured))
-    omega4_max
-       way      ns/design  largest     99 %   median   missed
-    *  refined        335  4.0e-16  3.0e-16  1.0e-16  0 of 64
-    """
-    import xarray as xr
-
-    if not isinstance(measured, xr.Dataset) or not {"way", "quantity", "pareto", *LABELS} <= set(
-        measured.variables
-    ):
-        what = f"is {short_repr(measured)}, not a result of fastlink.accuracy"
-        raise InputError(what, ("measured",), "give what fastlink.accuracy(STUDY) returns")
+    """Return what was measured as lines of text, the fastest method first; a star marks those that no other beats."""
     head = ("", "way", "ns/design", "largest", "99 %", "median", "missed")
     blocks = []
     for quantity in measured["quantity"].values:
@@ -458,7 +433,7 @@ def accuracy(
     overwrite : bool
         Replace an existing file.
     trust_code : bool, default False
-        Run the Python file of quantities that the study names (see `fastlink.run_study`).
+        Run the Python file of quantities that the study names (see `fastlink.run`).
     announce : callable, optional
         Called before the measurement with a line that says how much is measured and about how long it takes.
 
@@ -466,7 +441,8 @@ def accuracy(
     -------
     xarray.Dataset
         Dimensions ``way`` (the method) and ``quantity``; NaN where a method does not give a quantity. ``pareto`` is 1
-        where no other method is both faster and more accurate. Print it with `fastlink.accuracy_table`.
+        where no other method is both faster and more accurate. ``.fastlink.summary()`` is a table to
+        print.
 
     Examples
     --------

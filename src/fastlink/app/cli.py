@@ -49,7 +49,7 @@ C = TypeVar("C", bound=Callable[..., Any])
 MEANINGS = {
     "STUDY.toml": "The study file.",
     "FILE": "A map.",
-    "--branch B": "One assembly mode; all if left out.",
+    "--branch B": "One of the branches, the two ways in which a loop closes; all if left out.",
     "--maximise NAME": "An objective; may be repeated.",
     "--minimise NAME": "An objective; may be repeated.",
     "--overwrite": "Replace an existing file.",
@@ -75,7 +75,7 @@ OTHER_NAMES = {
     "mechanisms": ("list", "ls"),
     "new": ("init", "template"),
     "draw": ("animate", "linkage", "sketch"),
-    "plot": ("map", "picture", "plot_map"),
+    "plot": ("map", "picture", "plot_designs", "plot_front", "plot_map"),
     "tolerance": ("robustness", "sensitivity", "tolerances"),
     "run": ("compute", "evaluate", "run_study", "sweep"),
 }
@@ -523,7 +523,7 @@ def run(
     --dask ADDRESS  Run on a dask.distributed cluster: the address of its scheduler, or its scheduler file.
     --trust-code
     """
-    from fastlink.app.study import run_study
+    from fastlink.app.study import run as run_study
     from fastlink.io.finished import WRITTEN
 
     progress, started = False if quiet else None, time.time_ns()
@@ -787,33 +787,24 @@ def plot(
     --degrees  Show angles in degrees, and read those of --at so.
     --to PICTURE
     """
-    from fastlink.pictures.designs import plot_designs, plot_front
-    from fastlink.pictures.maps import plot_map
+    from fastlink.pictures.designs import plot as drawn
 
     given = names or []
     options = [one for one in given if one.find("=") > 0]
-    for dim, value in by_name(options, "names", "NAME", {}, str, (plot, plot_map)).items():
+    for dim, value in by_name(options, "names", "NAME", {}, str, (plot, drawn)).items():
         at_it = ("write ", Setting("at", {dim: value}))
         raise InputError(f"{dim}={value} is no variable", ("names",), at_it)
-    of_front, of_rows = bool(minimise or maximise), kind is not None or len(given) > 1 or bool(where)
-    if of_front and (given or kind is not None):
-        remedy = "leave out the names and --kind, or --minimise and --maximise"
-        raise InputError("is given beside objectives", ("names" if given else "kind",), remedy)
-    if (of_front or of_rows) and (at or panels or lines):
-        option = "at" if at else "panels" if panels else "lines"
-        raise InputError("is of a map of one variable", (option,), "choose rows by --where")
-    if not (of_front or given):
-        raise InputError("is missing", ("names",), "write a variable, such as omega4_max")
     picture = to if to is not None else Path(f"{'-'.join(given) or 'front'}.png")
-    own: dict[str, Any] = {"branch": branch, "degrees": degrees, "to": picture}
-    conditions = _conditions(where or []) or None
-    if of_front:
-        plot_front(file, minimise=minimise or (), maximise=maximise or (), where=conditions, **own)
-    elif of_rows:
-        plot_designs(file, given, kind=kind, where=conditions, **own)
-    else:
-        fixed = by_name(at or [], "at", "DIM=VALUE", {"a4": 1.0}, numbers_of)
-        plot_map(file, given[0], at=fixed, panels=panels, lines=lines, **own)
+    own: dict[str, Any] = {
+        "kind": kind,
+        "branch": branch,
+        "panels": panels,
+        "lines": lines,
+        "degrees": degrees,
+    }
+    own |= {"minimise": minimise or (), "maximise": maximise or (), "where": _conditions(where or []) or None}
+    own["at"] = by_name(at or [], "at", "DIM=VALUE", {"a4": 1.0}, numbers_of) or None
+    drawn(file, given, **own, to=picture)
     typer.echo(str(picture))
 
 
@@ -867,12 +858,11 @@ def accuracy(
     --trust-code
     """
     from fastlink.app.accuracy import accuracy as measure
-    from fastlink.app.accuracy import accuracy_table
 
     options: dict[str, Any] = {"to": to, "picture": picture, "overwrite": overwrite, "trust_code": trust_code}
     announce = functools.partial(typer.echo, err=True)
     measured = measure(study, designs=designs, outside=outside, announce=announce, **options)
-    typer.echo(accuracy_table(measured))
+    typer.echo(measured.fastlink.summary())
 
 
 @command

@@ -516,7 +516,7 @@ class Explanation:
 
 @door(hint=A_STUDY)
 def explain(
-    study: str | Path,
+    subject: Any,
     space: DesignSpace | None = None,
     quantities: Sequence[str] | None = None,
     *,
@@ -531,14 +531,14 @@ def explain(
 
     Parameters
     ----------
-    study : path or str
-        A study file; or, with `space` and `quantities`, the name of a mechanism, or one that `fastlink.extend` returns.
+    subject : path, str or Extension
+        A study file; or, with `space` and `quantities`, a mechanism, as in `fastlink.sweep`.
     space, quantities, **options
         As in `fastlink.sweep`.
     measure : bool, optional
         Whether to run a sample of the designs: by default where nothing has to be compiled for it.
     trust_code : bool, default False
-        Run the Python file of quantities that the study names (see `fastlink.run_study`).
+        Run the Python file of quantities that the study names (see `fastlink.run`).
 
     Returns
     -------
@@ -564,7 +564,7 @@ def explain(
 
     >>> designs = fl.grid(a1=np.linspace(0.1, 0.5, 40_000), a2=np.linspace(1.0, 1.4, 40_000), a3=0.8, a4=1.0)
     >>> needs = fl.explain("planar_4r", designs, ["theta4"], measure=False).forecast
-    >>> needs.memory > 8 * 2 * 360 * 40_000**2  # 9 TB: write it to a file, if there is a disk for it
+    >>> needs.memory > 8 * 360 * 40_000**2  # 5 TB: write it to a file, if there is a disk for it
     True
     """
     measure = check_options({"measure": measure})["measure"]
@@ -572,14 +572,14 @@ def explain(
         for name in options:
             what = "is an option of a sweep, not of a study"
             raise InputError(what, (name,), "write it in the study, or give space and quantities")
-        read = read_study(study, trust_code)
+        read = read_study(subject, trust_code)
         if read.search is not None:
             return _of_search(read, measure)
         request = resolve(read.mechanism, read.space, read.quantities, **read.options)
         verify = read.output.get("verify", DESIGNS)
         needs = forecast(request, folder=read.target().parent, verify=verify, measure=measure)
     else:
-        request, given = request_of(study, space, quantities, options)
+        request, given = request_of(subject, space, quantities, options)
         needs = forecast(request, measure=measure, **given)
     return replace(explain_request(request), forecast=needs)
 
@@ -601,7 +601,7 @@ def explain_request(request: ResolvedSweep) -> Explanation:
     plan, catalogue, axis = request.plan, request.catalogue, request.scaling_axis
     computed = {name for program in plan.programs for step in program.steps for name in step.names}
     requested = {output.request.quantity for output in plan.outputs}
-    sizes = [counted(request.space.size, "design"), counted(len(request.branches), "assembly mode")]
+    sizes = [counted(request.space.size, "design"), counted(len(request.branches), "branch")]
     if plan.uses_position:
         sizes.append(f"{counted(request.positions.size, 'value')} of {catalogue.position.name}")
     return Explanation(

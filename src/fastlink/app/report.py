@@ -25,6 +25,7 @@ from fastlink._text import (
     short_number,
     size,
 )
+from fastlink.app.accuracy import accuracy_table
 from fastlink.engine.labels import request_labels
 from fastlink.engine.options import check_options
 from fastlink.errors import InputError, Setting, door
@@ -574,37 +575,10 @@ def _markdown_table(header: tuple[str, ...], rows: Sequence[tuple[str, ...]]) ->
 MULTIPLES = ("", " thousand", " million", " billion")
 
 
-@door
-def summary(maps: Any) -> str:
-    """Return what a sweep did as lines of text, from the attributes of its result.
-
-    Parameters
-    ----------
-    maps : xarray.Dataset or path
-        From `fastlink.sweep`, `fastlink.run_study` or `fastlink.open`, or the file of a map.
-
-    Returns
-    -------
-    str
-        Designs and how many have each status, configurations where there were given input positions, run time and
-        speed, the largest errors that were measured; and the file with its size, for a map that is opened from one. Of
-        a part of a map, the designs of that part.
-
-    Examples
-    --------
-    >>> space = fl.grid(a1=[0.4, 0.6], a2=1.2, a3=0.8, a4=1.0)
-    >>> print(summary(fl.sweep("planar_4r", space, ["transmission_angle"])).partition("run time")[0])
-    designs         2
-                    1  rotates fully                     50.0 %
-                    0  assembles over part of the turn    0.0 %
-                    0  never assembles                    0.0 %
-                    1  change point                      50.0 %
-                    0  invalid input                      0.0 %
-                    0  assembles in one position          0.0 %
-                    0  beyond range                       0.0 %
-    configurations  1,440
-    <BLANKLINE>
-    """
+def summary(maps: xr.Dataset) -> str:
+    """Return what a sweep did, or what an accuracy is, as lines of text."""
+    if {"way", "pareto"} <= {*maps.variables}:
+        return accuracy_table(maps)
     with as_map(maps) as dataset:
         return _summary(dataset)
 

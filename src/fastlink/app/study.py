@@ -248,7 +248,7 @@ class Cycle(BaseModel, extra="allow"):
     input: Text | None = None
     angles: Positions | None = None
     positions: Positions | None = None
-    branch: Annotated[Whole | list[Whole], Write("assembly modes, such as [1, 2]")] | None = None
+    branch: Annotated[Whole | list[Whole], Write("branches, such as [1, 2]")] | None = None
     solver: Annotated[String, Write('"eliminated" or "dense"')] | None = None
     extrema: Annotated[String, Write('"refined" or "sampled"')] | None = None
 
@@ -566,7 +566,7 @@ def request_of_search(
     **options: Any,
 ) -> SearchRequest:
     """Return the request of the search of a study, or refuse it with all its problems; nothing is compiled."""
-    of_sweep = {"branch": 1, "input": None, "options": KEYS["cycle"], **options}
+    of_sweep = {"input": None, "options": KEYS["cycle"], **options}
     return request_of(mechanism, space, names, search_options(table), **of_sweep)
 
 
@@ -892,7 +892,7 @@ class Study:
 
 
 @door(hint=A_STUDY)
-def run_study(
+def run(
     path: str | Path,
     to: str | Path | None = None,
     threads: int | None = None,
@@ -960,9 +960,9 @@ def run_study(
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     study = pathlib.Path(folder, "study.toml")
     ...     _ = study.write_text(text)
-    ...     with run_study(study, to=f"{folder}/maps.h5") as maps:
+    ...     with run(study, to=f"{folder}/maps.h5") as maps:
     ...         dict(maps.transmission_angle_min.sizes)
-    {'a2': 5, 'branch': 2}
+    {'a2': 5}
     """
     call = dict(locals())
     checked = check_options(call | {"layout": CURVES if layout is None else layout})
@@ -977,16 +977,17 @@ def run_study(
             overwrite = True
         attrs = {**title, "study_file": writable(study.path.name), "study": study.text}
         verify = study.output.get("verify") if verify is None else verify
-        run = {name: call[name] for name in ("restart", "part", "threads", "client", "progress")}
-        run |= {"verify": verify, "to": target, "overwrite": overwrite, "attrs": attrs}
+        given = {name: call[name] for name in ("restart", "part", "threads", "client", "progress")}
+        given |= {"verify": verify, "to": target, "overwrite": overwrite, "attrs": attrs}
         if study.search is None:
-            run["layout"] = layout or study.output.get("layout") or CURVES
-            return sweep(study.mechanism, study.space, study.quantities, **study.options, **run)
+            given["layout"] = layout or study.output.get("layout") or CURVES
+            return sweep(study.mechanism, study.space, study.quantities, **study.options, **given)
         if layout is not None:
             remedy = "leave it out: a search keeps the best of all designs alone"
             raise InputError("is for maps, not for a search", ("layout",), remedy)
-        run |= {"branch": 1, **study.options}
-        return search(study.mechanism, study.space, study.quantities, **study.search, **run)
+        return search(
+            study.mechanism, study.space, study.quantities, **study.search, **study.options, **given
+        )
     except InputError as error:
         if call.get(str(error.where[0]) if error.where else "") is not None:
             raise  # the caller's own, not the study's

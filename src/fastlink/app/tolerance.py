@@ -176,7 +176,7 @@ def tolerance(
     overwrite, progress
         As in `fastlink.sweep`.
     trust_code : bool, default False
-        Run the Python file of quantities that a study names, as in `fastlink.run_study`.
+        Run the Python file of quantities that a study names, as in `fastlink.run`.
     mechanism : Extension, optional
         For results of a map that are of quantities of one's own: what `fastlink.extend` returned, with which the map
         was made. What a map says of them is not run.

@@ -37,10 +37,10 @@ def best(
     Parameters
     ----------
     maps : xarray.Dataset or path
-        From `fastlink.sweep`, `fastlink.run_study` or `fastlink.open`, or the file of a map.
+        From `fastlink.sweep`, `fastlink.run` or `fastlink.open`, or the file of a map.
     minimise, maximise : str or sequence of str
         The objectives: variables, or inputs that are swept. A row is a place along all dimensions that these and the
-        conditions have: a design, in an assembly mode, and at one input position where they have them.
+        conditions have: a design, in a branch, and at one input position where they have them.
     where : mapping, str, list of str or xarray.DataArray, optional
         For variables and inputs their least and greatest value, None for no limit, such as
         ``{"transmission_angle_min": (0.6, None)}``, or in degrees ``{"transmission_angle_min_deg": (40, None)}``; the
@@ -63,7 +63,7 @@ def best(
     -------
     xarray.Dataset
         Along ``design``, the best of the first objective first, equal ones in the order of the map: all inputs, the
-        assembly mode, all results of that row. Of rows that are equal in all objectives a front has the first one.
+        branch, all results of that row. Of rows that are equal in all objectives a front has the first one.
         The attribute ``selection`` says how many rows were considered and left out. It can be swept again.
         Refined designs have their results anew, to the bits of a sweep, and besides what was gained of each objective
         (``NAME_gain``), how it ended (``refinement``, a code), which limits hold it back (``active``, a text), and how

@@ -722,7 +722,7 @@ def search(
     bounds : mapping, optional
         For inputs that are swept the least and greatest value of refined designs; by default those of the space.
     branch : int or sequence of int, default 1
-        The assembly mode, or several, in each of which a design is a row of its own.
+        A branch, or both, in each of which a design is a row of its own.
     verify : int, optional
         How many of the designs that are found are computed again with 50 digits, as in `fastlink.sweep`.
     to : path, optional
@@ -1012,7 +1012,7 @@ def join(
     ...         fl.sweep(*request, part=(k, 3), to=f"{folder}/maps.part-{k}-of-3.h5", verify=0).close()
     ...     with fl.join(folder, to=pathlib.Path(folder, "maps.h5")) as maps:
     ...         dict(maps.transmission_angle_min.sizes)
-    {'a2': 3, 'a4': 2, 'branch': 2}
+    {'a2': 3, 'a4': 2}
     """
     problems = Problems()
     ways: dict[str, Any] = {"overwrite": overwrite, "restart": restart}

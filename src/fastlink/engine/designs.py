@@ -189,7 +189,7 @@ def _without_results(
 def _no_input(catalogue: Catalogue, name: str) -> Problem | None:
     """Return the problem of an option that stands among the inputs, None of another name."""
     if name == BRANCH:
-        return Problem("is not an input", ("design", name), "write assembly modes as an option of the sweep")
+        return Problem("is not an input", ("design", name), "write it as an option of the sweep")
     if units.split(name, (catalogue.position.name,))[0] == catalogue.position.name:
         remedy = "write it as an option of the sweep; fastlink.evaluate takes one for each row"
         return Problem("is the input position, which each design runs through", ("design", name), remedy)

@@ -126,7 +126,7 @@ def evaluate(
     quantities : sequence of str
         Names of quantities (not of their extremes or means over the cycle, which `fastlink.sweep` computes).
     branch : int or array_like
-        Assembly mode, or an array of them that is broadcast with the inputs.
+        Branch, or an array of them that is broadcast with the inputs.
     links : Links, optional
         Where mass data come from.
     input : str, optional
@@ -135,7 +135,7 @@ def evaluate(
         As in `fastlink.sweep`.
     allow_invalid : bool, default False
         Evaluate impossible values too (NaN, a length that is not positive, a number beyond 2^-80 to 2^80, NaN in an
-        array of assembly modes) instead of refusing them; what depends on them is NaN or flagged.
+        array of branches) instead of refusing them; what depends on them is NaN or flagged.
     **inputs : float, array_like or xarray.DataArray
         The inputs and the input position (in other units by names such as ``theta1_deg``), broadcast against each
         other: arrays by their shapes, DataArrays by the names of their dimensions, whose coordinates must agree. A

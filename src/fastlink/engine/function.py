@@ -15,7 +15,7 @@ import numpy as np
 from fastlink._text import counted, short_repr
 from fastlink.engine.resolve import ResolvedSweep, check, of_request, resolve
 from fastlink.engine.run import VECTOR, Runner
-from fastlink.errors import InputError, Problem, Problems, door
+from fastlink.errors import InputError, Problem, Problems, Suggesting, door
 from fastlink.facts.catalogue import ELIMINATED, Catalogue
 from fastlink.facts.derivative import NoDependence, is_tolerance
 from fastlink.facts.fact import Input
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from fastlink.space.design_space import Links
 
 
-# -- Check the request of `fastlink.function`: inputs that vary, numbers that stay, outputs that go together
+# -- Check the request of `fastlink.function`: inputs that vary, numbers that stay, quantities that go together
 
 
 def wrong_inputs(catalogue: Catalogue, names: Sequence[str]) -> list[Problem]:
@@ -87,7 +87,7 @@ def axes_of(outputs: Sequence[Output]) -> tuple[str, ...]:
     return first.axes
 
 
-# -- The derivatives of a function's outputs by its inputs, as a function of their own
+# -- The derivatives of a function's quantities by its inputs, as a function of their own
 
 
 #: Codes of the status of derivatives where there is none of a mean, whatever the input.
@@ -118,7 +118,7 @@ def _wanted(resolved: ResolvedSweep, inputs: Sequence[str]) -> _Wanted:
             problems.add(f"{by!r} is a tolerance, by which there are no derivatives", ("inputs", j), remedy)
     problems.stop()
     for k, output in enumerate(resolved.plan.outputs):
-        with problems.at("outputs", k):
+        with problems.at("quantities", k):
             if output.request.listed or output.request.is_error or output.request.is_of_gradient:
                 what = f"quantity {output.name!r} has no derivatives by the inputs"
                 raise InputError(what, remedy="leave it out, or take a function of the others")
@@ -167,7 +167,7 @@ BLOCK, BLOCK_BYTES = 1024, 1 << 20
 def function(
     mechanism: str | Extension,
     inputs: Sequence[str],
-    outputs: Sequence[str],
+    quantities: Sequence[str],
     *,
     links: Links | None = None,
     input: str | None = None,
@@ -186,11 +186,11 @@ def function(
         Name of the mechanism.
     inputs : sequence of str
         The inputs that vary: the rows of the function's argument.
-    outputs : sequence of str
+    quantities : sequence of str
         Quantities, or their extremes and means over the cycle, as in `fastlink.sweep`: the rows of the function's
         result. ``"status"`` is among them only if it is named.
     branch : int or sequence of int, default 1
-        An assembly mode; or several, which are a further axis of the result.
+        A branch; or several, which are a further axis of the result.
     links, input, angles, solver, extrema, backend
         As in `fastlink.sweep`.
     **fixed : float
@@ -199,10 +199,10 @@ def function(
     Returns
     -------
     Function
-        Takes an array (inputs, ...) and returns one (outputs, ...), followed by the axes of the results: one of several
-        assembly modes, and of quantities at each input position one of these. An output that has no such axis, such as
-        a class of the design, is repeated along it. Bits are those of `fastlink.sweep`. What does not assemble is NaN,
-        and so is all of a design with a value that the sweep would refuse, but for codes such as ``status``.
+        Takes an array (inputs, ...) and returns one (quantities, ...), followed by the axes of the results: one of
+        several branches, and of quantities at each input position one of these. A quantity that has no such axis, such
+        as a class of the design, is repeated along it. Bits are those of `fastlink.sweep`. What does not assemble is
+        NaN, and so is all of a design with a value that the sweep would refuse, but for codes such as ``status``.
         It may be called from several threads at once, and pickled.
 
     Examples
@@ -214,7 +214,7 @@ def function(
     array([[13.513437, 14.583591,       nan]])
     """
     options = of_request(locals())
-    names, wanted = list(check_names("inputs", inputs)), check_names("outputs", outputs)
+    names, wanted = list(check_names("inputs", inputs)), check_names("quantities", quantities)
     for name in names:
         if name in fixed:
             what = f"is among the inputs and given as {short_repr(fixed[name])}"
@@ -239,7 +239,7 @@ def function(
     positions = {name: values for name, values in fixed.items() if name not in (*known, *strange)}
     named: dict[str, Any] = {"positions": positions, "options": [*_OPTIONS, *known], "allow_invalid": True}
     # fixed values are checked above, others at each call
-    named |= {"parameter": "outputs", "companions": False}
+    named |= {"companions": False}
     if problems.noted:
         problems.attempt(check, mechanism, None, wanted, **named, **options)
     problems.stop()
@@ -260,15 +260,15 @@ def function(
 _OPTIONS = tuple(name for name in signature(function).parameters if name != "fixed")
 
 
-class Function:
+class Function(Suggesting):
     """Compiled quantities of a mechanism as a function of arrays.
 
     Attributes
     ----------
-    inputs, outputs : tuple of str
+    inputs, quantities : tuple of str
         The rows of its argument and of its result.
     shape : tuple of int
-        The last axes of its result: assembly modes where there are several, input positions.
+        The last axes of its result: branches where there are several, input positions.
     """
 
     def __init__(
@@ -280,7 +280,7 @@ class Function:
     ) -> None:
         plan, lengths = resolved.plan, resolved.lengths
         self.inputs = tuple(inputs)
-        self.outputs = tuple(output.name for output in plan.outputs)
+        self.quantities = tuple(output.name for output in plan.outputs)
         self._resolved, self._recipe = resolved, recipe
         self._job = resolved.job(math.inf)
         axes = [axis for axis in axes_of(plan.outputs) if not (one_branch and axis == "branch")]
@@ -296,11 +296,11 @@ class Function:
         self._block = max(1, min(BLOCK, BLOCK_BYTES // row // 64 * 64))
         self._of_thread = threading.local()
         #: The row of the status, and its code for designs with numbers beyond the range.
-        self._flag = flag_beyond_range(resolved.catalogue, self.outputs)
+        self._flag = flag_beyond_range(resolved.catalogue, self.quantities)
 
     @door(name="function", hint="x is one array, with a row for each input")
     def __call__(self, x: ArrayLike) -> NDArray[np.float64]:
-        """Return the outputs (outputs, ...) of designs (inputs, ...)."""
+        """Return the quantities (quantities, ...) of designs (inputs, ...)."""
         given = self._rows(x)
         try:
             bound = self._of_thread.bound
@@ -308,7 +308,7 @@ class Function:
             bound = self._of_thread.bound = self._bind(self._block)
         if given.ndim == 1:
             return self._evaluate_one(given, *bound)
-        doubles = given.size + math.prod((given.size // len(self.inputs), len(self.outputs), *self.shape))
+        doubles = given.size + math.prod((given.size // len(self.inputs), len(self.quantities), *self.shape))
         check_memory(8 * doubles, "the result", where=("function", "x"), remedy="pass fewer designs at once")
         flat = given.reshape(len(self.inputs), -1)
         far = np.zeros(flat.shape[1], dtype=bool)
@@ -316,7 +316,7 @@ class Function:
             far |= beyond_range(declared, row)
         if far.any():
             flat = np.where(far, np.nan, flat)
-        result = np.empty((len(self.outputs), flat.shape[1], *self.shape))
+        result = np.empty((len(self.quantities), flat.shape[1], *self.shape))
         for start in range(0, flat.shape[1], self._block):
             block = slice(start, start + self._block)
             self._evaluate_block(flat[:, block], result[:, block], *bound)
@@ -328,14 +328,14 @@ class Function:
                 result[k, bad] = np.nan
         if far.any() and self._flag is not None:
             result[self._flag[0], far] = self._flag[1]
-        return result.reshape(len(self.outputs), *given.shape[1:], *self.shape)
+        return result.reshape(len(self.quantities), *given.shape[1:], *self.shape)
 
     def __reduce__(self) -> tuple[Callable[..., Function], tuple[list[str]]]:
-        return self._recipe, (list(self.outputs),)
+        return self._recipe, (list(self.quantities),)
 
     def __repr__(self) -> str:
         mechanism = self._resolved.mechanism
-        return f"<function of {mechanism}: {', '.join(self.inputs)} to {', '.join(self.outputs)}>"
+        return f"<function of {mechanism}: {', '.join(self.inputs)} to {', '.join(self.quantities)}>"
 
     @cached_property
     def jitted(self) -> Any:
@@ -349,7 +349,7 @@ class Function:
 
     @door(name="function", hint="x is one array, with a row for each input")
     def gradient(self, x: ArrayLike) -> NDArray[np.float64]:
-        """Return the derivatives (outputs, inputs, ...) of the outputs of designs (inputs, ...).
+        """Return the derivatives (quantities, inputs, ...) of the quantities of designs (inputs, ...).
 
         Those of extremes, means and places over the cycle are ``d_NAME_max_d_INPUT`` and its like, see
         docs/tolerances.md: where two places tie or the motion has a limit, they are one-sided or NaN.
@@ -362,8 +362,8 @@ class Function:
         """
         rows = self._rows(x)
         function, wanted = self._derivatives
-        result = np.zeros((len(self.outputs), len(self.inputs), *rows.shape[1:], *self.shape))
-        found = dict(zip(function.outputs, function(rows), strict=True))
+        result = np.zeros((len(self.quantities), len(self.inputs), *rows.shape[1:], *self.shape))
+        found = dict(zip(function.quantities, function(rows), strict=True))
         for name, place in wanted.by_name.items():
             result[place] = found[name]
         for name, places in wanted.zero_unless.items():
@@ -374,11 +374,11 @@ class Function:
 
     @property
     def without_gradient(self) -> tuple[str, ...]:
-        """The outputs that have no derivatives: codes, lists, error bounds."""
+        """The quantities that have no derivatives: codes, lists, error bounds."""
         try:
             _wanted(self._resolved, self.inputs)
         except InputError as error:
-            return tuple({self.outputs[int(one.where[1])]: None for one in error.problems})
+            return tuple({self.quantities[int(one.where[1])]: None for one in error.problems})
         return ()
 
     @cached_property
@@ -410,7 +410,7 @@ class Function:
 
     def _evaluate_one(self, given: NDArray[np.float64], runner: Runner, rows: Rows) -> NDArray[np.float64]:
         """Return the outputs of one design, in no more than a dozen steps of Python."""
-        outputs = np.empty((len(self.outputs), *self.shape))
+        outputs = np.empty((len(self.quantities), *self.shape))
         values = given.tolist()
         far = any(map(beyond_range, self._declared, values))
         if far:

@@ -92,21 +92,20 @@ def check(
     angles: Any = None,
     positions: Mapping[str, Any] | None = None,
     options: Iterable[str] = (),
-    branch: int | Sequence[int] = (1, 2),
+    branch: int | Sequence[int] = 1,
     solver: str = ELIMINATED,
     extrema: str | None = None,
     allow_invalid: bool = False,
     backend: str | None = None,
     companions: bool = True,
-    parameter: str = "quantities",
 ) -> CheckedRequest:
     """Check each part of a request; all problems are raised together."""
     catalogue, problems = find_catalogue(mechanism, input), Problems()
     declared = all_declared(catalogue)
     names: tuple[str, ...] = ()
     with problems.at():
-        names = check_names(parameter, quantities)
-        _check_quantities(catalogue, declared, names, parameter)
+        names = check_names("quantities", quantities)
+        _check_quantities(catalogue, declared, names)
         names = names if "status" in names or not companions else (*names, "status")
     problems.attempt(request.check_model, catalogue, links, solver)
     variants = request.selected_variants(catalogue, links, solver, () if space is None else space.names)
@@ -129,13 +128,11 @@ def check(
 
 
 @lru_cache(maxsize=256)
-def _check_quantities(
-    catalogue: Catalogue, declared: tuple[Any, ...], names: tuple[str, ...], parameter: str
-) -> None:
+def _check_quantities(catalogue: Catalogue, declared: tuple[Any, ...], names: tuple[str, ...]) -> None:
     """Refuse unknown quantities; checked once, since it takes longer than all other checks together (0.15 ms)."""
     problems = Problems()
     for k, name in enumerate(names):
-        with problems.at(parameter, k):
+        with problems.at("quantities", k):
             parse_request(name, catalogue)
     problems.stop()
 
@@ -274,7 +271,6 @@ def resolve(
     quantities: Sequence[str],
     *,
     companions: bool = True,
-    parameter: str = "quantities",
     **options: Any,
 ) -> ResolvedSweep:
     """Check a request and plan it; nothing is compiled."""
@@ -283,7 +279,7 @@ def resolve(
     with problems.at():
         given = _space_of(space, bool(options.get("allow_invalid")))
         designs = designs_of(catalogue, given, options.get("links"), problems)
-    named: dict[str, Any] = {"companions": companions, "parameter": parameter, **options}
+    named: dict[str, Any] = {"companions": companions, **options}
     checked = problems.attempt(check, mechanism, designs, quantities, **named)
     problems.stop()
     assert designs is not None
@@ -299,14 +295,14 @@ def resolve(
     try:
         plan = cached_plan(catalogue, checked.names, companions, declared=checked.declared, **planning)
     except InputError as error:
-        raise (_problem_of_each(checked, planning, parameter) or error) from None
+        raise (_problem_of_each(checked, planning) or error) from None
     if catalogue.definition:  # default values of a user's inputs that nothing computed depends on
         own = {one.name for one in catalogue.definition if getattr(one, "default", None) is not None}
         read = {name for program in plan.programs for name in program.inputs}
         space = without(space, own.intersection(space.constants) - read)
     axis = find_scaling_axis(plan, space)
     solver = checked.solver if plan.depends_on_solver else ""
-    one_branch = np.ndim(options.get("branch", checked.branches)) == 0
+    one_branch = np.ndim(options.get("branch", 1)) == 0
     mechanism, ways = name_of(mechanism), (checked.backend, one_branch)
     return ResolvedSweep(mechanism, space, plan, checked.positions, solver, axis, *ways)
 
@@ -323,14 +319,12 @@ def _space_of(space: Any, allow_invalid: bool) -> DesignSpace:
     return as_space(space, allow_invalid=allow_invalid)
 
 
-def _problem_of_each(
-    checked: CheckedRequest, planning: Mapping[str, Any], parameter: str
-) -> InputError | None:
+def _problem_of_each(checked: CheckedRequest, planning: Mapping[str, Any]) -> InputError | None:
     """Return every missing input, once, and the other problems of each quantity."""
     catalogue, problems = checked.catalogue, Problems()
     missing: dict[KeyPath, Problem] = {}
     for k, name in enumerate(checked.names):
-        with problems.at(parameter, k):
+        with problems.at("quantities", k):
             absent = request.missing_inputs(catalogue, name, checked.variants, planning["given"])
             missing |= {one.where: one for one in absent if one.where not in missing}
             if not absent:

@@ -303,7 +303,7 @@ def sweep(
     links: Links | None = None,
     input: str | None = None,
     angles: int | ArrayLike | None = None,
-    branch: int | Sequence[int] = (1, 2),
+    branch: int | Sequence[int] = 1,
     solver: str = ELIMINATED,
     extrema: str | None = None,
     verify: int | None = None,
@@ -350,9 +350,9 @@ def sweep(
         The input positions: a number of equally spaced angles over one turn, or an array of positions (angles in rad,
         ``F_y`` in m). An input that does not turn takes an array; unless given, theta of ``"minkowski_4r"`` is
         ``numpy.linspace(-4, 4, 401)``.
-    branch : int or sequence of int, default (1, 2)
-        Assembly modes. A list is a dimension of the result, ``[2]`` too; a single number, as ``isel`` of xarray
-        does it, is a scalar coordinate ``branch``.
+    branch : int or sequence of int, default 1
+        Which of the two assembly modes, see docs/conventions.md; ``(1, 2)`` for both. A list is a dimension of the
+        result, ``[2]`` too; a single number, as ``isel`` of xarray does it, is a scalar coordinate ``branch``.
     solver : {"eliminated", "dense"}
         Joint reactions by elimination, or by LU of the 9x9 system of Hayes et al., eq. (9), which only the planar 4R
         driven by theta1 has.
@@ -414,7 +414,7 @@ def sweep(
     ...     ["omega4_max", "transmission_angle_min"],
     ... )
     >>> maps.omega4_max.dims
-    ('a2', 'branch')
+    ('a2',)
     """
     call, started = dict(locals()), time.perf_counter()
     checked, resolved = checked_call(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import xarray as xr
 
 from fastlink._text import short_repr
-from fastlink.errors import InputError, check_choice, door
+from fastlink.errors import InputError, Suggesting, check_choice, door
 from fastlink.io.reader import as_dataset
 from fastlink.io.reader import open_map as open
 from fastlink.maps.units import (
@@ -28,14 +28,17 @@ from fastlink.maps.units import (
 from fastlink.space.tables import STATUS
 
 if TYPE_CHECKING:
-    from fastlink.pictures.designs import MapPlots
+    from collections.abc import Sequence
+
+    from matplotlib.figure import Figure
+
     from fastlink.pictures.explore import Page
 
-__all__ = ["MapAccessor", "VariableAccessor", "finite", "open"]
+__all__ = ["MapAccessor", "VariableAccessor", "open"]
 
 
 @xr.register_dataset_accessor("fastlink")  # type: ignore[no-untyped-call]
-class MapAccessor:
+class MapAccessor(Suggesting):
     """The attribute ``fastlink`` of a map.
 
     Examples
@@ -100,9 +103,61 @@ class MapAccessor:
 
     @door
     def finite(self) -> xr.Dataset:
-        """Replace infinite values by NaN, and note how many there were; see `fastlink.finite`."""
-        result: xr.Dataset = finite(self._maps)
-        return result
+        """Replace infinite values by NaN, and note how many there were.
+
+        A quantity that grows without bound at a toggle has an infinite extreme. Matplotlib has no colour for it, and a
+        mean over designs is infinite too.
+
+        Returns
+        -------
+        xarray.Dataset
+            A copy in memory, in which each variable that had infinite values has their number as attribute
+            ``infinite_values``. Variables in dask chunks stay so, and are not counted.
+
+        Examples
+        --------
+        >>> space = fl.grid(a1=[0.5, 1.5], a2=1.2, a3=0.8, a4=1.0, omega1=25.0)
+        >>> maps = fl.sweep("planar_4r", space, ["omega4_max"])
+        >>> finite = maps.fastlink.finite()
+        >>> maps.omega4_max.values.round(2), finite.omega4_max.values.round(2)
+        (array([16.91,   inf]), array([16.91,   nan]))
+        >>> finite.omega4_max.attrs["infinite_values"]
+        1
+        """
+        with as_dataset(self._maps) as maps:
+            return maps.assign({name: finite(array).variable for name, array in maps.data_vars.items()})
+
+    @door
+    def summary(self) -> str:
+        """Return what a sweep did as lines of text; of what `fastlink.accuracy` measures the table.
+
+        Returns
+        -------
+        str
+            Designs and how many have each status, configurations where there were given input positions, run time and
+            speed, the largest errors that were measured; and the file with its size, for a map that is opened from one.
+            Of a part of a map, the designs of that part. Of measured methods a line each, the fastest first; a star
+            marks those that no other one beats in both error and time.
+
+        Examples
+        --------
+        >>> space = fl.grid(a1=[0.4, 0.6], a2=1.2, a3=0.8, a4=1.0)
+        >>> maps = fl.sweep("planar_4r", space, ["transmission_angle"])
+        >>> print(maps.fastlink.summary().partition("run time")[0])
+        designs         2
+                            1  rotates fully                     50.0 %
+                            0  assembles over part of the turn    0.0 %
+                            0  never assembles                    0.0 %
+                            1  change point                      50.0 %
+                            0  invalid input                      0.0 %
+                            0  assembles in one position          0.0 %
+                            0  beyond range                       0.0 %
+        configurations  720
+        <BLANKLINE>
+        """
+        from fastlink.app.report import summary  # of maps and of what is measured, which stands above both
+
+        return summary(self._maps)
 
     @door
     def degrees(self) -> xr.Dataset:
@@ -119,11 +174,9 @@ class MapAccessor:
         return self._maps.drop_vars(list(self._maps.data_vars))
 
     @property
-    def plot(self) -> MapPlots:
-        """Pictures: ``plot("omega4_max")``, ``plot.designs([...])``, ``plot.front(minimise=...)``."""
-        from fastlink.pictures.designs import MapPlots  # pictures stand above maps; this is their door
-
-        return MapPlots(self._maps)
+    def plot(self) -> Plot:
+        """``plot(names, ...)`` draws this map, see `fastlink.plot`."""
+        return Plot(self._maps)
 
     @door
     def explore(self, *, to: Any = None, port: int = 0, browser: bool = True) -> Page:
@@ -178,7 +231,7 @@ class MapAccessor:
         n : int
             How many rows; there are fewer where the map has fewer.
         by : str
-            The variable. A row is one of its values: a design in an assembly mode, and at one input position if the
+            The variable. A row is one of its values: a design in a branch, and at one input position if the
             variable has them.
         largest : bool, default True
             The greatest values; False for the least.
@@ -192,7 +245,7 @@ class MapAccessor:
         -------
         xarray.Dataset
             Along ``design``, the best first, equal ones in the order of the map: all inputs (those that are the same
-            for all designs as scalars), the assembly mode, and all results of that place. ``.to_dataframe()`` is the
+            for all designs as scalars), the branch, and all results of that place. ``.to_dataframe()`` is the
             table of pandas. The attribute ``selection`` says how many values were considered and left out.
         """
         from fastlink.maps.best import top  # not whenever a map is opened
@@ -208,8 +261,29 @@ class MapAccessor:
         return self._maps[of]
 
 
+class Plot:
+    """The door of a map to its pictures."""
+
+    def __init__(self, maps: xr.Dataset) -> None:
+        self._maps = maps
+
+    @door(name="plot")
+    def __call__(self, names: str | Sequence[str] = (), **options: Any) -> Figure:
+        """Draw the map, see `fastlink.plot`."""
+        from fastlink.pictures.designs import plot  # pictures stand above maps; this is their door
+
+        return plot(self._maps, names, **options)
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name):
+            raise AttributeError(
+                f"there is no plot.{name}; write maps.fastlink.plot(names, ...), see fastlink.plot"
+            )
+
+
 @xr.register_dataarray_accessor("fastlink")  # type: ignore[no-untyped-call]
-class VariableAccessor:
+class VariableAccessor(Suggesting):
     """The attribute ``fastlink`` of a variable of a map.
 
     Examples
@@ -232,9 +306,8 @@ class VariableAccessor:
 
     @door
     def finite(self) -> xr.DataArray:
-        """Replace infinite values by NaN, and note how many there were; see `fastlink.finite`."""
-        result: xr.DataArray = finite(self._array)
-        return result
+        """Replace infinite values by NaN, and note how many there were, as those of a map."""
+        return finite(self._array)
 
     @door
     def degrees(self) -> xr.DataArray:

@@ -19,7 +19,7 @@ from fastlink.errors import InputError, Pair, Problems, Setting, check_choice, c
 from fastlink.io.checksums import pieces
 from fastlink.io.where import SLACK, Range, form_of, in_units, named
 from fastlink.maps.units import check_flags, flags_of
-from fastlink.space.design_space import DESIGN
+from fastlink.space.design_space import BRANCH, DESIGN
 from fastlink.space.tables import STATUS
 
 # -- Conditions on the rows of a map: masks, meanings of a code, ranges of values
@@ -82,6 +82,9 @@ def conditions(maps: xr.Dataset, where: Any) -> list[Condition]:
     if where is None:
         return []
     if isinstance(where, str) or (isinstance(where, (list, tuple)) and where):
+        if isinstance(where, str) and set("<>=") & set(where):
+            remedy = "write a condition by name, such as {'a1': (None, 0.5)} or {'a1': ':0.5'}"
+            raise InputError(f"{short_repr(where)} is no meaning of status", ("where",), remedy)
         if STATUS not in maps:
             what = "the map has no variable 'status'"
             raise InputError(what, ("where",), "give a mask, such as maps.a1 < 0.5")
@@ -92,7 +95,8 @@ def conditions(maps: xr.Dataset, where: Any) -> list[Condition]:
             with problems.at():
                 made.append(_of_name(maps, name, given))
         problems.stop()
-        return made
+        # of one branch alone, which is none of the axes that a search reads, it holds: others are refused
+        return [one for one in made if one.array.name != BRANCH or one.array.ndim]
     if not isinstance(where, xr.DataArray) or where.dtype.kind != "b":
         remedy = (
             "write ranges such as {'a1': (None, 0.5)}, a meaning of status, or a mask such as maps.a1 < 0.5"
@@ -136,6 +140,11 @@ def _of_name(maps: xr.Dataset, name: Any, given: Any) -> Condition:
             raise InputError("takes no finite number", remedy=("write ", Pair(unlimited=True)))
     problems.stop()
     limits = in_units(array, limits, "where", factor)
+    if array.name == BRANCH and not ((array >= limits.low) & (array <= limits.high)).any():
+        there = joined([str(one) for one in np.ravel(array.values)])
+        raise InputError(
+            f"here is branch {there} alone", ("where", BRANCH), "leave it out, or compute both branches"
+        )
     return Condition(array, None, limits.low, limits.high)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
@@ -13,8 +12,7 @@ import numpy as np
 import xarray as xr
 
 from fastlink._text import short_repr
-from fastlink.errors import InputError, KeyPath, check_choice, door, require_package, suggest
-from fastlink.io.reader import as_dataset
+from fastlink.errors import InputError, KeyPath, check_choice, require_package, suggest
 from fastlink.space.units import factor_of, is_unit, scaled
 
 # -- Convert the units of maps: by the table of units, others by pint
@@ -233,41 +231,8 @@ def flag_counts(array: xr.DataArray) -> dict[str, int] | None:
 REPLACED = "infinite_values"  # attribute: how many infinite values a variable had
 
 
-@door
-def finite(maps: Any) -> Any:
-    """Replace infinite values by NaN, and note how many there were.
-
-    A quantity that grows without bound at a toggle has an infinite extreme. Matplotlib has no colour for it, and a mean
-    over designs is infinite too.
-
-    Parameters
-    ----------
-    maps : xarray.Dataset, xarray.DataArray or path
-        A map, one of its variables, or the file of a map.
-
-    Returns
-    -------
-    xarray.Dataset or xarray.DataArray
-        A copy in memory, in which each variable that had infinite values has their number as attribute
-        ``infinite_values``. Variables in dask chunks stay so, and are not counted.
-
-    Examples
-    --------
-    >>> space = fl.grid(a1=[0.5, 1.5], a2=1.2, a3=0.8, a4=1.0, omega1=25.0)
-    >>> maps = fl.sweep("planar_4r", space, ["omega4_max"], branch=1)
-    >>> maps.omega4_max.values.ravel().round(2), fl.finite(maps).omega4_max.values.ravel().round(2)
-    (array([16.91,   inf]), array([16.91,   nan]))
-    >>> fl.finite(maps).omega4_max.attrs["infinite_values"]
-    1
-    """
-    if isinstance(maps, xr.DataArray):
-        return _finite(maps)
-    with as_dataset(maps) as dataset:
-        result = dataset.assign({name: _finite(array).variable for name, array in dataset.data_vars.items()})
-        return result.load() if isinstance(maps, (str, os.PathLike)) else result
-
-
-def _finite(array: xr.DataArray) -> xr.DataArray:
+def finite(array: xr.DataArray) -> xr.DataArray:
+    """Return a variable with NaN in place of infinite values, and their number as an attribute."""
     if array.dtype.kind != "f":
         return array
     if array.chunks is not None:

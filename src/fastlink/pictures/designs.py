@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from fastlink.pictures.charts import Cloud
 
-__all__ = ["KINDS", "MapPlots", "plot_designs", "plot_front"]
+__all__ = ["KINDS", "plot"]
 
 
 #: Kinds of pictures, and how many quantities they show.
@@ -34,38 +34,57 @@ TITLE = 84  # letters in a line
 
 
 @door
-def plot_designs(
+def plot(
     maps: Any,
-    names: str | Sequence[str],
+    names: str | Sequence[str] = (),
     *,
     kind: str | None = None,
+    minimise: str | Sequence[str] = (),
+    maximise: str | Sequence[str] = (),
     where: Any = None,
     branch: int | None = None,
+    at: Mapping[str, float] | None = None,
+    panels: str | None = None,
+    lines: str | None = None,
     degrees: bool = False,
     to: str | Path | None = None,
 ) -> Figure:
-    """Draw the designs of a map by some quantities: as points, as corners, or as cumulative distributions.
+    """Draw a map: one variable over its inputs; or rows by several variables; or a Pareto front.
 
+    *One variable*: over two dimensions a filled map, grey where the linkage does not assemble; over one, a line for
+    each branch. A further dimension is shown by `panels` or `lines`; all others are fixed by `at`.
+
+    *Rows*, by several names, or where `kind` or `where` is given: points, corners, or cumulative distributions. A row
+    is a place along all dimensions of the names: a design, in a branch, and at one input position where they have them.
     Above 100,000 rows points become cells that are coloured by how many rows they hold, read block by block: the map
     may be larger than memory. Rows without a number are left out, and counted in the title.
+
+    *A front*, by two to eight objectives: that of `fastlink.best`, exact, among all rows.
 
     Parameters
     ----------
     maps : xarray.Dataset or path
-        From `fastlink.sweep`, `fastlink.run_study` or `fastlink.open`, or the file of a map.
+        From `fastlink.sweep`, `fastlink.run` or `fastlink.open`, or the file of a map.
     names : str or sequence of str
-        Variables, or inputs that are swept. A row is a place along all their dimensions: a design, in an assembly mode,
-        and at one input position where they have them.
+        A variable; or several, which may be inputs that are swept.
     kind : {"scatter", "corner", "cumulative"}, optional
-        ``"scatter"``: the second over the first, coloured by the third, which may be a code; ``"corner"``: each over
-        each other, and each by itself; ``"cumulative"``: the share of rows that have at most a value. By default
-        cumulative for one name, scatter for two and three, corner for more.
+        Of rows. ``"scatter"``: the second over the first, coloured by the third, which may be a code; ``"corner"``:
+        each over each other, and each by itself; ``"cumulative"``: the share of rows that have at most a value. By
+        default cumulative for one name, scatter for two and three, corner for more.
+    minimise, maximise : str or sequence of str
+        The objectives of a front, as in `fastlink.best`.
     where : mapping, str, list of str or xarray.DataArray, optional
         Which rows, as in `fastlink.best`.
     branch : int, optional
-        One assembly mode; by default all, as rows of their own.
+        One branch; by default all that the map has: in one picture, or as rows of their own.
+    at : mapping of str to float, optional
+        Values at which dimensions are fixed, each at the nearest one in the result; angles in degrees if `degrees`.
+    panels : str, optional
+        A third dimension: a small map for each of at most six of its values, evenly over all, in the same colours.
+    lines : str, optional
+        A second dimension: a line for each of at most six of its values, in place of a map over both.
     degrees : bool, default False
-        Show angles in degrees.
+        Show angles in degrees: axes, colours, values that are fixed and those in `at`.
     to : path, optional
         The picture to write; its ending (png, svg, pdf) is its kind. An existing one is replaced.
 
@@ -77,23 +96,58 @@ def plot_designs(
     Raises
     ------
     InputError
-        Not a map; a name, kind or condition is unknown; too many or too few names; no rows; matplotlib is missing.
+        Not a map; a name, dimension, branch, kind or condition is unknown; too many or too few names, objectives or
+        dimensions; no rows; options of different pictures; matplotlib is missing.
 
     Examples
     --------
-    >>> import numpy as np
-    >>> import fastlink as fl
-    >>> space = fl.grid(a1=np.linspace(0.1, 0.5, 9), a2=np.linspace(0.9, 1.3, 9), a3=0.8, a4=1.0, omega1=25.0)
-    >>> maps = fl.sweep("planar_4r", space, ["omega4_max", "transmission_angle_min"], branch=1)
-    >>> figure = fl.plot_designs(maps, ["omega4_max", "transmission_angle_min", "a1"], where="rotates_fully")
+    >>> space = fl.grid(a1=np.linspace(0.1, 0.5, 9), a2=np.linspace(0.9, 1.3, 9), a3=0.8, a4=[0.9, 1.0], omega1=25.0)
+    >>> maps = fl.sweep("planar_4r", space, ["omega4_max", "transmission_angle_min"])
+    >>> figure = fl.plot(maps, "omega4_max", at={"a4": 1.0})
+    >>> figure.axes[0].get_xlabel()
+    'length of the input crank OA $a_{1}$ [m]'
+    >>> figure = fl.plot(maps, "omega4_max", panels="a4")
+    >>> [axis.get_title() for axis in figure.axes[:2]]
+    ['$a_{4}$ = 0.9 m', '$a_{4}$ = 1 m']
+    >>> maps = maps.sel(a4=1.0)
+    >>> figure = fl.plot(maps, ["omega4_max", "transmission_angle_min", "a1"], where="rotates_fully")
     >>> figure.get_suptitle()
     '80 rows where status is rotates fully'
+    >>> figure = fl.plot(maps, minimise="omega4_max", maximise="a1", where="rotates_fully")
+    >>> print(figure.get_suptitle())
+    The front of 9 of 80 rows by the least omega4_max and greatest a1, where status is
+    rotates fully
     """
+    wanted, objectives = listed(names), [*listed(minimise), *listed(maximise)]
+    of_rows = kind is not None or where is not None or len(wanted) > 1
+    if objectives and (wanted or kind is not None):
+        remedy = "leave it out, or the objectives"
+        raise InputError("is given beside objectives", ("names" if wanted else "kind",), remedy)
+    for option, value in (("at", at), ("panels", panels), ("lines", lines)):
+        if (objectives or of_rows) and value is not None:
+            rows = ("choose rows, such as by ", Setting("where", {STATUS: "rotates_fully"}))
+            raise InputError("is of a map of one variable", (option,), rows)
     path = checked_request(to, degrees)
-    wanted = [names] if isinstance(names, str) else list(names) if isinstance(names, (list, tuple)) else []
+    if objectives:
+        return plot_front(maps, minimise, maximise, where, branch, degrees, path)
+    if of_rows:
+        return plot_designs(maps, wanted, kind, where, branch, degrees, path)
     if not wanted:
-        remedy = "write names of variables, such as ['omega4_max', 'a1']"
-        raise InputError(f"is {short_repr(names)}", where=("names",), remedy=remedy)
+        front = (", or objectives by ", Setting("minimise", "NAME"), " and ", Setting("maximise", "NAME"))
+        raise InputError("is missing", ("names",), ("write a variable, such as omega4_max", *front))
+    return plot_map(maps, wanted[0], branch, at, panels, lines, degrees, path)
+
+
+def plot_designs(
+    maps: Any,
+    wanted: list[Any],
+    kind: str | None,
+    where: Any,
+    branch: int | None,
+    degrees: bool,
+    path: Path | None,
+) -> Figure:
+    """Draw the rows of a map by some quantities."""
     kind = _kind(kind, wanted)
     from fastlink.pictures.charts import draw_corner, draw_cumulative, draw_scatter
 
@@ -119,52 +173,10 @@ def plot_designs(
         return _finished(lambda: drawer(cloud), dataset, title, path, _modes_of([cloud]))
 
 
-@door
 def plot_front(
-    maps: Any,
-    *,
-    minimise: str | Sequence[str] = (),
-    maximise: str | Sequence[str] = (),
-    where: Any = None,
-    branch: int | None = None,
-    degrees: bool = False,
-    to: str | Path | None = None,
+    maps: Any, minimise: Any, maximise: Any, where: Any, branch: int | None, degrees: bool, path: Path | None
 ) -> Figure:
-    """Draw the Pareto front of a map by two objectives or more, among all its rows.
-
-    Two objectives make one picture, more make corners. The front is that of `fastlink.best`, exact.
-
-    Parameters
-    ----------
-    maps : xarray.Dataset or path
-        From `fastlink.sweep`, `fastlink.run_study` or `fastlink.open`, or the file of a map.
-    minimise, maximise : str or sequence of str
-        The objectives, as in `fastlink.best`; two to eight.
-    where, branch, degrees, to
-        As in `fastlink.plot_designs`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The figure; it is not part of matplotlib's global state and need not be closed.
-
-    Raises
-    ------
-    InputError
-        An objective or condition is unknown, there are not two objectives, or no rows; matplotlib is missing.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> import fastlink as fl
-    >>> space = fl.grid(a1=np.linspace(0.1, 0.5, 9), a2=np.linspace(0.9, 1.3, 9), a3=0.8, a4=1.0, omega1=25.0)
-    >>> maps = fl.sweep("planar_4r", space, ["omega4_max", "transmission_angle_min"], branch=1)
-    >>> figure = fl.plot_front(maps, minimise="omega4_max", maximise="a1", where="rotates_fully")
-    >>> print(figure.get_suptitle())
-    The front of 9 of 80 rows by the least omega4_max and greatest a1, where status is
-    rotates fully
-    """
-    path = checked_request(to, degrees)
+    """Draw the Pareto front of a map among all its rows."""
     from fastlink.pictures.charts import draw_corner, draw_scatter
 
     with as_map(maps) as dataset:
@@ -176,8 +188,8 @@ def plot_front(
         names = [*listed(minimise), *listed(maximise)]
         low, high = KINDS["corner"]
         if not low <= len(names) <= high:
-            remedy = f"write {low} to {high}, or list the best by fastlink.best"
-            raise InputError(f"there are {counted(len(names), 'objective')}", where=("front",), remedy=remedy)
+            remedy = f"write {low} to {high}, or rank by `best`"
+            raise InputError(f"a front of {counted(len(names), 'objective')}", where=("plot",), remedy=remedy)
         cloud = _cloud(dataset, names, where, degrees)
         factors = [column.factor for column in cloud.columns]
         front = np.stack([found[name].values for name in names], axis=1) * factors
@@ -232,8 +244,9 @@ def _check_name(maps: xr.Dataset, name: Any) -> None:
     """Refuse a name that has no numbers along a dimension."""
     usable = numeric(maps)
     if isinstance(name, str) and name in maps.variables and name not in usable:
-        remedy = "write the name of a variable, or of an input that is swept"
-        raise InputError(f"{name} is not a number for each design", where=("names",), remedy=remedy)
+        alone = "it is one value" if maps[name].size == 1 else "it is not a number for each design"
+        remedy = "write the name of a variable, or of an input, that has several"
+        raise InputError(f"{name} cannot be drawn: {alone}", where=("names",), remedy=remedy)
     check_choice(("names",), name, usable)
 
 
@@ -273,43 +286,3 @@ def _condition(name: str, given: Any) -> str:
     if low is None or high is None:
         return f"{name} is at {f'most {high:g}' if low is None else f'least {low:g}'}"
     return f"{name} is {low:g} to {high:g}"
-
-
-# -- Pictures of a map, from the map itself: ``maps.fastlink.plot``
-
-
-class MapPlots:
-    """The pictures of a map.
-
-    Parameters
-    ----------
-    maps : xarray.Dataset
-        The map.
-
-    Examples
-    --------
-    >>> import fastlink as fl
-    >>> space = fl.grid(a1=[0.2, 0.4, 0.6], a2=[1.1, 1.2, 1.3], a3=0.8, a4=1.0, omega1=25.0)
-    >>> maps = fl.sweep("planar_4r", space, ["omega4_max", "transmission_angle_min"], branch=1)
-    >>> figure = maps.fastlink.plot("omega4_max")
-    >>> figure = maps.fastlink.plot.designs(["omega4_max", "transmission_angle_min"])
-    >>> figure = maps.fastlink.plot.front(minimise="omega4_max", maximise="transmission_angle_min")
-    """
-
-    def __init__(self, maps: xr.Dataset) -> None:
-        self._maps = maps
-
-    @door
-    def __call__(self, name: str, **options: Any) -> Figure:
-        """Draw one variable over one or two inputs; options as in `fastlink.plot_map`."""
-        return plot_map(self._maps, name, **options)
-
-    @door
-    def designs(self, names: str | Sequence[str], **options: Any) -> Figure:
-        """Draw the rows by some quantities; options as in `fastlink.plot_designs`."""
-        return plot_designs(self._maps, names, **options)
-
-    @door
-    def front(self, **options: Any) -> Figure:
-        """Draw the Pareto front; options as in `fastlink.plot_front`."""
-        return plot_front(self._maps, **options)

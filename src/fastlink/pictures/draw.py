@@ -514,7 +514,7 @@ def draw(
 ) -> Figure:
     r"""Draw a mechanism to scale, as it stands at an input position.
 
-    Links, joints, hatched ground, names as in the papers, the path of the coupler point, each assembly mode in a colour
+    Links, joints, hatched ground, names as in the papers, the path of the coupler point, each branch in a colour
     of its own (the second with hollow bars and dashed curves), faintly where the motion ends. All places are facts of
     the mechanism, as `fastlink.evaluate` gives them.
 
@@ -552,7 +552,7 @@ def draw(
     frames : int, default 60
         How many pictures it has.
     trust_code : bool, default False
-        Run the Python file of quantities that a study names (see `fastlink.run_study`).
+        Run the Python file of quantities that a study names (see `fastlink.run`).
     **inputs : float or array_like
         The inputs, and the input position, such as ``theta1`` or ``theta1_deg``: one, or a list for as many linkages
         side by side. Left out, one a sixth of the turn, or a third of the way through the range.

@@ -387,7 +387,7 @@ def explore(maps: Any, *, to: str | Path | None = None, port: int = 0, browser: 
     Parameters
     ----------
     maps : xarray.Dataset or path
-        From `fastlink.sweep`, `fastlink.run_study` or `fastlink.open`, or the file of a map; read where it is looked
+        From `fastlink.sweep`, `fastlink.run` or `fastlink.open`, or the file of a map; read where it is looked
         at, so that it may be larger than memory. Great maps are read fastest by their path.
     to : path, optional
         Write one page that carries the whole map and needs neither Python nor a network, such as ``page.html``, in

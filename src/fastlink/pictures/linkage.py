@@ -992,7 +992,7 @@ class Board:
     def _mode(self, k: int) -> str:
         """Return an assembly mode in words."""
         branch = self.motion.branches[k]
-        return f"assembly mode {branch}: {self.motion.catalogue.branches[branch]}{self._orientations(k)}"
+        return f"branch {branch}: {self.motion.catalogue.branches[branch]}{self._orientations(k)}"
 
     def _orientations(self, k: int) -> str:
         """Return which bars of an assembly mode point to the future and to the past, of a single picture."""

@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from fastlink._text import short_number, short_repr
-from fastlink.errors import InputError, Remedy, Setting, check_choice, check_whole, door, suggest
+from fastlink.errors import InputError, Remedy, Setting, check_choice, check_whole, suggest
 from fastlink.io.reader import as_map
 from fastlink.io.where import is_scale, nearest
 from fastlink.maps.units import degrees as in_degrees
 from fastlink.maps.units import degrees_along, flags_of
 from fastlink.pictures.labels import plain, units_text, valued
-from fastlink.pictures.picture import checked_request, save
+from fastlink.pictures.picture import save
 from fastlink.space.design_space import BRANCH, as_real
 from fastlink.space.tables import STATUS
 from fastlink.space.units import in_si
@@ -146,21 +146,23 @@ def spread(count: int, most: int) -> Any:
 
 def _variable(dataset: xr.Dataset, name: Any) -> xr.DataArray:
     """Return a variable of numbers, or refuse its name."""
-    name = check_choice(("name",), name, [str(key) for key in dataset.data_vars])
+    name = check_choice(("names",), name, [str(key) for key in dataset.data_vars])
     variable: xr.DataArray = dataset[name]
     if variable.dtype.kind not in "iufb":
         remedy = "draw a variable of numbers"
-        raise InputError(f"{name} holds {variable.dtype}, not numbers", where=("name",), remedy=remedy)
+        raise InputError(f"{name} holds {variable.dtype}, not numbers", where=("names",), remedy=remedy)
     return variable
 
 
 def one_branch(variable: T, branch: Any) -> T:
     """Return the part of a variable, or of a map, for one assembly mode."""
     if BRANCH not in variable.coords:
-        what = f"{getattr(variable, 'name', 'the map')} is the same in every assembly mode"
+        what = f"{getattr(variable, 'name', 'the map')} is the same in every branch"
         raise InputError(what, where=("branch",), remedy="leave it out")
     known = np.atleast_1d(variable[BRANCH].values).tolist()
     remedy = f"write one of {', '.join(map(str, known))}"
+    if len(known) == 1:
+        remedy = f"the map is of branch {known[0]} alone: leave it out, or compute both branches"
     if check_whole(("branch",), branch, min(known), max(known), remedy) not in known:
         raise InputError(f"{branch} is not in the result", where=("branch",), remedy=remedy)
     return variable.isel({BRANCH: [known.index(branch)]}) if BRANCH in variable.dims else variable
@@ -180,7 +182,7 @@ def _fixed(
         known = [str(key) for key in variable.dims if key != BRANCH]
         remedy: Remedy = suggest(dim, known) if known else "it has none"
         if dim == BRANCH:
-            remedy = ("choose an assembly mode by ", Setting("branch", 1))
+            remedy = ("choose one by ", Setting("branch", 1))
         what = f"{short_repr(dim)} is not a dimension of {variable.name} that can be fixed"
         raise InputError(what, where=("at",), remedy=remedy)
     return places, {dim: variable[dim].values[place] for dim, place in places.items()}
@@ -306,16 +308,14 @@ def _modes(variable: xr.DataArray) -> list[tuple[str, xr.DataArray]]:
     """Return title and values of each assembly mode, or of all if they agree."""
     numbers = np.atleast_1d(variable[BRANCH].values).tolist() if BRANCH in variable.coords else []
     if BRANCH not in variable.dims:
-        return [(f"assembly mode {numbers[0]}" if numbers else "", variable)]
+        return [(f"branch {numbers[0]}" if numbers else "", variable)]
     count = variable.sizes[BRANCH]
-    titles = [f"assembly mode {b}" for b in numbers] or [
-        f"branch {k} of {count}" for k in range(1, count + 1)
-    ]
+    titles = [f"branch {b}" for b in numbers] or [f"branch {k} of {count}" for k in range(1, count + 1)]
     parts = [(title, variable.isel({BRANCH: k})) for k, title in enumerate(titles)]
     first = parts[0][1].values
     alike = all(np.allclose(part.values, first, rtol=1e-9, atol=0.0, equal_nan=True) for _, part in parts)
     if alike and len(parts) > 1 and numbers:
-        return [(f"assembly modes {' and '.join(map(str, numbers))} (they agree)", parts[0][1])]
+        return [(f"branches {' and '.join(map(str, numbers))} (they agree)", parts[0][1])]
     return parts
 
 
@@ -346,65 +346,17 @@ def name_places(axis: Any, names: Sequence[str], turned: bool) -> None:
 # -- Draw a variable of a map: check the request, select, draw, write
 
 
-@door
 def plot_map(
     maps: Any,
-    name: str,
-    *,
-    branch: int | None = None,
-    at: Mapping[str, float] | None = None,
-    panels: str | None = None,
-    lines: str | None = None,
-    degrees: bool = False,
-    to: str | Path | None = None,
+    name: Any,
+    branch: int | None,
+    at: Mapping[str, float] | None,
+    panels: str | None,
+    lines: str | None,
+    degrees: bool,
+    path: Path | None,
 ) -> Figure:
-    """Draw one variable of a result.
-
-    Over two dimensions it is a filled map, grey where the linkage does not assemble; over one, a line for each
-    assembly mode. A further dimension is shown by `panels` or `lines`; all others are fixed by `at`.
-
-    Parameters
-    ----------
-    maps : xarray.Dataset or path
-        From `fastlink.sweep`, `fastlink.run_study` or `fastlink.open`, or the file of a map.
-    name : str
-        The variable.
-    branch : int, optional
-        One assembly mode; by default all, in one picture.
-    at : mapping of str to float, optional
-        Values at which dimensions are fixed, each at the nearest one in the result; angles in degrees if `degrees`.
-    panels : str, optional
-        A third dimension: a small map for each of at most six of its values, evenly over all, in the same colours.
-    lines : str, optional
-        A second dimension: a line for each of at most six of its values, in place of a map over both.
-    degrees : bool, default False
-        Show angles in degrees: axes, colours, values that are fixed and those in `at`.
-    to : path, optional
-        The picture to write; its ending (png, svg, pdf) is its kind. An existing one is replaced.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The figure; it is not part of matplotlib's global state and need not be closed.
-
-    Raises
-    ------
-    InputError
-        Not a map; unknown variable, dimension or branch; more than two dimensions left, or none; matplotlib is missing.
-
-    Examples
-    --------
-    >>> import fastlink as fl
-    >>> space = fl.grid(a1=0.4, a2=[1.1, 1.2, 1.3], a3=[0.7, 0.8], a4=[0.9, 1.0])
-    >>> maps = fl.sweep("planar_4r", space, ["transmission_angle_min"])
-    >>> figure = plot_map(maps, "transmission_angle_min", at={"a4": 1.0})
-    >>> figure.axes[0].get_xlabel()
-    'length of the coupler AB $a_{2}$ [m]'
-    >>> grid = plot_map(maps, "transmission_angle_min", panels="a4")
-    >>> [axis.get_title() for axis in grid.axes[:2]]
-    ['$a_{4}$ = 0.9 m', '$a_{4}$ = 1 m']
-    """
-    path = checked_request(to, degrees)
+    """Draw one variable of a map, over one or two of its dimensions."""
     from fastlink.pictures.charts import draw
     from fastlink.pictures.style import style
 

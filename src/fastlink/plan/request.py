@@ -14,6 +14,7 @@ import numpy as np
 
 from fastlink._text import counted, joined, short_repr
 from fastlink.errors import (
+    OTHER_NAMES,
     InputError,
     KeyPath,
     Model,
@@ -280,7 +281,7 @@ def branch_codes(catalogue: Catalogue, branch: Any, *, gaps: bool = False) -> ND
         cells = values.ravel().tolist()
         bad = [cell for cell in cells if not _is_branch(catalogue, cell, gaps)][:1]
     for value in bad:
-        what = f"{short_repr(value)} is not an assembly mode of {catalogue.name}"
+        what = f"{short_repr(value)} is not a branch of {catalogue.name}"
         raise InputError(what, ("branch",), remedy)
     return values.astype(np.float64)
 
@@ -338,8 +339,10 @@ def check_keywords(
             own = name in inputs_of(mechanism)
             other = (f", or, to drive {name}, write ", Setting("input", name)) if own else ()
             problems.add(f"the input is {position}", (name,), (f"write its positions as {position}", other))
+        elif name in OTHER_NAMES["n"]:
+            problems.add("is not an option", (name,), "the designs have a number: fl.sobol(n, a2=(1.0, 1.4))")
         else:
-            problems.add("is not an option", (name,), suggest(name, {*options, position}))
+            problems.add("is not an option", (name,), suggest(name, {*options, position, POSITIONS}))
     problems.stop()
 
 

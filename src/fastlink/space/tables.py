@@ -322,6 +322,8 @@ def read_file(path: Path, keep: Collection[str], allow_invalid: bool) -> Columns
         return _read_parquet(path, keep, allow_invalid)
     if begin == HDF5:
         raise refused(f"{path} is an HDF5 file", f"if it is a map, give fastlink.open('{path}')")
+    if path.suffix.lower() == ".toml":
+        raise refused(f"{path} is a study, not a table", f"run it by fastlink.run('{path}')")
     try:
         return CsvFile(path).columns(keep, allow_invalid)
     except OSError as error:

@@ -80,9 +80,9 @@ def test_none_of_dense_samples_is_beyond_an_extreme(case):
     mechanism, designs, names = CASES[case]
     links = {"links": fl.round_bar(density=7750.0, radius=0.01)} if case == "planar" else {}
     given = {"branch": (1, 2), "progress": False, **links}
-    curves = fl.sweep(mechanism, designs, names, **given, positions=ANGLES)
+    curves = fl.sweep(mechanism, designs, names, **{"branch": (1, 2)} | given, positions=ANGLES)
     wanted = [f"{name}_{end}{more}" for name in names for end in ("min", "max") for more in ("", "_error")]
-    maps = fl.sweep(mechanism, designs, wanted, **given)
+    maps = fl.sweep(mechanism, designs, wanted, **{"branch": (1, 2)} | given)
     for name in names:
         assert maps[f"{name}_max"].attrs["extrema"] == "refined"
         curve = curves[name]
@@ -132,8 +132,8 @@ def test_sides_of_jumps_are_verified_with_50_digits():
 def test_what_reads_the_position_as_a_number_is_sampled():
     """The position jumps at the end of the turn, wherever that is: `ahead` once had other extremes than its curve."""
     design = {"a1": 0.5, "a2": 3.0, "a3": 2.5, "a4": 2.2, "omega1": 1.0}
-    maps = fl.sweep(planar, design, ["ahead_min", "ahead_max", "periodic_min"], positions=360)
-    curve = fl.sweep(planar, design, ["ahead"], positions=360)
+    maps = fl.sweep(planar, design, ["ahead_min", "ahead_max", "periodic_min"], positions=360, branch=(1, 2))
+    curve = fl.sweep(planar, design, ["ahead"], positions=360, branch=(1, 2))
     assert maps.ahead_min.attrs["extrema"] == "sampled"
     assert maps.periodic_min.attrs["extrema"] == "refined"
     assert (maps.ahead_min == curve.ahead.min("theta1")).all()

@@ -47,10 +47,10 @@ def check(names, count, samples, bounds=True):
     designs = fl.table(columns).with_constants({"a4": 1.0, "omega1": 25.0})
     given = {"links": BARS, "progress": False}
     errors = [f"{name}_error" for name in names] if bounds else []
-    maps = fl.sweep(mine, designs, [*names, *errors], **given)
+    maps = fl.sweep(mine, designs, [*names, *errors], **{"branch": (1, 2)} | given)
     angles = np.linspace(-np.pi, np.pi, samples)
     quantities = list(dict.fromkeys(name.rpartition("_")[0] for name in names))
-    curves = fl.sweep(mine, designs, quantities, **given, theta1=angles)
+    curves = fl.sweep(mine, designs, quantities, **{"branch": (1, 2)} | given, theta1=angles)
     for name in names:
         quantity, _, how = name.rpartition("_")
         sign = 1.0 if how == "max" else -1.0
@@ -100,13 +100,17 @@ def test_lists_hold_the_extremes_beside_kinks(name):
     columns = {length: rng.uniform(*ends, 12) for length, ends in columns.items()}
     columns |= {"a4": np.ones(12), "omega1": np.full(12, 2.5)}
     given = {"branch": 1, "progress": False}
-    maps = fl.sweep(mine, fl.table(columns), [f"{name}_extrema", "theta4_extrema"], **given)
+    maps = fl.sweep(
+        mine, fl.table(columns), [f"{name}_extrema", "theta4_extrema"], **{"branch": (1, 2)} | given
+    )
     beside = np.geomspace(1e-9, 1e-2, 81)
     for k, dead in enumerate(maps["theta1_at_theta4_extrema"].values[:, :2]):
         near = (dead[:, None] + np.concatenate([-beside, [0.0], beside])).ravel()
         angles = np.unique(np.concatenate([np.linspace(0.0, 2.0 * np.pi, 4000, endpoint=False), near]))
         design = fl.table({length: values[k : k + 1] for length, values in columns.items()})
-        values = fl.sweep(mine, design, [name], **given, theta1=angles)[name].values.ravel()
+        values = fl.sweep(mine, design, [name], **{"branch": (1, 2)} | given, theta1=angles)[
+            name
+        ].values.ravel()
         rises = np.sign(np.diff(values, append=values[0]))
         rises = rises[rises != 0.0]
         assert maps[f"{name}_extrema_count"][k] == (rises != np.roll(rises, 1)).sum(), k

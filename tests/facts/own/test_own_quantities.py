@@ -25,7 +25,12 @@ ANGLES = 1000
 def test_values_are_those_of_the_formula():
     names = ["cost", "bearing_load", "smaller_load", "overload", "off_right_angle", "is_poor"]
     maps = fl.sweep(
-        mine, DESIGNS, [*names, "transmission_angle", "omega4", "F21", "F41"], links=LINKS, angles=60
+        mine,
+        DESIGNS,
+        [*names, "transmission_angle", "omega4", "F21", "F41"],
+        links=LINKS,
+        angles=60,
+        branch=(1, 2),
     )
     mu, load = maps.transmission_angle, np.maximum(maps.F21, maps.F41)
     expected = {
@@ -58,9 +63,14 @@ def test_evaluate_and_function_and_sweep_agree():
 @pytest.mark.parametrize("name", ["cost", "bearing_load", "smaller_load", "off_right_angle"])
 def test_extremes_are_those_of_a_dense_grid(name):
     wanted = [f"{name}{ending}" for ending in ("_max", "_min", "_max_error", "_min_error")]
-    maps = fl.sweep(mine, DESIGNS, wanted, links=LINKS)
+    maps = fl.sweep(mine, DESIGNS, wanted, links=LINKS, branch=(1, 2))
     grid = fl.sweep(
-        mine, DESIGNS, [name], links=LINKS, theta1=np.linspace(0.0, 2 * np.pi, ANGLES, endpoint=False)
+        mine,
+        DESIGNS,
+        [name],
+        links=LINKS,
+        theta1=np.linspace(0.0, 2 * np.pi, ANGLES, endpoint=False),
+        branch=(1, 2),
     )
     rotates = (maps.status == 0).values
     curves = grid[name].values[rotates]
@@ -83,7 +93,9 @@ def test_verification_with_50_digits_finds_roundings_alone():
         "d_overload_d_F_allowed",
         "cost_error",
     ]
-    maps = fl.sweep(mine, DESIGNS, [*names, "bearing_load_error"], links=LINKS, angles=24, verify=3)
+    maps = fl.sweep(
+        mine, DESIGNS, [*names, "bearing_load_error"], links=LINKS, angles=24, verify=3, branch=(1, 2)
+    )
     assert maps.attrs["verify_mismatches"] == 0
     for name in ("cost_max", "d_cost_d_a1", "bearing_load_max"):
         # in units of the rounding of the inputs: the bound of `test_precision` for built-in ones
@@ -104,7 +116,9 @@ def test_derivatives_are_those_of_differences():
 
 def test_error_bounds_cover_a_choice_that_rounding_makes():
     # where both forces are within their errors of each other, the bound is at least the greater of both errors
-    maps = fl.sweep(mine, DESIGNS, ["bearing_load_error", "F21_error", "F41_error"], links=LINKS, angles=60)
+    maps = fl.sweep(
+        mine, DESIGNS, ["bearing_load_error", "F21_error", "F41_error"], links=LINKS, angles=60, branch=(1, 2)
+    )
     least = np.minimum(maps.F21_error, maps.F41_error)
     assert (maps.bearing_load_error >= least).where(least.notnull(), True).all()
 
@@ -112,7 +126,7 @@ def test_error_bounds_cover_a_choice_that_rounding_makes():
 def test_extremes_at_kinks_have_no_derivative():
     names = ["d_off_right_angle_max_d_a2", "d_off_right_angle_min_d_a2"]
     names += [f"off_right_angle_{end}{more}" for end in ("max", "min") for more in ("", "_gradient_status")]
-    maps = fl.sweep(mine, DESIGNS, names).isel(design=slice(0, 16))
+    maps = fl.sweep(mine, DESIGNS, names, branch=(1, 2)).isel(design=slice(0, 16))
     rotates = (maps.status == 0).values
     kink = (maps.off_right_angle_min_gradient_status.values == 6)[rotates]
     # a least value of |x| is either 0, at a kink, or that of a place where the slope of x is 0
@@ -123,18 +137,18 @@ def test_extremes_at_kinks_have_no_derivative():
 
 
 def test_labels_tell_what_it_is():
-    maps = fl.sweep(mine, LENGTHS, ["cost_max", "bearing_load_rms"], links=LINKS)
+    maps = fl.sweep(mine, LENGTHS, ["cost_max", "bearing_load_rms"], links=LINKS, branch=(1, 2))
     assert maps.cost_max.attrs["long_name"].startswith("Poor transmission, and speed of the output")
     assert maps.cost_max.attrs["symbol"] == "max C"
     assert maps.bearing_load_rms.attrs["units"] == "N"
     assert maps.weight.attrs["long_name"] == "weight of poor transmission"
     assert "declared in declared.py" in maps.cost_max.attrs["references"]
     assert any(row.name == "cost" and row.units == "1" for row in fl.quantities(mine))
-    assert "cost_max" in str(fl.explain(mine, LENGTHS, ["cost_max"]))
+    assert "cost_max" in str(fl.explain(mine, LENGTHS, ["cost_max"], branch=(1, 2)))
 
 
 def test_a_map_holds_the_text_that_makes_it_again(tmp_path):
-    maps = fl.sweep(mine, LENGTHS, ["overload_max"], links=LINKS)
+    maps = fl.sweep(mine, LENGTHS, ["overload_max"], links=LINKS, branch=(1, 2))
     text = maps.attrs["own_quantities"]
     names = [node.name for node in ast.parse(text).body if isinstance(node, ast.FunctionDef)]
     assert names == ["bearing_load", "overload"]
@@ -142,9 +156,9 @@ def test_a_map_holds_the_text_that_makes_it_again(tmp_path):
     file.write_text(text)
     scope = {}
     exec(compile(text, str(file), "exec"), scope)
-    again = fl.sweep(scope["mine"], LENGTHS, ["overload_max"], links=LINKS)
+    again = fl.sweep(scope["mine"], LENGTHS, ["overload_max"], links=LINKS, branch=(1, 2))
     assert again.overload_max.identical(maps.overload_max.assign_attrs(references="declared in again.py"))
-    assert "own_quantities" not in fl.sweep(mine, LENGTHS, ["omega4_max"]).attrs
+    assert "own_quantities" not in fl.sweep(mine, LENGTHS, ["omega4_max"], branch=(1, 2)).attrs
 
 
 def test_the_best_design_is_refined_by_the_extension_of_its_map():
@@ -163,27 +177,32 @@ def test_the_best_design_is_refined_by_the_extension_of_its_map():
 
 
 def test_inputs_that_nothing_depends_on_stay_out():
-    maps = fl.sweep(mine, LENGTHS, ["omega4_max"])
-    assert maps.identical(fl.sweep("planar_4r", LENGTHS, ["omega4_max"]).assign_attrs(maps.attrs))
-    assert "weight" in fl.sweep(mine, LENGTHS, ["cost_max"]).coords
+    maps = fl.sweep(mine, LENGTHS, ["omega4_max"], branch=(1, 2))
+    assert maps.identical(
+        fl.sweep("planar_4r", LENGTHS, ["omega4_max"], branch=(1, 2)).assign_attrs(maps.attrs)
+    )
+    assert "weight" in fl.sweep(mine, LENGTHS, ["cost_max"], branch=(1, 2)).coords
 
 
 def test_built_in_kernels_stay_as_they_are():
     texts = [
-        [kernel_of(program).text for program in resolve(of, LENGTHS, ["omega4_max", "theta4"]).plan.programs]
+        [
+            kernel_of(program).text
+            for program in resolve(of, LENGTHS, ["omega4_max", "theta4"], branch=(1, 2)).plan.programs
+        ]
         for of in (mine, "planar_4r")
     ]
     assert texts[0] == texts[1]
     assert not catalogue("planar_4r").is_quantity("cost")
     with refused("cost"):
-        fl.sweep("planar_4r", LENGTHS, ["cost"])
+        fl.sweep("planar_4r", LENGTHS, ["cost"], branch=(1, 2))
 
 
 def test_a_run_of_another_definition_is_refused(tmp_path):
     other = fl.extend(mine)
     path = tmp_path / "maps.h5"
-    fl.sweep(mine, LENGTHS, ["cost_max"], to=path, verify=0).close()
-    fl.sweep(mine, LENGTHS, ["cost_max"], to=path, verify=0).close()  # the same: opened
+    fl.sweep(mine, LENGTHS, ["cost_max"], to=path, verify=0, branch=(1, 2)).close()
+    fl.sweep(mine, LENGTHS, ["cost_max"], to=path, verify=0, branch=(1, 2)).close()  # the same: opened
 
     @other.quantity(units="1", symbol="C")
     def cost(transmission_angle, omega4, omega1, weight):
@@ -191,18 +210,18 @@ def test_a_run_of_another_definition_is_refused(tmp_path):
         return weight * (1.0 - transmission_angle) + (omega4 / omega1) ** 2
 
     with pytest.raises(InputError, match="own_quantities"):
-        fl.sweep(other, LENGTHS, ["cost_max"], to=path, verify=0)
-    one, another = (resolve(of, LENGTHS, ["cost_max"]).fingerprint for of in (mine, other))
+        fl.sweep(other, LENGTHS, ["cost_max"], to=path, verify=0, branch=(1, 2))
+    one, another = (resolve(of, LENGTHS, ["cost_max"], branch=(1, 2)).fingerprint for of in (mine, other))
     assert one != another
     further = fl.extend(mine)
     further.input("unrelated", units="1")
-    assert resolve(further, LENGTHS, ["cost_max"]).fingerprint == one
+    assert resolve(further, LENGTHS, ["cost_max"], branch=(1, 2)).fingerprint == one
 
 
 def test_it_goes_to_other_processes_as_text():
     again = pickle.loads(pickle.dumps(mine))
     assert repr(again) == repr(mine)
-    request = resolve(mine, LENGTHS, ["cost_max"])
+    request = resolve(mine, LENGTHS, ["cost_max"], branch=(1, 2))
     travelled = pickle.loads(pickle.dumps(request))
     assert travelled.fingerprint == request.fingerprint
     assert travelled.catalogue is request.catalogue
@@ -210,14 +229,14 @@ def test_it_goes_to_other_processes_as_text():
 
 def test_other_inputs_have_what_is_defined_there():
     lengths = {name: value for name, value in LENGTHS.items() if name != "omega1"}
-    maps = fl.sweep(mine, lengths, ["off_right_angle_max"], input="joint_angle_4")
+    maps = fl.sweep(mine, lengths, ["off_right_angle_max"], input="joint_angle_4", branch=(1, 2))
     assert np.isfinite(maps.off_right_angle_max).any()
     with refused("bearing_load_max", "leave input out"):
-        fl.sweep(mine, lengths, ["bearing_load_max"], input="joint_angle_4")
+        fl.sweep(mine, lengths, ["bearing_load_max"], input="joint_angle_4", branch=(1, 2))
 
 
 def test_extremes_of_what_may_jump_are_those_of_samples():
-    maps = fl.sweep(mine, LENGTHS, ["is_poor_max", "is_poor_mean"])
+    maps = fl.sweep(mine, LENGTHS, ["is_poor_max", "is_poor_mean"], branch=(1, 2))
     assert maps.is_poor_max.attrs["extrema"] == "sampled"
 
 
@@ -235,7 +254,7 @@ def test_names_of_kernels_are_taken():
     ]
     known, names = catalogue("planar_4r"), set()
     design = LENGTHS | {"P_u": 0.5, "P_v": 0.2}
-    for program in resolve("planar_4r", design, wanted, links=LINKS).plan.programs:
+    for program in resolve("planar_4r", design, wanted, links=LINKS, branch=(1, 2)).plan.programs:
         tree = ast.parse(kernel_of(program).text)
         names |= {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
         names |= {node.arg for node in ast.walk(tree) if isinstance(node, ast.arg)}

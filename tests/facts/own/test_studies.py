@@ -44,7 +44,7 @@ def study(tmp_path, monkeypatch):
 
 
 def test_a_study_alone_runs_no_code(study, tmp_path):
-    for door in (fl.run_study, fl.explain, fl.accuracy):
+    for door in (fl.run, fl.explain, fl.accuracy):
         with refused("quantities_file", "trust_code=True"):
             door(study)
     found = CliRunner().invoke(app, ["run", str(study)])
@@ -52,11 +52,11 @@ def test_a_study_alone_runs_no_code(study, tmp_path):
     assert "--trust-code" in found.output
     assert not (tmp_path / "ran").exists()
     with refused("trust_code", "True or False"):
-        fl.run_study(study, trust_code="yes")
+        fl.run(study, trust_code="yes")
 
 
 def test_a_trusted_study_has_its_own_quantities(study, tmp_path):
-    with fl.run_study(study, to="maps.h5", trust_code=True) as maps:
+    with fl.run(study, to="maps.h5", trust_code=True) as maps:
         np.testing.assert_array_equal(maps.weighted_max, 2.0 * maps.transmission_angle_max)
         assert "def weighted" in maps.attrs["own_quantities"]
         assert maps.attrs["study"] == STUDY
@@ -71,12 +71,12 @@ def test_a_trusted_study_has_its_own_quantities(study, tmp_path):
 
 
 def test_another_text_is_another_map(study):
-    fl.run_study(study, to="maps.h5", trust_code=True).close()
-    fl.run_study(study, to="maps.h5", trust_code=True).close()  # up to date
+    fl.run(study, to="maps.h5", trust_code=True).close()
+    fl.run(study, to="maps.h5", trust_code=True).close()  # up to date
     file = study.with_name("mine.py")
     file.write_text(MINE.replace("return weight *", "return 2.0 * weight *"))
     with pytest.raises(InputError, match="own_quantities"):
-        fl.run_study(study, to="maps.h5", trust_code=True)
+        fl.run(study, to="maps.h5", trust_code=True)
 
 
 @pytest.mark.parametrize(
@@ -94,9 +94,9 @@ def test_another_text_is_another_map(study):
 def test_a_file_that_declares_nothing_is_refused(study, text, what):
     study.with_name("mine.py").write_text(text)
     with pytest.raises(InputError) as caught:
-        fl.run_study(study, trust_code=True)
+        fl.run(study, trust_code=True)
     assert "study.toml: quantities_file" in str(caught.value)
     assert what in str(caught.value)
     study.with_name("mine.py").unlink()
     with refused("quantities_file", "Python code"):
-        fl.run_study(study, trust_code=True)
+        fl.run(study, trust_code=True)

@@ -39,7 +39,10 @@ def test_s_and_lambda_make_the_design_that_rho_makes():
 
 def test_the_chebyshev_linkage_to_every_digit():
     maps = fl.sweep(
-        "focal", fl.grid(**CHEBYSHEV), ["m", "n", "p", "q", "r", "FT", "h1", "h2", "S_x", "T_ratio"]
+        "focal",
+        fl.grid(**CHEBYSHEV),
+        ["m", "n", "p", "q", "r", "FT", "h1", "h2", "S_x", "T_ratio"],
+        branch=(1, 2),
     )
     first = maps.sel(completion=1)
     root = MP.sqrt(6)

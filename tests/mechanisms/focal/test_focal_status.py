@@ -9,7 +9,6 @@ import pytest
 from tests.support.focal_designs import FACTS, FOCAL, GIVEN, LENGTHS, NUMBERS, facts, random_designs
 
 import fastlink as fl
-from fastlink.app.study import run_study
 from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
 
@@ -179,7 +178,7 @@ def test_the_study_of_chebyshev_s_linkage(tmp_path):
     asked = text[text.index("quantities") : text.index("[design]")]
     study = tmp_path / "drive.toml"
     study.write_text(text.replace(asked, 'quantities = ["crank_type", "T_x", "T_y"]\n\n'), encoding="utf-8")
-    with run_study(study, to=tmp_path / "drive.h5") as maps:
+    with fl.run(study, to=tmp_path / "drive.h5") as maps:
         found = maps.load()
     assert int(found.crank_type) == 0
     one = found.sel(branch=1)

@@ -13,7 +13,6 @@ from tests.support.hart_configurations import (
 )
 
 import fastlink as fl
-from fastlink.app.study import run_study
 from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
 
@@ -44,7 +43,9 @@ def test_F_traces_its_stroke_and_assembles_along_it_alone(design):
     holes = np.diff(np.concatenate([[-outer], y, [outer]])) > 0.05 * outer
     assert holes.sum() == two
     places = np.linspace(-1.01, 1.01, 2000) * outer
-    maps = fl.sweep("hart", fl.grid(**design), ["phi", "F_x", "P_y"], input="F_y", angles=places)
+    maps = fl.sweep(
+        "hart", fl.grid(**design), ["phi", "F_x", "P_y"], input="F_y", angles=places, branch=(1, 2)
+    )
     inside = (np.abs(places) <= outer) & (np.abs(places) >= inner)
     for name in ("phi", "F_x", "P_y"):
         np.testing.assert_array_equal(np.isfinite(maps[name]), [inside, inside])
@@ -67,7 +68,7 @@ def test_the_linkage_of_figures_6_and_7():
 
 def test_the_study_of_the_example(tmp_path):
     study = Path(__file__).parents[3] / "data" / "studies" / "hart_8.toml"
-    with run_study(study, to=tmp_path / "hart_8.h5") as maps:
+    with fl.run(study, to=tmp_path / "hart_8.h5") as maps:
         maps.load()
     assert maps.F_deviation.max() <= 3.0
     # sixteen joints of about four roundings each, over the longest bar

@@ -11,16 +11,13 @@ from tests.mechanisms.minkowski_4r.test_minkowski_types import EXAMPLES
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.app.study import run_study
 
 STUDIES = Path(__file__).parents[3] / "data" / "studies"
 
 
 @pytest.fixture(scope="module")
 def examples(tmp_path_factory):
-    with run_study(
-        STUDIES / "minkowski_examples.toml", to=tmp_path_factory.mktemp("examples") / "e.h5"
-    ) as maps:
+    with fl.run(STUDIES / "minkowski_examples.toml", to=tmp_path_factory.mktemp("examples") / "e.h5") as maps:
         return maps.load()
 
 
@@ -48,7 +45,7 @@ def tables(tmp_path_factory):
     assert "32 x 32 x 32 x 32" in text
     study = folder / "tables.toml"
     study.write_text(text.replace("linspace = [1.0, 32.0, 32]", "linspace = [1.0, 9.0, 9]"), encoding="utf-8")
-    with run_study(study, to=folder / "tables.h5"):
+    with fl.run(study, to=folder / "tables.h5"):
         return fl.minkowski.linkage_table(folder / "tables.h5")
 
 
@@ -108,7 +105,9 @@ def test_the_study_fills_the_tables_of_the_paper(tables):
 
 
 def test_a_table_needs_the_types_and_the_sums():
-    maps = fl.sweep("minkowski_4r", fl.grid(a=1.0, b=1.0, g=4.0, h=[1.0, 2.0]), ["linkage_type", "T1"])
+    maps = fl.sweep(
+        "minkowski_4r", fl.grid(a=1.0, b=1.0, g=4.0, h=[1.0, 2.0]), ["linkage_type", "T1"], branch=(1, 2)
+    )
     with refused("T2", "sweep 'linkage_type'"):
         fl.minkowski.linkage_table(maps)
     with refused("maps"):

@@ -25,7 +25,7 @@ def facts(*lengths):
     columns = dict(zip(LENGTHS, np.array(lengths, dtype=float).T, strict=True))
     names = [*FACTS, "status"]
     space = fl.table(columns, allow_invalid=True)
-    found = fl.sweep("planar_4r", space, names, theta1=[0.0], allow_invalid=True)
+    found = fl.sweep("planar_4r", space, names, theta1=[0.0], allow_invalid=True, branch=(1, 2))
     classes = np.array([CLASS_FLAGS[int(code)] for code in found["grashof_class"].values])
     return {name: found[name].values for name in names} | {"grashof_class": classes}
 

@@ -57,7 +57,7 @@ def differing(designs, name):
     """Return how many lists differ from the exact ones, how many of these do not tell so by their bounds, and all."""
     asked = [f"{name}_extrema{part}" for part in ("_kind", "", "_error", "_count")]
     asked.append(f"theta1_at_{name}_extrema")
-    maps = fl.sweep("planar_4r", fl.table(designs), asked, verify=0, allow_invalid=True)
+    maps = fl.sweep("planar_4r", fl.table(designs), asked, verify=0, allow_invalid=True, branch=(1, 2))
     found = [maps[one].transpose("design", "branch", ...).values for one in asked]
     differ = silent = 0
     for k in range(len(found[0])):
@@ -255,7 +255,9 @@ def test_lists_that_rounding_hides_extremes_of_have_no_bound(name, drawn):
     differ, silent, _ = differing(designs, name)
     assert differ >= wrong
     assert silent == 0
-    maps = fl.sweep("planar_4r", fl.table(designs), [f"{name}_extrema{part}" for part in ("", "_error")])
+    maps = fl.sweep(
+        "planar_4r", fl.table(designs), [f"{name}_extrema{part}" for part in ("", "_error")], branch=(1, 2)
+    )
     values, bounds = maps[f"{name}_extrema"], maps[f"{name}_extrema_error"]
     undecided = np.isinf(bounds).all("extremum")
     # of places without an extreme, too, as nothing else of an empty list could tell
@@ -317,7 +319,9 @@ def test_many_lists_hold_the_exact_extremes_or_have_no_bound(kind, name):
 def listed(designs, names, **options):
     """Return value, theta1, count and kind of the lists of quantities, by name."""
     parts = ("{}_extrema", "theta1_at_{}_extrema", "{}_extrema_count", "{}_extrema_kind")
-    maps = fl.sweep("planar_4r", fl.table(designs), [f"{name}_extrema" for name in names], **options)
+    maps = fl.sweep(
+        "planar_4r", fl.table(designs), [f"{name}_extrema" for name in names], **{"branch": (1, 2)} | options
+    )
     return {name: [maps[part.format(name)] for part in parts] for name in names}
 
 
@@ -334,14 +338,16 @@ def test_what_is_constant_or_never_assembles_has_no_extremum(lengths, omega1, mo
         assert value.dims == theta1.dims == kind.dims == (*count.dims, "extremum")
         assert count.dtype == kind.dtype == np.int8
     ends = [f"{rate}_{end}" for rate in RATES for end in ("max", "min")]
-    maps = fl.sweep("planar_4r", fl.table(designs), ends)
+    maps = fl.sweep("planar_4r", fl.table(designs), ends, branch=(1, 2))
     assert all(np.array_equal(maps[end], [[most, most]], equal_nan=True) for end in ends)
 
 
 def test_angles_of_a_kite_come_to_their_limits_at_the_fold():
     """At theta1 = 0 the pins A and D of a kite coincide: its angles have limits there, and no values."""
     space = fl.grid(a1=0.3, a2=1.0, a3=1.0, a4=0.3)
-    found = fl.sweep("planar_4r", space, ["theta4_max", "theta4_min", "theta2_max", "theta2_min"])
+    found = fl.sweep(
+        "planar_4r", space, ["theta4_max", "theta4_min", "theta2_max", "theta2_min"], branch=(1, 2)
+    )
     for name in ("theta4", "theta2"):
         # half-turns to the last bit: pi is rounded, and so is the angle next to it
         np.testing.assert_allclose(found[f"{name}_max"], [0.0, np.pi], atol=2.0**-51)

@@ -122,7 +122,7 @@ def test_ranges_are_where_the_rod_reaches_the_line(r, l, e):
 
 
 def swept(names, designs, **options):
-    return fl.sweep("slider_crank", fl.table(designs), names, threads=1, **options)
+    return fl.sweep("slider_crank", fl.table(designs), names, threads=1, **{"branch": (1, 2)} | options)
 
 
 def test_beyond_a_toggle_rates_grow_without_bound():

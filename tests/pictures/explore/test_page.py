@@ -308,7 +308,7 @@ def test_chosen_designs_are_a_study_that_gives_the_same_values(tab, path, tmp_pa
     for name, text in state(tab, "studyOf(state.locks)").items():
         (tmp_path / name).write_text(text)
     with (
-        fl.run_study(tmp_path / "study.toml", to=tmp_path / "again.h5", verify=0) as again,
+        fl.run(tmp_path / "study.toml", to=tmp_path / "again.h5", verify=0) as again,
         fl.open(path) as maps,
     ):
         for k, at in enumerate(places):
@@ -374,7 +374,7 @@ def test_a_map_of_sampled_designs_is_points(browser, tmp_path):
 
 def test_a_cell_of_many_designs_shows_their_mean_once_a_slider_rests(browser, tmp_path):
     space = fl.grid(a1=np.linspace(0.2, 1.9, 1500), a2=[0.8, 1.1], a3=[0.7, 0.9], a4=1.0)
-    maps = fl.sweep("planar_4r", space, ["least_transmission_angle"], verify=0)
+    maps = fl.sweep("planar_4r", space, ["least_transmission_angle"], verify=0, branch=(1, 2))
     values, file = maps.least_transmission_angle.values[:, :, 0], tmp_path / "page.html"
     count = -(-1500 // 720)
     cells = values.reshape(1500 // count, count, 2)
@@ -397,7 +397,7 @@ def test_a_cell_of_many_designs_shows_their_mean_once_a_slider_rests(browser, tm
 
 def test_a_map_of_one_axis_is_a_line(browser):
     space = fl.grid(a1=0.4, a2=1.1, a3=0.8, a4=1.0, omega1=10.0)
-    maps = fl.sweep("planar_4r", space, ["omega4"], theta1=36, verify=0)
+    maps = fl.sweep("planar_4r", space, ["omega4"], theta1=36, verify=0, branch=(1, 2))
     with fl.explore(maps, browser=False) as page, opened(browser, page.url) as tab:
         assert (state(tab, "state.x"), state(tab, "state.y")) == ("theta1", "")
         point(tab, 0.5, 0.5)
@@ -451,7 +451,7 @@ def maps_of(kind, coupler):
         space = fl.sobol(64, seed=1, a1=(0.2, 0.5), a2=(0.9, 1.4), a3=(0.6, 1.2), a4=1.0, omega1=10.0)
         return fl.sweep("planar_4r", space, ["omega4_max", "swing"], branch=1, verify=0)
     space = fl.grid(a1=0.4, a2=1.1, a3=0.8, a4=1.0, omega1=10.0)
-    return fl.sweep("planar_4r", space, ["omega4"], theta1=36, verify=0)
+    return fl.sweep("planar_4r", space, ["omega4"], theta1=36, verify=0, branch=(1, 2))
 
 
 @pytest.mark.parametrize("kind", ["cells", "points", "line"])
@@ -600,6 +600,7 @@ def test_a_map_over_positions_is_evaluated_at_the_position_that_is_chosen(browse
         ["omega4"],
         theta1_deg=[10, 50],
         verify=0,
+        branch=(1, 2),
     )
     with fl.explore(maps, browser=False) as page, opened(browser, page.url) as tab:
         tab.locator("#type-a1").fill("0.35")
