@@ -81,6 +81,7 @@ def test_every_mechanism_declares_what_is_drawn_of_it(mechanism):
     values |= {name for loads in picture.loads.values() for one in loads for name in one.components}
     values |= {value for ends in picture.spans.values() for value in ends}
     values |= {bar.orientation for bar in picture.bars if bar.orientation}
+    values |= set(re.findall(r"{(\w+)}", picture.title))
     names = {value for value in values if isinstance(value, str)}
     assert names <= {*known.facts, *known.inputs, *inputs_of(mechanism), *known.variant_inputs}
     points = [one.name for one in picture.points]

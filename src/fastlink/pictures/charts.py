@@ -69,10 +69,8 @@ __all__ = [
 
 
 CONTOURS = 8
-APART = (
-    3,
-    {False: 30, True: 14},
-)  # contours nearer to each other than 3 cells, or this part of a panel, are left out
+# Contours that are nearer to each other than so many cells, or this part of a panel, are left out.
+CELLS_APART, APART = 3, {False: 1 / 30, True: 1 / 14}
 LABELS_APART = {False: 0.06, True: 0.14}  # of a panel
 BESIDE, BELOW, NARROW = 32, 60, 34  # letters in a line of a legend, and of a label
 COLUMNS = 3  # of a grid
@@ -277,7 +275,7 @@ def _add_contours(axis: Any, x: Any, y: Any, cells: Any, norm: Any, small: bool)
         slopes = zip(cells.shape, np.gradient(heights), strict=True)
         rise = np.hypot(*(size * slope for size, slope in slopes))
     step = np.diff(places).min(initial=np.inf)
-    steep = rise * max(APART[0] / min(cells.shape), 1.0 / APART[1][small]) > step
+    steep = rise * max(CELLS_APART / min(cells.shape), APART[small]) > step
     near = [np.abs(heights - place) < 0.5 * step for place in places]
     levels = [level for level, one in zip(levels, near, strict=True) if 2 * (steep & one).sum() <= one.sum()]
     line = {"colors": "white", "linestyles": "solid", "linewidths": 0.7, "alpha": 0.8}
