@@ -3,7 +3,6 @@
 import itertools
 
 import numpy as np
-from matplotlib.path import Path
 
 #: Of letters in points: the margin that a renderer puts around them; how far one may stand beyond the frame in pixels.
 MARGIN, BEYOND = 0.8, 1.0
@@ -33,6 +32,15 @@ def corners_of(text, renderer):
     return 0.5 * (box.p0 + box.p1) + around @ np.array([[c, s], [-s, c]])
 
 
+def overlap(one, other):
+    """Tell whether two boxes overlap: no side of either has all of one on this and all of the other on that side."""
+    for across in (*np.diff(one[:3], axis=0), *np.diff(other[:3], axis=0)):
+        first, second = one @ across, other @ across
+        if first.max() <= second.min() or second.max() <= first.min():
+            return False
+    return True
+
+
 def flaws_of(figure):
     """Return the pairs of texts that overlap, and the texts that are not inside the picture."""
     figure.draw_without_rendering()
@@ -43,6 +51,6 @@ def flaws_of(figure):
     pairs = [
         (one, other)
         for (one, box), (other, further) in itertools.combinations(boxes, 2)
-        if Path(box).intersects_path(Path(further))
+        if overlap(box, further)
     ]
     return pairs, outside

@@ -194,7 +194,8 @@ def plot_front(
         factors = [column.factor for column in cloud.columns]
         front = np.stack([found[name].values for name in names], axis=1) * factors
         drawer = draw_scatter if len(names) == low else draw_corner
-        title = str(found.attrs["selection"]).removesuffix(cloud.noted).capitalize() + _of(where)
+        about, wanted = str(found.attrs["selection"]).removesuffix(cloud.noted), _of(where)
+        title = about[:1].upper() + about[1:] + (wanted and f",{wanted}")
         return _finished(lambda: drawer(cloud, front), dataset, title, path, cloud.noted.removeprefix(", "))
 
 

@@ -575,7 +575,7 @@ def draw(
     1
     >>> figure = fl.draw("hart", m=4.0, n=8.0, d=6.0, kappa=0.5, strip=4, branch=1)
     >>> [axis.get_title() for axis in figure.axes][2]
-    '$\\phi$ = 214.1°'
+    '$\\phi$ = 180°'
     """
     require_package("matplotlib", ("draw",))
     path = None if to is None else check_picture(to, "to", kinds=DRAWINGS, example="linkage.png")
