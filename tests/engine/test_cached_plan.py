@@ -186,7 +186,7 @@ def test_positions_is_another_name_of_the_option_for_them():
         for key in ("theta1", "positions")
     )
     assert first.omega4_rms.identical(second.omega4_rms)
-    with refused("positions is given too", "write one of them"):
+    with refused("theta1 is given too", "write one of them"):
         fl.sweep("planar_4r", linkage, names, theta1=24, positions=24, branch=(1, 2))
 
 

@@ -37,8 +37,7 @@ def sweep(to, space=SPACES["lengths"], **options):
         "planar_4r",
         space,
         NAMES,
-        **{"theta1": 5, "threads": 1, "verify": 0, "to": to, **options},
-        branch=(1, 2),
+        **{"theta1": 5, "threads": 1, "verify": 0, "to": to, "branch": (1, 2), **options},
     )
 
 
@@ -98,7 +97,9 @@ def test_a_map_of_the_other_layout_is_refused_by_name(tmp_path):
 def test_a_study_and_the_command_line_choose_the_layout(tmp_path):
     study = tmp_path / "study.toml"
     design = "[design]\na1 = 0.4\na2 = {linspace = [1.0, 1.4, 3]}\na3 = 0.8\na4 = 1.0\n"
-    study.write_text(f'{BARE}{design}[cycle]\ntheta1 = 4\n[output]\nlayout = "maps"\nverify = 0\n')
+    study.write_text(
+        f'{BARE}{design}[cycle]\ntheta1 = 4\nbranch = [1, 2]\n[output]\nlayout = "maps"\nverify = 0\n'
+    )
     with fl.run(study, to=tmp_path / "a.h5") as found:
         assert found.theta4.dims == ("branch", "theta1", "a2")
     with fl.run(study, to=tmp_path / "b.h5", layout="curves") as found:

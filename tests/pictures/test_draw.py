@@ -162,7 +162,7 @@ def test_a_part_of_the_title_that_a_design_has_no_value_for_is_left_out():
 def test_one_mode_is_named_below_and_has_no_entry_in_the_legend():
     one, both = (fl.draw("planar_4r", CURVED, theta1=1.0, branch=branch) for branch in (2, None))
     assert [text.get_text() for text in one.legends[0].get_texts()] == ["path of $P$"]
-    assert any("assembly mode 2: B to the left" in text.get_text() for text in one.texts)
+    assert any("branch 2: B to the left" in text.get_text() for text in one.texts)
     assert len(both.legends[0].get_texts()) == 3
     assert not fl.draw("planar_4r", FOUR_BAR, theta1=1.0, branch=1, show=[]).legends[0].get_texts()
 

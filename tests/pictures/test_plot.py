@@ -107,7 +107,7 @@ def test_a_map_shows_the_values_where_they_belong(maps):
     assert axes.get_ylabel() == "length of the coupler AB $a_{2}$ [m]"
     assert bar(figure).get_ylabel() == r"max $\omega_{4}$ [rad s$^{-1}$]"
     # the nearest
-    assert figure.get_suptitle().endswith("greatest over the cycle\n$a_{4}$ = 1 m, assembly mode 2")
+    assert figure.get_suptitle().endswith("greatest over the cycle\n$a_{4}$ = 1 m, branch 2")
     assert "$a_{3}$ = 0.8 m" in figure.get_supxlabel()
     shuffled = fl.plot(maps.isel(a1=[2, 0, 3, 1]), "omega4_max", branch=2, at={"a4": 1.0})
     assert_array_equal(cells(panels(shuffled)[0]), finite(expected))
@@ -339,7 +339,7 @@ def test_change_points_along_a_line_of_cells_are_dots_and_contours_have_room():
 
 def test_angles_in_degrees_along_axes_and_in_colours(flat):
     figure = drawn(flat, "theta4", branch=2, at={"theta1": 91.0}, degrees=True)
-    assert figure.get_suptitle().endswith(r"$\theta_{1}$ = 90°, assembly mode 2")
+    assert figure.get_suptitle().endswith(r"$\theta_{1}$ = 90°, branch 2")
     expected = np.rad2deg(flat.theta4.isel(branch=1, theta1=2).transpose("a2", "a1"))
     assert_array_equal(cells(panels(figure)[0]), expected)
     for degrees in (False, True):  # a map that is in degrees already stays
@@ -420,7 +420,7 @@ def test_labels_of_designs_stand_along_the_axis_as_they_are(path, flat):
         fl.plot(named, "omega4_max", at={"a1": 1.0})
     strange = flat.assign_coords(a1=LABELS)
     strange["omega4_max"] = strange.omega4_max.assign_attrs(long_name="100 $", units=3, symbol="$x_")
-    assert drawn(strange, "omega4_max", branch=1).get_suptitle() == "100 \\$\nassembly mode 1"
+    assert drawn(strange, "omega4_max", branch=1).get_suptitle() == "100 \\$\nbranch 1"
     equal = flat.assign_coords(
         a1=[2.0, 1.0, 2.0, 1.0]
     )  # the status is that of the cell, not of its coordinate
@@ -720,7 +720,7 @@ def designs(names=(*NAMES,), **options):
         (designs([]), "names", "omega4_max"),
         (designs(3), "names", "omega4_max"),
         (designs(["omega4_mxa", "a1"]), "names", "did you mean 'omega4_max'"),
-        (designs(["a1", "a3"]), "names", "swept"),
+        (designs(["a1", "a3"]), "names", "an input, that has several"),
         (designs(["a1", "a1"]), "names", "once"),
         (designs("a1", kind="scatter"), "names", "2 to 3"),
         (designs(kind="scater"), "kind", "did you mean 'scatter'"),

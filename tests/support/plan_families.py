@@ -67,6 +67,12 @@ def lower(omega2, omega4):
     return min(omega2, 1e3 * abs(omega4))
 
 
+@OWN.quantity(units="rad")
+def between(theta4, theta2):
+    """Angle between the coupler and the output link as the difference of two, which jump."""
+    return theta4 - theta2
+
+
 SAMPLED = {"extrema": "sampled"}
 MOTION = ["A_x", "theta4", "omega4", "alpha2"]
 REDUCED = ["omega4_max", "omega4_min", "theta1_at_omega4_max", "T41_mean", "alpha4_rms", "T41_fluctuation"]
@@ -132,6 +138,12 @@ FAMILIES: dict[str, Family] = {
         OWN, ["lower_extrema", "T41_extrema"], more={"T_load_quadratic": 1e6}
     ),
     "angles that jump": Family("planar_4r", ["theta4_max", "theta4_min", "theta2_extrema"]),
+    "what is made of angles that jump": Family(
+        OWN, ["between_max_error", "between_extrema"], more={"a1": 2.0, "a2": 2.5, "a3": 2.2, "a4": 0.8}
+    ),
+    "extremes over an arc": Family(
+        "planar_4r", ["omega4_max", "theta4_min"], 9, more={"arc_start": 0.5, "arc_end": 2.0}
+    ),
     "extremes by another joint": Family("planar_4r", ["joint_omega_4_max"], 9, DRIVEN),
     "extremes of the focal mechanism": Family("focal", ["psi_rate_max"], 9, {"input": "sigma"}),
 }
