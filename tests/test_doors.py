@@ -82,7 +82,7 @@ def swept(space, **options):
         (
             lambda: fl.plot("maps.h5", maximise=[]),
             "names",
-            "or objectives by minimise='NAME' and maximise='NAME'",
+            "or objectives by ",
         ),
         (lambda: fl.mechanisms(3), "mechanisms", "mechanisms()"),
         (lambda: fl.open(), "path", "open(path"),
