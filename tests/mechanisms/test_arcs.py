@@ -68,6 +68,17 @@ def test_lists_means_and_places_are_of_the_arc():
     assert maps.alpha4_peak == peak
 
 
+def test_an_axis_of_arcs_scales_nothing():
+    """Once the axis was taken for one that only scales results."""
+    starts = [1.2, 1.3, 1.5]
+    axis = fl.sweep("planar_4r", fl.grid(**FOUR_BAR, arc_start=starts, arc_end=2.0), ["omega4_min"], branch=1)
+    rows = [
+        fl.sweep("planar_4r", FOUR_BAR | {"arc_start": start, "arc_end": 2.0}, ["omega4_min"], branch=1)
+        for start in starts
+    ]
+    assert axis.omega4_min.values.tolist() == [row.omega4_min.item() for row in rows]
+
+
 def test_derivatives_hold_the_ends_of_the_arc():
     names = ["omega4_max", "d_omega4_max_d_a1", "d_omega4_max_d_a2", "omega4_max_gradient_status"]
     arc = {"arc_start": 0.5, "arc_end": 1.5}

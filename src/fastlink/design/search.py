@@ -882,7 +882,8 @@ def request_of(
         raise InputError("is a mask of one map", ("where",), remedy)
     taken = ("links", "input", "solver", "backend", "branch")
     options = {name: of_sweep[name] for name in taken if name in of_sweep}
-    options |= {"extrema": resolved.plan.extrema or None, "threads": None}
+    *_, chosen = resolved.plan.recipe
+    options |= {"extrema": None if chosen == "refined" else chosen, "threads": None}
     options |= angles_of(resolved.catalogue, resolved.positions, ARC in resolved.plan.variants)
     wanted = tuple(dict.fromkeys([*others, *names]))
     about = choice_asked, choice, labels, space.size, space.attrs

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink.engine.run import BLOCK_BYTES, Sink
+from fastlink.facts.arc import ARC_ENDS
 from fastlink.facts.fact import Fact, Input, System
 from fastlink.facts.names import ErrorBound, Trust
 from fastlink.facts.powers import Powers, UnlikePowers, any_beyond_range, beyond_range, limits
@@ -129,7 +130,9 @@ def find_scaling_axis(plan: Plan, space: DesignSpace) -> ScalingAxis | None:
     # Its values must be positive: a rate's greatest value is minus its least one where the sense of rotation
     # changes.
     known = plan.catalogue.known_inputs(plan.variants)
+    # extremes over an arc are none of the quantity alone: its ends scale nothing
     axes = [name for name in space.dims if name in space.axes and len(space.axes[name]) > 1]
+    axes = [name for name in axes if name not in ARC_ENDS]
     for name in sorted(axes, key=lambda name: -len(space.axes[name])):
         values = space.axes[name]
         scales = (values > 0.0).all() and not np.any(beyond_range(known[name], values))

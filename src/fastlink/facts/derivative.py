@@ -202,6 +202,8 @@ class Derivation:
         if self.slope(name) is self.graph.zero:
             of, by = signed(name), self.by.name
             what = f"quantity {derivative_name(of, by)!r}: {of} does not depend on {by} with what is given"
+            if by.startswith("arc_"):  # extremes over an arc depend on its ends
+                raise NoDerivative(f"{by}: there is no derivative by an end of an arc", remedy="leave it out")
             raise NoDependence(what, remedy="leave it out")
         declared, step = self.declared(name), self.find(name)
         if declared is None:
