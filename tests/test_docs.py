@@ -12,11 +12,17 @@ from tests.support.commands import code_blocks, run_commands
 ROOT = Path(__file__).parents[1]
 #: Its sections are run where their libraries are installed.
 OTHERS = ROOT / "docs" / "how_to" / "search_with_other_libraries.md"
+#: Their examples take some seconds each: maps of a million values, mechanisms of one's own.
+LONG = ("start.md", "maps.md", "mechanisms.md", "own_mechanisms.md")
 DOCUMENTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 
 
 @pytest.mark.sample(14)
-@pytest.mark.parametrize("document", [d for d in DOCUMENTS if d != OTHERS], ids=lambda path: path.name)
+@pytest.mark.parametrize(
+    "document",
+    [pytest.param(d, marks=[pytest.mark.stress] * (d.name in LONG)) for d in DOCUMENTS if d != OTHERS],
+    ids=lambda path: path.name,
+)
 def test_the_examples_of_the_documents(document, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for sheet in code_blocks(document.read_text(), "facts"):

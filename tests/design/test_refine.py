@@ -64,7 +64,7 @@ def codes_of(found, name="refinement"):
     return [meanings[code] for code in found[name].values.tolist()]
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("mechanism", MECHANISMS)
 def test_of_every_mechanism(mechanism):
     maps, asked = sampled(mechanism)

@@ -79,7 +79,7 @@ def test_it_finds_the_best_of_a_map(maps, asked, block, threads):
     assert attrs["searched_design_seed"] == 2
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("of", SEARCHES)
 def test_of_every_space_in_every_way(of):
     space, asked = SEARCHES[of]
@@ -192,7 +192,7 @@ WIPER = {"a1": (0.1, 0.5), "a2": (0.5, 1.5), "a3": (0.2, 1.2), "a4": 1.0}
 ANGLES = {"transmission_angle_min_deg": (38, None), "transmission_angle_max_deg": ":142"}
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", [1, 2])
 @pytest.mark.parametrize(
     "asked",
@@ -337,7 +337,7 @@ def parts_of(folder, space, asked, count=3, **options):
     return paths
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("of", SEARCHES)
 def test_joined_parts_are_the_result_of_one_search(of, tmp_path):
     space, asked = SEARCHES[of]

@@ -77,6 +77,7 @@ def test_joined_parts_are_the_map_of_one_sweep(of, tmp_path):
             assert digest(tmp_path / "maps.h5") == before
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("layout", ["curves", "maps"])
 def test_parts_of_several_blocks_are_joined_piece_by_piece(layout, tmp_path, monkeypatch):
     monkeypatch.setattr(joining, "PIECE_BYTES", 700_001)
@@ -148,7 +149,7 @@ def part_of_moved(path, number):
     return path.parent / SUBFOLDER / f"maps.part-{number}-of-16.h5"
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("reader", ["link", "h5py", "netcdf4", "convert"])
 def test_every_reader_finds_the_values_of_all_parts_where_they_were_moved(reader, sixteen, moved):
     assert moved.stat().st_size < 1e5
@@ -185,6 +186,7 @@ def test_a_map_that_shows_its_parts_is_a_map_at_every_door(sixteen, moved):
         fl.convert(moved, part_of_moved(moved, 3), overwrite=True)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("what", ["missing", "another run", "labels", "no part"])
 def test_a_part_that_is_missing_or_another_is_named(what, moved):
     part = part_of_moved(moved, 7)
@@ -221,6 +223,7 @@ def test_a_check_reads_every_part(moved):
     assert f"{part}: values of theta4 have changed" in str(found)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("source", ["../secret.h5", "{folder}/secret.h5", "link.h5", "beside.h5"])
 def test_values_of_other_files_than_parts_are_not_shown(source, tmp_path, grid_parts):
     """Not even of parts of the same map that it does not name."""
@@ -344,9 +347,15 @@ def test_a_join_that_is_interrupted_goes_on(tmp_path, monkeypatch):
 # --- what is refused -------------------------------------------------------------------------------
 
 
+@pytest.fixture(scope="module")
+def parts_of_grid(tmp_path_factory):
+    return parts_of("grid", tmp_path_factory.mktemp("grid"))
+
+
 @pytest.fixture
-def grid_parts(tmp_path):
-    return parts_of("grid", tmp_path)
+def grid_parts(parts_of_grid, tmp_path):
+    """Return copies of the three parts of a map."""
+    return [shutil.copy2(path, tmp_path / path.name) for path in parts_of_grid]
 
 
 def joined_to(folder, paths, **options):

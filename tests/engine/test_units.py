@@ -189,6 +189,7 @@ def assert_same(found, expected):
             assert_array_equal(one, other)
 
 
+@pytest.mark.sample(9)
 @pytest.mark.parametrize("door", DOORS)
 def test_a_length_in_mm_has_the_bits_of_that_in_m(door, tmp_path):
     expected = DOORS[door](tmp_path, {"a1": 0.4})
@@ -288,6 +289,7 @@ LIMITS = {
 }
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("name", LIMITS)
 @pytest.mark.parametrize("door", CONDITIONS)
 def test_conditions_in_other_units(maps, door, name):

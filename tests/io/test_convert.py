@@ -91,7 +91,7 @@ def assert_same(one, other):
             np.testing.assert_array_equal(one[name].attrs[key], value)
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("kind", "name"), [*(("grid", name) for name in WHOLE), ("sampled", "plain.h5"), ("sampled", "gzip.zarr")]
 )
@@ -119,6 +119,7 @@ def test_compressed_chunks_are_in_the_file_and_uncompressed_values_are_not(grid,
             assert (file["theta4"].chunks is None) == (name == "p.h5")
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["a.h5", "z.h5", "g.nc"])
 def test_checksums_of_a_converted_file_are_its_own(grid, tmp_path, name):
     path = fl.convert(
@@ -168,6 +169,7 @@ def test_a_selection_is_that_of_xarray(grid, name):
 ONE = {"a1": "#1", "a2": "#2", "theta1": "#3", "branch": "1"}
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(("name", "ending"), [("several", "h5"), ("several", "zarr"), ("a constant", "h5")])
 def test_a_part_counts_its_own_designs(grid, tmp_path, small_blocks, name, ending):
     given, indexers = SELECTIONS[name]
@@ -184,6 +186,7 @@ def test_a_part_counts_its_own_designs(grid, tmp_path, small_blocks, name, endin
     assert part.theta1_count == angles
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", ["one.h5", "gzip.h5", "one.zarr", "one.csv", "one.parquet"])
 def test_a_single_configuration_is_converted(grid, tmp_path, name):
     path = converted(grid, tmp_path / name, select=ONE)
@@ -366,7 +369,7 @@ def test_the_map_itself_and_other_folders_are_not_replaced(grid, tmp_path):
     assert (tmp_path / "out.zarr.part" / "thesis.txt").read_text() == "years"
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", ["out.h5", "z.h5", "out.zarr", "out.csv", "out.parquet"])
 @pytest.mark.parametrize("fault", [KeyboardInterrupt, OSError(errno.ENOSPC, "No space left on device")])
 def test_what_fails_leaves_nothing_and_touches_nothing(
@@ -474,7 +477,7 @@ def converted(grid, path, **options):
     return fl.convert(grid, path, compress="gzip" if path.name == "gzip.h5" else None, **options)
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", OUTPUTS)
 def test_what_a_kill_in_the_last_step_left_is_replaced(grid, tmp_path, name):
     path = tmp_path / name
@@ -502,6 +505,7 @@ def test_what_a_killed_search_left_is_replaced(grid, tmp_path):
     assert left_in(tmp_path) == ["found.h5"]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("left", [[], [".zgroup.0123456789abcdef0123456789abcdef.partial"], ["theta4/0.0.0"]])
 def test_what_is_left_of_a_zarr_store_is_replaced_too(grid, tmp_path, left):
     """A kill may come before its first file has its name, or while the old store is removed."""
@@ -513,7 +517,7 @@ def test_what_is_left_of_a_zarr_store_is_replaced_too(grid, tmp_path, left):
     assert left_in(tmp_path) == ["out.zarr"]
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", OUTPUTS)
 def test_a_partial_file_of_a_living_process_or_of_another_kind_is_left_alone(grid, tmp_path, name):
     path, part = tmp_path / name, tmp_path / f"{name}.part"
@@ -560,6 +564,7 @@ def long_table(maps):
     return frame.drop(columns=[name for name in frame if name not in wide.variables])
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("kind", "options"),
     [("sampled", {}), ("grid", {"dtype": "float32", "select": {"theta1": "#::3", "branch": 2}})],
@@ -643,6 +648,7 @@ def test_absent_packages_are_named_with_their_extra(grid, tmp_path, monkeypatch)
     fl.convert(grid, tmp_path / "o.csv")
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["out.h5", "z.h5", pytest.param("out.csv", marks=pytest.mark.stress)])
 def test_memory_does_not_grow_with_the_map(tmp_path, monkeypatch, name):
     """At any time there are one block as it is read and, for each, one as it is written.
@@ -678,7 +684,7 @@ def test_levels_are_those_of_the_libraries():
             assert parsed.of_zarr()
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("name", "options"),
     [("o.h5", {}), ("z.h5", {"compress": "gzip"}), ("o.zarr", {}), ("o.csv", {}), ("o.parquet", {})],
@@ -723,6 +729,7 @@ OF_STRANGERS = {
 }
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("name", OF_STRANGERS)
 def test_values_labels_and_attributes_that_are_no_numbers_are_refused(tmp_path, name):
     values, ending = OF_STRANGERS[name], ".csv" if name in ("dates", "bytes", "truths") else ".h5"

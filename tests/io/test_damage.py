@@ -228,6 +228,7 @@ def _damaged(path, count):
         yield whole[:k] + bytes(512) + whole[k + 512 :]
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("count", [100, pytest.param(20_000, marks=pytest.mark.stress)])
 @pytest.mark.parametrize("kind", ["map", "joined", "shown", "compressed"])
 def test_changed_labels_are_seen_without_hdf5(kind, count, sealed, tmp_path):

@@ -316,9 +316,9 @@ def goes_on(folder: Path, expected, noted: int, **options):
     assert left_in(folder) == ["m.h5", "other.h5"]
 
 
-@pytest.fixture
-def struck():
-    """Leave out what needs faults below Python where there can be none."""
+@pytest.fixture(scope="module")
+def trials():
+    """Yield a process that runs trials; leave out what needs faults below Python where there can be none."""
     if not hasattr(os, "fork"):
         pytest.skip("needs fork")
     try:
@@ -326,43 +326,44 @@ def struck():
     except RuntimeError as error:
         warnings.warn(f"NOT TESTED: {error}", stacklevel=1)
         pytest.skip(str(error))
+    with Trials("tests.io.test_faults:trial") as found:
+        yield found
 
 
-def run_trials(tmp_path, expected, count, seed):
+def run_trials(trials, tmp_path, expected, count, seed):
     """Let runs have faults, one or two after each other; return how many of each kind, and what was wrong."""
     rng, tried, wrong = np.random.default_rng(seed), Counter(), []
     faults = list(FAULTS)
-    with Trials("tests.io.test_faults:trial_sweep") as trials:
-        (tmp_path / "whole").mkdir()
-        calls = {
-            layout: trials.run(tmp_path / "whole" / f"{layout}.h5", -1, "kill", layout=layout).calls
-            for layout in ("curves", "maps")
-        }
-        while tried.total() < count:
-            folder = tmp_path / str(tried.total())
-            folder.mkdir()
-            (folder / "other.h5").write_text("mine")
-            options = {"layout": ("curves", "maps")[int(rng.integers(2))], "threads": int(rng.integers(1, 3))}
-            noted, shown = 0, []
-            try:
-                for _ in range(int(rng.integers(1, 3))):
-                    fault = faults[tried.total() % len(faults)]
-                    at = int(rng.integers(calls[options["layout"]]))
-                    tried[fault] += 1
-                    outcome = trials.run(folder / "m.h5", at, fault, **options)
-                    shown.append((fault, at, outcome))
-                    noted = survived(folder, expected, fault, outcome, noted)
-                goes_on(folder, expected, noted, **options)
-            except Exception as error:
-                wrong.append((options, shown, f"{type(error).__name__}: {error}"[:500]))
-            shutil.rmtree(folder)
+    (tmp_path / "whole").mkdir()
+    calls = {
+        layout: trials.run(tmp_path / "whole" / f"{layout}.h5", -1, "kill", layout=layout).calls
+        for layout in ("curves", "maps")
+    }
+    while tried.total() < count:
+        folder = tmp_path / str(tried.total())
+        folder.mkdir()
+        (folder / "other.h5").write_text("mine")
+        options = {"layout": ("curves", "maps")[int(rng.integers(2))], "threads": int(rng.integers(1, 3))}
+        noted, shown = 0, []
+        try:
+            for _ in range(int(rng.integers(1, 3))):
+                fault = faults[tried.total() % len(faults)]
+                at = int(rng.integers(calls[options["layout"]]))
+                tried[fault] += 1
+                outcome = trials.run(folder / "m.h5", at, fault, **options)
+                shown.append((fault, at, outcome))
+                noted = survived(folder, expected, fault, outcome, noted)
+            goes_on(folder, expected, noted, **options)
+        except Exception as error:
+            wrong.append((options, shown, f"{type(error).__name__}: {error}"[:500]))
+        shutil.rmtree(folder)
     return tried, wrong
 
 
 @pytest.mark.filterwarnings("default:NOT TESTED")
 @pytest.mark.parametrize("count", [len(FAULTS), pytest.param(1000, marks=pytest.mark.stress)])
-def test_faults_of_system_calls(struck, tmp_path, expected, count, tell):
-    tried, wrong = run_trials(tmp_path, expected, count, seed=count)
+def test_faults_of_system_calls(trials, tmp_path, expected, count, tell):
+    tried, wrong = run_trials(trials, tmp_path, expected, count, seed=count)
     tell(f"{tried.total()} faults: {dict(tried)}; wrong or lost: {len(wrong)}")
     assert not wrong, "\n".join(map(repr, wrong))
     assert len(tried) == len(FAULTS)
@@ -382,34 +383,34 @@ def maps_to_read(folder):
         sweep(folder / name, **{"verify": 0, "theta1": 2, **options}).close()
 
 
-def trial_of_a_door(to, door=""):
-    """Let a function read what stands beside the file of the trials; all of them once, to load what they need."""
-    if to is not None:
+def trial(to, door="", **options):
+    """Make the map of the trials, or let a function read what stands beside it; all once, to load what they need."""
+    if to is None:
+        with tempfile.TemporaryDirectory() as folder:
+            maps_to_read(Path(folder))
+            for read in DOORS.values():
+                read(Path(folder))
+    elif door:
         DOORS[door](Path(to).parent)
         return contextlib.ExitStack()
-    with tempfile.TemporaryDirectory() as folder:
-        maps_to_read(Path(folder))
-        for read in DOORS.values():
-            read(Path(folder))
-    return contextlib.ExitStack()
+    return trial_sweep(to, **options)
 
 
 @pytest.mark.filterwarnings("default:NOT TESTED")
 @pytest.mark.parametrize("steps", [2, pytest.param(8, marks=pytest.mark.stress)])
-def test_a_disk_that_fails_while_a_map_is_read_or_closed_is_an_error_of_the_door(struck, tmp_path, steps):
+def test_a_disk_that_fails_while_a_map_is_read_or_closed_is_an_error_of_the_door(trials, tmp_path, steps):
     maps_to_read(tmp_path)
-    with Trials("tests.io.test_faults:trial_of_a_door") as trials:
-        for door in DOORS:
+    for door in DOORS:
 
-            def tried(at, door=door):
-                for made in tmp_path.glob("new.*"):
-                    made.unlink()
-                return trials.run(tmp_path / "none", at, "EIO", door=door)
+        def tried(at, door=door):
+            for made in tmp_path.glob("new.*"):
+                made.unlink()
+            return trials.run(tmp_path / "none", at, "EIO", door=door)
 
-            calls = tried(-1).calls
-            for at in {*range(calls // 2, calls, calls // steps), calls - 1}:
-                outcome = tried(at)
-                assert outcome.code in (0, 2), (door, outcome)
+        calls = tried(-1).calls
+        for at in {*range(calls // 2, calls, calls // steps), calls - 1}:
+            outcome = tried(at)
+            assert outcome.code in (0, 2), (door, outcome)
 
 
 def test_labels_that_cannot_be_closed_are_an_error_of_the_door(tmp_path, monkeypatch):

@@ -298,15 +298,24 @@ def same(one, other):
     return np.array_equal(one, other, equal_nan=one.dtype.kind == "f")
 
 
-def test_results_are_the_same_whatever_else_is_requested():
-    """An extreme known in closed form, one that is searched; and designs where rounding errors once filled lists."""
-    designs = designs_of(PLANAR, "random", 7, 40)
-    assert differing(PLANAR, designs, parts_of("omega4", "theta1", "a2")) == {}
-    known = [["theta4_max"], ["theta4_max_error", "theta4_extrema", "d_theta4_max_d_a2"], ["T41_min"]]
-    assert differing(PLANAR, designs, known) == {}
-    folded = folded_planar_4r(np.random.default_rng(5), 40)
-    lists = [parts_of(name, "theta1", "a2")[0] for name in ("alpha4", "F41")]
-    assert differing(PLANAR, folded, [*lists, ["F41_max", "shaking_force_extrema"]]) == {}
+#: An extreme known in closed form, one that is searched; and designs where rounding errors once filled lists.
+TOGETHER = {
+    "known": [["theta4_max"], ["theta4_max_error", "theta4_extrema", "d_theta4_max_d_a2"], ["T41_min"]],
+    "searched": parts_of("omega4", "theta1", "a2"),
+    "folded": [
+        *(parts_of(name, "theta1", "a2")[0] for name in ("alpha4", "F41")),
+        ["F41_max", "shaking_force_extrema"],
+    ],
+}
+
+
+@pytest.mark.sample(1)
+@pytest.mark.parametrize("case", TOGETHER)
+def test_results_are_the_same_whatever_else_is_requested(case):
+    folded = case == "folded"
+    rng = np.random.default_rng(5)
+    designs = folded_planar_4r(rng, 40) if folded else designs_of(PLANAR, "random", 7, 40)
+    assert differing(PLANAR, designs, TOGETHER[case]) == {}
 
 
 @pytest.mark.stress
@@ -444,12 +453,17 @@ def test_nothing_next_to_change_points_is_beyond_greatest_and_least():
     assert_none_beyond("planar_4r", "theta1", by_name(*lengths, omega1=25.0), names, positions)
 
 
-def test_extremes_beside_folds_are_those_of_closed_forms():
-    """T41 of r = l without offset; the pull of the crank alone; a cusp; what is 0, and what rests."""
+def test_a_torque_that_is_zero_for_half_a_turn_has_the_extreme_of_its_closed_form():
+    """T41 of r = l without offset."""
     most = extremes_beside("torque that is zero for half a turn")[0]
     theta = np.linspace(0.0, np.pi / 2, 100001)
     load = 179.0 + 2 * 0.167 * 8.0 * 0.5639**2 * np.cos(theta)
     assert most == pytest.approx(np.max(16.0 * np.sin(theta) * load), rel=1e-9)
+
+
+@pytest.mark.stress
+def test_extremes_beside_folds_are_those_of_closed_forms():
+    """The pull of the crank alone; a cusp; what is 0, and what rests."""
     # F = m1 |g - a|, a = omega1^2 |OG1| towards O, over the reachable range
     outward = np.arccos((5.0**2 + 4.0**2 - 5.0**2) / 40.0) * np.linspace(-1.0, 1.0, 200001) + 0.75 * np.pi
     pull = 0.441125**2 * np.sqrt(50.0)

@@ -67,7 +67,7 @@ def drawn(entry: Entry, family: str, n: int) -> dict[str, np.ndarray]:
     return {name: values for name, values in designs.items() if name != "completion"}
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("entry", MANY, ids=str)
 def test_known_extremes_are_those_that_a_search_finds(entry):
     """Of all families together; the inputs with one law or two are left to the long form."""

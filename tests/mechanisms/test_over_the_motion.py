@@ -32,6 +32,7 @@ EXTREMES = ("max", "min", "peak")
 SLOPED = 2  # of every sixth quantity from there on the first one changes with the first input
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize(
     ("mechanism", "drive"),
     [(name, drive) for name in NAMES for drive in inputs_of(name) if drive not in ("F_y", "sigma")],
@@ -112,7 +113,7 @@ def test_the_verification_counts_the_same_positions(tmp_path: Any) -> None:
     assert all(maps[name].attrs["error_max_relative"] < 1e-14 for name in names)
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("part", range(6))
 @pytest.mark.parametrize("mechanism", [name for name in NAMES if catalogue(name).graded is not None])
 def test_a_peak_is_the_greatest_magnitude(mechanism: str, part: int) -> None:

@@ -62,7 +62,7 @@ def test_the_page_names_every_word(mechanism):
     assert all(f"`{word}`" in table for word in picture_of(mechanism, catalogue(mechanism)).words)
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("line", [line for line in LINES if ">" not in line])
 def test_the_commands_of_the_page(line, folder):
     for study in (line for line in LINES if ">" in line):

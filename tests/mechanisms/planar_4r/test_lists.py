@@ -163,6 +163,7 @@ def of_all_sizes(rng, n):
     return lengths[:, (2.0 * lengths.max(axis=0) < lengths.sum(axis=0)) & (lengths.min(axis=0) > 0.0)]
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(("few", "part"), [(5, 12), pytest.param(250, 1, marks=pytest.mark.stress)])
 @pytest.mark.parametrize("rate", RATES)
 def test_lists_of_rates_hold_the_exact_extremes(rate, few, part):
@@ -201,6 +202,7 @@ BESIDE_TOGGLE |= {
 SINGLE = {"F41": NARROW, "curvature": BESIDE_TOGGLE}
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", SINGLE)
 def test_lists_hold_extremes_that_samples_do_not_show(name):
     designs = {key: np.array([value]) for key, value in SINGLE[name].items()}
@@ -247,6 +249,7 @@ UNDECIDED = {
 }
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("name", "drawn"), UNDECIDED)
 def test_lists_that_rounding_hides_extremes_of_have_no_bound(name, drawn):
     chosen, wrong = UNDECIDED[name, drawn]

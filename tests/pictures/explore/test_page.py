@@ -454,6 +454,7 @@ def maps_of(kind, coupler):
     return fl.sweep("planar_4r", space, ["omega4"], theta1=36, verify=0, branch=(1, 2))
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("kind", ["cells", "points", "line"])
 @pytest.mark.parametrize("width", [390, 900, 1400])
 def test_no_text_lies_on_another_and_nothing_is_beyond_the_side(browser, coupler, kind, width):
@@ -563,6 +564,7 @@ def test_an_input_is_typed_off_the_grid_and_back(browser, coupler, coupler_page)
         assert state(tab, "design.row.omega4_max") == float(own)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("name", "changed"), [("A", {"a1"}), ("B", {"a2", "a3"}), ("D", {"a4"}), ("P", {"P_u", "P_v"})]
 )
