@@ -37,7 +37,7 @@ from fastlink.mechanisms import NAMES, SHEET, mechanism_of_map, name_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.pictures.cad import DXF, is_cad, written
 from fastlink.pictures.labels import mathematical
-from fastlink.pictures.maps import nearest_place
+from fastlink.pictures.maps import nearest_place, values_at
 from fastlink.pictures.motion import Motion, as_draw
 from fastlink.pictures.picture import KINDS, check_picture, save
 from fastlink.plan.query import check_names
@@ -57,7 +57,6 @@ from fastlink.space.units import (
     DEGREES,
     RADIANS,
     has_unit,
-    in_si,
     remark_on_angles,
     split,
     usual_name,
@@ -70,7 +69,7 @@ if TYPE_CHECKING:
     from fastlink.engine.extend import Extension
     from fastlink.facts.catalogue import Catalogue
     from fastlink.mechanisms._shared.picture import Picture
-    from fastlink.space.design_space import DesignSpace, Links
+    from fastlink.space.design_space import DesignSpace
 
 __all__ = ["Request", "draw", "picture_of"]
 
@@ -221,10 +220,7 @@ def _places(along: Mapping[str, Any], design: Any, at: Any, units: Mapping[str, 
 
 def _nearest_places(along: Mapping[str, Any], at: Any, units: Mapping[str, str]) -> tuple[int, ...]:
     """Return the place that is nearest to given values along each dimension."""
-    if not isinstance(at, Mapping) or hasattr(at, "data_vars"):
-        remedy = ("write such as ", Setting("at", {"a4": 1.0}))
-        raise InputError(f"is {short_repr(at)}", where=("at",), remedy=remedy)
-    problems, places, at = Problems(), [], in_si("at", at, units)
+    problems, places, at = Problems(), [], values_at(at, units)
     for dim in at:
         if dim not in along:
             problems.add(f"{short_repr(dim)} is not a dimension of the designs", ("at",), suggest(dim, along))
