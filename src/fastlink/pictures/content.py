@@ -40,9 +40,6 @@ from fastlink.space.tables import STATUS
 from fastlink.space.units import DEGREES
 
 if TYPE_CHECKING:
-    import xarray as xr
-
-    from fastlink.facts.catalogue import Catalogue
     from fastlink.mechanisms._shared.picture import Picture
 
 __all__ = [
@@ -331,12 +328,8 @@ def _request(maps: xr.Dataset, name: str) -> dict[str, Any]:
         return {"requested": False, "of": ["", ""]}
     # the page computes reductions over the whole turn, and no others
     plain = name == str(asked.of) and ARC_ENDS[0] not in maps.variables
-    return {
-        "requested": True,
-        "of": [signed(asked.quantity), asked.reduction.suffix if asked.reduction else ""]
-        if plain
-        else ["", ""],
-    }
+    own = [signed(asked.quantity), asked.reduction.suffix if asked.reduction else ""]
+    return {"requested": True, "of": own if plain else ["", ""]}
 
 
 def _dimension(maps: xr.Dataset, dim: str) -> dict[str, Any]:
@@ -403,24 +396,22 @@ def _mechanism(maps: xr.Dataset) -> dict[str, Any] | None:
             "extrema": str(maps.attrs.get("extrema", "")),
             "input": "" if catalogue is find_catalogue(name) else catalogue.position.name,
         },
-        "curves": [_curve(catalogue, one) for one in curves if one in found],
+        "curves": [
+            {"name": one, "meaning": fact.title, "symbol": fact.symbol, "units": fact.units}
+            for one in curves if one in found and (fact := catalogue.public_fact(one))
+        ],
         **_shape(picture, points),
     }  # fmt: skip
 
 
 def _curves(maps: xr.Dataset, catalogue: Catalogue) -> list[str]:
     """Return the quantities that change over the input: first those that the map has results of."""
-    own = [innermost(str(name), catalogue) for name in maps.data_vars if str(name) not in (BRANCH,)]
+    own = [innermost(str(name), catalogue) for name in maps.data_vars if str(name) != BRANCH]
     return [
         one
         for one in dict.fromkeys([*own, *catalogue.public])
         if one in catalogue.public and catalogue.varies(one) and not catalogue.public[one].flags
     ]
-
-
-def _curve(catalogue: Catalogue, name: str) -> dict[str, Any]:
-    fact = catalogue.public_fact(name)
-    return {"name": name, "meaning": fact.title, "symbol": fact.symbol, "units": fact.units}
 
 
 def _shape(picture: Picture, points: list[Any]) -> dict[str, Any]:
