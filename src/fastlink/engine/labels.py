@@ -39,7 +39,7 @@ def variables(
     plan: Plan, space: DesignSpace, positions: int, *, one_branch: bool = False, layout: str = CURVES
 ) -> list[Variable]:
     """Return the results with dimensions and attributes, for a number of positions."""
-    # Where the assembly mode was given as a scalar (`one_branch`), it is a coordinate and not a dimension.
+    # Where the branch was given as a scalar (`one_branch`), it is a coordinate and not a dimension.
     lengths = axis_lengths(plan, positions)
     dropped = (BRANCH,) if one_branch else ()
     axes = [tuple(axis for axis in output.axes if axis not in dropped) for output in plan.outputs]

@@ -78,7 +78,7 @@ class Sample:
 
     @cached_property
     def branches(self) -> NDArray[Any]:
-        """The assembly mode of each design."""
+        """The branch of each design."""
         modes: NDArray[Any] = np.array(self.plan.branches, dtype=float)[self.branch_indices]
         return modes
 
