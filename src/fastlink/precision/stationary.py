@@ -224,9 +224,10 @@ class Stationary:
             jumping = (
                 inside & (abs(np.diff(self.values)) > np.pi) & (signed(self.quantity) in self.graded.wraps_at)
             )
-            beside = {
-                angle: self._jumps(angle, inside) for angle in self.graded.windings.get(self.quantity, ())
-            }
+            # where an angle jumps that the quantity is made of
+            angles = tuple(self.graded.windings.get(self.quantity, ()))
+            steps = (abs(np.diff(values)) for values in self._sampled(angles))
+            beside = {angle: inside & (step > np.pi) for angle, step in zip(angles, steps, strict=True)}
             apart = np.logical_or.reduce([~inside, jumping, *beside.values()])
             turning, sides = turning_cells(np.sign(self.slopes), apart, self._side)
         for angle, cells in beside.items():
@@ -267,11 +268,6 @@ class Stationary:
             self.candidates[design] = inside
         theta, middle, reach = self._sampled((self.position, *ARC_FACTS))
         self.values = np.where(abs(np.sin(0.5 * (theta - middle))) <= reach, self.values, np.nan)
-
-    def _jumps(self, angle: str, inside: NDArray[Any]) -> NDArray[Any]:
-        """Tell which cells an angle jumps in."""
-        (values,) = self._sampled((angle,))
-        return inside & (abs(np.diff(values)) > np.pi)
 
     def _side(self, design: int, end: int, sample: int) -> float:
         """Return the sign of the slope at a sample."""
