@@ -186,7 +186,7 @@ def in_si(where: str, given: Mapping[str, Any], units: Mapping[str, str]) -> dic
     for name, value in given.items():
         of, unit = split(name, units)
         with problems.at(where, name):
-            factor = check_unit(of, unit, units[of], {*given, *found})
+            factor = check_unit(of, unit, units.get(of, "1"), {*given, *found})
             try:
                 found[of] = value if factor == 1 else scaled(value, factor).tolist()
             except (TypeError, ValueError):
