@@ -501,13 +501,7 @@ def _graded_range(known: Catalogue) -> GradedRange:
     jumping = {name: windings[name] for name in known.public if windings[name] and name not in wraps}
     sampled += [name for name, turns in jumping.items() if not turns.keys() <= wraps.keys()]
     return GradedRange(
-        antisymmetric=("side", "branch_sign"),
-        vanishes_at_toggle="sigma",
-        reciprocal="per_sigma",
         bounded_factor="share_of_sigma",
-        vanish_at_one_end=("p", "q"),
-        cells={},
-        max_extrema={},
         not_differentiable=tuple(dict.fromkeys(sampled)),
         wraps_at=wraps,
         windings={name: turns for name, turns in jumping.items() if name not in sampled},

@@ -79,8 +79,8 @@ class Sample:
     @cached_property
     def branches(self) -> NDArray[Any]:
         """The branch of each design."""
-        modes: NDArray[Any] = np.array(self.plan.branches, dtype=float)[self.branch_indices]
-        return modes
+        found: NDArray[Any] = np.array(self.plan.branches, dtype=float)[self.branch_indices]
+        return found
 
     @cached_property
     def movable(self) -> list[str]:

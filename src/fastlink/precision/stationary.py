@@ -242,9 +242,9 @@ class Stationary:
                 value = float(self.values[design, end, k])
                 if not np.isnan(value):
                     candidates[design].append(Candidate(end, float(self.x[design, end, k]), value, END))
-        cells = np.argwhere(turning)
-        found = self._subdivided(sides, *cells.T)
-        for (design, end), x, value, kind in zip(cells[:, :2].tolist(), *found, strict=True):
+        turns = np.argwhere(turning)
+        found = self._subdivided(sides, *turns.T)
+        for (design, end), x, value, kind in zip(turns[:, :2].tolist(), *found, strict=True):
             candidates[design].append(Candidate(end, x, value, kind))
         return candidates
 
