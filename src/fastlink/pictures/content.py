@@ -22,6 +22,7 @@ from fastlink._text import filled, in_words
 from fastlink.errors import InputError
 from fastlink.facts.arc import ARC_ENDS
 from fastlink.facts.catalogue import Catalogue
+from fastlink.facts.expression import SIGNS as OF_FORMULAS
 from fastlink.facts.fact import Fact, System
 from fastlink.facts.formula import Formula
 from fastlink.facts.names import innermost, signed
@@ -88,21 +89,7 @@ const binaryExponent = x => Math.round(x / Math.LN2);
 const logQuotient = (x, y, twos) => x && y ? Math.log(Math.abs(x / y)) + twos * Math.LN2 : NaN;
 const quotientSign = (x, y) => Math.sign(x) * Math.sign(y) || 0;
 """
-SIGNS = {
-    ast.Add: "+",
-    ast.Sub: "-",
-    ast.Mult: "*",
-    ast.Div: "/",
-    ast.Pow: "**",
-    ast.BitAnd: "&",
-    ast.BitOr: "|",
-    ast.Lt: "<",
-    ast.LtE: "<=",
-    ast.Gt: ">",
-    ast.GtE: ">=",
-    ast.Eq: "==",
-    ast.NotEq: "!=",
-}
+SIGNS = {**OF_FORMULAS, ast.Pow: "**"}
 
 
 class Untranslatable(Exception):
@@ -438,19 +425,7 @@ def _shape(picture: Picture, points: list[Any]) -> dict[str, Any]:
 
 
 #: The scripts, each after those that it needs.
-SCRIPTS = (
-    "base",
-    "motion",
-    "linkage",
-    "map",
-    "source",
-    "embedded",
-    "region",
-    "designs",
-    "pointing",
-    "main",
-    "end",
-)
+SCRIPTS = "base motion linkage map source embedded region designs pointing main end".split()
 
 
 def page_of(content: dict[str, Any], nonce: str = "") -> str:

@@ -891,7 +891,7 @@ class Board:
         page, low = self._block(columns)
         self.curves = self._add_curves(page, low)
         page += BESIDE if request.curves else 0.0
-        self._finish(page, low, [*self._legend_of_branchs(), *handles])
+        self._finish(page, low, [*self._legend_of_branches(), *handles])
         self.moving: list[Any] = []
 
     def _title_height(self) -> float:
@@ -974,7 +974,7 @@ class Board:
             at = (0.6 * MARGIN + LINE * (number + 0.5)) / height
             figure.text(0.5, at, line, fontsize=8, color="0.35", **centre)
 
-    def _legend_of_branchs(self) -> list[Any]:
+    def _legend_of_branches(self) -> list[Any]:
         """Return a line for each branch, none for one alone, which the numbers name."""
         if len(self.motion.branches) < 2:
             return []
