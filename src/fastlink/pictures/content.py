@@ -425,7 +425,7 @@ def _shape(picture: Picture, points: list[Any]) -> dict[str, Any]:
 
 
 #: The scripts, each after those that it needs.
-SCRIPTS = "base motion linkage map source embedded region designs pointing main end".split()
+SCRIPTS = "base motion linkage map source embedded region designs pointing main end"
 
 
 def page_of(content: dict[str, Any], nonce: str = "") -> str:
@@ -440,7 +440,7 @@ def page_of(content: dict[str, Any], nonce: str = "") -> str:
     shown = {**content, "mechanism": mechanism and {**mechanism, "script": ""}}
     # a text of the map must not end the script
     data = json.dumps(shown, allow_nan=False).replace("<", "\\u003c")
-    scripts = [filled(text(f"{name}.js"), {"/*FACTS*/": facts}) for name in SCRIPTS]
+    scripts = [filled(text(f"{name}.js"), {"/*FACTS*/": facts}) for name in SCRIPTS.split()]
     script = "\n".join([f"const content = {data};", *scripts])
     return filled(text("page.html"), {"NONCE": nonce, "/*STYLE*/": text("style.css"), "/*SCRIPT*/": script})
 
