@@ -77,10 +77,8 @@ else:
         return globals().setdefault(name, value)
 
     def _unknown(name: str) -> Exception:
-        """Return the error of a name that is not public, with the nearest that is.
-
-        Python drops the text of an AttributeError where a name is imported, and keeps that of an ImportError.
-        """
+        """Return the error of a name that is not public, with the nearest that is."""
+        # where a name is imported Python drops the text of an AttributeError, and keeps that of an ImportError
         import sys
         from importlib.util import find_spec
 

@@ -299,7 +299,7 @@ def sextic(design: Any = None, **inputs: Any) -> Any:
 
 
 def curve_inputs(function: str, design: Any, inputs: Mapping[str, Any], branch: Any) -> dict[str, Any]:
-    """Return what determines a coupler curve, with its assembly mode, as arrays of one shape."""
+    """Return what determines a coupler curve, with its branch, as arrays of one shape."""
     read = papers.read_design(function, planar_4r, design, inputs, papers.CURVE)
     _, arrays, shape = broadcast_inputs(function, read | {"branch": branch_codes(planar_4r, branch)})
     return {name: np.broadcast_to(values, shape) for name, values in arrays.items()}
@@ -523,7 +523,7 @@ def _projection(one: Any, other: Any, square: Any, below: Any, above: Any) -> tu
 
 
 def paths_of(curve: dict[str, Any]) -> Paths:
-    """Return the paths of designs: lengths, coupler points and assembly modes (n,) by name."""
+    """Return the paths of designs: lengths, coupler points and branches (n,) by name."""
     lengths = np.stack([curve[f"a{i}"] for i in (1, 2, 3, 4)])
     exponent = np.frexp(lengths.max(axis=0))[1]
     a1, a2, a3, a4 = np.ldexp(lengths, -exponent)

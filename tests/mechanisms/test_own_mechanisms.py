@@ -134,7 +134,7 @@ def test_a_wrong_formula_of_a_sheet_is_a_mismatch_with_its_loops(tmp_path):
 REFUSED = {
     "no mechanism": (r"\[mechanism\]\nquick_return: Inverted.*?\n", "", r"\[mechanism\] has 0 entries"),
     "no angle": (r"theta \[rad\]", "theta [m]", "the position is no angle in rad"),
-    "one mode": ("2: the pin behind it\n", "", "the assembly modes are not 1 and 2"),
+    "one mode": ("2: the pin behind it\n", "", "the branches are not 1 and 2"),
     "unknown name": (r"= r \* sin_theta", "= r * sine_theta", "line 28: CA_y depends on sine_theta"),
     "no Python": (r"= r \* sin_theta", "= r * * sin_theta", "line 28: formula of CA_y"),
     "a call": (r"= r \* sin_theta", "= open(r)", "line 28: .*open"),

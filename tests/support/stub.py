@@ -32,10 +32,16 @@ WIDTH = 110
 BY_MECHANISM, OF_INPUTS = ("sweep", "evaluate", "function"), ("grid", "sobol", "latin_hypercube")
 
 
-def literal(name: str, members: Iterable[str]) -> str:
-    """Return the definition of a type of names."""
-    listed = textwrap.fill(", ".join(f'"{one}"' for one in members), WIDTH - 4, break_on_hyphens=False)
-    return f"{name}: TypeAlias = Literal[\n{textwrap.indent(listed, '    ')}\n]  # fmt: skip"
+def literal(name: str) -> str:
+    """Return the definition of a type of names: results are the quantities, and what is made of these."""
+    of = name.replace("Result", "Quantity")
+    known, start = ((), "") if of == name else (typing._members(of), f"{of} | ")
+    text = ", ".join(f'"{one}"' for one in typing._members(name) if one not in known)
+    line = f"{name}: TypeAlias = {start}Literal[{text}]"
+    if len(line) <= WIDTH:
+        return line
+    listed = textwrap.fill(text, WIDTH - 4, break_on_hyphens=False)
+    return f"{name}: TypeAlias = {start}Literal[\n{textwrap.indent(listed, '    ')}\n]  # fmt: skip"
 
 
 #: The names that a stub reads from `typing` and from `fastlink.typing`.
@@ -44,7 +50,7 @@ OWN = {"Literal", "TypedDict", "Unpack", "overload", *typing.__all__}
 
 def names_stub() -> str:
     """Return the text of ``fastlink/typing.pyi``."""
-    definitions = [literal(name, typing._members(name)) for name in typing.__all__]
+    definitions = [literal(name) for name in typing.__all__]
     listed = "".join(f'    "{name}",\n' for name in typing.__all__)
     head = f"# {BY}\n\nfrom typing import Literal, TypeAlias\n"
     return f"{head}\n__all__ = [\n{listed}]\n\n" + "\n".join(definitions) + "\n"

@@ -798,9 +798,9 @@ def plot(
     own: dict[str, Any] = {
         "kind": kind,
         "branch": branch,
+        "degrees": degrees,
         "panels": panels,
         "lines": lines,
-        "degrees": degrees,
     }
     own |= {"minimise": minimise or (), "maximise": maximise or (), "where": _conditions(where or []) or None}
     own["at"] = by_name(at or [], "at", "DIM=VALUE", {"a4": 1.0}, numbers_of) or None

@@ -655,11 +655,7 @@ class _Numbers(dict[str, float]):
 
 
 def _designs(dataset: xr.Dataset, figures: _Numbers) -> list[tuple[str, str]]:
-    """Return how many designs there are, and how many of them have each status.
-
-    Those of a whole sweep stand in its attributes. A part of it is counted; after a mean over designs the statuses are
-    no codes, and not counted.
-    """
+    """Return how many designs there are, and how many of them have each status, if these are codes still."""
     if not figures.has("designs"):
         return []
     swept = int(figures["designs"])

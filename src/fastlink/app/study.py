@@ -340,7 +340,7 @@ def read_tables(raw: Mapping[str, Any], positions: Collection[str]) -> tuple[dic
             tables = _plain(StudyFile.model_validate(raw))
             return {**empty, **{name: tables[name] for name in tables if name not in absent}}, problems
         except ValidationError as error:
-            problems += [_with_example(one, example) for one in _problems(error, positions)]
+            problems += _problems(error, positions, example)
             raw = _without(raw, [entry["loc"] for entry in error.errors(include_url=False)], absent)
     return empty, problems
 
@@ -351,12 +351,6 @@ def _example(mechanism: Any) -> str:
         return EXAMPLE
     template = files("fastlink").joinpath("mechanisms", str(mechanism), "study.toml")
     return str(tomllib.loads(template.read_text(encoding="utf-8"))["quantities"][0])
-
-
-def _with_example(problem: Problem, name: str) -> Problem:
-    """Return a problem whose remedy has a quantity of the mechanism for an example."""
-    remedy = problem.remedy
-    return replace(problem, remedy=remedy.replace(EXAMPLE, name)) if isinstance(remedy, str) else problem
 
 
 def _without(raw: Mapping[str, Any], paths: list[Any], absent: set[str]) -> dict[str, Any]:
@@ -396,7 +390,7 @@ def _table(where: KeyPath) -> str:
     return f"[{path_text(where[:-1])}]" if where[1:] else "a study"
 
 
-def _problems(error: ValidationError, positions: Collection[str]) -> list[Problem]:
+def _problems(error: ValidationError, positions: Collection[str], example: str) -> list[Problem]:
     """Return the errors of pydantic as problems; a misspelt key stands for the one that is missing."""
     problems, misspelt = [], set()
     for entry in reversed(error.errors(include_url=False)):  # unknown keys come after missing ones
@@ -422,7 +416,7 @@ def _problems(error: ValidationError, positions: Collection[str]) -> list[Proble
         else:
             remedy = f"write a table of keys, such as [{name}]"
         if kind != "missing" or (*where[:-1], f"did you mean {name!r}?") not in misspelt:
-            problems.append(Problem(what, where, remedy))
+            problems.append(Problem(what, where, remedy.replace(EXAMPLE, example)))
     return problems[::-1]
 
 
@@ -491,9 +485,8 @@ def in_own_units(raw: Mapping[str, Any], catalogue: Catalogue) -> dict[str, Any]
                 raise InputError("is unknown", remedy=suggest(key, [*kinds, *own]))
             if factor_of(str(unit), expected) is None:
                 usual = KINDS.get(expected, ("", expected))[1]
-                raise InputError(
-                    f"is {short_repr(unit)}, no unit of {key}", remedy=f'write such as "{usual}"'
-                )
+                what = f"is {short_repr(unit)}, no unit of {key}"
+                raise InputError(what, remedy=f'write such as "{usual}"')
     problems.stop()
 
     def named(name: str, value: Any) -> str:

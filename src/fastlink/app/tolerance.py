@@ -112,7 +112,7 @@ class Subject:
     options: dict[str, Any]
     #: Its results.
     names: list[str]
-    #: The assembly mode of each design, where each has one of its own.
+    #: The branch of each design, where each has one of its own.
     rows: Any = None
 
     @property
@@ -242,7 +242,7 @@ def tolerance(
         return found
     import xarray as xr
 
-    at = np.searchsorted(found[BRANCH].values, subject.rows)  # designs that have one assembly mode each
+    at = np.searchsorted(found[BRANCH].values, subject.rows)  # designs that have one branch each
     return found.isel({BRANCH: xr.DataArray(at, dims=(DESIGN,))})
 
 

@@ -277,7 +277,7 @@ class Results:
     pointwise: tuple[bool, ...]
     #: The inputs that are given for each design; the last one is the input position where `at_position`.
     inputs: tuple[str, ...]
-    #: The assembly mode.
+    #: The branch.
     branch: int
     #: Inputs that are the same for all, such as choices.
     codes: Mapping[str, float] = field(default_factory=dict)
@@ -1232,7 +1232,7 @@ class Refinement:
         return design
 
     def _reader(self, row: xr.Dataset) -> Results:
-        """Return what computes the results of a row, the same for all rows of one assembly mode."""
+        """Return what computes the results of a row, the same for all rows of one branch."""
         branch = int(row[BRANCH]) if BRANCH in row.variables else 1
         links, catalogue = self.model.options.get("links"), self.model.catalogue
         given = {*self.inputs, *({} if links is None else links.values)}

@@ -34,7 +34,7 @@ def designs_of(
     """Return the designs of a request: inputs alone, in the units of the mechanism, besides labels."""
     # Values in another unit are converted. Results that stand in a table or come with a map are left out, with a
     # warning that names them; they are in the attribute ``design_ignored`` of the result. Rows of a map that
-    # differ only in assembly mode or input position are one design.
+    # differ only in branch or input position are one design.
     known, angles, lengths = _known_inputs(catalogue, catalogue.version)
     if space.labels:
         space = _inputs_of_labels(space, known, problems)
@@ -58,12 +58,8 @@ def designs_of(
             units.remark_on_angles(name, values, "design")
     of_links = links.values if isinstance(links, Links) else {}
     if "radius" in {*of_links, *space.names}:
-        given = {
-            **space.columns,
-            **space.axes,
-            **{name: np.array(one) for name, one in space.constants.items()},
-        }
-        given |= {name: np.array(one) for name, one in of_links.items()}
+        given = {**space.columns, **space.axes}
+        given |= {name: np.array(one) for name, one in {**space.constants, **of_links}.items()}
         sizes = {name: max(map(abs, bounds_of(given[name]))) for name in lengths if name in given}
         units.remark_on_lengths(sizes, "design")
     if space.ignored and not problems.noted:
@@ -78,10 +74,8 @@ def designs_of(
 def _known_inputs(catalogue: Catalogue, version: int) -> tuple[dict[str, Input], list[str], list[str]]:
     """Return every input of a mechanism, and the names of angles and of lengths; found once for a version of it."""
     known = catalogue.all_inputs
-    angles, lengths = (
-        [name for name, one in known.items() if one.units == of] for of in (units.RADIANS, "m")
-    )
-    return known, angles, lengths
+    angles = [name for name, one in known.items() if one.units == units.RADIANS]
+    return known, angles, [name for name, one in known.items() if one.units == "m"]
 
 
 def without(space: DesignSpace, names: Iterable[str]) -> DesignSpace:
@@ -161,9 +155,9 @@ def _converted(
 
 def _multiple(values: Any, factor: Fraction) -> Any:
     """Return a multiple of values; of those that are computed where they are looked at there."""
-    return (
-        Converted(values, factor) if isinstance(values, Column) else np.asarray(units.scaled(values, factor))
-    )
+    if isinstance(values, Column):
+        return Converted(values, factor)
+    return np.asarray(units.scaled(values, factor))
 
 
 def _without_results(

@@ -179,10 +179,8 @@ def evaluate(
     if catalogue.position.units == RADIANS:
         remark_on_angles(catalogue.position.name, theta, "evaluate")
     if "radius" in arrays:
-        lengths = {
-            name: arrays[name] for name, one in given.declared.items() if one.units == "m" and name in arrays
-        }
-        remark_on_lengths({name: float(np.max(abs(one))) for name, one in lengths.items()}, "evaluate")
+        lengths = [name for name, one in given.declared.items() if one.units == "m" and name in arrays]
+        remark_on_lengths({name: float(np.max(abs(arrays[name]))) for name in lengths}, "evaluate")
     tabled = angle_tables(catalogue, recipe.tables, np.ravel(theta))
     arrays |= zip(recipe.tables, tabled.reshape(len(recipe.tables), *np.shape(theta)), strict=True)
     far = any_beyond_range(given.declared, arrays) if allow_invalid else np.False_
@@ -314,14 +312,14 @@ def _labelled(template: Any, name: str, values: Any, labels: dict[str, Any]) -> 
 
 
 def _branches(catalogue: Catalogue, branch: Any, allow_invalid: bool) -> Any:
-    """Return assembly modes as doubles of any shape, labelled if they are."""
+    """Return branches as doubles of any shape, labelled if they are."""
     if type(branch) is int and branch in catalogue.branches:  # 2 us less than by an array
         return np.float64(branch)
     return like(branch, request.branch_codes(catalogue, branch, gaps=allow_invalid))
 
 
 def _leave_gaps(steps: Iterable[Fact | System], arrays: dict[str, Any]) -> None:
-    """Put NaN in place of all that depends on the assembly mode where that is NaN."""
+    """Put NaN in place of all that depends on the branch where that is NaN."""
     gaps = np.isnan(arrays["branch"])
     if not np.any(gaps):
         return

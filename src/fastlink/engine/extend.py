@@ -46,9 +46,7 @@ class Extension:
         """
         problems = Problems()
         units = problems.attempt(declarations.check_units, ("quantity", "units"), units)
-        texts = [
-            _label(problems, "quantity", *one) for one in (("description", description), ("symbol", symbol))
-        ]
+        texts = _labels(problems, "quantity", description=description, symbol=symbol)
         problems.stop()
 
         def declare(function: F) -> F:
@@ -83,9 +81,7 @@ class Extension:
         with problems.at():
             check_choice(("input", "rule"), rule, RULES)
             number = _number(default, rule, units)
-        texts = [
-            _label(problems, "input", *one) for one in (("description", description), ("symbol", symbol))
-        ]
+        texts = _labels(problems, "input", description=description, symbol=symbol)
         problems.stop()
         self._add(Input(name, units, texts[1] or name, texts[0] or name, rule, number))
 
@@ -146,14 +142,12 @@ def _in_order(
     return tuple(found.values())
 
 
-def _label(problems: Problems, door: str, key: str, value: Any) -> str:
-    """Return a text of one line, empty where none is given."""
-    if value is None:
-        return ""
-    if not isinstance(value, str) or not value.strip() or not value.isprintable():
-        problems.add(f"is {short_repr(value)}", (door, key), "write a text of one line")
-        return ""
-    return value.strip()
+def _labels(problems: Problems, door: str, **given: Any) -> list[str]:
+    """Return texts of one line, empty where none is given."""
+    for key, value in given.items():
+        if value is not None and (not isinstance(value, str) or not value.strip() or not value.isprintable()):
+            problems.add(f"is {short_repr(value)}", (door, key), "write a text of one line")
+    return [value.strip() if isinstance(value, str) else "" for value in given.values()]
 
 
 def _number(value: Any, rule: Rule, units: str) -> float | None:

@@ -39,7 +39,7 @@ def variables(
     plan: Plan, space: DesignSpace, positions: int, *, one_branch: bool = False, layout: str = CURVES
 ) -> list[Variable]:
     """Return the results with dimensions and attributes, for a number of positions."""
-    # Where the assembly mode was given as a scalar (`one_branch`), it is a coordinate and not a dimension.
+    # Where the branch was given as a scalar (`one_branch`), it is a coordinate and not a dimension.
     lengths = axis_lengths(plan, positions)
     dropped = (BRANCH,) if one_branch else ()
     axes = [tuple(axis for axis in output.axes if axis not in dropped) for output in plan.outputs]
@@ -242,7 +242,9 @@ def _blank(
 def global_attrs(resolved: ResolvedSweep, threads: int) -> dict[str, Any]:
     """Return the global attributes that are known before a sweep."""
     plan, catalogue = resolved.plan, resolved.catalogue
-    versions = [f"fastlink {__version__}", *_compiler(resolved.backend), f"numpy {np.__version__}"]
+    packages = ("llvmlite",) if resolved.backend == "llvm" else (resolved.backend, "llvmlite")
+    compilers = [f"{name} {version(name)}" for name in packages]  # without an import
+    versions = [f"fastlink {__version__}", *compilers, f"numpy {np.__version__}"]
     attrs: dict[str, Any] = {
         "Conventions": "CF-1.11",
         "title": f"{catalogue.title}: {', '.join(output.name for output in plan.outputs)}",
@@ -278,9 +280,3 @@ def flag_attrs(meanings: Mapping[int, str], dtype: str) -> dict[str, Any]:
     """Return CF's labels of a code."""
     words = " ".join(meaning.replace(" ", "_") for meaning in meanings.values())
     return {"flag_values": frozen(np.array(list(meanings), dtype=dtype)), "flag_meanings": words}
-
-
-def _compiler(backend: str) -> tuple[str, ...]:
-    """Return the compilers of kernels with their versions, without an import."""
-    names = ("llvmlite",) if backend == "llvm" else (backend, "llvmlite")
-    return tuple(f"{name} {version(name)}" for name in names)

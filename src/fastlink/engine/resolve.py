@@ -68,7 +68,7 @@ class CheckedRequest:
     solver: str
     #: The selected sets of facts.
     variants: tuple[str, ...]
-    #: Assembly modes.
+    #: Branches.
     branches: tuple[int, ...]
     #: Input positions.
     positions: NDArray[Any]
@@ -155,7 +155,7 @@ class ResolvedSweep:
     scaling_axis: ScalingAxis | None
     #: What compiles the kernels.
     backend: str
-    #: Whether the assembly mode was given as a scalar, which makes it a coordinate instead of a dimension.
+    #: Whether the branch was given as a scalar, which makes it a coordinate instead of a dimension.
     one_branch: bool
     #: How the results lie in a file, one of `fastlink.io.layout.LAYOUTS`.
     layout: str = CURVES
@@ -172,7 +172,7 @@ class ResolvedSweep:
 
     @property
     def branches(self) -> tuple[int, ...]:
-        """The assembly modes."""
+        """The branches."""
         return self.plan.branches
 
     @property
@@ -375,10 +375,9 @@ def given_tolerances(
         else:
             with problems.at(parent, name):
                 units = known[of].units
-                factor = check_unit(of, unit, units, {*tolerances, *map(toleranced, found)}) if unit else None
+                factor = check_unit(of, unit, units, {*tolerances, *map(toleranced, found)})
                 share, number = _tolerance((parent, name), value, unit or units, is_in_unit=bool(unit))
-                number = number if factor is None else float(scaled(number, factor))
-                found[tolerance_name(of, relative=share)] = number
+                found[tolerance_name(of, relative=share)] = float(scaled(number, factor))
     return found
 
 

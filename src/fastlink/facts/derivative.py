@@ -219,11 +219,8 @@ class Derivation:
         return replace(labels, formula=formula, depends_on=formula.parameters, flags={})
 
     def _guarded(self, name: str, root: Node, value: Node) -> Node:
-        """Return a derivative that is none where the name is no finite number.
-
-        Its own text may not depend on that: a force is none where the linkage does not assemble, and its derivative by
-        a mass is an acceleration that may exist.
-        """
+        """Return a derivative that is none where the name is no finite number."""
+        # a force is none where the linkage does not assemble, but its derivative by a mass, an acceleration, may exist
         if not self._guards(name) or not self._causes_of(value) - self._causes_of(root):
             return root
         graph = self.graph

@@ -350,10 +350,7 @@ def _expression(node: Node, args: Sequence[ast.expr]) -> ast.expr:
 
 
 def _scaled(x: Node) -> tuple[float, Node]:
-    """Return a power of two that a value is a multiple of, and of what.
-
-    One that keeps products in the range of doubles stays where it is.
-    """
+    """Return a power of two that a value is a multiple of, and of what; a far one stays where it is."""
     if x.kind == "*" and x.args[0].kind == "number" and is_power_of_two(x.args[0].value):
         scale = abs(x.args[0].value)
         if 1.0 / FARTHEST_SCALE <= scale <= FARTHEST_SCALE:

@@ -227,13 +227,13 @@ class GradedRange:
         ("scale_high", "start_high", "toggle_high"),
     )
     coordinates: tuple[str, str, str] = ("from_low", "from_high", "side")
-    antisymmetric: tuple[str, ...]
-    vanishes_at_toggle: str
-    reciprocal: str
+    antisymmetric: tuple[str, ...] = ("side", "branch_sign")
+    vanishes_at_toggle: str = "sigma"
+    reciprocal: str = "per_sigma"
     bounded_factor: str
-    vanish_at_one_end: tuple[str, ...] = ()
-    cells: Mapping[str, int]
-    max_extrema: Mapping[str, int]
+    vanish_at_one_end: tuple[str, ...] = ("p", "q")
+    cells: Mapping[str, int] = field(default_factory=dict)
+    max_extrema: Mapping[str, int] = field(default_factory=dict)
     not_differentiable: tuple[str, ...] = ()
     wraps_at: Mapping[str, str] = field(default_factory=dict)
     divisors: Mapping[str, tuple[str, int]] = field(default_factory=dict)

@@ -167,10 +167,7 @@ def _source_of(function: Any) -> tuple[ast.FunctionDef, str, int]:
 
 
 def _does(code: CodeType) -> tuple[Any, ...]:
-    """Return what a function does, wherever its text stands; functions within it are refused anyway.
-
-    Calls are left out: they depend on the imports of the file.
-    """
+    """Return what a function does, wherever its text stands; but for calls, which depend on the file's imports."""
     steps = [
         (step.opname, step.argval) for step in dis.get_instructions(code) if step.opname.startswith(STEPS)
     ]

@@ -345,12 +345,12 @@ def mechanism_of(text: str, file: str) -> Catalogue:
     if position["units"] != "rad":
         remedy = "write NAME [rad] symbol: meaning below [position]; only an angle can drive"
         raise SheetError(file, "the position is no angle in rad", remedy)
-    modes = [entry.head.partition(": ") for entry in entries if entry.section == "branches"]
-    if [number for number, _, _ in modes] != ["1", "2"] or not all(meaning for *_, meaning in modes):
+    numbered = [entry.head.partition(": ") for entry in entries if entry.section == "branches"]
+    if [number for number, _, _ in numbered] != ["1", "2"] or not all(meaning for *_, meaning in numbered):
         remedy = "write both below [branches]: 1: meaning, and 2: meaning"
-        raise SheetError(file, "the assembly modes are not 1 and 2", remedy)
+        raise SheetError(file, "the branches are not 1 and 2", remedy)
     name, symbol, meaning = (position[key] for key in ("name", "symbol", "meaning"))
-    branches = {int(number): meaning for number, _, meaning in modes}
+    branches = {int(number): meaning for number, _, meaning in numbered}
     found = Catalogue(title["name"], title["unknowns"], branches, Input(name, "rad", symbol, meaning))
     _check_names(entries)
     read_sheet(TURN.read_text(encoding="utf-8").replace("POSITION", name), "what every sheet gets", found)
@@ -501,13 +501,7 @@ def _graded_range(known: Catalogue) -> GradedRange:
     jumping = {name: windings[name] for name in known.public if windings[name] and name not in wraps}
     sampled += [name for name, turns in jumping.items() if not turns.keys() <= wraps.keys()]
     return GradedRange(
-        antisymmetric=("side", "branch_sign"),
-        vanishes_at_toggle="sigma",
-        reciprocal="per_sigma",
         bounded_factor="share_of_sigma",
-        vanish_at_one_end=("p", "q"),
-        cells={},
-        max_extrema={},
         not_differentiable=tuple(dict.fromkeys(sampled)),
         wraps_at=wraps,
         windings={name: turns for name, turns in jumping.items() if name not in sampled},
@@ -515,24 +509,17 @@ def _graded_range(known: Catalogue) -> GradedRange:
 
 
 def _with_roots(known: Catalogue) -> tuple[set[str], dict[str, dict[str, float]]]:
-    """Return the facts that may be no number where the loop closes by Z0 and C0, and how facts wind with angles.
-
-    The first are roots of what else varies.
-    """
+    """Return the facts that may be no number where the loop closes by Z0 and C0, roots; how facts wind with angles."""
     found: set[str] = set()
     windings: dict[str, dict[str, float]] = {known.position.name: {known.position.name: 1.0}}
     given = {*known.inputs, *known.tables, *known.table_low_parts, known.position.name, "branch"}
     closes = {*known.tables, "p", "q", "sigma"}
     graph = GraphAsWritten(filter(callable, NAMESPACE.values()))
-
-    def turns_of(name: str) -> dict[str, float]:
-        return windings.get(name, {})
-
     for step in known.dependencies(sorted(known.public), given):
         value = graph.read(step.formula, [*map(graph.name, step.depends_on)])
         nodes = beneath([value])
-        turns = winding(nodes, turns_of)
-        windings |= dict.fromkeys(step.names, {step.name: 1.0} if value.value is atan2 else turns)
+        turns = winding(nodes, lambda name: windings.get(name, {}))
+        windings.update(dict.fromkeys(step.names, {step.name: 1.0} if value.value is atan2 else turns))
         roots = [node for node in nodes if node.value is sqrt]
         names = {node.value for node in beneath(roots) if node.kind == "name"}
         if any(map(known.varies, names - closes)):

@@ -244,7 +244,7 @@ class Source:
         with np.errstate(over="ignore"):
             result = values.astype(variable.dtype)
         if result.itemsize < values.itemsize:
-            if _is_bound(variable):  # a bound stays one
+            if str(variable.attrs.get("symbol", "")).startswith("err "):  # a bound of errors stays one
                 result = np.where(result < values, np.nextafter(result, np.inf, dtype=result.dtype), result)
             beyond = int(np.count_nonzero(np.isinf(result) & np.isfinite(values)))
             if beyond:
@@ -275,11 +275,6 @@ def _is_column(coord: xr.DataArray) -> bool:
         and coord.dtype.kind in "iuf"
         and coord.nbytes > FEW_BYTES
     )
-
-
-def _is_bound(variable: Variable) -> bool:
-    """Tell whether a variable bounds errors."""
-    return str(variable.attrs.get("symbol", "")).startswith("err ")
 
 
 def _taken(array: xr.Variable, takes: list[Any]) -> NDArray[Any]:

@@ -70,15 +70,12 @@ def convert(maps: xr.Dataset, of_all: Sequence[Any], given: dict[str, Any]) -> x
         alike = [name for name, own in known.items() if isinstance(unit, str) and factor_of(unit, own)]
         for name in alike:
             if name in found:
-                raise InputError(
-                    f"{found[name]!r} and {unit!r} are of one kind", ("units",), "write one of them"
-                )
+                what = f"{found[name]!r} and {unit!r} are of one kind"
+                raise InputError(what, ("units",), "write one of them")
             found[name] = unit
         if not alike:
-            what, names = (
-                f"{short_repr(unit)} is a unit of nothing in the map",
-                ", ".join(dict.fromkeys(known.values())),
-            )
+            what = f"{short_repr(unit)} is a unit of nothing in the map"
+            names = ", ".join(dict.fromkeys(known.values()))
             raise InputError(what, ("units",), f"write units of {names}, such as 'mm', or NAME='mile'")
     given = found | given
     for name in given:

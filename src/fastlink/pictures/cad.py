@@ -44,29 +44,25 @@ def written(request: Request, path: Path) -> bytes:
 
 
 def _shapes(motion: Motion, position: float, show: frozenset[str]) -> Iterator[Shape]:
-    """Yield what is drawn of a design at a position; of several assembly modes each has layers of its own."""
+    """Yield what is drawn of a design at a position; of several branches each has layers of its own."""
     points = [one for one in motion.points if not one.group or one.group in show]
     places, there = motion.places_at(position, points), motion.assembles(position)[:, 0]
     traced = motion.traced(show)
     for k, branch in enumerate(motion.branches):
-        mode = f" {branch}" if len(motion.branches) > 1 else ""
+        own = f" {branch}" if len(motion.branches) > 1 else ""
         for bar in motion.picture.bars:
             ends = [places[name][k] for name in bar.points.split() if name in places]
             if bar.is_ground or there[k]:
-                layer, kind = (
-                    "ground" if bar.is_ground else f"bars{mode}",
-                    "closed" if len(ends) > 2 else "line",
-                )
-                yield layer, kind, _in_mm(ends), ""
+                layer = "ground" if bar.is_ground else f"bars{own}"
+                yield layer, "closed" if len(ends) > 2 else "line", _in_mm(ends), ""
         for one in (one for one in points if one.kind == "ground" or there[k]):
-            layer = "ground" if one.kind == "ground" else f"joints{mode}"
+            layer = "ground" if one.kind == "ground" else f"joints{own}"
             yield layer, "circle", _in_mm([places[one.name][k]]), ""
             yield layer, "text", _in_mm([places[one.name][k]]), one.name
         along = motion.along(361, position)
         for guide in (one for one in motion.picture.guides if one.slider):
-            x = motion.places(np.concatenate(along), [motion.picture.point(guide.slider)])[guide.slider][
-                k, :, 0
-            ]
+            sliders = motion.places(np.concatenate(along), [motion.picture.point(guide.slider)])
+            x = sliders[guide.slider][k, :, 0]
             run = np.stack([[np.nanmin(x), np.nanmax(x)], [motion.number(guide.y or 0.0)] * 2], axis=-1)
             yield "ground", "line", _in_mm(run), ""
         for positions in along:
@@ -76,7 +72,7 @@ def _shapes(motion: Motion, position: float, show: frozenset[str]) -> Iterator[S
                 for piece in np.split(path, gaps):
                     piece = piece[np.isfinite(piece).all(axis=-1)]
                     if len(piece) > 1:
-                        yield f"paths{mode}", "line", _in_mm(piece), ""
+                        yield f"paths{own}", "line", _in_mm(piece), ""
 
 
 def _in_mm(points: Any) -> tuple[tuple[float, float], ...]:

@@ -25,7 +25,7 @@ from fastlink.maps.best import INFINITE as INFINITE_ROWS
 from fastlink.maps.best import Choice, Condition, Objective, Reading, Rows
 from fastlink.maps.units import DEGREE, RADIAN, flags_of, half_turn
 from fastlink.pictures.labels import constants_of, label_of, plain, title_of
-from fastlink.pictures.maps import Selection, modes_of, name_places, panels_of, sameness
+from fastlink.pictures.maps import branches_of, name_places, panels_of, sameness
 from fastlink.pictures.style import (
     ABSENT,
     CYCLIC,
@@ -82,7 +82,7 @@ DOT: dict[str, Any] = {"marker": ".", "color": "0.1", "markersize": 5.0, "linest
 
 
 def draw_maps(figure: Any, shown: Selection) -> None:
-    """Draw a panel for each assembly mode and each value of the dimension that is split."""
+    """Draw a panel for each branch and each value of the dimension that is split."""
     variable, free, status = shown.variable, shown.free, shown.status
     rows = _wrapped(panels_of(shown))
     panels = [panel for row in rows for panel in row]
@@ -92,9 +92,8 @@ def draw_maps(figure: Any, shown: Selection) -> None:
     same = sameness(variable, values)
     infinite = np.isinf(values)
     values = np.where(infinite, np.nan, drawable(values))
-    plain = bool(flags_of(variable)) or are_counts(
-        values
-    )  # neither has contours, neither grows without bound
+    # neither has contours, neither grows without bound
+    plain = bool(flags_of(variable)) or are_counts(values)
     veiled = _veiled(values, codes, flags)
     norm, colours, extend = _scale(variable, values, ~veiled)
     veiled &= not plain
@@ -122,7 +121,8 @@ def draw_maps(figure: Any, shown: Selection) -> None:
         if same:
             _write(axis, same)
     if not flags_of(variable) and not same:
-        bar = figure.colorbar(image, ax=list(axes), extend=extend, pad=0.02, ticks=_bar_ticks(values))
+        ticks = MaxNLocator(integer=True) if are_counts(values) else None
+        bar = figure.colorbar(image, ax=list(axes), extend=extend, pad=0.02, ticks=ticks)
         bar.set_label(label_of(variable, name=False))
     handles += _reasons(codes, flags, veiled, blocks, infinite, np.isnan(values) & ~infinite)
     _add_legend(axes, handles, beside=bool(flags_of(variable)))
@@ -182,10 +182,7 @@ def codes_of(shown: Selection, panels: Sequence[Panel]) -> Any:
 
 
 def _veiled(values: Any, codes: Any, flags: Mapping[str, int]) -> Any:
-    """Return the cells of designs with toggles, where rates grow without bound.
-
-    There are none where all cells are such: a veil over all of them would distinguish nothing.
-    """
+    """Return the cells of designs with toggles, where rates grow without bound; none where all cells are such."""
     if codes is None:
         return np.zeros(values.shape, bool)
     present = np.isfinite(values)
@@ -200,10 +197,6 @@ def _scale(variable: xr.DataArray, values: Any, regular: Any) -> tuple[Any, Any,
     if are_counts(values):
         return count_colours(values)
     return colours_of(values, regular, half_turn(variable.attrs.get("units")))
-
-
-def _bar_ticks(values: Any) -> Any:
-    return MaxNLocator(integer=True) if are_counts(values) else None
 
 
 def _fill(axis: Any, x: Any, y: Any, cells: Any, **colours: Any) -> Any:
@@ -358,7 +351,7 @@ BAR = 0.025  # of the height: the bar of a line that grows without bound
 
 
 def draw_lines(figure: Any, shown: Selection) -> None:
-    """Draw a line for each assembly mode and each value of the dimension that is split."""
+    """Draw a line for each branch and each value of the dimension that is split."""
     variable, (dim,) = shown.variable, shown.free
     axis = figure.subplots()
     x = variable[dim].values
@@ -408,7 +401,7 @@ def _alone(codes: Any, every: Any) -> Any:
 
 
 def _looks(shown: Selection) -> list[tuple[Panel, dict[str, Any]]]:
-    """Return each line and how it is drawn: values by colours of growing lightness, assembly modes by dashes too."""
+    """Return each line and how it is drawn: values by colours of growing lightness, branches by dashes too."""
     rows = panels_of(shown)
     (dim,) = shown.free
     looks: list[tuple[Panel, dict[str, Any]]] = []
@@ -486,14 +479,14 @@ def _shade(axis: Any, x: Any, absent: Any, colour: Any, label: str, low: float =
 
 
 def draw(dataset: xr.Dataset, shown: Selection) -> NotebookFigure:
-    """Return the figure of a variable, with a panel or line for each assembly mode."""
+    """Return the figure of a variable, with a panel or line for each branch."""
     figure = NotebookFigure()
     if len(shown.free) == 1:
         figure.set_size_inches(7.2, 4.2)
         draw_lines(figure, shown)
     else:
         draw_maps(figure, shown)
-    figure.suptitle(title_of(dataset, shown.variable, shown.fixed, modes_of(shown)), fontsize=12)
+    figure.suptitle(title_of(dataset, shown.variable, shown.fixed, branches_of(shown)), fontsize=12)
     figure.supxlabel(constants_of(dataset), fontsize=7.5, color="0.45")
     return figure
 
@@ -661,8 +654,7 @@ class Cloud:
 def column_of(maps: xr.Dataset, name: str, degrees: bool) -> Column:
     """Return a variable or an input as an axis."""
     array = maps[name]
-    in_degrees = degrees and array.attrs.get("units") == RADIAN
-    return Column(array, float(np.rad2deg(1.0)) if in_degrees else 1.0)
+    return Column(array, float(np.rad2deg(1.0)) if degrees and array.attrs.get("units") == RADIAN else 1.0)
 
 
 # -- Draw the rows of a map as points or cells: two columns, corners of several, cumulative distributions,

@@ -22,6 +22,7 @@ from fastlink._text import filled, in_words
 from fastlink.errors import InputError
 from fastlink.facts.arc import ARC_ENDS
 from fastlink.facts.catalogue import Catalogue
+from fastlink.facts.expression import SIGNS as OF_FORMULAS
 from fastlink.facts.fact import Fact, System
 from fastlink.facts.formula import Formula
 from fastlink.facts.names import innermost, signed
@@ -40,9 +41,6 @@ from fastlink.space.tables import STATUS
 from fastlink.space.units import DEGREES
 
 if TYPE_CHECKING:
-    import xarray as xr
-
-    from fastlink.facts.catalogue import Catalogue
     from fastlink.mechanisms._shared.picture import Picture
 
 __all__ = [
@@ -91,21 +89,7 @@ const binaryExponent = x => Math.round(x / Math.LN2);
 const logQuotient = (x, y, twos) => x && y ? Math.log(Math.abs(x / y)) + twos * Math.LN2 : NaN;
 const quotientSign = (x, y) => Math.sign(x) * Math.sign(y) || 0;
 """
-SIGNS = {
-    ast.Add: "+",
-    ast.Sub: "-",
-    ast.Mult: "*",
-    ast.Div: "/",
-    ast.Pow: "**",
-    ast.BitAnd: "&",
-    ast.BitOr: "|",
-    ast.Lt: "<",
-    ast.LtE: "<=",
-    ast.Gt: ">",
-    ast.GtE: ">=",
-    ast.Eq: "==",
-    ast.NotEq: "!=",
-}
+SIGNS = {**OF_FORMULAS, ast.Pow: "**"}
 
 
 class Untranslatable(Exception):
@@ -331,12 +315,8 @@ def _request(maps: xr.Dataset, name: str) -> dict[str, Any]:
         return {"requested": False, "of": ["", ""]}
     # the page computes reductions over the whole turn, and no others
     plain = name == str(asked.of) and ARC_ENDS[0] not in maps.variables
-    return {
-        "requested": True,
-        "of": [signed(asked.quantity), asked.reduction.suffix if asked.reduction else ""]
-        if plain
-        else ["", ""],
-    }
+    own = [signed(asked.quantity), asked.reduction.suffix if asked.reduction else ""]
+    return {"requested": True, "of": own if plain else ["", ""]}
 
 
 def _dimension(maps: xr.Dataset, dim: str) -> dict[str, Any]:
@@ -403,24 +383,22 @@ def _mechanism(maps: xr.Dataset) -> dict[str, Any] | None:
             "extrema": str(maps.attrs.get("extrema", "")),
             "input": "" if catalogue is find_catalogue(name) else catalogue.position.name,
         },
-        "curves": [_curve(catalogue, one) for one in curves if one in found],
+        "curves": [
+            {"name": one, "meaning": fact.title, "symbol": fact.symbol, "units": fact.units}
+            for one in curves if one in found and (fact := catalogue.public_fact(one))
+        ],
         **_shape(picture, points),
     }  # fmt: skip
 
 
 def _curves(maps: xr.Dataset, catalogue: Catalogue) -> list[str]:
     """Return the quantities that change over the input: first those that the map has results of."""
-    own = [innermost(str(name), catalogue) for name in maps.data_vars if str(name) not in (BRANCH,)]
+    own = [innermost(str(name), catalogue) for name in maps.data_vars if str(name) != BRANCH]
     return [
         one
         for one in dict.fromkeys([*own, *catalogue.public])
         if one in catalogue.public and catalogue.varies(one) and not catalogue.public[one].flags
     ]
-
-
-def _curve(catalogue: Catalogue, name: str) -> dict[str, Any]:
-    fact = catalogue.public_fact(name)
-    return {"name": name, "meaning": fact.title, "symbol": fact.symbol, "units": fact.units}
 
 
 def _shape(picture: Picture, points: list[Any]) -> dict[str, Any]:
@@ -447,19 +425,7 @@ def _shape(picture: Picture, points: list[Any]) -> dict[str, Any]:
 
 
 #: The scripts, each after those that it needs.
-SCRIPTS = (
-    "base",
-    "motion",
-    "linkage",
-    "map",
-    "source",
-    "embedded",
-    "region",
-    "designs",
-    "pointing",
-    "main",
-    "end",
-)
+SCRIPTS = "base motion linkage map source embedded region designs pointing main end"
 
 
 def page_of(content: dict[str, Any], nonce: str = "") -> str:
@@ -474,7 +440,7 @@ def page_of(content: dict[str, Any], nonce: str = "") -> str:
     shown = {**content, "mechanism": mechanism and {**mechanism, "script": ""}}
     # a text of the map must not end the script
     data = json.dumps(shown, allow_nan=False).replace("<", "\\u003c")
-    scripts = [filled(text(f"{name}.js"), {"/*FACTS*/": facts}) for name in SCRIPTS]
+    scripts = [filled(text(f"{name}.js"), {"/*FACTS*/": facts}) for name in SCRIPTS.split()]
     script = "\n".join([f"const content = {data};", *scripts])
     return filled(text("page.html"), {"NONCE": nonce, "/*STYLE*/": text("style.css"), "/*SCRIPT*/": script})
 

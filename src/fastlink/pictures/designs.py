@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fastlink._text import counted, in_words, joined, short_repr
-from fastlink.errors import InputError, Problems, Setting, check_choice, door
+from fastlink.errors import InputError, Problems, Setting, check_choice, check_switch, door, require_package
 from fastlink.io.reader import as_map
 from fastlink.maps.best import MISSED, choice_of, chosen, conditions, listed, numeric
 from fastlink.pictures.labels import constants_of, plain
-from fastlink.pictures.maps import one_branch, plot_map
-from fastlink.pictures.picture import checked_request, save
+from fastlink.pictures.maps import draw_variable, one_branch
+from fastlink.pictures.picture import check_picture, save
 from fastlink.space.design_space import BRANCH
 from fastlink.space.tables import STATUS
 
@@ -127,91 +127,77 @@ def plot(
         if (objectives or of_rows) and value is not None:
             rows = ("choose rows, such as by ", Setting("where", {STATUS: "rotates_fully"}))
             raise InputError("is of a map of one variable", (option,), rows)
-    path = checked_request(to, degrees)
-    if objectives:
-        return plot_front(maps, minimise, maximise, where, branch, degrees, path)
-    if of_rows:
-        return plot_designs(maps, wanted, kind, where, branch, degrees, path)
-    if not wanted:
+    require_package("matplotlib", ("plot",))
+    check_switch(("degrees",), degrees)
+    path = None if to is None else check_picture(to, "to")
+    kind = _kind(kind, wanted) if of_rows and not objectives else None
+    if not (wanted or objectives):
         front = (", or objectives by ", Setting("minimise", "NAME"), " and ", Setting("maximise", "NAME"))
         raise InputError("is missing", ("names",), ("write a variable, such as omega4_max", *front))
-    return plot_map(maps, wanted[0], branch, at, panels, lines, degrees, path)
+    from fastlink.pictures.style import style
+
+    with as_map(maps) as dataset, style():
+        if branch is not None and (objectives or of_rows):
+            dataset = one_branch(dataset, branch)
+        if objectives:
+            figure = _front(dataset, minimise, maximise, where, degrees)
+        elif kind is not None:
+            figure = _rows(dataset, wanted, kind, where, degrees)
+        else:
+            figure = draw_variable(dataset, wanted[0], branch, at, panels, lines, degrees)
+        if path is not None:
+            save(figure, path, "to")
+    return figure
 
 
-def plot_designs(
-    maps: Any,
-    wanted: list[Any],
-    kind: str | None,
-    where: Any,
-    branch: int | None,
-    degrees: bool,
-    path: Path | None,
-) -> Figure:
+def _rows(maps: xr.Dataset, wanted: list[Any], kind: str, where: Any, degrees: bool) -> Figure:
     """Draw the rows of a map by some quantities."""
-    kind = _kind(kind, wanted)
     from fastlink.pictures.charts import draw_corner, draw_cumulative, draw_scatter
 
-    with as_map(maps) as dataset:
-        if branch is not None:
-            dataset = one_branch(dataset, branch)
-        problems = Problems()
-        for name in wanted:
-            with problems.at():
-                _check_name(dataset, name)
+    problems = Problems()
+    for name in wanted:
         with problems.at():
-            conditions(dataset, where)
-        problems.stop()
-        if kind == "cumulative":
-            clouds = [_cloud(dataset, [name], where, degrees) for name in wanted]
-            title = f"{max(cloud.considered for cloud in clouds):,} rows{_of(where)}"
-            return _finished(lambda: draw_cumulative(clouds), dataset, title, path, _modes_of(clouds))
-        cloud = _cloud(dataset, wanted, where, degrees)
-        if kind == "scatter":
-            _check_colour(cloud)
-        drawer = draw_scatter if kind == "scatter" else draw_corner
-        title = cloud.note() + _of(where)
-        return _finished(lambda: drawer(cloud), dataset, title, path, _modes_of([cloud]))
+            _check_name(maps, name)
+    with problems.at():
+        conditions(maps, where)
+    problems.stop()
+    if kind == "cumulative":
+        clouds = [_cloud(maps, [name], where, degrees) for name in wanted]
+        title = f"{max(cloud.considered for cloud in clouds):,} rows{_of(where)}"
+        return _titled(draw_cumulative(clouds), maps, title, _branches_of(clouds))
+    cloud = _cloud(maps, wanted, where, degrees)
+    if kind == "scatter":
+        _check_colour(cloud)
+    drawer = draw_scatter if kind == "scatter" else draw_corner
+    return _titled(drawer(cloud), maps, cloud.note() + _of(where), _branches_of([cloud]))
 
 
-def plot_front(
-    maps: Any, minimise: Any, maximise: Any, where: Any, branch: int | None, degrees: bool, path: Path | None
-) -> Figure:
+def _front(maps: xr.Dataset, minimise: Any, maximise: Any, where: Any, degrees: bool) -> Figure:
     """Draw the Pareto front of a map among all its rows."""
     from fastlink.pictures.charts import draw_corner, draw_scatter
 
-    with as_map(maps) as dataset:
-        if branch is not None:
-            dataset = one_branch(dataset, branch)
-        found = chosen(dataset, choice_of(dataset, minimise, maximise, where)).of(dataset)
-        if MISSED in found.coords:
-            raise InputError("leaves no row of the map", ("where",), "widen the conditions")
-        names = [*listed(minimise), *listed(maximise)]
-        low, high = KINDS["corner"]
-        if not low <= len(names) <= high:
-            remedy = f"write {low} to {high}, or rank by `best`"
-            raise InputError(f"a front of {counted(len(names), 'objective')}", where=("plot",), remedy=remedy)
-        cloud = _cloud(dataset, names, where, degrees)
-        factors = [column.factor for column in cloud.columns]
-        front = np.stack([found[name].values for name in names], axis=1) * factors
-        drawer = draw_scatter if len(names) == low else draw_corner
-        about, wanted = str(found.attrs["selection"]).removesuffix(cloud.noted), _of(where)
-        title = about[:1].upper() + about[1:] + (wanted and f",{wanted}")
-        return _finished(lambda: drawer(cloud, front), dataset, title, path, cloud.noted.removeprefix(", "))
+    found = chosen(maps, choice_of(maps, minimise, maximise, where)).of(maps)
+    if MISSED in found.coords:
+        raise InputError("leaves no row of the map", ("where",), "widen the conditions")
+    names = [*listed(minimise), *listed(maximise)]
+    low, high = KINDS["corner"]
+    if not low <= len(names) <= high:
+        remedy = f"write {low} to {high}, or rank by `best`"
+        raise InputError(f"a front of {counted(len(names), 'objective')}", where=("plot",), remedy=remedy)
+    cloud = _cloud(maps, names, where, degrees)
+    factors = [column.factor for column in cloud.columns]
+    front = np.stack([found[name].values for name in names], axis=1) * factors
+    drawer = draw_scatter if len(names) == low else draw_corner
+    about, wanted = str(found.attrs["selection"]).removesuffix(cloud.noted), _of(where)
+    title = about[:1].upper() + about[1:] + (wanted and f",{wanted}")
+    return _titled(drawer(cloud, front), maps, title, cloud.noted.removeprefix(", "))
 
 
-def _finished(
-    draw: Callable[[], Any], dataset: xr.Dataset, title: str, path: Path | None, remark: str = ""
-) -> Figure:
-    """Draw a picture, with title and constants, and write it."""
-    from fastlink.pictures.style import style
-
-    with style():
-        figure: Figure = draw()
-        figure.suptitle(textwrap.fill(plain(title), TITLE), fontsize=10.5)
-        below = "\n".join(filter(None, [remark, constants_of(dataset)]))
-        figure.supxlabel(below, fontsize=7.5, color="0.45")
-        if path is not None:
-            save(figure, path, "to")
+def _titled(figure: Figure, maps: xr.Dataset, title: str, remark: str) -> Figure:
+    """Write title, remark and constants on a picture."""
+    figure.suptitle(textwrap.fill(plain(title), TITLE), fontsize=10.5)
+    below = "\n".join(filter(None, [remark, constants_of(maps)]))
+    figure.supxlabel(below, fontsize=7.5, color="0.45")
     return figure
 
 
@@ -262,10 +248,10 @@ def _cloud(maps: xr.Dataset, names: Sequence[str], where: Any, degrees: bool) ->
     return cloud
 
 
-def _modes_of(clouds: Sequence[Cloud]) -> str:
+def _branches_of(clouds: Sequence[Cloud]) -> str:
     """Return that rows are designs several times, where they are."""
     counts = [column.array.sizes.get(BRANCH, 1) for cloud in clouds for column in cloud.columns]
-    return f"a design is a row in each of {max(counts)} assembly modes" if max(counts) > 1 else ""
+    return f"a design is a row in each of {max(counts)} branches" if max(counts) > 1 else ""
 
 
 def _of(where: Any) -> str:

@@ -37,7 +37,7 @@ from fastlink.mechanisms import NAMES, SHEET, mechanism_of_map, name_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.pictures.cad import DXF, is_cad, written
 from fastlink.pictures.labels import mathematical
-from fastlink.pictures.maps import nearest_place
+from fastlink.pictures.maps import nearest_place, values_at
 from fastlink.pictures.motion import Motion, as_draw
 from fastlink.pictures.picture import KINDS, check_picture, save
 from fastlink.plan.query import check_names
@@ -57,7 +57,6 @@ from fastlink.space.units import (
     DEGREES,
     RADIANS,
     has_unit,
-    in_si,
     remark_on_angles,
     split,
     usual_name,
@@ -70,7 +69,7 @@ if TYPE_CHECKING:
     from fastlink.engine.extend import Extension
     from fastlink.facts.catalogue import Catalogue
     from fastlink.mechanisms._shared.picture import Picture
-    from fastlink.space.design_space import DesignSpace, Links
+    from fastlink.space.design_space import DesignSpace
 
 __all__ = ["Request", "draw", "picture_of"]
 
@@ -85,7 +84,7 @@ STUDY, MAPS = ".toml", (".h5", ".hdf5", ".nc", ".he5")
 
 @dataclass(frozen=True)
 class Source:
-    """A design, as it was given: its inputs and position, assembly modes, masses, what drives; own quantities' text."""
+    """A design, as it was given: its inputs and position, branches, masses, what drives; own quantities' text."""
 
     mechanism: str | Extension
     inputs: dict[str, Any]
@@ -170,7 +169,7 @@ def _first_that_assembles(mechanism: Any, space: DesignSpace, links: Links | Non
 
 
 def _of_map(maps: Any, design: Any, at: Any) -> Source:
-    """Return a design of a map, or of rows of it; of a row, its assembly mode and input position too."""
+    """Return a design of a map, or of rows of it; of a row, its branch and input position too."""
     with as_map(maps) as dataset:
         mechanism, input = mechanism_of_map(dataset.attrs), str(dataset.attrs.get("input"))
         catalogue = find_catalogue(mechanism, input)
@@ -221,10 +220,7 @@ def _places(along: Mapping[str, Any], design: Any, at: Any, units: Mapping[str, 
 
 def _nearest_places(along: Mapping[str, Any], at: Any, units: Mapping[str, str]) -> tuple[int, ...]:
     """Return the place that is nearest to given values along each dimension."""
-    if not isinstance(at, Mapping) or hasattr(at, "data_vars"):
-        remedy = ("write such as ", Setting("at", {"a4": 1.0}))
-        raise InputError(f"is {short_repr(at)}", where=("at",), remedy=remedy)
-    problems, places, at = Problems(), [], in_si("at", at, units)
+    problems, places, at = Problems(), [], values_at(at, units)
     for dim in at:
         if dim not in along:
             problems.add(f"{short_repr(dim)} is not a dimension of the designs", ("at",), suggest(dim, along))
@@ -322,7 +318,7 @@ def request_of(source: Source, strip: Any, curves: Any, show: Any, degrees: Any,
     if positions is None:
         positions = drawable[0].spread(strip, ends=False) if strip else np.array([drawable[0].usual])
     if source.branch is None and (moves or words & set(motions[0].picture.loads)):
-        drawable = tuple(_one_mode(motion, positions) for motion in drawable)
+        drawable = tuple(_one_branch(motion, positions) for motion in drawable)
     titles = tuple(_title(motion, len(drawable)) for motion in drawable)
     return Request(drawable, titles, positions, words, names, degrees, moves)
 
@@ -404,8 +400,8 @@ def _choices(
     return choices
 
 
-def _one_mode(motion: Motion, positions: Any) -> Motion:
-    """Return a design in the first assembly mode that it has there: arrows and films of several cover each other."""
+def _one_branch(motion: Motion, positions: Any) -> Motion:
+    """Return a design in the first branch that it has there: arrows and films of several cover each other."""
     found = int(motion.assembles(positions).any(axis=1).argmax())
     return replace(motion, branches=(motion.branches[found],))
 
@@ -527,7 +523,7 @@ def draw(
     at : mapping of str to float, optional
         Of a study or a map, the design by the values of its dimensions, each the nearest one, in place of its number.
     branch : int or sequence of int, optional
-        Assembly modes; by default all, with forces and in films the first, or that of a row of `maps.fastlink.top`.
+        Branches; by default all, with forces and in films the first, or that of a row of `maps.fastlink.top`.
     links : Links, optional
         Where mass data come from, for forces.
     input : str, optional

@@ -180,15 +180,7 @@ def _along(values: Values, name: str, at: Mapping[str, int], ranges: Ranges) -> 
 #: The address that no other machine reaches; the most letters of a request.
 HOST, LONGEST = "127.0.0.1", 16_384
 #: What a query raises that the page would not send: with other names, values or places, or nested too deep.
-BAD_REQUEST = (
-    KeyError,
-    ValueError,
-    TypeError,
-    IndexError,
-    AttributeError,
-    OverflowError,
-    RecursionError,
-)
+BAD_REQUEST = (LookupError, ValueError, TypeError, AttributeError, OverflowError, RecursionError)
 #: Seconds after which a connection without requests is closed.
 IDLE = 300.0
 POLICY = (

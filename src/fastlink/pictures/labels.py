@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from fastlink._text import short_number
+from fastlink.maps.units import DEGREE
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -20,7 +21,6 @@ GREEK = "alpha|beta|gamma|delta|epsilon|zeta|eta|theta|kappa|lambda|mu|nu|xi|rho
 SYMBOL = re.compile(rf"({GREEK}|[A-Za-z]+)(?:_\{{?([A-Za-z0-9]+)\}}?)?")
 SLOPE = re.compile(rf"d(\d?)(?:({GREEK}|[A-Za-z])(?:_([A-Za-z0-9]+))?(\d?))?")
 BETWEEN = re.compile(r"([/()|])")
-DEGREE = "degree"
 CONSTANTS_PER_LINE = 8
 TITLE_WIDTH = 64  # letters
 WORDS = frozenset({"max", "min", "peak", "rms", "at", "status"})
@@ -100,12 +100,10 @@ def valued(array: xr.DataArray, value: object) -> str:
     return f"{symbol} = {plain(short_number(value))}{space}{'' if units == '1' else units_text(units)}"
 
 
-def title_of(
-    dataset: xr.Dataset, variable: xr.DataArray, fixed: Mapping[str, object], modes: str = ""
-) -> str:
-    """Return the name of a variable, the values at which dimensions are fixed, and the assembly modes."""
+def title_of(dataset: xr.Dataset, variable: xr.DataArray, fixed: Mapping[str, object], branches: str) -> str:
+    """Return the name of a variable, the values at which dimensions are fixed, and the branches."""
     title = textwrap.fill(plain(variable.attrs.get("long_name", variable.name)), TITLE_WIDTH)
-    values = ", ".join(filter(None, [*(valued(dataset[dim], one) for dim, one in fixed.items()), modes]))
+    values = ", ".join(filter(None, [*(valued(dataset[dim], one) for dim, one in fixed.items()), branches]))
     return f"{title}\n{values}" if values else title
 
 

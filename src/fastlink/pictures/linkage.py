@@ -166,7 +166,7 @@ ARMS: dict[bool, Any] = {True: (0, (1.2, 1.6)), False: (0, (5, 3))}
 
 
 def add_arms(sheet: Sheet, position: float, circle: Circle) -> list[Any]:
-    """Draw a circle in each assembly mode, past-pointing arms dashed, and return the lines."""
+    """Draw a circle in each branch, past-pointing arms dashed, and return the lines."""
     motion, seen, drawn = sheet.motion, set(), list[Any]()
     if not motion.has(circle.radius):
         return []
@@ -183,8 +183,8 @@ def add_arms(sheet: Sheet, position: float, circle: Circle) -> list[Any]:
     return drawn
 
 
-def _is_of_mode(locus: Locus) -> bool:
-    """Tell whether the curve differs by assembly mode."""
+def _is_of_branch(locus: Locus) -> bool:
+    """Tell whether the curve differs by branch."""
     return "branch" in signature(function_of(locus)).parameters
 
 
@@ -197,7 +197,7 @@ def legend_of_loci(sheet: Sheet) -> list[Any]:
     """Return the legend of the loci that are shown."""
     single = sheet.colour(0) if len(sheet.motion.branches) == 1 else FAINT
     return [
-        Line2D([], [], color=single if _is_of_mode(one) else FAINT, linewidth=0.9, label=one.meaning)
+        Line2D([], [], color=single if _is_of_branch(one) else FAINT, linewidth=0.9, label=one.meaning)
         for one in _shown_loci(sheet)
     ]
 
@@ -213,21 +213,17 @@ def add_following(sheet: Sheet, position: float) -> None:
 
 
 def _add_locus(sheet: Sheet, position: float, locus: Locus) -> None:
-    """Draw the curve that a function of fastlink gives for a position, in each assembly mode if they differ."""
-    motion, function, of_mode = sheet.motion, function_of(locus), _is_of_mode(locus)
+    """Draw the curve that a function of fastlink gives for a position, in each branch if they differ."""
+    motion, function, of_branch = sheet.motion, function_of(locus), _is_of_branch(locus)
     inputs = {**motion.design, motion.input: position}
     given = {name: inputs[name] for name in signature(function).parameters if name in inputs}
     further = motion.values(list(locus.given.values()), [position])
-    for k in np.flatnonzero(motion.assembles(position)[:, 0])[: None if of_mode else 1].tolist():
-        own: dict[str, Any] = {"branch": motion.branches[k]} if of_mode else {}
+    for k in np.flatnonzero(motion.assembles(position)[:, 0])[: None if of_branch else 1].tolist():
+        own: dict[str, Any] = {"branch": motion.branches[k]} if of_branch else {}
         own |= {key: float(further[fact][k, 0]) for key, fact in locus.given.items()}
         curve = function(**given, **own)
-        style = {
-            "color": sheet.colour(k) if of_mode else FAINT,
-            "linewidth": 0.9,
-            "alpha": 0.75,
-            "zorder": 1.2,
-        }
+        colour = sheet.colour(k) if of_branch else FAINT
+        style = {"color": colour, "linewidth": 0.9, "alpha": 0.75, "zorder": 1.2}
         if locus.gives == "points":
             sheet.axis.plot(*np.asarray(curve).T, **style)
         elif locus.gives == "conic":
@@ -267,20 +263,18 @@ def _add_level(sheet: Sheet, coefficients: Any, style: dict[str, Any]) -> None:
 
 FORCES, TORQUES, CENTRES = "forces", "torques", "centres"
 #: The units of a kind; its mark in the legend, with size and width of line.
-UNITS, MARKS = (
-    {FORCES: "N", TORQUES: "N m"},
-    {FORCES: (">", 5.0, 1.4), TORQUES: (r"$\circlearrowleft$", 10.0, 0.0)},
-)
+UNITS = {FORCES: "N", TORQUES: "N m"}
+MARKS = {FORCES: (">", 5.0, 1.4), TORQUES: (r"$\circlearrowleft$", 10.0, 0.0)}
 #: Of the picture: the length of the greatest force.
 LONGEST = 0.22
-#: Of a torque in points: the radius in the first assembly mode, and by how much each further one's is greater.
+#: Of a torque in points: the radius in the first branch, and by how much each further one's is greater.
 RADIUS, FURTHER_RADIUS = 17.0, 6.0
 #: The distance of a name from the end of an arrow, in points.
 CLOSE = 9.0
 
 
 def _loads(motion: Motion, kind: str, positions: Any) -> dict[str, Any]:
-    """Return each load of a kind over assembly modes, positions, and its components."""
+    """Return each load of a kind over branches, positions, and its components."""
     components = {one.name: one.components for one in motion.picture.loads[kind]}
     values = motion.values([name for names in components.values() for name in names], positions)
     return {one: np.stack([values[name] for name in names], axis=-1) for one, names in components.items()}
@@ -340,7 +334,7 @@ class Loads:
             self.sheet.write(mathematical(symbol), middle, self._colour(k))
 
     def _colour(self, k: int, shared: str = "") -> str:
-        """Return the colour in an assembly mode; in the legend, that of all."""
+        """Return the colour in a branch; in the legend, that of all."""
         if len(self.sheet.motion.branches) == 1:
             return LINES[3]
         return shared or self.sheet.colour(k)
@@ -366,8 +360,6 @@ class Loads:
 # -- Show more than the linkage, each thing by a word: paths, limits, circles, light cones, curvature combs
 
 
-#: The colours of assembly modes.
-MODES = LINES
 TEETH = 90
 #: Points from tooth to tooth, twice; how often they are spaced anew, evenly along feet and tips.
 FINE, SPACED = 8, 3
@@ -379,10 +371,15 @@ ASIDE = 1e-6
 STRAIGHT = 1e-6
 
 
-def mode_line(branch: int, **changes: Any) -> dict[str, Any]:
-    """Return how curves of an assembly mode are drawn: in its colour, those of the second dashed."""
+def colour_of(branch: int) -> str:
+    """Return the colour of a branch."""
+    return LINES[(branch - 1) % len(LINES)]
+
+
+def branch_line(branch: int, **changes: Any) -> dict[str, Any]:
+    """Return how curves of a branch are drawn: in its colour, those of the second dashed."""
     dashes = "solid" if branch == 1 else (0, (5, 1.6))
-    return {"color": MODES[(branch - 1) % len(MODES)], "linestyle": dashes, "linewidth": 1.3, **changes}
+    return {"color": colour_of(branch), "linestyle": dashes, "linewidth": 1.3, **changes}
 
 
 def _traced(sheet: Sheet, unless: str = "") -> list[Point]:
@@ -401,11 +398,11 @@ def _add_paths(sheet: Sheet, position: float) -> list[Any]:
         for one in traced:
             for branch, look, line in zip(motion.branches, motion.looks, places[one.name], strict=True):
                 if np.isfinite(line).all(axis=-1).any():
-                    style = mode_line(look, zorder=2.0, gid=f"path {one.name} {branch}")
+                    style = branch_line(look, zorder=2.0, gid=f"path {one.name} {branch}")
                     sheet.axis.plot(*line.T, **style)
                     sheet.keep_free(samples_of(line, sheet.scale)[::2], 0.5)
     letters = " and ".join(_lettered(one.name) if one.is_named else "the middle of a bar" for one in traced)
-    style = mode_line(1) if len(motion.branches) == 1 else {"color": FAINT, "linewidth": 1.3}
+    style = branch_line(1) if len(motion.branches) == 1 else {"color": FAINT, "linewidth": 1.3}
     return [Line2D([], [], label=f"path of {letters}", **style)]
 
 
@@ -480,7 +477,7 @@ def _add_comb(sheet: Sheet, position: float) -> list[Any]:
                 teeth = np.stack([foot, tip, np.full_like(foot, np.nan)], axis=1)[:: FINE // 2].reshape(-1, 2)
                 for line, width in ((teeth, 0.5), (tip, 0.8)):
                     style = {"linestyle": "solid", "linewidth": width, "alpha": 0.7, "zorder": 1.8}
-                    sheet.axis.plot(*line.T, **mode_line(look, **style))
+                    sheet.axis.plot(*line.T, **branch_line(look, **style))
         handles = [Line2D([], [], color=FAINT, linewidth=0.8, label="comb: the curvature of the path")]
     return handles
 
@@ -505,10 +502,7 @@ def _slope(motion: Motion, coordinate: Value) -> Value:
 
 
 def _curved(sheet: Sheet, point: Point, positions: Any) -> tuple[Any, Any]:
-    """Return the places of a point and the vectors of curvature of its path, over assembly modes.
-
-    The second derivative is the difference of first ones, which are facts, on both sides.
-    """
+    """Return the places of a point and the vectors of curvature of its path, over branches."""
     motion = sheet.motion
     slopes = [_slope(motion, xy) for xy in (point.x, point.y)]
     aside = ASIDE * (motion.span[1] - motion.span[0])
@@ -517,7 +511,7 @@ def _curved(sheet: Sheet, point: Point, positions: Any) -> tuple[Any, Any]:
         values = motion.values(slopes, positions + shift)
         return np.stack([values[name] for name in slopes], axis=-1)
 
-    with np.errstate(all="ignore"):
+    with np.errstate(all="ignore"):  # the first derivatives are facts
         bend = (slope(aside) - slope(-aside)) / (2.0 * aside)
         return motion.places(positions, [point])[point.name], sheet.plane.curvature(slope(0.0), bend)
 
@@ -552,7 +546,7 @@ def add_overlays(sheet: Sheet, position: float) -> list[Any]:
 # -- One picture of a linkage: what stands still, and the linkage itself at a position
 
 
-#: Of the size of the picture: points of two assembly modes that are nearer to each other are one.
+#: Of the size of the picture: points of two branches that are nearer to each other are one.
 SAME = 1e-9
 PLATE = 0.14
 #: The size of a joint for which marks have their sizes.
@@ -606,7 +600,7 @@ class Sheet:
         for at in self.ground.values():
             if np.isfinite(at).all():
                 add_ground(axis, at, self.size)
-                self.keep_free(at + corner * self.style.joint / USUAL_JOINT / self.scale, 2.0)
+                self.keep_free(at + corner * self.size / self.scale, 2.0)
         for guide in motion.picture.guides:
             if guide.slider and guide.y is not None:
                 (low, high), y = self._run(guide.slider), motion.number(guide.y)
@@ -629,7 +623,7 @@ class Sheet:
     # -- the linkage -----------------------------------------------------------------------------------------------
 
     def linkage(self, position: float) -> None:
-        """Draw the linkage at a position in all its assembly modes."""
+        """Draw the linkage at a position in all its branches."""
         motion, names = self.motion, self.names
         points = [one for one in motion.points if not one.group or one.group in self.show]
         assembled = motion.assembles(position)
@@ -646,7 +640,7 @@ class Sheet:
             if not bar.is_ground:
                 self._bar(bar, position, places, common)
         for one in points:
-            for at, colour in self._modes(places[one.name], common[one.name]):
+            for at, colour in self._in_branches(places[one.name], common[one.name]):
                 self._point(one, at, colour)
         if not assembled.any():
             self.write("does not assemble", 0.5 * (self.view[::2] + self.view[1::2]), "0.4")
@@ -656,20 +650,20 @@ class Sheet:
             self._symbols(places, common)
 
     def _is_common(self, at: Any) -> bool:
-        """Tell whether a point is the same in all assembly modes in which it exists."""
+        """Tell whether a point is the same in all branches in which it exists."""
         finite = at[np.isfinite(at).all(axis=-1)]
         if len(finite) < 2:
             return len(self.motion.branches) < 2
         return float(np.ptp(finite, axis=0).max()) <= SAME * float(np.ptp(self.view[:2]))
 
-    def _modes(self, at: Any, common: bool) -> list[tuple[Any, Any]]:
+    def _in_branches(self, at: Any, common: bool) -> list[tuple[Any, Any]]:
         """Return the places of a point with their colours: one if they agree."""
         finite = np.flatnonzero(np.isfinite(at).all(axis=-1)).tolist()
         return [(at[k], INK) for k in finite[:1]] if common else [(at[k], self.colour(k)) for k in finite]
 
     def colour(self, k: int) -> str:
-        """Return the colour of the assembly mode with an index."""
-        return MODES[(self.motion.looks[k] - 1) % len(MODES)]
+        """Return the colour of the branch with an index."""
+        return colour_of(self.motion.looks[k])
 
     def _point(self, point: Point, at: Any, colour: Any) -> None:
         joint, kind = self.style.joint, point.kind
@@ -688,12 +682,12 @@ class Sheet:
             add_joint(self.axis, at, colour, joint)
 
     def _bar(self, bar: Bar, position: float, places: Any, common: Any) -> None:
-        """Draw a bar, or a plate, in each assembly mode that has it."""
+        """Draw a bar, or a plate, in each branch that has it."""
         names = [name for name in bar.points.split() if name in places]
         corners = np.stack([places[name] for name in names], axis=1)
-        modes = np.flatnonzero(np.isfinite(corners).all(axis=(1, 2)))
+        present = np.flatnonzero(np.isfinite(corners).all(axis=(1, 2)))
         is_common = all(common[name] for name in names)
-        for k in modes[:1] if is_common else modes:
+        for k in present[:1] if is_common else present:
             at, branch = corners[k], self.motion.branches[k]
             colour = INK if is_common else self.colour(k)
             self._outline(bar, names, at, branch, colour, hollow=not is_common and branch > 1)
@@ -714,7 +708,7 @@ class Sheet:
     def _outline(
         self, bar: Bar, names: list[str], at: Any, branch: int, colour: Any, *, hollow: bool
     ) -> None:
-        """Draw a bar: thick along lengths, hollow in the second assembly mode; thin round the rest of a plate."""
+        """Draw a bar: thick along lengths, hollow in the second branch; thin round the rest of a plate."""
         thick = [tuple(pair.split()) for pair in bar.lengths]
         edges = list(zip(names, [*names[1:], names[0]], strict=True)) if len(names) > 2 else []
         thin = [pair for pair in edges if pair not in thick and pair[::-1] not in thick]
@@ -732,7 +726,7 @@ class Sheet:
         groups: list[tuple[Any, Any, list[str]]] = []
         near = 0.6 * self.style.joint / self.scale
         for one in filter(lambda one: one.is_named, points):
-            for at, colour in self._modes(places[one.name], common[one.name]):
+            for at, colour in self._in_branches(places[one.name], common[one.name]):
                 self.names.keep_free(at + np.array([[0.0, 0.0], [3.0, 0.0], [-3.0, 0.0]]) / self.scale, 1.5)
                 letters = next((names for place, _, names in groups if np.hypot(*(place - at)) < near), None)
                 if letters is None:
@@ -750,14 +744,14 @@ class Sheet:
         return bool(view[0] <= at[0] <= view[1] and view[2] <= at[1] <= view[3])
 
     def _symbols(self, places: Any, common: Any) -> None:
-        """Write the symbols of lengths along bars, those of the first assembly mode."""
+        """Write the symbols of lengths along bars, those of the first branch."""
         for bar in self.motion.picture.bars:
             for pair, length in bar.lengths.items():
                 a, b = (places[name] for name in pair.split())
-                modes = np.flatnonzero(np.isfinite(a + b).all(axis=-1))
-                if not modes.size or not self._is_in_view(0.5 * (a[modes[0]] + b[modes[0]])):
+                present = np.flatnonzero(np.isfinite(a + b).all(axis=-1))
+                if not present.size or not self._is_in_view(0.5 * (a[present[0]] + b[present[0]])):
                     continue
-                k = modes[0]
+                k = present[0]
                 is_common = all(common[name] for name in pair.split())
                 colour = "0.5" if bar.is_ground else INK if is_common else self.colour(k)
                 symbol = self.symbol(length)
@@ -825,7 +819,7 @@ class Curves:
                 x, y = cut(
                     self._at(positions), drawable(values[k]), self._units(units).replace("°", "degree")
                 )
-                axis.plot(x, y, **mode_line(branch))
+                axis.plot(x, y, **branch_line(branch))
                 every.append(values[k])
         low, high, extend = limits_of(drawable(np.concatenate(every)), np.concatenate(every), MOST_RANGE)
         if extend != "neither":
@@ -846,9 +840,8 @@ class Curves:
                 values = self._scaled(self.motion.values([name], [position])[name][:, 0], self.units[name])
                 for branch, value in zip(self.motion.looks, values, strict=True):
                     if np.isfinite(value):
-                        colour = MODES[(branch - 1) % len(MODES)]
-                        style = {"color": colour, "markersize": 5, "markeredgecolor": "white", "zorder": 5}
-                        axis.plot([x], [value], "o", **style)
+                        style = {"markersize": 5, "markeredgecolor": "white", "zorder": 5}
+                        axis.plot([x], [value], "o", color=colour_of(branch), **style)
 
     def _within(self, position: float) -> float:
         """Return a position moved by whole turns into what the axis shows."""
@@ -898,7 +891,7 @@ class Board:
         page, low = self._block(columns)
         self.curves = self._add_curves(page, low)
         page += BESIDE if request.curves else 0.0
-        self._finish(page, low, [*self._legend_of_modes(), *handles])
+        self._finish(page, low, [*self._legend_of_branches(), *handles])
         self.moving: list[Any] = []
 
     def _title_height(self) -> float:
@@ -981,21 +974,22 @@ class Board:
             at = (0.6 * MARGIN + LINE * (number + 0.5)) / height
             figure.text(0.5, at, line, fontsize=8, color="0.35", **centre)
 
-    def _legend_of_modes(self) -> list[Any]:
-        """Return a line for each assembly mode, none for one alone, which the numbers name."""
+    def _legend_of_branches(self) -> list[Any]:
+        """Return a line for each branch, none for one alone, which the numbers name."""
         if len(self.motion.branches) < 2:
             return []
         return [
-            Line2D([], [], **mode_line(b), label=self._mode(k)) for k, b in enumerate(self.motion.branches)
+            Line2D([], [], **branch_line(b), label=self._branch(k))
+            for k, b in enumerate(self.motion.branches)
         ]
 
-    def _mode(self, k: int) -> str:
-        """Return an assembly mode in words."""
+    def _branch(self, k: int) -> str:
+        """Return a branch in words."""
         branch = self.motion.branches[k]
         return f"branch {branch}: {self.motion.catalogue.branches[branch]}{self._orientations(k)}"
 
     def _orientations(self, k: int) -> str:
-        """Return which bars of an assembly mode point to the future and to the past, of a single picture."""
+        """Return which bars of a branch point to the future and to the past, of a single picture."""
         if len(self.request.sheets) > 1 or self.request.moves:
             return ""
         motion, text = self.motion, ""
@@ -1024,7 +1018,7 @@ class Board:
         if len(self.request.positions) == 1 and not self.request.moves:
             own.append(f"{symbol} = {motion.shown(self.request.positions[0], degrees)}")
         words = [motion.meaning("status")] if "status" in motion.catalogue.facts else []
-        words += [self._mode(0)] if len(motion.branches) < 2 else []
+        words += [self._branch(0)] if len(motion.branches) < 2 else []
         if not motion.turns_fully:
             ends = [] if motion.ranges == (motion.span,) else motion.range_texts(degrees)
             words += [f"{symbol} {', '.join(ends)}"] if ends else []
@@ -1058,10 +1052,7 @@ class Board:
 
 
 def _view(request: Request) -> Any:
-    """Return what every sheet shows: the linkage and what is drawn about it, all of the motion where it moves.
-
-    Where a plane has no bounds, the positions.
-    """
+    """Return what every sheet shows: linkage and overlays, of all the motion where it moves and a plane has bounds."""
     corners: list[Any] = []
     bounded = all(one.picture.metric == "euclidean" for one in request.motions)
     for motion in request.motions:
@@ -1201,9 +1192,8 @@ def _film(pictures: list[Any], title: str, labels: Sequence[str]) -> bytes:
     given = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", rate, "-i", "-"]
     wanted = ["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white", "-pix_fmt", "yuv420p", "-f", "mp4"]
     pixels = b"".join(picture.tobytes() for picture in pictures)
-    with (
-        tempfile.TemporaryDirectory() as folder
-    ):  # a file: ffmpeg goes back in it to note where the pictures are
+    # into a file: ffmpeg goes back in it to note where the pictures are
+    with tempfile.TemporaryDirectory() as folder:
         film = pathlib.Path(folder, "film.mp4")
         command = ["ffmpeg", "-y", "-loglevel", "error", *given, *wanted, str(film)]
         done = subprocess.run(command, input=pixels, capture_output=True, check=False)

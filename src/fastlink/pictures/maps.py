@@ -1,4 +1,4 @@
-"""Draw a variable of a map: check the request, select, lay out panels, draw, write."""
+"""Draw a variable of a map: check the request, select, lay out panels."""
 
 from __future__ import annotations
 
@@ -6,19 +6,16 @@ import math
 import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from fastlink._text import short_number, short_repr
 from fastlink.errors import InputError, Remedy, Setting, check_choice, check_whole, suggest
-from fastlink.io.reader import as_map
 from fastlink.io.where import is_scale, nearest
 from fastlink.maps.units import degrees as in_degrees
 from fastlink.maps.units import degrees_along, flags_of
 from fastlink.pictures.labels import plain, units_text, valued
-from fastlink.pictures.picture import save
 from fastlink.space.design_space import BRANCH, as_real
 from fastlink.space.tables import STATUS
 from fastlink.space.units import in_si
@@ -32,15 +29,16 @@ if TYPE_CHECKING:
 __all__ = [
     "Panel",
     "Selection",
-    "modes_of",
+    "branches_of",
+    "draw_variable",
     "name_places",
     "nearest_place",
     "one_branch",
     "panels_of",
-    "plot_map",
     "sameness",
     "select",
     "spread",
+    "values_at",
 ]
 
 
@@ -56,7 +54,7 @@ COUNTS = {1: "one", 2: "two", 3: "three"}
 class Selection:
     """A variable as a picture shows it."""
 
-    #: Over one or two dimensions by growing coordinates, and over assembly modes.
+    #: Over one or two dimensions by growing coordinates, and over branches.
     variable: xr.DataArray
     #: Those dimensions.
     free: list[str]
@@ -83,7 +81,7 @@ def select(
     beside each other.
     """
     variable = _variable(dataset, name)
-    at = in_si("at", at, {str(dim): variable[dim].attrs.get("units", "1") for dim in variable.dims})
+    at = values_at(at, {str(dim): variable[dim].attrs.get("units", "1") for dim in variable.dims})
     if branch is not None:
         variable = one_branch(variable, branch)
     if split is not None:
@@ -155,7 +153,7 @@ def _variable(dataset: xr.Dataset, name: Any) -> xr.DataArray:
 
 
 def one_branch(variable: T, branch: Any) -> T:
-    """Return the part of a variable, or of a map, for one assembly mode."""
+    """Return the part of a variable, or of a map, for one branch."""
     if BRANCH not in variable.coords:
         what = f"{getattr(variable, 'name', 'the map')} is the same in every branch"
         raise InputError(what, where=("branch",), remedy="leave it out")
@@ -186,6 +184,14 @@ def _fixed(
         what = f"{short_repr(dim)} is not a dimension of {variable.name} that can be fixed"
         raise InputError(what, where=("at",), remedy=remedy)
     return places, {dim: variable[dim].values[place] for dim, place in places.items()}
+
+
+def values_at(at: Any, units: Mapping[str, str]) -> dict[str, Any]:
+    """Return the values of dimensions in the units of these, or refuse what is no mapping."""
+    if not isinstance(at, Mapping) or hasattr(at, "data_vars"):
+        remedy = ("write such as ", Setting("at", {"a4": 1.0}))
+        raise InputError(f"is {short_repr(at)}", where=("at",), remedy=remedy)
+    return in_si("at", at, units)
 
 
 def nearest_place(dim: str, values: Any, value: Any) -> int:
@@ -255,11 +261,11 @@ def _status(
     return status.transpose(..., *reversed(free))
 
 
-# -- The panels of a picture: assembly modes, and values of a dimension that stand side by side
+# -- The panels of a picture: branches, and values of a dimension that stand side by side
 
 
 MOST_NAMES = 24  # along one side
-MOST_BELOW = 3  # panels side by side where those of another assembly mode stand below
+MOST_BELOW = 3  # panels side by side where those of another branch stand below
 #: Values that differ by less, relative to the greatest, are the same: several thousand roundings.
 SAME = 1e-12
 
@@ -268,9 +274,9 @@ SAME = 1e-12
 class Panel:
     """One of the pictures, or lines, that stand side by side."""
 
-    #: Which assembly modes these are, and which value of the dimension that is split; empty where there are no
+    #: Which branches these are, and which value of the dimension that is split; empty where there are no
     # others.
-    modes: str
+    branches: str
     value: str
     #: The values.
     array: xr.DataArray
@@ -280,32 +286,32 @@ class Panel:
     @property
     def title(self) -> str:
         """Return the text that tells it from the others."""
-        return ", ".join(filter(None, (self.modes, self.value)))
+        return ", ".join(filter(None, (self.branches, self.value)))
 
 
 def panels_of(shown: Selection) -> list[list[Panel]]:
-    """Return rows of panels: assembly modes, those that agree in one row; in each row the values of a dimension."""
-    modes = _modes(shown.variable)
-    alone = len(modes) == 1
+    """Return rows of panels: branches, those that agree in one row; in each row the values of a dimension."""
+    parts = _branches(shown.variable)
+    alone = len(parts) == 1
     if shown.split is None:
-        return [[Panel(title * (not alone), "", part) for title, part in modes]]
+        return [[Panel(title * (not alone), "", part) for title, part in parts]]
     along = shown.variable[shown.split]
     few = spread(along.size, MOST_BESIDE if alone or len(shown.free) == 1 else MOST_BELOW)
     titles = {int(k): valued(along, along.values[k]) for k in few}
     return [
-        [Panel(mode * (not alone), title, part.isel({shown.split: k}), k) for k, title in titles.items()]
-        for mode, part in modes
+        [Panel(branch * (not alone), title, part.isel({shown.split: k}), k) for k, title in titles.items()]
+        for branch, part in parts
     ]
 
 
-def modes_of(shown: Selection) -> str:
-    """Return the assembly modes of all panels where they are the same, and none says so."""
-    modes = _modes(shown.variable)
-    return modes[0][0] if len(modes) == 1 else ""
+def branches_of(shown: Selection) -> str:
+    """Return the branches of all panels where they are the same, and none says so."""
+    parts = _branches(shown.variable)
+    return parts[0][0] if len(parts) == 1 else ""
 
 
-def _modes(variable: xr.DataArray) -> list[tuple[str, xr.DataArray]]:
-    """Return title and values of each assembly mode, or of all if they agree."""
+def _branches(variable: xr.DataArray) -> list[tuple[str, xr.DataArray]]:
+    """Return title and values of each branch, or of all if they agree."""
     numbers = np.atleast_1d(variable[BRANCH].values).tolist() if BRANCH in variable.coords else []
     if BRANCH not in variable.dims:
         return [(f"branch {numbers[0]}" if numbers else "", variable)]
@@ -343,37 +349,27 @@ def name_places(axis: Any, names: Sequence[str], turned: bool) -> None:
     axis.set_ticks(range(0, len(names), step), shown, rotation=30 if turned else 0, ha="right")
 
 
-# -- Draw a variable of a map: check the request, select, draw, write
+# -- Draw a variable of a map: check the request, select, draw
 
 
-def plot_map(
-    maps: Any,
+def draw_variable(
+    maps: xr.Dataset,
     name: Any,
     branch: int | None,
     at: Mapping[str, float] | None,
     panels: str | None,
     lines: str | None,
     degrees: bool,
-    path: Path | None,
 ) -> Figure:
     """Draw one variable of a map, over one or two of its dimensions."""
     from fastlink.pictures.charts import draw
-    from fastlink.pictures.style import style
 
-    if at is not None and (not isinstance(at, Mapping) or hasattr(at, "data_vars")):
-        remedy = ("write such as ", Setting("at", {"a4": 1.0}))
-        raise InputError(f"is {short_repr(at)}", where=("at",), remedy=remedy)
     splits = [(key, dim) for key, dim in (("panels", panels), ("lines", lines)) if dim is not None]
     if len(splits) > 1:
         raise InputError("is given beside panels", where=("lines",), remedy="leave one of them out")
-    with as_map(maps) as dataset:
-        if degrees:
-            dataset = degrees_along(dataset)
-        shown = select(dataset, name, branch, at or {}, *splits)
-        if degrees:
-            shown = replace(shown, variable=in_degrees(shown.variable))
-        with style():
-            figure = draw(dataset, shown)
-            if path is not None:
-                save(figure, path, "to")
-    return figure
+    if degrees:
+        maps = degrees_along(maps)
+    shown = select(maps, name, branch, {} if at is None else at, *splits)
+    if degrees:
+        shown = replace(shown, variable=in_degrees(shown.variable))
+    return draw(maps, shown)

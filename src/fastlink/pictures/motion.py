@@ -64,7 +64,7 @@ class Motion:
     picture: Picture
     #: Its inputs.
     design: dict[str, float]
-    #: The assembly modes.
+    #: The branches.
     branches: tuple[int, ...]
     #: Where mass data come from.
     links: Links | None
@@ -82,7 +82,7 @@ class Motion:
         return self.catalogue.position.units == RADIANS
 
     def values(self, names: Iterable[Value], positions: Any) -> dict[Value, Any]:
-        """Return facts, inputs and constants, each over assembly modes and positions."""
+        """Return facts, inputs and constants, each over branches and positions."""
         positions = np.atleast_1d(np.asarray(positions, dtype=float))
         shape = (len(self.branches), positions.size)
         known: dict[Any, Any] = {**self.design, self.input: positions}
@@ -95,7 +95,7 @@ class Motion:
         }
 
     def number(self, value: Value) -> float:
-        """Return a value of the design: what does not depend on assembly mode and position."""
+        """Return a value of the design: what does not depend on branch and position."""
         return float(self.values([value], [0.0])[value].flat[0])
 
     @property
@@ -123,7 +123,7 @@ class Motion:
 
     @property
     def looks(self) -> tuple[int, ...]:
-        """The assembly modes in whose colours and dashes curves are drawn: of one alone those of the first."""
+        """The branches in whose colours and dashes curves are drawn: of one alone those of the first."""
         return self.branches if len(self.branches) > 1 else (1,)
 
     def meaning(self, name: str) -> str:
@@ -172,17 +172,17 @@ class Motion:
         return [one for one in self.points if one.name in names]
 
     def places(self, positions: Any, points: Sequence[Point] | None = None) -> dict[str, Any]:
-        """Return each point over assembly modes, positions, and x and y."""
+        """Return each point over branches, positions, and x and y."""
         points = self.points if points is None else points
         values = self.values([value for one in points for value in (one.x, one.y)], positions)
         return {one.name: np.stack([values[one.x], values[one.y]], axis=-1) for one in points}
 
     def places_at(self, position: float, points: Sequence[Point]) -> dict[str, Any]:
-        """Return each point at one position, over assembly modes, and x and y."""
+        """Return each point at one position, over branches, and x and y."""
         return {name: place[:, 0] for name, place in self.places([position], points).items()}
 
     def assembles(self, positions: Any) -> Any:
-        """Tell for each assembly mode and position whether all joints and sliders have a place."""
+        """Tell for each branch and position whether all joints and sliders have a place."""
         joints = [one for one in self.points if one.kind in ("joint", "slider")]
         places = self.places(positions, joints)
         return np.logical_and.reduce([np.isfinite(place).all(axis=-1) for place in places.values()])
@@ -220,7 +220,7 @@ class Motion:
 
     @cached_property
     def ranges(self) -> tuple[tuple[float, float], ...]:
-        """The ranges of the input in which an assembly mode exists; of a full turn, one of 2 pi."""
+        """The ranges of the input in which a branch exists; of a full turn, one of 2 pi."""
         low, high = self.span
         inner = self._samples
         samples = np.concatenate(([low], inner, [high]))
@@ -328,14 +328,11 @@ def as_draw(function: Callable[[], T], curve: int = 0) -> T:
             return function()
     except InputError as error:
         heads: dict[KeyPath, KeyPath] = {("evaluate",): ("draw",), ("quantities",): ("curves", curve)}
-        problems = [
-            replace(
-                one,
-                where=(*heads.get(one.where[:1], one.where[:1]), *_rest(one.where)),
-                remedy=_without(one.remedy, "allow_invalid"),
-            )
-            for one in error.problems
-        ]
+        problems = []
+        for one in error.problems:
+            head, rest = one.where[:1], one.where[2 if one.where[:1] == ("quantities",) else 1 :]
+            where = (*heads.get(head, head), *rest)
+            problems.append(replace(one, where=where, remedy=_without(one.remedy, "allow_invalid")))
         raise InputError.of(problems) from None
 
 
@@ -348,11 +345,6 @@ def _without(remedy: Remedy, option: str) -> Remedy:
         return isinstance(part, tuple) and any(isinstance(p, Setting) and p.name == option for p in part)
 
     return tuple(part for part in remedy if not names_it(part))
-
-
-def _rest(where: KeyPath) -> KeyPath:
-    """Return a path without its head, and without the number of a quantity."""
-    return where[2:] if where[:1] == ("quantities",) else where[1:]
 
 
 # -- The planes in which mechanisms stand: their circles, and the light cones of the Minkowskian one
@@ -473,14 +465,14 @@ class Names:
         middles = np.asarray(anchor) + np.concatenate(rounds) / self.scale
         return self._best(key, wide, middles, np.tile(ROUND, 2), farther)
 
-    def beside(self, key: str, text: str, start: Any, end: Any, away: float = AWAY) -> Any:
+    def beside(self, key: str, text: str, start: Any, end: Any) -> Any:
         """Return where the middle of a name stands that belongs to a bar."""
         start, end = np.asarray(start), np.asarray(end)
         along = end - start
         length = float(np.hypot(*along)) or 1.0
         normal = np.array([-along[1], along[0]]) / length
         wide = 0.5 * LETTER * len(text)
-        off = away + max(0.0, wide - LETTER) * abs(normal[0])
+        off = AWAY + max(0.0, wide - LETTER) * abs(normal[0])
         shares = np.array([0.5, 0.5, 0.38, 0.38, 0.62, 0.62])
         sides = np.array([1.0, -1.0] * 3)
         middles = start + shares[:, None] * along + (sides * off / self.scale)[:, None] * normal

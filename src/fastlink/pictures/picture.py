@@ -5,16 +5,16 @@ from __future__ import annotations
 import io
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from fastlink.errors import InputError, check_path, check_switch, require_package
+from fastlink.errors import InputError, check_path, require_package
 from fastlink.io.output import write_whole
 from fastlink.io.output_path import check_writable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["check_picture", "checked_request", "save"]
+__all__ = ["check_picture", "save"]
 
 
 #: Endings of pictures: those that matplotlib writes in full quality.
@@ -34,13 +34,6 @@ def check_picture(
     check_writable(path, where, example)
     require_package("matplotlib", (where,))
     return path
-
-
-def checked_request(to: Any, degrees: Any) -> Path | None:
-    """Return the path of the picture of a map, if one is to be written, or refuse what its doors share."""
-    require_package("matplotlib", ("plot",))
-    check_switch(("degrees",), degrees)
-    return None if to is None else check_picture(to, "to")
 
 
 def save(figure: Figure, path: Path, where: str) -> None:

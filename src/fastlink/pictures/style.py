@@ -47,7 +47,7 @@ __all__ = [
 
 
 CYCLIC = "twilight_shifted"
-# Colours of assembly modes, and of the codes that most mechanisms have, then of long lists of types. All can be told
+# Colours of branches, and of the codes that most mechanisms have, then of long lists of types. All can be told
 # apart by people who do not see red, green or blue as others do: tests/pictures/test_colours.py.
 LINES = ("#0b5fa5", "#d1495b", "#e69f00", "#56b4e9")
 FLAGS = (

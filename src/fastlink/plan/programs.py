@@ -105,7 +105,7 @@ class Program:
     steps: tuple[Fact | System, ...]
     #: The inputs that the steps read, the rows of the kernel's design array.
     inputs: tuple[str, ...]
-    #: The assembly modes.
+    #: The branches.
     branches: tuple[int, ...]
     #: The selected variants.
     variants: tuple[str, ...]
@@ -368,7 +368,7 @@ ANGLES_FOR_LANES = 32
 
 @dataclass(frozen=True, eq=False)
 class Planner:
-    """Plans programs of a mechanism, for the inputs that designs give, some variants and assembly modes."""
+    """Plans programs of a mechanism, for the inputs that designs give, some variants and branches."""
 
     catalogue: Catalogue
     given: tuple[str, ...]
@@ -805,7 +805,7 @@ class Plan:
     outputs: tuple[Output, ...]
     #: One for each kernel.
     programs: tuple[Program, ...]
-    #: The assembly modes.
+    #: The branches.
     branches: tuple[int, ...]
     #: The selected variants.
     variants: tuple[str, ...]

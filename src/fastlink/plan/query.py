@@ -556,11 +556,6 @@ def _unglued(word: str, said: Iterable[str]) -> tuple[str, ...]:
     return (word,)
 
 
-def _has_derivative(name: str, catalogue: Catalogue) -> bool:
-    """Tell whether a quantity has derivatives and an error bound: no code has, no number of the cycle."""
-    return catalogue.is_quantity(name) and not catalogue.public_fact(name).flags
-
-
 def _after_position(spelt: Sequence[str], position: str) -> tuple[str, ...] | None:
     """Return the words after "theta1 at" or "crank angle of", else None."""
     own = parts(position)
@@ -605,7 +600,9 @@ def _ranked(
                 continue
             if not over_cycle and (of_cycle or not catalogue.is_quantity(one.name)):
                 continue
-            if (by or form.error) and not _has_derivative(one.name, catalogue):
+            # no code has a derivative or an error bound, no number of the cycle
+            is_number = catalogue.is_quantity(one.name) and not catalogue.public_fact(one.name).flags
+            if (by or form.error) and not is_number:
                 continue
             name = str(form.of(Derivative(tree, by) if by else tree, position))
             if name not in found or found[name].score < one.score:

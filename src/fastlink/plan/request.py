@@ -35,7 +35,7 @@ from fastlink.facts.fact import Input
 from fastlink.facts.find import did_you_mean
 from fastlink.facts.powers import beyond_range, limits
 from fastlink.mechanisms import NAMES, inputs_of
-from fastlink.plan.query import Extrema, input_remedy, parse_request, suggest_input
+from fastlink.plan.query import Extrema, Request, input_remedy, parse_request, suggest_input
 from fastlink.space import design_space as spaces
 from fastlink.space import units
 from fastlink.space.design_space import DesignSpace, steps
@@ -268,7 +268,7 @@ def _joined(group: Sequence[Problem]) -> Problem:
 
 
 def branch_codes(catalogue: Catalogue, branch: Any, *, gaps: bool = False) -> NDArray[np.float64]:
-    """Return assembly modes as numbers of the same shape, among which NaN may stand if there may be gaps."""
+    """Return branches as numbers of the same shape, among which NaN may stand if there may be gaps."""
     if isinstance(branch, np.ma.MaskedArray):
         branch = spaces.unmasked(branch)
     remedy = f"write some of {', '.join(map(str, catalogue.branches))}"
@@ -292,7 +292,7 @@ def _is_branch(catalogue: Catalogue, value: object, gaps: bool) -> bool:
 
 
 def check_branches(catalogue: Catalogue, branch: Any) -> tuple[int, ...]:
-    """Return the assembly modes as a tuple."""
+    """Return the branches as a tuple."""
     where, codes = ("branch",), branch_codes(catalogue, branch)
     if codes.ndim > 1:
         raise InputError(f"has {codes.ndim} dimensions", where, "write one number or a flat list of numbers")
@@ -395,9 +395,8 @@ def _converted(catalogue: Catalogue, key: str, values: Any, unit: str, factor: F
     name = catalogue.position.name
     if spaces.listed(values) == 0 or not _are_several(values):
         other = f"; {name} may be a number of angles" if catalogue.positions is None else ""
-        raise InputError(
-            f"is {short_repr(values)}", (key,), f"write a flat array of {units.in_words(unit)}{other}"
-        )
+        remedy = f"write a flat array of {units.in_words(unit)}{other}"
+        raise InputError(f"is {short_repr(values)}", (key,), remedy)
     return np.asarray(units.scaled(check_positions(catalogue, values, key), factor))
 
 
@@ -457,14 +456,18 @@ def check_extrema(
 
 def check_turn(catalogue: Catalogue, names: Iterable[str], angles: Any) -> None:
     """Refuse an array of angles for a reduction that needs equal steps over a whole turn."""
-    if not _are_several(angles):
-        return
+    if _are_several(angles):
+        remedy = "write a number of angles" if catalogue.positions is None else "leave it out"
+        requests = [parse_request(name, catalogue) for name in names]
+        _refuse_whole(requests, f"but {catalogue.position.name} is an array", remedy)
+
+
+def _refuse_whole(requests: Iterable[Request], but: str, remedy: str) -> None:
+    """Refuse reductions over a whole turn, with what there is instead."""
     problems = Problems()
-    for k, request in enumerate(parse_request(name, catalogue) for name in names):
+    for k, request in enumerate(requests):
         if request.reduction is not None and request.reduction.whole and not request.other:
-            what = f"{request.name!r} is over a whole turn, but {catalogue.position.name} is an array"
-            remedy = "write a number of angles" if catalogue.positions is None else "leave it out"
-            problems.add(what, ("quantities", k), remedy)
+            problems.add(f"{request.name!r} is over a whole turn, {but}", ("quantities", k), remedy)
     problems.stop()
 
 
@@ -476,13 +479,8 @@ def positions_of_arc(
     if _are_several(given):
         what = f"{position} is an array, and the designs give an arc"
         raise InputError(what, (key,), f"write a number of positions, or leave out {joined(ARC_ENDS)}")
-    requests = [parse_request(name, catalogue) for name in names]
-    problems = Problems()
-    for k, request in enumerate(requests):
-        if request.reduction is not None and request.reduction.whole and not request.other:
-            remedy = f"leave out {joined(ARC_ENDS)}"
-            problems.add(f"{request.name!r} is over a whole turn, not an arc", ("quantities", k), remedy)
-    problems.stop()
+    requests, problems = [parse_request(name, catalogue) for name in names], Problems()
+    _refuse_whole(requests, "not an arc", f"leave out {joined(ARC_ENDS)}")
     inputs, n = catalogue.known_inputs([ARC]), int(given)
     varying = [name for name in ARC_ENDS if name in space.names and name not in space.constants]
     if varying:

@@ -78,9 +78,9 @@ class Sample:
 
     @cached_property
     def branches(self) -> NDArray[Any]:
-        """The assembly mode of each design."""
-        modes: NDArray[Any] = np.array(self.plan.branches, dtype=float)[self.branch_indices]
-        return modes
+        """The branch of each design."""
+        found: NDArray[Any] = np.array(self.plan.branches, dtype=float)[self.branch_indices]
+        return found
 
     @cached_property
     def movable(self) -> list[str]:

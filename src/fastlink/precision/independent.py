@@ -933,14 +933,11 @@ class IndependentValues:
     """
 
     def __init__(self, catalogue: Catalogue, names: Iterable[str]) -> None:
-
         self.catalogue, self.model = catalogue, model_of(catalogue)
         loops = () if catalogue.loops is None else catalogue.loops.unknowns
         self.turning = TURNING.union(name for name in loops if catalogue.facts[name].units == "rad")
-        self.names = tuple(name for name in names if self._covers(name))
-
-    def _covers(self, name: str) -> bool:
-        return self.model is not None and self.model.covers(str(self._of(name)))
+        known = self.model
+        self.names = tuple(name for name in names if known is not None and known.covers(str(self._of(name))))
 
     def _of(self, name: str) -> Any:
         """Return the quantity of a name, of its derivative or of its magnitude."""

@@ -188,6 +188,15 @@ class Stationary:
             facts = read_facts(self.catalogue, names, values, self.variants)
         return [np.broadcast_to(facts[name], x.shape) for name in names]
 
+    def _sampled(self, names: Sequence[str]) -> list[NDArray[Any]]:
+        """Return facts at the samples."""
+        high = np.broadcast_to(np.array([False, True])[:, None], self.x.shape)
+        return self._read(names, self.x, high, np.arange(len(self.x))[:, None, None])
+
+    def _values(self, design: int, end: int, x: Any) -> dict[str, Any]:
+        """Return the inputs of a design and the coordinates of a place."""
+        return {name: column[design] for name, column in self.inputs.items()} | self._leaves_at(end, x)
+
     def _sample(self) -> None:
         """Evaluate the quantity and its slope at ``x[design, end, sample]``."""
         ends = [name for end in self.graded.ends for name in end]
@@ -204,8 +213,7 @@ class Stationary:
         grid = scale * np.sinh(np.arange(1, SAMPLES + 1) * (np.arcsinh(1.0 / scale) / SAMPLES))
         first = np.where(start != 0.0, abs(start), 0.5 * grid[..., :1])
         self.x = np.concatenate([-grid[..., ::-1], -first, first, grid], axis=-1)
-        high = np.broadcast_to(np.array([False, True])[:, None], self.x.shape)
-        self.values, self.slopes = self._read((self.quantity, self.slope), self.x, high, designs[..., None])
+        self.values, self.slopes = self._sampled((self.quantity, self.slope))
 
     def _candidates(self) -> list[list[Candidate]]:
         """Return the extremes of each design by samples, jumps and ends among them."""
@@ -216,9 +224,10 @@ class Stationary:
             jumping = (
                 inside & (abs(np.diff(self.values)) > np.pi) & (signed(self.quantity) in self.graded.wraps_at)
             )
-            beside = {
-                angle: self._jumps(angle, inside) for angle in self.graded.windings.get(self.quantity, ())
-            }
+            # where an angle jumps that the quantity is made of
+            angles = tuple(self.graded.windings.get(self.quantity, ()))
+            steps = (abs(np.diff(values)) for values in self._sampled(angles))
+            beside = {angle: inside & (step > np.pi) for angle, step in zip(angles, steps, strict=True)}
             apart = np.logical_or.reduce([~inside, jumping, *beside.values()])
             turning, sides = turning_cells(np.sign(self.slopes), apart, self._side)
         for angle, cells in beside.items():
@@ -233,17 +242,15 @@ class Stationary:
                 value = float(self.values[design, end, k])
                 if not np.isnan(value):
                     candidates[design].append(Candidate(end, float(self.x[design, end, k]), value, END))
-        cells = np.argwhere(turning)
-        found = self._subdivided(sides, *cells.T)
-        for (design, end), x, value, kind in zip(cells[:, :2].tolist(), *found, strict=True):
+        turns = np.argwhere(turning)
+        found = self._subdivided(sides, *turns.T)
+        for (design, end), x, value, kind in zip(turns[:, :2].tolist(), *found, strict=True):
             candidates[design].append(Candidate(end, x, value, kind))
         return candidates
 
     def _keep_arc(self) -> None:
         """Keep the candidates within the arc of each design, and add the ends of the arc."""
-        designs = np.arange(len(self.x))[:, None, None]
-        high = np.broadcast_to(np.arange(2)[:, None] == 1, self.x.shape)
-        for name, values in zip(AT_ENDS, self._read(AT_ENDS, self.x, high, designs), strict=True):
+        for name, values in zip(AT_ENDS, self._sampled(AT_ENDS), strict=True):
             for design, end, cell in np.argwhere(values[..., 1:] * values[..., :-1] < 0.0).tolist():
                 place = float(self.x[design, end, cell]), float(self.values[design, end, cell])
                 self.candidates[design].append(Candidate(end, *place, BESIDE, name))
@@ -251,10 +258,7 @@ class Stationary:
             inside = []
             for one in found:
                 if one.zero:
-                    base = self.facts.at(
-                        {name: column[design] for name, column in self.inputs.items()}
-                        | self._leaves_at(one.end, CONTEXT.mpf(one.x))
-                    )
+                    base = self.facts.at(self._values(design, one.end, CONTEXT.mpf(one.x)))
                     one = replace(one, x=float(self._zero(base, one)))
                 x, at = np.array([one.x]), np.array([bool(one.end)])
                 names = (self.position, *ARC_FACTS)
@@ -262,23 +266,15 @@ class Stationary:
                 if abs(np.sin(0.5 * (theta - middle)))[0] <= reach[0] + 2.0**-46:
                     inside.append(one)
             self.candidates[design] = inside
-        theta, middle, reach = self._read((self.position, *ARC_FACTS), self.x, high, designs)
+        theta, middle, reach = self._sampled((self.position, *ARC_FACTS))
         self.values = np.where(abs(np.sin(0.5 * (theta - middle))) <= reach, self.values, np.nan)
-
-    def _jumps(self, angle: str, inside: NDArray[Any]) -> NDArray[Any]:
-        """Tell which cells an angle jumps in."""
-        ends = np.arange(2)[:, None] == 1
-        high, designs = np.broadcast_to(ends, self.x.shape), np.arange(len(self.x))[:, None, None]
-        (values,) = self._read((angle,), self.x, high, designs)
-        return inside & (abs(np.diff(values)) > np.pi)
 
     def _side(self, design: int, end: int, sample: int) -> float:
         """Return the sign of the slope at a sample."""
-        values = {name: column[design] for name, column in self.inputs.items()}
         x = CONTEXT.mpf(float(self.x[design, end, sample]))
         return side_of(
             float(self.slopes[design, end, sample]),
-            lambda: self._slope_facts.at(values | self._leaves_at(end, x))[self.slope],
+            lambda: self._slope_facts.at(self._values(design, end, x))[self.slope],
         )
 
     def _subdivided(
@@ -307,8 +303,7 @@ class Stationary:
 
     def zeroed(self, design: int) -> bool:
         """Tell whether a gap of a design counts as zero in doubles, but not here."""
-        values = {name: column[design] for name, column in self.inputs.items()}
-        self.facts.at(values | self._leaves_at(0, CONTEXT.mpf(1)))
+        self.facts.at(self._values(design, 0, CONTEXT.mpf(1)))
         return bool(self.facts.left_out)
 
     def size(self, design: int) -> float:
@@ -345,9 +340,8 @@ class Stationary:
         return replace(found, value=CONTEXT.zero) if abs(found.value) < NOTHING * self.size(design) else found
 
     def _extreme(self, design: int, candidate: Candidate, *, positions: bool) -> Extreme:
-        design_values = {name: column[design] for name, column in self.inputs.items()}
         end, x = candidate.end, CONTEXT.mpf(candidate.x)
-        base = self.facts.at(design_values | self._leaves_at(end, x))
+        base = self.facts.at(self._values(design, end, x))
         if candidate.kind == END:
             return self._at_end(base, candidate, self.size(design))
         if candidate.zero:

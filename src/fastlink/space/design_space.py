@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, SupportsFloat, TypeVar, cast
+from typing import Any, SupportsFloat, TypeVar, cast
 
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
@@ -22,9 +22,6 @@ from fastlink._text import aligned, counted, html_table, in_words, short_number,
 from fastlink.errors import InputError, KeyPath, Problem, Problems, Remedy, check_whole, door, suggest
 from fastlink.machine import check_memory
 from fastlink.space.units import check_unit, conversion, named_with_unit, scaled, split
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 __all__ = [
     "MODELS",
@@ -219,9 +216,8 @@ def constant(where: str, name: str, given: Any) -> float:
     """Return the number given for one input, or refuse it."""
     values = numbers_of(where, name, given)
     if values.ndim:
-        raise InputError(
-            f"holds {counted(len(values), 'value')}", where=(where, name), remedy="write one number"
-        )
+        what = f"holds {counted(len(values), 'value')}"
+        raise InputError(what, where=(where, name), remedy="write one number")
     value = float(values)
     if not math.isfinite(value):
         raise InputError(f"is {value}", where=(where, name), remedy="write a finite number")
@@ -536,8 +532,6 @@ class Links:
                 number = as_real(value)
                 if number is None or not 0 <= number < math.inf:
                     problems.add(f"is {short_repr(value)}", where, "write a finite number of at least 0")
-                elif not unit:
-                    numbers[name] = number
                 else:
                     with problems.at(*where):
                         factor = check_unit(of, unit, known[of], {*numbers, *self.values})
@@ -591,7 +585,7 @@ def round_bar(density: float | None = None, radius: float | None = None, **in_un
 
 HEADER = ("input", "values", "from", "to", "units")
 DOUBLE = 8
-#: Dimensions: designs that span no grid, assembly modes, the extremes of a quantity.
+#: Dimensions: designs that span no grid, branches, the extremes of a quantity.
 DESIGN, BRANCH, EXTREMUM = "design", "branch", "extremum"
 MAKERS = "grid, table, sobol and latin_hypercube make design spaces"
 

@@ -110,13 +110,6 @@ def check_name(name: Any, position: int, others: Collection[str], inside: str = 
         raise refused(f"{inside}two columns are named {name!r}", "name each by the input it holds")
 
 
-def _check_label_name(name: str) -> None:
-    """Refuse a name that no coordinate of a file can have."""
-    if not name.isprintable() or "/" in name or len(name) > LONGEST_NAME:
-        remedy = "write a short name without '/' and control characters"
-        raise refused(f"a column is named {short_repr(name)}", remedy)
-
-
 def is_label(name: str, keep: Collection[str]) -> bool:
     """Tell whether a column labels designs by its name alone."""
     low = name.lower()
@@ -202,8 +195,10 @@ class Columns:
                 self.columns[name] = values
 
     def add_label(self, name: str, given: Any) -> None:
-        """Add labels of the designs."""
-        _check_label_name(name)
+        """Add labels of the designs, or refuse them, and a name that no coordinate of a file can have."""
+        if not name.isprintable() or "/" in name or len(name) > LONGEST_NAME:
+            remedy = "write a short name without '/' and control characters"
+            raise refused(f"a column is named {short_repr(name)}", remedy)
         values = label_of(given, ("table", name))
         if values.ndim > 1:
             raise refused(f"column {name} has {values.ndim} dimensions", "give one label per design")

@@ -165,7 +165,9 @@ def comment(unit: str) -> str:
 
 
 def check_unit(of: str, unit: str, units: str, others: Collection[str] = ()) -> Fraction:
-    """Return what a unit is in that of an input, or refuse one of another kind, or a second value of the input."""
+    """Return what a unit is in that of an input, 1 without one, or refuse another kind, or a second value."""
+    if not unit:
+        return Fraction(1)
     factor = factor_of(unit, units)
     if factor is None:
         nouns = (noun for one, (noun, _) in KINDS.items() if factor_of(unit, one) is not None)
@@ -184,7 +186,7 @@ def in_si(where: str, given: Mapping[str, Any], units: Mapping[str, str]) -> dic
     for name, value in given.items():
         of, unit = split(name, units)
         with problems.at(where, name):
-            factor = check_unit(of, unit, units[of], {*given, *found}) if unit else Fraction(1)
+            factor = check_unit(of, unit, units.get(of, "1"), {*given, *found})
             try:
                 found[of] = value if factor == 1 else scaled(value, factor).tolist()
             except (TypeError, ValueError):
@@ -200,13 +202,12 @@ def conversion(
 
     Values in another unit than their name says are refused.
     """
-    factor = check_unit(of, unit, expected, others) if unit else Fraction(1)
+    factor = check_unit(of, unit, expected, others)
     if stated and not has_unit(stated, unit or expected):
         if unit or (found := factor_of(stated, expected)) is None:
-            mend = (
-                f"convert it to {in_words(unit or expected)}, or leave the unit (the attribute 'units') out"
-            )
-            raise InputError(f"has the unit {stated!r}", where, mend)
+            wanted = in_words(unit or expected)
+            remedy = f"convert it to {wanted}, or leave the unit (the attribute 'units') out"
+            raise InputError(f"has the unit {stated!r}", where, remedy)
         return found, stated
     return factor, unit
 

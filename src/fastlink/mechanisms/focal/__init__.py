@@ -160,8 +160,7 @@ by_crank.graded = GradedRange(
     vanishes_at_toggle="half_sine_omega",
     reciprocal="per_half_sine",
     bounded_factor="size_of_sine",
-    cells={},
-    max_extrema={},
+    vanish_at_one_end=(),
     not_differentiable=("closure_residual", "F_path_residual", *POLES),
     wraps_at={
         "phi": "u_y",

@@ -45,11 +45,7 @@ ALONG = KnownExtremes({1: ("place_folded_or_back",), 2: ("place_on_or_stretched"
 AT_ENDS = dict.fromkeys(("transmission_angle", "joint_angle_3", "A_x"), KnownExtremes())
 
 planar_4r.graded = GradedRange(
-    antisymmetric=("side", "branch_sign"),
-    vanishes_at_toggle="sigma",
-    reciprocal="per_sigma",
     bounded_factor="sine_mu",
-    vanish_at_one_end=("p", "q"),
     cells=dict.fromkeys(MONOTONE, 16) | dict.fromkeys(ACCELERATIONS, 32),
     max_extrema=dict.fromkeys(MONOTONE, 2) | dict.fromkeys(ACCELERATIONS, 5),
     not_differentiable=(

@@ -59,10 +59,6 @@ borrow(slider_crank, planar_4r, NAMES, "", LABELS)
 #: Half the number of cells for what has at most two extremes: see docs/slider_crank.md.
 SIMPLE = ("slider_position", "theta2", "omega2", "transmission_angle")
 slider_crank.graded = GradedRange(
-    antisymmetric=("side", "branch_sign"),
-    vanishes_at_toggle="sigma",
-    reciprocal="per_sigma",
-    vanish_at_one_end=("p", "q"),
     bounded_factor="sine_mu",
     cells=dict.fromkeys(SIMPLE, 16),
     max_extrema=dict.fromkeys(SIMPLE, 2),

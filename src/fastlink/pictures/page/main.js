@@ -83,7 +83,7 @@ const coordinate = (of, place) => of.names ? of.names[place] : of.values ? shown
 
 // -- change, load, draw --
 
-let asking = 0, loading = null, again = false;
+let loading = null, again = false;
 function change(parts) {
   Object.assign(state, parts);
   if ("name" in parts && state.name !== view.name) state.brush = null;

@@ -31,7 +31,7 @@ function moversOf(point) {
 }
 
 class Motion {
-  // inputs: those of the design in SI units and radians; branches: the assembly modes
+  // inputs: those of the design in SI units and radians; branches: the branches
   constructor(inputs, branches) {
     this.inputs = {...mechanism.constants, ...inputs};
     this.branches = branches;
