@@ -26,6 +26,7 @@ from fastlink.plan.query import Extrema
 from fastlink.space.units import usual_name
 
 SOURCE = Path(fastlink.__file__).parent
+RULES = Path(__file__).parents[2] / "pyproject.toml"
 BY = "Written by `python -m tests.support.stub`; do not edit."
 WIDTH = 110
 #: Public functions with a signature for each mechanism, and those whose keywords are inputs of any mechanism.
@@ -207,7 +208,8 @@ def files() -> dict[Path, str]:
     texts = {SOURCE / "typing.pyi": names_stub(), SOURCE / "__init__.pyi": stub()}
     for path, text in texts.items():
         for command in (["check", "--fix-only", "--quiet", "--select", "I,F401"], ["format", "--quiet"]):
-            options = ["--stdin-filename", str(path), "-"]
+            # by the project's rules, wherever the package is installed
+            options = ["--config", str(RULES), "--stdin-filename", str(path), "-"]
             done = subprocess.run(
                 [sys.executable, "-m", "ruff", *command, *options],
                 input=text,
