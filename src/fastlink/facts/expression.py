@@ -7,10 +7,11 @@ import math
 from collections import Counter
 from collections.abc import Callable, Collection, Container, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, Generic, Self, TypeVar
 
 from fastlink.facts.fact import Fact
-from fastlink.facts.formula import Formula
+from fastlink.facts.formula import NAMESPACE, Formula
 from fastlink.numerics.compiler import COMPILED_AS
 from fastlink.numerics.elementary import atan2, cosine, select, sine, sqrt
 from fastlink.numerics.logarithm import log, log1p, log_quotient
@@ -27,6 +28,7 @@ __all__ = [
     "generate_formula",
     "is_power_of_two",
     "postorder",
+    "value_of",
 ]
 
 
@@ -502,7 +504,14 @@ class Valueless:
     __hash__ = None  # type: ignore[assignment]
 
 
-# -- Formulas made of expressions
+# -- Formulas made of expressions, and expressions of formulas
+
+
+@lru_cache(maxsize=2048)
+def value_of(formula: Formula) -> Node:
+    """Return what a formula returns in names of its parameters, as it is written: each function remains a call."""
+    graph = GraphAsWritten(filter(callable, NAMESPACE.values()))
+    return graph.read(formula, [*map(graph.name, formula.parameters)])
 
 
 def generate_formula(name: str, graph: ExpressionGraph, root: Node, given: Mapping[Node, str]) -> Formula:

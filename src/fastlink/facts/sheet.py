@@ -48,7 +48,7 @@ from typing import Any, get_args
 
 from fastlink.errors import InputError, suggest
 from fastlink.facts.catalogue import Catalogue, plain_and_above
-from fastlink.facts.expression import GraphAsWritten, beneath, winding
+from fastlink.facts.expression import OPERATORS, beneath, value_of, winding
 from fastlink.facts.fact import Fact, GradedRange, Input, Loops, Rule, System
 from fastlink.facts.formula import NAMESPACE, WORD, CatalogueError, Formula, SheetError
 from fastlink.facts.names import root_of
@@ -490,13 +490,12 @@ def _graded_range(known: Catalogue) -> GradedRange:
     sampled = []
     open_ends, windings = _with_roots(known)
     for name, fact in known.public.items():
-        result = fact.formula.result
-        is_angle = isinstance(result, ast.Call) and ast.unparse(result.func) == "atan2"
-        sine = result.args[0] if isinstance(result, ast.Call) and is_angle else result
-        sine = sine.left if isinstance(sine, ast.BinOp) else sine
-        if is_angle and isinstance(sine, ast.Name) and sine.id in known.facts and name not in open_ends:
-            wraps[name] = sine.id
-        elif is_angle or name in open_ends or not fact.formula.uses.isdisjoint(JUMPS):
+        value = value_of(fact.formula)
+        sine = value.args[0] if value.value is atan2 else value
+        sine = sine.args[0] if sine.kind in OPERATORS else sine
+        if value.value is atan2 and sine.value in known.facts and name not in open_ends:
+            wraps[name] = sine.value
+        elif value.value is atan2 or name in open_ends or not fact.formula.uses.isdisjoint(JUMPS):
             sampled.append(name)
     jumping = {name: windings[name] for name in known.public if windings[name] and name not in wraps}
     sampled += [name for name, turns in jumping.items() if not turns.keys() <= wraps.keys()]
@@ -514,9 +513,8 @@ def _with_roots(known: Catalogue) -> tuple[set[str], dict[str, dict[str, float]]
     windings: dict[str, dict[str, float]] = {known.position.name: {known.position.name: 1.0}}
     given = {*known.inputs, *known.tables, *known.table_low_parts, known.position.name, "branch"}
     closes = {*known.tables, "p", "q", "sigma"}
-    graph = GraphAsWritten(filter(callable, NAMESPACE.values()))
     for step in known.dependencies(sorted(known.public), given):
-        value = graph.read(step.formula, [*map(graph.name, step.depends_on)])
+        value = value_of(step.formula)
         nodes = beneath([value])
         turns = winding(nodes, lambda name: windings.get(name, {}))
         windings.update(dict.fromkeys(step.names, {step.name: 1.0} if value.value is atan2 else turns))
