@@ -51,8 +51,6 @@ from fastlink.numerics.vectors import absolute, choice, sign, zero_where
 if TYPE_CHECKING:
     from fastlink.facts.catalogue import Selection
 
-__all__ = ["UNIT_WITH_MARGIN", "ErrorBounds"]
-
 
 # -- The error bound of one value: a relative part known beforehand, an expression, and low words
 

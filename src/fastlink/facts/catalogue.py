@@ -27,8 +27,8 @@ from fastlink.facts.derivative import (
     toleranced,
 )
 from fastlink.facts.expression import CircularError, postorder, value_of
-from fastlink.facts.fact import CatalogueError, Fact, GradedRange, Input, Loops, System
-from fastlink.facts.formula import Formula, SheetError
+from fastlink.facts.fact import Fact, GradedRange, Input, Loops, System
+from fastlink.facts.formula import CatalogueError, Formula, SheetError
 from fastlink.facts.names import (
     Below,
     Change,
@@ -52,9 +52,6 @@ from fastlink.facts.names import (
     root_of,
     size_name,
 )
-
-__all__ = ["ELIMINATED", "Catalogue"]
-
 
 #: The name of the solver that needs no linear system: closed forms.
 ELIMINATED = "eliminated"

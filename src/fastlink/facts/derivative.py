@@ -33,25 +33,6 @@ from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, atan2, cosine, 
 from fastlink.numerics.logarithm import log, log1p, log_quotient
 from fastlink.numerics.vectors import magnitude
 
-__all__ = [
-    "TOLERANCES",
-    "Derivation",
-    "NoDependence",
-    "NoDerivative",
-    "Term",
-    "change_fact",
-    "in_a_sentence",
-    "is_tolerance",
-    "labelled",
-    "tolerance_fact",
-    "tolerance_inputs",
-    "tolerance_name",
-    "toleranced",
-    "units_per",
-    "worded",
-]
-
-
 # -- Tell from the text of facts on what it depends whether a value is a number
 
 # A configuration that does not exist shows in a root of a negative number, a quotient by zero, or a choice

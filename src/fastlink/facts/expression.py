@@ -16,22 +16,6 @@ from fastlink.numerics.compiler import COMPILED_AS
 from fastlink.numerics.elementary import atan2, cosine, select, sine, sqrt
 from fastlink.numerics.logarithm import log, log1p, log_quotient
 
-__all__ = [
-    "Algebra",
-    "CircularError",
-    "Condition",
-    "ExpressionGraph",
-    "GraphAsWritten",
-    "Node",
-    "Valueless",
-    "beneath",
-    "generate_formula",
-    "is_power_of_two",
-    "postorder",
-    "value_of",
-]
-
-
 # -- Visit values after those that they are made of, in chains of any length: no recursion
 
 

@@ -56,8 +56,6 @@ from fastlink.facts.own import check_units, is_reserved
 from fastlink.facts.powers import Powers, UnlikePowers
 from fastlink.numerics.elementary import atan2, sqrt
 
-__all__ = ["Entry", "SheetError", "entries_of", "mechanism_of", "read_sheet", "read_sheets", "wrong_units"]
-
 HEAD = re.compile(
     r"(?P<kind>step |system |loops |also |let )?(?P<name>[A-Za-z_]\w*)"
     r"(?: \[(?P<units>[^\]]*)\] (?P<symbol>.*?): (?P<meaning>.+)|: (?P<unknowns>.+)| = (?P<value>.+))?"

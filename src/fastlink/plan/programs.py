@@ -13,7 +13,8 @@ from fastlink.facts.asymptotics import asymptotics
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.derivative import NoDependence, NoDerivative, Term
 from fastlink.facts.expression import beneath, value_of
-from fastlink.facts.fact import CatalogueError, Fact, GradedRange, System
+from fastlink.facts.fact import Fact, GradedRange, System
+from fastlink.facts.formula import CatalogueError
 from fastlink.facts.names import (
     Change,
     ErrorBound,
@@ -34,24 +35,6 @@ if TYPE_CHECKING:
 
     from fastlink.facts.catalogue import Catalogue
     from fastlink.facts.fact import Fact, GradedRange, KnownExtremes, System
-
-__all__ = [
-    "ANGLES_FOR_LANES",
-    "ExtremaProgram",
-    "ExtremumSearch",
-    "Gradient",
-    "KnownProgram",
-    "Lanes",
-    "Output",
-    "Plan",
-    "Planner",
-    "Program",
-    "all_declared",
-    "folds",
-    "is_magnitude",
-    "make_plan",
-    "make_program",
-]
 
 
 # -- Programs: the computation of one kernel as data, of which its text is made
