@@ -151,7 +151,7 @@ def test_arcs_that_end_before_they_start_are_told_or_allowed():
     ):
         with refused(what, "write an end beyond the start"):
             fl.sweep("planar_4r", space, ["omega4_max"])
-    allowed = fl.sweep("planar_4r", table, ["omega4_max"], allow_invalid=True).omega4_max
+    allowed = fl.sweep("planar_4r", table, ["omega4_max"], allow_invalid=True).omega4_max.values
     assert np.isnan(allowed).tolist() == [False, False, True]
     with refused("arc_start is missing beside arc_end", "write it, or leave arc_end out"):
         fl.sweep("planar_4r", FOUR_BAR | {"arc_end_deg": 90.0}, ["omega4_max"])
