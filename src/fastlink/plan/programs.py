@@ -161,6 +161,8 @@ class ExtremumSearch:
     both_sides: bool = False
     #: Whether the extremes are those within an arc.
     arc: bool = False
+    #: Whether these are places where the quantity may pass infinity.
+    poles: bool = False
     #: What vanishes where the slope jumps or has a kink: cells are split at these places.
     turns: tuple[str, ...] = ()
     #: Whether the zeros of `slope` are such places of other searches, and nothing else.
@@ -305,11 +307,11 @@ def may_have_kinks(step: Fact | System) -> bool:
 
 
 def turns_of(graded: GradedRange, quantity: str, steps: Iterable[Fact | System]) -> tuple[str, ...]:
-    """Return what vanishes where the slope of a quantity, which steps compute, jumps or has a kink."""
+    """Return what vanishes where the slope of a quantity, which steps compute, jumps, has a kink or a pole."""
     names = {name for step in steps for name in step.names}
     switches, _ = graded.kinks.get(quantity, ((), ()))
     turns = (zero for name, zero in graded.turns.items() if name in names)
-    return (*turns, *switches, *graded.jumps_at(quantity))
+    return (*turns, *switches, *graded.breaks_at(quantity))
 
 
 def is_of_known(output: Output, searches: Iterable[ExtremumSearch]) -> bool:
@@ -572,7 +574,7 @@ class Planner:
             kinked=False,
             turns=()
             if slope == name
-            else (*turns_of(graded, name, steps), *graded.jumps_at(search.quantity)),
+            else (*turns_of(graded, name, steps), *graded.breaks_at(search.quantity)),
             certain_by=(),
             gradients=(),
         )
@@ -607,9 +609,9 @@ class Planner:
         """Return the searches for places where a quantity may be greatest or least, though its slope is not 0.
 
         Where the greatest or least value of an angle is requested, its jumps by 2 pi are searched too; where that of a
-        quotient is, the places where what it is divided by is least: next to zero three extremes may be too close to
-        tell. So may be those on both sides of a kink: of what has kinks these are searched, and the extremes of its
-        smooth parts.
+        quotient is, the places where what it is divided by vanishes, or is least: next to zero three extremes may be
+        too close to tell. So may be those on both sides of a kink: of what has kinks these are searched, and the
+        extremes of its smooth parts.
         """
         wraps_at, position = self.graded.wraps_at, self.catalogue.position.name
         searches = [search for search in searches if search.quantity in bounded]
@@ -625,6 +627,12 @@ class Planner:
             replace(one, both_sides=True)
             for search in searches
             for name in self.graded.jumps_at(signed(search.quantity))
+            if (one := self.part_search(search, name, name)) is not None
+        ]
+        poles = [
+            replace(one, poles=True)
+            for search in searches
+            for name in self.graded.poles.get(signed(search.quantity), ())
             if (one := self.part_search(search, name, name)) is not None
         ]
         # as of a smooth part that the quantity is there: its derivatives by inputs are those at a fixed position
@@ -650,7 +658,7 @@ class Planner:
             for s in (*searches, *kinks)
             if s.divisors
         ]
-        return jumps + at_ends + kinks + nearly_poles
+        return jumps + poles + at_ends + kinks + nearly_poles
 
     def requested(self, search: ExtremumSearch, outputs: Sequence[Output]) -> ExtremumSearch:
         """Return a search with the error bounds and derivatives that are requested of its extremes."""
