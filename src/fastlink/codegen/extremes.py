@@ -160,8 +160,9 @@ class ExtremaWriter:
 
     def breaks_of(self, search: ExtremumSearch) -> list[int]:
         """Return the numbers of the searches for places at which a quantity that is searched jumps or is infinite."""
-        breaks = () if search.onto else self.program.graded.breaks_at(search.quantity)
-        return [k for k in self.split_by(search) if self.program.searches[k].slope in breaks]
+        places = [] if search.onto else self.program.graded.breakpoints(search.quantity, "jump", "pole")
+        zeros = [place.zero for place in places]
+        return [k for k in self.split_by(search) if self.program.searches[k].slope in zeros]
 
     @property
     def most_gradients(self) -> int:
@@ -378,7 +379,11 @@ class ExtremaWriter:
             row, base = results.WINNER_ROWS * (sign < 0), self.gradient_base(sign)
             text.add(f"gradient_{number}(w, winners, gradients, {row}, {base}, columns_{number}, width)")
         jumps = bool(search.known and search.known.jumps)
-        if search.folds or jumps or any(o.jumps and o.onto == search.quantity for o in self.program.searches):
+        if (
+            search.folds
+            or jumps
+            or any(o.kind == "wrap" and o.onto == search.quantity for o in self.program.searches)
+        ):
             values = sum(not gradient.is_position for gradient in search.gradients)
             for sign in signs:
                 row, base = results.WINNER_ROWS * (sign < 0), self.gradient_base(sign)
@@ -602,7 +607,7 @@ class ExtremaWriter:
         sizes = [start, toggle, program.sides, self.halves, len(program.branches)]
         tables = {"table": [*sizes, *own, *mirror]}
         for k, search in enumerate(program.searches):
-            flags = [int(search.at_limit), int(search.jumps) - int(search.piece)]
+            flags = [int(search.at_limit), int(search.kind == "wrap") - int(search.kind in ("piece", "end"))]
             about = [k, self.number_of(search.quantity), search.order, search.parity]
             tables[f"search_{k}"] = [*about, *flags, self.room(search), *self.most_items(search)]
             if numbers := self.split_by(search):
@@ -741,12 +746,12 @@ class ExtremaWriter:
                     if search.splits:
                         arguments = f"state, filled, samples, {parts[0]}, splits, {number}"
                         text.call(beside.keep_splits, arguments)
-                    elif search.both_sides:
+                    elif search.kind == "jump":
                         text.call(beside.set_aside, "state, filled")
                         with text.block("for k in range(4):"):
                             text.call(beside.place_aside, "state, filled, k")
                             self.write_extrema(number, results.extrema_at_zeros, "state, filled, table")
-                    elif search.poles:
+                    elif search.kind == "pole":
                         self.write_poles(number)
                     else:
                         self.write_extrema(number, results.extrema_at_zeros, "state, filled, table")
@@ -805,11 +810,11 @@ class ExtremaWriter:
             text.call(results.drop_folds, f"state, filled, w, table, search_{number}")
         if self.program.has_bounds and classify is results.extrema_at_zeros:
             text.call(results.bound_zeros, f"state, filled, search_{number}, {int(search.magnitude)}")
-            if search.both_sides:
+            if search.kind == "jump":
                 text.call(beside.bound_aside, "state, filled")
             if listed and not search.onto:
                 text.call(results.note_uncertain, f"state, filled, w, table, search_{number}, best")
-        elif self.program.has_bounds and not search.poles:
+        elif self.program.has_bounds and search.kind != "pole":
             text.call(results.bound_ends, "state, filled, w, table")
             if self.bounds_hidden(number):
                 text.call(beside.bound_hidden, "state, filled")

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import reduce
 from typing import Any, Literal
@@ -164,6 +164,22 @@ class KnownExtremes:
         return replace(self, places=places, jumps=jumps)
 
 
+#: What may be at a breakpoint: an angle passes from pi to -pi (wrap), or the quantity has another value on both sides
+#: (jump), infinity between them (pole); an arc ends; one smooth quantity turns into another (kink), or such a one is
+#: extreme (piece); another search has one of these, where its cells are split.
+Breaking = Literal["wrap", "jump", "pole", "end", "kink", "piece", "split"]
+
+
+@dataclass(frozen=True)
+class Breakpoint:
+    """Places where a quantity or its slope is not smooth, which may be greatest or least there without a slope of 0."""
+
+    kind: Breaking
+    #: The value that vanishes there: of a piece the slope of it, else the fact itself.
+    zero: str
+    of: str
+
+
 @dataclass(frozen=True, kw_only=True)
 class GradedRange:
     """The range in which extremes are searched, dense where curves are steep.
@@ -236,10 +252,12 @@ class GradedRange:
     windings: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     poles: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
-    def jumps_at(self, quantity: str) -> tuple[str, ...]:
-        """Return the facts that vanish where a quantity jumps along with angles that it is made of."""
-        return tuple(self.wraps_at[angle] for angle in self.windings.get(quantity, ()))
-
-    def breaks_at(self, quantity: str) -> tuple[str, ...]:
-        """Return the facts that vanish where a quantity jumps, or may pass infinity."""
-        return *self.jumps_at(quantity), *self.poles.get(quantity, ())
+    def breakpoints(self, quantity: str, *kinds: Breaking) -> list[Breakpoint]:
+        """Return the places where a quantity is not smooth, those of some kinds."""
+        zeros: dict[Breaking, Iterable[str]] = {
+            "kink": self.kinks.get(quantity, ((), ()))[0],
+            "wrap": [self.wraps_at[quantity]] if quantity in self.wraps_at else (),
+            "jump": (self.wraps_at[angle] for angle in self.windings.get(quantity, ())),
+            "pole": self.poles.get(quantity, ()),
+        }
+        return [Breakpoint(kind, zero, zero) for kind in kinds for zero in zeros[kind]]

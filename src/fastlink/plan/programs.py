@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, Literal
@@ -13,7 +13,7 @@ from fastlink.facts.asymptotics import asymptotics
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.derivative import NoDependence, NoDerivative, Term
 from fastlink.facts.expression import beneath, value_of
-from fastlink.facts.fact import Fact, GradedRange, System
+from fastlink.facts.fact import Breaking, Breakpoint, Fact, GradedRange, System
 from fastlink.facts.formula import CatalogueError
 from fastlink.facts.names import (
     Change,
@@ -153,20 +153,12 @@ class ExtremumSearch:
     divisors: tuple[str, ...] = ()
     #: Where `slope` is another one, at whose zeros the quantity may be greatest or least too: the quantity.
     onto: str = ""
-    #: Whether `slope` is the derivative of a smooth quantity that the quantity is in some places.
-    piece: bool = False
-    #: Whether these are jumps of an angle by 2 pi, which reaches pi and -pi there.
-    jumps: bool = False
-    #: Whether these are jumps of what is made of angles as numbers: its values on both sides count.
-    both_sides: bool = False
+    #: Of such a one, or of places at which cells of others are split: the kind of its breakpoints.
+    kind: Breaking | None = None
     #: Whether the extremes are those within an arc.
     arc: bool = False
-    #: Whether these are places where the quantity may pass infinity.
-    poles: bool = False
     #: What vanishes where the slope jumps or has a kink: cells are split at these places.
     turns: tuple[str, ...] = ()
-    #: Whether the zeros of `slope` are such places of other searches, and nothing else.
-    splits: bool = False
     #: Where error bounds of the extremes are requested: those of quantity and slope, the slope's derivative, and
     #: the slope.
     bounded_by: tuple[str, ...] = ()
@@ -181,6 +173,11 @@ class ExtremumSearch:
     def mirrored(self) -> bool:
         """Whether half the range in both branches says all, the other half being its mirror."""
         return self.parity != 0
+
+    @property
+    def splits(self) -> bool:
+        """Whether it is for places at which cells of others are split, and nothing else."""
+        return self.kind == "split"
 
 
 @dataclass(frozen=True)
@@ -309,9 +306,8 @@ def may_have_kinks(step: Fact | System) -> bool:
 def turns_of(graded: GradedRange, quantity: str, steps: Iterable[Fact | System]) -> tuple[str, ...]:
     """Return what vanishes where the slope of a quantity, which steps compute, jumps, has a kink or a pole."""
     names = {name for step in steps for name in step.names}
-    switches, _ = graded.kinks.get(quantity, ((), ()))
     turns = (zero for name, zero in graded.turns.items() if name in names)
-    return (*turns, *switches, *graded.breaks_at(quantity))
+    return (*turns, *(place.zero for place in graded.breakpoints(quantity, "kink", "jump", "pole")))
 
 
 def is_of_known(output: Output, searches: Iterable[ExtremumSearch]) -> bool:
@@ -327,6 +323,8 @@ def is_of_known(output: Output, searches: Iterable[ExtremumSearch]) -> bool:
 # once per position; a fact that does not depend on the branch, once for both branches.
 
 
+#: The order of the searches for breakpoints, by their kinds.
+ORDER: dict[Breaking, int] = {"wrap": 0, "jump": 1, "pole": 2, "end": 3, "kink": 4, "piece": 4}
 # Fewer angles than this leave vector lanes idle when lanes are angles.
 ANGLES_FOR_LANES = 32
 
@@ -548,47 +546,49 @@ class Planner:
             return None
         return self.graded.known.get(quantity)
 
-    def part_search(self, search: ExtremumSearch, name: str, slope: str) -> ExtremumSearch | None:
-        """Return the search for the zeros of a quantity's slope, or of a value itself, on behalf of another search."""
-        graded = self.graded
+    def part_search(self, search: ExtremumSearch, place: Breakpoint) -> Iterator[ExtremumSearch]:
+        """Yield the search for breakpoints on behalf of another search, none where they are nowhere or everywhere."""
+        graded, name, slope = self.graded, place.of, place.zero
         try:
             steps = self.steps((name, slope))
         except (CatalogueError, NoDerivative, NoDependence):
-            return None  # the same at all positions, or of those of the whole alone
+            return  # the same at all positions, or of those of the whole alone
         divisor, power = graded.divisors.get(name, (name, 0)) if slope != name else (name, 0)
         if slope != name and is_magnitude(next(step for step in steps if name in step.names)):
             divisor, power = name, 1  # half the derivative of the square, which has no kink
         grades = asymptotics(graded, steps, (*graded.coordinates, "branch"))
         parity = grades[slope].parity if slope == name else -grades[name].parity  # the position is odd
+        if place.kind == "wrap":  # the sine of the angle times a length is odd where the angle is
+            parity = -search.slope_parity
         if search.mirrored and not parity:
-            return None  # its mirror image is that of another part, which is searched where this one is not
-        return replace(
+            return  # its mirror image is that of another part, which is searched where this one is not
+        jumps = (other.zero for other in graded.breakpoints(search.quantity, "jump", "pole"))
+        yield replace(
             search,
             slope=slope,
             slope_order=max(round(grades[slope].order + power * grades[divisor].order), 0),
             slope_parity=parity,
             divisors=(divisor,) * power,
             onto=search.quantity,
-            piece=slope != name,
+            kind=place.kind,
             magnitude=False,
             kinked=False,
-            turns=()
-            if slope == name
-            else (*turns_of(graded, name, steps), *graded.breaks_at(search.quantity)),
+            turns=() if slope == name else (*turns_of(graded, name, steps), *jumps),
+            bounded_by=() if place.kind in ("wrap", "split") else search.bounded_by,
             certain_by=(),
             gradients=(),
         )
 
-    def searches_at_kinks(self, search: ExtremumSearch) -> list[ExtremumSearch]:
-        """Return the searches for the kinks of a quantity, and for the extremes of what it is between them."""
-        switches, pieces = self.graded.kinks.get(signed(search.quantity), ((), ()))
-        slopes = [(name, name) for name in switches]
-        fact = self.catalogue.facts.get(signed(search.quantity))
+    def breakpoints(self, search: ExtremumSearch) -> Iterator[Breakpoint]:
+        """Yield the places where a quantity may be greatest or least, though its slope is not 0 there."""
+        quantity, graded = signed(search.quantity), self.graded
+        yield from graded.breakpoints(quantity, "wrap", "jump", "pole")
+        yield from (Breakpoint("end", end, end) for end in AT_ENDS if search.arc)
+        yield from graded.breakpoints(quantity, "kink")
+        fact, (_, pieces) = self.catalogue.facts.get(quantity), graded.kinks.get(quantity, ((), ()))
         read = fact.depends_on if fact and fact.own else ()
-        smooth = dict.fromkeys((*pieces, *(name for name in read if is_sharp(self.catalogue, name))))
-        slopes += [(name, derivative_name(name, self.catalogue.position.name)) for name in smooth]
-        found = (self.part_search(search, name, slope) for name, slope in slopes)
-        return [one for one in found if one is not None]
+        for name in dict.fromkeys((*pieces, *(name for name in read if is_sharp(self.catalogue, name)))):
+            yield Breakpoint("piece", derivative_name(name, self.catalogue.position.name), name)
 
     def searches_for_splits(self, searches: Iterable[ExtremumSearch]) -> list[ExtremumSearch]:
         """Return the searches for the places at which cells of searches, which share samples, are split."""
@@ -596,11 +596,10 @@ class Planner:
         for search in searches:
             for name in search.turns:
                 first.setdefault(name, search)  # it is the same for all
-        split: dict[str, Any] = {"order": 0, "splits": True, "bounded_by": ()}
         return [
-            replace(one, quantity=one.slope, divided=one.slope not in self.graded.cells, **split)
+            replace(one, quantity=one.slope, divided=one.slope not in self.graded.cells, order=0)
             for name, search in first.items()
-            if (one := self.part_search(search, name, name)) is not None
+            for one in self.part_search(search, Breakpoint("split", name, name))
         ]
 
     def further_searches(
@@ -608,46 +607,17 @@ class Planner:
     ) -> list[ExtremumSearch]:
         """Return the searches for places where a quantity may be greatest or least, though its slope is not 0.
 
-        Where the greatest or least value of an angle is requested, its jumps by 2 pi are searched too; where that of a
-        quotient is, the places where what it is divided by vanishes, or is least: next to zero three extremes may be
-        too close to tell. So may be those on both sides of a kink: of what has kinks these are searched, and the
-        extremes of its smooth parts.
+        Next to zero of what a quotient is divided by three extremes may be too close to tell, as may be those on both
+        sides of a kink: there is one where that is least, and one of each smooth part.
         """
-        wraps_at, position = self.graded.wraps_at, self.catalogue.position.name
         searches = [search for search in searches if search.quantity in bounded]
-        # The fact that vanishes there is the sine of the angle times a length: odd where the angle is.
-        jump: dict[str, Any] = {"slope_order": 0, "magnitude": False, "divisors": (), "jumps": True}
-        jump |= {"turns": (), "bounded_by": (), "certain_by": (), "gradients": ()}
-        jumps = [
-            replace(s, slope=wraps_at[of], slope_parity=-s.slope_parity, onto=s.quantity, **jump)
-            for s in searches
-            if (of := signed(s.quantity)) in wraps_at
-        ]
-        jumps += [
-            replace(one, both_sides=True)
-            for search in searches
-            for name in self.graded.jumps_at(signed(search.quantity))
-            if (one := self.part_search(search, name, name)) is not None
-        ]
-        poles = [
-            replace(one, poles=True)
-            for search in searches
-            for name in self.graded.poles.get(signed(search.quantity), ())
-            if (one := self.part_search(search, name, name)) is not None
-        ]
-        # as of a smooth part that the quantity is there: its derivatives by inputs are those at a fixed position
-        at_ends = [
-            replace(one, piece=True)
-            for search in searches
-            if search.arc
-            for name in AT_ENDS
-            if (one := self.part_search(search, name, name)) is not None
-        ]
-        kinks = [one for search in searches for one in self.searches_at_kinks(search)]
+        places = [(search, place) for search in searches for place in self.breakpoints(search)]
+        places.sort(key=lambda pair: ORDER[pair[1].kind])
+        found = [one for search, place in places for one in self.part_search(search, place)]
         nearly_poles = [
             replace(
                 s,
-                slope=derivative_name(s.divisors[0], position),
+                slope=derivative_name(s.divisors[0], self.catalogue.position.name),
                 divisors=s.divisors[:1],  # the square's derivative, which has no kink
                 divided=False,
                 turns=(),
@@ -655,10 +625,10 @@ class Planner:
                 certain_by=(),
                 gradients=(),
             )
-            for s in (*searches, *kinks)
+            for s in (*searches, *found)
             if s.divisors
         ]
-        return jumps + poles + at_ends + kinks + nearly_poles
+        return found + nearly_poles
 
     def requested(self, search: ExtremumSearch, outputs: Sequence[Output]) -> ExtremumSearch:
         """Return a search with the error bounds and derivatives that are requested of its extremes."""

@@ -171,8 +171,7 @@ class Stationary:
         names = (
             quantity,
             self.position,
-            *graded.jumps_at(quantity),
-            *graded.poles.get(signed(quantity), ()),
+            *(place.zero for place in graded.breakpoints(signed(quantity), "jump", "pole")),
             *arc,
         )
         self.facts = HighPrecision(catalogue, names, given, self.variants, zeroes=zeroes)
