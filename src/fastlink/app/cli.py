@@ -29,6 +29,7 @@ from fastlink.errors import (
     Pair,
     Piece,
     Remedy,
+    ResultWarning,
     Setting,
     Wording,
     printable,
@@ -42,7 +43,7 @@ if TYPE_CHECKING:
 # -- The application, and what all its commands share: their wording of problems, their options
 
 
-BAD_INPUT, INTERRUPTED, TERMINATED = 2, 130, 143
+NOT_AS_WANTED, BAD_INPUT, INTERRUPTED, TERMINATED = 1, 2, 130, 143
 C = TypeVar("C", bound=Callable[..., Any])
 
 #: What arguments and options mean that several commands have; each command lists its own below what it does.
@@ -182,21 +183,23 @@ class _Options(Wording):
 
 @contextlib.contextmanager
 def _remarks_as_lines() -> Iterator[None]:
-    """Print each remark on the input as a line, once, in place of Python's two that name a file of code."""
-    said: set[str] = set()
+    """Print each remark as a line, once, in place of Python's two that name a file of code; end with 1 after some."""
+    said: dict[str, type[Warning]] = {}
     show_other = warnings.showwarning
 
     def show(message: Warning | str, category: type[Warning], *place: Any, **named: Any) -> None:
         if not issubclass(category, InputWarning):
             show_other(message, category, *place, **named)
         elif str(message) not in said:
-            said.add(str(message))
+            said[str(message)] = category
             typer.echo(f"fastlink: {message}", err=True)
 
     with warnings.catch_warnings():
         warnings.simplefilter("always", InputWarning)
         warnings.showwarning = show
         yield
+    if ResultWarning in said.values():
+        raise typer.Exit(NOT_AS_WANTED)
 
 
 def command(function: C) -> C:
@@ -359,7 +362,6 @@ def extension_of(file: Path, own: Path | None, trusted: bool) -> Extension | Non
 
 
 EXAMPLE = {"a1": 0.4}
-CHANGED = 1
 
 
 @command
@@ -603,7 +605,7 @@ def check(
     found = check(file)
     typer.echo(str(found))
     if not found:
-        raise typer.Exit(CHANGED)
+        raise typer.Exit(NOT_AS_WANTED)
 
 
 @command

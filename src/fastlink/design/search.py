@@ -66,7 +66,7 @@ from fastlink.maps.best import (
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.mechanisms import mechanism_of_map
 from fastlink.plan.query import Results, check_names, parse_request
-from fastlink.precision import DESIGNS
+from fastlink.precision import DESIGNS, with_remark
 from fastlink.space.design_space import BRANCH, DESIGN, DesignSpace, Links
 from fastlink.space.tables import FORMAT, STATUS, table
 from fastlink.space.units import in_si, split
@@ -798,7 +798,7 @@ def to_file(
     if not overwrite:
         finished = finished_map(to, fingerprint, verified=0, attrs=about)
         if finished is not None:
-            return finished
+            return with_remark(finished)
     path = check_target(to, 0, overwrite, [one.path for one in parts])
     if not restart:
         check_left(path, fingerprint)
@@ -1034,7 +1034,7 @@ def join(
             if copy and shown_parts(Path(found.encoding["source"])):
                 found.close()
                 raise exists_error(Path(to), "and shows the values of its parts")
-            return found
+            return with_remark(found)
     path = check_target(to, 0, overwrite, [part.path for part in parts])
     shown = None if copy else joined.shown_in(path.parent)
     ways |= {"run": joined.run(shown), "shown": shown}
@@ -1045,7 +1045,7 @@ def join(
             threads = min(default_threads(), MOST_THREADS)
             joined.copy(writer, threads, lambda start, stop: bar.take(start, stop, []), shown)
         writer.finish(joined.last_attrs(path.name), joined.errors)
-    return open_map(path)
+    return with_remark(open_map(path))
 
 
 def _joined_search(
