@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import pickle
 from fractions import Fraction
 
 import numpy as np
@@ -126,6 +127,12 @@ def function(**inputs):
     return fl.function("planar_4r", ["a4"], FORCES, links=BARS, **rest, **inputs)([1.0])
 
 
+def function_of(inputs):
+    made = pickle.loads(pickle.dumps(fl.function("planar_4r", list(inputs), FORCES, links=BARS, **REST)))
+    x = list(inputs.values())
+    return np.stack([made(x), made(np.transpose([x, x]))[:, 1]])
+
+
 def drawn(**inputs):
     figure = fl.draw("planar_4r", **{name: REST[name] for name in ("a2", "a3", "a4")}, **inputs)
     return [np.asarray(line.get_xydata()) for line in figure.axes[0].lines]
@@ -163,6 +170,7 @@ DOORS = {
     "file": lambda folder, inputs: from_file(folder, several(inputs)),
     "evaluate": lambda folder, inputs: fl.evaluate("planar_4r", ["F21"], **REST, **inputs, theta1=1.0, links=BARS),
     "function": lambda folder, inputs: function(**inputs),
+    "inputs of a function": lambda folder, inputs: function_of(inputs),
     "curve_length": lambda folder, inputs: fl.planar.curve_length(**CURVE, **inputs),
     "curve_length of a mapping": lambda folder, inputs: fl.planar.curve_length({**CURVE, **inputs}),
     "draw": lambda folder, inputs: drawn(**inputs),
@@ -195,6 +203,20 @@ def test_a_length_in_mm_has_the_bits_of_that_in_m(door, tmp_path):
     expected = DOORS[door](tmp_path, {"a1": 0.4})
     for name, value in (("a1_mm", 400.0), ("a1_cm", 40.0), ("a1_um", 400000.0), ("a1_m", 0.4)):
         assert_same(DOORS[door](tmp_path, {name: value}), expected)
+
+
+def test_derivatives_are_per_unit_of_the_inputs():
+    names = ["theta4_travel", "omega4_max"]
+    asked = {"extrema": "sampled", **{name: REST[name] for name in ("a2", "a3", "a4")}}
+    given = fl.function("planar_4r", ["a1_mm", "omega1_rpm"], names, positions=20, **asked)
+    plain = fl.function("planar_4r", ["a1", "omega1"], names, theta1=20, **asked)
+    found, expected = given.gradient([400.0, 60.0]), plain.gradient([0.4, 2 * math.pi])
+    factors = [factor_of("mm", "m"), factor_of("rpm", "rad s-1")]
+    assert_array_equal(
+        found, np.transpose([scaled(of, one) for of, one in zip(expected.T, factors, strict=True)])
+    )
+    with refused("jitted", "make a function of a1 and omega1"):
+        given.jitted  # noqa: B018
 
 
 MISTAKES = {
