@@ -277,8 +277,9 @@ def resolve(
     problems, designs = Problems(), None
     catalogue = find_catalogue(mechanism, options.get("input"))
     with problems.at():
-        given = _space_of(space, bool(options.get("allow_invalid")))
-        designs = designs_of(catalogue, given, options.get("links"), problems)
+        allowed = bool(options.get("allow_invalid"))
+        given = _space_of(space, allowed)
+        designs = designs_of(catalogue, given, options.get("links"), problems, allowed)
     named: dict[str, Any] = {"companions": companions, **options}
     checked = problems.attempt(check, mechanism, designs, quantities, **named)
     problems.stop()
