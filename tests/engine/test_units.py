@@ -98,7 +98,7 @@ def test_every_unit_of_the_catalogues_is_read_and_every_name_is_split_again():
 def study(folder, inputs, tables=""):
     path = folder / "study.toml"
     links = "" if "[links]" in tables else "[links]\nmodel = 'round_bar'\ndensity = 7750.0\nradius = 0.01\n"
-    design = "".join(f"{name} = {value}\n" for name, value in {**REST, **inputs}.items())
+    design = "".join(f"{name} = {value!r}\n" for name, value in {**REST, **inputs}.items())
     head = f"mechanism = 'planar_4r'\nquantities = {FORCES}\n"
     path.write_text(f"{head}{tables}\n{links}[design]\n{design}[cycle]\nbranch = 1\n")
     return path
@@ -153,7 +153,7 @@ def ended(*words):
 
 
 def painted(folder, inputs):
-    words = [f"{name}={value!r}" for name, value in {**inputs, "a2": 1.1, "a3": 0.8, "a4": 1.0}.items()]
+    words = [f"{name}={value}" for name, value in {**inputs, "a2": 1.1, "a3": 0.8, "a4": 1.0}.items()]
     ended("draw", "planar_4r", *words, "--to", folder / "one.svg")
     text = (folder / "one.svg").read_text()
     return [line for line in text.splitlines() if line.lstrip().startswith(("M ", "L "))]
@@ -179,7 +179,7 @@ DOORS = {
     "bounds of a search": lambda folder, inputs: searched(several(inputs)),
     "study": lambda folder, inputs: ran(study(folder, inputs)),
     "tolerances of a study": lambda folder, inputs: ran(
-        study(folder, {"a1": 0.4}, "[tolerances]\n" + "".join(f"{name} = {value}\n" for name, value in inputs.items()))
+        study(folder, {"a1": 0.4}, "[tolerances]\n" + "".join(f"{of} = {value!r}\n" for of, value in inputs.items()))
     ),
 }  # fmt: skip
 
@@ -223,7 +223,8 @@ MISTAKES = {
     "another kind": ({"a1_kg": 0.4}, "a1_kg", "write a1, or such as a1_mm"),
     "no unit": ({"a1_furlong": 0.4}, "a1_furlong", "a1"),
     "two": ({"a1": 0.4, "a1_mm": 400.0}, "a1_mm", "write one of them"),
-    "two units": ({"a1_cm": 40.0, "a1_mm": 400.0}, "a1_mm", "write one of them"),
+    "two units": ({"a1_cm": 40.0, "a1_mm": 400.0}, "a1_cm", "write one of them"),
+    "a text": ({"a1": "400 mm"}, "a1", "write a1_mm"),
 }
 
 
@@ -231,6 +232,8 @@ MISTAKES = {
 @pytest.mark.parametrize("door", DOORS)
 def test_every_door_refuses_alike(door, mistake, tmp_path):
     inputs, key, remedy = MISTAKES[mistake]
+    if (door, mistake) == ("inputs of a function", "a text"):
+        return  # its values are cells of an array
     with pytest.raises(fl.InputError) as caught:
         DOORS[door](tmp_path, inputs)
     first, *follow = str(caught.value).splitlines()

@@ -245,6 +245,8 @@ def by_name(
 
     `doors` are the command and the function to which such words are keywords: none of their options can be a name.
     """
+    from fastlink.space.units import named_with_unit
+
     given: dict[str, Any] = {}
     for text in texts:
         name, equals, value = (part.strip() for part in text.partition("="))
@@ -257,7 +259,8 @@ def by_name(
         if found is None:
             is_pair = equals and name and value
             what = f"{name} is {value!r}, not a number" if is_pair else f"{text!r} is not {form}"
-            raise InputError(what, (where,), ("write such as ", Setting(where, dict(example))))
+            of_unit = named_with_unit(name, value) if is_pair else ""
+            raise InputError(what, (where,), of_unit or ("write such as ", Setting(where, dict(example))))
         if name in given:
             raise InputError(f"{name} is given twice", (where,), "write it once")
         given[name] = found

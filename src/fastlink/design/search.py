@@ -32,7 +32,7 @@ from fastlink.engine.resolve import ResolvedSweep, of_request, resolve
 from fastlink.engine.run import default_threads, run
 from fastlink.engine.sinks import ProgressBar, allocated, check_needs, designs_per_block, within
 from fastlink.engine.sweep import sweep
-from fastlink.errors import InputError, Pair, Problems, Setting, check_switch, door
+from fastlink.errors import InputError, Pair, Problems, Remedy, Setting, check_switch, door
 from fastlink.facts.arc import ARC
 from fastlink.facts.catalogue import ELIMINATED, Catalogue
 from fastlink.facts.own import declared_names
@@ -69,7 +69,7 @@ from fastlink.plan.query import Results, check_names, parse_request
 from fastlink.precision import DESIGNS, with_remark
 from fastlink.space.design_space import BRANCH, DESIGN, DesignSpace, Links
 from fastlink.space.tables import FORMAT, STATUS, table
-from fastlink.space.units import in_si, split
+from fastlink.space.units import in_si, named_with_unit, split
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -938,7 +938,9 @@ def _ranges(bounds: Any, catalogue: Catalogue, problems: Problems) -> dict[str, 
         if right:
             found[str(name)] = low, high
         else:
-            problems.add("is not a range", ("bounds", str(name)), ("write ", Pair(), " with finite lo < hi"))
+            texts = [named_with_unit(str(name), end, shown=False) for end in listed(ends)]
+            pair: Remedy = ("write ", Pair(), " with finite lo < hi")
+            problems.add("is not a range", ("bounds", str(name)), next(filter(None, texts), pair))
     known = {name: one.units for name, one in catalogue.all_inputs.items()}
     return problems.attempt(in_si, "bounds", found, known) or {}
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink._text import short_repr
-from fastlink.errors import InputError, Problem, Problems, Setting, remark
+from fastlink.errors import InputError, Problem, Problems, Remedy, Setting, remark
 from fastlink.plan.query import Results
 from fastlink.plan.request import unknown_input
 from fastlink.space import units
@@ -106,11 +106,10 @@ def _inputs_of_labels(
         label = space.labels[name]
         if label.dtype.kind not in "iuf" and not (allow_invalid and label.ndim):
             text = next((str(cell) for cell in label.ravel()), "")
-            is_text = (f"is {short_repr(text)}, not a number", ("design", name))
-            mend = (units.named_with_unit(of, text) or "write numbers",)
-            problems.add(
-                *is_text, (*mend, (", or pass ", Setting("allow_invalid", True), " to keep such designs"))
-            )
+            allow = (", or pass ", Setting("allow_invalid", True), " to keep such designs")
+            mend = units.named_with_unit(of, text, shown=not label.ndim)
+            remedy: Remedy = mend or ("write numbers", *((allow,) if label.ndim else ()))
+            problems.add(f"is {short_repr(text)}, not a number", ("design", name), remedy)
         elif label.ndim:
             columns[of] = (
                 label.astype(np.float64) if label.dtype.kind in "iuf" else np.full(len(label), np.nan)
@@ -132,7 +131,7 @@ def _in_si(space: DesignSpace, known: Mapping[str, Input], problems: Problems) -
         if of not in known:
             continue
         expected, stated = known[of].units, space.units.get(name, "")
-        others = {*space.names, *(other for other, *_ in found.values())}
+        others = {other: other for other in space.names} | {own: other for other, (own, *_) in found.items()}
         try:
             factor, unit = units.conversion(of, unit, stated, expected, others)
         except InputError as error:

@@ -229,7 +229,10 @@ def function(
     factors = []
     for k, (of, unit) in enumerate(own):
         with problems.at("function", names[k]):
-            others = {*fixed, *(other for other, _ in own[:k])}
+            others = {
+                **dict(zip(fixed, fixed, strict=True)),
+                **{of: names[j] for j, (of, _) in enumerate(own[:k])},
+            }
             factors.append(check_unit(of, unit, known[of].units if unit else "1", others))
     drives = {name for other in NAMES for name in inputs_of(other)} - known.keys()
     strange = [name for name in fixed if split(name, drives)[0] not in {*known, *drives, POSITIONS}]

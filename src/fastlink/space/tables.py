@@ -56,6 +56,7 @@ from fastlink.space.design_space import (
     sampled,
     units_of,
 )
+from fastlink.space.units import named_with_unit
 
 __all__ = [
     "CURVES",
@@ -299,7 +300,7 @@ class Columns:
             text = next((str(cell) for cell in label.ravel()), "")
             raise refused(
                 f"column {name} holds {short_repr(text)}, and no column holds numbers",
-                "write a number for each input",
+                named_with_unit(name, text, shown=False) or "write a number for each input",
             )
         what = f"holds only single numbers ({', '.join(self.constants)})" if self.constants else "is empty"
         raise refused(f"the table {what}", "give at least one column of values, or use grid")
