@@ -239,13 +239,19 @@ class InputWarning(UserWarning):
     """A remark on input that is taken as it is, or in part, but may not be meant so."""
 
 
-def remark(what: str, where: KeyPath = (), remedy: Remedy = "") -> None:
+class ResultWarning(InputWarning):
+    """A remark on a result that is not what was asked for; a command that makes it ends with the status 1."""
+
+
+def remark(
+    what: str, where: KeyPath = (), remedy: Remedy = "", category: type[InputWarning] = InputWarning
+) -> None:
     """Warn of input at the line that called fastlink, by `InputWarning`."""
     frame, level = sys._getframe(1), 2
     while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == __package__:
         frame, level = frame.f_back, level + 1
     text = printable(Wording().line(Problem(what, where, remedy)))
-    warnings.warn(text, InputWarning, stacklevel=level)
+    warnings.warn(text, category, stacklevel=level)
 
 
 class _Collecting:

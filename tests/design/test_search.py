@@ -129,6 +129,8 @@ def test_a_killed_search_goes_on(tmp_path, monkeypatch, asked):
     assert "run the same again" in " ".join(caught.value.__notes__)
     assert not path.exists()
     assert [one.name for one in tmp_path.iterdir()] == ["found.h5.search"]
+    with refused("found.h5.search: is of a run that has not finished", "run the same again"):
+        fl.open(tmp_path / "found.h5.search")
     done = sum(stop - start for start, stop in calls[-1])
     assert 0 < done < 3000
     with refused("another search", "restart"):

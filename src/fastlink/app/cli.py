@@ -29,6 +29,7 @@ from fastlink.errors import (
     Pair,
     Piece,
     Remedy,
+    ResultWarning,
     Setting,
     Wording,
     printable,
@@ -42,7 +43,7 @@ if TYPE_CHECKING:
 # -- The application, and what all its commands share: their wording of problems, their options
 
 
-BAD_INPUT, INTERRUPTED, TERMINATED = 2, 130, 143
+NOT_AS_WANTED, BAD_INPUT, INTERRUPTED, TERMINATED = 1, 2, 130, 143
 C = TypeVar("C", bound=Callable[..., Any])
 
 #: What arguments and options mean that several commands have; each command lists its own below what it does.
@@ -182,21 +183,23 @@ class _Options(Wording):
 
 @contextlib.contextmanager
 def _remarks_as_lines() -> Iterator[None]:
-    """Print each remark on the input as a line, once, in place of Python's two that name a file of code."""
-    said: set[str] = set()
+    """Print each remark as a line, once, in place of Python's two that name a file of code; end with 1 after some."""
+    said: dict[str, type[Warning]] = {}
     show_other = warnings.showwarning
 
     def show(message: Warning | str, category: type[Warning], *place: Any, **named: Any) -> None:
         if not issubclass(category, InputWarning):
             show_other(message, category, *place, **named)
         elif str(message) not in said:
-            said.add(str(message))
+            said[str(message)] = category
             typer.echo(f"fastlink: {message}", err=True)
 
     with warnings.catch_warnings():
         warnings.simplefilter("always", InputWarning)
         warnings.showwarning = show
         yield
+    if ResultWarning in said.values():
+        raise typer.Exit(NOT_AS_WANTED)
 
 
 def command(function: C) -> C:
@@ -242,6 +245,8 @@ def by_name(
 
     `doors` are the command and the function to which such words are keywords: none of their options can be a name.
     """
+    from fastlink.space.units import named_with_unit
+
     given: dict[str, Any] = {}
     for text in texts:
         name, equals, value = (part.strip() for part in text.partition("="))
@@ -254,7 +259,8 @@ def by_name(
         if found is None:
             is_pair = equals and name and value
             what = f"{name} is {value!r}, not a number" if is_pair else f"{text!r} is not {form}"
-            raise InputError(what, (where,), ("write such as ", Setting(where, dict(example))))
+            of_unit = named_with_unit(name, value) if is_pair else ""
+            raise InputError(what, (where,), of_unit or ("write such as ", Setting(where, dict(example))))
         if name in given:
             raise InputError(f"{name} is given twice", (where,), "write it once")
         given[name] = found
@@ -359,7 +365,6 @@ def extension_of(file: Path, own: Path | None, trusted: bool) -> Extension | Non
 
 
 EXAMPLE = {"a1": 0.4}
-CHANGED = 1
 
 
 @command
@@ -603,7 +608,7 @@ def check(
     found = check(file)
     typer.echo(str(found))
     if not found:
-        raise typer.Exit(CHANGED)
+        raise typer.Exit(NOT_AS_WANTED)
 
 
 @command

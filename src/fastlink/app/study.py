@@ -57,7 +57,7 @@ from fastlink.plan.request import POSITIONS, check_keywords
 from fastlink.space.design_space import MODELS, DesignSpace, Links, bounds_of
 from fastlink.space.samplers import grid, latin_hypercube, sobol
 from fastlink.space.tables import CURVES, table
-from fastlink.space.units import KINDS, InUnit, factor_of, split, with_unit
+from fastlink.space.units import KINDS, InUnit, factor_of, named_with_unit, split, with_unit
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -402,7 +402,7 @@ def _problems(error: ValidationError, positions: Collection[str], example: str) 
         where = path if whole else (*path[:2], *path[3:])
         what, name = f"is {short_repr(entry['input'])}", str(path[-1])
         if kind == "write":
-            remedy = f"write {entry['msg']}"
+            remedy = named_with_unit(str(where[-1]), entry["input"]) or f"write {entry['msg']}"
         elif kind == "missing":
             what, remedy = "is missing", f"write {EXAMPLES[name]}"
         elif kind == "union_tag_invalid":
@@ -688,7 +688,8 @@ class StudyRequest:
         mechanism = self.catalogue.name if misspelt else self.mechanism
         space, problems = self.space, Problems()
         if function is check and space is not None:  # which takes inputs by their own names alone
-            space = designs_of(self.catalogue, space, self.options.get("links"), problems)
+            links, allowed = self.options.get("links"), bool(self.options.get(ALLOW))
+            space = designs_of(self.catalogue, space, links, problems, allowed)
         problems.attempt(function, mechanism, space, names, **self.of_cycle, **self.options)
         problems.stop()
 

@@ -32,7 +32,7 @@ from fastlink.engine.resolve import ResolvedSweep, of_request, resolve
 from fastlink.engine.run import default_threads, run
 from fastlink.engine.sinks import ProgressBar, allocated, check_needs, designs_per_block, within
 from fastlink.engine.sweep import sweep
-from fastlink.errors import InputError, Pair, Problems, Setting, check_switch, door
+from fastlink.errors import InputError, Pair, Problems, Remedy, Setting, check_switch, door
 from fastlink.facts.arc import ARC
 from fastlink.facts.catalogue import ELIMINATED, Catalogue
 from fastlink.facts.own import declared_names
@@ -66,10 +66,10 @@ from fastlink.maps.best import (
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.mechanisms import mechanism_of_map
 from fastlink.plan.query import Results, check_names, parse_request
-from fastlink.precision import DESIGNS
+from fastlink.precision import DESIGNS, with_remark
 from fastlink.space.design_space import BRANCH, DESIGN, DesignSpace, Links
 from fastlink.space.tables import FORMAT, STATUS, table
-from fastlink.space.units import in_si, split
+from fastlink.space.units import in_si, named_with_unit, split
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -798,7 +798,7 @@ def to_file(
     if not overwrite:
         finished = finished_map(to, fingerprint, verified=0, attrs=about)
         if finished is not None:
-            return finished
+            return with_remark(finished)
     path = check_target(to, 0, overwrite, [one.path for one in parts])
     if not restart:
         check_left(path, fingerprint)
@@ -938,7 +938,9 @@ def _ranges(bounds: Any, catalogue: Catalogue, problems: Problems) -> dict[str, 
         if right:
             found[str(name)] = low, high
         else:
-            problems.add("is not a range", ("bounds", str(name)), ("write ", Pair(), " with finite lo < hi"))
+            texts = [named_with_unit(str(name), end, shown=False) for end in listed(ends)]
+            pair: Remedy = ("write ", Pair(), " with finite lo < hi")
+            problems.add("is not a range", ("bounds", str(name)), next(filter(None, texts), pair))
     known = {name: one.units for name, one in catalogue.all_inputs.items()}
     return problems.attempt(in_si, "bounds", found, known) or {}
 
@@ -1034,7 +1036,7 @@ def join(
             if copy and shown_parts(Path(found.encoding["source"])):
                 found.close()
                 raise exists_error(Path(to), "and shows the values of its parts")
-            return found
+            return with_remark(found)
     path = check_target(to, 0, overwrite, [part.path for part in parts])
     shown = None if copy else joined.shown_in(path.parent)
     ways |= {"run": joined.run(shown), "shown": shown}
@@ -1045,7 +1047,7 @@ def join(
             threads = min(default_threads(), MOST_THREADS)
             joined.copy(writer, threads, lambda start, stop: bar.take(start, stop, []), shown)
         writer.finish(joined.last_attrs(path.name), joined.errors)
-    return open_map(path)
+    return with_remark(open_map(path))
 
 
 def _joined_search(

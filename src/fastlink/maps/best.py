@@ -21,6 +21,7 @@ from fastlink.io.where import SLACK, Range, form_of, in_units, named
 from fastlink.maps.units import check_flags, flags_of
 from fastlink.space.design_space import BRANCH, DESIGN
 from fastlink.space.tables import STATUS
+from fastlink.space.units import named_with_unit
 
 # -- Conditions on the rows of a map: masks, meanings of a code, ranges of values
 
@@ -134,7 +135,8 @@ def _of_name(maps: xr.Dataset, name: Any, given: Any) -> Condition:
         remedy = f"write one of its meanings, {', '.join(flags_of(array))}"
         raise InputError(what, ("where", str(name)), remedy)
     with problems.at("where", str(name)):
-        form = form_of(given, ("write ", Pair(unlimited=True), ", or a number to be met"))
+        of_unit = named_with_unit(str(name), given, shown=False)
+        form = form_of(given, of_unit or ("write ", Pair(unlimited=True), ", or a number to be met"))
         limits = form if isinstance(form, Range) else Range(form, form)
         if limits.low == math.inf or limits.high == -math.inf:
             raise InputError("takes no finite number", remedy=("write ", Pair(unlimited=True)))

@@ -408,6 +408,7 @@ def keywords_in_si(
     if position:
         declared[catalogue.position.name] = catalogue.position
     result: dict[str, Any] = {}
+    others = {name: name for name in given}
     for name, value in given.items():
         of, unit = units.split(name, declared)
         if not unit:
@@ -415,7 +416,8 @@ def keywords_in_si(
             continue
         try:
             stated = spaces.units_of("", value).get("", "")
-            factor, _ = units.conversion(of, unit, stated, declared[of].units, {*given, *result})
+            factor, _ = units.conversion(of, unit, stated, declared[of].units, others)
+            others[of] = name
             numbers = spaces.numbers_of(door, name, value, spaces.MOST_DIMS)
             plain = units.scaled(numbers, factor)
             result[of] = _relabelled(value, plain) if hasattr(value, "dims") else plain
@@ -554,7 +556,8 @@ def check_positions(catalogue: Catalogue, given: int | ArrayLike, key: str = "an
     try:
         values = spaces.numbers_of("", key, given)
     except InputError as error:
-        raise InputError(error.what, error.where[1:], remedy) from None
+        of_unit = units.named_with_unit(key, given, shown=False)
+        raise InputError(error.what, error.where[1:], of_unit or remedy) from None
     if values.ndim != 1:
         raise InputError(f"is {short_repr(given)}", (key,), remedy)
     if values.size == 0:
