@@ -12,19 +12,7 @@ from dataclasses import dataclass, field, replace
 from functools import reduce
 from typing import Any, Literal
 
-from fastlink.facts.formula import CatalogueError, Formula
-
-__all__ = [
-    "CatalogueError",
-    "Fact",
-    "GradedRange",
-    "Input",
-    "KnownExtremes",
-    "Loops",
-    "Rule",
-    "System",
-]
-
+from fastlink.facts.formula import Formula
 
 Rule = Literal["positive", "non-negative", "any"]
 

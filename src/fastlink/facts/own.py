@@ -52,22 +52,6 @@ from fastlink.numerics.compiler import parsed
 from fastlink.numerics.elementary import NOT_A_NUMBER, select, sqrt
 from fastlink.numerics.vectors import absolute, choice, magnitude
 
-__all__ = [
-    "TAKEN",
-    "TOO_LONG",
-    "Definition",
-    "OwnQuantity",
-    "check_name",
-    "check_units",
-    "declared_names",
-    "definition_text",
-    "extended",
-    "is_reserved",
-    "read_quantity",
-    "used",
-]
-
-
 # -- What a user's function may call
 
 

@@ -48,15 +48,21 @@ from typing import Any, get_args
 
 from fastlink.errors import InputError, suggest
 from fastlink.facts.catalogue import Catalogue, plain_and_above
-from fastlink.facts.expression import GraphAsWritten, beneath, divisors, generate_formula, winding
+from fastlink.facts.expression import (
+    OPERATORS,
+    GraphAsWritten,
+    beneath,
+    divisors,
+    generate_formula,
+    value_of,
+    winding,
+)
 from fastlink.facts.fact import Fact, GradedRange, Input, Loops, Rule, System
 from fastlink.facts.formula import NAMESPACE, WORD, CatalogueError, Formula, SheetError
 from fastlink.facts.names import root_of
 from fastlink.facts.own import check_units, is_reserved
 from fastlink.facts.powers import Powers, UnlikePowers
 from fastlink.numerics.elementary import atan2, sqrt
-
-__all__ = ["Entry", "SheetError", "entries_of", "mechanism_of", "read_sheet", "read_sheets", "wrong_units"]
 
 HEAD = re.compile(
     r"(?P<kind>step |system |loops |also |let )?(?P<name>[A-Za-z_]\w*)"
@@ -492,13 +498,12 @@ def _graded_range(known: Catalogue) -> GradedRange:
     sampled = []
     open_ends, windings = _with_roots(known)
     for name, fact in known.public.items():
-        result = fact.formula.result
-        is_angle = isinstance(result, ast.Call) and ast.unparse(result.func) == "atan2"
-        sine = result.args[0] if isinstance(result, ast.Call) and is_angle else result
-        sine = sine.left if isinstance(sine, ast.BinOp) else sine
-        if is_angle and isinstance(sine, ast.Name) and sine.id in known.facts and name not in open_ends:
-            wraps[name] = sine.id
-        elif is_angle or name in open_ends or not fact.formula.uses.isdisjoint(JUMPS):
+        value = value_of(fact.formula)
+        sine = value.args[0] if value.value is atan2 else value
+        sine = sine.args[0] if sine.kind in OPERATORS else sine
+        if value.value is atan2 and sine.value in known.facts and name not in open_ends:
+            wraps[name] = sine.value
+        elif value.value is atan2 or name in open_ends or not fact.formula.uses.isdisjoint(JUMPS):
             sampled.append(name)
     jumping = {name: windings[name] for name in known.public if windings[name] and name not in wraps}
     sampled += [name for name, turns in jumping.items() if not turns.keys() <= wraps.keys()]
@@ -516,9 +521,8 @@ def _with_roots(known: Catalogue) -> tuple[set[str], dict[str, dict[str, float]]
     windings: dict[str, dict[str, float]] = {known.position.name: {known.position.name: 1.0}}
     given = {*known.inputs, *known.tables, *known.table_low_parts, known.position.name, "branch"}
     closes = {*known.tables, "p", "q", "sigma"}
-    graph = GraphAsWritten(filter(callable, NAMESPACE.values()))
     for step in known.dependencies(sorted(known.public), given):
-        value = graph.read(step.formula, [*map(graph.name, step.depends_on)])
+        value = value_of(step.formula)
         nodes = beneath([value])
         turns = winding(nodes, lambda name: windings.get(name, {}))
         windings.update(dict.fromkeys(step.names, {step.name: 1.0} if value.value is atan2 else turns))
@@ -538,18 +542,16 @@ def _with_poles(known: Catalogue, shared: Collection[str]) -> dict[str, tuple[st
     """
     found: dict[str, dict[str, None]] = {}
     given = {*known.inputs, *known.tables, *known.table_low_parts, known.position.name, "branch"}
-    graph = GraphAsWritten(filter(callable, NAMESPACE.values()))
     for step in [*known.dependencies(sorted(known.public), given)]:
         if not isinstance(step, Fact) or step.name in shared:
             continue
         poles = dict[str, None]()
-        nodes = beneath([graph.read(step.formula, [*map(graph.name, step.depends_on)])])
-        for k, zero in enumerate(divisors(nodes)):
+        for k, zero in enumerate(divisors(beneath([value_of(step.formula)]))):
             names = [part.value for part in beneath([zero]) if part.kind == "name"]
             if not any(known.varies(name) for name in names if name not in shared):
                 continue
             if zero.kind != "name":
-                formula = generate_formula(f"{step.name}_pole{k}", graph, zero, {})
+                formula = generate_formula(f"{step.name}_pole{k}", GraphAsWritten(()), zero, {})
                 labels: dict[str, Any] = dict.fromkeys(("symbol", "meaning"), formula.name)
                 labels |= {"units": "1", "source": step.source, "internal": True}
                 known.declare(Fact(formula.name, formula, formula.parameters, **labels))

@@ -68,9 +68,6 @@ from fastlink.space.design_space import (
 )
 from fastlink.space.tables import FORMAT, STATUS
 
-__all__ = ["Source", "check_conversion", "convert"]
-
-
 # -- The compressions of converted files, by name and level, in the words of each library
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
@@ -13,7 +12,9 @@ from fastlink.facts.arc import ARC, ARC_FACTS, AT_ENDS
 from fastlink.facts.asymptotics import asymptotics
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.derivative import NoDependence, NoDerivative, Term
-from fastlink.facts.fact import CatalogueError, Fact, GradedRange, System
+from fastlink.facts.expression import beneath, value_of
+from fastlink.facts.fact import Fact, GradedRange, System
+from fastlink.facts.formula import CatalogueError
 from fastlink.facts.names import (
     Change,
     ErrorBound,
@@ -34,24 +35,6 @@ if TYPE_CHECKING:
 
     from fastlink.facts.catalogue import Catalogue
     from fastlink.facts.fact import Fact, GradedRange, KnownExtremes, System
-
-__all__ = [
-    "ANGLES_FOR_LANES",
-    "ExtremaProgram",
-    "ExtremumSearch",
-    "Gradient",
-    "KnownProgram",
-    "Lanes",
-    "Output",
-    "Plan",
-    "Planner",
-    "Program",
-    "all_declared",
-    "folds",
-    "is_magnitude",
-    "make_plan",
-    "make_program",
-]
 
 
 # -- Programs: the computation of one kernel as data, of which its text is made
@@ -294,17 +277,13 @@ FINER = 8
 
 def is_magnitude(step: Fact | System) -> bool:
     """Tell whether a fact is the magnitude of a vector and nothing else."""
-    called = _last_call(step)
-    return called is not None and _called(step, called) is magnitude
+    return value_of(step.formula).value is magnitude
 
 
 def folds(step: Fact | System) -> bool:
     """Tell whether a fact is an angle by the size of its sine: it turns back at 0 and at pi."""
-    called = _last_call(step)
-    if called is None or _called(step, called) is not atan2:
-        return False
-    sine = called.args[0]
-    return isinstance(sine, ast.Call) and isinstance(sine.func, ast.Name) and sine.func.id == "abs"
+    value = value_of(step.formula)
+    return value.value is atan2 and value.args[0].value is abs
 
 
 def has_sharp_terms(steps: Sequence[Fact | System]) -> bool:
@@ -313,24 +292,8 @@ def has_sharp_terms(steps: Sequence[Fact | System]) -> bool:
     if not (isinstance(last, Fact) and last.own):
         return False
     own = (step for step in steps if isinstance(step, Fact) and step.own)
-    within = sum(_calls_of_magnitude(step) for step in own)
+    within = sum(node.value is magnitude for step in own for node in beneath([value_of(step.formula)]))
     return within + sum(isinstance(step, Fact) and not step.own and is_magnitude(step) for step in steps) > 1
-
-
-def _calls_of_magnitude(step: Fact) -> int:
-    """Return how many magnitudes a user's fact computes itself."""
-    calls = (node for node in step.formula.nodes if isinstance(node, ast.Call))
-    return sum(_called(step, call) is magnitude for call in calls)
-
-
-def _last_call(step: Fact | System) -> ast.Call | None:
-    """Return the call that is all of what a fact returns."""
-    result = step.formula.result
-    return result if isinstance(result, ast.Call) else None
-
-
-def _called(step: Fact | System, call: ast.Call) -> object:
-    return step.formula.names.get(call.func.id) if isinstance(call.func, ast.Name) else None
 
 
 def is_sharp(catalogue: Catalogue, name: str) -> bool:
