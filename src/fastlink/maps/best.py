@@ -15,7 +15,16 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from fastlink._text import counted, joined, short_number, short_repr
-from fastlink.errors import InputError, Pair, Problems, Setting, check_choice, check_switch, check_whole
+from fastlink.errors import (
+    InputError,
+    KeyPath,
+    Pair,
+    Problems,
+    Setting,
+    check_choice,
+    check_switch,
+    check_whole,
+)
 from fastlink.io.checksums import pieces
 from fastlink.io.where import SLACK, Range, form_of, in_units, named
 from fastlink.maps.units import check_flags, flags_of
@@ -89,7 +98,7 @@ def conditions(maps: xr.Dataset, where: Any) -> list[Condition]:
         if STATUS not in maps:
             what = "the map has no variable 'status'"
             raise InputError(what, ("where",), "give a mask, such as maps.a1 < 0.5")
-        return [_of_code(maps[STATUS], "where", where)]
+        return [_of_code(maps[STATUS], ("where",), where)]
     if isinstance(where, Mapping) and not hasattr(where, "data_vars"):
         problems, made = Problems(), list[Condition]()
         for name, given in where.items():
@@ -115,8 +124,8 @@ def check_along(name: Any, dim: str, length: int, sizes: Mapping[Any, int]) -> N
         raise InputError(what, ("where",), "give a mask made from the same map")
 
 
-def _of_code(array: xr.DataArray, where: str, meanings: Any) -> Condition:
-    codes = check_flags(array, where, [meanings] if isinstance(meanings, str) else list(meanings))
+def _of_code(array: xr.DataArray, where: KeyPath, meanings: Any) -> Condition:
+    codes = check_flags(array, "where", [meanings] if isinstance(meanings, str) else list(meanings), where)
     return Condition(array, tuple(codes))
 
 
@@ -129,7 +138,7 @@ def _of_name(maps: xr.Dataset, name: Any, given: Any) -> Condition:
     problems.stop()
     array = maps[key or check_choice(("where",), name, list(known))]
     if flags_of(array) and isinstance(given, (str, list, tuple)):
-        return _of_code(array, name, given)
+        return _of_code(array, ("where", str(name)), given)
     if flags_of(array):
         what = f"{array.name} is a code, and given {short_repr(given)}"
         remedy = f"write one of its meanings, {', '.join(flags_of(array))}"
