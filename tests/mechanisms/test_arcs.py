@@ -128,6 +128,7 @@ def test_the_same_at_every_door(tmp_path):
             "number of positions",
         ),
         ({"arc_end": 2.0}, ["omega4_fluctuation"], {}, "a whole turn", "leave out"),
+        ({"arc_end": [2.0, 0.1]}, ["omega4_max"], {}, "arc_end[1] is 0.1 rad", "beyond the start"),
         ({"arc_end": [1.0, 2.0]}, ["omega4_mean"], {}, "differs", "extremes alone"),
         ({}, ["omega4_max"], {"over": (0.1, 0.2)}, "over", "arc_start and arc_end"),
     ],
@@ -136,6 +137,28 @@ def test_what_is_no_arc_is_refused(more, names, options, what, remedy):
     start = {"arc_start": 0.5} if more else {}
     with refused(what, remedy):
         fl.sweep("planar_4r", FOUR_BAR | start | more, names, **{"branch": (1, 2)} | options)
+
+
+def test_arcs_that_end_before_they_start_are_told_or_allowed():
+    rows = {"arc_start": [0.0, 1.0, 2.0], "arc_end": [1.0, 2.0, 1.0]}
+    table = fl.table(rows).with_constants(FOUR_BAR)
+    grid = fl.grid(arc_start=[0.0, 2.0], arc_end=[1.5, 2.5], **FOUR_BAR)
+    sample = fl.sobol(8, arc_start=(0.0, 2.0), arc_end=(1.0, 3.0), **FOUR_BAR)
+    for space, what in (
+        (table, "arc_end[2] is 1 rad (57.2958 degrees)"),
+        (grid, "arc_start is 2 rad"),
+        (sample, "arc_end[1]"),
+    ):
+        with refused(what, "write an end beyond the start"):
+            fl.sweep("planar_4r", space, ["omega4_max"])
+    allowed = fl.sweep("planar_4r", table, ["omega4_max"], allow_invalid=True).omega4_max.values
+    assert np.isnan(allowed).tolist() == [False, False, True]
+    with refused("arc_start is missing beside arc_end", "write it, or leave arc_end out"):
+        fl.sweep("planar_4r", FOUR_BAR | {"arc_end_deg": 90.0}, ["omega4_max"])
+    with refused("arc_end is missing beside arc_start", "write it"):
+        fl.function("planar_4r", ["arc_start"], ["omega4_max"], **FOUR_BAR)
+    both = fl.function("planar_4r", ["arc_start", "arc_end"], ["omega4_max"], **FOUR_BAR)
+    assert np.isnan(both([[1.0, 2.0], [2.0, 1.0]])).ravel().tolist() == [False, True]
 
 
 def test_travel_tells_how_far_a_link_moves_over_an_arc():

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.study_files import written
 
 import fastlink as fl
-from fastlink.facts.fact import CatalogueError
+from fastlink.facts.formula import CatalogueError
 from fastlink.plan.query import COUNT, REDUCTIONS, Reduction, register, unregister
 
 CRANK = {"a1": 0.4, "a2": [1.1, 1.2, 1.3], "a3": [0.7, 0.8], "a4": 1.0}

@@ -644,7 +644,7 @@ def best(
     --refine  Go on from them off the grid, by derivatives, within the conditions.
     --changing A,B  Inputs that --refine may change; all swept ones if left out.
     --degrees  Show angles in degrees, as where a condition is in degrees.
-    --to FILE  Write them too: h5, nc, zarr, csv or parquet by its ending.
+    --to FILE  Write them too: h5, nc, zarr, csv, parquet or xlsx by its ending.
     --overwrite
     --quantities-file FILE.py
     --trust-code
@@ -745,7 +745,7 @@ def convert(
     """Convert a map to another format, compressed, in part, or with fewer digits.
 
     FILE
-    --to OUT  h5, nc, zarr, csv or parquet by its ending.
+    --to OUT  h5, nc, zarr, csv, parquet or xlsx by its ending.
     --select NAME=VALUES  Take a2=1.1:1.2 (both ends), theta1=0.5 (nearest), theta1_deg=90 or a2=#0:10; may be repeated.
     --quantities A,B  Variables to take; all if left out.
     --dtype TYPE  float32, or float64, for results.

@@ -35,8 +35,6 @@ if TYPE_CHECKING:
     from fastlink.plan.programs import Output, Program
     from fastlink.plan.query import Reduction
 
-__all__ = ["write_kernel"]
-
 # Input positions between two loops of curves: what is kept between them stays in the first cache.
 TILE = 512
 #: How often a loop over input positions runs for one of these.

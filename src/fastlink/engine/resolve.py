@@ -111,6 +111,8 @@ def check(
     variants = request.selected_variants(catalogue, links, solver, () if space is None else space.names)
     if space is not None:
         problems.attempt(request.check_inputs, catalogue, space, variants, allow_invalid)
+        if ARC in variants and not problems.noted:
+            problems.attempt(request.check_arcs, space, allow_invalid)
     branches = problems.attempt(request.check_branches, catalogue, branch)
     problems.attempt(request.check_keywords, mechanism, catalogue, positions or (), options)
     with problems.at():

@@ -72,8 +72,6 @@ if TYPE_CHECKING:
     from fastlink.mechanisms._shared.picture import Picture
     from fastlink.space.design_space import DesignSpace
 
-__all__ = ["Request", "draw", "picture_of"]
-
 
 # -- Find the design that is drawn: by numbers, in a study, or in a map
 

@@ -26,21 +26,6 @@ if TYPE_CHECKING:
     T = TypeVar("T", xr.DataArray, xr.Dataset)
     from matplotlib.figure import Figure
 
-__all__ = [
-    "Panel",
-    "Selection",
-    "branches_of",
-    "draw_variable",
-    "name_places",
-    "nearest_place",
-    "one_branch",
-    "panels_of",
-    "sameness",
-    "select",
-    "spread",
-    "values_at",
-]
-
 
 # -- Select what a picture shows: one variable, at fixed values of all dimensions but one or two
 

@@ -14,8 +14,6 @@ from fastlink.io.output_path import check_writable
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["check_picture", "save"]
-
 
 #: Endings of pictures: those that matplotlib writes in full quality.
 KINDS = ("png", "svg", "pdf")

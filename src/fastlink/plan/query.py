@@ -15,8 +15,8 @@ from fastlink._text import short_repr
 from fastlink.errors import InputError, Problems, Remedy, listed
 from fastlink.facts import find
 from fastlink.facts.derivative import units_per
-from fastlink.facts.fact import CatalogueError
 from fastlink.facts.find import parts
+from fastlink.facts.formula import CatalogueError
 from fastlink.facts.names import (
     Change,
     Derivative,

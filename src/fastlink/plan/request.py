@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import lru_cache
@@ -28,7 +28,7 @@ from fastlink.errors import (
     remark,
     suggest,
 )
-from fastlink.facts.arc import ARC, ARC_ENDS
+from fastlink.facts.arc import ARC_ENDS
 from fastlink.facts.catalogue import ELIMINATED, Catalogue
 from fastlink.facts.derivative import is_tolerance
 from fastlink.facts.fact import Input
@@ -38,7 +38,7 @@ from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.plan.query import Extrema, Request, input_remedy, parse_request, suggest_input
 from fastlink.space import design_space as spaces
 from fastlink.space import units
-from fastlink.space.design_space import DesignSpace, steps
+from fastlink.space.design_space import DesignSpace, Floats, steps
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -501,6 +501,47 @@ def _refuse_whole(requests: Iterable[Request], but: str, remedy: str) -> None:
     problems.stop()
 
 
+def check_arcs(space: DesignSpace, allow_invalid: bool) -> None:
+    """Refuse arcs with one end alone, and those that end before they start or are longer than a turn.
+
+    Of arcs that differ from design to design, invalid ones may be allowed.
+    """
+    for name, other in (ARC_ENDS, ARC_ENDS[::-1]):
+        if name not in space.names:
+            raise InputError(
+                f"is missing beside {other}", ("design", name), f"write it, or leave {other} out"
+            )
+    for first, starts, ends in () if allow_invalid and _arc_varies(space) else _arcs(space):
+        lengths = ends - starts
+        bad = np.flatnonzero(~((lengths > 0.0) & (lengths <= 2.0 * np.pi * (1.0 + 2.0**-50))))
+        if bad.size:
+            what = f"is {_in_degrees(ends[bad[0]])}, and arc_start is {_in_degrees(starts[bad[0]])}"
+            where = () if first is None else (first + int(bad[0]),)
+            remedy = "write an end beyond the start, by a turn at most"
+            raise InputError(what, ("design", ARC_ENDS[1], *where), remedy)
+
+
+def _arc_varies(space: DesignSpace) -> list[str]:
+    return [name for name in ARC_ENDS if name not in space.constants]
+
+
+def _arcs(space: DesignSpace) -> Iterator[tuple[int | None, Floats, Floats]]:
+    """Yield the starts and ends of all arcs, with the number of the first one's design where each is one of many."""
+    starts, ends = ({**space.constants, **space.axes, **space.columns}[name] for name in ARC_ENDS)
+    if not {*ARC_ENDS} & {*space.columns}:
+        grid = np.meshgrid(starts, ends)
+        yield None, grid[0].ravel(), grid[1].ravel()
+        return
+    for start, stop in steps(0, space.size):
+        found = np.empty((2, stop - start))
+        space.fill(ARC_ENDS, start, stop, found)
+        yield start, *found
+
+
+def _in_degrees(angle: float) -> str:
+    return f"{angle:.6g} rad ({math.degrees(angle):.6g} degrees)"
+
+
 def positions_of_arc(
     catalogue: Catalogue, space: DesignSpace, given: Any, key: str, names: Sequence[str]
 ) -> NDArray[Any]:
@@ -511,19 +552,15 @@ def positions_of_arc(
         raise InputError(what, (key,), f"write a number of positions, or leave out {joined(ARC_ENDS)}")
     requests, problems = [parse_request(name, catalogue) for name in names], Problems()
     _refuse_whole(requests, "not an arc", f"leave out {joined(ARC_ENDS)}")
-    inputs, n = catalogue.known_inputs([ARC]), int(given)
-    varying = [name for name in ARC_ENDS if name in space.names and name not in space.constants]
-    if varying:
+    n = int(given)
+    if varying := _arc_varies(space):
         for k, request in enumerate(requests):
             if catalogue.varies(request.quantity) and not (request.can_be_refined or request.listed):
                 what = f"{request.name!r} is of positions that all designs share, and {varying[0]} differs"
                 problems.add(what, ("quantities", k), "give one arc, or ask for extremes alone")
         problems.stop()
         return np.arange(n) * (2.0 * np.pi / n)
-    start, end = (float(space.constants.get(name, inputs[name].default or 0.0)) for name in ARC_ENDS)
-    if not 0.0 < end - start <= 2.0 * np.pi * (1.0 + 2.0**-50):
-        what = f"is {end}, and arc_start is {start}"
-        raise InputError(what, ("design", ARC_ENDS[1]), "write an end beyond the start, by a turn at most")
+    start, end = (space.constants[name] for name in ARC_ENDS)
     return start + (np.arange(n) + 0.5) * ((end - start) / n)
 
 

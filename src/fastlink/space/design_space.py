@@ -23,26 +23,6 @@ from fastlink.errors import InputError, KeyPath, Problem, Problems, Remedy, chec
 from fastlink.machine import check_memory
 from fastlink.space.units import check_unit, conversion, named_with_unit, scaled, split
 
-__all__ = [
-    "MODELS",
-    "STEP",
-    "Column",
-    "Consecutive",
-    "Converted",
-    "Counted",
-    "Gathered",
-    "Links",
-    "bounds_of",
-    "definition_of",
-    "ends_of",
-    "in_unit",
-    "part_of",
-    "round_bar",
-    "steps",
-    "taken_links",
-]
-
-
 # -- Check the values that are given for inputs
 
 

@@ -26,20 +26,6 @@ from fastlink.space.design_space import (
     sampled,
     units_of,
 )
-from fastlink.space.tables import table
-
-__all__ = [
-    "DesignSpace",
-    "Permutation",
-    "Slices",
-    "grid",
-    "latin_hypercube",
-    "rounds_of",
-    "sobol",
-    "sobol_axes",
-    "table",
-]
-
 
 # -- Samples whose designs are computed from their numbers alone: Sobol's sequence and Latin hypercubes
 
