@@ -335,6 +335,7 @@ def read_tables(raw: Mapping[str, Any], positions: Collection[str]) -> tuple[dic
     empty: dict[str, Any] = {"cycle": {}, "run": {}, "output": {}}
     absent: set[str] = set()
     example = _example(raw.get("mechanism"))
+    raw = {"quantities": REQUIRED["quantities"], **raw} if "search" in raw else raw
     for _ in range(PASSES):
         try:
             tables = _plain(StudyFile.model_validate(raw))
@@ -640,7 +641,7 @@ class StudyRequest:
         self,
         path: Path,
         raw: Mapping[str, Any],
-        tables: Mapping[str, Any],
+        tables: dict[str, Any],
         catalogue: Catalogue,
         problems: Problems,
         mechanism: Any,
@@ -700,7 +701,9 @@ class StudyRequest:
             return
         with self.problems.at("search"):
             options = {**self.of_cycle, **self.options}
-            request_of_search(self.mechanism, self.space, names, self.tables["search"], **options)
+            made = request_of_search(self.mechanism, self.space, names, self.tables["search"], **options)
+            if "quantities" not in self.raw:  # objectives and conditions come along
+                self.tables["quantities"] = [one for one in made.quantities if one not in names] or names
 
     def _check_names_of_cycle(self) -> None:
         """Refuse unknown keys of [cycle] whose values were refused already."""
