@@ -634,7 +634,7 @@ def best(
     mechanism: Path | None = None,
     trust_code: bool = False,
 ) -> None:
-    """List the best designs of a map, by several objectives the Pareto front.
+    """List the best designs of a map, by several objectives the Pareto front; the exit status is 1 if none is right.
 
     FILE
     --minimise NAME

@@ -20,10 +20,12 @@ from fastlink.errors import (
     KeyPath,
     Pair,
     Problems,
+    ResultWarning,
     Setting,
     check_choice,
     check_switch,
     check_whole,
+    remark,
 )
 from fastlink.io.checksums import pieces
 from fastlink.io.where import SLACK, Range, form_of, in_units, named
@@ -348,6 +350,8 @@ DEFAULT_TOP = 10
 REFINEMENT, ACTIVE, GAIN, STARTS = "refinement", "active", "gain", "starts"
 #: What is said of designs that do not meet all conditions: which ones, and by how much.
 MISSED = "missed"
+#: The remedy where no design meets all conditions.
+WIDEN = "widen the conditions or the ranges, or search more designs"
 #: So many rows that miss least are kept for each design that is wanted, to refine them.
 NEAREST = 64
 NOT_A_NUMBER, INFINITE = "not a number", "infinite"
@@ -498,14 +502,17 @@ class Tally:
     not_numbers: int = 0
     infinite: int = 0
 
-    def nothing_found(self, choice: Choice, size: int) -> InputError:
-        """Return the error where none of so many rows counts, and none could by other numbers."""
+    def none_of(self, choice: Choice, size: int, noun: str = "row") -> str:
+        """Return a text that none of so many rows counts, and why."""
         failed = zip(choice.wanted, self.failed.tolist(), strict=True)
         reasons = [f"{count:,} fail {one.array.name or 'the mask'}" for one, count in failed if count]
         reasons += [f"{self.not_numbers:,} have no number"] if self.not_numbers else []
         reasons += [f"{self.infinite:,} are infinite"] if self.infinite else []
-        what = f"none of {counted(size, 'row')} meets all conditions: {', '.join(reasons)}"
-        return InputError(what, ("where",), "widen the conditions or the ranges, or search more designs")
+        return f"none of {counted(size, noun)} meets all conditions: {', '.join(reasons)}"
+
+    def nothing_found(self, choice: Choice, size: int) -> InputError:
+        """Return the error where none of so many rows counts, and none could by other numbers."""
+        return InputError(self.none_of(choice, size), ("where",), WIDEN)
 
     @property
     def counting(self) -> int:
@@ -588,6 +595,14 @@ def labelled_missed(found: xr.Dataset, texts: list[str]) -> xr.Dataset:
     return found.assign_coords({MISSED: ((DESIGN,), np.array(texts), attrs)}) if any(texts) else found
 
 
+def remarked(found: xr.Dataset) -> xr.Dataset:
+    """Return the designs that were found; a warning tells if none meets all conditions."""
+    if MISSED in found.coords and (found[MISSED].values != "").all():
+        what = f"{str(found.attrs['selection']).partition(';')[0]}; these miss least, by what 'missed' says"
+        remark(what, ("where",), WIDEN, ResultWarning)
+    return found
+
+
 def merged_nearest(
     most: int, *kept: tuple[NDArray[np.int64], NDArray[np.float64]]
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
@@ -649,7 +664,7 @@ def _best_of(rows: Rows, choice: Choice) -> Selection:
     if not len(chosen) and not len(near):
         raise reading.tally.nothing_found(choice, math.prod(rows.shape))
     if not len(chosen):
-        about = f"none of {math.prod(rows.shape):,} rows meets all conditions: the nearest ones"
+        about = f"{reading.tally.none_of(choice, math.prod(rows.shape))}; the nearest ones"
         return Selection(rows, near, about + reading.noted(), choice)
     near = near[: choice.nearest if len(chosen) < choice.enough else 0]
     if len(sought) > 1:
@@ -686,4 +701,4 @@ def top(maps: xr.Dataset, n: int, by: str, *, largest: bool, where: Any, infinit
     for condition in wanted:
         for dim, length in condition.array.sizes.items():
             check_along(condition.array.name, str(dim), length, rows.sizes)
-    return _best_of(rows, Choice([key], wanted, n, infinite, nearest=n)).of(maps)
+    return remarked(_best_of(rows, Choice([key], wanted, n, infinite, nearest=n)).of(maps))
