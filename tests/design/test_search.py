@@ -216,7 +216,8 @@ def test_a_map_is_refined_onto_targets():
     space = fl.grid(a1=np.linspace(0.2, 0.4, 5), a2=np.linspace(0.9, 1.1, 5), a3=[0.3, 0.5], a4=1.0)
     maps = fl.sweep("planar_4r", space, ["swing", "least_transmission_angle"], branch=1, verify=0)
     where = {"swing_deg": 70, "a3": 0.42}
-    nearest = fl.best(maps, maximise="least_transmission_angle", where=where, top=1)
+    with pytest.warns(fl.InputWarning, match="50 fail swing, 50 fail a3"):
+        nearest = fl.best(maps, maximise="least_transmission_angle", where=where, top=1)
     assert all(f"{name} = " in nearest.missed.item() for name in ("swing", "a3"))
     found = fl.best(maps, maximise="least_transmission_angle", where=where, top=1, refine=True)
     assert found.a3.item() == 0.42
@@ -230,7 +231,10 @@ def test_where_no_design_does_the_answer_is_the_nearest_one():
     asked = {"where": where, "maximise": "a3", "top": 2}
     space, missed = fl.sobol(5_000, seed=1, **WIPER), []
     for refine in (False, True):
-        found = fl.search("planar_4r", space, ["swing"], **asked, refine=refine)
+        with pytest.warns(
+            fl.InputWarning, match="none of 5,000 designs meets all conditions: 5,000 fail swing, "
+        ):
+            found = fl.search("planar_4r", space, ["swing"], **asked, refine=refine)
         assert found.sizes["design"] == (1 if refine else 2)
         assert "swing = 1.74533 by " in found.missed.values[0]
         names = "swing", "transmission_angle_min", "transmission_angle_max"
@@ -270,6 +274,15 @@ def test_a_study_searches(tmp_path):
     needs = fl.explain(path).forecast
     assert needs.size == 2000
     assert needs.file < 1e5
+    path.write_text(STUDY.replace('quantities = ["omega4_min"]', ""))  # nor has a search to name any
+    with fl.run(path, to=tmp_path / "without.h5", progress=False) as found:
+        check_rows(found, expected.drop_vars("omega4_min"))
+        assert "omega4_min" not in found
+    path.write_text(STUDY.replace("60, inf", "170, inf"))
+    for _ in range(2):  # searched, and found again
+        done = CliRunner().invoke(app, ["run", str(path), "--to", str(tmp_path / "near.h5"), "--quiet"])
+        assert done.exit_code == 1
+        assert done.stderr.startswith("fastlink: where: none of 2,000 designs meets all conditions: ")
 
 
 @pytest.mark.parametrize(

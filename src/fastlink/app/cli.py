@@ -71,7 +71,7 @@ OTHER_NAMES = {
     "convert": ("export", "nccopy", "save", "to_netcdf", "transform"),
     "explore": ("browse", "dashboard", "serve", "view"),
     "explain": ("estimate", "forecast", "plan"),
-    "info": ("describe", "head", "open", "print", "show", "summary"),
+    "info": ("describe", "finite", "head", "open", "print", "show", "summary"),
     "join": ("concat", "combine", "merge"),
     "mechanisms": ("list", "ls"),
     "new": ("init", "template"),
@@ -82,6 +82,8 @@ OTHER_NAMES = {
 }
 
 
+#: Commands whose options a study may have instead.
+OF_STUDIES = ("accuracy", "explain", "run")
 #: Of click, or of typer's own copy of it.
 UsageError: Any = typer.BadParameter.__base__
 
@@ -92,6 +94,11 @@ def _printable_usage() -> Iterator[None]:
     try:
         yield
     except UsageError as error:
+        option = str(getattr(error, "option_name", "")).lstrip("-").replace("-", "_")
+        if option and error.ctx is not None and error.ctx.info_name in OF_STUDIES:
+            from fastlink.app.study import in_study
+
+            error.message += f" ({there})" if (there := in_study(option)) else ""
         error.message = printable(error.message)
         raise
 
@@ -627,7 +634,7 @@ def best(
     mechanism: Path | None = None,
     trust_code: bool = False,
 ) -> None:
-    """List the best designs of a map, by several objectives the Pareto front.
+    """List the best designs of a map, by several objectives the Pareto front; the exit status is 1 if none is right.
 
     FILE
     --minimise NAME

@@ -53,7 +53,7 @@ from fastlink.mechanisms import NAMES, SHEET, is_extension, name_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.mechanisms import mechanism as read_mechanism
 from fastlink.plan.query import Results, parse_request, units_of
-from fastlink.plan.request import POSITIONS, check_keywords
+from fastlink.plan.request import POSITIONS, check_keywords, drivers
 from fastlink.space.design_space import MODELS, DesignSpace, Links, bounds_of
 from fastlink.space.samplers import grid, latin_hypercube, sobol
 from fastlink.space.tables import CURVES, table
@@ -248,7 +248,7 @@ class Cycle(BaseModel, extra="allow"):
     input: Text | None = None
     angles: Positions | None = None
     positions: Positions | None = None
-    branch: Annotated[Whole | list[Whole], Write("branches, such as [1, 2]")] | None = None
+    branch: Annotated[Whole | list[Whole] | String, Write("branches, such as [1, 2]")] | None = None
     solver: Annotated[String, Write('"eliminated" or "dense"')] | None = None
     extrema: Annotated[String, Write('"refined" or "sampled"')] | None = None
 
@@ -335,6 +335,7 @@ def read_tables(raw: Mapping[str, Any], positions: Collection[str]) -> tuple[dic
     empty: dict[str, Any] = {"cycle": {}, "run": {}, "output": {}}
     absent: set[str] = set()
     example = _example(raw.get("mechanism"))
+    raw = {"quantities": REQUIRED["quantities"], **raw} if "search" in raw else raw
     for _ in range(PASSES):
         try:
             tables = _plain(StudyFile.model_validate(raw))
@@ -410,7 +411,7 @@ def _problems(error: ValidationError, positions: Collection[str], example: str) 
         elif kind == "extra_forbidden":
             known = list(KNOWN[str(path[0])] if path[1:] else StudyFile.model_fields)
             if not path[1:] and isinstance(entry["input"], dict):
-                known = [name for name in known if name in KNOWN]
+                known = [name for name in known if name in (*KNOWN, "links", "units", TOLERANCES)]
             what, remedy = f"is not a key of {_table(where)}", suggest(name, known)
             misspelt.add((*where[:-1], remedy))
         else:
@@ -640,7 +641,7 @@ class StudyRequest:
         self,
         path: Path,
         raw: Mapping[str, Any],
-        tables: Mapping[str, Any],
+        tables: dict[str, Any],
         catalogue: Catalogue,
         problems: Problems,
         mechanism: Any,
@@ -700,7 +701,9 @@ class StudyRequest:
             return
         with self.problems.at("search"):
             options = {**self.of_cycle, **self.options}
-            request_of_search(self.mechanism, self.space, names, self.tables["search"], **options)
+            made = request_of_search(self.mechanism, self.space, names, self.tables["search"], **options)
+            if "quantities" not in self.raw:  # objectives and conditions come along
+                self.tables["quantities"] = [one for one in made.quantities if one not in names] or names
 
     def _check_names_of_cycle(self) -> None:
         """Refuse unknown keys of [cycle] whose values were refused already."""
@@ -885,7 +888,20 @@ class Study:
         return target if to or part is None else part.path(target)
 
 
-@door(hint=A_STUDY)
+def in_study(name: str) -> str:
+    """Return where a study has what is no parameter of a function that takes one; an empty text for other names."""
+    tables = {key: table for table in ("cycle", "search", "run") for key in KEYS[table]}
+    tables |= dict.fromkeys((ALLOW, *SAMPLES), "design")
+    if name in ("quantities", "links", "mechanism", TOLERANCES):
+        return f"write {name} in the study"
+    if name not in tables:
+        known = {one: "design" for mechanism in NAMES for one in find_catalogue(mechanism).all_inputs}
+        tables |= known | dict.fromkeys(drivers(), "cycle")
+    of, _ = split(name, tables)
+    return f"write {name} in the study, under [{tables[of]}]" if of in tables else ""
+
+
+@door(hint=A_STUDY, elsewhere=in_study)
 def run(
     path: str | Path,
     to: str | Path | None = None,

@@ -58,6 +58,7 @@ from fastlink.maps.best import (
     least,
     listed,
     merged_nearest,
+    remarked,
     strongest,
     unbeaten,
     undominated,
@@ -376,7 +377,7 @@ def finished(
     for name in ("configurations", "configurations_per_second", "set_up_time_s"):
         result.attrs.pop(name, None)
     result.attrs["selection"] = f"{request.selection(kept, request.size)}{refined}"
-    return result
+    return remarked(result)
 
 
 class _Gathered:
@@ -627,7 +628,7 @@ class SearchRequest:
         aims = joined([str(one) for one in self.choice.objectives])
         near = f"{len(kept.near):,} that miss conditions least"
         if len(kept.near) and not len(kept.rows):
-            return f"none of {counted(size, 'design')} meets all conditions: {near}, by the {aims}"
+            return f"{kept.none_of(self.choice, size, 'design')}; {near}, by the {aims}"
         of = f"{len(kept.rows):,} of {kept.considered:,} rows by the {aims}"
         return f"{of}{f', {near}' if len(kept.near) else ''}, of {counted(size, 'design')}"
 
@@ -798,7 +799,7 @@ def to_file(
     if not overwrite:
         finished = finished_map(to, fingerprint, verified=0, attrs=about)
         if finished is not None:
-            return with_remark(finished)
+            return remarked(with_remark(finished))
     path = check_target(to, 0, overwrite, [one.path for one in parts])
     if not restart:
         check_left(path, fingerprint)

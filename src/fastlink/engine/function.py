@@ -23,13 +23,13 @@ from fastlink.facts.fact import Input
 from fastlink.facts.names import Derivative, GradientStatus, Reduced, derivative_name
 from fastlink.facts.powers import beyond_range
 from fastlink.machine import check_memory
-from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.numerics.compiler import MOVING, NOTHING
 from fastlink.plan.query import Request, check_names, parse_request
 from fastlink.plan.request import (
     POSITIONS,
     check_inputs,
+    drivers,
     flag_beyond_range,
     keywords_in_si,
     selected_variants,
@@ -234,7 +234,7 @@ def function(
                 **{of: names[j] for j, (of, _) in enumerate(own[:k])},
             }
             factors.append(check_unit(of, unit, known[of].units if unit else "1", others))
-    drives = {name for other in NAMES for name in inputs_of(other)} - known.keys()
+    drives = drivers() - known.keys()
     strange = [name for name in fixed if split(name, drives)[0] not in {*known, *drives, POSITIONS}]
     keywords = (*_OPTIONS, catalogue.position.name, POSITIONS)
     problems.noted += [unknown_input(catalogue, name, known, "function", keywords) for name in strange]

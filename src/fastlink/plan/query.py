@@ -634,6 +634,11 @@ def _derivatives(text: str, catalogue: Catalogue) -> Iterable[tuple[tuple[str, .
 
 def suggest_quantity(text: str, catalogue: Catalogue, over_cycle: bool = True) -> list[str]:
     """Return the names to suggest for an unknown quantity: three at most."""
+    of, _, how = text.rpartition("_")
+    if over_cycle and catalogue.is_quantity(of) and catalogue.has_reductions(of):
+        known = [name for name, each in REDUCTIONS.items() if not each.of_path]
+        if not catalogue.is_quantity(text) and (near := get_close_matches(how, known, 1, 0.66)):
+            return [f"{of}_{near[0]}"]
     return find.best_names(rank_quantities(text, catalogue, over_cycle))
 
 

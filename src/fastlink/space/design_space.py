@@ -105,7 +105,7 @@ def numbers_of(where: str, name: str, given: Any, most_dims: int = 1) -> Floats:
         raise InputError(what, where=path, remedy="write a smaller one") from None
 
 
-def check_length(where: KeyPath, given: Any, remedy: str = f"write at most {MOST_LISTED}") -> None:
+def check_length(where: KeyPath, given: Any, remedy: Remedy = f"write at most {MOST_LISTED}") -> None:
     """Refuse a list or a range of more values than can be read in seconds."""
     if not has(given, "dtype") and listed(given) > MOST_LISTED:
         raise InputError(f"holds {counted(listed(given), 'value')}", where=where, remedy=remedy)
