@@ -575,3 +575,296 @@ def begin(shapes: Any, signs: Any, how: Any, target: Any, share: Any, times: Any
         for k in range(6):
             p[k] *= abs(factor)
         p[6], p[7], p[8] = place.real, place.imag, np.arctan2(factor.imag, factor.real)
+
+
+@outlined
+def _times(a: Any, b: Any, out: Any) -> None:
+    """Store the product of two polynomials, lowest power first."""
+    out[:] = 0.0
+    for i in range(a.size):
+        for k in range(b.size):
+            if i + k < out.size:
+                out[i + k] += a[i] * b[k]
+
+
+@outlined
+def quartic_roots(c: Any, roots: Any) -> None:
+    """Store the roots of c[0] + ... + c[4] x^4 by Aberth's iteration."""
+    size = 0.0
+    for k in range(4):
+        if c[k] != 0.0:
+            size = max(size, abs(c[k] / c[4]) ** (1.0 / (4 - k)))
+    for k in range(4):
+        roots[k] = 0.8 * size * np.exp(1j * (0.7 + 0.5 * np.pi * k))
+    for _ in range(60):
+        most = 0.0
+        for k in range(4):
+            x = roots[k]
+            value, change = c[4] + 0j, 0j
+            for m in range(3, -1, -1):
+                change = change * x + value
+                value = value * x + c[m]
+            if value == 0j:
+                continue
+            if change == 0j:
+                change = 1e-300 + 0j
+            ratio = value / change
+            others = 0j
+            for m in range(4):
+                if m != k and x != roots[m]:
+                    others += 1.0 / (x - roots[m])
+            step = ratio / (1.0 - ratio * others)
+            roots[k] = x - step
+            most = max(most, abs(step) / (abs(x) + 1e-300))
+        if most < 1e-15:
+            break
+
+
+@outlined
+def solve_small(m: Any, n: int, x: Any) -> bool:
+    """Solve in place by elimination with row pivots; x is the right-hand side and then the solution."""
+    for k in range(n):
+        best = k
+        for i in range(k + 1, n):
+            if abs(m[i, k]) > abs(m[best, k]):
+                best = i
+        if m[best, k] == 0.0:
+            return False
+        for c in range(n):
+            t = m[k, c]
+            m[k, c] = m[best, c]
+            m[best, c] = t
+        t = x[k]
+        x[k] = x[best]
+        x[best] = t
+        for i in range(k + 1, n):
+            f = m[i, k] / m[k, k]
+            for c in range(k, n):
+                m[i, c] -= f * m[k, c]
+            x[i] -= f * x[k]
+    for k in range(n - 1, -1, -1):
+        for c in range(k + 1, n):
+            x[k] -= m[k, c] * x[c]
+        x[k] /= m[k, k]
+    return True
+
+
+@outlined
+def dyads_of(rows: Any, d: Any, e: Any, polish: int, out: Any) -> int:
+    """Store all dyads (centre c, body point w) whose linear form meets five rows, and return how many there are.
+
+    |d + e w - c|^2 = R^2 is linear in (p0, w, c, q, k) with q p0 = conj(c) w: five rows leave three dimensions, and the two
+    real parts of the condition are two conics there. Each of their at most four points is refined on the circles of the
+    poses themselves.
+    """
+    m = np.zeros((8, 6))
+    q = np.eye(8)
+    for i in range(5):
+        for k in range(8):
+            m[k, i] = rows[i, k]
+    v = np.zeros(8)
+    for j in range(5):
+        size = 0.0
+        for k in range(j, 8):
+            size += m[k, j] * m[k, j]
+        size = np.sqrt(size)
+        if not size > 0.0:
+            return 0
+        for k in range(8):
+            v[k] = m[k, j] if k >= j else 0.0
+        v[j] += size if v[j] >= 0.0 else -size
+        vv = 0.0
+        for k in range(8):
+            vv += v[k] * v[k]
+        for c in range(5):
+            t = 0.0
+            for k in range(8):
+                t += v[k] * m[k, c]
+            for k in range(8):
+                m[k, c] -= 2.0 * t / vv * v[k]
+        for r in range(8):
+            t = 0.0
+            for k in range(8):
+                t += q[r, k] * v[k]
+            for k in range(8):
+                q[r, k] -= 2.0 * t / vv * v[k]
+    # three vectors orthogonal to all rows, mixed so that no point lies at infinity by chance
+    mix = np.array([[0.6, 0.48, 0.64], [-0.8, 0.36, 0.48], [0.0, -0.8, 0.6]])
+    basis = np.zeros((3, 8))
+    for i in range(3):
+        for k in range(8):
+            for c in range(3):
+                basis[i, k] += mix[i, c] * q[k, 5 + c]
+    one, two = np.zeros((3, 3)), np.zeros((3, 3))
+    for i in range(3):
+        for k in range(3):
+            a, b = basis[i], basis[k]
+            re = a[0] * b[5] + b[0] * a[5] - (a[3] * b[1] + b[3] * a[1] + a[4] * b[2] + b[4] * a[2])
+            im = a[0] * b[6] + b[0] * a[6] - (a[3] * b[2] + b[3] * a[2] - a[4] * b[1] - b[4] * a[1])
+            one[i, k], two[i, k] = 0.5 * re, 0.5 * im
+    a1, a2 = np.array([one[2, 2]]), np.array([two[2, 2]])
+    b1, b2 = np.array([2.0 * one[0, 2], 2.0 * one[1, 2]]), np.array([2.0 * two[0, 2], 2.0 * two[1, 2]])
+    c1 = np.array([one[0, 0], 2.0 * one[0, 1], one[1, 1]])
+    c2 = np.array([two[0, 0], 2.0 * two[0, 1], two[1, 1]])
+    u, w, left, right, quartic = np.zeros(3), np.zeros(4), np.zeros(4), np.zeros(5), np.zeros(5)
+    u[:] = a1[0] * c2 - a2[0] * c1
+    slope = a1[0] * b2 - a2[0] * b1
+    _times(b1, c2, w)
+    _times(b2, c1, left)
+    w -= left
+    _times(u, u, quartic)
+    _times(slope, w, right)
+    quartic -= right
+    roots = np.zeros(4, np.complex128)
+    quartic_roots(quartic, roots)
+    count = 0
+    jac, step = np.zeros((4, 4)), np.zeros(4)
+    for k in range(4):
+        # of a pair that nearly meets both count as real: the conics tell
+        if abs(roots[k].imag) > 1e-5 * (1.0 + abs(roots[k])):
+            continue
+        x = roots[k].real
+        under = slope[0] + slope[1] * x
+        y = -(u[0] + u[1] * x + u[2] * x * x) / under
+        f1, f2, size = 0.0, 0.0, 0.0
+        for _ in range(8):
+            f1 = one[0, 0] + 2 * one[0, 1] * x + one[1, 1] * x * x + (2 * one[0, 2] + 2 * one[1, 2] * x + one[2, 2] * y) * y
+            f2 = two[0, 0] + 2 * two[0, 1] * x + two[1, 1] * x * x + (2 * two[0, 2] + 2 * two[1, 2] * x + two[2, 2] * y) * y
+            g11, g12 = 2 * (one[0, 1] + one[1, 1] * x + one[1, 2] * y), 2 * (one[0, 2] + one[1, 2] * x + one[2, 2] * y)
+            g21, g22 = 2 * (two[0, 1] + two[1, 1] * x + two[1, 2] * y), 2 * (two[0, 2] + two[1, 2] * x + two[2, 2] * y)
+            det = g11 * g22 - g12 * g21
+            if det == 0.0:
+                break
+            x -= (f1 * g22 - f2 * g12) / det
+            y -= (g11 * f2 - g21 * f1) / det
+        size = 1.0 + x * x + y * y
+        if not abs(f1) + abs(f2) < 1e-11 * size:
+            continue
+        p = basis[0] + x * basis[1] + y * basis[2]
+        if p[0] == 0.0:
+            continue
+        c, wp = complex(p[3], p[4]) / p[0], complex(p[1], p[2]) / p[0]
+        if polish != 0:
+            for _ in range(3):
+                first = d[0] + e[0] * wp - c
+                for i in range(4):
+                    other = d[i + 1] + e[i + 1] * wp - c
+                    turn = np.conj(other) * e[i + 1] - np.conj(first) * e[0]
+                    shift = first - other
+                    jac[i, 0], jac[i, 1] = 2.0 * shift.real, 2.0 * shift.imag
+                    jac[i, 2], jac[i, 3] = 2.0 * turn.real, -2.0 * turn.imag
+                    # the difference of two squares as a product, which loses nothing
+                    away = other - first
+                    step[i] = away.real * (other.real + first.real) + away.imag * (other.imag + first.imag)
+                if not solve_small(jac, 4, step):
+                    break
+                c -= complex(step[0], step[1])
+                wp -= complex(step[2], step[3])
+        again = False
+        for i in range(count):
+            off = abs(complex(out[i, 0], out[i, 1]) - c) + abs(complex(out[i, 2], out[i, 3]) - wp)
+            again = again or off < 1e-9 * (1.0 + abs(c) + abs(wp))
+        if not again and abs(c) < 1e12:
+            out[count, 0], out[count, 1], out[count, 2], out[count, 3] = c.real, c.imag, wp.real, wp.imag
+            count += 1
+    return count
+
+
+@outlined
+def form_row(d: complex, e: complex, row: Any) -> None:
+    """Store the linear form of a pose."""
+    m = np.conj(d) * e
+    row[0] = d.real * d.real + d.imag * d.imag
+    row[1], row[2] = 2.0 * m.real, -2.0 * m.imag
+    row[3], row[4] = -2.0 * d.real, -2.0 * d.imag
+    row[5], row[6] = -2.0 * e.real, 2.0 * e.imag
+    row[7] = 1.0
+
+
+def dyads(poses: Any, found: Any, counts: Any) -> None:
+    """Store all dyads of tasks of five poses (x, y, angle), and how many each has; the others are NaN."""
+    d, e = np.zeros(5, np.complex128), np.zeros(5, np.complex128)
+    rows, out = np.zeros((5, 8)), np.zeros((4, 4))
+    for k in range(poses.shape[0]):
+        origin = 0j
+        for i in range(5):
+            origin += complex(poses[k, i, 0], poses[k, i, 1]) / 5.0
+        size = 0.0
+        for i in range(5):
+            d[i] = complex(poses[k, i, 0], poses[k, i, 1]) - origin
+            e[i] = np.exp(1j * poses[k, i, 2])
+            size = max(size, abs(d[i]))
+        size = size if size > 0.0 else 1.0
+        for i in range(5):
+            d[i] /= size
+            form_row(d[i], e[i], rows[i])
+        counts[k] = dyads_of(rows, d, e, 1, out)
+        found[k, :, :] = np.nan
+        for i in range(counts[k]):
+            found[k, i, 0], found[k, i, 1] = size * out[i, 0] + origin.real, size * out[i, 1] + origin.imag
+            found[k, i, 2], found[k, i, 3] = size * out[i, 2], size * out[i, 3]
+
+
+def dyads_of_form(rows: Any, found: Any, counts: Any) -> None:
+    """Store all dyads whose linear form meets five rows, of tasks in a unit of their own."""
+    none = np.zeros(5, np.complex128)
+    for k in range(rows.shape[0]):
+        found[k, :, :] = np.nan
+        counts[k] = dyads_of(rows[k], none, none, 0, found[k])
+
+
+def freudenstein(cos_in: Any, sin_in: Any, cos_out: Any, sin_out: Any, error: Any, ratios: Any) -> None:
+    """Store for each pair of start angles the greatest structural error of the best K1, K2, K3, to first order.
+
+    Tables of cosines and sines: (start angle, place). Of K1 cos psi - K2 cos phi + K3 = cos(phi - psi) the least squares are
+    weighed once by the rate at which the output angle changes it; where that changes its sign the linkage would have to
+    change its assembly mode, and the error is infinite.
+    """
+    n = cos_in.shape[1]
+    rate, m, x = np.zeros(n), np.zeros((3, 3)), np.zeros(3)
+    for i in range(cos_in.shape[0]):
+        for k in range(cos_out.shape[0]):
+            error[i, k] = np.inf
+            rate[:] = 1.0
+            fine = True
+            worst = np.inf
+            for again in range(3):
+                m[:, :] = 0.0
+                x[:] = 0.0
+                for t in range(n):
+                    weight = 1.0 / (rate[t] * rate[t])
+                    a, b = cos_out[k, t], -cos_in[i, t]
+                    f = cos_in[i, t] * cos_out[k, t] + sin_in[i, t] * sin_out[k, t]
+                    m[0, 0] += weight * a * a
+                    m[0, 1] += weight * a * b
+                    m[0, 2] += weight * a
+                    m[1, 1] += weight * b * b
+                    m[1, 2] += weight * b
+                    m[2, 2] += weight
+                    x[0] += weight * a * f
+                    x[1] += weight * b * f
+                    x[2] += weight * f
+                m[1, 0], m[2, 0], m[2, 1] = m[0, 1], m[0, 2], m[1, 2]
+                if not solve_small(m, 3, x):
+                    fine = False
+                    break
+                worst = 0.0
+                first = 0.0
+                for t in range(n):
+                    turn = sin_in[i, t] * cos_out[k, t] - cos_in[i, t] * sin_out[k, t]
+                    value = x[0] * cos_out[k, t] - x[1] * cos_in[i, t] + x[2]
+                    value -= cos_in[i, t] * cos_out[k, t] + sin_in[i, t] * sin_out[k, t]
+                    rate[t] = -x[0] * sin_out[k, t] - turn
+                    if t == 0:
+                        first = rate[0]
+                    if not rate[t] * first > 0.0:
+                        fine = False
+                    worst = max(worst, abs(value / rate[t]))
+                if not fine:
+                    break
+            k3 = x[2]
+            if fine and x[0] != 0.0 and x[1] != 0.0:
+                r2, r4 = 1.0 / x[0], 1.0 / x[1]
+                if 1.0 + r2 * r2 + r4 * r4 - 2.0 * r2 * r4 * k3 > 0.0 and abs(r2) < 1e3 and abs(r4) < 1e3:
+                    error[i, k] = worst
+                    ratios[i, k, 0], ratios[i, k, 1], ratios[i, k, 2] = x[0], x[1], x[2]

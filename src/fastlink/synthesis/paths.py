@@ -22,6 +22,9 @@ __all__ = ["Candidates", "PathTask", "compiled", "solve_path"]
 ARGUMENTS = {
     "refine": "f2 f2 f2 c1 f1 f1 i1 f1 f1 f1 i1 i0",
     "compare": "f2 c1 f1 f1 f1 i0 i0 i0 i0 f1 f1 f1 f2",
+    "dyads": "f3 f3 i1",
+    "dyads_of_form": "f3 f3 i1",
+    "freudenstein": "f2 f2 f2 f2 f2 f3",
     "begin": "f2 f2 f2 c1 f1 f1 i0 i0 f2 f2",
 }
 KINDS = {"f": "float64", "c": "complex128", "i": "int64"}
