@@ -107,7 +107,10 @@ def _transmission(numbers: Floats, turn: Floats) -> Floats:
     ends = np.cos(first), np.cos(last)
     most, least = np.maximum(high, np.maximum(*ends)), np.where(half, -1.0, np.minimum(*ends))
     with np.errstate(invalid="ignore", divide="ignore"):
-        at = [(square + r4 * r4 - 1.0 - r2 * r2 + 2.0 * r2 * c) / (2.0 * np.sqrt(square) * abs(r4)) for c in (most, least)]
+        at = [
+            (square + r4 * r4 - 1.0 - r2 * r2 + 2.0 * r2 * c) / (2.0 * np.sqrt(square) * abs(r4))
+            for c in (most, least)
+        ]
         return np.asarray(np.arccos(np.minimum(np.maximum(abs(at[0]), abs(at[1])), 1.0)))
 
 
@@ -130,18 +133,22 @@ def _scanned(task: FunctionTask, sense: int) -> tuple[Floats, Floats]:
             least &= error <= np.roll(error, (side * shift[0], side * shift[1]), (0, 1))
     rows = np.flatnonzero(least & np.isfinite(error))
     if task.transmission or task.exact:  # the least errors may have bad angles: all places count
-        rows = np.union1d(rows, np.flatnonzero(np.isfinite(error))[:: 37])
+        rows = np.union1d(rows, np.flatnonzero(np.isfinite(error))[::37])
     i, k = np.unravel_index(rows, error.shape)
     numbers = np.column_stack([ratios[i, k], starts[i], starts[k]])
     if task.transmission:
         fine = _transmission(numbers, turn) > 0.6 * task.transmission
         numbers, rows = numbers[fine], rows[fine]
     numbers = numbers[np.argsort(error.reshape(-1)[rows], kind="stable")[:MANY]]
-    off = [np.nanmax(np.abs(np.nan_to_num(_off(numbers, s, turn, wanted), nan=9.0)), axis=1) for s in (1.0, -1.0)]
+    off = [
+        np.nanmax(np.abs(np.nan_to_num(_off(numbers, s, turn, wanted), nan=9.0)), axis=1) for s in (1.0, -1.0)
+    ]
     return numbers, np.where(off[0] <= off[1], 1.0, -1.0)
 
 
-def _by_powers(numbers: Floats, sign: Floats, turn: Floats, wanted: Floats, powers: tuple[int, ...]) -> Floats:
+def _by_powers(
+    numbers: Floats, sign: Floats, turn: Floats, wanted: Floats, powers: tuple[int, ...]
+) -> Floats:
     """Return linkages after steps of damped least squares towards the least sum of powers of the errors, all at once."""
     side, damping = sign[:, None], np.full(len(numbers), 1e-3)
 
@@ -221,7 +228,11 @@ def _minimax(task: FunctionTask, numbers: Floats, sign: float, sense: int, aim: 
     for _ in range(40):
         some = np.linspace(0, len(turn) - 1, 25).astype(int)
         places = np.concatenate([peaks, turn[some]]) if task.output is not None else turn
-        now = np.concatenate([errors, _off(numbers[None], sign, turn[some], wanted[some])[0]]) if task.output is not None else errors
+        now = (
+            np.concatenate([errors, _off(numbers[None], sign, turn[some], wanted[some])[0]])
+            if task.output is not None
+            else errors
+        )
         j = _slopes(numbers[None], sign, places)[0]
         one = np.ones((len(places), 1))
         rows, right = [np.hstack([j, -one]), np.hstack([-j, -one])], [-now, now]
@@ -302,15 +313,20 @@ def solve_function(task: FunctionTask, few: int = FEW) -> list[Generator]:
     found.sort(key=lambda one: one.error)
     distinct: list[Generator] = []
     for one in found:
-        if not _is_known([(k.numbers, k.sign, k.sense) for k in distinct], (one.numbers, one.sign, one.sense), 1e-5):
+        if not _is_known(
+            [(k.numbers, k.sign, k.sense) for k in distinct], (one.numbers, one.sign, one.sense), 1e-5
+        ):
             distinct.append(one)
     return distinct
 
 
-def _is_known(known: list[tuple[Floats, float, int]], one: tuple[Floats, float, int], tolerance: float) -> bool:
+def _is_known(
+    known: list[tuple[Floats, float, int]], one: tuple[Floats, float, int], tolerance: float
+) -> bool:
     """Tell whether a linkage is one of some."""
     return any(
-        (np.abs(_wrapped(one[0] - other[0])) < tolerance * (1.0 + np.abs(one[0]))).all() and one[1:] == other[1:]
+        (np.abs(_wrapped(one[0] - other[0])) < tolerance * (1.0 + np.abs(one[0]))).all()
+        and one[1:] == other[1:]
         for other in known
     )
 

@@ -264,7 +264,9 @@ def triangular(m: Any, rows: int, n: int, r: Any, right: Any) -> None:
 
 
 @outlined
-def nearer(p: Any, s: float, theta: Any, target: Any, weights: Any, sense: float, ordered: int, closed: int) -> float:
+def nearer(
+    p: Any, s: float, theta: Any, target: Any, weights: Any, sense: float, ordered: int, closed: int
+) -> float:
     """Move each angle towards the place of the curve next to its point, and return the sum of squares there."""
     by = np.zeros(SIZE, np.complex128)
     for i in range(theta.size):
@@ -400,7 +402,17 @@ def refine(numbers: Any, signs: Any, theta: Any, target: Any, weights: Any, time
     """Refine linkages (rows of numbers, of signs s and senses, and of angles) in place."""
     for k in range(numbers.shape[0]):
         value, taken = refine_one(
-            numbers[k], signs[k, 0], signs[k, 1], theta[k], target, weights, times, options, lower, upper, most
+            numbers[k],
+            signs[k, 0],
+            signs[k, 1],
+            theta[k],
+            target,
+            weights,
+            times,
+            options,
+            lower,
+            upper,
+            most,
         )
         cost[k] = value
         steps[k] += taken
@@ -728,10 +740,26 @@ def dyads_of(rows: Any, d: Any, e: Any, polish: int, out: Any) -> int:
         y = -(u[0] + u[1] * x + u[2] * x * x) / under
         f1, f2, size = 0.0, 0.0, 0.0
         for _ in range(8):
-            f1 = one[0, 0] + 2 * one[0, 1] * x + one[1, 1] * x * x + (2 * one[0, 2] + 2 * one[1, 2] * x + one[2, 2] * y) * y
-            f2 = two[0, 0] + 2 * two[0, 1] * x + two[1, 1] * x * x + (2 * two[0, 2] + 2 * two[1, 2] * x + two[2, 2] * y) * y
-            g11, g12 = 2 * (one[0, 1] + one[1, 1] * x + one[1, 2] * y), 2 * (one[0, 2] + one[1, 2] * x + one[2, 2] * y)
-            g21, g22 = 2 * (two[0, 1] + two[1, 1] * x + two[1, 2] * y), 2 * (two[0, 2] + two[1, 2] * x + two[2, 2] * y)
+            f1 = (
+                one[0, 0]
+                + 2 * one[0, 1] * x
+                + one[1, 1] * x * x
+                + (2 * one[0, 2] + 2 * one[1, 2] * x + one[2, 2] * y) * y
+            )
+            f2 = (
+                two[0, 0]
+                + 2 * two[0, 1] * x
+                + two[1, 1] * x * x
+                + (2 * two[0, 2] + 2 * two[1, 2] * x + two[2, 2] * y) * y
+            )
+            g11, g12 = (
+                2 * (one[0, 1] + one[1, 1] * x + one[1, 2] * y),
+                2 * (one[0, 2] + one[1, 2] * x + one[2, 2] * y),
+            )
+            g21, g22 = (
+                2 * (two[0, 1] + two[1, 1] * x + two[1, 2] * y),
+                2 * (two[0, 2] + two[1, 2] * x + two[2, 2] * y),
+            )
             det = g11 * g22 - g12 * g21
             if det == 0.0:
                 break
@@ -781,36 +809,35 @@ def form_row(d: complex, e: complex, row: Any) -> None:
     row[7] = 1.0
 
 
-def dyads(poses: Any, found: Any, counts: Any) -> None:
-    """Store all dyads of tasks of five poses (x, y, angle), and how many each has; the others are NaN."""
+def dyads(poses: Any, forms: Any, found: Any, counts: Any) -> None:
+    """Store all dyads of tasks of five poses (x, y, angle), and how many each has; the others are NaN.
+
+    Where the first angle of a task is NaN its linear form is given instead, in a unit of its own.
+    """
     d, e = np.zeros(5, np.complex128), np.zeros(5, np.complex128)
     rows, out = np.zeros((5, 8)), np.zeros((4, 4))
     for k in range(poses.shape[0]):
-        origin = 0j
-        for i in range(5):
-            origin += complex(poses[k, i, 0], poses[k, i, 1]) / 5.0
-        size = 0.0
-        for i in range(5):
-            d[i] = complex(poses[k, i, 0], poses[k, i, 1]) - origin
-            e[i] = np.exp(1j * poses[k, i, 2])
-            size = max(size, abs(d[i]))
-        size = size if size > 0.0 else 1.0
-        for i in range(5):
-            d[i] /= size
-            form_row(d[i], e[i], rows[i])
-        counts[k] = dyads_of(rows, d, e, 1, out)
+        formed = np.isnan(poses[k, 0, 2])
+        origin, size = 0j, 0.0
+        if formed:
+            rows[:, :] = forms[k]
+            size = 1.0
+        else:
+            for i in range(5):
+                origin += complex(poses[k, i, 0], poses[k, i, 1]) / 5.0
+            for i in range(5):
+                d[i] = complex(poses[k, i, 0], poses[k, i, 1]) - origin
+                e[i] = np.exp(1j * poses[k, i, 2])
+                size = max(size, abs(d[i]))
+            size = size if size > 0.0 else 1.0
+            for i in range(5):
+                d[i] /= size
+                form_row(d[i], e[i], rows[i])
+        counts[k] = dyads_of(rows, d, e, 0 if formed else 1, out)
         found[k, :, :] = np.nan
         for i in range(counts[k]):
             found[k, i, 0], found[k, i, 1] = size * out[i, 0] + origin.real, size * out[i, 1] + origin.imag
             found[k, i, 2], found[k, i, 3] = size * out[i, 2], size * out[i, 3]
-
-
-def dyads_of_form(rows: Any, found: Any, counts: Any) -> None:
-    """Store all dyads whose linear form meets five rows, of tasks in a unit of their own."""
-    none = np.zeros(5, np.complex128)
-    for k in range(rows.shape[0]):
-        found[k, :, :] = np.nan
-        counts[k] = dyads_of(rows[k], none, none, 0, found[k])
 
 
 def freudenstein(cos_in: Any, sin_in: Any, cos_out: Any, sin_out: Any, error: Any, ratios: Any) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache
@@ -16,14 +15,13 @@ from scipy.stats import qmc
 from fastlink.codegen.kernel import load_kernel
 from fastlink.codegen.source import Source
 
-__all__ = ["Candidates", "PathTask", "compiled", "solve_path"]
+__all__ = ["NUMBERS", "Candidates", "PathTask", "compiled", "solve_path"]
 
 #: The arguments of each kernel: kinds and numbers of axes, see `kernels.py`.
 ARGUMENTS = {
     "refine": "f2 f2 f2 c1 f1 f1 i1 f1 f1 f1 i1 i0",
     "compare": "f2 c1 f1 f1 f1 i0 i0 i0 i0 f1 f1 f1 f2",
-    "dyads": "f3 f3 i1",
-    "dyads_of_form": "f3 f3 i1",
+    "dyads": "f3 f3 f3 i1",
     "freudenstein": "f2 f2 f2 f2 f2 f3",
     "begin": "f2 f2 f2 c1 f1 f1 i0 i0 f2 f2",
 }
@@ -54,6 +52,8 @@ def compiled(name: str) -> Callable[..., None]:
 NUMBERS = ("a1", "a2", "a3", "a4", "P_u", "P_v", "O_x", "O_y", "ground_angle", "phase")
 #: Places of a swept curve, and starts on it that are tried.
 PLACES, PHASES = 64, 32
+#: Points of a path that shapes are compared with, at most.
+COMPARED = 20
 #: Parts of a curve that an open path may be.
 SPANS = (0.05, 0.1, 0.17, 0.25, 0.35, 0.45, 0.57, 0.7, 0.85, 1.0)
 
@@ -141,7 +141,10 @@ def starts_of(task: PathTask, count: int, keep: int, seed: int, skip: int = 0) -
     timed = task.times is not None
     times = task.times if task.times is not None else np.zeros(len(task.target))
     spans = np.array([1.0]) if task.closed or timed else np.array(SPANS)
-    compiled("compare")(shapes, task.target, task.share, times, spans, int(timed), PLACES, PHASES, 2,
+    some = np.unique(
+        np.linspace(0, len(task.target) - 1, min(len(task.target), COMPARED)).round().astype(int)
+    )
+    compiled("compare")(shapes, task.target[some], task.share[some], times[some], spans, int(timed), PLACES, PHASES, 2,
                         task.lower, task.upper, best, how)  # fmt: skip
     # half of them are the best of all, half the best of small groups: what fits best may lie in one long valley
     groups = np.array_split(np.arange(2 * count), keep // 2)
@@ -166,3 +169,80 @@ def refined(task: PathTask, found: Candidates, most: int) -> Candidates:
     found.cost = cost
     order = np.argsort(cost, kind="stable")
     return found.at(order[np.isfinite(cost[order])])
+
+
+#: Shapes that are compared in each round, of closed or timed paths and of open ones; starts that are refined.
+SHAPES, SHAPES_OPEN, KEPT = 4096, 1536, 1000
+#: Stages of the refinement: how many linkages go on, for how many steps each.
+STAGES = ((KEPT, 30), (300, 150), (40, 1500))
+#: Rounds at most; an error so small beside the size of the path counts as none.
+ROUNDS, EXACT = 4, 1e-11
+#: Linkages that are the same to so much of their size are told once.
+SAME = 1e-6
+
+
+def solve_path(task: PathTask, seed: int, rounds: int = ROUNDS, enough: float = EXACT) -> Candidates:
+    """Return the linkages that come nearest to a path, all different ones that were found, the best first.
+
+    Rounds of starts go on until a linkage passes all points, or the best one was found a second time.
+    """
+    open_path = not task.closed and task.times is None
+    shapes = SHAPES_OPEN if open_path else SHAPES
+    shapes = max(256, shapes if len(task.target) <= 2 * COMPARED else shapes // 2)
+    kept = KEPT if len(task.target) <= 2 * COMPARED else max(100, KEPT * 2 * COMPARED // len(task.target))
+    found: Candidates | None = None
+    for number in range(rounds):
+        starts = starts_of(task, shapes, kept, seed, number * shapes)
+        fit_limits(task, starts)
+        for most, steps in STAGES:
+            starts = refined(task, starts.at(slice(0, most)), steps)
+        found = merged(starts if found is None else joined(found, starts))
+        if not len(found.cost):
+            continue
+        if found.cost[0] <= enough**2 * task.size or found.starts[0] > 1:
+            break
+    assert found is not None
+    return found
+
+
+def fit_limits(task: PathTask, found: Candidates) -> None:
+    """Move starts into the limits of their numbers: given lengths size all, angles turn by whole turns."""
+    numbers = found.numbers
+    for k in range(4):
+        if task.lower[k] == task.upper[k]:
+            numbers[:, :6] *= (task.lower[k] / numbers[:, k])[:, None]
+            break
+    for k in (8, 9):
+        low = task.lower[k] if np.isfinite(task.lower[k]) else -np.pi
+        numbers[:, k] = low + np.remainder(numbers[:, k] - low, 2.0 * np.pi)
+    np.clip(numbers, task.lower, task.upper, out=numbers)
+
+
+def joined(one: Candidates, other: Candidates) -> Candidates:
+    """Return the linkages of two, the best first."""
+    parts = ("numbers", "signs", "theta", "cost", "starts")
+    both = Candidates(*(np.concatenate([getattr(one, name), getattr(other, name)]) for name in parts))
+    return both.at(np.argsort(both.cost, kind="stable"))
+
+
+def merged(found: Candidates, most: int = 400) -> Candidates:
+    """Return different linkages, the best of each, with the number of starts that ended there."""
+    kept: list[int] = []
+    starts: list[int] = []
+    for k in range(len(found.cost)):
+        numbers = found.numbers[k]
+        size = numbers[:4].max()
+        if kept:
+            known = found.numbers[kept]
+            off = np.abs(known[:, :8] - numbers[:8]).max(axis=1) / size
+            turn = np.abs(np.remainder(known[:, 8] - numbers[8] + np.pi, 2 * np.pi) - np.pi)
+            same = (off < SAME) & (turn < SAME) & (found.signs[kept, 0] == found.signs[k, 0])
+            if same.any():
+                starts[int(np.argmax(same))] += int(found.starts[k])
+                continue
+        if len(kept) < most:
+            kept.append(k)
+            starts.append(int(found.starts[k]))
+    result = found.at(kept)
+    result.starts = np.array(starts, dtype=np.int64)
+    return result

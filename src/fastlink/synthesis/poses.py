@@ -44,15 +44,25 @@ def dyads_of(points: NDArray[np.complex128], angles: Floats) -> list[Dyad]:
     """Return all RR dyads of five poses, exactly; of more, those of the linear form's least squares, then on circles."""
     found, counts = np.empty((1, 4, 4)), np.zeros(1, dtype=np.int64)
     if len(points) == 5:
-        compiled("dyads")(np.stack([points.real, points.imag, angles], axis=1)[None], found, counts)
+        poses = np.stack([points.real, points.imag, angles], axis=1)[None]
+        compiled("dyads")(poses, np.zeros((1, 5, 8)), found, counts)
         return [(complex(a, b), complex(c, d)) for a, b, c, d in found[0, : counts[0]]]
     origin = points.mean()
     size = float(np.abs(points - origin).max()) or 1.0
     d, e = (points - origin) / size, np.exp(1j * angles)
     m = np.conj(d) * e
-    columns = (np.abs(d) ** 2, 2 * m.real, -2 * m.imag, -2 * d.real, -2 * d.imag, -2 * e.real, 2 * e.imag, np.ones(len(d)))
+    columns = (
+        np.abs(d) ** 2,
+        2 * m.real,
+        -2 * m.imag,
+        -2 * d.real,
+        -2 * d.imag,
+        -2 * e.real,
+        2 * e.imag,
+        np.ones(len(d)),
+    )
     rows = np.linalg.svd(np.stack(columns, axis=1))[2][:5]
-    compiled("dyads_of_form")(np.ascontiguousarray(rows[None]), found, counts)
+    compiled("dyads")(np.full((1, 5, 3), np.nan), np.ascontiguousarray(rows[None]), found, counts)
     starts = [(complex(a, b), complex(c, f)) for a, b, c, f in found[0, : counts[0]]]
     return [(origin + size * c, size * w) for c, w in (_on_circle(d, e, start) for start in starts)]
 
@@ -86,12 +96,14 @@ def family_of(task: MotionTask, seed: int) -> list[Dyad]:
     poses[:, :count] = np.stack([task.points.real, task.points.imag, task.angles], axis=1)
     more = 5 - count
     weights = rng.dirichlet(np.ones(count), (DRAWN, more))
-    centre = weights @ task.points + task.size * (rng.normal(size=(DRAWN, more)) + 1j * rng.normal(size=(DRAWN, more)))
+    centre = weights @ task.points + task.size * (
+        rng.normal(size=(DRAWN, more)) + 1j * rng.normal(size=(DRAWN, more))
+    )
     poses[:, count:, 0], poses[:, count:, 1] = centre.real, centre.imag
     spread = max(float(np.ptp(task.angles)), 0.3)
     poses[:, count:, 2] = weights @ task.angles + 0.7 * spread * rng.normal(size=(DRAWN, more))
     found, counts = np.empty((DRAWN, 4, 4)), np.zeros(DRAWN, dtype=np.int64)
-    compiled("dyads")(poses, found, counts)
+    compiled("dyads")(poses, np.zeros((DRAWN, 5, 8)), found, counts)
     rows = found[np.isfinite(found[..., 0])]
     return [(complex(a, b), complex(c, d)) for a, b, c, d in rows]
 
@@ -135,7 +147,11 @@ def solve_motion(task: MotionTask, seed: int) -> tuple[dict[str, Any], int]:
         return found, len(dyads)
     dyads = family_of(task, seed)
     size, origin = task.size, task.points.mean()
-    kept = [one for one in dyads if abs(one[0] - origin) < LONGEST * size and 1e-3 * size < _radius(task, one) < LONGEST * size]
+    kept = [
+        one
+        for one in dyads
+        if abs(one[0] - origin) < LONGEST * size and 1e-3 * size < _radius(task, one) < LONGEST * size
+    ]
     rng = np.random.default_rng(seed)
     some = [kept[k] for k in rng.permutation(len(kept))[:PAIRED]]
     return pairs_of(task, some), len(kept)
@@ -167,7 +183,14 @@ def _on_poses(task: MotionTask, found: dict[str, Any]) -> dict[str, Any]:
             b = far / size * (cosine + 1j * side * np.sqrt(np.maximum(1.0 - cosine**2, 0.0)))
             f = (v[1] * b - far) / v[2]
             turn = np.exp(1j * v[8])
-            return crank, b, f, turn, complex(v[6], v[7]) + turn * (crank + complex(v[4], v[5]) * b), 1.0 - cosine**2
+            return (
+                crank,
+                b,
+                f,
+                turn,
+                complex(v[6], v[7]) + turn * (crank + complex(v[4], v[5]) * b),
+                1.0 - cosine**2,
+            )
 
         def off(v: Floats, at: Any = at) -> Floats:
             _, b, _, turn, point, _ = at(v)
@@ -213,7 +236,13 @@ def _on_poses(task: MotionTask, found: dict[str, Any]) -> dict[str, Any]:
         return {name: found[name][:0] for name in (*names, "pairs")}
     numbers, theta, side, body, rows = (np.array(part) for part in zip(*kept, strict=True))
     sides = np.repeat(side[:, None], n, axis=1)
-    return {"numbers": numbers, "theta": theta, "side": sides, "body_angle": body, "pairs": found["pairs"][rows]}
+    return {
+        "numbers": numbers,
+        "theta": theta,
+        "side": sides,
+        "body_angle": body,
+        "pairs": found["pairs"][rows],
+    }
 
 
 def timed_by_cognate(points: NDArray[np.complex128], times: Floats) -> tuple[Floats, Floats]:
@@ -231,11 +260,18 @@ def timed_by_cognate(points: NDArray[np.complex128], times: Floats) -> tuple[Flo
         third, arm = c1 + (c2 - c1) * k, float(np.mean(np.abs(points + e * w1 - c1)))
         place = arm * np.exp(-1j * np.angle(k))
         ground = float(np.angle(third - c1))
-        lengths = abs(third - c1), abs(w1), abs(k) * arm, abs(k) * float(np.mean(np.abs(points + e * w2 - c2)))
+        lengths = (
+            abs(third - c1),
+            abs(w1),
+            abs(k) * arm,
+            abs(k) * float(np.mean(np.abs(points + e * w2 - c2))),
+        )
         a4, a1, a2, a3 = lengths
         if not min(lengths) > 0.0:
             continue
-        rows.append([a1, a2, a3, a4, place.real, place.imag, c1.real, c1.imag, ground, float(np.angle(-w1)) - ground])
+        rows.append(
+            [a1, a2, a3, a4, place.real, place.imag, c1.real, c1.imag, ground, float(np.angle(-w1)) - ground]
+        )
         crank = a1 * np.exp(1j * (rows[-1][9] + times))
         coupler = (points - c1) * np.exp(-1j * ground) - crank
         b = crank + a2 * coupler / place
