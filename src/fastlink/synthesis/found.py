@@ -7,6 +7,7 @@ import os
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from fastlink._text import counted, joined, short_repr
+from fastlink._text import counted, joined, short_number, short_repr
 from fastlink.codegen.cache import environment
 from fastlink.design.search import _searched, write
 from fastlink.engine.evaluate import evaluate
@@ -60,10 +61,10 @@ MOST_POINTS, MOST_FOUND = 2000, 400
 class Linkages:
     """Linkages that were found, as arrays along the first axis: what `paths`, `poses` and `functions` have in common.
 
-    The numbers are those of `paths.NUMBERS`: lengths a1 to a4, the coupler point, O, the direction of OD, and the phase.
+    The numbers are those of `paths.NUMBERS`: lengths a1 to a4, the coupler point, O, the direction of OD, the phase.
     """
 
-    #: Their numbers; crank angles from OD at the points of the task; +1 where B is left of the line from A to D there.
+    #: Their numbers; crank angles from OD at the points of the task; +1 where B is left of the line from A to D.
     numbers: Floats
     theta: Floats
     side: Floats
@@ -78,7 +79,8 @@ class Linkages:
     def at(self, rows: Any) -> Linkages:
         """Return some of them."""
         own = (part[rows] for part in (self.numbers, self.theta, self.side, self.starts))
-        return Linkages(*own, {name: values[rows] for name, values in self.more.items()})
+        numbers, theta, side, starts = own
+        return Linkages(numbers, theta, side, starts, {name: of[rows] for name, of in self.more.items()})
 
     def pins(self) -> tuple[Any, ...]:
         """Return O and D, and A, B and P at the points of the task, in its frame."""
@@ -98,7 +100,7 @@ class Linkages:
 
 
 def from_pins(o: Any, d: Any, a: Any, b: Any, point: Any) -> Linkages:
-    """Return the linkages with the fixed pivots O and D, whose pins A, B and point P are where they are (linkages, points)."""
+    """Return the linkages with the fixed pivots O, D (linkages) and the pins A, B and point P (linkages, points)."""
     ground, bar = d - o, b - a
     with np.errstate(all="ignore"):
         place = ((point - a) / (bar / np.abs(bar))).mean(axis=1)
@@ -124,16 +126,15 @@ def in_order(theta: Floats, closed: bool) -> tuple[NDArray[np.int64], Floats]:
     if theta.shape[1] < 2:
         return np.ones(len(theta), dtype=np.int64), theta
     turns = []
-    for sense in (1.0, -1.0):
-        steps = np.remainder(sense * np.diff(theta, axis=1), 2.0 * np.pi)
+    for side in (1.0, -1.0):
+        steps = np.remainder(side * np.diff(theta, axis=1), 2.0 * np.pi)
         turns.append(np.where(steps > 2.0 * np.pi - TOUCH, steps - 2.0 * np.pi, steps))
     whole = np.stack([steps.sum(axis=1) for steps in turns])
     best = np.argmin(whole, axis=0)
-    sense = np.where(best == 0, 1, -1)
-    sense = np.where(whole.min(axis=0) <= 2.0 * np.pi + TOUCH, sense, 0)
+    sense = np.where(whole.min(axis=0) <= 2.0 * np.pi + TOUCH, np.where(best == 0, 1, -1), 0)
     steps = np.where(best[:, None] == 0, turns[0], -turns[1])
     ordered = np.concatenate([theta[:, :1], theta[:, :1] + np.cumsum(steps, axis=1)], axis=1)
-    return sense, np.where(sense[:, None] == 0, np.unwrap(theta, axis=1), ordered)
+    return sense, np.asarray(np.where(sense[:, None] == 0, np.unwrap(theta, axis=1), ordered))
 
 
 def used_range(numbers: Floats, theta: Floats, whole: bool) -> tuple[Floats, Floats]:
@@ -205,8 +206,8 @@ def cognates_of(found: Linkages) -> Linkages:
     third = o + (d - o) * ratio[:, 0]
     one, two = o[:, None] + (point - a), third[:, None] + ratio * (b - d[:, None])
     three, four = d[:, None] + (point - b), third[:, None] + (1.0 - ratio) * (a - o[:, None])
-    forms = [(o, d, a, b, 1), (d, o, b, a, 1), (o, third, one, two, 2), (third, o, two, one, 2), (d, third, three, four, 3),
-             (third, d, four, three, 3)]  # fmt: skip
+    forms = [(o, d, a, b, 1), (d, o, b, a, 1), (o, third, one, two, 2), (third, o, two, one, 2),
+             (d, third, three, four, 3), (third, d, four, three, 3)]  # fmt: skip
     made = [from_pins(*form[:4], point) for form in forms]
     count = len(found)
 
@@ -335,8 +336,11 @@ def _limits(bounds: Any, fixed: Any, problems: Problems) -> tuple[Floats, Floats
                 )
                 continue
             try:
-                ends = (float(value), float(value)) if where == "fixed" else (
-                    -np.inf if value[0] is None else float(value[0]), np.inf if value[1] is None else float(value[1]))  # fmt: skip
+                low_end, high_end = (value, value) if where == "fixed" else value
+                ends = (
+                    float(-np.inf if low_end is None else low_end),
+                    float(np.inf if high_end is None else high_end),
+                )
             except (TypeError, ValueError, IndexError):
                 ends = (np.nan, np.nan)
             if not ends[0] <= ends[1]:
@@ -374,26 +378,9 @@ def _columns(where: str, given: Any, names: Sequence[str], units: Mapping[str, s
     """Return the rows of an array, a table, or the file of one, as numbers."""
     remedy = f"write rows of {', '.join(names)}, or a table with these columns"
     if isinstance(given, (str, os.PathLike)):
-        try:
-            given = np.genfromtxt(given, delimiter=",", names=True, dtype=float, encoding="utf-8")
-            if given.dtype.names is None or not set(names) & {
-                split(one, units)[0] for one in given.dtype.names
-            }:
-                raise ValueError("no names")
-        except (OSError, ValueError, TypeError) as error:
-            raise InputError(
-                f"cannot be read ({error})",
-                (where,),
-                f"give a CSV file whose first line is {','.join(names)}",
-            ) from None
-        given = {name: np.atleast_1d(given[name]) for name in given.dtype.names}
-    keys = list(
-        getattr(given, "columns", None)
-        if hasattr(given, "columns")
-        else given
-        if isinstance(given, Mapping)
-        else getattr(given, "data_vars", ())
-    )
+        given = _read(where, given, names)
+    tabled = isinstance(given, Mapping) or hasattr(given, "columns") or hasattr(given, "data_vars")
+    keys = list(given) if tabled else []
     if keys:
         columns: dict[str, Any] = {}
         for key in keys:
@@ -408,11 +395,8 @@ def _columns(where: str, given: Any, names: Sequence[str], units: Mapping[str, s
     else:
         try:
             raw = np.asarray(given)
-            rows = (
-                np.stack([raw.real, raw.imag], axis=1)
-                if np.iscomplexobj(raw) and raw.ndim == 1
-                else raw.astype(float)
-            )
+            is_complex = np.iscomplexobj(raw) and raw.ndim == 1
+            rows = np.stack([raw.real, raw.imag], axis=1) if is_complex else raw.astype(float)
         except (TypeError, ValueError):
             raise InputError(f"is {short_repr(given)}", (where,), remedy) from None
     if rows.ndim != 2 or rows.shape[1] != len(names):
@@ -425,6 +409,19 @@ def _columns(where: str, given: Any, names: Sequence[str], units: Mapping[str, s
     if len(bad):
         raise InputError(f"is not finite in row {bad[0]}", (where,), "leave that row out")
     return np.ascontiguousarray(rows)
+
+
+def _read(where: str, path: Any, names: Sequence[str]) -> Any:
+    """Return the columns of a CSV file by the names in its first line, or its numbers where it has none."""
+    try:
+        with open(path, encoding="utf-8") as file:
+            head = [one.strip() for one in file.readline().split(",")]
+        named = any(one[:1].isalpha() for one in head)
+        numbers = np.loadtxt(path, delimiter=",", skiprows=int(named), ndmin=2, encoding="utf-8")
+    except (OSError, ValueError) as error:
+        remedy = f"give a CSV file whose first line is {','.join(names)}"
+        raise InputError(f"cannot be read ({error})", (where,), remedy) from None
+    return dict(zip(head, numbers.T, strict=False)) if named else numbers
 
 
 # -- The three tasks: from what was given to linkages
@@ -542,15 +539,15 @@ def _all_exact(asked: Asked, task: paths.PathTask) -> tuple[Linkages | None, str
         raise InputError(
             what, ("exact",), "leave it out: least squares find linkages through up to nine points too"
         )
-    try:
-        from fastlink.synthesis.nine_points import solutions
-    except ImportError:
-        raise InputError("is for five points with timing", ("exact",), "leave it out") from None
-    return _of_triples(solutions(task.target), task.target)
-
-
-def _of_triples(triples: Any, points: Any) -> tuple[Linkages, str]:
-    raise NotImplementedError
+    triples = import_module("fastlink.synthesis.nine_points").solutions(task.target)
+    real = triples.unknowns[triples.real]
+    start, turns = task.target[0], np.concatenate([np.ones((len(real), 1)), real[:, 8:]], axis=1)
+    x, a, y, b = (real[:, k, None] for k in range(4))
+    pin_a, pin_b = task.target + x * turns, task.target + y * turns
+    points = np.broadcast_to(task.target, turns.shape)
+    found = from_pins((start + a)[:, 0], (start + b)[:, 0], pin_a, pin_b, points)
+    complete = f"all {len(real)} real of {len(triples.unknowns):,} triples of cognates"
+    return found, complete + (f"; {len(triples.lost)} paths did not arrive" if len(triples.lost) else "")
 
 
 def _different(found: Linkages) -> Linkages:
@@ -717,7 +714,8 @@ def _solve_function(asked: Asked, function: Any, over: Any, turn: Any, turn_deg:
         peaks[k, : len(one.errors)], places[k, : len(one.peaks)] = one.errors, one.crank(one.peaks)
     found = Linkages(numbers, theta, side, np.ones(len(made), dtype=np.int64))
     found.more = {"theta4": theta4, "sense": np.array([one.sense for one in made], dtype=np.int8),
-                  "structural_error": np.array([one.error for one in made]), "peak_error": peaks, "peak_theta1": places}  # fmt: skip
+                  "structural_error": np.array([one.error for one in made]),
+                  "peak_error": peaks, "peak_theta1": places}  # fmt: skip
     if exact and given is not None:
         found.more["structural_error"] = np.array([_greatest(task, one, given, turns) for one in made])
     coords = {"x": x, "turn_in": turn_in, "turn_out": turn_out}
@@ -817,7 +815,7 @@ def labelled(solved: Solved, asked: Asked) -> xr.Dataset:
             del data[name]
     if "curve" in found.more:
         data["cognate_of"] = found.more["curve"]
-    made = {}
+    made: dict[str, Any] = {}
     for name, values in data.items():
         dims = (
             (DESIGN,) if np.ndim(values) == 1 else (DESIGN, "peak" if name.startswith("peak_") else "point")
@@ -827,13 +825,16 @@ def labelled(solved: Solved, asked: Asked) -> xr.Dataset:
     flags = {"flag_values": np.array(list(DEFECTS), dtype=np.int8), "flag_meanings": " ".join(DEFECTS.values()),
              "long_name": "What keeps the linkage from the task", "units": "1"}  # fmt: skip
     made["defect"] = ((DESIGN,), found.more["defect"], flags)
-    coords = {
+    coords: dict[str, Any] = {
         "branch": (
             (DESIGN,),
             branch,
             {"long_name": "Assembly mode: B right (1) or left (2) of the line from A to D"},
         )
     }
+    texts = [joined_limits(one, asked) for one in n]
+    if any(texts):
+        coords["active"] = ((DESIGN,), np.array(texts), {"long_name": "Limits that hold the linkage back"})
     for name, values in solved.target.items():
         coords[name] = (
             ("point",),
@@ -841,6 +842,17 @@ def labelled(solved: Solved, asked: Asked) -> xr.Dataset:
             {"units": TARGETS.get(name, "1"), "long_name": f"{name} of the task"},
         )
     return result.assign(made).assign_coords(coords)
+
+
+def joined_limits(numbers: Floats, asked: Asked) -> str:
+    """Return which limits of its numbers a linkage has reached, as a text."""
+    found = []
+    for name, number, low, high in zip(NUMBERS, numbers, asked.lower, asked.upper, strict=True):
+        for sign, end in ((">=", low), ("<=", high)):
+            if low < high and np.isfinite(end) and abs(number - end) <= 1e-9 * max(abs(end), 1e-6):
+                units = "rad" if name in ("ground_angle", "phase") else "m"
+                found.append(f"{name} {sign} {short_number(end)} {units}")
+    return ", ".join(found)
 
 
 def _errors(solved: Solved, found: Linkages, branch: NDArray[np.int64]) -> dict[str, Any]:
@@ -870,7 +882,7 @@ def _errors(solved: Solved, found: Linkages, branch: NDArray[np.int64]) -> dict[
 
 
 def selected(every: xr.Dataset, solved: Solved, asked: Asked) -> xr.Dataset:
-    """Return the best linkages that meet all conditions, those without defects first; without any, none and the reason."""
+    """Return the best linkages that meet all conditions, those without defects first; or none, and the reason."""
     where = asked.where
     attrs = {
         **every.attrs,
@@ -926,7 +938,7 @@ def _listed(given: Any) -> list[Any]:
 
 
 def _ended(found: xr.Dataset, attrs: dict[str, Any], reason: str) -> xr.Dataset:
-    """Return a result with its designs numbered, cognates named by these numbers, and the reason where there is none."""
+    """Return a result with its designs numbered, cognates named by these, and the reason where there is none."""
     count = found.sizes[DESIGN]
     if "cognate_of" in found:
         curves, first = found["cognate_of"].values, dict[int, int]()
@@ -1003,16 +1015,16 @@ def synthesise(
     over : (float, float)
         The range of x of a function.
     turn, turn_deg : (float, float)
-        By how much crank and output link turn over the range. A positive output turn may have either sense, see ``sense``
-        in the result; a negative one is against the crank. Without it pairs are angles in rad.
+        By how much crank and output link turn over the range. A positive output turn may have either sense, see
+        ``sense`` in the result; a negative one is against the crank. Without it pairs are angles in rad.
     precision_points : int, optional
         Meet a function exactly at 3 to 5 points in Chebyshev's spacing, instead of with the least greatest error.
     where : mapping, optional
-        Conditions on all that is computed, as of `fastlink.best`, such as ``{"least_transmission_angle_deg": (40, None)}``
-        or ``{"D_x": (0, 1)}``.
+        Conditions on all that is computed, as of `fastlink.best`, such as
+        ``{"least_transmission_angle_deg": (40, None)}`` or ``{"D_x": (0, 1)}``.
     bounds, fixed : mapping, optional
-        Ranges of, or numbers for ``a1`` to ``a4``, ``P_u``, ``P_v``, ``O_x``, ``O_y``, ``ground_angle`` and ``phase``; D by
-        ``D_x``, ``D_y`` where O is fixed too.
+        Ranges of, or numbers for ``a1`` to ``a4``, ``P_u``, ``P_v``, ``O_x``, ``O_y``, ``ground_angle`` and ``phase``;
+        D by ``D_x``, ``D_y`` where O is fixed too.
     minimise, maximise : str or sequence of str
         What is best; by default the least error, and of two to four poses the greatest of the least transmission angles
         between them.
@@ -1032,8 +1044,8 @@ def synthesise(
     xarray.Dataset
         Linkages along ``design``, the best first, as a map: ``a1`` to ``a4``, ``P_u``, ``P_v``, ``branch``; O, D and
         ``ground_angle`` in the frame of the task; the crank angles ``theta1(design, point)``; the errors; ``defect``,
-        ``order``, ``circuit``, ``status``, ``starts``; linkages of one curve have one ``cognate_of``. Where there is none,
-        it is empty and the attribute ``reason`` says why.
+        ``order``, ``circuit``, ``status``, ``starts``; linkages of one curve have one ``cognate_of``. Where there is
+        none, it is empty and the attribute ``reason`` says why.
 
     Raises
     ------
@@ -1042,13 +1054,14 @@ def synthesise(
 
     Notes
     -----
-    F. Freudenstein 1955 for functions; L. Burmester 1888 for motions, whose dyads come from a null space and two conics; paths
-    with timing are motions of a cognate; H. Alt 1923 for nine points.
+    F. Freudenstein 1955 for functions; L. Burmester 1888 for motions, whose dyads come from a null space and two
+    conics; paths with timing are motions of a cognate; H. Alt 1923 for nine points.
 
     Examples
     --------
-    >>> found = fl.synthesise("planar_4r", path=[(3, 3), (2.759, 3.363), (2.372, 3.663), (1.89, 3.862), (1.355, 3.943)],
-    ...     timing=np.pi * np.array([1 / 6, 1 / 4, 1 / 3, 5 / 12, 1 / 2]), fixed={"O_x": 0, "O_y": 0, "ground_angle": 0, "phase": 0})
+    >>> arc = [(3, 3), (2.759, 3.363), (2.372, 3.663), (1.89, 3.862), (1.355, 3.943)]
+    >>> at_origin = {"O_x": 0, "O_y": 0, "ground_angle": 0, "phase": 0}
+    >>> found = fl.synthesise("planar_4r", path=arc, timing=np.radians([30, 45, 60, 75, 90]), fixed=at_origin)
     >>> float(found.path_error_sum[0].round(12))
     7.41575e-07
     """
@@ -1067,7 +1080,8 @@ def synthesise(
     names = problems.attempt(check_names, "quantities", quantities) if quantities else ()
     limits = _limits(bounds, fixed, problems)
     only = {"path": {"timing": timing, "closed": closed}, "motion": {"rotation_length": rotation_length},
-            "function": {"over": over, "turn": turn, "turn_deg": turn_deg, "precision_points": precision_points}}  # fmt: skip
+            "function": {"over": over, "turn": turn, "turn_deg": turn_deg,
+                         "precision_points": precision_points}}  # fmt: skip
     for task, options in only.items():
         for name, value in options.items():
             if value is not None and tasks != [task]:

@@ -16,7 +16,8 @@ __all__ = ["FunctionTask", "Generator", "chebyshev", "solve_function"]
 
 Floats = NDArray[np.float64]
 
-#: Start angles of each shaft that are tried, over half a turn (negative lengths are the other half); places of a function in the scan, and in the refinement.
+#: Start angles of each shaft that are tried, over half a turn (negative lengths are the other half); places of a
+#: function in the scan, and in the refinement.
 STARTS, PLACES, FINE = 120, 13, 121
 #: Linkages that are refined by sums of powers of the errors, and then by linear programs.
 MANY, FEW = 200, 12
@@ -73,7 +74,7 @@ class Generator:
 
 
 def _angles(numbers: Floats, sign: Any, turn: Floats) -> tuple[Floats, Floats]:
-    """Return the output angle (linkages, places) of K1 cos psi - K2 cos phi + K3 = cos(phi - psi), and the crank angle."""
+    """Return output and crank angles (linkages, places): K1 cos psi - K2 cos phi + K3 = cos(phi - psi)."""
     k1, k2, k3, phi0 = (numbers[:, k, None] for k in range(4))
     phi = phi0 + turn
     a, b, c = k1 - np.cos(phi), -np.sin(phi), k2 * np.cos(phi) - k3
@@ -149,7 +150,7 @@ def _scanned(task: FunctionTask, sense: int) -> tuple[Floats, Floats]:
 def _by_powers(
     numbers: Floats, sign: Floats, turn: Floats, wanted: Floats, powers: tuple[int, ...]
 ) -> Floats:
-    """Return linkages after steps of damped least squares towards the least sum of powers of the errors, all at once."""
+    """Return linkages after damped least squares towards the least sum of powers of the errors, all at once."""
     side, damping = sign[:, None], np.full(len(numbers), 1e-3)
 
     def norm(of: Floats, power: int, scale: Floats) -> Floats:
@@ -162,7 +163,7 @@ def _by_powers(
             with np.errstate(all="ignore"):
                 weights = (np.abs(off) / scale) ** (power - 2)
             j = _slopes(numbers, side, turn)
-            bad = ~np.isfinite(j).all(axis=(1, 2)) | ~np.isfinite(off).all(axis=1)
+            bad = np.asarray(~np.isfinite(j).all(axis=(1, 2)) | ~np.isfinite(off).all(axis=1))
             j[bad], off_now = 0.0, np.where(bad[:, None], 0.0, off)
             h = np.einsum("mp,mpa,mpb->mab", weights * (1.0 if power == 2 else power - 1.0), j, j)
             g = np.einsum("mp,mpa,mp->ma", weights, j, off_now)
@@ -182,19 +183,19 @@ def _by_powers(
 def _peaks(task: FunctionTask, numbers: Floats, sign: float, sense: int) -> tuple[Floats, Floats]:
     """Return where the error has extremes along the crank's turn, the ends among them, and the errors there.
 
-    Each is enclosed by places and found by golden sections, to the square root of the rounding, where the error is flat.
+    Each is enclosed by places and found by golden sections, to the root of the rounding, where the error is flat.
     """
     if task.output is None:
         return task.turn_in, _off(numbers[None], sign, task.turn_in, sense * task.turn_out)[0]
     output = task.output
 
     def error(turn: Floats) -> Floats:
-        return _off(numbers[None], sign, turn, sense * output(turn))[0]
+        return np.asarray(_off(numbers[None], sign, turn, sense * output(turn))[0])
 
     places = np.linspace(task.turn_in[0], task.turn_in[-1], 4 * FINE + 1)
     at = error(places)
     inner = np.flatnonzero((at[1:-1] - at[:-2]) * (at[2:] - at[1:-1]) <= 0.0) + 1
-    low, high, side = places[inner - 1], places[inner + 1], np.sign(at[inner] + 1e-300)
+    low, high = places[inner - 1], places[inner + 1]
     side = np.where(at[inner] >= np.maximum(at[inner - 1], at[inner + 1]), 1.0, -1.0)
     ratio = (np.sqrt(5.0) - 1.0) / 2.0
     one, two = high - ratio * (high - low), low + ratio * (high - low)
@@ -305,18 +306,17 @@ def solve_function(task: FunctionTask, few: int = FEW) -> list[Generator]:
             off = _off(one[None], side, task.turn_in, sense * task.turn_out)[0]
             if worst_of < 1e-9:
                 found.append(Generator(one, side, sense, worst_of, task.turn_in, off))
-        elif (made := _minimax(task, one, side, sense, aim)) is not None:
-            found.append(made)
-            aim = min(aim, made.error)
+        elif (best := _minimax(task, one, side, sense, aim)) is not None:
+            found.append(best)
+            aim = min(aim, best.error)
         if len(tried) == few and not task.exact:
             break
     found.sort(key=lambda one: one.error)
     distinct: list[Generator] = []
-    for one in found:
-        if not _is_known(
-            [(k.numbers, k.sign, k.sense) for k in distinct], (one.numbers, one.sign, one.sense), 1e-5
-        ):
-            distinct.append(one)
+    for made in found:
+        known = [(k.numbers, k.sign, k.sense) for k in distinct]
+        if not _is_known(known, (made.numbers, made.sign, made.sense), 1e-5):
+            distinct.append(made)
     return distinct
 
 

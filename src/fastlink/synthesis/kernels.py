@@ -1,9 +1,9 @@
 """Kernels of synthesis, compiled by numba: least squares on coupler points, and shapes compared with a task.
 
-A linkage is ten numbers: a1 a2 a3 a4 P_u P_v O_x O_y ground_angle phase, and a sign s: +1 where B is left of the line from A
-to D, which is branch 2. With times given, its crank stands at phase + times; else each point has an angle of its own, which
-is eliminated (G. Golub, V. Pereyra, SIAM J. Numer. Anal. 10 (1973) 413): whatever the number of points, a step solves for
-the ten numbers alone. The text is compiled as it stands here; it is not run as Python.
+A linkage is ten numbers: a1 a2 a3 a4 P_u P_v O_x O_y ground_angle phase, and a sign s: +1 where B is left of the line
+from A to D, which is branch 2. With times given, its crank stands at phase + times; else each point has an angle of its
+own, which is eliminated (G. Golub, V. Pereyra, SIAM J. Numer. Anal. 10 (1973) 413): whatever the number of points, a
+step solves for the ten numbers alone. The text is compiled as it stands here; it is not run as Python.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 
 from fastlink.numerics.compiler import outlined
 
-#: Numbers of a linkage; linear limits: two of each number, three of Grashof's, that of positive lengths within the former.
+#: Numbers of a linkage; linear limits: two of each number, three of Grashof's.
 SIZE, LIMITS = 10, 23
 
 
@@ -420,7 +420,7 @@ def refine(numbers: Any, signs: Any, theta: Any, target: Any, weights: Any, time
 
 @outlined
 def similarity(z: Any, target: Any, n: int) -> Any:
-    """Return the sum of squares that the best turn, size and place leave, the factor of turn and size, and the place."""
+    """Return the sum of squares that the best turn, size and place leave, the factor of these, and the place."""
     zm, wm = 0j, 0j
     for i in range(n):
         zm += z[i]
@@ -520,7 +520,7 @@ def compare(shapes: Any, target: Any, share: Any, times: Any, spans: Any, timed:
     """Store for each shape and sign what the best similarity leaves, and the phase, sense and span of it.
 
     What lies beyond limits counts 10,000 times as much.
-    Shapes have a1 = 1 and cranks that turn fully. Points without times are compared by shares of the length of the curve.
+    Shapes have a1 = 1 and cranks that turn fully. Points without times are compared by shares of the curve's length.
     """
     n = target.size
     z, length = np.zeros(count + 1, np.complex128), np.zeros(count + 1)
@@ -665,9 +665,9 @@ def solve_small(m: Any, n: int, x: Any) -> bool:
 def dyads_of(rows: Any, d: Any, e: Any, polish: int, out: Any) -> int:
     """Store all dyads (centre c, body point w) whose linear form meets five rows, and return how many there are.
 
-    |d + e w - c|^2 = R^2 is linear in (p0, w, c, q, k) with q p0 = conj(c) w: five rows leave three dimensions, and the two
-    real parts of the condition are two conics there. Each of their at most four points is refined on the circles of the
-    poses themselves.
+    |d + e w - c|^2 = R^2 is linear in (p0, w, c, q, k) with q p0 = conj(c) w: five rows leave three dimensions, and the
+    two real parts of the condition are two conics there. Each of their at most four points is refined on the circles of
+    the poses themselves.
     """
     m = np.zeros((8, 6))
     q = np.eye(8)
@@ -843,8 +843,8 @@ def dyads(poses: Any, forms: Any, found: Any, counts: Any) -> None:
 def freudenstein(cos_in: Any, sin_in: Any, cos_out: Any, sin_out: Any, error: Any, ratios: Any) -> None:
     """Store for each pair of start angles the greatest structural error of the best K1, K2, K3, to first order.
 
-    Tables of cosines and sines: (start angle, place). Of K1 cos psi - K2 cos phi + K3 = cos(phi - psi) the least squares are
-    weighed once by the rate at which the output angle changes it; where that changes its sign the linkage would have to
+    Tables of cosines and sines: (start angle, place). The least squares of K1 cos psi - K2 cos phi + K3 = cos(phi-psi)
+    are weighed by the rate at which the output angle changes it; where that changes its sign the linkage would have to
     change its assembly mode, and the error is infinite.
     """
     n = cos_in.shape[1]
@@ -855,7 +855,7 @@ def freudenstein(cos_in: Any, sin_in: Any, cos_out: Any, sin_out: Any, error: An
             rate[:] = 1.0
             fine = True
             worst = np.inf
-            for again in range(3):
+            for _ in range(3):
                 m[:, :] = 0.0
                 x[:] = 0.0
                 for t in range(n):

@@ -154,8 +154,8 @@ def starts_of(task: PathTask, count: int, keep: int, seed: int, skip: int = 0) -
     signs = np.stack([2.0 * (rows % 2) - 1.0, how[rows, 1]], axis=1)
     numbers, theta = np.zeros((len(rows), 10)), np.zeros((len(rows), len(task.target)))
     chosen = np.ascontiguousarray(shapes[rows // 2])
-    compiled("begin")(chosen, signs, np.ascontiguousarray(how[rows]), task.target, task.share, times, int(timed), PLACES,
-                      numbers, theta)  # fmt: skip
+    compiled("begin")(chosen, signs, np.ascontiguousarray(how[rows]), task.target, task.share, times, int(timed),
+                      PLACES, numbers, theta)  # fmt: skip
     return Candidates(numbers, signs, theta, best[rows], np.ones(len(rows), dtype=np.int64))
 
 
@@ -172,7 +172,7 @@ def refined(task: PathTask, found: Candidates, most: int) -> Candidates:
 
 
 #: Shapes that are compared in each round, of closed or timed paths and of open ones; starts that are refined.
-SHAPES, SHAPES_OPEN, KEPT = 4096, 1536, 1000
+SHAPES, SHAPES_OPEN, KEPT = 4096, 2048, 1000
 #: Stages of the refinement: how many linkages go on, for how many steps each.
 STAGES = ((KEPT, 30), (300, 150), (40, 1500))
 #: Rounds at most; an error so small beside the size of the path counts as none.

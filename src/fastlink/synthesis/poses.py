@@ -41,7 +41,7 @@ Dyad = tuple[complex, complex]
 
 
 def dyads_of(points: NDArray[np.complex128], angles: Floats) -> list[Dyad]:
-    """Return all RR dyads of five poses, exactly; of more, those of the linear form's least squares, then on circles."""
+    """Return all RR dyads of five poses; of more, those of the linear form's least squares, then nearest to circles."""
     found, counts = np.empty((1, 4, 4)), np.zeros(1, dtype=np.int64)
     if len(points) == 5:
         poses = np.stack([points.real, points.imag, angles], axis=1)[None]
@@ -71,7 +71,7 @@ def _on_circle(d: NDArray[np.complex128], e: NDArray[np.complex128], start: Dyad
     """Return the dyad whose pin leaves its circle least, in lengths, near a start."""
 
     def off(x: Floats) -> Floats:
-        return np.abs(d + e * complex(x[2], x[3]) - complex(x[0], x[1])) - x[4]
+        return np.asarray(np.abs(d + e * complex(x[2], x[3]) - complex(x[0], x[1])) - x[4])
 
     def slopes(x: Floats) -> Floats:
         pin = d + e * complex(x[2], x[3]) - complex(x[0], x[1])
@@ -109,9 +109,10 @@ def family_of(task: MotionTask, seed: int) -> list[Dyad]:
 
 
 def pairs_of(task: MotionTask, dyads: list[Dyad], both: bool = True) -> dict[str, Any]:
-    """Return the linkages of pairs of dyads, driven by the first of each: arrays by name, see `Linkage`.
+    """Return the linkages of pairs of dyads, driven by the first of each: arrays by name.
 
-    Besides the crank angles of each pose come the signs of B beside the line from A to D, and the angle of the body from AB.
+    Besides the crank angles at each pose come the signs of B beside the line from A to D, and the angle of the body
+    from AB.
     """
     choose = permutations if both else combinations
     pairs = np.array(list(choose(range(len(dyads)), 2)), dtype=int).reshape(-1, 2)
@@ -234,22 +235,17 @@ def _on_poses(task: MotionTask, found: dict[str, Any]) -> dict[str, Any]:
     names = ("numbers", "theta", "side", "body_angle")
     if not kept:
         return {name: found[name][:0] for name in (*names, "pairs")}
-    numbers, theta, side, body, rows = (np.array(part) for part in zip(*kept, strict=True))
-    sides = np.repeat(side[:, None], n, axis=1)
-    return {
-        "numbers": numbers,
-        "theta": theta,
-        "side": sides,
-        "body_angle": body,
-        "pairs": found["pairs"][rows],
-    }
+    numbers, theta, sides, body, rows = (np.array(part) for part in zip(*kept, strict=True))
+    sides = np.repeat(sides[:, None], n, axis=1)
+    parts = (numbers, theta, sides, body, found["pairs"][rows])
+    return dict(zip((*names, "pairs"), parts, strict=True))
 
 
 def timed_by_cognate(points: NDArray[np.complex128], times: Floats) -> tuple[Floats, Floats]:
     """Return linkages (rows of ten numbers) whose crank turns by times while the point passes points, and their signs.
 
-    The crank of a linkage turns as the coupler of a cognate does (S. Roberts 1875), so points with times are poses of that
-    cognate: exact for five, up to twelve linkages; of more the closed form's least squares, which starts well.
+    The crank of a linkage turns as the coupler of a cognate does (S. Roberts 1875), so points with times are poses of
+    that cognate: exact for five, up to twelve linkages.
     """
     e = np.exp(1j * times)
     rows, signs = [], []
