@@ -91,6 +91,8 @@ class Source:
     links: Links | None = None
     input: str | None = None
     own: str = ""
+    #: The points of the task of a linkage that was synthesised (points, 2), in its ground frame.
+    target: Any = None
 
 
 def read_source(
@@ -190,8 +192,18 @@ def _of_map(maps: Any, design: Any, at: Any) -> Source:
                 inputs[name if has_unit(units, known[name]) else with_unit(name, units)] = float(row[name])
         branch = int(row[BRANCH]) if BRANCH in row.coords and row[BRANCH].ndim == 0 else None
         own = str(dataset.attrs.get("own_quantities", ""))
+        target = _target_of(row)
     links = taken_links(inputs)
-    return Source(mechanism, inputs, branch, links, input, own)
+    return Source(mechanism, inputs, branch, links, input, own, target)
+
+
+def _target_of(row: Any) -> Any:
+    """Return the points of a task in the ground frame of the linkage that was found for it; None of other rows."""
+    if not {"target_x", "target_y", "O_x", "O_y", "ground_angle"} <= set(row.variables):
+        return None
+    away = (row["target_x"] - row["O_x"]) + 1j * (row["target_y"] - row["O_y"])
+    turned = np.asarray(away.values * np.exp(-1j * float(row["ground_angle"])))
+    return np.stack([turned.real, turned.imag], axis=-1)
 
 
 def _places(along: Mapping[str, Any], design: Any, at: Any, units: Mapping[str, str]) -> tuple[int, ...]:
@@ -601,6 +613,9 @@ def draw(
     with style():
         board = Board(request)
         board.show()
+        if source.target is not None:
+            for sheet in board.sheets:
+                sheet.axis.plot(*source.target.T, "x", color="0.25", markersize=5.0, zorder=6.0)
         if path is not None and not is_cad(path):
             save(board.figure, path, "to")
         if film is not None:
