@@ -381,7 +381,6 @@ def given_tolerances(
             with problems.at(parent, name):
                 units = known[of].units
                 factor = check_unit(of, unit, units, others)
-                others[of] = name
                 share, number = _tolerance((parent, name), value, unit or units, is_in_unit=bool(unit))
                 found[tolerance_name(of, relative=share)] = float(scaled(number, factor))
     return found
