@@ -52,12 +52,14 @@ if TYPE_CHECKING:
 
 
 #: The accumulator ``{count}`` of the configurations that assemble: its first value and its update.
-COUNT = ("0.0", "{count} + select({value} == {value}, 1.0, 0.0)")
+COUNT = ("0.0", "{count} + select({value} == {value}, {part}, 0.0)")
+#: What stands for the part of a position in a sum, and for it as a factor: at the ends of an arc it is a half.
+WHOLE_PART, OF_ARC = {"part": "1.0", "times": ""}, {"part": "part", "times": "part * "}
 #: Samples on which a reference is tried when a reduction is defined, and a factor without rounding.
 TRIED, FACTOR = (0.375, -1.25, 3.5, -0.0625, 2.0), 4.0
 TOLERANCE = 1e-12
 #: What kernel text calls the quantity, and whether it replaces an extreme.
-RESERVED = {"value", "better", "slope"}
+RESERVED = {"value", "better", "slope", *WHOLE_PART}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -65,7 +67,8 @@ class Reduction:
     """One way to reduce the cycle of a quantity to a number.
 
     Kernel text is one expression of arithmetic, comparisons, ``select``, ``sqrt`` and ``abs`` in which ``{value}`` is
-    the quantity at an input position and ``{NAME}`` an accumulator. Configurations that do not assemble are NaN and
+    the quantity at an input position and ``{NAME}`` an accumulator; ``{part}``, and ``{times}`` before a factor, weigh
+    what is summed where the ends of an arc count half. Configurations that do not assemble are NaN and
     must not enter: a comparison with NaN is false. A cycle without any value must give NaN.
 
     Attributes
@@ -151,7 +154,7 @@ class Reduction:
     def _check_text(self) -> None:
         names = set(self.accumulators)
         finals = ((text, names) for text in (self.finish, self.at_toggle))
-        all_names, here = names | set(self.gradient), {"value", "better"}
+        all_names, here = names | set(self.gradient), {"value", "better", *WHOLE_PART}
         updates = [(text, names | here) for pair in self.accumulators.values() for text in pair]
         slopes = [(text, all_names | here | {"slope"}) for pair in self.gradient.values() for text in pair]
         for text, known in (*updates, *finals, *slopes, (self.gradient_finish, all_names)):
@@ -289,14 +292,16 @@ register(
         phrase="root mean square over the cycle",
         reference=_root_mean_square,
         accumulators={
-            "total": ("0.0", "{total} + select({value} == {value}, {value} * {value}, 0.0)"),
+            "total": ("0.0", "{total} + select({value} == {value}, {times}{value} * {value}, 0.0)"),
             "count": COUNT,
         },
         finish="sqrt({total} / {count})",
         toggle_order=1,
         at_toggle="select({total} == 0.0, sqrt({total} / {count}), inf)",
         keywords=("effective", "quadratic"),
-        gradient={"product": ("0.0", "{product} + select({value} == {value}, {value} * {slope}, 0.0)")},
+        gradient={
+            "product": ("0.0", "{product} + select({value} == {value}, {times}{value} * {slope}, 0.0)")
+        },
         gradient_finish="{product} / ({count} * sqrt({total} / {count}))",
         has_kink=True,
     )
@@ -307,14 +312,14 @@ register(
         phrase="mean over the cycle",
         reference=_mean,
         accumulators={
-            "total": ("0.0", "{total} + select({value} == {value}, {value}, 0.0)"),
+            "total": ("0.0", "{total} + select({value} == {value}, {times}{value}, 0.0)"),
             "count": COUNT,
         },
         finish="{total} / {count}",
         toggle_order=2,
         at_toggle="select({total} == 0.0, {total} / {count}, nan)",
         keywords=("average", "avg", "averaged"),
-        gradient={"slopes": ("0.0", "{slopes} + select({value} == {value}, {slope}, 0.0)")},
+        gradient={"slopes": ("0.0", "{slopes} + select({value} == {value}, {times}{slope}, 0.0)")},
         gradient_finish="{slopes} / {count}",
     )
 )

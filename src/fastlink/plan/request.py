@@ -544,7 +544,7 @@ def _in_degrees(angle: float) -> str:
 def positions_of_arc(
     catalogue: Catalogue, space: DesignSpace, given: Any, key: str, names: Sequence[str]
 ) -> NDArray[Any]:
-    """Return so many input positions of the arc that designs give, in the middles of equal parts; else refuse them."""
+    """Return so many input positions of the arc that designs give, its ends among them; else refuse them."""
     position = catalogue.position.name
     if _are_several(given):
         what = f"{position} is an array, and the designs give an arc"
@@ -560,7 +560,7 @@ def positions_of_arc(
         problems.stop()
         return np.arange(n) * (2.0 * np.pi / n)
     start, end = (space.constants[name] for name in ARC_ENDS)
-    return start + (np.arange(n) + 0.5) * ((end - start) / n)
+    return np.linspace(start, end, n)
 
 
 def check_positions(catalogue: Catalogue, given: int | ArrayLike, key: str = "angles") -> NDArray[Any]:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink.errors import InputError
+from fastlink.facts.arc import ARC
 from fastlink.facts.evaluate import read_facts
 from fastlink.facts.fact import Fact, Input, System
 from fastlink.facts.names import ErrorBound, error_name, signed
@@ -402,7 +403,7 @@ def sampled(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, 
         measured = MeasuredErrors(METHODS[reduction.has_position, output.request.is_position])
         for design, curve in enumerate(curves[:compared]):
             value = float(sample.result(output.name, design))
-            exact, size = _reduced(reduction, curve)
+            exact, size = _reduced(reduction, twice_within(curve) if ARC in sample.plan.variants else curve)
             if output.toggles and curve.any() and _meets_toggle(sample, output, design):
                 exact = CONTEXT.nan  # the integral does not exist, or is infinite
             if reduction.has_position and not CONTEXT.isnan(exact):
@@ -426,6 +427,11 @@ def _meets_toggle(sample: Sample, output: Output, design: int) -> bool:
     at = sample.configuration(design, sample.branches[design], sample.positions[0])
     known = sample.facts(output.toggles, zeroes=True).at(at)
     return any(known[name] > 0 for name in output.toggles)
+
+
+def twice_within(curve: NDArray[Any]) -> NDArray[Any]:
+    """Return the samples of an arc, of whose ends half counts: those between twice."""
+    return np.concatenate([curve, curve[1:-1]])
 
 
 def _reduced(reduction: Reduction, curve: NDArray[Any]) -> tuple[Any, Any]:
