@@ -283,7 +283,7 @@ GONE = {
     "read": "fl.open(path)",
     "simulate": "fl.sweep(...)",
     "solve": "fl.sweep(...)",
-    "pareto": "fl.best(maps",
+    "pareto": "fl.search(...)",
     "animate": "fl.draw(",
 }
 

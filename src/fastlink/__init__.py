@@ -55,22 +55,16 @@ else:
 
     _MODULES = _modules()
     __all__ = sorted(_MODULES)
-    _SEARCH = "fl.search(...), or of a map fl.best(...)"
-    _OPEN, _SHOW = "fl.open(path)", "fl.draw(...) of a linkage, fl.plot(maps, name) or fl.explore(maps)"
-    _SWEEP = "fl.sweep(...), or at single input positions fl.evaluate(...)"
-    #: What replaces the names of 0.2, and what others call what there is.
+    #: What others call what there is; and what replaces the names of 0.2.
+    _MEANT = {
+        "fl.search(...), or of a map fl.best(...)": "maximise maximize minimise minimize optimise optimize pareto",
+        "fl.open(path)": "load load_dataset open_dataset read",
+        "fl.sweep(...), or at single input positions fl.evaluate(...)": "analyse analyze compute simulate solve",
+        "fl.draw(...) of a linkage, fl.plot(maps, name) or fl.explore(maps)": "animate figure show view visualize",
+        "fl.convert(maps, to)": "export save to_csv write",
+    }
     _GONE = {
-        **dict.fromkeys(("maximise", "maximize", "minimise", "minimize", "optimise", "optimize"), _SEARCH),
-        **dict.fromkeys(("load", "load_dataset", "open_dataset", "read"), _OPEN),
-        **dict.fromkeys(("analyse", "analyze", "compute", "simulate", "solve"), _SWEEP),
-        **dict.fromkeys(("figure", "show", "view", "visualise", "visualize"), _SHOW),
-        **dict.fromkeys(("filter", "front", "pareto", "rank", "top"), "fl.best(maps, ...)"),
-        **dict.fromkeys(("export", "save", "to_csv", "write"), "fl.convert(maps, to)"),
-        **dict.fromkeys(("linspace", "arange"), "numpy's, such as numpy.linspace(0.1, 0.4, 5)"),
-        **dict.fromkeys(("gradient", "jacobian"), "fl.function(...).gradient"),
-        **dict.fromkeys(("fourbar", "linkage", "Linkage", "Mechanism"), "fl.mechanisms(), which lists them"),
-        "animate": "fl.draw(..., animate='turn.gif')",
-        "describe": "fl.open(path).fastlink.summary()",
+        **{word: of for of, words in _MEANT.items() for word in words.split()},
         "accuracy_table": "fl.accuracy(study).fastlink.summary()",
         "finite": "maps.fastlink.finite()",
         "plot_designs": "fl.plot(maps, names), with kind='cumulative' of one name",

@@ -243,15 +243,13 @@ class ResultWarning(InputWarning):
     """A remark on a result that is not what was asked for; a command that makes it ends with the status 1."""
 
 
-def remark(
-    what: str, where: KeyPath = (), remedy: Remedy = "", category: type[InputWarning] = InputWarning
-) -> None:
+def remark(what: str, where: KeyPath = (), remedy: Remedy = "", kind: type[Warning] = InputWarning) -> None:
     """Warn of input at the line that called fastlink, by `InputWarning`."""
     frame, level = sys._getframe(1), 2
     while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == __package__:
         frame, level = frame.f_back, level + 1
     text = printable(Wording().line(Problem(what, where, remedy)))
-    warnings.warn(text, category, stacklevel=level)
+    warnings.warn(text, kind, stacklevel=level)
 
 
 class _Collecting:
@@ -339,6 +337,8 @@ def listed(options: Sequence[str]) -> str:
 
 #: Parameters that the form of a call shows.
 MOST_PARAMETERS = 6
+#: What tells where a name is written that is no parameter, if it does.
+Elsewhere: TypeAlias = Callable[[str], str] | None
 BY_POSITION = (Parameter.POSITIONAL_ONLY, Parameter.POSITIONAL_OR_KEYWORD)
 
 
@@ -362,16 +362,12 @@ def door(function: Callable[P, R]) -> Callable[P, R]: ...
 
 @overload
 def door(
-    *, hint: str = "", name: str = "", elsewhere: Callable[[str], str] | None = None
+    *, hint: str = "", name: str = "", elsewhere: Elsewhere = None
 ) -> Callable[[Callable[P, R]], Callable[P, R]]: ...
 
 
 def door(
-    function: Callable[P, R] | None = None,
-    *,
-    hint: str = "",
-    name: str = "",
-    elsewhere: Callable[[str], str] | None = None,
+    function: Callable[P, R] | None = None, *, hint: str = "", name: str = "", elsewhere: Elsewhere = None
 ) -> Any:
     """Return a public function that refuses a wrong call with the nearest parameter, or with its form.
 
@@ -414,12 +410,7 @@ def door(
 
 
 def _wrong_call(
-    name: str,
-    expected: Signature,
-    args: Sequence[Any],
-    options: Mapping[str, Any],
-    hint: str,
-    elsewhere: Callable[[str], str] | None,
+    name: str, expected: Signature, args: Sequence[Any], options: Mapping[str, Any], *how: Any
 ) -> list[Problem] | None:
     """Return the problems of a call that does not fit the parameters of a function, None of one that does."""
     try:
@@ -431,7 +422,7 @@ def _wrong_call(
     parameters = list(expected.parameters.values())
     if parameters and parameters[0].name == "self":
         parameters, args = parameters[1:], args[1:]
-    problems = Problems()
+    problems, (hint, elsewhere) = Problems(), how
     also = f"; {hint}" if hint else ""
     form = f"write {_form(name, parameters)}{also}"
     by_position = [one for one in parameters if one.kind in BY_POSITION]

@@ -245,6 +245,16 @@ def test_where_no_design_does_the_answer_is_the_nearest_one():
     assert "transmission_angle_min >= 0.785398" in found.active.item()
 
 
+def test_a_search_by_a_mean_of_positions_has_the_exact_extremes_of_a_sweep():
+    space = fl.sobol(64, a1=0.4, a2=(1.1, 1.3), a3=(0.7, 0.9), a4=1.0, omega1=25.0)
+    aims = {"minimise": "theta4_travel", "where": {"omega4_max": (None, 20)}}
+    found = fl.search("planar_4r", space, **aims, positions=30, top=1)
+    design = {name: found[name].item() for name in ("a1", "a2", "a3", "a4", "omega1")}
+    assert found.omega4_max.item() == fl.sweep("planar_4r", design, ["omega4_max"]).omega4_max.item()
+    travel = fl.sweep("planar_4r", design, ["theta4_travel"], positions=30)
+    assert found.theta4_travel.item() == travel.theta4_travel.item()
+
+
 STUDY = """
 mechanism = "planar_4r"
 quantities = ["omega4_min"]

@@ -162,6 +162,12 @@ def test_arcs_that_end_before_they_start_are_told_or_allowed():
     with refused("arc_end is missing beside arc_start", "write it"):
         fl.function("planar_4r", ["arc_start"], ["omega4_max"], **FOUR_BAR)
     both = fl.function("planar_4r", ["arc_start", "arc_end"], ["omega4_max"], **FOUR_BAR)
+    with refused("arc_start: there is no derivative by an end of an arc", "leave it out"):
+        both.gradient([1.0, 2.0])
+    within = fl.sweep("planar_4r", FOUR_BAR | {"arc_start": 0.5, "arc_end": 1.5}, ["omega4_max"])
+    for tolerances in ({"arc_start": 0.01}, {"arc_end_deg": 1.0, "a1": 1e-4}):
+        with refused(next(iter(tolerances)), "leave it out"):
+            fl.tolerance(within, **tolerances)
     assert np.isnan(both([[1.0, 2.0], [2.0, 1.0]])).ravel().tolist() == [False, True]
 
 

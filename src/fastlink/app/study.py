@@ -892,13 +892,11 @@ class Study:
 
 def in_study(name: str) -> str:
     """Return where a study has what is no parameter of a function that takes one; an empty text for other names."""
-    tables = {key: table for table in ("cycle", "search", "run") for key in KEYS[table]}
-    tables |= dict.fromkeys((ALLOW, *SAMPLES), "design")
     if name in ("quantities", "links", "mechanism", TOLERANCES):
         return f"write {name} in the study"
-    if name not in tables:
-        known = {one: "design" for mechanism in NAMES for one in find_catalogue(mechanism).all_inputs}
-        tables |= known | dict.fromkeys(drivers(), "cycle")
+    tables = {one: "design" for mechanism in NAMES for one in find_catalogue(mechanism).all_inputs}
+    tables |= dict.fromkeys((ALLOW, *SAMPLES), "design") | dict.fromkeys(drivers(), "cycle")
+    tables |= {key: table for table in ("cycle", "search", "run") for key in KEYS[table]}
     of, _ = split(name, tables)
     return f"write {name} in the study, under [{tables[of]}]" if of in tables else ""
 

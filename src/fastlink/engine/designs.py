@@ -16,7 +16,7 @@ from fastlink.plan.query import Results
 from fastlink.plan.request import unknown_input
 from fastlink.space import units
 from fastlink.space.design_space import BRANCH, EXTREMUM, MODELS, Column, Converted, Links, axis_of, bounds_of
-from fastlink.space.tables import head_of, of_input, or_keep
+from fastlink.space.tables import head_of, or_keep
 
 if TYPE_CHECKING:
     from fastlink.facts.catalogue import Catalogue
@@ -29,11 +29,7 @@ IGNORED = "design_ignored"
 
 
 def designs_of(
-    catalogue: Catalogue,
-    space: DesignSpace,
-    links: Links | None,
-    problems: Problems,
-    allow_invalid: bool = False,
+    catalogue: Catalogue, space: DesignSpace, links: Links | None, problems: Problems, gaps: bool = False
 ) -> DesignSpace:
     """Return the designs of a request: inputs alone, in the units of the mechanism, besides labels."""
     # Values in another unit are converted. Results that stand in a table or come with a map are left out, with a
@@ -41,7 +37,7 @@ def designs_of(
     # differ only in branch or input position are one design.
     known, angles, lengths = _known_inputs(catalogue, catalogue.version)
     if space.labels:
-        space = _inputs_of_labels(space, known, problems, allow_invalid)
+        space = _inputs_of_labels(space, known, problems, gaps)
     space = _in_si(space, known, problems)
     if space.of_map or space.attrs.get("design_kind") == "table":
         space = _without_results(catalogue, space, known, problems)
@@ -49,7 +45,7 @@ def designs_of(
             space = _without_models(space, catalogue, links)
         for name, problem in space.doubtful.items():
             if name in space.columns:
-                problems.noted.append(of_input(problem))
+                problems.noted.append(problem)
     if not known.keys() >= set(space.names):
         others = (name for name in space.names if name not in known)
         options = {name: no_input for name in others if (no_input := _no_input(catalogue, name))}
@@ -96,7 +92,7 @@ def without(space: DesignSpace, names: Iterable[str]) -> DesignSpace:
 
 
 def _inputs_of_labels(
-    space: DesignSpace, known: Mapping[str, Input], problems: Problems, allow_invalid: bool
+    space: DesignSpace, known: Mapping[str, Input], problems: Problems, gaps: bool
 ) -> DesignSpace:
     """Return designs whose labels are no inputs: an index may be one, texts alone stand for NaN if that is allowed."""
     heads = {name: head_of(name) for name in space.labels}
@@ -104,34 +100,31 @@ def _inputs_of_labels(
     constants, columns = dict(space.constants), dict(space.columns)
     for name, (of, _) in inputs.items():
         label = space.labels[name]
-        if label.dtype.kind not in "iuf" and not (allow_invalid and label.ndim):
+        if label.dtype.kind not in "iuf" and not (gaps and label.ndim):
             text = next((str(cell) for cell in label.ravel()), "")
             allow = (", or pass ", Setting("allow_invalid", True), " to keep such designs")
             mend = units.named_with_unit(of, text, shown=not label.ndim)
             remedy: Remedy = mend or ("write numbers", *((allow,) if label.ndim else ()))
             problems.add(f"is {short_repr(text)}, not a number", ("design", name), remedy)
         elif label.ndim:
-            columns[of] = (
-                label.astype(np.float64) if label.dtype.kind in "iuf" else np.full(len(label), np.nan)
-            )
+            is_text = label.dtype.kind not in "iuf"
+            columns[of] = np.full(len(label), np.nan) if is_text else label.astype(np.float64)
         else:
             constants[of] = float(label)
     labels = {name: label for name, label in space.labels.items() if name not in inputs}
-    stated = {of: unit for of, unit in inputs.values() if unit}
-    parts: dict[str, Any] = {"columns": columns, "labels": labels, "units": {**space.units, **stated}}
-    return replace(space, constants=constants, **parts)
+    stated = {**space.units, **{of: unit for of, unit in inputs.values() if unit}}
+    return replace(space, constants=constants, columns=columns, labels=labels, units=stated)
 
 
 def _in_si(space: DesignSpace, known: Mapping[str, Input], problems: Problems) -> DesignSpace:
     """Return designs whose inputs are in units of SI and called by their own names, or note what cannot be."""
     found: dict[str, tuple[str, str, Fraction]] = {}
-    wrong = []
+    wrong, others = [], {name: name for name in space.names}
     for name in space.names:
         of, unit = units.split(name, known)
         if of not in known:
             continue
         expected, stated = known[of].units, space.units.get(name, "")
-        others = {other: other for other in space.names} | {own: other for other, (own, *_) in found.items()}
         try:
             factor, unit = units.conversion(of, unit, stated, expected, others)
         except InputError as error:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink._text import counted, joined, short_repr
+from fastlink._text import counted, joined
 from fastlink.engine.resolve import ResolvedSweep, check, of_request, resolve
 from fastlink.engine.run import VECTOR, Runner
 from fastlink.errors import InputError, Problem, Problems, Suggesting, door
@@ -218,22 +218,15 @@ def function(
     """
     options = of_request(locals())
     names, wanted = list(check_names("inputs", inputs)), check_names("quantities", quantities)
-    for name in names:
-        if name in fixed:
-            what = f"is among the inputs and given as {short_repr(fixed[name])}"
-            raise InputError(what, ("function", name), "leave one out")
     catalogue, problems = find_catalogue(mechanism, input), Problems()
     known = catalogue.all_inputs
     fixed = keywords_in_si(catalogue, "function", fixed, problems, position=False)
-    own = [split(name, known) for name in names]
-    factors = []
-    for k, (of, unit) in enumerate(own):
-        with problems.at("function", names[k]):
-            others = {
-                **dict(zip(fixed, fixed, strict=True)),
-                **{of: names[j] for j, (of, _) in enumerate(own[:k])},
-            }
-            factors.append(check_unit(of, unit, known[of].units if unit else "1", others))
+    own, factors, others = [split(name, known) for name in names], [], dict(zip(fixed, fixed, strict=True))
+    for name, (of, unit) in zip(names, own, strict=True):
+        with problems.at("function", name):
+            factors.append(check_unit(of, unit, known[of].units if unit else "1"))
+            if others.setdefault(of, name) != name or of in fixed:
+                raise InputError(f"{others[of]} is given too", remedy="write one of them")
     drives = drivers() - known.keys()
     strange = [name for name in fixed if split(name, drives)[0] not in {*known, *drives, POSITIONS}]
     keywords = (*_OPTIONS, catalogue.position.name, POSITIONS)
@@ -260,7 +253,7 @@ def function(
             raise InputError("is missing", ("function", name), f"give it, one of {codes}")
     function_again: Any = function
     recipe = partial(function_again, mechanism, names, **options, **fixed)
-    return Function(resolved, names, factors, resolved.one_branch, recipe)
+    return Function(resolved, names, factors, recipe)
 
 
 #: The keywords of a function besides its fixed inputs and the name of the input.
@@ -279,19 +272,14 @@ class Function(Suggesting):
     """
 
     def __init__(
-        self,
-        resolved: ResolvedSweep,
-        inputs: Sequence[str],
-        factors: Sequence[Fraction],
-        one_branch: bool,
-        recipe: Callable[..., Function],
+        self, resolved: ResolvedSweep, inputs: Sequence[str], factors: Sequence[Fraction], recipe: Any
     ) -> None:
         plan, lengths = resolved.plan, resolved.lengths
         self.inputs = tuple(inputs)
         self.quantities = tuple(output.name for output in plan.outputs)
         self._resolved, self._recipe = resolved, recipe
         self._job = resolved.job(math.inf)
-        axes = [axis for axis in axes_of(plan.outputs) if not (one_branch and axis == "branch")]
+        axes = [axis for axis in axes_of(plan.outputs) if not (resolved.one_branch and axis == "branch")]
         self.shape = tuple(lengths[axis] for axis in axes)
         #: The shape of each output of one design: its own lengths, and 1 along axes that it lacks.
         self._shapes = [

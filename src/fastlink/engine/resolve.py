@@ -19,7 +19,7 @@ from fastlink.engine.designs import designs_of, without
 from fastlink.engine.run import Job, KernelTask, Shapes
 from fastlink.engine.scaling import FarDesigns, ScalingAxis, find_scaling_axis
 from fastlink.errors import InputError, KeyPath, Problem, Problems, check_path
-from fastlink.facts.arc import ARC
+from fastlink.facts.arc import ARC, ARC_ENDS
 from fastlink.facts.catalogue import ELIMINATED, Catalogue
 from fastlink.facts.derivative import is_tolerance, tolerance_name
 from fastlink.facts.own import Definition, used
@@ -374,13 +374,13 @@ def given_tolerances(
         of, unit = split(name, known)
         if of not in known:
             problems.noted.append(request.unknown_input(catalogue, name, known, parent))
-        elif known[of].choices:
-            problems.add("is a code, which has no tolerance", (parent, name), "leave it out")
+        elif known[of].choices or of in ARC_ENDS:
+            what = "a code" if known[of].choices else "an end of an arc, by which there is no derivative"
+            problems.add(f"is {what}, and has no tolerance", (parent, name), "leave it out")
         else:
             with problems.at(parent, name):
                 units = known[of].units
                 factor = check_unit(of, unit, units, others)
-                others[of] = name
                 share, number = _tolerance((parent, name), value, unit or units, is_in_unit=bool(unit))
                 found[tolerance_name(of, relative=share)] = float(scaled(number, factor))
     return found

@@ -14,19 +14,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from fastlink import errors
 from fastlink._text import counted, joined, short_number, short_repr
-from fastlink.errors import (
-    InputError,
-    KeyPath,
-    Pair,
-    Problems,
-    ResultWarning,
-    Setting,
-    check_choice,
-    check_switch,
-    check_whole,
-    remark,
-)
+from fastlink.errors import InputError, Pair, Problems, Setting, check_choice, check_switch, check_whole
 from fastlink.io.checksums import pieces
 from fastlink.io.where import SLACK, Range, form_of, in_units, named
 from fastlink.maps.units import check_flags, flags_of
@@ -126,8 +116,8 @@ def check_along(name: Any, dim: str, length: int, sizes: Mapping[Any, int]) -> N
         raise InputError(what, ("where",), "give a mask made from the same map")
 
 
-def _of_code(array: xr.DataArray, where: KeyPath, meanings: Any) -> Condition:
-    codes = check_flags(array, "where", [meanings] if isinstance(meanings, str) else list(meanings), where)
+def _of_code(array: xr.DataArray, where: errors.KeyPath, meanings: Any) -> Condition:
+    codes = check_flags(array, where, [meanings] if isinstance(meanings, str) else list(meanings))
     return Condition(array, tuple(codes))
 
 
@@ -599,7 +589,7 @@ def remarked(found: xr.Dataset) -> xr.Dataset:
     """Return the designs that were found; a warning tells if none meets all conditions."""
     if MISSED in found.coords and (found[MISSED].values != "").all():
         what = f"{str(found.attrs['selection']).partition(';')[0]}; these miss least, by what 'missed' says"
-        remark(what, ("where",), WIDEN, ResultWarning)
+        errors.remark(what, ("where",), WIDEN, errors.ResultWarning)
     return found
 
 

@@ -445,7 +445,6 @@ def keywords_in_si(
         try:
             stated = spaces.units_of("", value).get("", "")
             factor, _ = units.conversion(of, unit, stated, declared[of].units, others)
-            others[of] = name
             numbers = spaces.numbers_of(door, name, value, spaces.MOST_DIMS)
             plain = units.scaled(numbers, factor)
             result[of] = _relabelled(value, plain) if hasattr(value, "dims") else plain

@@ -55,16 +55,16 @@ def with_remark(maps: xr.Dataset) -> xr.Dataset:
     """Return a map; a warning tells if its verification has found that it is wrong, or has failed."""
     found = {str(name): one.attrs for name, one in maps.data_vars.items()}
     wrong = [name for name, attrs in found.items() if attrs.get("verify_mismatches")]
-    wrong.sort(key=lambda name: -found[name].get("error_max_roundings", 0.0))
-    for name in wrong[:1]:
+    for name in sorted(wrong, key=lambda name: -found[name].get("error_max_roundings", 0.0))[:1]:
         attrs, designs = found[name], counted(int(maps.attrs["verified_designs"]), "design")
         what = f"{name} is wrong in {attrs['verify_mismatches']:,} of {attrs['verified_values']:,} values"
         if attrs.get("independent_max_difference", 0.0) > TOLERANCE:
             what += ", by formulas that contradict the loops"
         elif "error_max_roundings" in attrs:
             what += f", by up to {attrs['error_max_roundings']:.1e} roundings"
-        what += f", of {designs} computed again with 50 digits"
-        remark(what + (f"; so are {joined(wrong[1:])}" if wrong[1:] else ""), (), DOUBTED, ResultWarning)
+        others = f"; so are {joined(others)}" if (others := [one for one in wrong if one != name]) else ""
+        what += f", of {designs} computed again with 50 digits{others}"
+        remark(what, (), DOUBTED, ResultWarning)
     if "verify_failed" in maps.attrs:
         what = f"errors are not known: the verification has ended with {maps.attrs['verify_failed']}"
         remark(what, (), "verify=0 (--verify 0) leaves it out", ResultWarning)

@@ -517,7 +517,6 @@ class Links:
                 else:
                     with problems.at(*where):
                         factor = check_unit(of, unit, known[of], others)
-                        others[of] = name
                         numbers[of] = float(scaled(number, factor))
         problems.stop()
         object.__setattr__(self, "values", numbers)

@@ -258,9 +258,9 @@ def slices_axes(n: int, seed: int, bounds: list[tuple[float, float]]) -> list[Co
 MOST_DESIGNS = 2**62  # flat design numbers are int64
 #: A double tells no more designs of a sample apart, each in its slice of a range.
 MOST_SAMPLES = 2**50
-#: How an input is given that is called like a parameter.
 #: A third value is rather a number of values if it is at least so much, and so many times the first two.
 FEWEST, FAR = 2, 4
+#: How an input is given that is called like a parameter.
 OF_THAT_NAME = "an input called n is given in a mapping, such as {'n': (1.0, 2.0)}"
 
 
@@ -291,11 +291,9 @@ def grid(axes: Mapping[str, ArrayLike] | None = None, /, **more: ArrayLike) -> D
     problems, given = Problems(), _keywords("grid", axes, more)
     constants, swept, units = _read("grid", given, axis_of, problems)
     problems.stop()
-    for name in (name for name in swept if _is_linspace(given[name])):
-        first, last, count = given[name]
+    if name := next((name for name in swept if _is_linspace(given[name])), ""):
         what = f"{given[name]} is an axis of these three values"
-        remark(what, ("grid", name), ("if it is a range, write ", Samples(first, last, count)))
-        break
+        remark(what, ("grid", name), ("if it is a range, write ", Samples(*given[name])))
     shape = tuple(len(values) for values in swept.values())
     if math.prod(shape) > MOST_DESIGNS:
         lengths = ", ".join(f"{name}: {length}" for name, length in zip(swept, shape, strict=True))

@@ -105,13 +105,6 @@ def or_keep(remedy: str, name: str) -> Remedy:
     return (remedy, (f"{link} pass ", Setting("keep", [name]), " to keep it as a coordinate of the result"))
 
 
-def of_input(problem: Problem) -> Problem:
-    """Return the problem of cells without the advice to keep their column as a label: it is known for an input."""
-    parts = ((part, part if isinstance(part, tuple) else ()) for part in problem.remedy)
-    others = (part for part, inner in parts if "keep" not in [getattr(one, "name", "") for one in inner])
-    return replace(problem, remedy=tuple(others))
-
-
 def check_name(name: Any, position: int, others: Collection[str], inside: str = "") -> None:
     """Refuse a name of a column that is no text, empty or taken."""
     if not isinstance(name, str) or not name:
@@ -234,17 +227,16 @@ class Columns:
         if not self.allow_invalid and first_invalid(values) is not None:
             rows = np.flatnonzero(~np.isfinite(values))
             shown = [str(values[k]) if cells is None else short_repr(cells[k]) for k in rows[:MOST_CELLS]]
-            places = [f"row {first + k} (counted from 0)" for k in rows[:MOST_CELLS]]
-            self.doubt(name, list(zip(places, shown, strict=True)), len(rows))
+            found = [(f"row {first + k} (counted from 0)", of) for k, of in zip(rows, shown, strict=False)]
+            self.doubt(name, found, len(rows))
 
     def doubt(self, name: str, cells: Sequence[tuple[str, str]], count: int) -> None:
         """Note cells of a column that hold no finite number, the first of so many."""
         self.bad.setdefault(name, []).extend(cells)
         self.count[name] = self.count.get(name, 0) + count
 
-    @property
-    def doubtful(self) -> dict[str, Problem]:
-        """By column the problem of its cells that hold no finite number."""
+    def doubtful(self, *, may_label: bool) -> dict[str, Problem]:
+        """By column the problem of its cells that hold no finite number; labels unless the inputs are known."""
         keep = (", or pass ", Setting("allow_invalid", True), " to keep such designs")
         found = {}
         for name, cells in self.bad.items():
@@ -253,8 +245,8 @@ class Columns:
             more = f" and {self.count[name] - MOST_CELLS:,} more" if self.count[name] > MOST_CELLS else ""
             what = f"{place} of column {name}{self.source} is {value}{shown}{more}"
             texts = [value[1:-1].lower() for _, value in cells if value.startswith(("'", '"'))]
-            may_label = bool({*texts} - NO_VALUES) and not head_of(name)[1]
-            remedy = or_keep("write a number", name) if may_label else "write a finite number"
+            is_label = may_label and {*texts} - NO_VALUES and not head_of(name)[1]
+            remedy = or_keep("write a number", name) if is_label else "write a finite number"
             parts = (remedy,) if isinstance(remedy, str) else remedy
             found[name] = Problem(what, ("table",), (*parts, keep))
         return found
@@ -286,9 +278,9 @@ class Columns:
         Of a request (`single`) cells without finite numbers are refused with all else that is wrong with its designs.
         """
         if not (self.of_map or (single and self.columns)):
-            self.problems.noted += self.doubtful.values()
+            self.problems.noted += self.doubtful(may_label=True).values()
         self.problems.stop()
-        doubtful = self._without_units(self.doubtful)
+        doubtful = self._without_units(self.doubtful(may_label=False))
         self.columns, self.constants = self._without_units(self.columns), self._without_units(self.constants)
         further: dict[str, Any] = {"units": self.units, "of_map": self.of_map, "doubtful": doubtful}
         if self.columns:

@@ -171,13 +171,11 @@ def comment(unit: str) -> str:
     return f"given in {in_words(unit)}"
 
 
-#: What is given already, by the names of inputs: the names by which it is, a1_mm by a1.
-Given = Mapping[str, str]
-NOTHING: Given = {}
+def check_unit(of: str, unit: str, units: str, others: dict[str, str] | None = None) -> Fraction:
+    """Return what a unit is in that of an input, 1 without one, or refuse another kind, or a second value.
 
-
-def check_unit(of: str, unit: str, units: str, others: Given = NOTHING) -> Fraction:
-    """Return what a unit is in that of an input, 1 without one, or refuse another kind, or a second value."""
+    The others are known by the inputs that they are, and this one is added.
+    """
     if not unit:
         return Fraction(1)
     factor = factor_of(unit, units)
@@ -187,8 +185,10 @@ def check_unit(of: str, unit: str, units: str, others: Given = NOTHING) -> Fract
         own, usual = "a plain number" if units == "1" else f"in {units}", usual_name(of, units)
         remedy = f"write {of}" if usual == of else f"write {of}, or such as {usual}"
         raise InputError(f"{of} is {no} but {own}", remedy=remedy)
-    if of in others:
+    if others is not None and of in others:
         raise InputError(f"{others[of]} is given too", remedy="write one of them")
+    if others is not None:
+        others[of] = with_unit(of, unit)
     return factor
 
 
@@ -199,7 +199,6 @@ def in_si(where: str, given: Mapping[str, Any], units: Mapping[str, str]) -> dic
         of, unit = split(name, units)
         with problems.at(where, name):
             factor = check_unit(of, unit, units.get(of, "1"), others)
-            others[of] = name
             try:
                 found[of] = value if factor == 1 else scaled(value, factor).tolist()
             except (TypeError, ValueError):
@@ -209,7 +208,7 @@ def in_si(where: str, given: Mapping[str, Any], units: Mapping[str, str]) -> dic
 
 
 def conversion(
-    of: str, unit: str, stated: str, expected: str, others: Given = NOTHING, where: KeyPath = ()
+    of: str, unit: str, stated: str, expected: str, others: dict[str, str] | None = None, where: KeyPath = ()
 ) -> tuple[Fraction, str]:
     """Return what the unit of values is in that of their input, and that unit: of their name, or that they state.
 
