@@ -78,6 +78,8 @@ if TYPE_CHECKING:
 
 #: Designs of a study that are tried where none is chosen.
 MOST_TRIED = 65
+#: Dimensions of what a synthesis says of the points of its task.
+OF_A_TASK = ("point", "peak")
 STUDY, MAPS = ".toml", (".h5", ".hdf5", ".nc", ".he5")
 
 
@@ -175,7 +177,7 @@ def _of_map(maps: Any, design: Any, at: Any) -> Source:
         mechanism, input = mechanism_of_map(dataset.attrs), str(dataset.attrs.get("input"))
         catalogue = find_catalogue(mechanism, input)
         dims = [*(dataset[STATUS].dims if STATUS in dataset else ()), *dataset.dims]
-        outside = {BRANCH, EXTREMUM, catalogue.position.name}
+        outside = {BRANCH, EXTREMUM, catalogue.position.name, *OF_A_TASK}
         along = {
             str(dim): dataset[dim].values if dim in dataset.coords else np.arange(dataset.sizes[dim])
             for dim in dict.fromkeys(dims)
@@ -193,6 +195,8 @@ def _of_map(maps: Any, design: Any, at: Any) -> Source:
         branch = int(row[BRANCH]) if BRANCH in row.coords and row[BRANCH].ndim == 0 else None
         own = str(dataset.attrs.get("own_quantities", ""))
         target = _target_of(row)
+        if target is not None:  # it stands at the first point
+            inputs[catalogue.position.name] = float(row[catalogue.position.name][0])
     links = taken_links(inputs)
     return Source(mechanism, inputs, branch, links, input, own, target)
 

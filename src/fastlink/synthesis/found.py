@@ -285,6 +285,19 @@ class Asked:
         wanted = self.where.get("status") if isinstance(self.where, Mapping) else self.where
         return wanted == "rotates_fully"
 
+    def others(self) -> list[str]:
+        """Return the quantities of the mechanism that objectives and conditions name, or refuse unknown ones."""
+        own, problems = {*LABELS, "defect", "branch"}, Problems()
+        where = self.where if isinstance(self.where, Mapping) else {}
+        asked: dict[str, Any] = {
+            "where": {k: v for k, v in where.items() if split(str(k), own)[0] not in own}
+        }
+        for name, given in (("minimise", self.minimise), ("maximise", self.maximise)):
+            asked[name] = [one for one in _listed(given) if one not in own]
+        found = _searched(self.catalogue, asked, problems)
+        problems.stop()
+        return found
+
     def least(self, name: str) -> float:
         """Return the lower limit of a condition on a name of a result, 0 where there is none."""
         if not isinstance(self.where, Mapping):
@@ -777,16 +790,7 @@ def labelled(solved: Solved, asked: Asked) -> xr.Dataset:
     n = found.numbers
     lengths = dict(zip(NUMBERS[:6], n[:, :6].T, strict=True))
     branch = np.where(found.side[:, 0] > 0, 2, 1)
-    names = [*asked.quantities]
-    with_own = Problems()
-    own = {*LABELS, "defect", "branch"}
-    where = asked.where if isinstance(asked.where, Mapping) else {}
-    others = {k: v for k, v in where.items() if split(str(k), own)[0] not in own}
-    aims = {k: [one for one in ([v] if isinstance(v, str) else list(v)) if one not in own] for k, v in
-            (("minimise", asked.minimise), ("maximise", asked.maximise))}  # fmt: skip
-    more = _searched(asked.catalogue, {**aims, "where": others}, with_own)
-    with_own.stop()
-    wanted = [*dict.fromkeys([*names, *more, "status"])]
+    wanted = [*dict.fromkeys([*asked.quantities, *asked.others(), "status"])]
     columns: dict[str, Any] = dict(lengths)
     if solved.task == "function":
         del columns["P_u"], columns["P_v"]
@@ -1098,6 +1102,7 @@ def synthesise(
         seed,
         exact,
     )
+    asked.others()  # unknown names are refused before anything is computed
     about = {"mechanism": mechanism, "synthesis": tasks[0], **dict(attrs or {})}
 
     def solve() -> xr.Dataset:

@@ -23,6 +23,9 @@ STARTS, PLACES, FINE = 120, 13, 121
 MANY, FEW = 200, 12
 #: The powers, and the steps with each.
 POWERS, STEPS = (2, 4, 8, 16, 48), 8
+#: Links are so many times as long as the ground link at most, and as short at least: the error alone may want an
+#: infinite one, whose angle nobody could set.
+LONGEST = 20.0
 #: The most that a linear program may move a number, as a share of its size or of a radian, at first.
 TRUST = 0.2
 
@@ -140,11 +143,23 @@ def _scanned(task: FunctionTask, sense: int) -> tuple[Floats, Floats]:
     if task.transmission:
         fine = _transmission(numbers, turn) > 0.6 * task.transmission
         numbers, rows = numbers[fine], rows[fine]
+    fine = _is_built(numbers)
+    numbers, rows = numbers[fine], rows[fine]
     numbers = numbers[np.argsort(error.reshape(-1)[rows], kind="stable")[:MANY]]
     off = [
         np.nanmax(np.abs(np.nan_to_num(_off(numbers, s, turn, wanted), nan=9.0)), axis=1) for s in (1.0, -1.0)
     ]
     return numbers, np.where(off[0] <= off[1], 1.0, -1.0)
+
+
+def _is_built(numbers: Floats) -> NDArray[np.bool_]:
+    """Tell which linkages (linkages, numbers) have links of usable lengths."""
+    with np.errstate(all="ignore"):
+        r2, r4 = 1.0 / numbers[:, 0], 1.0 / numbers[:, 1]
+        lengths = np.stack(
+            [np.abs(r2), np.sqrt(1.0 + r2 * r2 + r4 * r4 - 2.0 * r2 * r4 * numbers[:, 2]), np.abs(r4)]
+        )
+        return np.asarray(((lengths <= LONGEST * 1.000001) & (lengths >= 0.999999 / LONGEST)).all(axis=0))
 
 
 def _by_powers(
@@ -173,6 +188,7 @@ def _by_powers(
             moved = numbers + np.clip(step, -0.3 * (1 + abs(numbers)), 0.3 * (1 + abs(numbers)))
             with np.errstate(all="ignore"):
                 other = _off(moved, side, turn, wanted)
+                other[~_is_built(moved)] = np.nan
                 better = norm(other, power, scale) < norm(off, power, scale)
             numbers = np.where(better[:, None], moved, numbers)
             off = np.where(better[:, None], other, off)
@@ -246,10 +262,14 @@ def _minimax(task: FunctionTask, numbers: Floats, sign: float, sense: int, aim: 
                 rows.append(np.append(-by, 0.0)[None])
                 right.append(np.array([at - low if at >= low or trust < 1e-3 else 0.5 * (at - low)]))
         reach = trust * (1.0 + np.abs(numbers))
+        lower, upper = -reach, reach
+        for k in (0, 1):  # K1 and K2 keep their signs and sizes
+            ends = np.sort(np.sign(numbers[k]) * np.array([1.0 / LONGEST, LONGEST])) - numbers[k]
+            lower[k], upper[k] = max(lower[k], min(ends[0], 0.0)), min(upper[k], max(ends[1], 0.0))
         scale = best or 1.0
         matrix = np.vstack(rows) * np.append(np.ones(5), scale)
         program = linprog(np.append(np.zeros(5), 1.0), matrix / scale, np.concatenate(right) / scale,
-                          bounds=[*zip(-reach, reach, strict=True), (0.0, None)], method="highs")  # fmt: skip
+                          bounds=[*zip(lower, upper, strict=True), (0.0, None)], method="highs")  # fmt: skip
         if program.x is None:
             trust *= 0.3
             if trust < 1e-9:
@@ -258,6 +278,7 @@ def _minimax(task: FunctionTask, numbers: Floats, sign: float, sense: int, aim: 
         moved = numbers + program.x[:5]
         where, there = _peaks(task, moved, sign, sense)
         other = float(np.max(np.abs(there))) + (short(moved) if low else 0.0)
+        other = other if _is_built(moved[None])[0] else np.inf
         if other < merit:
             gain = (merit - other) / merit
             if gain < 0.02 and other > 2.0 * aim:

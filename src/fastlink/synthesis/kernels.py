@@ -19,9 +19,30 @@ SIZE, LIMITS = 10, 23
 
 
 @outlined
+def unit(angle: float) -> complex:
+    """Return e^(i angle)."""
+    return complex(np.cos(angle), np.sin(angle))
+
+
+@outlined
+def clear(row: Any, n: int) -> None:
+    """Store zeros."""
+    for k in range(n):
+        row[k] = 0.0
+
+
+@outlined
+def clear_all(m: Any) -> None:
+    """Store zeros."""
+    for i in range(m.shape[0]):
+        for k in range(m.shape[1]):
+            m[i, k] = 0.0
+
+
+@outlined
 def coupler(p: Any, s: float, theta: float) -> Any:
     """Return whether the bars meet at a crank angle, the coupler point, e^(i theta), e^(i theta2), e^(i theta4)."""
-    e = np.exp(1j * theta)
+    e = unit(theta)
     far = p[3] - p[0] * e
     size = np.sqrt(far.real * far.real + far.imag * far.imag)
     cosine = (size * size + (p[1] - p[2]) * (p[1] + p[2])) / (2.0 * size * p[1])
@@ -30,7 +51,7 @@ def coupler(p: Any, s: float, theta: float) -> Any:
         return False, e, e, e, e
     b = far / size * complex(cosine, s * np.sqrt(rest))
     f = (p[1] * b - far) / p[2]
-    turn = np.exp(1j * p[8])
+    turn = unit(p[8])
     at = complex(p[6], p[7]) + turn * (p[0] * e + complex(p[4], p[5]) * b)
     return True, at, e, b, f
 
@@ -41,7 +62,7 @@ def slopes(p: Any, at: complex, e: complex, b: complex, f: complex, out: Any) ->
 
     The loop A + a2 b = a4 + a3 f, projected on f, gives the turn of the coupler.
     """
-    turn = np.exp(1j * p[8])
+    turn = unit(p[8])
     w = complex(p[4], p[5])
     sine = (np.conj(f) * b).imag * p[1]
     swing = turn * w * 1j * b / sine
@@ -97,12 +118,12 @@ def limits_of(p: Any, lower: Any, upper: Any, crank: int, rows: Any, bounds: Any
     count = 0
     for k in range(SIZE):
         if lower[k] > -np.inf:
-            rows[count, :] = 0.0
+            clear(rows[count], SIZE)
             rows[count, k] = 1.0
             bounds[count] = lower[k] - p[k]
             count += 1
         if upper[k] < np.inf:
-            rows[count, :] = 0.0
+            clear(rows[count], SIZE)
             rows[count, k] = -1.0
             bounds[count] = p[k] - upper[k]
             count += 1
@@ -110,7 +131,7 @@ def limits_of(p: Any, lower: Any, upper: Any, crank: int, rows: Any, bounds: Any
         longer = 1.0 if p[3] >= p[0] else -1.0
         margin = 1e-9 * (p[0] + p[1] + p[2] + p[3])
         for k in range(3):
-            rows[count, :] = 0.0
+            clear(rows[count], SIZE)
             side = 1.0 if k == 0 else -1.0
             if k < 2:
                 rows[count, 0], rows[count, 3] = -longer, longer
@@ -126,54 +147,70 @@ def limits_of(p: Any, lower: Any, upper: Any, crank: int, rows: Any, bounds: Any
 
 
 @outlined
+def worst_limit(free: Any, n: int, rows: Any, bounds: Any, count: int, active: Any, used: int, d: Any) -> int:
+    """Return the limit that a step breaks most, for its size, of those that are not active; -1 for none."""
+    worst, which = -1e-13, -1
+    for c in range(count):
+        value = 0.0
+        size = abs(bounds[c])
+        for k in range(n):
+            value += rows[c, free[k]] * d[k]
+            size += abs(rows[c, free[k]] * d[k])
+        value -= bounds[c]
+        for a in range(used):
+            if active[a] == c:
+                value = 0.0
+        if value < 0.0 and value < worst * size:
+            worst, which = value / size, c
+    return which
+
+
+@outlined
+def multipliers(m: Any, free: Any, n: int, rows: Any, bounds: Any, active: Any, used: int, first: Any, inverse: Any,
+                small: Any, mu: Any) -> bool:  # fmt: skip
+    """Store the multipliers of active limits; tell whether these are independent."""
+    for a in range(used):
+        mu[a] = bounds[active[a]]
+        for k in range(n):
+            inverse[a, k] = rows[active[a], free[k]]
+            mu[a] -= rows[active[a], free[k]] * first[k]
+        solve(m, n, inverse[a])
+    for a in range(used):
+        for b in range(used):
+            t = 0.0
+            for k in range(n):
+                t += rows[active[a], free[k]] * inverse[b, k]
+            small[a, b] = t
+        small[a, a] *= 1.0 + 1e-14
+    if not cholesky(small, used):
+        return False
+    solve(small, used, mu)
+    return True
+
+
+@outlined
 def step_within(m: Any, free: Any, n: int, rows: Any, bounds: Any, count: int, d: Any) -> None:
     """Change the step d, which minimises the model with the factored matrix m, to that within linear limits.
 
     Limits are added, the worst first, and dropped where their multiplier has the wrong sign; what is left is shortened.
     """
-    active = np.zeros(LIMITS, np.int64)
-    used = 0
-    first = d.copy()
-    inverse = np.zeros((LIMITS, SIZE))
-    small = np.zeros((LIMITS, LIMITS))
-    mu = np.zeros(LIMITS)
+    active, used = np.zeros(LIMITS, np.int64), 0
+    if worst_limit(free, n, rows, bounds, count, active, used, d) < 0:
+        return
+    inverse, small = np.zeros((LIMITS, SIZE)), np.zeros((LIMITS, LIMITS))
+    first, mu = np.zeros(SIZE), np.zeros(LIMITS)
+    for k in range(n):
+        first[k] = d[k]
     for _ in range(4 * LIMITS):
-        worst, which = -1e-13, -1
-        for c in range(count):
-            value = -bounds[c]
-            size = 0.0
-            for k in range(n):
-                value += rows[c, free[k]] * d[k]
-                size += abs(rows[c, free[k]] * d[k])
-            inside = False
-            for a in range(used):
-                inside = inside or active[a] == c
-            if not inside and size > 0.0 and value < worst * (size + abs(bounds[c]) + 1e-300) and value < 0.0:
-                scaled = value / (size + abs(bounds[c]))
-                worst, which = scaled, c
+        which = worst_limit(free, n, rows, bounds, count, active, used, d)
         if which < 0 or used >= n:
             break
         active[used] = which
         used += 1
-        while True:
-            for a in range(used):
-                for k in range(n):
-                    inverse[a, k] = rows[active[a], free[k]]
-                solve(m, n, inverse[a])
-            for a in range(used):
-                mu[a] = bounds[active[a]]
-                for k in range(n):
-                    mu[a] -= rows[active[a], free[k]] * first[k]
-                for b in range(used):
-                    t = 0.0
-                    for k in range(n):
-                        t += rows[active[a], free[k]] * inverse[b, k]
-                    small[a, b] = t
-                small[a, a] *= 1.0 + 1e-14
-            if not cholesky(small, used):
+        while used > 0:
+            if not multipliers(m, free, n, rows, bounds, active, used, first, inverse, small, mu):
                 used -= 1
                 break
-            solve(small, used, mu)
             least, out = 0.0, -1
             for a in range(used):
                 if mu[a] < least:
@@ -183,8 +220,6 @@ def step_within(m: Any, free: Any, n: int, rows: Any, bounds: Any, count: int, d
             for a in range(out, used - 1):
                 active[a] = active[a + 1]
             used -= 1
-            if used == 0:
-                break
         for k in range(n):
             d[k] = first[k]
             for a in range(used):
@@ -283,103 +318,132 @@ def nearer(
 
 
 @outlined
+def linearise(p: Any, s: float, theta: Any, target: Any, weights: Any, timed: int, free: Any, n: int, j: Any,
+              along: Any, slope: Any, across: Any) -> None:  # fmt: skip
+    """Store the rows of the least squares of a step, and how each point moves along the curve with the numbers."""
+    by = np.zeros(SIZE, np.complex128)
+    clear_all(j)
+    for i in range(target.size):
+        _, at, e, b, f = coupler(p, s, theta[i])
+        slopes(p, at, e, b, f, by)
+        off, root, t = at - target[i], np.sqrt(weights[i]), by[9]
+        if timed != 0:
+            for a in range(n):
+                k = by[free[a]]
+                j[2 * i, a] = root * k.real
+                j[2 * i + 1, a] = root * k.imag
+            j[2 * i, n] = -root * off.real
+            j[2 * i + 1, n] = -root * off.imag
+            continue
+        # the part across the curve alone: the angle takes up the other
+        slope[i] = t.real * t.real + t.imag * t.imag + 1e-300
+        along[i] = t.real * off.real + t.imag * off.imag
+        length = root / np.sqrt(slope[i])
+        for a in range(n):
+            k = by[free[a]]
+            across[i, a] = t.real * k.real + t.imag * k.imag
+            j[i, a] = length * (t.real * k.imag - t.imag * k.real)
+        j[i, n] = -length * (t.real * off.imag - t.imag * off.real)
+
+
+@outlined
+def damped(whole: Any, right: Any, scales: Any, damping: float, n: int, both: Any, r: Any, d: Any) -> None:
+    """Store the damped step of a triangle of least squares, and the triangle that gives it."""
+    clear_all(both)
+    root = np.sqrt(damping)
+    for a in range(n):
+        for c in range(a, n):
+            both[a, c] = whole[c, a]
+        both[a, n] = right[a]
+        both[n + a, a] = root * (scales[a] + 1e-300)
+    triangular(both, 2 * n, n, r, d)
+    for a in range(n - 1, -1, -1):
+        t = d[a]
+        for c in range(a + 1, n):
+            t -= r[c, a] * d[c]
+        d[a] = t / r[a, a]
+
+
+@outlined
+def moved_cost(q: Any, s: float, sense: float, theta: Any, moved: Any, target: Any, weights: Any, times: Any,
+               options: Any, d: Any, n: int, along: Any, slope: Any, across: Any) -> float:  # fmt: skip
+    """Store the angles after a step d to the numbers q, and return the sum of squares there."""
+    if not (q[0] > 0.0 and q[1] > 0.0 and q[2] > 0.0 and q[3] > 0.0):
+        return np.inf
+    if options[0] != 0:
+        for i in range(target.size):
+            moved[i] = q[9] + times[i]
+        return squares(q, s, moved, target, weights)
+    for i in range(target.size):
+        t = along[i]
+        for a in range(n):
+            t += across[i, a] * d[a]
+        moved[i] = theta[i] + min(max(-t / slope[i], -0.4), 0.4)
+    if options[2] != 0:
+        in_order(moved, sense, options[3])
+    return nearer(q, s, moved, target, weights, sense, options[2], options[3])
+
+
+@outlined
 def refine_one(p: Any, s: float, sense: float, theta: Any, target: Any, weights: Any, times: Any, options: Any,
                lower: Any, upper: Any, most: int) -> Any:  # fmt: skip
     """Refine a linkage in place by Levenberg-Marquardt; return the sum of squares and the steps taken.
 
     Options: whether times are given, whether the crank is to turn fully, whether angles stay in order, whether closed.
     """
-    timed, crank, ordered, closed = options[0], options[1], options[2], options[3]
-    n_points = target.size
+    timed, n_points = options[0], target.size
     free = np.zeros(SIZE, np.int64)
     n = 0
     for k in range(SIZE):
         if lower[k] < upper[k] and (timed != 0 or k < 9):
             free[n] = k
             n += 1
-    each = 2 if timed != 0 else 1
-    by = np.zeros(SIZE, np.complex128)
-    j = np.zeros((max(each * n_points, n), SIZE + 1))
-    both = np.zeros((2 * SIZE, SIZE + 1))
-    r, right, whole = np.zeros((SIZE, SIZE)), np.zeros(SIZE), np.zeros((SIZE, SIZE))
-    d, q, scales = np.zeros(SIZE), np.zeros(SIZE), np.zeros(SIZE)
-    rows, bounds = np.zeros((LIMITS, SIZE)), np.zeros(LIMITS)
-    along, slope, across = np.zeros(n_points), np.zeros(n_points), np.zeros((n_points, SIZE))
-    moved, size = np.zeros(n_points), 0.0
+    rows_of = max(2 * n_points if timed != 0 else n_points, n)
+    j, both = np.zeros((rows_of, SIZE + 1)), np.zeros((2 * SIZE, SIZE + 1))
+    r, whole, rows, across = (
+        np.zeros((SIZE, SIZE)),
+        np.zeros((SIZE, SIZE)),
+        np.zeros((LIMITS, SIZE)),
+        np.zeros((n_points, SIZE)),
+    )
+    d, q, scales, right, bounds = (
+        np.zeros(SIZE),
+        np.zeros(SIZE),
+        np.zeros(SIZE),
+        np.zeros(SIZE),
+        np.zeros(LIMITS),
+    )
+    along, slope, moved, size = np.zeros(n_points), np.zeros(n_points), np.zeros(n_points), 0.0
     for i in range(n_points):
         if timed != 0:
             theta[i] = p[9] + times[i]
         size += abs(target[i] - target[0]) ** 2
     cost = squares(p, s, theta, target, weights)
     damping, taken, small = 1e-3, 0, 0
-    while taken < most:
-        if not cost > 1e-31 * size or not cost < np.inf:
-            break
-        j[:, :] = 0.0
-        for i in range(n_points):
-            _, at, e, b, f = coupler(p, s, theta[i])
-            slopes(p, at, e, b, f, by)
-            off, root, t = at - target[i], np.sqrt(weights[i]), by[9]
-            if timed != 0:
-                for a in range(n):
-                    j[2 * i, a], j[2 * i + 1, a] = root * by[free[a]].real, root * by[free[a]].imag
-                j[2 * i, n], j[2 * i + 1, n] = -root * off.real, -root * off.imag
-                continue
-            # the part across the curve alone: the angle takes up the other
-            slope[i] = t.real * t.real + t.imag * t.imag + 1e-300
-            along[i] = t.real * off.real + t.imag * off.imag
-            length = root / np.sqrt(slope[i])
-            for a in range(n):
-                k = by[free[a]]
-                across[i, a] = t.real * k.real + t.imag * k.imag
-                j[i, a] = length * (t.real * k.imag - t.imag * k.real)
-            j[i, n] = -length * (t.real * off.imag - t.imag * off.real)
-        triangular(j, each * n_points if each * n_points > n else n, n, whole, right)
+    while taken < most and cost > 1e-31 * size and cost < np.inf:
+        linearise(p, s, theta, target, weights, timed, free, n, j, along, slope, across)
+        triangular(j, rows_of, n, whole, right)
         for a in range(n):
-            t2 = 0.0
+            t = 0.0
             for c in range(a + 1):
-                t2 += whole[a, c] * whole[a, c]
-            scales[a] = max(np.sqrt(t2), 0.3 * scales[a])
+                t += whole[a, c] * whole[a, c]
+            scales[a] = max(np.sqrt(t), 0.3 * scales[a])
         accepted = False
-        while taken < most:
+        while taken < most and damping <= 1e8:
             taken += 1
-            both[:, :] = 0.0
-            for a in range(n):
-                for c in range(a, n):
-                    both[a, c] = whole[c, a]
-                both[a, n] = right[a]
-                both[n + a, a] = np.sqrt(damping) * (scales[a] + 1e-300)
-            triangular(both, 2 * n, n, r, d)
-            for a in range(n - 1, -1, -1):
-                t3 = d[a]
-                for c in range(a + 1, n):
-                    t3 -= r[c, a] * d[c]
-                d[a] = t3 / r[a, a]
-            count = limits_of(p, lower, upper, crank, rows, bounds)
+            damped(whole, right, scales, damping, n, both, r, d)
+            count = limits_of(p, lower, upper, options[1], rows, bounds)
             step_within(r, free, n, rows, bounds, count, d)
             for k in range(SIZE):
                 q[k] = p[k]
             for a in range(n):
                 k = free[a]
                 q[k] = min(max(p[k] + d[a], lower[k]), upper[k])
-            other = np.inf
-            if q[0] > 0.0 and q[1] > 0.0 and q[2] > 0.0 and q[3] > 0.0:
-                for i in range(n_points):
-                    if timed != 0:
-                        moved[i] = q[9] + times[i]
-                        continue
-                    t4 = along[i]
-                    for a in range(n):
-                        t4 += across[i, a] * d[a]
-                    moved[i] = theta[i] + min(max(-t4 / slope[i], -0.4), 0.4)
-                if timed != 0:
-                    other = squares(q, s, moved, target, weights)
-                else:
-                    if ordered != 0:
-                        in_order(moved, sense, closed)
-                    other = nearer(q, s, moved, target, weights, sense, ordered, closed)
+            other = moved_cost(
+                q, s, sense, theta, moved, target, weights, times, options, d, n, along, slope, across
+            )
             if other < cost:
-                gain = (cost - other) / cost
+                small = small + 1 if (cost - other) < 1e-9 * cost else 0
                 cost = other
                 for k in range(SIZE):
                     p[k] = q[k]
@@ -387,11 +451,8 @@ def refine_one(p: Any, s: float, sense: float, theta: Any, target: Any, weights:
                     theta[i] = moved[i]
                 damping = max(damping * 0.1, 1e-18)
                 accepted = True
-                small = small + 1 if gain < 1e-9 else 0
                 break
             damping = max(damping * 5.0, 1e-14)
-            if damping > 1e8:
-                break
         if not accepted or small >= 4:
             break
     return cost, taken
@@ -592,7 +653,7 @@ def begin(shapes: Any, signs: Any, how: Any, target: Any, share: Any, times: Any
 @outlined
 def _times(a: Any, b: Any, out: Any) -> None:
     """Store the product of two polynomials, lowest power first."""
-    out[:] = 0.0
+    clear(out, out.size)
     for i in range(a.size):
         for k in range(b.size):
             if i + k < out.size:
@@ -607,7 +668,7 @@ def quartic_roots(c: Any, roots: Any) -> None:
         if c[k] != 0.0:
             size = max(size, abs(c[k] / c[4]) ** (1.0 / (4 - k)))
     for k in range(4):
-        roots[k] = 0.8 * size * np.exp(1j * (0.7 + 0.5 * np.pi * k))
+        roots[k] = 0.8 * size * unit(0.7 + 0.5 * np.pi * k)
     for _ in range(60):
         most = 0.0
         for k in range(4):
@@ -670,7 +731,9 @@ def dyads_of(rows: Any, d: Any, e: Any, polish: int, out: Any) -> int:
     the poses themselves.
     """
     m = np.zeros((8, 6))
-    q = np.eye(8)
+    q = np.zeros((8, 8))
+    for k in range(8):
+        q[k, k] = 1.0
     for i in range(5):
         for k in range(8):
             m[k, i] = rows[i, k]
@@ -701,8 +764,10 @@ def dyads_of(rows: Any, d: Any, e: Any, polish: int, out: Any) -> int:
             for k in range(8):
                 q[r, k] -= 2.0 * t / vv * v[k]
     # three vectors orthogonal to all rows, mixed so that no point lies at infinity by chance
-    mix = np.array([[0.6, 0.48, 0.64], [-0.8, 0.36, 0.48], [0.0, -0.8, 0.6]])
-    basis = np.zeros((3, 8))
+    mix, basis = np.zeros((3, 3)), np.zeros((3, 8))
+    mix[0, 0], mix[0, 1], mix[0, 2] = 0.6, 0.48, 0.64
+    mix[1, 0], mix[1, 1], mix[1, 2] = -0.8, 0.36, 0.48
+    mix[2, 1], mix[2, 2] = -0.8, 0.6
     for i in range(3):
         for k in range(8):
             for c in range(3):
@@ -714,23 +779,28 @@ def dyads_of(rows: Any, d: Any, e: Any, polish: int, out: Any) -> int:
             re = a[0] * b[5] + b[0] * a[5] - (a[3] * b[1] + b[3] * a[1] + a[4] * b[2] + b[4] * a[2])
             im = a[0] * b[6] + b[0] * a[6] - (a[3] * b[2] + b[3] * a[2] - a[4] * b[1] - b[4] * a[1])
             one[i, k], two[i, k] = 0.5 * re, 0.5 * im
-    a1, a2 = np.array([one[2, 2]]), np.array([two[2, 2]])
-    b1, b2 = np.array([2.0 * one[0, 2], 2.0 * one[1, 2]]), np.array([2.0 * two[0, 2], 2.0 * two[1, 2]])
-    c1 = np.array([one[0, 0], 2.0 * one[0, 1], one[1, 1]])
-    c2 = np.array([two[0, 0], 2.0 * two[0, 1], two[1, 1]])
+    a1, a2 = one[2, 2], two[2, 2]
+    b1, b2, c1, c2, slope = np.zeros(2), np.zeros(2), np.zeros(3), np.zeros(3), np.zeros(2)
     u, w, left, right, quartic = np.zeros(3), np.zeros(4), np.zeros(4), np.zeros(5), np.zeros(5)
-    u[:] = a1[0] * c2 - a2[0] * c1
-    slope = a1[0] * b2 - a2[0] * b1
+    for k in range(2):
+        b1[k], b2[k] = 2.0 * one[k, 2], 2.0 * two[k, 2]
+        slope[k] = a1 * b2[k] - a2 * b1[k]
+    c1[0], c1[1], c1[2] = one[0, 0], 2.0 * one[0, 1], one[1, 1]
+    c2[0], c2[1], c2[2] = two[0, 0], 2.0 * two[0, 1], two[1, 1]
+    for k in range(3):
+        u[k] = a1 * c2[k] - a2 * c1[k]
     _times(b1, c2, w)
     _times(b2, c1, left)
-    w -= left
+    for k in range(4):
+        w[k] -= left[k]
     _times(u, u, quartic)
     _times(slope, w, right)
-    quartic -= right
+    for k in range(5):
+        quartic[k] -= right[k]
     roots = np.zeros(4, np.complex128)
     quartic_roots(quartic, roots)
     count = 0
-    jac, step = np.zeros((4, 4)), np.zeros(4)
+    jac, step, p = np.zeros((4, 4)), np.zeros(4), np.zeros(8)
     for k in range(4):
         # of a pair that nearly meets both count as real: the conics tell
         if abs(roots[k].imag) > 1e-5 * (1.0 + abs(roots[k])):
@@ -768,15 +838,16 @@ def dyads_of(rows: Any, d: Any, e: Any, polish: int, out: Any) -> int:
         size = 1.0 + x * x + y * y
         if not abs(f1) + abs(f2) < 1e-11 * size:
             continue
-        p = basis[0] + x * basis[1] + y * basis[2]
+        for c in range(8):
+            p[c] = basis[0, c] + x * basis[1, c] + y * basis[2, c]
         if p[0] == 0.0:
             continue
-        c, wp = complex(p[3], p[4]) / p[0], complex(p[1], p[2]) / p[0]
+        centre, wp = complex(p[3], p[4]) / p[0], complex(p[1], p[2]) / p[0]
         if polish != 0:
             for _ in range(3):
-                first = d[0] + e[0] * wp - c
+                first = d[0] + e[0] * wp - centre
                 for i in range(4):
-                    other = d[i + 1] + e[i + 1] * wp - c
+                    other = d[i + 1] + e[i + 1] * wp - centre
                     turn = np.conj(other) * e[i + 1] - np.conj(first) * e[0]
                     shift = first - other
                     jac[i, 0], jac[i, 1] = 2.0 * shift.real, 2.0 * shift.imag
@@ -786,14 +857,19 @@ def dyads_of(rows: Any, d: Any, e: Any, polish: int, out: Any) -> int:
                     step[i] = away.real * (other.real + first.real) + away.imag * (other.imag + first.imag)
                 if not solve_small(jac, 4, step):
                     break
-                c -= complex(step[0], step[1])
+                centre -= complex(step[0], step[1])
                 wp -= complex(step[2], step[3])
         again = False
         for i in range(count):
-            off = abs(complex(out[i, 0], out[i, 1]) - c) + abs(complex(out[i, 2], out[i, 3]) - wp)
-            again = again or off < 1e-9 * (1.0 + abs(c) + abs(wp))
-        if not again and abs(c) < 1e12:
-            out[count, 0], out[count, 1], out[count, 2], out[count, 3] = c.real, c.imag, wp.real, wp.imag
+            off = abs(complex(out[i, 0], out[i, 1]) - centre) + abs(complex(out[i, 2], out[i, 3]) - wp)
+            again = again or off < 1e-9 * (1.0 + abs(centre) + abs(wp))
+        if not again and abs(centre) < 1e12:
+            out[count, 0], out[count, 1], out[count, 2], out[count, 3] = (
+                centre.real,
+                centre.imag,
+                wp.real,
+                wp.imag,
+            )
             count += 1
     return count
 
@@ -820,21 +896,25 @@ def dyads(poses: Any, forms: Any, found: Any, counts: Any) -> None:
         formed = np.isnan(poses[k, 0, 2])
         origin, size = 0j, 0.0
         if formed:
-            rows[:, :] = forms[k]
+            for i in range(5):
+                for c in range(8):
+                    rows[i, c] = forms[k, i, c]
             size = 1.0
         else:
             for i in range(5):
                 origin += complex(poses[k, i, 0], poses[k, i, 1]) / 5.0
             for i in range(5):
                 d[i] = complex(poses[k, i, 0], poses[k, i, 1]) - origin
-                e[i] = np.exp(1j * poses[k, i, 2])
+                e[i] = unit(poses[k, i, 2])
                 size = max(size, abs(d[i]))
             size = size if size > 0.0 else 1.0
             for i in range(5):
                 d[i] /= size
                 form_row(d[i], e[i], rows[i])
         counts[k] = dyads_of(rows, d, e, 0 if formed else 1, out)
-        found[k, :, :] = np.nan
+        for i in range(4):
+            for c in range(4):
+                found[k, i, c] = np.nan
         for i in range(counts[k]):
             found[k, i, 0], found[k, i, 1] = size * out[i, 0] + origin.real, size * out[i, 1] + origin.imag
             found[k, i, 2], found[k, i, 3] = size * out[i, 2], size * out[i, 3]
@@ -852,12 +932,13 @@ def freudenstein(cos_in: Any, sin_in: Any, cos_out: Any, sin_out: Any, error: An
     for i in range(cos_in.shape[0]):
         for k in range(cos_out.shape[0]):
             error[i, k] = np.inf
-            rate[:] = 1.0
+            for t in range(n):
+                rate[t] = 1.0
             fine = True
             worst = np.inf
             for _ in range(3):
-                m[:, :] = 0.0
-                x[:] = 0.0
+                clear_all(m)
+                clear(x, 3)
                 for t in range(n):
                     weight = 1.0 / (rate[t] * rate[t])
                     a, b = cos_out[k, t], -cos_in[i, t]
