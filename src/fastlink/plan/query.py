@@ -39,6 +39,7 @@ from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.numerics import compiler
 from fastlink.numerics.elementary import sqrt
+from fastlink.space.units import is_unit
 
 if TYPE_CHECKING:
     from fastlink.facts.catalogue import Catalogue
@@ -663,6 +664,10 @@ def unknown_quantity(name: str, catalogue: Catalogue, over_cycle: bool = True) -
         return InputError(
             what, remedy=f"write {new!r}, or 'least_transmission_angle' for the least acute angle"
         )
+    of, _, unit = name.rpartition("_")
+    if is_unit(unit) and of in Results(catalogue):
+        what = f"quantity {name!r} is a name with a unit, and results are in SI"
+        return InputError(what, remedy=f"write {of!r}; maps.fastlink.convert gives it in {unit}")
     same = find.squeezed(name)
     for known in catalogue.all_inputs.values():
         if find.squeezed(known.name) == same:
