@@ -58,7 +58,8 @@ def search_of(where):
 
 
 def swept(space, **options):
-    return fl.sweep("planar_4r", space, ["theta4"], **{"branch": (1, 2)} | options)
+    names = options.pop("quantities", ["theta4"])
+    return fl.sweep("planar_4r", space, names, **{"branch": (1, 2)} | options)
 
 
 @pytest.mark.parametrize(
@@ -138,6 +139,9 @@ def swept(space, **options):
             "theta1_deg",
             "write theta_deg",
         ),
+        (lambda: fl.evaluate("planar_4r", ["theta4"], **DESIGN, positions=20), "positions", "write theta1"),
+        (lambda: swept(DESIGN, quantities=["swing_deg"]), "swing_deg", "write 'swing'"),
+        (lambda: swept(DESIGN, quantities=["d_swing_d_a1_mm"]), "d_swing_d_a1_mm", "write 'd_swing_d_a1'"),
         (lambda: fl.draw("slider_crank", SLIDER, theta1_deg=10.0), "theta1_deg", "write theta_deg"),
         (lambda: swept(DESIGN, theta=[1.0]), "theta", "write its positions as theta1"),
         (lambda: search_of({"status": "wrong meaning"}), "'status'", "rotates_fully"),

@@ -256,8 +256,8 @@ class Forecast:
         after = f", then {duration(timing.verification)} of verification" if timing.verification else ""
         positions = f" at {counted(timing.positions, 'position')}" if timing.positions else ""
         measured = f"{timing.designs:,} of {counted(self.size, 'design')}{positions}"
-        threads = counted(self.threads, "thread")
-        return f"about {duration(timing.total)} by {threads}{after}, estimated from {measured}"
+        time = f"{duration(timing.total)} by {counted(self.threads, 'thread')}"
+        return f"about {time}{after}, estimated from {measured}"
 
 
 def request_of(

@@ -689,8 +689,9 @@ class StudyRequest:
         mechanism = self.catalogue.name if misspelt else self.mechanism
         space, problems = self.space, Problems()
         if function is check and space is not None:  # which takes inputs by their own names alone
-            links, allowed = self.options.get("links"), bool(self.options.get(ALLOW))
-            space = designs_of(self.catalogue, space, links, problems, allowed)
+            space = designs_of(
+                self.catalogue, space, self.options.get("links"), problems, ALLOW in self.options
+            )
         problems.attempt(function, mechanism, space, names, **self.of_cycle, **self.options)
         problems.stop()
 

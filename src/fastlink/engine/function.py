@@ -342,8 +342,7 @@ class Function(Suggesting):
         from fastlink.engine.jitted import JITTED_BLOCK, jitted_of
 
         if self._factors:
-            what = f"takes inputs in SI, not {joined(sorted({*self.inputs} - {*self._names}))}"
-            raise InputError(what, ("jitted",), f"make a function of {joined(self._names)}")
+            raise InputError("takes inputs in SI", ("jitted",), f"make a function of {joined(self._names)}")
         bound = self._bind(JITTED_BLOCK)
         jitted = jitted_of(*bound, self._declared, self._shapes, self.shape, self._flag)
         jitted.__reduce_ex__ = lambda _: (getattr, (self, "jitted"))  # its addresses are of this process

@@ -28,6 +28,7 @@ from fastlink.facts.names import (
     Reduced,
     bounded_of,
     derivative_name,
+    ending,
     error_name,
     forget_reduction,
     innermost,
@@ -39,6 +40,7 @@ from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.numerics import compiler
 from fastlink.numerics.elementary import sqrt
+from fastlink.space.units import is_unit
 
 if TYPE_CHECKING:
     from fastlink.facts.catalogue import Catalogue
@@ -634,11 +636,11 @@ def _derivatives(text: str, catalogue: Catalogue) -> Iterable[tuple[tuple[str, .
 
 def suggest_quantity(text: str, catalogue: Catalogue, over_cycle: bool = True) -> list[str]:
     """Return the names to suggest for an unknown quantity: three at most."""
-    of, _, how = text.rpartition("_")
+    of, how = ending(text)
     if over_cycle and catalogue.is_quantity(of) and catalogue.has_reductions(of):
         known = [name for name, each in REDUCTIONS.items() if not each.of_path]
         if not catalogue.is_quantity(text) and (near := get_close_matches(how, known, 1, 0.66)):
-            return [f"{of}_{near[0]}"]
+            return [str(Reduced(Quantity(of), near[0]))]
     return find.best_names(rank_quantities(text, catalogue, over_cycle))
 
 
@@ -662,6 +664,11 @@ def unknown_quantity(name: str, catalogue: Catalogue, over_cycle: bool = True) -
         what = f"quantity {name!r} is called {new!r} since 0.3"
         return InputError(
             what, remedy=f"write {new!r}, or 'least_transmission_angle' for the least acute angle"
+        )
+    of, unit = ending(name)
+    if is_unit(unit) and of in Results(catalogue):
+        return InputError(
+            f"quantity {name!r}: results are in SI", remedy=f"write {of!r}, and `convert` the map"
         )
     same = find.squeezed(name)
     for known in catalogue.all_inputs.values():

@@ -172,8 +172,8 @@ def unknown_input(
             return Problem(f"belongs to links of model {model!r}", (parent, name), mend)
     if "tol" in name and (near := nearest(name, catalogue.tolerances)):
         return Problem(f"is unknown to {catalogue.name}", (parent, name), did_you_mean([near]))
-    driving, unit = units.split(name, drivers())
-    if driving in drivers():
+    driving, unit = units.split(name, others := {*drivers(), POSITIONS})
+    if driving in others:
         what = f"is unknown to {catalogue.name}, whose input is {catalogue.position.name}"
         return Problem(what, (parent, name), f"write {units.with_unit(catalogue.position.name, unit)}")
     every = {*known, *(key for inputs in catalogue.variant_inputs.values() for key in inputs)}
