@@ -508,7 +508,11 @@ def _solve_path(asked: Asked, path: Any, timing: Any, closed: Any) -> Solved:
     if asked.exact:
         found, complete = _all_exact(asked, task)
     if found is None:
-        solved = paths.solve_path(task, asked.seed)
+        many = times is None and len(target) >= 9
+        solved = paths.solve_path(task, asked.seed, 1 if many else paths.ROUNDS)
+        poor = not len(solved.cost) or solved.cost[0] > paths.EXACT**2 * task.size
+        if many and poor and (more := _through_nine(task)) is not None:
+            solved = paths.merged(paths.joined(solved, more))
         side = np.repeat(solved.signs[:, :1], len(target), axis=1)
         found = Linkages(solved.numbers, solved.theta, side, solved.starts)
     if times is None:
@@ -552,15 +556,41 @@ def _all_exact(asked: Asked, task: paths.PathTask) -> tuple[Linkages | None, str
         raise InputError(
             what, ("exact",), "leave it out: least squares find linkages through up to nine points too"
         )
-    triples = import_module("fastlink.synthesis.nine_points").solutions(task.target)
+    return _of_nine(task.target)
+
+
+def _of_nine(points: NDArray[np.complex128]) -> tuple[Linkages, str]:
+    """Return a linkage of each triple of cognates through nine points, and how many triples there are."""
+    triples = import_module("fastlink.synthesis.nine_points").solutions(points)
     real = triples.unknowns[triples.real]
-    start, turns = task.target[0], np.concatenate([np.ones((len(real), 1)), real[:, 8:]], axis=1)
+    turns = np.concatenate([np.ones((len(real), 1)), real[:, 8:]], axis=1)
     x, a, y, b = (real[:, k, None] for k in range(4))
-    pin_a, pin_b = task.target + x * turns, task.target + y * turns
-    points = np.broadcast_to(task.target, turns.shape)
-    found = from_pins((start + a)[:, 0], (start + b)[:, 0], pin_a, pin_b, points)
+    place, start = np.broadcast_to(points, turns.shape), points[0]
+    found = from_pins((start + a)[:, 0], (start + b)[:, 0], points + x * turns, points + y * turns, place)
     complete = f"all {len(real)} real of {len(triples.unknowns):,} triples of cognates"
     return found, complete + (f"; {len(triples.lost)} paths did not arrive" if len(triples.lost) else "")
+
+
+def _through_nine(task: paths.PathTask) -> paths.Candidates | None:
+    """Return linkages that pass nine of the points in order, refined on all: where curves of many shapes are alike.
+
+    The best of a sample of shapes lies in a long valley then, and what passes all points is not near its start.
+    """
+    some = np.unique(np.linspace(0, len(task.target) - 1, 9).round().astype(int))
+    try:
+        found, _ = _of_nine(task.target[some])
+    except ModuleNotFoundError:
+        return None
+    found = judged(cognates_of(found), task.closed, False)
+    found = found.at(found.more["defect"] == 0)
+    if not len(found):
+        return None
+    share, order = task.share, found.more["order"].astype(float)
+    theta = np.array([np.interp(share, share[some], one) for one in found.theta])
+    signs = np.stack([found.side[:, 0], order], axis=1)
+    starts = paths.Candidates(found.numbers.copy(), signs, theta, np.zeros(len(found)), found.starts)
+    paths.fit_limits(task, starts)
+    return paths.refined(task, starts, 300)
 
 
 def _different(found: Linkages) -> Linkages:

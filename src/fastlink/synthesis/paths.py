@@ -172,7 +172,7 @@ def refined(task: PathTask, found: Candidates, most: int) -> Candidates:
 
 
 #: Shapes that are compared in each round, of closed or timed paths and of open ones; starts that are refined.
-SHAPES, SHAPES_OPEN, KEPT = 4096, 2048, 1000
+SHAPES, SHAPES_OPEN, KEPT = 4096, 1024, 1000
 #: Stages of the refinement: how many linkages go on, for how many steps each.
 STAGES = ((KEPT, 30), (300, 150), (40, 1500))
 #: Rounds at most; an error so small beside the size of the path counts as none.
@@ -192,7 +192,7 @@ def solve_path(task: PathTask, seed: int, rounds: int = ROUNDS, enough: float = 
     kept = KEPT if len(task.target) <= 2 * COMPARED else max(100, KEPT * 2 * COMPARED // len(task.target))
     found: Candidates | None = None
     for number in range(rounds):
-        starts = starts_of(task, shapes, kept, seed, number * shapes)
+        starts = starts_of(task, shapes, min(kept, shapes), seed, number * shapes)
         fit_limits(task, starts)
         for most, steps in STAGES:
             starts = refined(task, starts.at(slice(0, most)), steps)
