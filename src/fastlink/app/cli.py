@@ -82,8 +82,6 @@ OTHER_NAMES = {
 }
 
 
-#: Commands whose options a study may have instead.
-OF_STUDIES = ("accuracy", "explain", "run")
 #: Of click, or of typer's own copy of it.
 UsageError: Any = typer.BadParameter.__base__
 
@@ -95,7 +93,7 @@ def _printable_usage() -> Iterator[None]:
         yield
     except UsageError as error:
         option = str(getattr(error, "option_name", "")).lstrip("-").replace("-", "_")
-        if option and error.ctx is not None and error.ctx.info_name in OF_STUDIES:
+        if option and error.ctx is not None and error.ctx.info_name in ("accuracy", "explain", "run"):
             from fastlink.app.study import in_study
 
             error.message += f" ({there})" if (there := in_study(option)) else ""
@@ -266,8 +264,8 @@ def by_name(
         if found is None:
             is_pair = equals and name and value
             what = f"{name} is {value!r}, not a number" if is_pair else f"{text!r} is not {form}"
-            of_unit = named_with_unit(name, value) if is_pair else ""
-            raise InputError(what, (where,), of_unit or ("write such as ", Setting(where, dict(example))))
+            such = ("write such as ", Setting(where, dict(example)))
+            raise InputError(what, (where,), named_with_unit(name, name and value) or such)
         if name in given:
             raise InputError(f"{name} is given twice", (where,), "write it once")
         given[name] = found

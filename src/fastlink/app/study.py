@@ -689,8 +689,8 @@ class StudyRequest:
         mechanism = self.catalogue.name if misspelt else self.mechanism
         space, problems = self.space, Problems()
         if function is check and space is not None:  # which takes inputs by their own names alone
-            links, allowed = self.options.get("links"), bool(self.options.get(ALLOW))
-            space = designs_of(self.catalogue, space, links, problems, allowed)
+            links = self.options.get("links")
+            space = designs_of(self.catalogue, space, links, problems, ALLOW in self.options)
         problems.attempt(function, mechanism, space, names, **self.of_cycle, **self.options)
         problems.stop()
 
@@ -889,7 +889,9 @@ class Study:
 
 
 def in_study(name: str) -> str:
-    """Return where a study has what is no parameter of a function that takes one; an empty text for other names."""
+    """Return where a study has what is no parameter of a function that takes one; "" of other names, or what one is."""
+    if not name:
+        return A_STUDY
     if name in ("quantities", "links", "mechanism", TOLERANCES):
         return f"write {name} in the study"
     tables = {one: "design" for mechanism in NAMES for one in find_catalogue(mechanism).all_inputs}
@@ -899,7 +901,7 @@ def in_study(name: str) -> str:
     return f"write {name} in the study, under [{tables[of]}]" if of in tables else ""
 
 
-@door(hint=A_STUDY, elsewhere=in_study)
+@door(hint=in_study)
 def run(
     path: str | Path,
     to: str | Path | None = None,

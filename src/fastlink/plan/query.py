@@ -28,6 +28,7 @@ from fastlink.facts.names import (
     Reduced,
     bounded_of,
     derivative_name,
+    ending,
     error_name,
     forget_reduction,
     innermost,
@@ -635,11 +636,11 @@ def _derivatives(text: str, catalogue: Catalogue) -> Iterable[tuple[tuple[str, .
 
 def suggest_quantity(text: str, catalogue: Catalogue, over_cycle: bool = True) -> list[str]:
     """Return the names to suggest for an unknown quantity: three at most."""
-    of, _, how = text.rpartition("_")
+    of, how = ending(text)
     if over_cycle and catalogue.is_quantity(of) and catalogue.has_reductions(of):
         known = [name for name, each in REDUCTIONS.items() if not each.of_path]
         if not catalogue.is_quantity(text) and (near := get_close_matches(how, known, 1, 0.66)):
-            return [f"{of}_{near[0]}"]
+            return [str(Reduced(Quantity(of), near[0]))]
     return find.best_names(rank_quantities(text, catalogue, over_cycle))
 
 
@@ -664,10 +665,11 @@ def unknown_quantity(name: str, catalogue: Catalogue, over_cycle: bool = True) -
         return InputError(
             what, remedy=f"write {new!r}, or 'least_transmission_angle' for the least acute angle"
         )
-    of, _, unit = name.rpartition("_")
+    of, unit = ending(name)
     if is_unit(unit) and of in Results(catalogue):
-        what = f"quantity {name!r} is a name with a unit, and results are in SI"
-        return InputError(what, remedy=f"write {of!r}; maps.fastlink.convert gives it in {unit}")
+        return InputError(
+            f"quantity {name!r}: results are in SI", remedy=f"write {of!r}, and `convert` the map"
+        )
     same = find.squeezed(name)
     for known in catalogue.all_inputs.values():
         if find.squeezed(known.name) == same:
