@@ -337,8 +337,8 @@ def listed(options: Sequence[str]) -> str:
 
 #: Parameters that the form of a call shows.
 MOST_PARAMETERS = 6
-#: What tells where a name is written that is no parameter, if it does.
-Elsewhere: TypeAlias = Callable[[str], str] | None
+#: What is added to a form; or a function of what is no parameter, which tells where it is written.
+Hint: TypeAlias = str | Callable[[str], str]
 BY_POSITION = (Parameter.POSITIONAL_ONLY, Parameter.POSITIONAL_OR_KEYWORD)
 
 
@@ -361,17 +361,13 @@ def door(function: Callable[P, R]) -> Callable[P, R]: ...
 
 
 @overload
-def door(
-    *, hint: str = "", name: str = "", elsewhere: Elsewhere = None
-) -> Callable[[Callable[P, R]], Callable[P, R]]: ...
+def door(*, hint: Hint = "", name: str = "") -> Callable[[Callable[P, R]], Callable[P, R]]: ...
 
 
-def door(
-    function: Callable[P, R] | None = None, *, hint: str = "", name: str = "", elsewhere: Elsewhere = None
-) -> Any:
+def door(function: Callable[P, R] | None = None, *, hint: Hint = "", name: str = "") -> Any:
     """Return a public function that refuses a wrong call with the nearest parameter, or with its form.
 
-    Of what is no parameter `elsewhere` tells where it is written, if it does.
+    A hint that is a function tells of what is no parameter where it is written, if it knows; of "" what others tell.
 
     A right call costs a tenth of a microsecond more. A TypeError that the function itself raises is passed on.
 
@@ -388,7 +384,7 @@ def door(
     fastlink.errors.CallError: bar: density is missing; write bar(density, radius=...)
     """
     if function is None:
-        return functools.partial(door, hint=hint, name=name, elsewhere=elsewhere)
+        return functools.partial(door, hint=hint, name=name)
 
     called = name or function.__name__
     other_spelling = BRITISH if BRITISH["minimize"] in signature(function).parameters else {}
@@ -401,7 +397,7 @@ def door(
         try:
             return function(*args, **options)
         except TypeError:
-            problems = _wrong_call(called, signature(function), args, options, hint, elsewhere)
+            problems = _wrong_call(called, signature(function), args, options, hint)
             if problems is None:
                 raise
         raise CallError.of(problems)
@@ -410,7 +406,7 @@ def door(
 
 
 def _wrong_call(
-    name: str, expected: Signature, args: Sequence[Any], options: Mapping[str, Any], *how: Any
+    name: str, expected: Signature, args: Sequence[Any], options: Mapping[str, Any], hint: Hint
 ) -> list[Problem] | None:
     """Return the problems of a call that does not fit the parameters of a function, None of one that does."""
     try:
@@ -422,8 +418,8 @@ def _wrong_call(
     parameters = list(expected.parameters.values())
     if parameters and parameters[0].name == "self":
         parameters, args = parameters[1:], args[1:]
-    problems, (hint, elsewhere) = Problems(), how
-    also = f"; {hint}" if hint else ""
+    problems = Problems()
+    also = f"; {told}" if (told := hint if isinstance(hint, str) else hint("")) else ""
     form = f"write {_form(name, parameters)}{also}"
     by_position = [one for one in parameters if one.kind in BY_POSITION]
     named = {
@@ -449,7 +445,7 @@ def _wrong_call(
         problems.add(f"{joined(absent)} are missing", (name,), form)
     if not any(one.kind is Parameter.VAR_KEYWORD for one in parameters):
         for key in (key for key in others if key not in misspelt.values()):
-            there = elsewhere(key) if elsewhere else ""
+            there = "" if isinstance(hint, str) else hint(key)
             problems.add("is not a parameter", (name, key), there or (suggest(key, named) if named else form))
     return problems.noted
 

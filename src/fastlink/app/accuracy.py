@@ -15,7 +15,7 @@ import numpy as np
 import xarray as xr
 
 from fastlink._text import aligned, counted, duration, writable
-from fastlink.app.study import A_STUDY, Study, in_study, read_study
+from fastlink.app.study import Study, in_study, read_study
 from fastlink.engine.labels import flag_attrs
 from fastlink.engine.options import check_options
 from fastlink.engine.resolve import ResolvedSweep, resolve
@@ -397,7 +397,7 @@ LABELS_OF_ALL = LABELS | {CHANGE_POINTS: ("1", "designs that are change points, 
 MISSED = 0.01
 
 
-@door(hint=A_STUDY, elsewhere=in_study)
+@door(hint=in_study)
 def accuracy(
     study: str | Path,
     *,

@@ -232,8 +232,7 @@ class MeasuredErrors:
             self.roundings.append(roundings)
         if bound is not None and error != 0 and (vanishes or roundings > SUSPECT):
             self.mismatches += int(error > bound())
-        if bound is None and not zeroed:
-            self.mismatches += int(roundings > LOST)
+        self.mismatches += int(bound is None and not zeroed and roundings > LOST)
 
     def add_code(self, value: float, exact: Any) -> None:
         """Compare a code, which is right or wrong."""

@@ -45,10 +45,7 @@ _Rows = tuple[int, int, "list[NDArray[Any]]"]
 #: Quantities that are rounding errors themselves, which have none.
 OF_ERRORS = ("residual", "deviation")
 #: The remedy for wrong results.
-DOUBTED = (
-    "do not rely on them: ask for NAME_error or NAME_max_error too, which bound them; mend formulas of your own;"
-    " else report it"
-)
+DOUBTED = "do not rely on it: ask for NAME_error (NAME_max_error) too, mend your own formulas, or report it"
 
 
 def with_remark(maps: xr.Dataset) -> xr.Dataset:

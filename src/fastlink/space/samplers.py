@@ -305,9 +305,8 @@ def grid(axes: Mapping[str, ArrayLike] | None = None, /, **more: ArrayLike) -> D
 
 def _is_linspace(given: Any) -> bool:
     """Tell whether an axis is rather the ends and the number of its values: a whole number far beyond both."""
-    if not isinstance(given, tuple) or len(given) != 3 or type(given[2]) is not int:
-        return False
-    return given[2] >= FEWEST and given[2] > FAR * max(abs(given[0]), abs(given[1]))
+    count = given[2] if isinstance(given, tuple) and len(given) == 3 else None
+    return type(count) is int and count >= FEWEST and count > FAR * max(abs(given[0]), abs(given[1]))
 
 
 def _keywords(kind: str, axes: Any, more: Mapping[str, ArrayLike]) -> dict[str, Any]:
