@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from fastlink.space.samplers import latin_hypercube as latin_hypercube
     from fastlink.space.samplers import sobol as sobol
     from fastlink.space.tables import table as table
+    from fastlink.synthesis.found import synthesise as synthesise
 else:
 
     def _modules() -> dict[str, str]:

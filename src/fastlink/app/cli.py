@@ -77,6 +77,7 @@ OTHER_NAMES = {
     "new": ("init", "template"),
     "draw": ("animate", "linkage", "sketch"),
     "plot": ("map", "picture", "plot_designs", "plot_front", "plot_map"),
+    "synthesise": ("design", "generate", "synthesis", "synthesize"),
     "tolerance": ("robustness", "sensitivity", "tolerances"),
     "run": ("compute", "evaluate", "run_study", "sweep"),
 }
@@ -349,9 +350,9 @@ def print_summary(maps: Any) -> None:
     from fastlink.io.reader import PartOfMap
 
     typer.echo(summary(maps))
-    if "search" in maps.attrs and PartOfMap.of(maps.attrs) is None:
+    if {"search", "synthesis"} & set(maps.attrs) and PartOfMap.of(maps.attrs) is None:
         found = maps.load()
-        del found.attrs["selection"]  # which the summary has said
+        found.attrs.pop("selection", None)  # which the summary has said
         typer.echo(listed(found, [str(name) for name, one in found.data_vars.items() if one.ndim == 1]))
 
 
@@ -676,6 +677,73 @@ def _conditions(texts: list[str]) -> dict[str, Any]:
     """Return the conditions of ``--where NAME=LO:HI``, ``--where NAME=NUMBER`` and ``--where NAME=MEANING``."""
     form = "NAME=LO:HI, NAME=NUMBER or NAME=MEANING"
     return by_name(texts, "where", form, {"a2": "1.1:1.3"}, text_of)
+
+
+@command
+def synthesise(
+    file: Path,
+    *,
+    motion: bool = False,
+    function: bool = False,
+    timing: str | None = None,
+    closed: bool = False,
+    exact: bool = False,
+    rotation_length: float | None = None,
+    turn_deg: str | None = None,
+    quantities: str | None = None,
+    where: list[str] | None = None,
+    bounds: list[str] | None = None,
+    fixed: list[str] | None = None,
+    minimise: list[str] | None = None,
+    maximise: list[str] | None = None,
+    top: int = 10,
+    seed: int = 0,
+    to: Path | None = None,
+    overwrite: bool = False,
+) -> None:
+    """Find four-bar linkages for the points of a path, the poses of a body, or the pairs of a function.
+
+    CURVE.csv  Rows of x, y; of x, y, angle for --motion; of x, y for --function. Names in the first line.
+    --motion  The rows are poses of a body.
+    --function  The rows are pairs of input and output.
+    --timing T1,T2,...  Crank angles in rad at the points of a path, or even.
+    --closed  The path closes.
+    --exact  All linkages through nine points, or five with timing.
+    --rotation-length L  The length at which an error of direction counts, of more than five poses.
+    --turn-deg IN,OUT  The turns of both shafts over the range of a function.
+    --quantities A,B  What else is computed of each.
+    --where NAME=LO:HI
+    --bounds NAME=LO,HI  The range of a length, pivot or angle of the linkage; may be repeated.
+    --fixed NAME=NUMBER  A length, pivot or angle that is given; may be repeated.
+    --minimise NAME
+    --maximise NAME
+    --top N  How many.
+    --seed N  Of the starts.
+    --to FILE.h5  Write them too, as a map.
+    --overwrite
+    """
+    from fastlink.app.report import listed
+    from fastlink.synthesis.found import synthesise as find
+
+    if motion and function:
+        raise InputError("is given beside --motion", ("function",), "write one of them")
+    times = None if timing is None or timing == "even" else numbers_of(timing)
+    if timing not in (None, "even") and not isinstance(times, list):
+        raise InputError(f"is {timing!r}", ("timing",), "write numbers with commas, or even")
+    turns = None if turn_deg is None else numbers_of(turn_deg)
+    of = "motion" if motion else "function" if function else "path"
+    given: dict[str, Any] = {of: file, "timing": times if times is not None else timing}
+    given |= {"closed": closed or None, "exact": exact, "rotation_length": rotation_length, "turn_deg": turns}
+    ranges = by_name(bounds or [], "bounds", "NAME=LO,HI", {"a1": "0.1,1"}, numbers_of)
+    given |= {"bounds": ranges or None, "where": _conditions(where or []) or None}
+    given["fixed"] = by_name(fixed or [], "fixed", "NAME=NUMBER", {"O_x": "0"}, numbers_of) or None
+    given |= {"minimise": minimise or (), "maximise": maximise or (), "top": top, "seed": seed}
+    names = [] if quantities is None else _parts(quantities)
+    found = find("planar_4r", names, to=to, overwrite=overwrite, **given).load()
+    if not found.sizes["design"]:
+        raise InputError(str(found.attrs["reason"]), (), "widen the limits, or try other seeds")
+    columns = [str(name) for name, one in found.data_vars.items() if one.dims == ("design",)]
+    typer.echo(listed(found, columns))
 
 
 @command

@@ -78,6 +78,8 @@ if TYPE_CHECKING:
 
 #: Designs of a study that are tried where none is chosen.
 MOST_TRIED = 65
+#: Dimensions of what a synthesis says of the points of its task.
+OF_A_TASK = ("point", "peak")
 STUDY, MAPS = ".toml", (".h5", ".hdf5", ".nc", ".he5")
 
 
@@ -91,6 +93,8 @@ class Source:
     links: Links | None = None
     input: str | None = None
     own: str = ""
+    #: The points of the task of a linkage that was synthesised (points, 2), in its ground frame.
+    target: Any = None
 
 
 def read_source(
@@ -173,7 +177,7 @@ def _of_map(maps: Any, design: Any, at: Any) -> Source:
         mechanism, input = mechanism_of_map(dataset.attrs), str(dataset.attrs.get("input"))
         catalogue = find_catalogue(mechanism, input)
         dims = [*(dataset[STATUS].dims if STATUS in dataset else ()), *dataset.dims]
-        outside = {BRANCH, EXTREMUM, catalogue.position.name}
+        outside = {BRANCH, EXTREMUM, catalogue.position.name, *OF_A_TASK}
         along = {
             str(dim): dataset[dim].values if dim in dataset.coords else np.arange(dataset.sizes[dim])
             for dim in dict.fromkeys(dims)
@@ -190,8 +194,20 @@ def _of_map(maps: Any, design: Any, at: Any) -> Source:
                 inputs[name if has_unit(units, known[name]) else with_unit(name, units)] = float(row[name])
         branch = int(row[BRANCH]) if BRANCH in row.coords and row[BRANCH].ndim == 0 else None
         own = str(dataset.attrs.get("own_quantities", ""))
+        target = _target_of(row)
+        if target is not None:  # it stands at the first point
+            inputs[catalogue.position.name] = float(row[catalogue.position.name][0])
     links = taken_links(inputs)
-    return Source(mechanism, inputs, branch, links, input, own)
+    return Source(mechanism, inputs, branch, links, input, own, target)
+
+
+def _target_of(row: Any) -> Any:
+    """Return the points of a task in the ground frame of the linkage that was found for it; None of other rows."""
+    if not {"target_x", "target_y", "O_x", "O_y", "ground_angle"} <= set(row.variables):
+        return None
+    away = (row["target_x"] - row["O_x"]) + 1j * (row["target_y"] - row["O_y"])
+    turned = np.asarray(away.values * np.exp(-1j * float(row["ground_angle"])))
+    return np.stack([turned.real, turned.imag], axis=-1)
 
 
 def _places(along: Mapping[str, Any], design: Any, at: Any, units: Mapping[str, str]) -> tuple[int, ...]:
@@ -601,6 +617,9 @@ def draw(
     with style():
         board = Board(request)
         board.show()
+        if source.target is not None:
+            for sheet in board.sheets:
+                sheet.axis.plot(*source.target.T, "x", color="0.25", markersize=5.0, zorder=6.0)
         if path is not None and not is_cad(path):
             save(board.figure, path, "to")
         if film is not None:
