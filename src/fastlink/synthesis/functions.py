@@ -213,7 +213,9 @@ def _peaks(task: FunctionTask, numbers: Floats, sign: float, sense: int) -> tupl
     inner = np.flatnonzero((known[1:-1] - known[:-2]) * (known[2:] - known[1:-1]) <= 0.0) + 1
     at, step = places[inner], places[1] - places[0]
     for _ in range(3):
-        one, two, three = (error(np.clip(at + side * step, places[0], places[-1])) for side in (-1.0, 0.0, 1.0))
+        one, two, three = (
+            error(np.clip(at + side * step, places[0], places[-1])) for side in (-1.0, 0.0, 1.0)
+        )
         bend = one - 2.0 * two + three
         with np.errstate(all="ignore"):
             shift = np.nan_to_num(0.5 * (one - three) / bend, posinf=0.0, neginf=0.0)
