@@ -7,6 +7,7 @@ import os
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -252,7 +253,7 @@ LABELS: dict[str, tuple[str, str]] = {
     "peak_theta1": ("rad", "Where these are"),
     "least_transmission_angle_used": (
         "rad",
-        "Least acute transmission angle between the first and the last point",
+        "Least acute transmission angle from the first to the last point",
     ),
     "order": ("1", "Sense in which the crank passes the points; 0 out of order"),
     "circuit": ("1", "Circuit at the first point"),
@@ -289,9 +290,8 @@ class Asked:
         """Return the quantities of the mechanism that objectives and conditions name, or refuse unknown ones."""
         own, problems = {*LABELS, "defect", "branch"}, Problems()
         where = self.where if isinstance(self.where, Mapping) else {}
-        asked: dict[str, Any] = {
-            "where": {k: v for k, v in where.items() if split(str(k), own)[0] not in own}
-        }
+        asked: dict[str, Any] = {}
+        asked["where"] = {k: v for k, v in where.items() if split(str(k), own)[0] not in own}
         for name, given in (("minimise", self.minimise), ("maximise", self.maximise)):
             asked[name] = [one for one in _listed(given) if one not in own]
         found = _searched(self.catalogue, asked, problems)
@@ -303,9 +303,8 @@ class Asked:
         if not isinstance(self.where, Mapping):
             return 0.0
         units = {one: unit for one, (unit, _) in LABELS.items()}
-        given = in_si(
-            "where", {k: v for k, v in self.where.items() if split(k, units)[0] == name}, units
-        ).get(name)
+        own = {k: v for k, v in self.where.items() if split(k, units)[0] == name}
+        given = in_si("where", own, units).get(name)
         try:
             low = float(given[0])  # type: ignore[index]
         except (TypeError, ValueError, IndexError):
@@ -334,40 +333,25 @@ def _limits(bounds: Any, fixed: Any, problems: Problems) -> tuple[Floats, Floats
         if values is None:
             continue
         if not isinstance(values, Mapping):
-            problems.add(
-                "is not a mapping",
-                (where,),
-                "write such as {'a1': (0.1, 1.0)}" if where == "bounds" else "write such as {'O_x': 0.0}",
-            )
+            example = "{'a1': (0.1, 1.0)}" if where == "bounds" else "{'O_x': 0.0}"
+            problems.add("is not a mapping", (where,), f"write such as {example}")
             continue
         for name, value in (problems.attempt(in_si, where, dict(values), units) or {}).items():
             if name not in units:
-                problems.add(
-                    f"{short_repr(name)} is no number of a linkage",
-                    (where,),
-                    f"write one of {', '.join(units)}",
-                )
+                what = f"{short_repr(name)} is no number of a linkage"
+                problems.add(what, (where,), f"write one of {', '.join(units)}")
                 continue
             try:
-                low_end, high_end = (value, value) if where == "fixed" else value
-                ends = (
-                    float(-np.inf if low_end is None else low_end),
-                    float(np.inf if high_end is None else high_end),
-                )
+                first, last = (value, value) if where == "fixed" else value
+                ends = float(-np.inf if first is None else first), float(np.inf if last is None else last)
             except (TypeError, ValueError, IndexError):
                 ends = (np.nan, np.nan)
             if not ends[0] <= ends[1]:
-                problems.add(
-                    f"is {short_repr(value)}",
-                    (where, name),
-                    "write a number" if where == "fixed" else "write (lo, hi), None for no limit",
-                )
+                remedy = "write a number" if where == "fixed" else "write (lo, hi), None for no limit"
+                problems.add(f"is {short_repr(value)}", (where, name), remedy)
             elif name in NUMBERS[:4] and ends[1] <= 0.0:
-                problems.add(
-                    f"is {short_repr(value)}, and a length is positive",
-                    (where, name),
-                    "write positive numbers",
-                )
+                what = f"is {short_repr(value)}, and a length is positive"
+                problems.add(what, (where, name), "write positive numbers")
             else:
                 given[name] = ends
     pivots = {"O_x", "O_y", "D_x", "D_y"}
@@ -376,15 +360,19 @@ def _limits(bounds: Any, fixed: Any, problems: Problems) -> tuple[Floats, Floats
             o, d = complex(given["O_x"][0], given["O_y"][0]), complex(given["D_x"][0], given["D_y"][0])
             given["a4"], given["ground_angle"] = (abs(d - o),) * 2, (float(np.angle(d - o)),) * 2
         else:
-            what = "D has its place by O, a4 and ground_angle"
-            problems.add(
-                what, ("fixed",), "fix O_x, O_y, D_x and D_y together, or write where={'D_x': (lo, hi)}"
-            )
+            remedy = "fix O_x, O_y, D_x and D_y together, or write where={'D_x': (lo, hi)}"
+            problems.add("D has its place by O, a4 and ground_angle", ("fixed",), remedy)
     for name, ends in given.items():
         if name in NUMBERS:
             k = NUMBERS.index(name)
             low[k], high[k] = max(ends[0], 1e-12 if k < 4 else -np.inf), ends[1]
     return low, high
+
+
+def _check(holds: Any, where: str, what: str, remedy: Any) -> None:
+    """Refuse what does not hold."""
+    if not holds:
+        raise InputError(what, (where,), remedy)
 
 
 def _columns(where: str, given: Any, names: Sequence[str], units: Mapping[str, str]) -> Floats:
@@ -402,8 +390,7 @@ def _columns(where: str, given: Any, names: Sequence[str], units: Mapping[str, s
                 values = np.asarray(given[key], dtype=float)
                 columns[of] = in_si(where, {str(key): values}, units)[of] if unit else values
         missing = [name for name in names if name not in columns]
-        if missing:
-            raise InputError(f"has no column {missing[0]}", (where,), remedy)
+        _check(not missing, where, f"has no column {''.join(missing[:1])}", remedy)
         rows = np.stack([np.asarray(columns[name], dtype=float) for name in names], axis=1)
     else:
         try:
@@ -412,15 +399,13 @@ def _columns(where: str, given: Any, names: Sequence[str], units: Mapping[str, s
             rows = np.stack([raw.real, raw.imag], axis=1) if is_complex else raw.astype(float)
         except (TypeError, ValueError):
             raise InputError(f"is {short_repr(given)}", (where,), remedy) from None
-    if rows.ndim != 2 or rows.shape[1] != len(names):
-        raise InputError(f"has the shape {rows.shape}", (where,), remedy)
-    if len(rows) > MOST_POINTS:
-        raise InputError(
-            f"has {len(rows):,} rows", (where,), f"give at most {MOST_POINTS:,}, such as every tenth"
-        )
-    bad = np.flatnonzero(~np.isfinite(rows).all(axis=1))
-    if len(bad):
-        raise InputError(f"is not finite in row {bad[0]}", (where,), "leave that row out")
+    _check(rows.ndim == 2 and rows.shape[1] == len(names), where, f"has the shape {rows.shape}", remedy)
+    less = f"give at most {MOST_POINTS:,}, such as every tenth"
+    _check(len(rows) <= MOST_POINTS, where, f"has {len(rows):,} rows", less)
+    fine = np.isfinite(rows).all(axis=1)
+    _check(
+        fine.all(), where, f"is not finite in row {np.argmin(fine) if len(fine) else 0}", "leave that row out"
+    )
     return np.ascontiguousarray(rows)
 
 
@@ -460,43 +445,30 @@ def _solve_path(asked: Asked, path: Any, timing: Any, closed: Any) -> Solved:
     rows = _columns("path", path, ("x", "y"), {"x": "m", "y": "m"})
     points = rows[:, 0] + 1j * rows[:, 1]
     count = len(points)
-    if count < 2:
-        raise InputError(
-            f"has {counted(count, 'point')}", ("path",), "give at least 2 points, or 3 for a shape"
-        )
+    _check(count >= 2, "path", f"has {counted(count, 'point')}", "give at least 2 points, or 3 for a shape")
     size = float(np.abs(points - points.mean()).max())
-    if not size > 0.0:
-        raise InputError("has one place alone", ("path",), "give points that differ")
-    again = np.flatnonzero(np.abs(np.diff(points)) <= 1e-12 * size)
-    if len(again) and timing is None:
-        raise InputError(
-            f"has the same point in rows {again[0]} and {again[0] + 1}", ("path",), "leave one of them out"
-        )
+    _check(size > 0.0, "path", "has one place alone", "give points that differ")
+    apart = np.abs(np.diff(points)) > 1e-12 * size
+    k, one_less = int(np.argmin(apart)), "leave one of them out"
+    _check(apart.all() or timing is not None, "path", f"has the same point in rows {k} and {k + 1}", one_less)
     if closed is not None:
         check_switch(("closed",), closed)
     comes_back = abs(points[0] - points[-1]) <= 1e-9 * size
     is_closed = bool(comes_back if closed is None else closed)
     times = None
-    if timing is not None:
-        if isinstance(timing, str):
-            if timing != "even":
-                raise InputError(
-                    f"is {short_repr(timing)}", ("timing",), "write 'even', or a crank angle for each point"
-                )
-            times = 2.0 * np.pi * np.arange(count) / (count - comes_back) if is_closed else None
-            if times is None:
-                raise InputError(
-                    "is 'even', and the path is open",
-                    ("timing",),
-                    "write the crank angle at each point, in rad",
-                )
-        else:
-            times = np.asarray(timing, dtype=float)
-            if times.shape != (count,) or not np.isfinite(times).all():
-                what = f"has the shape {times.shape}, and there are {counted(count, 'point')}"
-                raise InputError(what, ("timing",), "write a crank angle for each point, in rad")
-            if (np.abs(np.diff(times)) == 0.0).any():
-                raise InputError("has the same angle twice", ("timing",), "write angles that differ")
+    if isinstance(timing, str):
+        angles = "write the crank angle at each point, in rad"
+        _check(timing == "even", "timing", f"is {short_repr(timing)}", f"write 'even', or {angles[6:]}")
+        _check(is_closed, "timing", "is 'even', and the path is open", angles)
+        times = 2.0 * np.pi * np.arange(count) / (count - comes_back)
+    elif timing is not None:
+        times = np.asarray(timing, dtype=float)
+        what = f"has the shape {times.shape}, and there are {counted(count, 'point')}"
+        fits = times.shape == (count,) and np.isfinite(times).all()
+        _check(fits, "timing", what, "write a crank angle for each point, in rad")
+        _check(
+            (np.diff(times) != 0.0).all(), "timing", "has the same angle twice", "write angles that differ"
+        )
     crank = is_closed or asked.crank
     target, weights = points, np.ones(count)
     if is_closed and comes_back and times is None:
@@ -525,10 +497,8 @@ def _solve_path(asked: Asked, path: Any, timing: Any, closed: Any) -> Solved:
     if is_closed and comes_back and times is None:
         sense, theta = in_order(found.theta, True)
         last = theta[:, :1] + np.where(sense == 0, 1, sense)[:, None] * 2.0 * np.pi
-        found.theta, found.side = (
-            np.append(theta, last, axis=1),
-            np.append(found.side, found.side[:, :1], axis=1),
-        )
+        found.theta = np.append(theta, last, axis=1)
+        found.side = np.append(found.side, found.side[:, :1], axis=1)
     if complete:
         attrs["complete"] = complete
     coords = {"target_x": rows[:, 0], "target_y": rows[:, 1]} | ({} if times is None else {"time": times})
@@ -540,22 +510,14 @@ def _solve_path(asked: Asked, path: Any, timing: Any, closed: Any) -> Solved:
 def _all_exact(asked: Asked, task: paths.PathTask) -> tuple[Linkages | None, str]:
     """Return all linkages that pass points exactly, where algebra gives them, and how many that are."""
     count = len(task.target)
+    best = "leave it out: least squares find the best"
     if task.times is not None:
-        if count != 5:
-            raise InputError(
-                f"is for five points with timing, and there are {count}",
-                ("exact",),
-                "leave it out: least squares find the best",
-            )
+        _check(count == 5, "exact", f"is for five points with timing, and there are {count}", best)
         numbers, sides = poses.timed_by_cognate(task.target, task.times - task.times[0])
         numbers[:, 9] -= task.times[0]
         found = Linkages(numbers, numbers[:, 9:] + task.times, sides, np.ones(len(numbers), dtype=np.int64))
         return asked.within(found), f"all {counted(len(numbers), 'linkage')} of five timed points"
-    if count != 9:
-        what = f"is for nine points, or five with timing, and there are {count}"
-        raise InputError(
-            what, ("exact",), "leave it out: least squares find linkages through up to nine points too"
-        )
+    _check(count == 9, "exact", f"is for nine points, or five with timing, and there are {count}", best)
     return _of_nine(task.target)
 
 
@@ -594,58 +556,33 @@ def _through_nine(task: paths.PathTask) -> paths.Candidates | None:
 
 
 def _different(found: Linkages) -> Linkages:
-    """Return linkages without those that are the same as one before."""
-    kept: list[int] = []
-    for k in range(len(found)):
-        size = found.numbers[k, :4].max()
-        if (
-            not np.isfinite(found.numbers[k]).all()
-            or not (found.numbers[k, :4] > 1e-9 * size).all()
-            or size <= 0.0
-        ):
-            continue
-        if kept:
-            known = found.numbers[kept]
-            off = np.abs(known[:, :8] - found.numbers[k, :8]).max(axis=1) / size
-            turn = np.abs(np.remainder(known[:, 8] - found.numbers[k, 8] + np.pi, 2.0 * np.pi) - np.pi)
-            same = (off < paths.SAME) & (turn < paths.SAME) & (found.side[kept, 0] == found.side[k, 0])
-            if same.any():
-                continue
-        kept.append(k)
-    return found.at(kept)
+    """Return linkages without those that are the same as one before, or have no size."""
+    lengths = found.numbers[:, :4]
+    built = np.isfinite(found.numbers).all(axis=1) & (
+        lengths > 1e-9 * lengths.max(axis=1, keepdims=True)
+    ).all(axis=1)
+    found = found.at(built)
+    return found.at(paths.different(found.numbers, found.side[:, 0], found.starts, len(found))[0])
 
 
 def _solve_motion(asked: Asked, motion: Any, rotation_length: Any) -> Solved:
     rows = _columns("motion", motion, ("x", "y", "angle"), {"x": "m", "y": "m", "angle": "rad"})
     points, angles = rows[:, 0] + 1j * rows[:, 1], np.unwrap(rows[:, 2])
     count = len(points)
-    if count < 2:
-        raise InputError(f"has {counted(count, 'pose')}", ("motion",), "give at least 2 poses")
+    _check(count >= 2, "motion", f"has {counted(count, 'pose')}", "give at least 2 poses")
     size = float(np.abs(points - points.mean()).max())
     for k in range(count):
         same = np.abs(points[:k] - points[k]) <= 1e-12 * size
         same &= np.abs(np.remainder(angles[:k] - angles[k] + np.pi, 2.0 * np.pi) - np.pi) <= 1e-12
-        if same.any():
-            what = f"has the same pose in rows {int(np.argmax(same))} and {k}"
-            raise InputError(what, ("motion",), "leave one of them out")
-    if rotation_length is None:
-        if count > 5:
-            remedy = (
-                "write ",
-                Setting("rotation_length", float(f"{size or 1.0:.2g}")),
-                ", the length at which an angle counts",
-            )
-            raise InputError(
-                "is missing: over five poses are met nearly, in places and in directions",
-                ("rotation_length",),
-                remedy,
-            )
-        rotation_length = size or 1.0
-    length = float(rotation_length)
-    if not 0.0 < length < np.inf:
-        raise InputError(
-            f"is {short_repr(rotation_length)}", ("rotation_length",), "write a positive length in m"
-        )
+        what = f"has the same pose in rows {int(np.argmax(same)) if k else 0} and {k}"
+        _check(not same.any(), "motion", what, "leave one of them out")
+    own = Setting("rotation_length", float(f"{size or 1.0:.2g}"))
+    what = "is missing: over five poses are met nearly, in places and in directions"
+    remedy = ("write ", own, ", the length at which an angle counts")
+    _check(rotation_length is not None or count <= 5, "rotation_length", what, remedy)
+    length = float(rotation_length or size or 1.0)
+    what = f"is {short_repr(rotation_length)}"
+    _check(0.0 < length < np.inf, "rotation_length", what, "write a positive length in m")
     task = poses.MotionTask(points, angles, length)
     made, dyads = poses.solve_motion(task, asked.seed)
     found = Linkages(made["numbers"], made["theta"], made["side"], np.ones(len(made["numbers"]), dtype=np.int64),
@@ -675,28 +612,21 @@ def _solve_function(asked: Asked, function: Any, over: Any, turn: Any, turn_deg:
         try:
             low, high = (float(end) for end in over)
         except (TypeError, ValueError):
-            raise InputError(
-                f"is {short_repr(over)}", ("over",), "write the range of x, such as over=(1, 2)"
-            ) from None
-        if not low < high < np.inf:
-            raise InputError(f"is {short_repr(over)}", ("over",), "write (lo, hi) with lo < hi")
-        if turns is None:
-            raise InputError(
-                "is missing", ("turn_deg",), "write the turns of both shafts, such as turn_deg=(60, 90)"
-            )
+            low = high = np.nan
+        _check(
+            low < high < np.inf, "over", f"is {short_repr(over)}", "write the range of x, such as over=(1, 2)"
+        )
+        _check(turns, "turn_deg", "is missing", "write the turns of both shafts, such as turn_deg=(60, 90)")
+        assert turns is not None
         ends = _values(function, np.array([low, high]))
-        if ends[0] == ends[1] or not np.isfinite(ends).all():
-            raise InputError(
-                f"has the values {ends[0]:g} and {ends[1]:g} at the ends",
-                ("function",),
-                "give a range whose ends differ in value",
-            )
+        differ = ends[0] != ends[1] and np.isfinite(ends).all()
+        what = f"has the values {ends[0]:g} and {ends[1]:g} at the ends"
+        _check(differ, "function", what, "give a range whose ends differ in value")
         t_in, t_out = turns
 
         def given_turn(angle: Floats) -> Floats:
-            return np.asarray(
-                (_values(function, low + (high - low) * angle / t_in) - ends[0]) / (ends[1] - ends[0]) * t_out
-            )
+            values = _values(function, low + (high - low) * angle / t_in)
+            return np.asarray((values - ends[0]) / (ends[1] - ends[0]) * t_out)
 
         given = given_turn
         if points is not None:
@@ -707,42 +637,34 @@ def _solve_function(asked: Asked, function: Any, over: Any, turn: Any, turn_deg:
             x = np.linspace(low, high, functions.FINE)
             turn_in = np.linspace(0.0, t_in, functions.FINE)
         turn_out, exact = given(turn_in), points is not None
-        if not np.isfinite(turn_out).all():
-            raise InputError(
-                "is not finite over its range", ("function",), "choose the range by over=(lo, hi)"
-            )
+        finite = np.isfinite(turn_out).all()
+        _check(finite, "function", "is not finite over its range", "choose the range by over=(lo, hi)")
     else:
         rows = _columns("function", function, ("x", "y"), {"x": "1", "y": "1"})
-        if len(rows) < 3:
-            raise InputError(
-                f"has {counted(len(rows), 'pair')}", ("function",), "give at least 3 pairs (x, y)"
-            )
+        _check(
+            len(rows) >= 3, "function", f"has {counted(len(rows), 'pair')}", "give at least 3 pairs (x, y)"
+        )
         x, y = rows.T
-        if (np.diff(x) <= 0.0).any():
-            raise InputError("has inputs that do not grow", ("function",), "sort the pairs by x, each once")
+        _check(
+            (np.diff(x) > 0.0).all(),
+            "function",
+            "has inputs that do not grow",
+            "sort the pairs by x, each once",
+        )
         if turns is None:  # the pairs are angles
             turn_in, turn_out = x - x[0], y - y[0]
         else:
-            if y[0] == y[-1]:
-                raise InputError(
-                    "begins and ends with one value",
-                    ("function",),
-                    "leave turn out, and give y as angles in rad",
-                )
+            as_angles = "leave turn out, and give y as angles in rad"
+            _check(y[0] != y[-1], "function", "begins and ends with one value", as_angles)
             turn_in, turn_out = turns[0] * (x - x[0]) / (x[-1] - x[0]), turns[1] * (y - y[0]) / (y[-1] - y[0])
         exact = len(rows) <= 5
-    senses = (1,) if turns is None or (not callable(function) and turns is None) else (1, -1)
-    if turns is not None and turns[1] < 0.0:
-        senses = (1,)
+    senses = (1,) if turns is None or turns[1] < 0.0 else (1, -1)
     least = asked.least("least_transmission_angle_used")
     task = functions.FunctionTask(turn_in, turn_out, given, least, exact, senses)
     made = functions.solve_function(task)
     count, most = len(turn_in), max((len(one.peaks) for one in made), default=0)
-    numbers, theta, side = (
-        np.zeros((len(made), 10)),
-        np.zeros((len(made), count)),
-        np.zeros((len(made), count)),
-    )
+    numbers, theta = np.zeros((len(made), 10)), np.zeros((len(made), count))
+    side = np.zeros_like(theta)
     peaks, places = np.full((len(made), most), np.nan), np.full((len(made), most), np.nan)
     theta4 = np.zeros((len(made), count))
     scale = float(asked.lower[3]) if asked.lower[3] == asked.upper[3] else 1.0
@@ -759,8 +681,9 @@ def _solve_function(asked: Asked, function: Any, over: Any, turn: Any, turn_deg:
     found.more = {"theta4": theta4, "sense": np.array([one.sense for one in made], dtype=np.int8),
                   "structural_error": np.array([one.error for one in made]),
                   "peak_error": peaks, "peak_theta1": places}  # fmt: skip
-    if exact and given is not None:
+    if exact and given is not None and turns is not None:
         found.more["structural_error"] = np.array([_greatest(task, one, given, turns) for one in made])
+    found = asked.within(found)
     coords = {"x": x, "turn_in": turn_in, "turn_out": turn_out}
     attrs = {"points_are_precision_points": int(exact)}
     return Solved("function", found, coords, attrs, "structural_error")
@@ -784,30 +707,25 @@ def _values(function: Any, x: Floats) -> Floats:
     try:
         return np.array([float(function(one)) for one in x])
     except Exception as error:
-        raise InputError(
-            f"cannot be called ({error})", ("function",), "give a function of one number, such as numpy.log10"
-        ) from None
+        remedy = "give a function of one number, such as numpy.log10"
+        raise InputError(f"cannot be called ({error})", ("function",), remedy) from None
 
 
 def _turns(turn: Any, turn_deg: Any) -> tuple[float, float] | None:
-    if turn is not None and turn_deg is not None:
-        raise InputError("is given, and so is turn_deg", ("turn",), "write one of them")
-    given = turn if turn_deg is None else turn_deg
+    _check(turn is None or turn_deg is None, "turn", "is given, and so is turn_deg", "write one of them")
+    name, given = ("turn", turn) if turn_deg is None else ("turn_deg", turn_deg)
     if given is None:
         return None
-    name = "turn" if turn_deg is None else "turn_deg"
     try:
         one, other = (
-            float(scaled(float(part), PI / 180)) if turn_deg is not None else float(part) for part in given
+            float(scaled(float(part), PI / 180 if name == "turn_deg" else Fraction(1))) for part in given
         )
     except (TypeError, ValueError):
-        raise InputError(
-            f"is {short_repr(given)}", (name,), "write the turns of both shafts, such as turn_deg=(60, 90)"
-        ) from None
-    if not (0.0 < one <= 2.0 * np.pi and 0.0 < abs(other) <= 2.0 * np.pi):
-        raise InputError(
-            f"is {short_repr(given)}", (name,), "write turns up to 360 degrees, the first one positive"
-        )
+        one = other = np.nan
+    fine = 0.0 < one <= 2.0 * np.pi and 0.0 < abs(other) <= 2.0 * np.pi
+    _check(
+        fine, name, f"is {short_repr(given)}", "write two turns up to 360 degrees, such as turn_deg=(60, 90)"
+    )
     return one, other
 
 
@@ -851,30 +769,20 @@ def labelled(solved: Solved, asked: Asked) -> xr.Dataset:
         data["cognate_of"] = found.more["curve"]
     made: dict[str, Any] = {}
     for name, values in data.items():
-        dims = (
-            (DESIGN,) if np.ndim(values) == 1 else (DESIGN, "peak" if name.startswith("peak_") else "point")
-        )
         units, text = LABELS[name]
+        dims = (DESIGN, "peak" if name.startswith("peak_") else "point")[: np.ndim(values)]
         made[name] = (dims, values, {"units": units, "long_name": text})
     flags = {"flag_values": np.array(list(DEFECTS), dtype=np.int8), "flag_meanings": " ".join(DEFECTS.values()),
              "long_name": "What keeps the linkage from the task", "units": "1"}  # fmt: skip
     made["defect"] = ((DESIGN,), found.more["defect"], flags)
-    coords: dict[str, Any] = {
-        "branch": (
-            (DESIGN,),
-            branch,
-            {"long_name": "Assembly mode: B right (1) or left (2) of the line from A to D"},
-        )
-    }
+    text = "Assembly mode: B right (1) or left (2) of the line from A to D"
+    coords: dict[str, Any] = {"branch": ((DESIGN,), branch, {"long_name": text})}
     texts = [joined_limits(one, asked) for one in n]
     if any(texts):
         coords["active"] = ((DESIGN,), np.array(texts), {"long_name": "Limits that hold the linkage back"})
     for name, values in solved.target.items():
-        coords[name] = (
-            ("point",),
-            values,
-            {"units": TARGETS.get(name, "1"), "long_name": f"{name} of the task"},
-        )
+        about = {"units": TARGETS.get(name, "1"), "long_name": f"{name} of the task"}
+        coords[name] = (("point",), values, about)
     return result.assign(made).assign_coords(coords)
 
 
@@ -918,13 +826,8 @@ def _errors(solved: Solved, found: Linkages, branch: NDArray[np.int64]) -> dict[
 def selected(every: xr.Dataset, solved: Solved, asked: Asked) -> xr.Dataset:
     """Return the best linkages that meet all conditions, those without defects first; or none, and the reason."""
     where = asked.where
-    attrs = {
-        **every.attrs,
-        "task": solved.task,
-        **solved.attrs,
-        "found": every.sizes[DESIGN],
-        "seed": asked.seed,
-    }
+    about = {"task": solved.task, "found": every.sizes[DESIGN], "seed": asked.seed}
+    attrs = {**every.attrs, **solved.attrs, **about}
     codes = every["defect"].values if every.sizes[DESIGN] else np.empty(0, dtype=int)
     for code, name in DEFECTS.items():
         attrs[f"found_{name}"] = int(np.count_nonzero(codes == code))
@@ -936,24 +839,12 @@ def selected(every: xr.Dataset, solved: Solved, asked: Asked) -> xr.Dataset:
     if not minimise and not maximise:
         minimise, maximise = solved.minimise or (), solved.maximise or ()
     if not left.sizes[DESIGN]:
-        why = [
-            f"{counted(attrs[f'found_{name}'], 'linkage')} with {name}"
-            for code, name in DEFECTS.items()
-            if code and attrs[f"found_{name}"]
-        ]
+        counts = {name: attrs[f"found_{name}"] for code, name in DEFECTS.items() if code}
+        why = [f"{counted(count, 'linkage')} with {name}" for name, count in counts.items() if count]
         reason = f"no linkage does it: {joined(why)}" if why else "no linkage was found"
         return _ended(left, attrs, reason)
-    problems = Problems()
-    choice = problems.attempt(
-        choice_of,
-        left,
-        minimise,
-        maximise,
-        where,
-        top=None if len(_listed(minimise)) + len(_listed(maximise)) > 1 else left.sizes[DESIGN],
-    )
-    problems.stop()
-    assert choice is not None
+    several = len(_listed(minimise)) + len(_listed(maximise)) > 1
+    choice = choice_of(left, minimise, maximise, where, top=None if several else left.sizes[DESIGN])
     for one in choice.wanted:
         attrs[f"excluded_by_{one.name}"] = int(np.count_nonzero(~one.holds(one.array.values)))
     try:

@@ -18,9 +18,9 @@ Floats = NDArray[np.float64]
 
 #: Start angles of each shaft that are tried, over half a turn (negative lengths are the other half); places of a
 #: function in the scan, and in the refinement.
-STARTS, PLACES, FINE = 120, 13, 121
+STARTS, PLACES, FINE = 120, 13, 81
 #: Linkages that are refined by sums of powers of the errors, and then by linear programs.
-MANY, FEW = 200, 12
+MANY, FEW = 150, 10
 #: The powers, and the steps with each.
 POWERS, STEPS = (2, 4, 8, 16, 48), 8
 #: Links are so many times as long as the ground link at most, and as short at least: the error alone may want an
@@ -173,7 +173,7 @@ def _by_powers(
 
     for power in powers:
         off = _off(numbers, side, turn, wanted)
-        for _ in range(STEPS if power > 2 else 4 * STEPS):
+        for _ in range(STEPS if power > 2 else 2 * STEPS):
             scale = np.nanmax(np.abs(off), axis=1, keepdims=True) + 1e-300
             with np.errstate(all="ignore"):
                 weights = (np.abs(off) / scale) ** (power - 2)
@@ -199,7 +199,7 @@ def _by_powers(
 def _peaks(task: FunctionTask, numbers: Floats, sign: float, sense: int) -> tuple[Floats, Floats]:
     """Return where the error has extremes along the crank's turn, the ends among them, and the errors there.
 
-    Each is enclosed by places and found by golden sections, to the root of the rounding, where the error is flat.
+    Each is enclosed by places, and found by parabolas through three of them, ever nearer: the error is flat there.
     """
     if task.output is None:
         return task.turn_in, _off(numbers[None], sign, task.turn_in, sense * task.turn_out)[0]
@@ -208,18 +208,20 @@ def _peaks(task: FunctionTask, numbers: Floats, sign: float, sense: int) -> tupl
     def error(turn: Floats) -> Floats:
         return np.asarray(_off(numbers[None], sign, turn, sense * output(turn))[0])
 
-    places = np.linspace(task.turn_in[0], task.turn_in[-1], 4 * FINE + 1)
-    at = error(places)
-    inner = np.flatnonzero((at[1:-1] - at[:-2]) * (at[2:] - at[1:-1]) <= 0.0) + 1
-    low, high = places[inner - 1], places[inner + 1]
-    side = np.where(at[inner] >= np.maximum(at[inner - 1], at[inner + 1]), 1.0, -1.0)
-    ratio = (np.sqrt(5.0) - 1.0) / 2.0
-    one, two = high - ratio * (high - low), low + ratio * (high - low)
-    for _ in range(34):
-        left = side * error(one) > side * error(two)
-        low, high = np.where(left, low, one), np.where(left, two, high)
-        one, two = high - ratio * (high - low), low + ratio * (high - low)
-    found = np.concatenate([places[:1], (low + high) / 2.0, places[-1:]])
+    places = np.linspace(task.turn_in[0], task.turn_in[-1], 2 * FINE + 1)
+    known = error(places)
+    inner = np.flatnonzero((known[1:-1] - known[:-2]) * (known[2:] - known[1:-1]) <= 0.0) + 1
+    at, step = places[inner], places[1] - places[0]
+    for _ in range(3):
+        one, two, three = (
+            error(np.clip(at + side * step, places[0], places[-1])) for side in (-1.0, 0.0, 1.0)
+        )
+        bend = one - 2.0 * two + three
+        with np.errstate(all="ignore"):
+            shift = np.nan_to_num(0.5 * (one - three) / bend, posinf=0.0, neginf=0.0)
+        at = np.clip(at + step * np.clip(shift, -1.0, 1.0), places[0], places[-1])
+        step *= 0.05
+    found = np.concatenate([places[:1], at, places[-1:]])
     return found, error(found)
 
 
@@ -242,7 +244,7 @@ def _minimax(task: FunctionTask, numbers: Floats, sign: float, sense: int, aim: 
         return max(0.0, low - float(_transmission(of[None], turn)[0]))
 
     merit = best + short(numbers)
-    for _ in range(40):
+    for _ in range(30):
         some = np.linspace(0, len(turn) - 1, 25).astype(int)
         places = np.concatenate([peaks, turn[some]]) if task.output is not None else turn
         now = (
@@ -286,7 +288,7 @@ def _minimax(task: FunctionTask, numbers: Floats, sign: float, sense: int, aim: 
             numbers, peaks, errors, merit = moved, where, there, other
             best = float(np.max(np.abs(errors)))
             trust = min(2.0 * trust, TRUST)
-            if gain < 1e-9:
+            if gain < 1e-8:
                 break
         else:
             trust *= 0.25

@@ -227,22 +227,24 @@ def joined(one: Candidates, other: Candidates) -> Candidates:
 
 def merged(found: Candidates, most: int = 400) -> Candidates:
     """Return different linkages, the best of each, with the number of starts that ended there."""
-    kept: list[int] = []
-    starts: list[int] = []
-    for k in range(len(found.cost)):
-        numbers = found.numbers[k]
-        size = numbers[:4].max()
-        if kept:
-            known = found.numbers[kept]
-            off = np.abs(known[:, :8] - numbers[:8]).max(axis=1) / size
-            turn = np.abs(np.remainder(known[:, 8] - numbers[8] + np.pi, 2 * np.pi) - np.pi)
-            same = (off < SAME) & (turn < SAME) & (found.signs[kept, 0] == found.signs[k, 0])
-            if same.any():
-                starts[int(np.argmax(same))] += int(found.starts[k])
-                continue
-        if len(kept) < most:
-            kept.append(k)
-            starts.append(int(found.starts[k]))
+    kept, starts = different(found.numbers, found.signs[:, 0], found.starts, most)
     result = found.at(kept)
     result.starts = np.array(starts, dtype=np.int64)
     return result
+
+
+def different(
+    numbers: NDArray[np.float64], signs: NDArray[np.float64], starts: NDArray[np.int64], most: int
+) -> tuple[list[int], list[int]]:
+    """Return the rows of the first of linkages that are the same, and from how many starts each was reached."""
+    kept, counts = list[int](), list[int]()
+    for k, one in enumerate(numbers):
+        off = np.abs(numbers[kept, :8] - one[:8]).max(axis=1, initial=0.0) / one[:4].max()
+        turn = np.abs(np.remainder(numbers[kept, 8] - one[8] + np.pi, 2 * np.pi) - np.pi)
+        same = (off < SAME) & (turn < SAME) & (signs[kept] == signs[k])
+        if same.any():
+            counts[int(np.argmax(same))] += int(starts[k])
+        elif len(kept) < most:
+            kept.append(k)
+            counts.append(int(starts[k]))
+    return kept, counts
