@@ -39,6 +39,7 @@ from fastlink.space.design_space import DesignSpace as DesignSpace
 from fastlink.space.design_space import Links
 from fastlink.space.design_space import round_bar as round_bar
 from fastlink.space.tables import table as table
+from fastlink.synthesis.found import synthesise as synthesise
 from fastlink.typing import (
     FocalDriver,
     FocalInput,
@@ -95,6 +96,7 @@ __all__ = [
     "search",
     "sobol",
     "sweep",
+    "synthesise",
     "table",
     "tolerance",
 ]

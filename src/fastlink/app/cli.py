@@ -29,6 +29,7 @@ from fastlink.errors import (
     Pair,
     Piece,
     Remedy,
+    ResultWarning,
     Setting,
     Wording,
     printable,
@@ -42,7 +43,7 @@ if TYPE_CHECKING:
 # -- The application, and what all its commands share: their wording of problems, their options
 
 
-BAD_INPUT, INTERRUPTED, TERMINATED = 2, 130, 143
+NOT_AS_WANTED, BAD_INPUT, INTERRUPTED, TERMINATED = 1, 2, 130, 143
 C = TypeVar("C", bound=Callable[..., Any])
 
 #: What arguments and options mean that several commands have; each command lists its own below what it does.
@@ -70,12 +71,13 @@ OTHER_NAMES = {
     "convert": ("export", "nccopy", "save", "to_netcdf", "transform"),
     "explore": ("browse", "dashboard", "serve", "view"),
     "explain": ("estimate", "forecast", "plan"),
-    "info": ("describe", "head", "open", "print", "show", "summary"),
+    "info": ("describe", "finite", "head", "open", "print", "show", "summary"),
     "join": ("concat", "combine", "merge"),
     "mechanisms": ("list", "ls"),
     "new": ("init", "template"),
     "draw": ("animate", "linkage", "sketch"),
     "plot": ("map", "picture", "plot_designs", "plot_front", "plot_map"),
+    "synthesise": ("design", "generate", "synthesis", "synthesize"),
     "tolerance": ("robustness", "sensitivity", "tolerances"),
     "run": ("compute", "evaluate", "run_study", "sweep"),
 }
@@ -91,6 +93,11 @@ def _printable_usage() -> Iterator[None]:
     try:
         yield
     except UsageError as error:
+        option = str(getattr(error, "option_name", "")).lstrip("-").replace("-", "_")
+        if option and error.ctx is not None and error.ctx.info_name in ("accuracy", "explain", "run"):
+            from fastlink.app.study import in_study
+
+            error.message += f" ({there})" if (there := in_study(option)) else ""
         error.message = printable(error.message)
         raise
 
@@ -182,21 +189,23 @@ class _Options(Wording):
 
 @contextlib.contextmanager
 def _remarks_as_lines() -> Iterator[None]:
-    """Print each remark on the input as a line, once, in place of Python's two that name a file of code."""
-    said: set[str] = set()
+    """Print each remark as a line, once, in place of Python's two that name a file of code; end with 1 after some."""
+    said: dict[str, type[Warning]] = {}
     show_other = warnings.showwarning
 
     def show(message: Warning | str, category: type[Warning], *place: Any, **named: Any) -> None:
         if not issubclass(category, InputWarning):
             show_other(message, category, *place, **named)
         elif str(message) not in said:
-            said.add(str(message))
+            said[str(message)] = category
             typer.echo(f"fastlink: {message}", err=True)
 
     with warnings.catch_warnings():
         warnings.simplefilter("always", InputWarning)
         warnings.showwarning = show
         yield
+    if ResultWarning in said.values():
+        raise typer.Exit(NOT_AS_WANTED)
 
 
 def command(function: C) -> C:
@@ -242,6 +251,8 @@ def by_name(
 
     `doors` are the command and the function to which such words are keywords: none of their options can be a name.
     """
+    from fastlink.space.units import named_with_unit
+
     given: dict[str, Any] = {}
     for text in texts:
         name, equals, value = (part.strip() for part in text.partition("="))
@@ -254,7 +265,8 @@ def by_name(
         if found is None:
             is_pair = equals and name and value
             what = f"{name} is {value!r}, not a number" if is_pair else f"{text!r} is not {form}"
-            raise InputError(what, (where,), ("write such as ", Setting(where, dict(example))))
+            such = ("write such as ", Setting(where, dict(example)))
+            raise InputError(what, (where,), named_with_unit(name, name and value) or such)
         if name in given:
             raise InputError(f"{name} is given twice", (where,), "write it once")
         given[name] = found
@@ -338,9 +350,9 @@ def print_summary(maps: Any) -> None:
     from fastlink.io.reader import PartOfMap
 
     typer.echo(summary(maps))
-    if "search" in maps.attrs and PartOfMap.of(maps.attrs) is None:
+    if {"search", "synthesis"} & set(maps.attrs) and PartOfMap.of(maps.attrs) is None:
         found = maps.load()
-        del found.attrs["selection"]  # which the summary has said
+        found.attrs.pop("selection", None)  # which the summary has said
         typer.echo(listed(found, [str(name) for name, one in found.data_vars.items() if one.ndim == 1]))
 
 
@@ -359,7 +371,6 @@ def extension_of(file: Path, own: Path | None, trusted: bool) -> Extension | Non
 
 
 EXAMPLE = {"a1": 0.4}
-CHANGED = 1
 
 
 @command
@@ -603,7 +614,7 @@ def check(
     found = check(file)
     typer.echo(str(found))
     if not found:
-        raise typer.Exit(CHANGED)
+        raise typer.Exit(NOT_AS_WANTED)
 
 
 @command
@@ -622,7 +633,7 @@ def best(
     mechanism: Path | None = None,
     trust_code: bool = False,
 ) -> None:
-    """List the best designs of a map, by several objectives the Pareto front.
+    """List the best designs of a map, by several objectives the Pareto front; the exit status is 1 if none is right.
 
     FILE
     --minimise NAME
@@ -632,7 +643,7 @@ def best(
     --refine  Go on from them off the grid, by derivatives, within the conditions.
     --changing A,B  Inputs that --refine may change; all swept ones if left out.
     --degrees  Show angles in degrees, as where a condition is in degrees.
-    --to FILE  Write them too: h5, nc, zarr, csv or parquet by its ending.
+    --to FILE  Write them too: h5, nc, zarr, csv, parquet or xlsx by its ending.
     --overwrite
     --quantities-file FILE.py
     --trust-code
@@ -666,6 +677,73 @@ def _conditions(texts: list[str]) -> dict[str, Any]:
     """Return the conditions of ``--where NAME=LO:HI``, ``--where NAME=NUMBER`` and ``--where NAME=MEANING``."""
     form = "NAME=LO:HI, NAME=NUMBER or NAME=MEANING"
     return by_name(texts, "where", form, {"a2": "1.1:1.3"}, text_of)
+
+
+@command
+def synthesise(
+    file: Path,
+    *,
+    motion: bool = False,
+    function: bool = False,
+    timing: str | None = None,
+    closed: bool = False,
+    exact: bool = False,
+    rotation_length: float | None = None,
+    turn_deg: str | None = None,
+    quantities: str | None = None,
+    where: list[str] | None = None,
+    bounds: list[str] | None = None,
+    fixed: list[str] | None = None,
+    minimise: list[str] | None = None,
+    maximise: list[str] | None = None,
+    top: int = 10,
+    seed: int = 0,
+    to: Path | None = None,
+    overwrite: bool = False,
+) -> None:
+    """Find four-bar linkages for the points of a path, the poses of a body, or the pairs of a function.
+
+    CURVE.csv  Rows of x, y; of x, y, angle for --motion; of x, y for --function. Names in the first line.
+    --motion  The rows are poses of a body.
+    --function  The rows are pairs of input and output.
+    --timing T1,T2,...  Crank angles in rad at the points of a path, or even.
+    --closed  The path closes.
+    --exact  All linkages through nine points, or five with timing.
+    --rotation-length L  The length at which an error of direction counts, of more than five poses.
+    --turn-deg IN,OUT  The turns of both shafts over the range of a function.
+    --quantities A,B  What else is computed of each.
+    --where NAME=LO:HI
+    --bounds NAME=LO,HI  The range of a length, pivot or angle of the linkage; may be repeated.
+    --fixed NAME=NUMBER  A length, pivot or angle that is given; may be repeated.
+    --minimise NAME
+    --maximise NAME
+    --top N  How many.
+    --seed N  Of the starts.
+    --to FILE.h5  Write them too, as a map.
+    --overwrite
+    """
+    from fastlink.app.report import listed
+    from fastlink.synthesis.found import synthesise as find
+
+    if motion and function:
+        raise InputError("is given beside --motion", ("function",), "write one of them")
+    times = None if timing is None or timing == "even" else numbers_of(timing)
+    if timing not in (None, "even") and not isinstance(times, list):
+        raise InputError(f"is {timing!r}", ("timing",), "write numbers with commas, or even")
+    turns = None if turn_deg is None else numbers_of(turn_deg)
+    of = "motion" if motion else "function" if function else "path"
+    given: dict[str, Any] = {of: file, "timing": times if times is not None else timing}
+    given |= {"closed": closed or None, "exact": exact, "rotation_length": rotation_length, "turn_deg": turns}
+    ranges = by_name(bounds or [], "bounds", "NAME=LO,HI", {"a1": "0.1,1"}, numbers_of)
+    given |= {"bounds": ranges or None, "where": _conditions(where or []) or None}
+    given["fixed"] = by_name(fixed or [], "fixed", "NAME=NUMBER", {"O_x": "0"}, numbers_of) or None
+    given |= {"minimise": minimise or (), "maximise": maximise or (), "top": top, "seed": seed}
+    names = [] if quantities is None else _parts(quantities)
+    found = find("planar_4r", names, to=to, overwrite=overwrite, **given).load()
+    if not found.sizes["design"]:
+        raise InputError(str(found.attrs["reason"]), (), "widen the limits, or try other seeds")
+    columns = [str(name) for name, one in found.data_vars.items() if one.dims == ("design",)]
+    typer.echo(listed(found, columns))
 
 
 @command
@@ -733,7 +811,7 @@ def convert(
     """Convert a map to another format, compressed, in part, or with fewer digits.
 
     FILE
-    --to OUT  h5, nc, zarr, csv or parquet by its ending.
+    --to OUT  h5, nc, zarr, csv, parquet or xlsx by its ending.
     --select NAME=VALUES  Take a2=1.1:1.2 (both ends), theta1=0.5 (nearest), theta1_deg=90 or a2=#0:10; may be repeated.
     --quantities A,B  Variables to take; all if left out.
     --dtype TYPE  float32, or float64, for results.

@@ -762,11 +762,11 @@ class ExtremaWriter:
         text.call(beside.set_aside, "state, filled")
         with text.block("for turn in range(2):"):
             with text.block("for k in range(2):"):
-                text.call(beside.place_at_pole, "state, filled, turn, k")
+                text.call(beside.place_at_pole, "state, filled, w, table, turn, k")
                 self.write_value(number)
                 text.call(beside.keep_at_pole, f"state, filled, table, search_{number}, k")
-            text.call(beside.place_at_pole, "state, filled, turn, 2")
-            self.write_extrema(number, beside.pole_values, "state, filled, table")
+            text.call(beside.place_at_pole, "state, filled, w, table, turn, 2")
+            self.write_extrema(number, beside.pole_values, "state, filled, w, table")
 
     def write_division(self, number: int) -> None:
         """Write the division of unresolved cells, and of their parts that are still unresolved."""

@@ -15,6 +15,7 @@ from fastlink.facts.formula import NAMESPACE, Formula
 from fastlink.numerics.compiler import COMPILED_AS
 from fastlink.numerics.elementary import atan2, cosine, select, sine, sqrt
 from fastlink.numerics.logarithm import log, log1p, log_quotient
+from fastlink.numerics.vectors import absolute, magnitude
 
 # -- Visit values after those that they are made of, in chains of any length: no recursion
 
@@ -415,6 +416,25 @@ def winding(nodes: Iterable[Node], known: Callable[[str], Mapping[str, float]]) 
                 turns = {angle: factor * sum(part.get(angle, 0.0) for part in parts) for angle in angles}
         found[node] = {angle: count for angle, count in turns.items() if count != 0.0}
     return found[node]
+
+
+def divisors(nodes: Iterable[Node]) -> list[Node]:
+    """Return the values of which one vanishes where one of some values is divided by zero."""
+    return list(dict.fromkeys(zero for node in nodes if node.kind == "/" for zero in _zeros(node.args[1])))
+
+
+def _zeros(node: Node) -> list[Node]:
+    """Return the values of which one vanishes where a value does: factors, and what a size or a root is of."""
+    match node.kind:
+        case "*":
+            return [zero for part in node.args for zero in _zeros(part)]
+        case "neg" | "/":
+            return _zeros(node.args[0])
+        case "call" if node.value in (sqrt, absolute):
+            return _zeros(node.args[0])
+        case "call" if node.value is magnitude:
+            return []  # it vanishes where two values do, at no position of most designs
+    return [node]
 
 
 def is_power_of_two(x: float) -> bool:

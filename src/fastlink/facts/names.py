@@ -241,6 +241,12 @@ def as_derivative(name: str) -> tuple[str, str] | None:
     return (of, by) if sign and of and by else None
 
 
+def ending(name: str) -> tuple[str, str]:
+    """Return a name without its last part, and that part: omega4 and maxx of omega4_maxx."""
+    of, _, last = name.rpartition("_")
+    return of, last
+
+
 def innermost(name: str, known: Catalogue) -> str:
     """Return the innermost name, also in forms that are not offered: x in x_max_trust."""
     root = root_of(parse(name, known))

@@ -30,6 +30,7 @@ from fastlink.facts.expression import (
     GraphAsWritten,
     Node,
     beneath,
+    divisors,
     generate_formula,
     postorder,
     winding,
@@ -895,10 +896,7 @@ def _declare_poles(
     """Declare what a quantity is divided by, of itself or of the quantities that it is made of."""
     graded, nodes = catalogue.graded, beneath([root])
     assert graded is not None
-    divisors = [zero for node in nodes if node.kind == "/" for zero in zeros(node.args[1])]
-    moving = [
-        zero for zero in dict.fromkeys(divisors) if any(_moves(catalogue, part) for part in beneath([zero]))
-    ]
+    moving = [zero for zero in divisors(nodes) if any(_moves(catalogue, part) for part in beneath([zero]))]
     poles = [_declared_step(catalogue, one, graph, labels, "pole", k, node) for k, node in enumerate(moving)]
     poles += [pole for name in one.parameters for pole in graded.poles.get(name, ())]
     if poles and one.name not in graded.not_differentiable:
@@ -910,20 +908,6 @@ def _moves(catalogue: Catalogue, node: Node) -> bool:
     return node.kind == "name" and (
         node.value == catalogue.position.name or catalogue.is_quantity(node.value)
     )
-
-
-def zeros(node: Node) -> list[Node]:
-    """Return the values of which one vanishes where a value does: factors, and what a size or a root is of."""
-    match node.kind:
-        case "*":
-            return [zero for part in node.args for zero in zeros(part)]
-        case "neg" | "/":
-            return zeros(node.args[0])
-        case "call" if node.value in (sqrt, absolute):
-            return zeros(node.args[0])
-        case "call" if node.value is magnitude:
-            return []  # it vanishes where two values do, at no position of most designs
-    return [node]
 
 
 def _declared_step(

@@ -40,7 +40,7 @@ from __future__ import annotations
 import ast
 import math
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from keyword import kwlist
 from pathlib import Path
@@ -48,7 +48,15 @@ from typing import Any, get_args
 
 from fastlink.errors import InputError, suggest
 from fastlink.facts.catalogue import Catalogue, plain_and_above
-from fastlink.facts.expression import OPERATORS, beneath, value_of, winding
+from fastlink.facts.expression import (
+    OPERATORS,
+    GraphAsWritten,
+    beneath,
+    divisors,
+    generate_formula,
+    value_of,
+    winding,
+)
 from fastlink.facts.fact import Fact, GradedRange, Input, Loops, Rule, System
 from fastlink.facts.formula import NAMESPACE, WORD, CatalogueError, Formula, SheetError
 from fastlink.facts.names import root_of
@@ -352,6 +360,7 @@ def mechanism_of(text: str, file: str) -> Catalogue:
     found = Catalogue(title["name"], title["unknowns"], branches, Input(name, "rad", symbol, meaning))
     _check_names(entries)
     read_sheet(TURN.read_text(encoding="utf-8").replace("POSITION", name), "what every sheet gets", found)
+    shared = {*found.facts, "Z0", "C0"}
     read_sheet(text, file, found)
     _check_facts(found)
     conditions = (
@@ -375,7 +384,8 @@ def mechanism_of(text: str, file: str) -> Catalogue:
         raise SheetError(place, f"{name} {problem}", "mend its units, or its formula")
     if found.loops is not None:
         _check_loops(found, found.loops)
-    return found
+    found.graded = replace(found.graded, poles=_with_poles(found, shared))
+    return found.copied()  # without what was noted before the last step was declared
 
 
 #: Functions of formulas that tables alone may call, and what facts have in their place.
@@ -523,6 +533,33 @@ def _with_roots(known: Catalogue) -> tuple[set[str], dict[str, dict[str, float]]
         if not found.isdisjoint(root_of(known.parse(need)) for need in step.depends_on):
             found.update(step.names)
     return found, windings
+
+
+def _with_poles(known: Catalogue, shared: Collection[str]) -> dict[str, tuple[str, ...]]:
+    """Return the facts that a quantity, or what it is made of, is divided by; other values become steps.
+
+    What every sheet shares is divided by nothing that vanishes within the range.
+    """
+    found: dict[str, dict[str, None]] = {}
+    given = {*known.inputs, *known.tables, *known.table_low_parts, known.position.name, "branch"}
+    for step in [*known.dependencies(sorted(known.public), given)]:
+        if not isinstance(step, Fact) or step.name in shared:
+            continue
+        poles = dict[str, None]()
+        for k, zero in enumerate(divisors(beneath([value_of(step.formula)]))):
+            names = [part.value for part in beneath([zero]) if part.kind == "name"]
+            if not any(known.varies(name) for name in names if name not in shared):
+                continue
+            if zero.kind != "name":
+                formula = generate_formula(f"{step.name}_pole{k}", GraphAsWritten(()), zero, {})
+                labels: dict[str, Any] = dict.fromkeys(("symbol", "meaning"), formula.name)
+                labels |= {"units": "1", "source": step.source, "internal": True}
+                known.declare(Fact(formula.name, formula, formula.parameters, **labels))
+            poles[zero.value if zero.kind == "name" else formula.name] = None
+        for need in step.depends_on:
+            poles |= found.get(root_of(known.parse(need)), {})
+        found.update(dict.fromkeys(step.names, poles))
+    return {name: tuple(found[name]) for name in known.public if found.get(name)}
 
 
 def _loops(entry: Entry, unknowns: tuple[str, ...], said: Mapping[str, str], formula: Formula) -> Loops:

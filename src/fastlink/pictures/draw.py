@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib import import_module
+from importlib.util import find_spec
 from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -77,6 +78,8 @@ if TYPE_CHECKING:
 
 #: Designs of a study that are tried where none is chosen.
 MOST_TRIED = 65
+#: Dimensions of what a synthesis says of the points of its task.
+OF_A_TASK = ("point", "peak")
 STUDY, MAPS = ".toml", (".h5", ".hdf5", ".nc", ".he5")
 
 
@@ -90,6 +93,8 @@ class Source:
     links: Links | None = None
     input: str | None = None
     own: str = ""
+    #: The points of the task of a linkage that was synthesised (points, 2), in its ground frame.
+    target: Any = None
 
 
 def read_source(
@@ -172,7 +177,7 @@ def _of_map(maps: Any, design: Any, at: Any) -> Source:
         mechanism, input = mechanism_of_map(dataset.attrs), str(dataset.attrs.get("input"))
         catalogue = find_catalogue(mechanism, input)
         dims = [*(dataset[STATUS].dims if STATUS in dataset else ()), *dataset.dims]
-        outside = {BRANCH, EXTREMUM, catalogue.position.name}
+        outside = {BRANCH, EXTREMUM, catalogue.position.name, *OF_A_TASK}
         along = {
             str(dim): dataset[dim].values if dim in dataset.coords else np.arange(dataset.sizes[dim])
             for dim in dict.fromkeys(dims)
@@ -189,8 +194,20 @@ def _of_map(maps: Any, design: Any, at: Any) -> Source:
                 inputs[name if has_unit(units, known[name]) else with_unit(name, units)] = float(row[name])
         branch = int(row[BRANCH]) if BRANCH in row.coords and row[BRANCH].ndim == 0 else None
         own = str(dataset.attrs.get("own_quantities", ""))
+        target = _target_of(row)
+        if target is not None:  # it stands at the first point
+            inputs[catalogue.position.name] = float(row[catalogue.position.name][0])
     links = taken_links(inputs)
-    return Source(mechanism, inputs, branch, links, input, own)
+    return Source(mechanism, inputs, branch, links, input, own, target)
+
+
+def _target_of(row: Any) -> Any:
+    """Return the points of a task in the ground frame of the linkage that was found for it; None of other rows."""
+    if not {"target_x", "target_y", "O_x", "O_y", "ground_angle"} <= set(row.variables):
+        return None
+    away = (row["target_x"] - row["O_x"]) + 1j * (row["target_y"] - row["O_y"])
+    turned = np.asarray(away.values * np.exp(-1j * float(row["ground_angle"])))
+    return np.stack([turned.real, turned.imag], axis=-1)
 
 
 def _places(along: Mapping[str, Any], design: Any, at: Any, units: Mapping[str, str]) -> tuple[int, ...]:
@@ -554,12 +571,13 @@ def draw(
     Returns
     -------
     matplotlib.figure.Figure
-        The figure, which a notebook shows; it is not part of matplotlib's global state and need not be closed.
+        The figure, which a notebook shows; it is not part of matplotlib's global state and need not be closed. None of
+        a drawing for CAD where matplotlib is not installed, which it does not need.
 
     Raises
     ------
     InputError
-        A name, value or word is unknown, the linkage does not assemble there, or matplotlib is missing.
+        A name, value or word is unknown, the linkage does not assemble there, or matplotlib or ezdxf is missing.
 
     Examples
     --------
@@ -571,10 +589,12 @@ def draw(
     >>> [axis.get_title() for axis in figure.axes][2]
     '$\\phi$ = 180°'
     """
-    require_package("matplotlib", ("draw",))
     path = None if to is None else check_picture(to, "to", kinds=DRAWINGS, example="linkage.png")
     if path is not None and path.suffix.lower() == DXF:
         require_package("ezdxf", ("to",))
+    for_cad = path is not None and is_cad(path) and animate is None
+    if not for_cad:
+        require_package("matplotlib", ("draw",))
     film = None
     if animate is not None:
         from fastlink.pictures.linkage import check_film
@@ -587,15 +607,20 @@ def draw(
     given = {"branch": branch, "links": links, "input": input}
     source = replace(source, **{name: value for name, value in given.items() if value is not None})
     request = request_of(source, strip, curves, show, degrees, film is not None)
+    if path is not None and is_cad(path):
+        write_whole(path, written(request, path))
+    if for_cad and find_spec("matplotlib") is None:
+        return None  # type: ignore[return-value]  # what a notebook has no picture for
     from fastlink.pictures.linkage import Board, write_film
     from fastlink.pictures.style import style
 
     with style():
         board = Board(request)
         board.show()
-        if path is not None and is_cad(path):
-            write_whole(path, written(request, path))
-        elif path is not None:
+        if source.target is not None:
+            for sheet in board.sheets:
+                sheet.axis.plot(*source.target.T, "x", color="0.25", markersize=5.0, zorder=6.0)
+        if path is not None and not is_cad(path):
             save(board.figure, path, "to")
         if film is not None:
             write_film(board, film, frames)

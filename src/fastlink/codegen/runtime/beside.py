@@ -382,14 +382,14 @@ AT_SEAM = 2.0**-40
 
 
 @outlined
-def place_at_pole(s: Any, count: int, turn: int, k: int) -> None:
+def place_at_pole(s: Any, count: int, w: Any, table: Any, turn: int, k: int) -> None:
     """Put items at one side of their places, farther at first, then nearer; then at the places themselves."""
     off = FAR_FROM_POLE if k == 0 else (NEAR_POLE if k == 1 else 0.0)
     for i in range(count):
         if turn + k == 0:
             s[XB, i] = s[HALF, i]
         x, half = s[XA, i], int(s[XB, i])
-        seam = abs(x) < AT_SEAM
+        seam = (abs(x) < AT_SEAM) & (w[table[START] + int(s[UPPER, i]), int(s[LANE, i])] == 0.0)
         s[X, i] = off if seam and off > 0.0 else x * (1.0 + (off if turn == 0 else -off))
         s[HALF, i] = half ^ 1 if seam and turn > 0 and off > 0.0 else half
 
@@ -405,11 +405,15 @@ def keep_at_pole(s: Any, count: int, table: Any, search: Any, k: int) -> None:
 
 
 @outlined
-def pole_values(s: Any, count: int, table: Any, search: Any) -> None:
-    """Make values infinite where they grow towards the place; others, whose quotient has a limit, do not count."""
-    for i in lanes(padded(count)):
+def pole_values(s: Any, count: int, w: Any, table: Any, search: Any) -> None:
+    """Make values infinite where they grow towards the place; others, whose quotient has a limit, do not count.
+
+    What grows towards a toggle or fold is for `end_values` to tell.
+    """
+    for i in range(count):
         far, near = abs(s[FA, i]), abs(s[FB, i])
         grows = (near > GROWS_AT_POLE * far) | (near == INFINITY)
+        grows = grows & (s[XA, i] >= 2.0 * abs(w[table[START] + int(s[UPPER, i]), int(s[LANE, i])]))
         s[VALUE, i] = s[FB, i] * INFINITY if grows else NOT_A_NUMBER
         s[BOUND, i] = INFINITY
         s[KIND, i] = 0.0 if grows else NOT_A_NUMBER

@@ -1,0 +1,1103 @@
+"""From a task to linkages: the door, what is read of a task, defects, cognates, and the labelled result."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from fastlink._text import counted, joined, short_number, short_repr
+from fastlink.codegen.cache import environment
+from fastlink.design.search import _searched, write
+from fastlink.engine.evaluate import evaluate
+from fastlink.engine.sweep import sweep
+from fastlink.errors import InputError, Problems, Setting, check_switch, check_whole, door
+from fastlink.facts.catalogue import Catalogue
+from fastlink.io.finished import finished_map
+from fastlink.io.layout import history, plain_attrs
+from fastlink.io.partial_file import check_target
+from fastlink.maps import open as open_map
+from fastlink.maps.best import choice_of, chosen, with_missed
+from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.plan.query import check_names
+from fastlink.space.design_space import DESIGN
+from fastlink.space.tables import table
+from fastlink.space.units import PI, in_si, scaled, split
+from fastlink.synthesis import functions, paths, poses
+from fastlink.synthesis.paths import NUMBERS
+
+__all__ = ["DEFECTS", "Linkages", "from_pins", "synthesise"]
+
+Floats = NDArray[np.float64]
+
+#: What may be wrong with a linkage that fits a task, by the code in the result; the first that applies is told.
+DEFECTS = {
+    0: "no_defect",
+    1: "circuit_defect",
+    2: "branch_defect",
+    3: "order_defect",
+    4: "dead_point",
+    5: "crank_does_not_turn",
+}
+#: A tenth of a microradian: angles so near count as equal, where a path comes back to its first point.
+TOUCH = 1e-7
+#: Poses and points that a task takes, and linkages of which a result is chosen.
+MOST_POINTS, MOST_FOUND = 2000, 400
+
+
+# -- Linkages, and what is wrong with them
+
+
+@dataclass(eq=False)
+class Linkages:
+    """Linkages that were found, as arrays along the first axis: what `paths`, `poses` and `functions` have in common.
+
+    The numbers are those of `paths.NUMBERS`: lengths a1 to a4, the coupler point, O, the direction of OD, the phase.
+    """
+
+    #: Their numbers; crank angles from OD at the points of the task; +1 where B is left of the line from A to D.
+    numbers: Floats
+    theta: Floats
+    side: Floats
+    #: From how many starts each was reached.
+    starts: NDArray[np.int64]
+    #: Further results by name, along the first axis.
+    more: dict[str, Any] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        return len(self.numbers)
+
+    def at(self, rows: Any) -> Linkages:
+        """Return some of them."""
+        own = (part[rows] for part in (self.numbers, self.theta, self.side, self.starts))
+        numbers, theta, side, starts = own
+        return Linkages(numbers, theta, side, starts, {name: of[rows] for name, of in self.more.items()})
+
+    def pins(self) -> tuple[Any, ...]:
+        """Return O and D, and A, B and P at the points of the task, in its frame."""
+        n = self.numbers
+        turn = np.exp(1j * n[:, 8])
+        o = n[:, 6] + 1j * n[:, 7]
+        crank = n[:, :1] * np.exp(1j * self.theta)
+        far = n[:, 3:4] - crank
+        size = np.abs(far)
+        with np.errstate(all="ignore"):
+            cosine = (size**2 + n[:, 1:2] ** 2 - n[:, 2:3] ** 2) / (2.0 * size * n[:, 1:2])
+            b = far / size * (cosine + 1j * self.side * np.sqrt(np.maximum(1.0 - cosine**2, 0.0)))
+        a = o[:, None] + turn[:, None] * crank
+        along = turn[:, None] * b
+        point = a + (n[:, 4:5] + 1j * n[:, 5:6]) * along
+        return o, o + turn * n[:, 3], a, a + n[:, 1:2] * along, point
+
+
+def from_pins(o: Any, d: Any, a: Any, b: Any, point: Any) -> Linkages:
+    """Return the linkages with the fixed pivots O, D (linkages) and the pins A, B and point P (linkages, points)."""
+    ground, bar = d - o, b - a
+    with np.errstate(all="ignore"):
+        place = ((point - a) / (bar / np.abs(bar))).mean(axis=1)
+        theta = np.angle((a - o[:, None]) / ground[:, None])
+    lengths = [
+        np.abs(a - o[:, None]).mean(axis=1),
+        np.abs(bar).mean(axis=1),
+        np.abs(b - d[:, None]).mean(axis=1),
+        np.abs(ground),
+    ]
+    numbers = np.stack(
+        [*lengths, place.real, place.imag, o.real, o.imag, np.angle(ground), np.zeros(len(o))], axis=1
+    )
+    side = np.sign((np.conj(d[:, None] - a) * bar).imag)
+    return Linkages(numbers, theta, side, np.ones(len(o), dtype=np.int64))
+
+
+def in_order(theta: Floats, closed: bool) -> tuple[NDArray[np.int64], Floats]:
+    """Return the sense (+1, -1, or 0 out of order) in which crank angles follow each other within a turn, and them so.
+
+    Where both senses do, as for two points, the shorter way counts.
+    """
+    if theta.shape[1] < 2:
+        return np.ones(len(theta), dtype=np.int64), theta
+    turns = []
+    for side in (1.0, -1.0):
+        steps = np.remainder(side * np.diff(theta, axis=1), 2.0 * np.pi)
+        turns.append(np.where(steps > 2.0 * np.pi - TOUCH, steps - 2.0 * np.pi, steps))
+    whole = np.stack([steps.sum(axis=1) for steps in turns])
+    best = np.argmin(whole, axis=0)
+    sense = np.where(whole.min(axis=0) <= 2.0 * np.pi + TOUCH, np.where(best == 0, 1, -1), 0)
+    steps = np.where(best[:, None] == 0, turns[0], -turns[1])
+    ordered = np.concatenate([theta[:, :1], theta[:, :1] + np.cumsum(steps, axis=1)], axis=1)
+    return sense, np.asarray(np.where(sense[:, None] == 0, np.unwrap(theta, axis=1), ordered))
+
+
+def used_range(numbers: Floats, theta: Floats, whole: bool) -> tuple[Floats, Floats]:
+    """Return the least and the greatest distance of A and D between the first and the last crank angle, exactly."""
+    low, high = theta.min(axis=1), theta.max(axis=1)
+    turn = 2.0 * np.pi
+    on = np.floor(high / turn) > np.floor(low / turn) - (np.remainder(low, turn) == 0.0)
+    back = np.floor((high - np.pi) / turn) > np.floor((low - np.pi) / turn) - (
+        np.remainder(low - np.pi, turn) == 0.0
+    )
+    ends = np.cos(low), np.cos(high)
+    most = np.where(on | whole, 1.0, np.maximum(*ends))
+    least = np.where(back | whole, -1.0, np.minimum(*ends))
+    a1, a4 = numbers[:, 0], numbers[:, 3]
+    far = [np.sqrt(np.maximum(a1**2 + a4**2 - 2.0 * a1 * a4 * c, 0.0)) for c in (most, least)]
+    return far[0], far[1]
+
+
+def judged(found: Linkages, closed: bool, timed: bool) -> Linkages:
+    """Return linkages with their order, circuit and defect, and the least transmission angle of what is used."""
+    n = found.numbers
+    a1, a2, a3, a4 = n[:, :4].T
+    grashof = n[:, :4].max(axis=1) + n[:, :4].min(axis=1) < n[:, :4].sum(axis=1) / 2.0
+    turns = grashof & (np.minimum(a1, a4) <= np.minimum(a2, a3))
+    # the triangle without the shortest link never folds: its side tells the circuit
+    with np.errstate(invalid="ignore"):
+        circuits = np.where(
+            np.minimum(a1, a4)[:, None] <= np.minimum(a2, a3)[:, None],
+            found.side,
+            np.sign(np.sin(found.theta)),
+        )
+    first = circuits[:, :1]
+    circuit_defect = grashof & (circuits != first).any(axis=1)
+    branch_defect = (found.side != found.side[:, :1]).any(axis=1)
+    order, theta = in_order(found.theta, closed)
+    if timed:
+        order, theta = np.ones(len(n), dtype=np.int64), found.theta
+    near, far = used_range(n, theta, closed)
+    dead = (far >= a2 + a3) | (near <= np.abs(a2 - a3))
+    code = np.zeros(len(n), dtype=np.int8)
+    for number, wrong in (
+        (5, closed & ~turns),
+        (4, dead),
+        (3, order == 0),
+        (2, branch_defect),
+        (1, circuit_defect),
+    ):
+        code[wrong] = number
+    with np.errstate(invalid="ignore"):
+        angles = [np.abs((a2**2 + a3**2 - one**2) / (2.0 * a2 * a3)) for one in (near, far)]
+        transmission = np.where(dead, 0.0, np.arccos(np.minimum(np.maximum(*angles), 1.0)))
+    circuit = np.where(grashof & (first[:, 0] > 0), 2, 1).astype(np.int8)
+    own = {
+        "defect": code,
+        "order": order.astype(np.int8),
+        "circuit": circuit,
+        "least_transmission_angle_used": transmission,
+    }
+    return Linkages(n, theta, found.side, found.starts, {**found.more, **own})
+
+
+def cognates_of(found: Linkages) -> Linkages:
+    """Return each linkage with all others that draw the same curve: three cognates, each driven at either pivot.
+
+    Roberts 1875; see `fastlink.planar.cognates`. They stand linkage by linkage, the given one first.
+    """
+    o, d, a, b, point = found.pins()
+    ratio = (point - a) / (b - a)
+    third = o + (d - o) * ratio[:, 0]
+    one, two = o[:, None] + (point - a), third[:, None] + ratio * (b - d[:, None])
+    three, four = d[:, None] + (point - b), third[:, None] + (1.0 - ratio) * (a - o[:, None])
+    forms = [(o, d, a, b, 1), (d, o, b, a, 1), (o, third, one, two, 2), (third, o, two, one, 2),
+             (d, third, three, four, 3), (third, d, four, three, 3)]  # fmt: skip
+    made = [from_pins(*form[:4], point) for form in forms]
+    count = len(found)
+
+    def along(parts: Sequence[Any]) -> Any:
+        return np.stack(parts, axis=1).reshape(6 * count, *np.shape(parts[0])[1:])
+
+    numbers = along([one.numbers for one in made])
+    theta, side = along([one.theta for one in made]), along([one.side for one in made])
+    first = 6 * np.arange(count)
+    numbers[first], theta[first], side[first] = found.numbers, found.theta, found.side
+    more = {name: np.repeat(values, 6, axis=0) for name, values in found.more.items()}
+    more["cognate"] = np.tile(np.array([form[4] for form in forms], dtype=np.int8), count)
+    more["curve"] = np.repeat(np.arange(count), 6)
+    return Linkages(numbers, theta, side, np.repeat(found.starts, 6), more)
+
+
+# -- What a caller asks for
+
+
+#: Units of the names of a result, and what they mean.
+LABELS: dict[str, tuple[str, str]] = {
+    "O_x": ("m", "Fixed pivot O in the frame of the task"),
+    "O_y": ("m", "Fixed pivot O in the frame of the task"),
+    "D_x": ("m", "Fixed pivot D in the frame of the task"),
+    "D_y": ("m", "Fixed pivot D in the frame of the task"),
+    "ground_angle": ("rad", "Direction of OD in the frame of the task"),
+    "phase": ("rad", "Crank angle from OD where the timing counts from"),
+    "body_angle": ("rad", "Direction of the body from AB"),
+    "theta1": ("rad", "Crank angle from OD at each point of the task"),
+    "point_error": ("m", "Distance from each point of the task"),
+    "angle_error": ("rad", "Error of the direction of the body at each pose"),
+    "path_error": ("m", "Root mean square of the distances from the points"),
+    "path_error_max": ("m", "Greatest distance from a point"),
+    "path_error_sum": ("m2", "Sum of the squared distances from the points"),
+    "pose_error": ("m", "Root mean square of distances and rotation_length times errors of direction"),
+    "pose_error_max": ("m", "Greatest of these over the poses"),
+    "structural_error": ("rad", "Greatest error of the output angle over the range"),
+    "structural_error_rms": ("rad", "Root mean square error of the output angle at the points"),
+    "output_error": ("rad", "Error of the output angle at each point of the task"),
+    "theta4": ("rad", "Output angle that is wanted at each point of the task, from OD"),
+    "peak_error": ("rad", "Greatest errors of either sign, in turn"),
+    "peak_theta1": ("rad", "Where these are"),
+    "least_transmission_angle_used": (
+        "rad",
+        "Least acute transmission angle from the first to the last point",
+    ),
+    "order": ("1", "Sense in which the crank passes the points; 0 out of order"),
+    "circuit": ("1", "Circuit at the first point"),
+    "starts": ("1", "Starts that ended there"),
+    "cognate": ("1", "Which of the three linkages of one curve, the one that was found being the first"),
+    "cognate_of": ("1", "The first design of the same curve"),
+    "sense": ("1", "Sense of the output against that of the input"),
+}
+TARGETS = {"target_x": "m", "target_y": "m", "target_angle": "rad", "target_theta4": "rad", "time": "rad"}
+
+
+@dataclass
+class Asked:
+    """What a caller wants besides the task: limits of numbers, conditions, the objective."""
+
+    catalogue: Catalogue
+    quantities: tuple[str, ...]
+    where: Any
+    minimise: Any
+    maximise: Any
+    top: int
+    lower: Floats
+    upper: Floats
+    seed: int
+    exact: bool
+
+    @property
+    def crank(self) -> bool:
+        """Whether the conditions say that the crank is to turn fully."""
+        wanted = self.where.get("status") if isinstance(self.where, Mapping) else self.where
+        return wanted == "rotates_fully"
+
+    def others(self) -> list[str]:
+        """Return the quantities of the mechanism that objectives and conditions name, or refuse unknown ones."""
+        own, problems = {*LABELS, "defect", "branch"}, Problems()
+        where = self.where if isinstance(self.where, Mapping) else {}
+        asked: dict[str, Any] = {}
+        asked["where"] = {k: v for k, v in where.items() if split(str(k), own)[0] not in own}
+        for name, given in (("minimise", self.minimise), ("maximise", self.maximise)):
+            asked[name] = [one for one in _listed(given) if one not in own]
+        found = _searched(self.catalogue, asked, problems)
+        problems.stop()
+        return found
+
+    def least(self, name: str) -> float:
+        """Return the lower limit of a condition on a name of a result, 0 where there is none."""
+        if not isinstance(self.where, Mapping):
+            return 0.0
+        units = {one: unit for one, (unit, _) in LABELS.items()}
+        own = {k: v for k, v in self.where.items() if split(k, units)[0] == name}
+        given = in_si("where", own, units).get(name)
+        try:
+            low = float(given[0])  # type: ignore[index]
+        except (TypeError, ValueError, IndexError):
+            return 0.0
+        return low if np.isfinite(low) else 0.0
+
+    def within(self, found: Linkages) -> Linkages:
+        """Return the linkages within the limits of their numbers."""
+        low, high = self.lower.copy(), self.upper.copy()
+        slack = 1e-9 * (1.0 + np.abs(found.numbers))
+        turned = found.numbers.copy()
+        start = low[8] if np.isfinite(low[8]) else -np.pi
+        turned[:, 8] = start + np.remainder(turned[:, 8] - start + 1e-9, 2.0 * np.pi) - 1e-9
+        fits = ((turned >= low - slack) & (turned <= high + slack))[:, :9].all(axis=1)
+        found.numbers[:, 8] = np.where(fits, turned[:, 8], found.numbers[:, 8])
+        return found.at(fits)
+
+
+def _limits(bounds: Any, fixed: Any, problems: Problems) -> tuple[Floats, Floats]:
+    """Return the limits of the numbers of a linkage, in SI."""
+    low, high = np.full(10, -np.inf), np.full(10, np.inf)
+    low[:4] = 0.0
+    units = {name: "rad" if name in ("ground_angle", "phase") else "m" for name in (*NUMBERS, "D_x", "D_y")}
+    given: dict[str, tuple[float, float]] = {}
+    for where, values in (("bounds", bounds), ("fixed", fixed)):
+        if values is None:
+            continue
+        if not isinstance(values, Mapping):
+            example = "{'a1': (0.1, 1.0)}" if where == "bounds" else "{'O_x': 0.0}"
+            problems.add("is not a mapping", (where,), f"write such as {example}")
+            continue
+        for name, value in (problems.attempt(in_si, where, dict(values), units) or {}).items():
+            if name not in units:
+                what = f"{short_repr(name)} is no number of a linkage"
+                problems.add(what, (where,), f"write one of {', '.join(units)}")
+                continue
+            try:
+                first, last = (value, value) if where == "fixed" else value
+                ends = float(-np.inf if first is None else first), float(np.inf if last is None else last)
+            except (TypeError, ValueError, IndexError):
+                ends = (np.nan, np.nan)
+            if not ends[0] <= ends[1]:
+                remedy = "write a number" if where == "fixed" else "write (lo, hi), None for no limit"
+                problems.add(f"is {short_repr(value)}", (where, name), remedy)
+            elif name in NUMBERS[:4] and ends[1] <= 0.0:
+                what = f"is {short_repr(value)}, and a length is positive"
+                problems.add(what, (where, name), "write positive numbers")
+            else:
+                given[name] = ends
+    pivots = {"O_x", "O_y", "D_x", "D_y"}
+    if {"D_x", "D_y"} & given.keys():
+        if pivots <= given.keys() and all(given[name][0] == given[name][1] for name in pivots):
+            o, d = complex(given["O_x"][0], given["O_y"][0]), complex(given["D_x"][0], given["D_y"][0])
+            given["a4"], given["ground_angle"] = (abs(d - o),) * 2, (float(np.angle(d - o)),) * 2
+        else:
+            remedy = "fix O_x, O_y, D_x and D_y together, or write where={'D_x': (lo, hi)}"
+            problems.add("D has its place by O, a4 and ground_angle", ("fixed",), remedy)
+    for name, ends in given.items():
+        if name in NUMBERS:
+            k = NUMBERS.index(name)
+            low[k], high[k] = max(ends[0], 1e-12 if k < 4 else -np.inf), ends[1]
+    return low, high
+
+
+def _check(holds: Any, where: str, what: str, remedy: Any) -> None:
+    """Refuse what does not hold."""
+    if not holds:
+        raise InputError(what, (where,), remedy)
+
+
+def _columns(where: str, given: Any, names: Sequence[str], units: Mapping[str, str]) -> Floats:
+    """Return the rows of an array, a table, or the file of one, as numbers."""
+    remedy = f"write rows of {', '.join(names)}, or a table with these columns"
+    if isinstance(given, (str, os.PathLike)):
+        given = _read(where, given, names)
+    tabled = isinstance(given, Mapping) or hasattr(given, "columns") or hasattr(given, "data_vars")
+    keys = list(given) if tabled else []
+    if keys:
+        columns: dict[str, Any] = {}
+        for key in keys:
+            of, unit = split(str(key), units)
+            if of in names:
+                values = np.asarray(given[key], dtype=float)
+                columns[of] = in_si(where, {str(key): values}, units)[of] if unit else values
+        missing = [name for name in names if name not in columns]
+        _check(not missing, where, f"has no column {''.join(missing[:1])}", remedy)
+        rows = np.stack([np.asarray(columns[name], dtype=float) for name in names], axis=1)
+    else:
+        try:
+            raw = np.asarray(given)
+            is_complex = np.iscomplexobj(raw) and raw.ndim == 1
+            rows = np.stack([raw.real, raw.imag], axis=1) if is_complex else raw.astype(float)
+        except (TypeError, ValueError):
+            raise InputError(f"is {short_repr(given)}", (where,), remedy) from None
+    _check(rows.ndim == 2 and rows.shape[1] == len(names), where, f"has the shape {rows.shape}", remedy)
+    less = f"give at most {MOST_POINTS:,}, such as every tenth"
+    _check(len(rows) <= MOST_POINTS, where, f"has {len(rows):,} rows", less)
+    fine = np.isfinite(rows).all(axis=1)
+    _check(
+        fine.all(), where, f"is not finite in row {np.argmin(fine) if len(fine) else 0}", "leave that row out"
+    )
+    return np.ascontiguousarray(rows)
+
+
+def _read(where: str, path: Any, names: Sequence[str]) -> Any:
+    """Return the columns of a CSV file by the names in its first line, or its numbers where it has none."""
+    try:
+        with open(path, encoding="utf-8") as file:
+            head = [one.strip() for one in file.readline().split(",")]
+        named = any(one[:1].isalpha() for one in head)
+        numbers = np.loadtxt(path, delimiter=",", skiprows=int(named), ndmin=2, encoding="utf-8")
+    except (OSError, ValueError) as error:
+        remedy = f"give a CSV file whose first line is {','.join(names)}"
+        raise InputError(f"cannot be read ({error})", (where,), remedy) from None
+    return dict(zip(head, numbers.T, strict=False)) if named else numbers
+
+
+# -- The three tasks: from what was given to linkages
+
+
+@dataclass
+class Solved:
+    """What was found for a task, before it is chosen from."""
+
+    task: str
+    found: Linkages
+    #: Coordinates along ``point``; attributes.
+    target: dict[str, Floats]
+    attrs: dict[str, Any]
+    #: What is minimised or maximised unless a caller says so.
+    minimise: str = ""
+    maximise: str = ""
+    #: Whether linkages with defects are told too, after the others.
+    with_defects: bool = False
+
+
+def _solve_path(asked: Asked, path: Any, timing: Any, closed: Any) -> Solved:
+    rows = _columns("path", path, ("x", "y"), {"x": "m", "y": "m"})
+    points = rows[:, 0] + 1j * rows[:, 1]
+    count = len(points)
+    _check(count >= 2, "path", f"has {counted(count, 'point')}", "give at least 2 points, or 3 for a shape")
+    size = float(np.abs(points - points.mean()).max())
+    _check(size > 0.0, "path", "has one place alone", "give points that differ")
+    apart = np.abs(np.diff(points)) > 1e-12 * size
+    k, one_less = int(np.argmin(apart)), "leave one of them out"
+    _check(apart.all() or timing is not None, "path", f"has the same point in rows {k} and {k + 1}", one_less)
+    if closed is not None:
+        check_switch(("closed",), closed)
+    comes_back = abs(points[0] - points[-1]) <= 1e-9 * size
+    is_closed = bool(comes_back if closed is None else closed)
+    times = None
+    if isinstance(timing, str):
+        angles = "write the crank angle at each point, in rad"
+        _check(timing == "even", "timing", f"is {short_repr(timing)}", f"write 'even', or {angles[6:]}")
+        _check(is_closed, "timing", "is 'even', and the path is open", angles)
+        times = 2.0 * np.pi * np.arange(count) / (count - comes_back)
+    elif timing is not None:
+        times = np.asarray(timing, dtype=float)
+        what = f"has the shape {times.shape}, and there are {counted(count, 'point')}"
+        fits = times.shape == (count,) and np.isfinite(times).all()
+        _check(fits, "timing", what, "write a crank angle for each point, in rad")
+        _check(
+            (np.diff(times) != 0.0).all(), "timing", "has the same angle twice", "write angles that differ"
+        )
+    crank = is_closed or asked.crank
+    target, weights = points, np.ones(count)
+    if is_closed and comes_back and times is None:
+        target, weights = points[:-1], np.ones(count - 1)
+        weights[0] = 2.0
+    task = paths.PathTask(target, times, is_closed, crank, weights, asked.lower, asked.upper)
+    attrs: dict[str, Any] = {"closed": int(is_closed)}
+    found, complete = None, ""
+    if asked.exact:
+        found, complete = _all_exact(asked, task)
+    if found is None:
+        many = times is None and len(target) >= 9
+        solved = paths.solve_path(task, asked.seed, 1 if many else paths.ROUNDS)
+        poor = not len(solved.cost) or solved.cost[0] > paths.EXACT**2 * task.size
+        if many and poor and (more := _through_nine(task)) is not None:
+            solved = paths.merged(paths.joined(solved, more))
+        side = np.repeat(solved.signs[:, :1], len(target), axis=1)
+        found = Linkages(solved.numbers, solved.theta, side, solved.starts)
+    if times is None:
+        # both drivers of all three linkages draw the curve; those that cannot are left out later
+        found = cognates_of(found.at(slice(0, MOST_FOUND // 2)))
+        if not asked.exact:
+            keep = judged(found, is_closed, False).more["defect"] == 0
+            found = found.at(keep | (np.arange(len(found)) % 6 == 0))
+        found = asked.within(_different(found))
+    if is_closed and comes_back and times is None:
+        sense, theta = in_order(found.theta, True)
+        last = theta[:, :1] + np.where(sense == 0, 1, sense)[:, None] * 2.0 * np.pi
+        found.theta = np.append(theta, last, axis=1)
+        found.side = np.append(found.side, found.side[:, :1], axis=1)
+    if complete:
+        attrs["complete"] = complete
+    coords = {"target_x": rows[:, 0], "target_y": rows[:, 1]} | ({} if times is None else {"time": times})
+    if times is not None:
+        attrs["timing"] = "crank angles, but for a phase"
+    return Solved("path", found, coords, attrs, "path_error", with_defects=asked.exact)
+
+
+def _all_exact(asked: Asked, task: paths.PathTask) -> tuple[Linkages | None, str]:
+    """Return all linkages that pass points exactly, where algebra gives them, and how many that are."""
+    count = len(task.target)
+    best = "leave it out: least squares find the best"
+    if task.times is not None:
+        _check(count == 5, "exact", f"is for five points with timing, and there are {count}", best)
+        numbers, sides = poses.timed_by_cognate(task.target, task.times - task.times[0])
+        numbers[:, 9] -= task.times[0]
+        found = Linkages(numbers, numbers[:, 9:] + task.times, sides, np.ones(len(numbers), dtype=np.int64))
+        return asked.within(found), f"all {counted(len(numbers), 'linkage')} of five timed points"
+    _check(count == 9, "exact", f"is for nine points, or five with timing, and there are {count}", best)
+    return _of_nine(task.target)
+
+
+def _of_nine(points: NDArray[np.complex128]) -> tuple[Linkages, str]:
+    """Return a linkage of each triple of cognates through nine points, and how many triples there are."""
+    triples = import_module("fastlink.synthesis.nine_points").solutions(points)
+    real = triples.unknowns[triples.real]
+    turns = np.concatenate([np.ones((len(real), 1)), real[:, 8:]], axis=1)
+    x, a, y, b = (real[:, k, None] for k in range(4))
+    place, start = np.broadcast_to(points, turns.shape), points[0]
+    found = from_pins((start + a)[:, 0], (start + b)[:, 0], points + x * turns, points + y * turns, place)
+    complete = f"all {len(real)} real of {len(triples.unknowns):,} triples of cognates"
+    return found, complete + (f"; {len(triples.lost)} paths did not arrive" if len(triples.lost) else "")
+
+
+def _through_nine(task: paths.PathTask) -> paths.Candidates | None:
+    """Return linkages that pass nine of the points in order, refined on all: where curves of many shapes are alike.
+
+    The best of a sample of shapes lies in a long valley then, and what passes all points is not near its start.
+    """
+    some = np.unique(np.linspace(0, len(task.target) - 1, 9).round().astype(int))
+    try:
+        found, _ = _of_nine(task.target[some])
+    except ModuleNotFoundError:
+        return None
+    found = judged(cognates_of(found), task.closed, False)
+    found = found.at(found.more["defect"] == 0)
+    if not len(found):
+        return None
+    share, order = task.share, found.more["order"].astype(float)
+    theta = np.array([np.interp(share, share[some], one) for one in found.theta])
+    signs = np.stack([found.side[:, 0], order], axis=1)
+    starts = paths.Candidates(found.numbers.copy(), signs, theta, np.zeros(len(found)), found.starts)
+    paths.fit_limits(task, starts)
+    return paths.refined(task, starts, 300)
+
+
+def _different(found: Linkages) -> Linkages:
+    """Return linkages without those that are the same as one before, or have no size."""
+    lengths = found.numbers[:, :4]
+    built = np.isfinite(found.numbers).all(axis=1) & (
+        lengths > 1e-9 * lengths.max(axis=1, keepdims=True)
+    ).all(axis=1)
+    found = found.at(built)
+    return found.at(paths.different(found.numbers, found.side[:, 0], found.starts, len(found))[0])
+
+
+def _solve_motion(asked: Asked, motion: Any, rotation_length: Any) -> Solved:
+    rows = _columns("motion", motion, ("x", "y", "angle"), {"x": "m", "y": "m", "angle": "rad"})
+    points, angles = rows[:, 0] + 1j * rows[:, 1], np.unwrap(rows[:, 2])
+    count = len(points)
+    _check(count >= 2, "motion", f"has {counted(count, 'pose')}", "give at least 2 poses")
+    size = float(np.abs(points - points.mean()).max())
+    for k in range(count):
+        same = np.abs(points[:k] - points[k]) <= 1e-12 * size
+        same &= np.abs(np.remainder(angles[:k] - angles[k] + np.pi, 2.0 * np.pi) - np.pi) <= 1e-12
+        what = f"has the same pose in rows {int(np.argmax(same)) if k else 0} and {k}"
+        _check(not same.any(), "motion", what, "leave one of them out")
+    own = Setting("rotation_length", float(f"{size or 1.0:.2g}"))
+    what = "is missing: over five poses are met nearly, in places and in directions"
+    remedy = ("write ", own, ", the length at which an angle counts")
+    _check(rotation_length is not None or count <= 5, "rotation_length", what, remedy)
+    length = float(rotation_length or size or 1.0)
+    what = f"is {short_repr(rotation_length)}"
+    _check(0.0 < length < np.inf, "rotation_length", what, "write a positive length in m")
+    task = poses.MotionTask(points, angles, length)
+    made, dyads = poses.solve_motion(task, asked.seed)
+    found = Linkages(made["numbers"], made["theta"], made["side"], np.ones(len(made["numbers"]), dtype=np.int64),
+                     {"body_angle": made["body_angle"]})  # fmt: skip
+    attrs: dict[str, Any] = {"dyads": dyads, "rotation_length": length}
+    found = asked.within(found)
+    if count < 5:
+        # a family: those without defects, the best angles first, go on
+        known = judged(found, False, False)
+        rows_of = np.flatnonzero(known.more["defect"] == 0)
+        best = np.argsort(-known.more["least_transmission_angle_used"][rows_of], kind="stable")[:MOST_FOUND]
+        attrs["found_linkages"] = len(found)
+        attrs["found_without_defect"] = len(rows_of)
+        found = found.at(rows_of[best])
+    elif count == 5:
+        attrs["complete"] = f"all {counted(dyads, 'dyad')} of five poses, {counted(len(found), 'linkage')}"
+    coords = {"target_x": rows[:, 0], "target_y": rows[:, 1], "target_angle": angles}
+    aim = {"maximise": "least_transmission_angle_used"} if count < 5 else {"minimise": "pose_error"}
+    return Solved("motion", found, coords, attrs, **aim, with_defects=count >= 5)
+
+
+def _solve_function(asked: Asked, function: Any, over: Any, turn: Any, turn_deg: Any, points: Any) -> Solved:
+    turns = _turns(turn, turn_deg)
+    given: Callable[[Floats], Floats] | None = None
+    low = high = 0.0
+    if callable(function):
+        try:
+            low, high = (float(end) for end in over)
+        except (TypeError, ValueError):
+            low = high = np.nan
+        _check(
+            low < high < np.inf, "over", f"is {short_repr(over)}", "write the range of x, such as over=(1, 2)"
+        )
+        _check(turns, "turn_deg", "is missing", "write the turns of both shafts, such as turn_deg=(60, 90)")
+        assert turns is not None
+        ends = _values(function, np.array([low, high]))
+        differ = ends[0] != ends[1] and np.isfinite(ends).all()
+        what = f"has the values {ends[0]:g} and {ends[1]:g} at the ends"
+        _check(differ, "function", what, "give a range whose ends differ in value")
+        t_in, t_out = turns
+
+        def given_turn(angle: Floats) -> Floats:
+            values = _values(function, low + (high - low) * angle / t_in)
+            return np.asarray((values - ends[0]) / (ends[1] - ends[0]) * t_out)
+
+        given = given_turn
+        if points is not None:
+            check_whole(("precision_points",), points, 3, 5)
+            x = functions.chebyshev(low, high, points)
+            turn_in = t_in * (x - low) / (high - low)
+        else:
+            x = np.linspace(low, high, functions.FINE)
+            turn_in = np.linspace(0.0, t_in, functions.FINE)
+        turn_out, exact = given(turn_in), points is not None
+        finite = np.isfinite(turn_out).all()
+        _check(finite, "function", "is not finite over its range", "choose the range by over=(lo, hi)")
+    else:
+        rows = _columns("function", function, ("x", "y"), {"x": "1", "y": "1"})
+        _check(
+            len(rows) >= 3, "function", f"has {counted(len(rows), 'pair')}", "give at least 3 pairs (x, y)"
+        )
+        x, y = rows.T
+        _check(
+            (np.diff(x) > 0.0).all(),
+            "function",
+            "has inputs that do not grow",
+            "sort the pairs by x, each once",
+        )
+        if turns is None:  # the pairs are angles
+            turn_in, turn_out = x - x[0], y - y[0]
+        else:
+            as_angles = "leave turn out, and give y as angles in rad"
+            _check(y[0] != y[-1], "function", "begins and ends with one value", as_angles)
+            turn_in, turn_out = turns[0] * (x - x[0]) / (x[-1] - x[0]), turns[1] * (y - y[0]) / (y[-1] - y[0])
+        exact = len(rows) <= 5
+    senses = (1,) if turns is None or turns[1] < 0.0 else (1, -1)
+    least = asked.least("least_transmission_angle_used")
+    task = functions.FunctionTask(turn_in, turn_out, given, least, exact, senses)
+    made = functions.solve_function(task)
+    count, most = len(turn_in), max((len(one.peaks) for one in made), default=0)
+    numbers, theta = np.zeros((len(made), 10)), np.zeros((len(made), count))
+    side = np.zeros_like(theta)
+    peaks, places = np.full((len(made), most), np.nan), np.full((len(made), most), np.nan)
+    theta4 = np.zeros((len(made), count))
+    scale = float(asked.lower[3]) if asked.lower[3] == asked.upper[3] else 1.0
+    for k, one in enumerate(made):
+        numbers[k, :4] = scale * np.array(one.lengths())
+        theta[k] = one.crank(turn_in)
+        flip = np.pi if one.numbers[1] < 0.0 else 0.0
+        theta4[k] = one.numbers[4] + one.sense * turn_out + flip
+        crank = numbers[k, 0] * np.exp(1j * theta[k])
+        b = numbers[k, 3] + numbers[k, 2] * np.exp(1j * theta4[k])
+        side[k] = np.sign((np.conj(numbers[k, 3] - crank) * (b - crank)).imag)
+        peaks[k, : len(one.errors)], places[k, : len(one.peaks)] = one.errors, one.crank(one.peaks)
+    found = Linkages(numbers, theta, side, np.ones(len(made), dtype=np.int64))
+    found.more = {"theta4": theta4, "sense": np.array([one.sense for one in made], dtype=np.int8),
+                  "structural_error": np.array([one.error for one in made]),
+                  "peak_error": peaks, "peak_theta1": places}  # fmt: skip
+    if exact and given is not None and turns is not None:
+        found.more["structural_error"] = np.array([_greatest(task, one, given, turns) for one in made])
+    found = asked.within(found)
+    coords = {"x": x, "turn_in": turn_in, "turn_out": turn_out}
+    attrs = {"points_are_precision_points": int(exact)}
+    return Solved("function", found, coords, attrs, "structural_error")
+
+
+def _greatest(task: Any, one: Any, given: Any, turns: Any) -> float:
+    """Return the greatest error between precision points."""
+    whole = functions.FunctionTask(np.linspace(0.0, turns[0], functions.FINE), np.empty(0), given)
+    _, errors = functions._peaks(whole, one.numbers, one.sign, one.sense)
+    return float(np.max(np.abs(errors)))
+
+
+def _values(function: Any, x: Floats) -> Floats:
+    """Return a function at places, of arrays or of single numbers."""
+    try:
+        values = np.asarray(function(x), dtype=float)
+    except (TypeError, ValueError):
+        values = np.empty(0)
+    if values.shape == x.shape:
+        return values
+    try:
+        return np.array([float(function(one)) for one in x])
+    except Exception as error:
+        remedy = "give a function of one number, such as numpy.log10"
+        raise InputError(f"cannot be called ({error})", ("function",), remedy) from None
+
+
+def _turns(turn: Any, turn_deg: Any) -> tuple[float, float] | None:
+    _check(turn is None or turn_deg is None, "turn", "is given, and so is turn_deg", "write one of them")
+    name, given = ("turn", turn) if turn_deg is None else ("turn_deg", turn_deg)
+    if given is None:
+        return None
+    try:
+        one, other = (
+            float(scaled(float(part), PI / 180 if name == "turn_deg" else Fraction(1))) for part in given
+        )
+    except (TypeError, ValueError):
+        one = other = np.nan
+    fine = 0.0 < one <= 2.0 * np.pi and 0.0 < abs(other) <= 2.0 * np.pi
+    _check(
+        fine, name, f"is {short_repr(given)}", "write two turns up to 360 degrees, such as turn_deg=(60, 90)"
+    )
+    return one, other
+
+
+# -- The result
+
+
+def labelled(solved: Solved, asked: Asked) -> xr.Dataset:
+    """Return all linkages of a task with their results, errors computed by the facts of the mechanism."""
+    found = judged(solved.found, bool(solved.attrs.get("closed")), "time" in solved.target)
+    n = found.numbers
+    lengths = dict(zip(NUMBERS[:6], n[:, :6].T, strict=True))
+    branch = np.where(found.side[:, 0] > 0, 2, 1)
+    wanted = [*dict.fromkeys([*asked.quantities, *asked.others(), "status"])]
+    columns: dict[str, Any] = dict(lengths)
+    if solved.task == "function":
+        del columns["P_u"], columns["P_v"]
+    space = table(columns)
+    swept = sweep("planar_4r", space, wanted, branch=(1, 2), verify=0, progress=False)
+    index: dict[str, Any] = {DESIGN: xr.DataArray(np.arange(len(n)), dims=DESIGN)}
+    if "branch" in swept.dims:
+        index["branch"] = xr.DataArray(branch - 1, dims=DESIGN)
+    result = swept.isel(index).drop_vars("branch", errors="ignore").load()
+    data: dict[str, Any] = {}
+    for name, values in zip(("O_x", "O_y", "ground_angle"), n[:, 6:9].T, strict=True):
+        data[name] = values
+    data["D_x"] = n[:, 6] + n[:, 3] * np.cos(n[:, 8])
+    data["D_y"] = n[:, 7] + n[:, 3] * np.sin(n[:, 8])
+    data |= {name: found.more[name] for name in ("order", "circuit", "least_transmission_angle_used")}
+    data["starts"] = found.starts
+    data["theta1"] = found.theta
+    data |= _errors(solved, found, branch)
+    for name in ("cognate", "body_angle", "sense", "structural_error", "peak_error", "peak_theta1", "theta4"):
+        if name in found.more:
+            data[name] = found.more[name]
+    if "time" in solved.target:
+        data["phase"] = n[:, 9]
+    if solved.task == "function":
+        for name in ("O_x", "O_y", "D_x", "D_y", "ground_angle"):
+            del data[name]
+    if "curve" in found.more:
+        data["cognate_of"] = found.more["curve"]
+    made: dict[str, Any] = {}
+    for name, values in data.items():
+        units, text = LABELS[name]
+        dims = (DESIGN, "peak" if name.startswith("peak_") else "point")[: np.ndim(values)]
+        made[name] = (dims, values, {"units": units, "long_name": text})
+    flags = {"flag_values": np.array(list(DEFECTS), dtype=np.int8), "flag_meanings": " ".join(DEFECTS.values()),
+             "long_name": "What keeps the linkage from the task", "units": "1"}  # fmt: skip
+    made["defect"] = ((DESIGN,), found.more["defect"], flags)
+    text = "Assembly mode: B right (1) or left (2) of the line from A to D"
+    coords: dict[str, Any] = {"branch": ((DESIGN,), branch, {"long_name": text})}
+    texts = [joined_limits(one, asked) for one in n]
+    if any(texts):
+        coords["active"] = ((DESIGN,), np.array(texts), {"long_name": "Limits that hold the linkage back"})
+    for name, values in solved.target.items():
+        about = {"units": TARGETS.get(name, "1"), "long_name": f"{name} of the task"}
+        coords[name] = (("point",), values, about)
+    return result.assign(made).assign_coords(coords)
+
+
+def joined_limits(numbers: Floats, asked: Asked) -> str:
+    """Return which limits of its numbers a linkage has reached, as a text."""
+    found = []
+    for name, number, low, high in zip(NUMBERS, numbers, asked.lower, asked.upper, strict=True):
+        for sign, end in ((">=", low), ("<=", high)):
+            if low < high and np.isfinite(end) and abs(number - end) <= 1e-9 * max(abs(end), 1e-6):
+                units = "rad" if name in ("ground_angle", "phase") else "m"
+                found.append(f"{name} {sign} {short_number(end)} {units}")
+    return ", ".join(found)
+
+
+def _errors(solved: Solved, found: Linkages, branch: NDArray[np.int64]) -> dict[str, Any]:
+    """Return the errors at the points of a task, from the facts of the mechanism at the crank angles."""
+    n, target = found.numbers, solved.target
+    inputs = dict(zip(NUMBERS[:6], (column[:, None] for column in n[:, :6].T), strict=True))
+    sides = np.where(found.side > 0, 2, 1)
+    if solved.task == "function":
+        at = evaluate("planar_4r", ["theta4"], branch=branch[:, None], allow_invalid=True, theta1=found.theta,
+                      **{name: inputs[name] for name in NUMBERS[:4]})["theta4"]  # fmt: skip
+        off = np.remainder(at - found.more["theta4"] + np.pi, 2.0 * np.pi) - np.pi
+        return {"output_error": off, "structural_error_rms": np.sqrt(np.mean(off**2, axis=1))}
+    at = evaluate(
+        "planar_4r", ["P_x", "P_y", "theta2"], branch=sides, allow_invalid=True, theta1=found.theta, **inputs
+    )
+    place = n[:, 6:7] + 1j * n[:, 7:8] + np.exp(1j * n[:, 8:9]) * (at["P_x"] + 1j * at["P_y"])
+    off = np.abs(place - (target["target_x"] + 1j * target["target_y"]))
+    if solved.task == "path":
+        square = off**2
+        return {"point_error": off, "path_error": np.sqrt(square.mean(axis=1)), "path_error_max": off.max(axis=1),
+                "path_error_sum": square.sum(axis=1)}  # fmt: skip
+    turn = at["theta2"] + n[:, 8:9] + found.more["body_angle"][:, None] - target["target_angle"]
+    turn = np.remainder(turn + np.pi, 2.0 * np.pi) - np.pi
+    both = off**2 + (solved.attrs["rotation_length"] * turn) ** 2
+    return {"point_error": off, "angle_error": turn, "pose_error": np.sqrt(both.mean(axis=1)),
+            "pose_error_max": np.sqrt(both.max(axis=1))}  # fmt: skip
+
+
+def selected(every: xr.Dataset, solved: Solved, asked: Asked) -> xr.Dataset:
+    """Return the best linkages that meet all conditions, those without defects first; or none, and the reason."""
+    where = asked.where
+    about = {"task": solved.task, "found": every.sizes[DESIGN], "seed": asked.seed}
+    attrs = {**every.attrs, **solved.attrs, **about}
+    codes = every["defect"].values if every.sizes[DESIGN] else np.empty(0, dtype=int)
+    for code, name in DEFECTS.items():
+        attrs[f"found_{name}"] = int(np.count_nonzero(codes == code))
+    asks_defect = isinstance(where, Mapping) and any(split(str(k), ("defect",))[0] == "defect" for k in where)
+    left = every
+    if not asks_defect and not solved.with_defects:
+        left = every.isel({DESIGN: codes == 0})
+    minimise, maximise = asked.minimise, asked.maximise
+    if not minimise and not maximise:
+        minimise, maximise = solved.minimise or (), solved.maximise or ()
+    if not left.sizes[DESIGN]:
+        counts = {name: attrs[f"found_{name}"] for code, name in DEFECTS.items() if code}
+        why = [f"{counted(count, 'linkage')} with {name}" for name, count in counts.items() if count]
+        reason = f"no linkage does it: {joined(why)}" if why else "no linkage was found"
+        return _ended(left, attrs, reason)
+    several = len(_listed(minimise)) + len(_listed(maximise)) > 1
+    choice = choice_of(left, minimise, maximise, where, top=None if several else left.sizes[DESIGN])
+    for one in choice.wanted:
+        attrs[f"excluded_by_{one.name}"] = int(np.count_nonzero(~one.holds(one.array.values)))
+    try:
+        selection = chosen(left, choice)
+        best = with_missed(left.isel({DESIGN: selection.places}), choice.limits)
+    except InputError as error:
+        return _ended(left.isel({DESIGN: slice(0, 0)}), attrs, error.what)
+    attrs["selection"] = selection.about
+    order = np.argsort(best["defect"].values != 0, kind="stable")
+    best = best.isel({DESIGN: order[: asked.top]})
+    return _ended(best, attrs, "")
+
+
+def _listed(given: Any) -> list[Any]:
+    return [given] if isinstance(given, str) else list(given)
+
+
+def _ended(found: xr.Dataset, attrs: dict[str, Any], reason: str) -> xr.Dataset:
+    """Return a result with its designs numbered, cognates named by these, and the reason where there is none."""
+    count = found.sizes[DESIGN]
+    if "cognate_of" in found:
+        curves, first = found["cognate_of"].values, dict[int, int]()
+        for k, curve in enumerate(curves):
+            first.setdefault(int(curve), k)
+        found = found.assign(
+            cognate_of=(
+                (DESIGN,),
+                np.array([first[int(c)] for c in curves], dtype=np.int64),
+                found["cognate_of"].attrs,
+            )
+        )
+    found = found.assign_coords({DESIGN: np.arange(count)})
+    for name in ("configurations", "configurations_per_second", "set_up_time_s", "design_kind"):
+        attrs.pop(name, None)
+    attrs = {k: v for k, v in attrs.items() if not k.startswith("designs_")}
+    found.attrs = {**attrs, "designs": count, **({"reason": reason} if reason else {})}
+    return found
+
+
+@door
+def synthesise(
+    mechanism: str,
+    quantities: Sequence[str] = (),
+    *,
+    path: Any = None,
+    motion: Any = None,
+    function: Any = None,
+    timing: Any = None,
+    closed: bool | None = None,
+    exact: bool = False,
+    rotation_length: float | None = None,
+    over: tuple[float, float] | None = None,
+    turn: tuple[float, float] | None = None,
+    turn_deg: tuple[float, float] | None = None,
+    precision_points: int | None = None,
+    where: Any = None,
+    bounds: Mapping[str, Any] | None = None,
+    fixed: Mapping[str, float] | None = None,
+    minimise: str | Sequence[str] = (),
+    maximise: str | Sequence[str] = (),
+    top: int = 10,
+    seed: int = 0,
+    to: str | Path | None = None,
+    overwrite: bool = False,
+    attrs: Mapping[str, Any] | None = None,
+) -> xr.Dataset:
+    """Find linkages for a task: a path, a motion or a function.
+
+    What algebra gives exactly is all there; beyond, the best are found from thousands of starts and refined by exact
+    derivatives. A linkage that cannot do the task in motion is no solution: each is looked at for defects.
+
+    Parameters
+    ----------
+    mechanism : {"planar_4r"}
+        The mechanism.
+    quantities : sequence of str
+        What else is computed of each linkage, as `fastlink.sweep` takes it.
+    path : array_like, table or path of a CSV file
+        Points (x, y) [m] that the coupler point passes in this order, or a whole curve as up to 2,000 of them.
+    motion : array_like, table or path of a CSV file
+        Poses (x, y, angle) [m, m, rad] of a body on the coupler; ``angle_deg`` in a table. Two to five are met exactly.
+    function : callable, array_like or table
+        The output as a function of x, or pairs (x, y); up to five pairs are met exactly.
+    timing : array_like or "even", optional
+        The crank angle at each point of a path [rad], counted from anywhere (``fixed={"phase": 0}``: from OD); or equal
+        steps over a turn.
+    closed : bool, optional
+        Whether the path closes; by default if it ends where it begins. The crank then turns fully.
+    exact : bool, default False
+        Find all linkages through five points with timing, or through nine without, and tell those with defects too.
+    rotation_length : float, optional
+        The length [m] at which an error of direction counts as one of place; needed for more than five poses.
+    over : (float, float)
+        The range of x of a function.
+    turn, turn_deg : (float, float)
+        By how much crank and output link turn over the range. A positive output turn may have either sense, see
+        ``sense`` in the result; a negative one is against the crank. Without it pairs are angles in rad.
+    precision_points : int, optional
+        Meet a function exactly at 3 to 5 points in Chebyshev's spacing, instead of with the least greatest error.
+    where : mapping, optional
+        Conditions on all that is computed, as of `fastlink.best`, such as
+        ``{"least_transmission_angle_deg": (40, None)}`` or ``{"D_x": (0, 1)}``.
+    bounds, fixed : mapping, optional
+        Ranges of, or numbers for ``a1`` to ``a4``, ``P_u``, ``P_v``, ``O_x``, ``O_y``, ``ground_angle`` and ``phase``;
+        D by ``D_x``, ``D_y`` where O is fixed too.
+    minimise, maximise : str or sequence of str
+        What is best; by default the least error, and of two to four poses the greatest of the least transmission angles
+        between them.
+    top : int, default 10
+        How many linkages at most.
+    seed : int, default 0
+        Of the starts; the same seed gives the same result.
+    to : path, optional
+        An HDF5 file to write the result to.
+    overwrite : bool, default False
+        Replace an existing file.
+    attrs : mapping, optional
+        Further attributes.
+
+    Returns
+    -------
+    xarray.Dataset
+        Linkages along ``design``, the best first, as a map: ``a1`` to ``a4``, ``P_u``, ``P_v``, ``branch``; O, D and
+        ``ground_angle`` in the frame of the task; the crank angles ``theta1(design, point)``; the errors; ``defect``,
+        ``order``, ``circuit``, ``status``, ``starts``; linkages of one curve have one ``cognate_of``. Where there is
+        none, it is empty and the attribute ``reason`` says why.
+
+    Raises
+    ------
+    InputError
+        The task is none: too few points, equal ones, NaN; or a name is unknown.
+
+    Notes
+    -----
+    F. Freudenstein 1955 for functions; L. Burmester 1888 for motions, whose dyads come from a null space and two
+    conics; paths with timing are motions of a cognate; H. Alt 1923 for nine points.
+
+    Examples
+    --------
+    >>> arc = [(3, 3), (2.759, 3.363), (2.372, 3.663), (1.89, 3.862), (1.355, 3.943)]
+    >>> at_origin = {"O_x": 0, "O_y": 0, "ground_angle": 0, "phase": 0}
+    >>> found = fl.synthesise("planar_4r", path=arc, timing=np.radians([30, 45, 60, 75, 90]), fixed=at_origin)
+    >>> float(found.path_error_sum[0].round(12))
+    7.41575e-07
+    """
+    began = time.perf_counter()
+    problems = Problems()
+    given = {"path": path, "motion": motion, "function": function}
+    tasks = [name for name, value in given.items() if value is not None]
+    if len(tasks) != 1:
+        what = f"has {joined(tasks)}" if tasks else "has no task"
+        problems.add(what, ("synthesise",), "write one of path=..., motion=..., function=...")
+    if mechanism != "planar_4r":
+        problems.add(f"{short_repr(mechanism)} is not synthesised", ("mechanism",), "write 'planar_4r'")
+    problems.attempt(check_whole, ("top",), top, 1)
+    problems.attempt(check_whole, ("seed",), seed, 0)
+    problems.attempt(check_switch, ("exact",), exact)
+    names = problems.attempt(check_names, "quantities", quantities) if quantities else ()
+    limits = _limits(bounds, fixed, problems)
+    only = {"path": {"timing": timing, "closed": closed}, "motion": {"rotation_length": rotation_length},
+            "function": {"over": over, "turn": turn, "turn_deg": turn_deg,
+                         "precision_points": precision_points}}  # fmt: skip
+    for task, options in only.items():
+        for name, value in options.items():
+            if value is not None and tasks != [task]:
+                problems.add(f"is for {task}=...", (name,), "leave it out")
+    problems.stop()
+    asked = Asked(
+        find_catalogue("planar_4r", None),
+        tuple(names or ()),
+        where,
+        minimise,
+        maximise,
+        top,
+        *limits,
+        seed,
+        exact,
+    )
+    asked.others()  # unknown names are refused before anything is computed
+    about = {"mechanism": mechanism, "synthesis": tasks[0], **dict(attrs or {})}
+
+    def solve() -> xr.Dataset:
+        if tasks[0] == "path":
+            solved = _solve_path(asked, path, timing, closed)
+        elif tasks[0] == "motion":
+            solved = _solve_motion(asked, motion, rotation_length)
+        else:
+            solved = _solve_function(asked, function, over, turn, turn_deg, precision_points)
+        if not len(solved.found):
+            solved.found = _one(solved)
+            result = selected(labelled(solved, asked).isel({DESIGN: slice(0, 0)}), solved, asked)
+        else:
+            result = selected(labelled(solved, asked), solved, asked)
+        result.attrs |= {**about, "run_time_s": time.perf_counter() - began}
+        return result
+
+    if to is None:
+        return solve()
+    shown = {
+        name: _as_text(value)
+        for name, value in {**given, **only["path"], **only["motion"], **only["function"]}.items()
+    }
+    words = (
+        environment(),
+        shown,
+        names,
+        repr(where),
+        repr(bounds),
+        repr(fixed),
+        repr(minimise),
+        repr(maximise),
+        top,
+        seed,
+        exact,
+    )
+    fingerprint = hashlib.sha256(repr(words).encode()).hexdigest()
+    if not overwrite and not callable(function):
+        finished = finished_map(to, fingerprint, verified=0, attrs=about)
+        if finished is not None:
+            return finished
+    target = check_target(to, 0, overwrite)
+    result = solve()
+    if not result.sizes[DESIGN]:
+        raise InputError(f"{result.attrs['reason']}; nothing is written", ("where",), "widen the limits")
+    result.attrs = plain_attrs(result.attrs)
+    write(
+        target,
+        result,
+        fingerprint,
+        history(f"synthesise {mechanism} to {target.name}"),
+        overwrite=overwrite,
+        restart=False,
+    )
+    return open_map(target)
+
+
+def _as_text(value: Any) -> str:
+    try:
+        return (
+            np.asarray(value, dtype=float).tobytes().hex()
+            if value is not None and not callable(value)
+            else repr(value)
+        )
+    except (TypeError, ValueError):
+        return repr(value)
+
+
+def _one(solved: Solved) -> Linkages:
+    """Return one linkage in place of none, for the labels of an empty result."""
+    count = len(next(iter(solved.target.values())))
+    more: dict[str, Any] = {
+        name: np.zeros((1, *np.shape(values)[1:]), dtype=values.dtype)
+        for name, values in solved.found.more.items()
+    }
+    numbers = np.array([[1.0, 2.0, 2.0, 2.5, 0, 0, 0, 0, 0, 0]])
+    return Linkages(numbers, np.zeros((1, count)), np.ones((1, count)), np.ones(1, dtype=np.int64), more)

@@ -1,0 +1,312 @@
+"""Linkages for tasks: cases of the literature, random linkages found again, defects, doors."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import fastlink as fl
+from fastlink.synthesis.found import DEFECTS, Linkages, cognates_of, judged
+from fastlink.synthesis.paths import compiled
+
+TURN = 2.0 * np.pi
+#: Kunjur, Krishnamurty 1997, as later papers use it: 18 points, a step of 20 degrees of the crank each.
+KUNJUR = [(0.5, 1.1), (0.4, 1.1), (0.3, 1.1), (0.2, 1.0), (0.1, 0.9), (0.05, 0.75), (0.02, 0.6), (0, 0.5), (0, 0.4),
+          (0.03, 0.3), (0.1, 0.25), (0.15, 0.2), (0.2, 0.3), (0.3, 0.4), (0.4, 0.5), (0.5, 0.7), (0.6, 0.9),
+          (0.6, 1.0)]  # fmt: skip
+ARC = [(3, 3), (2.759, 3.363), (2.372, 3.663), (1.890, 3.862), (1.355, 3.943)]
+ELLIPSE = [(20, 10), (17.66, 15.142), (11.736, 17.878), (5, 16.928), (0.60307, 12.736), (0.60307, 7.2638), (5, 3.0718),
+           (11.736, 2.1215), (17.66, 4.8577)]  # fmt: skip
+POSES = np.array([(0.943625, 1.338128, 46.092477), (0.969123, 1.594198, 31.440725), (0.548548, 1.684502, 21.448516),
+                  (-0.069327, 1.283887, 21.110821), (-0.338809, 0.726122, 33.866682)])  # fmt: skip
+POSES[:, 2] = np.radians(POSES[:, 2])
+
+
+def points_of(found, design=0):
+    """Return where the coupler point of a result is, in the frame of the task, by the facts of the mechanism alone."""
+    row = found.isel(design=design)
+    inputs = {name: float(row[name]) for name in ("a1", "a2", "a3", "a4", "P_u", "P_v")}
+    at = fl.evaluate(
+        "planar_4r", ["P_x", "P_y", "theta2"], branch=int(row.branch), theta1=row.theta1.values, **inputs
+    )
+    place = complex(row.O_x, row.O_y) + np.exp(1j * float(row.ground_angle)) * (at["P_x"] + 1j * at["P_y"])
+    return place, at["theta2"] + float(row.ground_angle)
+
+
+def random_crank(rng):
+    """Return a crank-rocker of random lengths, and a random coupler point."""
+    while True:
+        lengths = np.sort(rng.uniform(0.1, 1.0, 4))
+        if lengths[0] + lengths[3] < 0.98 * (lengths[1] + lengths[2]):
+            a2, a3, a4 = rng.permutation(lengths[1:])
+            point = rng.uniform(-1, 1, 2)
+            return {"a1": lengths[0], "a2": a2, "a3": a3, "a4": a4, "P_u": point[0], "P_v": point[1]}
+
+
+def path_of(rng, theta):
+    """Return points of a random crank-rocker at crank angles."""
+    design = random_crank(rng)
+    at = fl.evaluate("planar_4r", ["P_x", "P_y"], branch=int(rng.integers(1, 3)), theta1=theta, **design)
+    return np.stack([at["P_x"], at["P_y"]], axis=1)
+
+
+@pytest.mark.parametrize(
+    ("task", "least"),
+    [
+        ({"path": KUNJUR, "timing": np.radians(20 * np.arange(18)), "closed": True}, 0.0090288760),
+        ({"path": ARC, "timing": np.radians([30, 45, 60, 75, 90]),
+          "fixed": {"O_x": 0, "O_y": 0, "ground_angle": 0, "phase": 0}}, 7.4157513e-7),
+        ({"path": [*ELLIPSE, (20, 10)], "bounds": {f"a{k}": (5, 80) for k in (1, 2, 3, 4)}
+          | {k: (-80, 80) for k in ("P_u", "P_v", "O_x", "O_y")}}, 0.000401992054),
+    ],
+    ids=["kunjur18", "arc5", "ellipse10"],
+)  # fmt: skip
+def test_cases_of_the_literature(task, least):
+    """The sum of squares of each is at or below the least that is known, by the facts of the mechanism."""
+    found = fl.synthesise("planar_4r", top=1, seed=3, **task)
+    place, _ = points_of(found)
+    off = np.abs(place - np.asarray(task["path"]) @ [1, 1j])
+    assert np.sum(off**2) < least * (1 + 2e-6)
+    np.testing.assert_allclose(found.point_error[0], off, atol=1e-12 * np.abs(place).max())
+    assert found.defect.item() == 0
+    if "bounds" in task:
+        assert "a4 <= 80 m" in found.active.item()
+        assert (np.diff(found.theta1[0]) * int(found.order[0]) > 0).all()
+        assert abs(float(found.theta1[0, -1] - found.theta1[0, 0])) == pytest.approx(TURN)
+
+
+def test_a_random_linkage_comes_back_from_points_of_its_closed_curve():
+    """Of 12 points the 9 + 12 unknowns are fixed: an error of 1e-10 of the size is the linkage, or a cognate of it."""
+    rng = np.random.default_rng(5)
+    points = path_of(rng, np.sort(rng.uniform(0, TURN, 12)))
+    found = fl.synthesise("planar_4r", path=points, closed=True)
+    size = np.abs(points @ [1, 1j] - points.mean(axis=0) @ [1, 1j]).max()
+    assert float(found.path_error[0]) < 1e-10 * size
+    first = found.isel(design=found.cognate_of.values == 0)
+    assert first.sizes["design"] >= 2  # it turns by the cranks of two cognates
+    assert (first.path_error < 1e-9 * size).all()
+
+
+def test_five_poses_have_all_their_dyads():
+    """Four dyads, one of them with a radius 29 times the other's; residuals are of rounding alone."""
+    found = fl.synthesise("planar_4r", motion=POSES, top=20)
+    assert found.attrs["complete"] == "all 4 dyads of five poses, 12 linkages"
+    known = found.isel(design=int(np.argmin(np.abs(found.a1.values - 0.8) + np.abs(found.a3.values - 1.5))))
+    np.testing.assert_allclose([known.a2, known.a4, known.P_u, known.P_v], [1.7, 2.0, 0.9, 0.6], atol=2e-5)
+    place, theta2 = points_of(found)
+    turn = np.exp(1j * (theta2 + float(found.body_angle[0]))) - np.exp(1j * POSES[:, 2])
+    assert np.abs(place - POSES @ [1, 1j, 0]).max() < 1e-14
+    assert np.abs(turn).max() < 1e-14
+    assert found.defect.values[:4].tolist() == [0] * 4
+    assert set(found.defect.values[4:].tolist()) == {2}
+
+
+def test_dyads_of_random_poses_are_as_many_as_the_resultant_has_real_roots():
+    """The kernel against eigenvalues of the companion matrix, on random tasks; each dyad leaves no circle."""
+    rng, count = np.random.default_rng(0), 300
+    poses = np.concatenate(
+        [rng.uniform(-1, 1, (count, 5, 2)), rng.uniform(-np.pi, np.pi, (count, 5, 1))], axis=2
+    )
+    found, counts = np.empty((count, 4, 4)), np.zeros(count, dtype=np.int64)
+    compiled("dyads")(poses, np.zeros((count, 5, 8)), found, counts)
+    d, e = poses[..., 0] + 1j * poses[..., 1], np.exp(1j * poses[..., 2])
+    centre, pin = found[..., 0] + 1j * found[..., 1], found[..., 2] + 1j * found[..., 3]
+    radius = np.abs(d[:, None] + e[:, None] * pin[..., None] - centre[..., None])
+    assert np.nanmax(np.ptp(radius, axis=-1) / np.maximum(1, radius.max(axis=-1))) < 1e-13
+    assert counts.tolist() == [real_dyads(*one) for one in zip(d, e, strict=True)]
+
+
+def real_dyads(d, e):
+    """Return how many dyads five poses have, from the resultant of two conics in a null space of SVD."""
+    m = np.conj(d) * e
+    rows = np.c_[
+        np.abs(d) ** 2, 2 * m.real, -2 * m.imag, -2 * d.real, -2 * d.imag, -2 * e.real, 2 * e.imag, np.ones(5)
+    ]
+    basis = np.linalg.qr(np.random.default_rng(0).standard_normal((3, 3)))[0] @ np.linalg.svd(rows)[2][-3:]
+
+    def form(a):
+        p = a @ basis
+        return p[0] * (p[5] + 1j * p[6]) - (p[3] - 1j * p[4]) * (p[1] + 1j * p[2])
+
+    unit, poly = np.eye(3), np.polynomial.polynomial
+    both = np.array([[(form(u + v) - form(u) - form(v)) / 2 for u in unit] for v in unit])
+    (a1, b1, c1), (a2, b2, c2) = (
+        (q[2, 2], 2 * q[:2, 2], np.array([q[0, 0], 2 * q[0, 1], q[1, 1]])) for q in (both.real, both.imag)
+    )
+    u, v = poly.polysub(a1 * c2, a2 * c1), poly.polysub(a1 * b2, a2 * b1)
+    w = poly.polysub(poly.polymul(b1, c2), poly.polymul(b2, c1))
+    roots = poly.polyroots(poly.polysub(poly.polymul(u, u), poly.polymul(v, w)))
+    return int(np.count_nonzero(np.abs(roots.imag) < 1e-7 * (1 + np.abs(roots))))
+
+
+@pytest.mark.parametrize("count", [2, 3, 4])
+def test_fewer_poses_are_met_exactly_by_the_best_of_a_family(count):
+    found = fl.synthesise("planar_4r", motion=POSES[:count], top=3)
+    assert found.sizes["design"] == 3
+    assert (found.pose_error < 1e-12).all()  # links up to 15 times the size, each pose to its rounding
+    assert (found.defect == 0).all()
+    used = found.least_transmission_angle_used.values
+    assert (np.diff(used) <= 0).all()
+    assert used[0] > np.radians(45)
+
+
+def test_more_poses_are_met_by_the_linkage_that_made_them():
+    rng = np.random.default_rng(2)
+    theta = np.sort(rng.uniform(0, 3, 8))
+    design = {"a1": 0.8, "a2": 1.7, "a3": 1.5, "a4": 2.0, "P_u": 0.9, "P_v": 0.6}
+    at = fl.evaluate("planar_4r", ["P_x", "P_y", "theta2"], branch=2, theta1=theta, **design)
+    poses = np.stack([at["P_x"], at["P_y"], at["theta2"]], axis=1)
+    found = fl.synthesise("planar_4r", motion=poses, rotation_length=1.0, top=1)
+    assert float(found.pose_error[0]) < 1e-13
+    assert {name: float(found[name][0]) for name in design} == pytest.approx(design, abs=1e-9)
+
+
+def test_five_timed_points_are_exact():
+    theta = np.array([0.2, 1.0, 1.7, 3.0, 4.0])
+    points = path_of(np.random.default_rng(4), theta)
+    found = fl.synthesise("planar_4r", path=points, timing=theta - 0.7, exact=True, top=20)
+    assert found.attrs["complete"].startswith("all ")
+    good = found.isel(design=found.defect.values == 0)
+    assert good.sizes["design"] >= 1
+    assert float(good.path_error[0]) < 1e-13
+    np.testing.assert_allclose(np.diff(good.theta1[0]), np.diff(theta), atol=1e-12)
+
+
+def test_the_greatest_error_of_a_function_equioscillates():
+    """At the optimum of five free numbers the greatest error stands at least six times with changing signs."""
+    found = fl.synthesise("planar_4r", function=np.square, over=(0, 1), turn_deg=(90, 90), top=1)
+    greatest = float(found.structural_error[0])
+    assert np.degrees(greatest) < 0.0669885
+    peaks = found.peak_error.values[0]
+    high = peaks[np.abs(peaks) > greatest * (1 - 1e-6)]
+    assert len(high) >= 6
+    assert (high[1:] * high[:-1] < 0).all()
+    row = found.isel(design=0)
+    turn = np.linspace(0, np.pi / 2, 5001)
+    lengths = {name: float(row[name]) for name in ("a1", "a2", "a3", "a4")}
+    at = fl.evaluate(
+        "planar_4r", ["theta4"], branch=int(row.branch), theta1=float(row.theta1[0]) + turn, **lengths
+    )
+    wanted = float(row.theta4[0]) + int(row.sense) * np.pi / 2 * (turn / (np.pi / 2)) ** 2
+    off = np.abs(np.remainder(at["theta4"] - wanted + np.pi, TURN) - np.pi)
+    assert off.max() == pytest.approx(
+        greatest, rel=1e-5
+    )  # 5001 places miss an extreme by the square of their step
+
+
+@pytest.mark.parametrize("points", [3, 4, 5])
+def test_precision_points_are_met(points):
+    found = fl.synthesise(
+        "planar_4r", function=np.log10, over=(1, 2), turn_deg=(60, 60), precision_points=points, top=2
+    )
+    assert float(np.abs(found.output_error).max()) < 1e-9
+    assert (found.structural_error > 1e-9).all()
+
+
+def linkage(theta, lengths=(1.0, 3.0, 2.5, 3.5), side=1.0):
+    numbers = np.array([[*lengths, 0.5, 0.5, 0.0, 0.0, 0.0, 0.0]])
+    theta = np.array([theta], dtype=float)
+    return Linkages(
+        numbers, theta, np.broadcast_to(side, theta.shape).astype(float), np.ones(1, dtype=np.int64)
+    )
+
+
+@pytest.mark.parametrize(
+    ("found", "closed", "meaning"),
+    [
+        (linkage([0, 1, 2, 3]), False, "no_defect"),
+        (linkage([0, 1, 2, -1]), True, "no_defect"),
+        (linkage([0, 2, 1, 3]), False, "order_defect"),
+        (linkage([0, 1, 2], side=np.array([1, -1, 1])), False, "circuit_defect"),
+        (linkage([0.5, 1, 1.5], (2, 2, 2, 3.9), np.array([1, -1, 1])), False, "branch_defect"),
+        (linkage([0.5, 1.0, 2.5], (2, 2, 2, 3.9)), False, "dead_point"),
+        (linkage([-0.5, 0.1, 0.5], (2, 2, 2, 3.9)), True, "dead_point"),
+    ],
+)
+def test_defects_are_told(found, closed, meaning):
+    """The input of (2, 2, 2, 3.9) turns as far as AD = 4: by 78 degrees to both sides."""
+    assert DEFECTS[int(judged(found, closed, False).more["defect"][0])] == meaning
+
+
+def test_cognates_draw_the_same_curve():
+    found = linkage([0.3, 1.0, 2.0, 4.0])
+    six = cognates_of(found)
+    assert six.more["cognate"].tolist() == [1, 1, 2, 2, 3, 3]
+    point = six.pins()[-1]
+    np.testing.assert_allclose(point, np.repeat(found.pins()[-1], 6, axis=0), atol=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("task", "line"),
+    [
+        ({"path": [(0, 0)]}, "path has 1 point; give at least 2 points"),
+        ({"path": [(0, 0), (0, 0), (1, 1)]}, "path has the same point in rows 0 and 1; leave one of them out"),
+        ({"path": [(0, 0), (np.nan, 0)]}, "path is not finite in row 1; leave that row out"),
+        ({"motion": [(0, 0, 0), (0, 0, 0)]}, "motion has the same pose in rows 0 and 1"),
+        ({"motion": np.eye(7, 3)[:, ::-1] + np.arange(7)[:, None]}, "rotation_length is missing"),
+        ({"path": ARC, "bounds": {"b1": (0, 1)}}, "bounds: 'b1' is no number of a linkage"),
+        ({"path": ARC, "where": {"swin": (0, 1)}}, "where: quantity 'swin' is unknown"),
+        ({"path": ARC, "over": (1, 2)}, "over is for function=...; leave it out"),
+        ({"function": np.log10, "over": (1, 2)}, "turn_deg is missing; write the turns of both shafts"),
+        ({"path": ARC, "exact": True}, "exact is for nine points, or five with timing"),
+        ({}, "synthesise has no task"),
+    ],
+)  # fmt: skip
+def test_bad_tasks_are_refused_with_a_remedy(task, line):
+    with pytest.raises(fl.InputError) as error:
+        fl.synthesise("planar_4r", **task)
+    assert str(error.value).startswith(line)
+
+
+def test_no_linkage_is_an_empty_result_with_the_reason():
+    found = fl.synthesise("planar_4r", motion=POSES, where={"status": "never_assembles"})
+    assert found.sizes["design"] == 0
+    assert {"a1", "theta1", "pose_error"} <= set(found.variables)
+    assert "12 fail status" in found.attrs["reason"]
+
+
+def test_a_result_is_a_map(tmp_path):
+    """It is written, found again, drawn with its target, and ranked."""
+    ask = {"motion": POSES, "quantities": ["swing"], "to": tmp_path / "found.h5"}
+    with fl.synthesise("planar_4r", **ask) as found:
+        xr.testing.assert_identical(found.load(), fl.synthesise("planar_4r", **ask).load())
+        figure = fl.draw(found, design=1)
+        assert any(line.get_marker() == "x" and len(line.get_xdata()) == 5 for line in figure.axes[0].lines)
+        best = fl.best(found, maximise="least_transmission_angle_used", top=1)
+        assert float(best.a2[0]) == pytest.approx(1.7, abs=1e-5)
+
+
+def test_a_study_and_a_command_ask_for_the_same(tmp_path, monkeypatch, capsys):
+    from fastlink.app.cli import main
+
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "poses.csv").write_text(
+        "x,y,angle\n" + "\n".join(",".join(map(repr, map(float, row))) for row in POSES)
+    )
+    (tmp_path / "study.toml").write_text(
+        'mechanism = "planar_4r"\nquantities = []\n[synthesis]\nmotion = true\nfile = "poses.csv"\ntop = 2\n'
+    )
+    monkeypatch.setattr("sys.argv", ["fastlink", "run", "study.toml"])
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert not end.value.code
+    with fl.open("study.h5") as found:
+        assert found.sizes["design"] == 2
+        assert "[synthesis]" in found.attrs["study"]
+        monkeypatch.setattr(
+            "sys.argv", ["fastlink", "synthesise", "poses.csv", "--motion", "--top", "2", "--to", "own.h5"]
+        )
+        with pytest.raises(SystemExit):
+            main()
+        assert "no_defect" in capsys.readouterr().out
+        with fl.open("own.h5") as own:
+            np.testing.assert_array_equal(own.a1, found.a1)
+
+
+@pytest.mark.stress
+@pytest.mark.parametrize("seed", range(20))
+def test_random_closed_paths(seed):
+    """All but few random crank-rockers come back from 12 points within the rounds of one call."""
+    rng = np.random.default_rng(seed)
+    points = path_of(rng, np.sort(rng.uniform(0, TURN, 12)))
+    found = fl.synthesise("planar_4r", path=points, closed=True, top=1)
+    assert float(found.path_error[0]) < 1e-6
