@@ -47,9 +47,7 @@ OTHERS = [("rpm", "s-1"), ("mm", "m2"), ("g cm3", "kg m-3"), ("N", "N m"), ("fur
 
 @given(
     st.floats(1e-290, 1e290) | st.integers(1, 10**6).map(float),
-    st.sampled_from(
-        [("mm", "m"), ("in", "m"), ("lb", "kg"), ("g_cm3", "kg m-3"), ("kg_mm2", "kg m2"), ("mm/s", "m s-1")]
-    ),
+    st.sampled_from(PAIRS),
 )
 def test_values_are_rounded_once(value, pair):
     factor = factor_of(*pair)
@@ -65,9 +63,7 @@ def test_the_usual_ones():
     assert scaled(3.0, factor_of("N mm", "N m")) == scaled(3.0, factor_of("Nmm", "N m")) == 0.003
 
 
-@pytest.mark.parametrize(
-    ("text", "units"), [("rpm", "s-1"), ("mm", "m2"), ("g cm3", "kg m-3"), ("N", "N m"), ("furlong", "m")]
-)
+@pytest.mark.parametrize(("text", "units"), OTHERS)
 def test_another_kind_has_no_factor(text, units):
     assert factor_of(text, units) is None
     assert not has_unit(text, units)
