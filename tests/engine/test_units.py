@@ -345,17 +345,23 @@ def test_parts_of_a_map_in_other_units(maps, tmp_path):
     assert dict(zip(heads[-1:], units[-1:], strict=True)) == {"P_y_max": "mm"}
 
 
-def test_labels_state_any_unit_of_the_kind():
-    labelled = xr.DataArray(400.0, attrs={"units": "millimetre"})
-    for call in (
-        lambda value: swept(fl.grid(a1=value, **REST)),
-        lambda value: fl.evaluate("planar_4r", ["F21"], a1=value, **REST, theta1=1.0, links=BARS)[
-            "F21"
-        ].item(),
-        lambda value: function(a1=value),
-        lambda value: fl.planar.curve_length(a1=value, **CURVE),
-    ):
-        assert_same(call(labelled), call(xr.DataArray(0.4)))
+#: Doors that take labelled values of a1.
+LABELLED = {
+    "sweep": lambda value: swept(fl.grid(a1=value, **REST)),
+    "evaluate": lambda value: fl.evaluate("planar_4r", ["F21"], a1=value, **REST, theta1=1.0, links=BARS)["F21"].item(),
+    "function": lambda value: function(a1=value),
+    "curve_length": lambda value: fl.planar.curve_length({"a1": value, **CURVE}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("door", LABELLED)
+def test_labels_state_any_unit_of_the_kind(door):
+    expected = LABELLED[door](xr.DataArray(0.4))
+    for value, unit in ((400.0, "millimetre"), (0.4, "metre")):
+        assert_same(LABELLED[door](xr.DataArray(value, attrs={"units": unit})), expected)
+    for unit in ("kg", "furlong", "m s-1", "mm2"):
+        with refused("a1", "convert it to m"):
+            LABELLED[door](xr.DataArray(0.4, attrs={"units": unit}))
 
 
 HEADS = ["a1 [mm]", "a1 (mm)", "a1[ mm ]", "a1_mm", "a1  [millimeters]"]
