@@ -32,6 +32,7 @@ def test_a_branch_that_is_not_there_is_refused(branch):
     refused("branch", "write some of 1, 2", names=["theta4"], theta1=1.0, branch=branch, **DESIGN)
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("entry", [entry for entry in ENTRIES if entry.moves], ids=str)
 def test_a_gap_among_branches_is_a_gap_in_what_depends_on_them(entry):
     """A branch of NaN comes with a configuration of NaN, such as that of a cognate where nothing assembles."""

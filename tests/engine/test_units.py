@@ -224,6 +224,7 @@ MISTAKES = {
 }
 
 
+@pytest.mark.sample(30)
 @pytest.mark.parametrize("mistake", MISTAKES)
 @pytest.mark.parametrize("door", DOORS)
 def test_every_door_refuses_alike(door, mistake, tmp_path):

@@ -453,7 +453,11 @@ def maps_of(kind, coupler):
 
 
 #: Widths of a window with the kinds of pictures in it; of each width the second is in the default run, each kind once.
-VIEWS = {390: ("cells", "points", "line"), 900: ("line", "cells", "points"), 1400: ("points", "line", "cells")}
+VIEWS = {
+    390: ("cells", "points", "line"),
+    900: ("line", "cells", "points"),
+    1400: ("points", "line", "cells"),
+}
 
 
 @pytest.mark.sample(3)
