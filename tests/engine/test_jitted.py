@@ -37,7 +37,9 @@ def test_a_jitted_function_has_the_bits_of_the_function(names, options):
 
 
 def test_choices_are_checked():
-    function = fl.function("focal", ["completion", "b"], ["status", "m"], a=5.0, c=2.0, d=4.0, rho=1.0)
+    function = fl.function(
+        "focal", ["completion", "b"], ["status", "m", "grashof_excess"], a=5.0, c=2.0, d=4.0, rho=1.0
+    )
     x = np.array([[1.0, 2.0, 9.0, 1.5], [5.0] * 4])
     np.testing.assert_array_equal(function.jitted(x), function(x))
     np.testing.assert_array_equal(np.isnan(function(x)[1]), [False, False, True, True])
