@@ -38,7 +38,7 @@ def test_a_quick_run_measures_everything_and_changes_the_page_between_its_marker
     assert page.read_text().endswith(f"{report.END}\nafter\n")
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("case", CASES)
 def test_c_has_the_bits_of_the_engine(case):
     if not peers.compiler():
@@ -84,7 +84,7 @@ def by_jax(case, x, tables):
     return (lambda: None), tuple(np.stack(pair, axis=1) for pair in pairs)
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("case", CASES)
 def test_all_agree(case):
     x, K = designs(20), 36

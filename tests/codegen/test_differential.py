@@ -16,7 +16,7 @@ from fastlink.codegen.machine import compile_object, host, lanes_of_host
 from fastlink.numerics.compiler import OUTLINED
 
 
-@pytest.mark.sample(5)
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("name", FAMILIES)
 def test_machine_code_has_the_bits_of_the_text(name):
     for kernel, arguments in kernels(FAMILIES[name].request()):

@@ -41,7 +41,7 @@ def loops_over_lanes(kernel):
     return sum(any(isinstance(node, ast.Mult) for node in ast.walk(loop)) for loop in abreast)
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("target", TARGETS)
 @pytest.mark.parametrize("name", few("curves of rapidity", "reductions", "systems", "extremes of forces"))
 def test_lanes_are_whole_vectors_and_nothing_is_called_or_fused(name, target):

@@ -61,6 +61,7 @@ def maps():
     return fl.sweep("planar_4r", sample(), NAMES, branch=1, progress=False)
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("asked", [ONE, FRONT], ids=["one objective", "front"])
 @pytest.mark.parametrize(("block", "threads"), [(None, 2), (60, 3), (1000, 1)])
 def test_it_finds_the_best_of_a_map(maps, asked, block, threads):

@@ -13,6 +13,7 @@ import fastlink as fl
 from fastlink.space.units import PI, looks_like_degrees, scaled
 
 DESIGN = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
+FIXED = {name: value for name, value in DESIGN.items() if name != "a4"}
 WEIGHT = {"counterweight1_mass": 1.0, "counterweight1_radius": 0.1}
 BARS = fl.round_bar(density=7750.0, radius=0.01)
 ANGLES = [0.0, 40.0, 80.0, 180.0]
@@ -74,47 +75,49 @@ def radians_of(theta):
 
 
 def test_inputs_in_degrees():
-    turned = [exact(value) for value in ANGLES]
-    options = {"links": BARS, "branch": 1}
-    inputs = {**DESIGN, **WEIGHT}
+    """Of a grid; that all doors take units by name alike is tested with lengths."""
     name = "counterweight1_direction"
-    expected = fl.sweep(
-        "planar_4r",
-        fl.grid(**inputs, **{name: turned}),
-        ["shaking_force_max"],
-        **{"branch": (1, 2)} | options,
-    )
-    got = fl.sweep(
-        "planar_4r",
-        fl.grid(**inputs, **{f"{name}_deg": ANGLES}),
-        ["shaking_force_max"],
-        **{"branch": (1, 2)} | options,
+    got, expected = (
+        fl.sweep("planar_4r", fl.grid(**DESIGN, **WEIGHT, **given), ["shaking_force_max"], links=BARS)
+        for given in ({f"{name}_deg": ANGLES}, {name: [exact(value) for value in ANGLES]})
     )
     xr.testing.assert_equal(got, expected)
     assert got[name].attrs["comment"] == "given in degrees"
-    table = fl.table({**inputs, f"{name}_deg": ANGLES})
-    tabled = fl.sweep("planar_4r", table, ["shaking_force_max"], **{"branch": (1, 2)} | options)
-    assert_array_equal(tabled.shaking_force_max, got.shaking_force_max)
-    labelled = fl.grid(**inputs, **{name: xr.DataArray(ANGLES, dims="k", attrs={"units": "degrees"})})
-    xr.testing.assert_equal(
-        fl.sweep("planar_4r", labelled, ["shaking_force_max"], **{"branch": (1, 2)} | options), expected
-    )
-    one = fl.sweep(
-        "planar_4r", {**inputs, f"{name}_deg": 40.0}, ["shaking_force_max"], **{"branch": (1, 2)} | options
-    )
-    assert one.shaking_force_max == expected.shaking_force_max[1]
-    fixed = {key: value for key, value in inputs.items() if key != "a2"}
-    function = fl.function(
-        "planar_4r", ["a2"], ["shaking_force_max"], links=BARS, **fixed, **{f"{name}_deg": 40.0}
-    )
-    assert function([1.2])[0] == one.shaking_force_max
+
+
+def labelled(values, units):
+    values = np.asarray(values)
+    return xr.DataArray(values, dims=["x"][: values.ndim], attrs={"units": units})
+
+
+@pytest.mark.parametrize("name", ["theta1", "theta1_deg"])
+def test_positions_in_another_unit_are_refused(name):
+    remedy = "convert it to degrees" if name.endswith("_deg") else "convert it to rad"
+    unit = "turn" if name.endswith("_deg") else "mm"
+    for call in (
+        lambda: fl.sweep(
+            "planar_4r", DESIGN, ["omega4"], **{name: labelled([0.1, 0.2], unit)}, branch=(1, 2)
+        ),
+        lambda: fl.evaluate("planar_4r", ["omega4"], **DESIGN, **{name: labelled(0.1, unit)}),
+        lambda: fl.function("planar_4r", ["a4"], ["omega4"], **FIXED, **{name: labelled([0.1], unit)}),
+    ):
+        with refused(name, remedy):
+            call()
+
+
+def test_labelled_degrees_are_converted_alike():
+    degrees = fl.evaluate("planar_4r", ["omega4"], **DESIGN, theta1=labelled(60.0, "degree"))["omega4"]
+    by_name = fl.evaluate("planar_4r", ["omega4"], **DESIGN, theta1_deg=60.0)["omega4"]
+    both = fl.evaluate("planar_4r", ["omega4"], **DESIGN, theta1_deg=labelled(60.0, "degree"))["omega4"]
+    assert float(degrees) == by_name == float(both)
+    swept = fl.sweep("planar_4r", DESIGN, ["omega4"], theta1=labelled([60.0], "deg"), branch=1)
+    assert swept.omega4.item() == by_name
 
 
 def test_functions_and_studies_in_degrees(tmp_path):
-    fixed = {name: value for name, value in DESIGN.items() if name != "a2"}
-    function = fl.function("planar_4r", ["a2"], ["omega4"], theta1_deg=ANGLES, **fixed)
+    function = fl.function("planar_4r", ["a4"], ["omega4"], theta1_deg=ANGLES, **FIXED)
     expected = fl.sweep("planar_4r", fl.grid(**DESIGN), ["omega4"], theta1_deg=ANGLES, branch=1)
-    assert_array_equal(function([1.2])[0], expected.omega4)
+    assert_array_equal(function([1.0])[0], expected.omega4)
     path = tmp_path / "study.toml"
     design = "\n".join(f"{name} = {value}" for name, value in DESIGN.items())
     for axis in (f"{{values = {ANGLES}}}", "{linspace = [0.0, 180.0, 4]}"):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 from tests.support.registry import ENTRIES
 
 import fastlink as fl
@@ -31,6 +32,7 @@ def test_a_branch_that_is_not_there_is_refused(branch):
     refused("branch", "write some of 1, 2", names=["theta4"], theta1=1.0, branch=branch, **DESIGN)
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("entry", [entry for entry in ENTRIES if entry.moves], ids=str)
 def test_a_gap_among_branches_is_a_gap_in_what_depends_on_them(entry):
     """A branch of NaN comes with a configuration of NaN, such as that of a cognate where nothing assembles."""
@@ -68,3 +70,15 @@ def test_what_is_of_the_design_needs_no_position():
     assert found.tolist() == fl.evaluate("planar_4r", ["swing"], theta1=1.0, **design)["swing"].tolist()
     assert found.shape == (2,)
     refused("theta1 is missing", "give it in rad", names=["swing", "theta4"], **design)
+
+
+@pytest.mark.parametrize("name", ["omega4", "d_omega4_d_a2", "omega4_error", "grashof_class", "status"])
+def test_results_of_evaluate_are_labelled_as_in_a_map(name):
+    angles = xr.DataArray([0.5, 1.0], dims="theta1")
+    found = fl.evaluate("planar_4r", [name], **DESIGN, theta1=angles)[name]
+    swept = fl.sweep("planar_4r", DESIGN, [name], theta1=angles, branch=(1, 2))[name]
+    for label in ("units", "long_name", "symbol", "references"):
+        assert found.attrs.get(label) == swept.attrs.get(label), label
+    twice = fl.evaluate("planar_4r", [name], **DESIGN, theta1=angles)[name]
+    found.attrs["units"] = "spoiled"
+    assert twice.attrs.get("units") == swept.attrs.get("units")

@@ -36,7 +36,7 @@ def swept(names, lengths=LENGTHS, branch=(1, 2), **options):
     return fl.sweep("planar_4r", space, names, branch=branch, allow_invalid=True, **options)
 
 
-@pytest.mark.sample(6)
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("request_name", REQUESTS)
 @pytest.mark.parametrize("branch", [1, (2,), (2, 1)])
 def test_a_function_has_the_bits_of_a_sweep(request_name, branch):

@@ -37,17 +37,19 @@ def test_a_jitted_function_has_the_bits_of_the_function(names, options):
 
 
 def test_choices_are_checked():
-    function = fl.function("focal", ["completion", "b"], ["status"], a=1.0, c=1.1, d=1.4, rho=0.5)
-    speed = fl.function("focal", ["completion", "b"], ["m"], a=1.0, c=1.1, d=1.4, rho=0.5)
-    x = np.array([[1.0, 2.0, 9.0, 1.5], [1.3] * 4])
-    for each in (function, speed):
-        np.testing.assert_array_equal(each.jitted(x), each(x))
-    assert np.isnan(speed(x)[0, 2:]).all()
+    function = fl.function(
+        "focal", ["completion", "b"], ["status", "m", "grashof_excess"], a=5.0, c=2.0, d=4.0, rho=1.0
+    )
+    x = np.array([[1.0, 2.0, 9.0, 1.5], [5.0] * 4])
+    np.testing.assert_array_equal(function.jitted(x), function(x))
+    np.testing.assert_array_equal(np.isnan(function(x)[1]), [False, False, True, True])
 
 
-def test_a_design_loop_in_numba():
+def test_a_design_loop_in_numba_and_rows_that_it_has_not():
     function = fl.function("planar_4r", ["a2", "a3"], ["omega4_max", "transmission_angle_min"], **FIXED)
     evaluate = function.jitted
+    with pytest.raises(ValueError, match="as many rows"):
+        evaluate(np.ones(3))
 
     @numba.njit
     def slowest(low, high, steps):
@@ -65,9 +67,3 @@ def test_a_design_loop_in_numba():
     axes = [low[k] + (high[k] - low[k]) * np.arange(30) / 29 for k in (0, 1)]
     omega, angle = function(np.array(np.meshgrid(*axes, indexing="ij")))
     assert result[0] == omega[angle > np.radians(30.0)].min()
-
-
-def test_another_number_of_rows_is_refused():
-    function = fl.function("planar_4r", ["a2", "a3"], ["omega4_max"], **FIXED)
-    with pytest.raises(ValueError, match="as many rows"):
-        function.jitted(np.ones(3))

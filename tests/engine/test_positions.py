@@ -34,48 +34,32 @@ def request_of(mechanism, input):
     return {name: float(column[first]) for name, column in columns.items()}, quantity
 
 
-@pytest.mark.sample(3)
-@EVERY
-def test_a_sweep_takes_positions_by_the_name_of_the_input(mechanism, input):
-    design, quantity = request_of(mechanism, input)
-    one, other = (
-        fl.sweep(mechanism, fl.grid(**design), [quantity], input=input, **{name: VALUES}, branch=(1, 2))
-        for name in ("angles", input)
-    )
-    np.testing.assert_array_equal(other[input], VALUES)
-    assert other.mechanism == mechanism  # a name that `fl.sweep` takes, whatever drives
-    assert np.isfinite(one[quantity]).any()
-    np.testing.assert_array_equal(one[quantity], other[quantity])
+def study_of(mechanism, input, design, quantity, positions):
+    """Return the text of a study with positions by some name."""
+    text = f'mechanism = "{mechanism}"\nquantities = ["{quantity}"]\n[design]\n'
+    text += "".join(f"{name} = {value!r}\n" for name, value in design.items())
+    return text + f'[cycle]\ninput = "{input}"\n{positions} = {{values = {VALUES}}}\n'
 
 
 @pytest.mark.sample(3)
 @EVERY
-def test_a_function_takes_positions_by_the_name_of_the_input(mechanism, input):
+def test_every_door_takes_positions_by_the_name_of_the_input(folder, mechanism, input):
     design, quantity = request_of(mechanism, input)
     first, *others = design
     fixed = {name: design[name] for name in others}
-    one, other = (
-        fl.function(mechanism, [first], [quantity], input=input, **fixed, **{name: VALUES})
-        for name in ("angles", input)
-    )
-    assert other.shape == (len(VALUES),)
-    np.testing.assert_array_equal(one([design[first]]), other([design[first]]))
-
-
-@pytest.mark.sample(3)
-@EVERY
-def test_a_study_takes_positions_by_the_name_of_the_input(folder, mechanism, input):
-    design, quantity = request_of(mechanism, input)
-    text = f'mechanism = "{mechanism}"\nquantities = ["{quantity}"]\n[design]\n'
-    text += "".join(f"{name} = {value!r}\n" for name, value in design.items())
-    text += f'[cycle]\ninput = "{input}"\n'
-    maps = []
+    found = []
     for name in ("angles", input):
-        with fl.run(written(f"{text}{name} = {{values = {VALUES}}}\n"), to=f"{name}.h5") as result:
-            maps.append(result[quantity].values)
-    np.testing.assert_array_equal(*maps)
-    swept = fl.sweep(mechanism, fl.grid(**design), [quantity], input=input, angles=VALUES, branch=1)
-    np.testing.assert_array_equal(maps[0], swept[quantity])
+        at = {"input": input, name: VALUES}
+        swept = fl.sweep(mechanism, fl.grid(**design), [quantity], **at)
+        function = fl.function(mechanism, [first], [quantity], **fixed, **at)
+        assert function.shape == (len(VALUES),)
+        np.testing.assert_array_equal(swept[input], VALUES)
+        assert swept.mechanism == mechanism  # a name that `fl.sweep` takes, whatever drives
+        study = written(study_of(mechanism, input, design, quantity, name))
+        with fl.run(study, to=f"{name}.h5", verify=0) as result:
+            found += [swept[quantity].values, function([design[first]])[0], result[quantity].values]
+    for values in found[1:]:
+        np.testing.assert_array_equal(values, found[0])
 
 
 @pytest.mark.sample(3)
@@ -89,11 +73,8 @@ def test_the_name_of_another_input_is_refused_with_the_right_one(folder, mechani
             fl.sweep(mechanism, fl.grid(**design), [quantity], input=input, **{wrong: VALUES}, branch=(1, 2))
         with pytest.raises(fl.InputError, match=message):
             fl.function(mechanism, list(design), [quantity], input=input, **{wrong: VALUES})
-        text = f'mechanism = "{mechanism}"\nquantities = ["{quantity}"]\n[design]\n'
-        text += "".join(f"{name} = {value!r}\n" for name, value in design.items())
-        text += f'[cycle]\ninput = "{input}"\n{wrong} = {{values = {VALUES}}}\n'
         with pytest.raises(fl.InputError, match=rf"cycle\.{message}"):
-            fl.run(written(text))
+            fl.run(written(study_of(mechanism, input, design, quantity, wrong)))
 
 
 @pytest.mark.parametrize("name", ["theta1", "theta1_deg", "angles"])

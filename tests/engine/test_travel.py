@@ -69,6 +69,7 @@ def test_a_resolved_sweep_and_its_kernels_travel(elsewhere, pickler, quantities,
     assert b"\x7fELF" not in job  # no machine code
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize(("mechanism", "input"), [(name, by) for name in NAMES for by in inputs_of(name)])
 def test_every_plan_is_made_again_from_its_names(mechanism, input):
     known = catalogue(mechanism, input)

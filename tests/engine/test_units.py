@@ -47,9 +47,7 @@ OTHERS = [("rpm", "s-1"), ("mm", "m2"), ("g cm3", "kg m-3"), ("N", "N m"), ("fur
 
 @given(
     st.floats(1e-290, 1e290) | st.integers(1, 10**6).map(float),
-    st.sampled_from(
-        [("mm", "m"), ("in", "m"), ("lb", "kg"), ("g_cm3", "kg m-3"), ("kg_mm2", "kg m2"), ("mm/s", "m s-1")]
-    ),
+    st.sampled_from(PAIRS),
 )
 def test_values_are_rounded_once(value, pair):
     factor = factor_of(*pair)
@@ -65,9 +63,7 @@ def test_the_usual_ones():
     assert scaled(3.0, factor_of("N mm", "N m")) == scaled(3.0, factor_of("Nmm", "N m")) == 0.003
 
 
-@pytest.mark.parametrize(
-    ("text", "units"), [("rpm", "s-1"), ("mm", "m2"), ("g cm3", "kg m-3"), ("N", "N m"), ("furlong", "m")]
-)
+@pytest.mark.parametrize(("text", "units"), OTHERS)
 def test_another_kind_has_no_factor(text, units):
     assert factor_of(text, units) is None
     assert not has_unit(text, units)
@@ -228,6 +224,7 @@ MISTAKES = {
 }
 
 
+@pytest.mark.sample(30)
 @pytest.mark.parametrize("mistake", MISTAKES)
 @pytest.mark.parametrize("door", DOORS)
 def test_every_door_refuses_alike(door, mistake, tmp_path):
@@ -349,17 +346,23 @@ def test_parts_of_a_map_in_other_units(maps, tmp_path):
     assert dict(zip(heads[-1:], units[-1:], strict=True)) == {"P_y_max": "mm"}
 
 
-def test_labels_state_any_unit_of_the_kind():
-    labelled = xr.DataArray(400.0, attrs={"units": "millimetre"})
-    for call in (
-        lambda value: swept(fl.grid(a1=value, **REST)),
-        lambda value: fl.evaluate("planar_4r", ["F21"], a1=value, **REST, theta1=1.0, links=BARS)[
-            "F21"
-        ].item(),
-        lambda value: function(a1=value),
-        lambda value: fl.planar.curve_length(a1=value, **CURVE),
-    ):
-        assert_same(call(labelled), call(xr.DataArray(0.4)))
+#: Doors that take labelled values of a1.
+LABELLED = {
+    "sweep": lambda value: swept(fl.grid(a1=value, **REST)),
+    "evaluate": lambda value: fl.evaluate("planar_4r", ["F21"], a1=value, **REST, theta1=1.0, links=BARS)["F21"].item(),
+    "function": lambda value: function(a1=value),
+    "curve_length": lambda value: fl.planar.curve_length({"a1": value, **CURVE}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("door", LABELLED)
+def test_labels_state_any_unit_of_the_kind(door):
+    expected = LABELLED[door](xr.DataArray(0.4))
+    for value, unit in ((400.0, "millimetre"), (0.4, "metre")):
+        assert_same(LABELLED[door](xr.DataArray(value, attrs={"units": unit})), expected)
+    for unit in ("kg", "furlong", "m s-1", "mm2"):
+        with refused("a1", "convert it to m"):
+            LABELLED[door](xr.DataArray(0.4, attrs={"units": unit}))
 
 
 HEADS = ["a1 [mm]", "a1 (mm)", "a1[ mm ]", "a1_mm", "a1  [millimeters]"]

@@ -61,7 +61,7 @@ def twins(catalogue, chosen):
     return pairs
 
 
-@pytest.mark.sample(7)
+@pytest.mark.sample(4)
 @pytest.mark.parametrize(("mechanism", "position", "chosen"), CASES)
 def test_no_two_facts_compute_one_expression(mechanism, position, chosen):
     assert twins(find_catalogue(mechanism, position), chosen) == []

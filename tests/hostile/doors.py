@@ -158,9 +158,6 @@ F = "x=2.0, y=0.4495"
 LINKAGE = "a=3.0, b=5.0, g=6.0, h=4.0, x=1.0, y=0.5"
 ONE_DESIGN = "{'a1': 0.5, 'a2': 1.0, 'a3': 0.75, 'a4': 2.0, 'P_u': 0.0, 'P_v': 2.0}"
 AXES, ONE = _roles("axis", "a1 a2 a3 a4 omega1"), _roles("length", "a1 a2 a3 a4") | {"omega1": "real"}
-DATASETS = (
-    "xr.Dataset()   xr.DataArray('zz')   xr.Dataset(attrs={'designs': 'x'})   xr.Dataset({'status': 1})"
-)
 NOTHING = "[]   ()   np.array([])   np.zeros((0, 3))   {}   range(0)   pd.Series(dtype=float)"
 OBJECTIVES = {"maximise": NOTHING, "minimise": "['{x}']   {'a1': Sulky()}"}
 MODES = {"branch": "modes"}

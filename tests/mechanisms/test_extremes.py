@@ -17,6 +17,7 @@ from tests.support.extremes import (
     designs_of,
     search_of,
     searched,
+    swept_4r,
 )
 from tests.support.neighbourhoods import folded_planar_4r
 from tests.support.refusals import refused
@@ -57,18 +58,6 @@ def by_name(*lengths, **others):
     """Return designs of the planar 4R as columns."""
     columns = dict(zip(LENGTHS, np.array(lengths, dtype=float).T, strict=True))
     return columns | {name: np.full(len(lengths), value) for name, value in others.items()}
-
-
-def swept(names, lengths=CRANK, **options):
-    design = dict(zip(LENGTHS, lengths, strict=True)) | {"omega1": 1.0}
-    return fl.sweep(
-        "planar_4r",
-        fl.grid(**design),
-        names,
-        progress=False,
-        allow_invalid=True,
-        **{"branch": (1, 2)} | options,
-    )
 
 
 # -- within their bounds ----------------------------------------------------------------------------------------------
@@ -116,9 +105,9 @@ def test_extremes_of_links_that_fold_are_within_their_bounds_or_have_none(n):
 
 def test_no_extreme_has_no_error_and_what_is_infinite_an_infinite_one():
     names = ["omega4_max", "omega4_max_error", "omega4_extrema", "omega4_extrema_error"]
-    never = swept(names, (5.0, 1.0, 1.0, 1.0))
+    never = swept_4r(names, (5.0, 1.0, 1.0, 1.0))
     assert all(np.isnan(never[name]).all() for name in names)
-    toggles = swept(names, SINGULAR[0])
+    toggles = swept_4r(names, SINGULAR[0])
     assert (np.isinf(toggles["omega4_max"]) == np.isinf(toggles["omega4_max_error"])).all()
     listed = np.isfinite(toggles["omega4_extrema"])
     assert (listed == np.isfinite(toggles["omega4_extrema_error"])).all()
@@ -133,7 +122,7 @@ def test_forces_are_infinite_where_a_change_point_folds_under_a_load():
     assert np.isinf(loaded["F21_max"]).all()
     assert np.isinf(loaded["F21_max_error"]).all()
     assert (loaded["F21_min_error"] < 1e-9 * loaded["F21_min"]).all()
-    assert np.isfinite(swept(["F21_max"], lengths, links=links)["F21_max"]).all()
+    assert np.isfinite(swept_4r(["F21_max"], lengths, links=links)["F21_max"]).all()
 
 
 FIRST = {"theta1", "theta", "joint_angle_2"}  # the others share their facts with one of these
@@ -191,7 +180,7 @@ def test_a_kernel_computes_errors_and_keeps_places_on_request_alone():
 
 
 def test_labels_tell_the_error_of_the_greatest_value_from_the_greatest_error():
-    found = swept(["omega4_max_error", "omega4_error_max", "omega4_extrema_error"])
+    found = swept_4r(["omega4_max_error", "omega4_error_max", "omega4_extrema_error"])
     assert found["omega4_max_error"].attrs["symbol"] == "err max omega_4"
     assert found["omega4_error_max"].attrs["symbol"] == "max err omega_4"
     assert {found[name].attrs["units"] for name in found.data_vars if name != "status"} == {"rad s-1"}
@@ -200,7 +189,7 @@ def test_labels_tell_the_error_of_the_greatest_value_from_the_greatest_error():
 
 def test_an_axis_that_would_scale_results_leaves_bounds_right():
     """Left out as a product, its rounding would be missing."""
-    one = swept(["omega4_max_error"])
+    one = swept_4r(["omega4_max_error"])
     axis = fl.grid(**dict(zip(LENGTHS, CRANK, strict=True)), omega1=[1.0, 3.0])
     found = fl.sweep("planar_4r", axis, ["omega4_max", "omega4_max_error"], progress=False, branch=(1, 2))
     assert "scaling_axis" not in found.attrs
@@ -209,7 +198,7 @@ def test_an_axis_that_would_scale_results_leaves_bounds_right():
 
 def test_verification_holds_errors_of_extremes_against_their_bounds():
     names = ["omega4_max", "omega4_max_error", "omega4_extrema", "omega4_extrema_error", "theta4_min_error"]
-    found = swept(names, verify=1)
+    found = swept_4r(names, verify=1)
     for name in ("omega4_max_error", "omega4_extrema_error"):
         assert 0.0 <= found[name].attrs["error_max_of_bound"] <= 1.0
     assert found.attrs["verify_mismatches"] == 0
@@ -245,7 +234,7 @@ def test_verification_holds_errors_of_extremes_against_their_bounds():
 )
 def test_what_has_no_bound_or_derivative_is_refused_with_the_reason(name, options, remedy):
     with refused("quantity ", remedy):
-        swept([name], **options)
+        swept_4r([name], **options)
 
 
 def test_a_position_has_no_extremes():

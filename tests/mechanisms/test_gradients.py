@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from tests.support.extremes import SEARCHED, designs_of, searched, slopes_of_extremes
+from tests.support.extremes import SEARCHED, designs_of, searched, slopes_of_extremes, swept_4r
 
 import fastlink as fl
 from fastlink.facts.derivative import NoDerivative
@@ -81,18 +81,6 @@ def test_derivatives_of_extremes_of_many_designs(entry):
         assert [one for one in found if not one.holds] == []
 
 
-def swept(names, lengths=(0.4, 1.2, 0.8, 1.0), omega1=1.0, point=(), **options):
-    design = dict(zip(LENGTHS, lengths, strict=True)) | {"omega1": omega1} | dict(point)
-    return fl.sweep(
-        "planar_4r",
-        fl.grid(**design),
-        names,
-        progress=False,
-        allow_invalid=True,
-        **{"branch": (1, 2)} | options,
-    )
-
-
 @pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("name", "lengths", "codes"),
@@ -109,22 +97,24 @@ def swept(names, lengths=(0.4, 1.2, 0.8, 1.0), omega1=1.0, point=(), **options):
     ],
 )
 def test_the_status_tells_what_derivatives_are_worth(name, lengths, codes):
-    status = swept([f"{name}_gradient_status"], lengths)[f"{name}_gradient_status"]
+    status = swept_4r([f"{name}_gradient_status"], lengths)[f"{name}_gradient_status"]
     assert tuple(status.values.tolist()) == codes
     assert len(status.attrs["flag_meanings"].split()) == status.attrs["flag_values"].size
 
 
 def test_what_stands_still_has_constant_rates_and_kinks_at_zero():
-    speed = swept(["P_speed_max_gradient_status", "d_P_speed_max_d_a1"], point={"P_u": 0.0, "P_v": 0.0})
+    speed = swept_4r(["P_speed_max_gradient_status", "d_P_speed_max_d_a1"], point={"P_u": 0.0, "P_v": 0.0})
     assert (speed["P_speed_max_gradient_status"] == CONSTANT).all()
     assert (speed["d_P_speed_max_d_a1"] == 1.0).all()
-    still = swept(["omega4_rms_gradient_status", "d_omega4_rms_d_a1"], omega1=0.0)
+    still = swept_4r(["omega4_rms_gradient_status", "d_omega4_rms_d_a1"], omega1=0.0)
     assert (still["omega4_rms_gradient_status"] == KINK).all()
     assert np.isnan(still["d_omega4_rms_d_a1"]).all()
 
 
 def test_a_change_point_has_no_derivative_at_its_fold():
-    found = swept(["transmission_angle_min", "transmission_angle_min_gradient_status"], (4.0, 9.0, 12.0, 7.0))
+    found = swept_4r(
+        ["transmission_angle_min", "transmission_angle_min_gradient_status"], (4.0, 9.0, 12.0, 7.0)
+    )
     assert (found["transmission_angle_min_gradient_status"] == AT_CHANGE_POINT).all()
 
 
@@ -135,8 +125,8 @@ def test_means_and_samples_change_as_differences_of_theirs():
         (("omega4_mean", "alpha4_rms"), {}),
         (("omega4_max", "B_y_min"), {"extrema": "sampled"}),
     ):
-        found = swept([f"d_{name}_d_a2" for name in names], **options)
-        up, down = (swept(names, (0.4, 1.2 + step, 0.8, 1.0), **options) for step in (h, -h))
+        found = swept_4r([f"d_{name}_d_a2" for name in names], **options)
+        up, down = (swept_4r(names, (0.4, 1.2 + step, 0.8, 1.0), **options) for step in (h, -h))
         for name in names:
             difference = (up[name] - down[name]) / (2.0 * h)
             np.testing.assert_allclose(found[f"d_{name}_d_a2"], difference, atol=1e-8, rtol=1e-8)
@@ -161,12 +151,12 @@ def test_mechanisms_without_a_graded_range_have_derivatives_of_samples():
 
 def test_labels_units_and_axes_that_scale():
     names = ["d_omega4_max_d_a2", "d_theta1_at_omega4_max_d_a2", "omega4_max_gradient_status"]
-    one = swept(names)
+    one = swept_4r(names)
     assert one["d_omega4_max_d_a2"].attrs["units"] == "rad s-1 m-1"
     assert one["d_theta1_at_omega4_max_d_a2"].attrs["units"] == "rad m-1"
     assert one["d_omega4_max_d_a2"].attrs["symbol"] == "d max omega_4/d a_2"
     assert "units" not in one["omega4_max_gradient_status"].attrs
-    axis = swept(names, omega1=[1.0, 2.0])
+    axis = swept_4r(names, omega1=[1.0, 2.0])
     assert axis.attrs["scaling_axis"] == "omega1"
     for name, power in zip(names, (1, 0, 0), strict=True):
         np.testing.assert_array_equal(axis[name][0], one[name])
@@ -175,7 +165,8 @@ def test_labels_units_and_axes_that_scale():
 
 def test_verification_leaves_derivatives_of_extremes_out():
     assert (
-        swept(["omega4_max", "d_omega4_max_d_a2"], verify=1).attrs["verify_left_out"] == "d_omega4_max_d_a2"
+        swept_4r(["omega4_max", "d_omega4_max_d_a2"], verify=1).attrs["verify_left_out"]
+        == "d_omega4_max_d_a2"
     )
 
 
@@ -184,10 +175,11 @@ def test_an_extreme_at_a_limit_of_motion_changes_with_what_moves_the_limit_alone
     names, step = ["A_y_max", "theta1_at_A_y_max", "A_x_max"], 2.0**-17
     for by, place in (("a3", 2), ("a4", 3)):
         lengths = [1.0, 0.6, 0.7, 1.2]
-        slopes = swept([*(f"d_{name}_d_{by}" for name in names), "A_y_max_gradient_status"], lengths)
+        slopes = swept_4r([*(f"d_{name}_d_{by}" for name in names), "A_y_max_gradient_status"], lengths)
         assert (slopes["A_y_max_gradient_status"] == AT_LIMIT).all()
         below, above = (
-            swept(names, [x + sign * step * (k == place) for k, x in enumerate(lengths)]) for sign in (-1, 1)
+            swept_4r(names, [x + sign * step * (k == place) for k, x in enumerate(lengths)])
+            for sign in (-1, 1)
         )
         for name in names:
             # differences are off by a third power, 2^-34, and by roundings of 2^-52 over 2^-16
@@ -200,7 +192,7 @@ def test_an_extreme_at_a_limit_of_motion_changes_with_what_moves_the_limit_alone
         of_function = numbers.gradient([lengths[place]])[:, 0]
         np.testing.assert_array_equal(of_function, [slopes[f"d_{name}_d_{by}"][0] for name in names])
     # where the crank turns fully, nothing moves
-    assert (swept(["d_A_y_max_d_a3"])["d_A_y_max_d_a3"] == 0.0).all()
+    assert (swept_4r(["d_A_y_max_d_a3"])["d_A_y_max_d_a3"] == 0.0).all()
     tolerances = {"a1": 1.0, "a2": 0.6, "a3": 0.7, "a4": 1.2, "a3_tolerance": 1e-4}
     changed = fl.sweep(
         "planar_4r", fl.grid(tolerances), ["A_y_max_worst_change"], progress=False, branch=(1, 2)

@@ -57,7 +57,7 @@ def held(entry, kind, n):
     return numbers
 
 
-@pytest.mark.sample(26)
+@pytest.mark.sample(18)
 @pytest.mark.parametrize("count", ["few", pytest.param("many", marks=pytest.mark.stress)])
 @pytest.mark.parametrize(("entry", "kind"), FAMILIES)
 def test_every_quantity_is_a_few_roundings_off(entry, kind, count):
@@ -65,7 +65,7 @@ def test_every_quantity_is_a_few_roundings_off(entry, kind, count):
     assert held(entry, kind, n) >= n * len(entry.names) // 8
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("n", [40, pytest.param(400, marks=pytest.mark.stress)])
 @pytest.mark.parametrize(("mechanism", "drive"), DRAWN)
 def test_quantities_are_a_few_roundings_off_beside_what_is_degenerate(mechanism, drive, n):
@@ -156,7 +156,7 @@ SLOPES = [
 ]
 
 
-@pytest.mark.sample(10)
+@pytest.mark.sample(6)
 @pytest.mark.parametrize(("entry", "kind", "by"), SLOPES)
 def test_derivatives_are_a_few_roundings_off(entry, kind, by):
     """By their own condition, but for chance; and all of them by the terms of what they are derivatives of.
@@ -189,7 +189,7 @@ def power_of_length(units):
     return sum(of.get(unit, 0) * int(power or 1) for unit, power in (match.groups() for match in found))
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("entry", DIFFERENTIATED, ids=str)
 def test_a_power_of_two_of_all_lengths_changes_no_bit(entry):
     """Every operation is exact in the exponent as long as nothing leaves the range of the doubles."""

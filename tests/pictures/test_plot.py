@@ -397,7 +397,7 @@ CHANGES = {
 }
 
 
-@pytest.mark.sample(6)
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES)
 def test_whatever_became_of_a_map_is_drawn(flat, change):
     changed = change(flat.isel(branch=[0]))
@@ -472,7 +472,7 @@ VALUES = {
 }
 
 
-@pytest.mark.sample(6)
+@pytest.mark.sample(4)
 @pytest.mark.parametrize(("values", "says"), VALUES.values(), ids=VALUES)
 def test_any_values_are_drawn_and_what_is_the_same_everywhere_says_so(flat, values, says):
     changed = flat.assign(omega4_max=flat.omega4_max.copy(data=values(flat.omega4_max.values)))

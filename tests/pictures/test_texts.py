@@ -107,7 +107,7 @@ KINDS |= {
 }
 
 
-@pytest.mark.sample(9)
+@pytest.mark.sample(6)
 @pytest.mark.parametrize("size", [0, 1, 2])
 @pytest.mark.parametrize("kind", KINDS)
 def test_no_text_covers_another_and_none_is_outside(kind, size):
@@ -118,7 +118,7 @@ def test_no_text_covers_another_and_none_is_outside(kind, size):
     assert flaws_of(figure) == ([], [])
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("frame", [0, 3, 7, 11])
 @pytest.mark.parametrize("mechanism", ["planar_4r", "slider_crank"])
 def test_no_text_of_a_film_covers_another(mechanism, frame, tmp_path, monkeypatch):

@@ -15,6 +15,7 @@ TURNED = [
 ]
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("entry", TURNED, ids=str)
 def test_any_position_has_the_digits_of_others(entry):
     names = tuple(name for name in entry.names if name != "v1_ddot")  # beyond doubles next to its pole at 0

@@ -48,6 +48,19 @@ def search_of(entry: Entry, name: str, designs: Iterable[str] = ()) -> Any:
     )
 
 
+def swept_4r(
+    names: Iterable[str], lengths: Sequence[float] = (0.4, 1.2, 0.8, 1.0), omega1: Any = 1.0, **options: Any
+) -> Any:
+    """Return quantities of one planar 4R, invalid or not."""
+    design = (
+        dict(zip(("a1", "a2", "a3", "a4"), lengths, strict=True))
+        | {"omega1": omega1}
+        | options.pop("point", {})
+    )
+    how = {"branch": (1, 2), "progress": False, "allow_invalid": True} | options
+    return fl.sweep("planar_4r", fl.grid(**design), names, **how)
+
+
 def searched(entry: Entry, designs: dict[str, np.ndarray]) -> list[str]:
     """Return the quantities whose extremes are searched."""
     catalogue = entry.catalogue

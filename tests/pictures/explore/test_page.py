@@ -354,9 +354,7 @@ def test_a_page_without_a_server_shows_the_same(browser, tab, written):
 
 
 def test_a_map_of_sampled_designs_is_points(browser, tmp_path):
-    space = fl.sobol(64, seed=1, a1=(0.2, 0.5), a2=(0.9, 1.4), a3=(0.6, 1.2), a4=1.0, omega1=10.0)
-    maps = fl.sweep("planar_4r", space, ["omega4_max"], extrema="sampled", theta1=24, branch=1, verify=0)
-    file = tmp_path / "page.html"
+    maps, file = maps_of("points", None), tmp_path / "page.html"
     maps.fastlink.explore(to=file, browser=False)
     with opened(browser, file.as_uri()) as tab:
         assert state(tab, "view.values.length") == 64
@@ -372,13 +370,14 @@ def test_a_map_of_sampled_designs_is_points(browser, tmp_path):
         assert [one["design"] for one in listed(tab)] == least.tolist()
 
 
-def test_a_cell_of_many_designs_shows_their_mean_once_a_slider_rests(browser, tmp_path):
+def test_a_cell_of_many_designs_shows_their_mean_once_a_slider_rests(browser, show, tmp_path):
     space = fl.grid(a1=np.linspace(0.2, 1.9, 1500), a2=[0.8, 1.1], a3=[0.7, 0.9], a4=1.0)
     maps = fl.sweep("planar_4r", space, ["least_transmission_angle"], verify=0, branch=(1, 2))
     values, file = maps.least_transmission_angle.values[:, :, 0], tmp_path / "page.html"
     count = -(-1500 // 720)
     cells = values.reshape(1500 // count, count, 2)
-    with fl.explore(maps, browser=False) as page, opened(browser, page.url) as tab:
+    with fl.explore(maps, browser=False) as page:
+        tab = show(page.url)
         settled(tab, "view.pooled === 'mean'")
         assert f"of {count} × 1 designs" in tab.locator("#legend").inner_text()
         for pool, merge in (("mean", np.nanmean), ("least", np.nanmin), ("greatest", np.nanmax)):
@@ -395,10 +394,9 @@ def test_a_cell_of_many_designs_shows_their_mean_once_a_slider_rests(browser, tm
             assert alone.evaluate(GREATEST) == tab.evaluate(GREATEST)
 
 
-def test_a_map_of_one_axis_is_a_line(browser):
-    space = fl.grid(a1=0.4, a2=1.1, a3=0.8, a4=1.0, omega1=10.0)
-    maps = fl.sweep("planar_4r", space, ["omega4"], theta1=36, verify=0, branch=(1, 2))
-    with fl.explore(maps, browser=False) as page, opened(browser, page.url) as tab:
+def test_a_map_of_one_axis_is_a_line(show):
+    with fl.explore(maps_of("line", None), browser=False) as page:
+        tab = show(page.url)
         assert (state(tab, "state.x"), state(tab, "state.y")) == ("theta1", "")
         point(tab, 0.5, 0.5)
         settled(tab, "design.at.theta1 === 18")
@@ -454,9 +452,16 @@ def maps_of(kind, coupler):
     return fl.sweep("planar_4r", space, ["omega4"], theta1=36, verify=0, branch=(1, 2))
 
 
-@pytest.mark.sample(4)
-@pytest.mark.parametrize("kind", ["cells", "points", "line"])
-@pytest.mark.parametrize("width", [390, 900, 1400])
+#: Widths of a window with the kinds of pictures in it; of each width the second is in the default run, each kind once.
+VIEWS = {
+    390: ("cells", "points", "line"),
+    900: ("line", "cells", "points"),
+    1400: ("points", "line", "cells"),
+}
+
+
+@pytest.mark.sample(3)
+@pytest.mark.parametrize(("width", "kind"), [(width, kind) for width in VIEWS for kind in VIEWS[width]])
 def test_no_text_lies_on_another_and_nothing_is_beyond_the_side(browser, coupler, kind, width):
     with fl.explore(maps_of(kind, coupler), browser=False) as page:
         view = {"width": width, "height": 844 if width == 390 else 900}
@@ -526,76 +531,76 @@ def agree(tab, coupler):
     return inputs
 
 
-def test_an_input_is_typed_off_the_grid_and_back(browser, coupler, coupler_page):
-    with opened(browser, coupler_page.url) as tab:
-        for name, value in {"a2": 1.2345, "omega1": 12.5, "P_v": -0.2}.items():
-            tab.locator(f"#type-{name}").fill(str(value))
-            settled(tab, f"design.motion.inputs.{name} === {value}")
-        inputs = agree(tab, coupler)
-        assert inputs == {
-            "a1": 0.4,
-            "a2": 1.2345,
-            "a3": inputs["a3"],
-            "a4": 1.0,
-            "omega1": 12.5,
-            "P_u": 0.5,
-            "P_v": -0.2,
-        }
-        assert "Off the grid" in tab.locator("#off").inner_text()
-        assert "sampled" in values(tab)["omega4_max"]
-        for text in ("0", "-1", ""):  # a length has to be positive
-            tab.locator("#type-a2").fill(text)
-            assert tab.locator("#type-a2").get_attribute("aria-invalid") == "true"
-        assert computed(tab, [])[0]["a2"] == 1.2345
-        tab.locator("#keep").click()
-        settled(tab, "state.locks.length === 1")
-        place = state(tab, "placeOf(state.cursor)")
-        box = state(tab, "view.box")
-        step = (1.4 - 0.8) / 12
-        assert place[0] == pytest.approx(box["left"] + (1.2345 - 0.8 + step / 2) / (13 * step) * box["width"])
-        with opened(browser, state(tab, "location.href")) as other:
-            for key in ("state.cursor", "design.row", "state.locks.map(one => [one.at, one.row])"):
-                assert state(other, key) == state(tab, key)
-        for name, value in {"a2": 0.9, "omega1": 10, "P_v": 0.3}.items():
-            tab.locator(f"#type-{name}").fill(str(value))
-        settled(tab, "!loading && !designing && !state.cursor.free")
-        own = coupler.omega4_max.isel(a1=1, a2=2, a3=4)
-        assert float(own.a2) == pytest.approx(0.9)
-        assert state(tab, "design.row.omega4_max") == float(own)
+def test_an_input_is_typed_off_the_grid_and_back(browser, coupler, show, coupler_page):
+    tab = show(coupler_page.url)
+    for name, value in {"a2": 1.2345, "omega1": 12.5, "P_v": -0.2}.items():
+        tab.locator(f"#type-{name}").fill(str(value))
+        settled(tab, f"design.motion.inputs.{name} === {value}")
+    inputs = agree(tab, coupler)
+    assert inputs == {
+        "a1": 0.4,
+        "a2": 1.2345,
+        "a3": inputs["a3"],
+        "a4": 1.0,
+        "omega1": 12.5,
+        "P_u": 0.5,
+        "P_v": -0.2,
+    }
+    assert "Off the grid" in tab.locator("#off").inner_text()
+    assert "sampled" in values(tab)["omega4_max"]
+    for text in ("0", "-1", ""):  # a length has to be positive
+        tab.locator("#type-a2").fill(text)
+        assert tab.locator("#type-a2").get_attribute("aria-invalid") == "true"
+    assert computed(tab, [])[0]["a2"] == 1.2345
+    tab.locator("#keep").click()
+    settled(tab, "state.locks.length === 1")
+    place = state(tab, "placeOf(state.cursor)")
+    box = state(tab, "view.box")
+    step = (1.4 - 0.8) / 12
+    assert place[0] == pytest.approx(box["left"] + (1.2345 - 0.8 + step / 2) / (13 * step) * box["width"])
+    with opened(browser, state(tab, "location.href")) as other:
+        for key in ("state.cursor", "design.row", "state.locks.map(one => [one.at, one.row])"):
+            assert state(other, key) == state(tab, key)
+    for name, value in {"a2": 0.9, "omega1": 10, "P_v": 0.3}.items():
+        tab.locator(f"#type-{name}").fill(str(value))
+    settled(tab, "!loading && !designing && !state.cursor.free")
+    own = coupler.omega4_max.isel(a1=1, a2=2, a3=4)
+    assert float(own.a2) == pytest.approx(0.9)
+    assert state(tab, "design.row.omega4_max") == float(own)
 
 
 @pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("name", "changed"), [("A", {"a1"}), ("B", {"a2", "a3"}), ("D", {"a4"}), ("P", {"P_u", "P_v"})]
 )
-def test_a_joint_is_dragged(browser, coupler, coupler_page, name, changed):
-    with opened(browser, coupler_page.url) as tab:
-        before = computed(tab, [])[0]
-        x, y = joint(tab, name)
-        tab.mouse.move(x, y)
-        tab.mouse.down()
-        for k in (1, 2, 3):
-            tab.mouse.move(x + 4 * k, y - 3 * k)
-        settled(tab, "!designing && state.cursor.free !== undefined")
-        np.testing.assert_allclose(joint(tab, name), [x + 12, y - 9 if name != "D" else y], atol=1.0)
-        tab.mouse.up()
-        after = agree(tab, coupler)
-        assert {one for one in after if after[one] != before[one]} == changed
+def test_a_joint_is_dragged(coupler, show, coupler_page, name, changed):
+    tab = show(coupler_page.url)
+    before = computed(tab, [])[0]
+    x, y = joint(tab, name)
+    tab.mouse.move(x, y)
+    tab.mouse.down()
+    for k in (1, 2, 3):
+        tab.mouse.move(x + 4 * k, y - 3 * k)
+    settled(tab, "!designing && state.cursor.free !== undefined")
+    np.testing.assert_allclose(joint(tab, name), [x + 12, y - 9 if name != "D" else y], atol=1.0)
+    tab.mouse.up()
+    after = agree(tab, coupler)
+    assert {one for one in after if after[one] != before[one]} == changed
 
 
-def test_a_linkage_that_is_dragged_apart_stops_there(browser, coupler_page):
-    with opened(browser, coupler_page.url) as tab:
-        x, y = joint(tab, "A")
-        tab.mouse.move(x, y)
-        tab.mouse.down()
-        for k in range(1, 9):
-            tab.mouse.move(x - 40 * k, y)
-        settled(tab, "!designing && state.cursor.free !== undefined")
-        tab.mouse.up()
-        assert state(tab, "design.motion.assembles(positionNow())")
+def test_a_linkage_that_is_dragged_apart_stops_there(show, coupler_page):
+    tab = show(coupler_page.url)
+    x, y = joint(tab, "A")
+    tab.mouse.move(x, y)
+    tab.mouse.down()
+    for k in range(1, 9):
+        tab.mouse.move(x - 40 * k, y)
+    settled(tab, "!designing && state.cursor.free !== undefined")
+    tab.mouse.up()
+    assert state(tab, "design.motion.assembles(positionNow())")
 
 
-def test_a_map_over_positions_is_evaluated_at_the_position_that_is_chosen(browser):
+def test_a_map_over_positions_is_evaluated_at_the_position_that_is_chosen(show):
     maps = fl.sweep(
         "planar_4r",
         fl.grid(a1=[0.3, 0.4], a2=1.1, a3=0.8, a4=1.0, omega1=10.0),
@@ -604,7 +609,8 @@ def test_a_map_over_positions_is_evaluated_at_the_position_that_is_chosen(browse
         verify=0,
         branch=(1, 2),
     )
-    with fl.explore(maps, browser=False) as page, opened(browser, page.url) as tab:
+    with fl.explore(maps, browser=False) as page:
+        tab = show(page.url)
         tab.locator("#type-a1").fill("0.35")
         settled(tab, "!loading && !designing && state.cursor?.free?.a1 === 0.35")
         true = fl.evaluate(
