@@ -260,13 +260,13 @@ def solve(m, f):
 
 @outlined
 def substitute(z, g, m, f, step, size):
-    # steps of the unknowns by Newton (0) and by the place (1); size: the square of the greatest one, relative
+    # steps of the unknowns by Newton (0) and by the place (1); size: the sum of their squares, relative
     for i in lanes(8):
         size[i] = 0.0
     for c in range(8):
         ~ f[10, i] = square(m[c, 8]); step[0, c] = f[c, i] * m[c, 8]; step[1, c] = f[c, i] * m[c, 9]
         for i in lanes(8):
-            size[i] = max(size[i], f[10, i])
+            size[i] += f[10, i]
     for j in range(8):
         ~ f[10, i] = square(g[j, 0, 4]) + square(g[j, 1, 4])
         for i in lanes(8):
@@ -284,7 +284,7 @@ def substitute(z, g, m, f, step, size):
             if k == 0:
                 ~ f[11, i] = square(m[0, 1])
                 for i in lanes(8):
-                    size[i] = max(size[i], f[11, i])
+                    size[i] += f[11, i]
             ~ step[k, 8 + j] = m[0, 1] * z[8 + j]
 
 
@@ -430,10 +430,10 @@ def kernel(starts, p, count, columns, z, low, g, m, f, step, v, ends, told):
 #: as small.
 CONTROL = {
     "most": 1e-4,
-    "last": 1e-12,
+    "last": 1e-9,
     "growth": 2.0,
     "begin": 1e-2,
-    "least": 1e-8,
+    "least": 1e-13,
     "steps": 4000.0,
     "small": 1e-4,
 }
@@ -479,6 +479,8 @@ def _run(
     ``place`` (2, 8) are the points and their conjugates at the start, ``change`` how they change; ``number`` is the
     square of the correction that steps are chosen for, or the place of polishing.
     """
+    if not len(starts):
+        return starts, np.empty((TOLD[kernel], 0))
     source = _source(kernel)
     code = load_kernel(source, backend_of(None))
     points = np.zeros((9, 8))
@@ -503,6 +505,7 @@ def _run(
 # -- Cognates, and what tells triples of them apart
 
 
+@np.errstate(divide="ignore", invalid="ignore")
 def cognates(unknowns: Complex, points: Complex) -> tuple[Complex, Complex]:
     """Return the two other linkages of each triple (Roberts): of points (2, 8) and their conjugates, and (n, 16)."""
     found: list[list[Complex]] = [[], []]
@@ -518,6 +521,7 @@ def cognates(unknowns: Complex, points: Complex) -> tuple[Complex, Complex]:
     return first, second
 
 
+@np.errstate(divide="ignore", invalid="ignore", over="ignore")
 def _invariants(unknowns: Complex) -> Real:
     """Return numbers (n, 12) that all linkages of a triple share, by the logarithm of their size."""
     found = []
@@ -533,8 +537,10 @@ def _invariants(unknowns: Complex) -> Real:
 
 def _first_of_triple(unknowns: Complex) -> NDArray[np.int64]:
     """Return for each linkage the first one of its triple."""
-    first = np.arange(len(unknowns))
-    for i, j in sorted(cKDTree(_invariants(unknowns)).query_pairs(SAME)):
+    first, known = np.arange(len(unknowns)), _invariants(unknowns)
+    degenerate = ~np.isfinite(known).all(axis=1)  # a coupler without length: apart from all others
+    known[degenerate] = 1e6 * (1.0 + first[degenerate, None])
+    for i, j in sorted(cKDTree(known).query_pairs(SAME)):
         first[j] = min(first[j], first[i])
     return first
 
@@ -549,14 +555,15 @@ class Triples:
     #: One linkage of each triple, (n, 16): moving and fixed pivot of either dyad relative to the first point, x a y b,
     #: the same four of the conjugate system, and how the coupler has turned at the other eight points, as e^(i theta).
     unknowns: Complex
-    #: The greatest relative correction by the last step of Newton, with equations of twice the digits.
+    #: The relative correction by the last step of Newton, with equations of twice the digits.
     errors: Real
     #: Whether a triple is real.
     real: NDArray[np.bool_]
     #: Paths that were followed from another cognate, as the first one passed too near infinity.
     again: int
-    #: Paths that did not arrive (k, 2): the place where they stopped, 1 at the points, and the size of the unknowns
-    #: there, by that of the points. Where the points are special, as on a line, triples go to infinity at 1, or meet.
+    #: Paths that did not arrive (k, 2), on the way that lost fewest, as many as triples are missing: the place where
+    #: they stopped, 1 at the points, and the size of the unknowns there, by that of the points. Where the points are
+    #: special, as on a line, triples go to infinity at 1, or meet.
     lost: Real
 
 
@@ -626,6 +633,7 @@ def solutions(points: Complex, threads: int | None = None) -> Triples:
     given = given / scale
     place, starts = _instance()
     found, errors, again = np.empty((0, 16), complex), np.empty(0), 0
+    lost = np.full((TRIPLES + 1, 2), np.nan)
     for way in range(WAYS):
         # turned and scaled, points are another instance of the same problem, with the conjugates apart from them
         factors = 2.0 * np.exp(2j * np.pi * np.random.default_rng(way).random(2))
@@ -641,8 +649,10 @@ def solutions(points: Complex, threads: int | None = None) -> Triples:
         errors = np.concatenate([errors, np.sqrt(corrections[-1, settled])])
         kept = _first_of_triple(found) == np.arange(len(found))
         found, errors, again = found[kept], errors[kept], again + more
-        if way == 0 or len(found) > before:
+        arrived[np.flatnonzero(arrived)[~settled]] = False
+        if len(lost) > (~arrived).sum():
             lost = np.stack([told[2], sizes], axis=1)[~arrived]
+        lost = lost[: max(TRIPLES - len(found), 0)]
         if len(found) >= TRIPLES or len(found) == before:
             break
     apart = np.abs(found[:, 4:8] - found[:, :4].conj()).max(axis=1) / (1.0 + np.abs(found[:, :4]).max(axis=1))
