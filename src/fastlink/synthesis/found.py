@@ -767,8 +767,9 @@ def within_conditions(solved: Solved, asked: Asked, every: xr.Dataset) -> Linkag
 
     Sequential quadratic programs (SciPy's SLSQP) by the exact derivatives of `fastlink.function` and of the distances.
     """
-    task = solved.path
-    minimise, maximise = asked.minimise, asked.maximise
+    task, minimise, maximise = solved.path, asked.minimise, asked.maximise
+    if task is None:
+        return None
     if not minimise and not maximise:
         minimise = solved.minimise
     choice = choice_of(every, minimise, maximise, asked.where, top=None)
@@ -787,7 +788,14 @@ def within_conditions(solved: Solved, asked: Asked, every: xr.Dataset) -> Linkag
     near = [one.high for one in choice.wanted if one.name in ("path_error", "path_error_max")]
     names = [*dict.fromkeys([*(one.name for one in limits), *([] if by_path else [aim_name])])]
     error, codes = every["path_error"].values, every["defect"].values
-    rows = [k for k in np.argsort(error, kind="stable") if codes[k] == 0][:CONSTRAINED]
+    key = (
+        error
+        if by_path
+        else aim.sign * every[aim_name].values + np.where(error <= min(near, default=np.inf), 0, 1e9)
+    )
+    rows = [k for k in np.argsort(key, kind="stable") if codes[k] == 0][
+        : CONSTRAINED if by_path else CONSTRAINED // 3
+    ]
     count, made = len(task.target), list[Any]()
     size = float(np.sqrt(task.size / count))
     free = np.flatnonzero((task.lower < task.upper) & (np.arange(10) < (10 if task.times is not None else 9)))
@@ -871,7 +879,7 @@ def within_conditions(solved: Solved, asked: Asked, every: xr.Dataset) -> Linkag
             reach = np.inf if by_path else 0.2 * (1.0 + np.abs(x))
             box = [*zip(np.maximum(low, x - reach), np.minimum(high, x + reach), strict=True)]
             best = minimize(objective, np.clip(x, low, high), jac=True, bounds=box, constraints=rules, method="SLSQP",
-                            options={"maxiter": MOST_STEPS, "ftol": 1e-14})  # fmt: skip
+                            options={"maxiter": MOST_STEPS if by_path else 30, "ftol": 1e-14})  # fmt: skip
             if (
                 not np.isfinite(best.x).all()
                 or np.abs(best.x - x).max() < 1e-9
@@ -884,6 +892,13 @@ def within_conditions(solved: Solved, asked: Asked, every: xr.Dataset) -> Linkag
         if np.isfinite(x).all():
             n = numbers(x)
             fit(n)
+            if met and task.times is None:  # to the rounding, which programs do not reach
+                signs = np.array([[side, np.sign(fit.theta[-1] - fit.theta[0])]])
+                exact = paths.Candidates(
+                    n[None], signs, fit.theta[None], np.zeros(1), np.ones(1, dtype=np.int64)
+                )
+                exact = paths.refined(task, exact, 100)
+                n, fit.theta = (exact.numbers[0], exact.theta[0]) if len(exact.cost) else (n, fit.theta)
             made.append((n, n[9] + task.times if task.times is not None else fit.theta, side))
     if not made:
         return None
