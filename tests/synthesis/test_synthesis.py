@@ -257,6 +257,16 @@ def test_bad_tasks_are_refused_with_a_remedy(task, line):
     assert str(error.value).startswith(line)
 
 
+def test_conditions_and_other_objectives_hold_at_the_end():
+    """The least error with an angle of 50 degrees at least is at that limit; the least greatest distance is less."""
+    ask = {"path": KUNJUR, "timing": np.radians(20 * np.arange(18)), "closed": True, "top": 1}
+    found = fl.synthesise("planar_4r", where={"least_transmission_angle_deg": (50, None)}, **ask)
+    assert np.radians(50) <= float(found.least_transmission_angle[0]) < np.radians(50 + 1e-6)
+    assert float(found.path_error_sum[0]) < 0.01123885
+    greatest = fl.synthesise("planar_4r", minimise="path_error_max", **ask)
+    assert float(greatest.path_error_max[0]) < 0.030625 < float(found.path_error_max[0])
+
+
 def test_no_linkage_is_an_empty_result_with_the_reason():
     found = fl.synthesise("planar_4r", motion=POSES, where={"status": "never_assembles"})
     assert found.sizes["design"] == 0

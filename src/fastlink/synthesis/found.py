@@ -15,11 +15,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+from scipy.optimize import minimize
 
 from fastlink._text import counted, joined, short_number, short_repr
 from fastlink.codegen.cache import environment
 from fastlink.design.search import _searched, write
 from fastlink.engine.evaluate import evaluate
+from fastlink.engine.function import function
 from fastlink.engine.sweep import sweep
 from fastlink.errors import InputError, Problems, Setting, check_switch, check_whole, door
 from fastlink.facts.catalogue import Catalogue
@@ -439,6 +441,8 @@ class Solved:
     maximise: str = ""
     #: Whether linkages with defects are told too, after the others.
     with_defects: bool = False
+    #: The path that least squares have fitted.
+    path: paths.PathTask | None = None
 
 
 def _solve_path(asked: Asked, path: Any, timing: Any, closed: Any) -> Solved:
@@ -495,16 +499,38 @@ def _solve_path(asked: Asked, path: Any, timing: Any, closed: Any) -> Solved:
             found = found.at(keep | (np.arange(len(found)) % 6 == 0))
         found = asked.within(_different(found))
     if is_closed and comes_back and times is None:
-        sense, theta = in_order(found.theta, True)
-        last = theta[:, :1] + np.where(sense == 0, 1, sense)[:, None] * 2.0 * np.pi
-        found.theta = np.append(theta, last, axis=1)
-        found.side = np.append(found.side, found.side[:, :1], axis=1)
+        found = _come_back(found)
     if complete:
         attrs["complete"] = complete
     coords = {"target_x": rows[:, 0], "target_y": rows[:, 1]} | ({} if times is None else {"time": times})
     if times is not None:
         attrs["timing"] = "crank angles, but for a phase"
-    return Solved("path", found, coords, attrs, "path_error", with_defects=asked.exact)
+    fitted = None if asked.exact else task
+    return Solved("path", found, coords, attrs, "path_error", with_defects=asked.exact, path=fitted)
+
+
+def _come_back(found: Linkages) -> Linkages:
+    """Return linkages with the last point of a path that ends where it begins: a turn after the first one."""
+    sense, theta = in_order(found.theta, True)
+    last = theta[:, :1] + np.where(sense == 0, 1, sense)[:, None] * 2.0 * np.pi
+    side = np.append(found.side, found.side[:, :1], axis=1)
+    return Linkages(found.numbers, np.append(theta, last, axis=1), side, found.starts, found.more)
+
+
+def joined_linkages(one: Linkages, other: Linkages) -> Linkages:
+    """Return the linkages of both; those of the first are curves of their own."""
+    more = {
+        name: np.concatenate([values[:1].repeat(len(one), axis=0), values])
+        for name, values in other.more.items()
+    }
+    if "curve" in more:
+        more["curve"][: len(one)] = more["curve"].max(initial=0) + 1 + np.arange(len(one))
+        more["cognate"][: len(one)] = 1
+    parts = (
+        np.concatenate([getattr(one, n), getattr(other, n)]) for n in ("numbers", "theta", "side", "starts")
+    )
+    numbers, theta, side, starts = parts
+    return Linkages(numbers, theta, side, starts, more)
 
 
 def _all_exact(asked: Asked, task: paths.PathTask) -> tuple[Linkages | None, str]:
@@ -600,8 +626,8 @@ def _solve_motion(asked: Asked, motion: Any, rotation_length: Any) -> Solved:
     elif count == 5:
         attrs["complete"] = f"all {counted(dyads, 'dyad')} of five poses, {counted(len(found), 'linkage')}"
     coords = {"target_x": rows[:, 0], "target_y": rows[:, 1], "target_angle": angles}
-    aim = {"maximise": "least_transmission_angle_used"} if count < 5 else {"minimise": "pose_error"}
-    return Solved("motion", found, coords, attrs, **aim, with_defects=count >= 5)
+    least, most = ("pose_error", "") if count >= 5 else ("", "least_transmission_angle_used")
+    return Solved("motion", found, coords, attrs, least, most, with_defects=count >= 5)
 
 
 def _solve_function(asked: Asked, function: Any, over: Any, turn: Any, turn_deg: Any, points: Any) -> Solved:
@@ -727,6 +753,165 @@ def _turns(turn: Any, turn_deg: Any) -> tuple[float, float] | None:
         fine, name, f"is {short_repr(given)}", "write two turns up to 360 degrees, such as turn_deg=(60, 90)"
     )
     return one, other
+
+
+# -- Conditions on what fastlink computes, and other objectives, of paths
+
+
+#: Linkages that are refined within conditions, and steps of each.
+CONSTRAINED, MOST_STEPS = 12, 150
+
+
+def within_conditions(solved: Solved, asked: Asked, every: xr.Dataset) -> Linkages | None:
+    """Return linkages that are refined once more, within the conditions and towards the objective; None without any.
+
+    Sequential quadratic programs (SciPy's SLSQP) by the exact derivatives of `fastlink.function` and of the distances.
+    """
+    task, minimise, maximise = solved.path, asked.minimise, asked.maximise
+    if task is None:
+        return None
+    if not minimise and not maximise:
+        minimise = solved.minimise
+    choice = choice_of(every, minimise, maximise, asked.where, top=None)
+    limits = [one for one in choice.wanted if one.is_limit and one.name not in LABELS]
+    aim = choice.objectives[0]
+    aim_name = str(aim.array.name)
+    by_path = aim_name in ("path_error", "path_error_max", "path_error_sum")
+    if (
+        task is None
+        or len(choice.objectives) != 1
+        or not (limits or aim_name == "path_error_max" or not by_path)
+    ):
+        return None
+    if not by_path and aim_name in LABELS:
+        return None
+    near = [one.high for one in choice.wanted if one.name in ("path_error", "path_error_max")]
+    names = [*dict.fromkeys([*(one.name for one in limits), *([] if by_path else [aim_name])])]
+    error, codes = every["path_error"].values, every["defect"].values
+    key = (
+        error
+        if by_path
+        else aim.sign * every[aim_name].values + np.where(error <= min(near, default=np.inf), 0, 1e9)
+    )
+    rows = [k for k in np.argsort(key, kind="stable") if codes[k] == 0][
+        : CONSTRAINED if by_path else CONSTRAINED // 3
+    ]
+    count, made = len(task.target), list[Any]()
+    size = float(np.sqrt(task.size / count))
+    free = np.flatnonzero((task.lower < task.upper) & (np.arange(10) < (10 if task.times is not None else 9)))
+    scale = np.where(np.isin(free, (8, 9)), 1.0, size)
+    bounds = [
+        (low, high) for low, high in zip(task.lower[free] / scale, task.upper[free] / scale, strict=True)
+    ]
+    for row in rows:
+        start = solved.found.numbers[row]
+        side = float(solved.found.side[row, 0])
+        fit = paths.Fit(task, solved.found.theta[row, :count], side)
+        of = function("planar_4r", NUMBERS[:6], names, branch=2 if side > 0 else 1) if names else None
+
+        def numbers(x: Floats, start: Floats = start) -> Floats:
+            n = start.copy()
+            n[free] = x[: len(free)] * scale
+            return n
+
+        def values(x: Floats, name: str, of: Any = of, numbers: Any = numbers) -> tuple[float, Floats]:
+            n = numbers(x)
+            k, slopes = names.index(name), np.zeros(10)
+            slopes[:6] = np.asarray(of.gradient(n[:6]))[k]
+            one = np.append(slopes[free] * scale, np.zeros(len(x) - len(free)))
+            return float(np.asarray(of(n[:6]))[k]), np.nan_to_num(one)
+
+        # the last unknown is the greatest distance, where that is minimised or limited
+        met = bool(near) and min(near) < 1e-6 * size  # points that are to be met are equations
+        greatest = aim_name == "path_error_max" or bool(near and not met)
+        x = np.append(start[free] / scale, [np.abs(fit(start, True)[0]).max() / size] * greatest)
+
+        def distances(
+            x: Floats, sign: float, fit: Any = fit, numbers: Any = numbers
+        ) -> tuple[Floats, Floats]:
+            off, slopes = fit(numbers(x), True)
+            wide = np.hstack([sign * slopes[:, free] * scale / size, np.ones((len(off), 1))])
+            return x[-1] + sign * off / size, wide
+
+        def objective(
+            x: Floats, fit: Any = fit, values: Any = values, numbers: Any = numbers
+        ) -> tuple[float, Floats]:
+            if aim_name == "path_error_max":
+                return float(x[-1]), np.append(np.zeros(len(free)), 1.0)
+            if not by_path:
+                value, slopes = values(x, aim_name)
+                return aim.sign * value, aim.sign * slopes
+            off, slopes = fit(numbers(x))
+            by = 2.0 * (off @ slopes)[free] * scale / size**2
+            return float(off @ off) / size**2, np.append(by, np.zeros(len(x) - len(free)))
+
+        rules: list[dict[str, Any]] = []
+        for one in limits:
+            for sign, end in ((1.0, one.low), (-1.0, one.high)):
+                if np.isfinite(end):
+                    unit = max(abs(end), 1e-6)
+                    rules.append(_rule(lambda x, one=one, sign=sign, end=end, unit=unit, values=values:
+                                       (sign * (values(x, one.name)[0] - end) / unit - 1e-9,
+                                        sign * values(x, one.name)[1] / unit)))  # fmt: skip
+        if met:
+            rules.append(
+                _rule(lambda x, distances=distances: distances(np.append(x, 0.0), 1.0), len(x), "eq")
+            )
+        if greatest:
+            rules += [
+                _rule(lambda x, sign=sign, distances=distances: distances(x, sign)) for sign in (1.0, -1.0)
+            ]
+        if task.crank:
+            longer = 1.0 if start[3] >= start[0] else -1.0
+            folds = np.array(
+                [[-longer, -1, 1, longer], [-longer, 1, -1, longer], [-1, 1, 1, -1]], dtype=float
+            )
+            wide = np.zeros((3, 10))
+            wide[:, :4] = folds
+            wide = np.hstack([wide[:, free] * scale, np.zeros((3, len(x) - len(free)))]) / size
+            rules.append(_rule(lambda x, wide=wide, folds=folds, numbers=numbers:
+                               (folds @ numbers(x)[:4] / size - 1e-6, wide)))  # fmt: skip
+        ends = [*bounds, *([(0.0, min(near) / size if near else None)] * greatest)]
+        low, high = (np.array([other if end is None else end for end in one]) for one, other in
+                     zip(zip(*ends, strict=True), (-np.inf, np.inf), strict=True))  # fmt: skip
+        # far from a least-squares objective the first step knows no curvature: it is kept short, and others follow
+        for _ in range(1 if by_path else 10):
+            reach = np.inf if by_path else 0.2 * (1.0 + np.abs(x))
+            box = [*zip(np.maximum(low, x - reach), np.minimum(high, x + reach), strict=True)]
+            best = minimize(objective, np.clip(x, low, high), jac=True, bounds=box, constraints=rules, method="SLSQP",
+                            options={"maxiter": MOST_STEPS if by_path else 30, "ftol": 1e-14})  # fmt: skip
+            if (
+                not np.isfinite(best.x).all()
+                or np.abs(best.x - x).max() < 1e-9
+                or best.status not in (0, 8, 9)
+            ):
+                break
+            x = best.x
+        if by_path:
+            x = best.x
+        if np.isfinite(x).all():
+            n = numbers(x)
+            fit(n)
+            if met and task.times is None:  # to the rounding, which programs do not reach
+                signs = np.array([[side, np.sign(fit.theta[-1] - fit.theta[0])]])
+                exact = paths.Candidates(
+                    n[None], signs, fit.theta[None], np.zeros(1), np.ones(1, dtype=np.int64)
+                )
+                exact = paths.refined(task, exact, 100)
+                n, fit.theta = (exact.numbers[0], exact.theta[0]) if len(exact.cost) else (n, fit.theta)
+            made.append((n, n[9] + task.times if task.times is not None else fit.theta, side))
+    if not made:
+        return None
+    every_n, theta, side_of = (np.array(part) for part in zip(*made, strict=True))
+    found = Linkages(
+        every_n, theta, np.repeat(side_of[:, None], count, axis=1), np.ones(len(made), dtype=np.int64)
+    )
+    return asked.within(found.at(slice(0, None)))
+
+
+def _rule(function: Any, count: int | None = None, kind: str = "ineq") -> dict[str, Any]:
+    """Return a constraint of SLSQP from a function that returns values and derivatives, by the first unknowns."""
+    return {"type": kind, "fun": lambda x: function(x)[0], "jac": lambda x: function(x)[1][..., :count]}
 
 
 # -- The result
@@ -1037,7 +1222,14 @@ def synthesise(
             solved.found = _one(solved)
             result = selected(labelled(solved, asked).isel({DESIGN: slice(0, 0)}), solved, asked)
         else:
-            result = selected(labelled(solved, asked), solved, asked)
+            every = labelled(solved, asked)
+            more = within_conditions(solved, asked, every)
+            if more is not None and len(more):
+                if solved.found.theta.shape[1] > more.theta.shape[1]:
+                    more = _come_back(more)
+                solved.found = joined_linkages(more, solved.found)
+                every = labelled(solved, asked)
+            result = selected(every, solved, asked)
         result.attrs |= {**about, "run_time_s": time.perf_counter() - began}
         return result
 

@@ -248,3 +248,68 @@ def different(
             kept.append(k)
             counts.append(int(starts[k]))
     return kept, counts
+
+
+def curve_of(n: NDArray[np.float64], theta: NDArray[np.float64], side: float) -> tuple[Any, ...]:
+    """Return coupler points of one linkage, and their derivatives by its numbers and (last) the crank angle.
+
+    Then the direction of AB as a complex number, the derivatives of its angle, and whether the bars meet. The kernels
+    have the same formulas, for thousands of linkages.
+    """
+    crank, turn, w = n[0] * np.exp(1j * theta), np.exp(1j * n[8]), complex(n[4], n[5])
+    far = n[3] - crank
+    size = np.abs(far)
+    with np.errstate(all="ignore"):
+        cosine = (size**2 + n[1] ** 2 - n[2] ** 2) / (2.0 * size * n[1])
+        b = far / size * (cosine + 1j * side * np.sqrt(np.maximum(1.0 - cosine**2, 0.0)))
+        f = (n[1] * b - far) / n[2]
+        rate = np.zeros((len(theta), 10))
+        for k, along in ((0, np.exp(1j * theta)), (1, b), (3, -1.0), (9, 1j * crank)):
+            rate[:, k] = (np.conj(f) * along).real
+        rate[:, 2] = -1.0
+        rate /= (np.conj(f) * b).imag[:, None] * n[1]
+    point = complex(n[6], n[7]) + turn * (crank + w * b)
+    by = (turn * w * 1j * b)[:, None] * rate
+    by[:, 0] += turn * np.exp(1j * theta)
+    by[:, 9] += turn * 1j * crank
+    by[:, 4], by[:, 5], by[:, 6], by[:, 7] = turn * b, 1j * turn * b, 1.0, 1j
+    by[:, 8] = 1j * (point - complex(n[6], n[7]))
+    rate[:, 8] = 1.0
+    return point, np.nan_to_num(by), turn * b, np.nan_to_num(rate), bool((np.abs(cosine) < 1.0).all())
+
+
+class Fit:
+    """How far the curve of a linkage is from a path, as a function of its numbers: the angles follow these."""
+
+    def __init__(self, task: PathTask, theta: NDArray[np.float64], side: float) -> None:
+        self.task, self.theta, self.side = task, theta.copy(), side
+        self.root = np.sqrt(task.weights)
+
+    def __call__(
+        self, n: NDArray[np.float64], whole: bool = False
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the distances across the curve (with times: both coordinates) and their derivatives; or whole."""
+        task = self.task
+        if task.times is not None:
+            point, by, *_, meets = curve_of(n, n[9] + task.times, self.side)
+            off = (
+                (point - task.target) * self.root if meets else np.full(len(point), 1e3 * np.sqrt(task.size))
+            )
+            by = by * self.root[:, None]
+            if whole:
+                size = np.abs(off) + 1e-300
+                return size, (np.conj(off / size)[:, None] * by).real
+            return np.concatenate([off.real, off.imag]), np.concatenate([by.real, by.imag])
+        for _ in range(4):
+            point, by, *_, meets = curve_of(n, self.theta, self.side)
+            off, along = point - task.target, by[:, 9]
+            turn = -(np.conj(along) * off).real / (np.abs(along) ** 2 + 1e-300)
+            if not meets or np.abs(turn).max() < 1e-12:
+                break
+            self.theta = self.theta + np.clip(turn, -0.3, 0.3)
+        if not meets:
+            return np.full(len(off), 1e3 * np.sqrt(task.size)), np.zeros((len(off), 10))
+        across = np.conj(1j * along / (np.abs(along) + 1e-300)) * self.root
+        slopes = (across[:, None] * by).real
+        slopes[:, 9] = 0.0
+        return (across * off).real, slopes

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from fastlink.synthesis.paths import compiled
+from fastlink.synthesis.paths import compiled, curve_of
 
 __all__ = ["Dyad", "MotionTask", "dyads_of", "pairs_of", "solve_motion", "timed_by_cognate"]
 
@@ -176,60 +176,29 @@ def _on_poses(task: MotionTask, found: dict[str, Any]) -> dict[str, Any]:
         start = np.concatenate([x, [found["body_angle"][row]], found["theta"][row]])
 
         def at(v: Floats, side: float = side) -> tuple[Any, ...]:
-            theta = v[10:]
-            crank = v[0] * np.exp(1j * theta)
-            far = v[3] - crank
-            size = np.abs(far)
-            cosine = (size**2 + v[1] ** 2 - v[2] ** 2) / (2 * size * v[1])
-            b = far / size * (cosine + 1j * side * np.sqrt(np.maximum(1.0 - cosine**2, 0.0)))
-            f = (v[1] * b - far) / v[2]
-            turn = np.exp(1j * v[8])
-            return (
-                crank,
-                b,
-                f,
-                turn,
-                complex(v[6], v[7]) + turn * (crank + complex(v[4], v[5]) * b),
-                1.0 - cosine**2,
-            )
+            return curve_of(np.append(v[:9], 0.0), v[10:], side)
 
         def off(v: Floats, at: Any = at) -> Floats:
-            _, b, _, turn, point, _ = at(v)
-            away = point - task.points
-            tilt = length * (turn * b * np.exp(1j * v[9]) - e)
+            point, _, along, *_ = at(v)
+            away, tilt = point - task.points, length * (along * np.exp(1j * v[9]) - e)
             return np.concatenate([away.real, away.imag, tilt.real, tilt.imag])
 
         def slopes(v: Floats, at: Any = at) -> Floats:
-            crank, b, f, turn, point, _ = at(v)
-            w = complex(v[4], v[5])
-            sine = (np.conj(f) * b).imag * v[1]
-            unit = crank / v[0]
-            rate = np.zeros((n, 5))
-            with np.errstate(all="ignore"):
-                rate[:] = np.stack([(np.conj(f) * unit).real, (np.conj(f) * b).real, -np.ones(n), -f.real,
-                                    (np.conj(f) * 1j * crank).real], axis=1) / sine[:, None]  # fmt: skip
-            d = np.zeros((n, 11), complex)
-            d[:, 0], d[:, 10] = turn * unit, turn * 1j * crank
-            for k, column in enumerate((0, 1, 2, 3, 10)):
-                d[:, column] += turn * w * 1j * b * rate[:, k]
-            d[:, 4], d[:, 5], d[:, 6], d[:, 7] = turn * b, turn * b * 1j, 1.0, 1j
-            d[:, 8] = 1j * (point - complex(v[6], v[7]))
-            body = length * turn * b * np.exp(1j * v[9]) * 1j
-            t = np.zeros((n, 11), complex)
-            for k, column in enumerate((0, 1, 2, 3, 10)):
-                t[:, column] = body * rate[:, k]
-            t[:, 8] = t[:, 9] = body
-            wide = np.zeros((4 * n, 10 + n))
-            for k, part in enumerate((d.real, d.imag, t.real, t.imag)):
-                wide[k * n : (k + 1) * n, :10] = part[:, :10]
-                wide[k * n + np.arange(n), 10 + np.arange(n)] = part[:, 10]
-            return np.nan_to_num(wide, posinf=0.0, neginf=0.0)
+            _, by, along, rate, _ = at(v)
+            tilt = (length * 1j * along * np.exp(1j * v[9]))[:, None] * rate
+            wide, own = np.zeros((4 * n, 10 + n)), np.arange(n)
+            for k, part in enumerate((by.real, by.imag, tilt.real, tilt.imag)):
+                wide[k * n : (k + 1) * n, :9] = part[:, :9]
+                wide[k * n + own, 10 + own] = part[:, 9]
+            body = tilt[:, 8]  # by the direction of the body as by that of the ground
+            wide[2 * n : 3 * n, 9], wide[3 * n :, 9] = body.real, body.imag
+            return wide
 
-        if (at(start)[-1] <= 0.0).any() or not np.isfinite(start).all():
+        if not np.isfinite(start).all() or not at(start)[-1]:
             continue
         best = least_squares(off, start, slopes, method="trf", x_scale="jac", xtol=1e-15, ftol=1e-15, gtol=1e-15,
                              max_nfev=300)  # fmt: skip
-        if (best.x[:4] <= 0.0).any() or (at(best.x)[-1] <= 0.0).any():
+        if (best.x[:4] <= 0.0).any() or not at(best.x)[-1]:
             continue
         kept.append((np.append(best.x[:9], 0.0), best.x[10:], side, best.x[9], row))
     names = ("numbers", "theta", "side", "body_angle")
