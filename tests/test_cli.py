@@ -144,6 +144,12 @@ def test_run_replaces_a_file_only_with_overwrite(folder):
     assert called("run", "study.toml", "--overwrite").exit_code == 0
 
 
+def test_an_option_that_is_one_of_the_study_is_told_so(folder):
+    done = called("run", "study.toml", "--branch", 2)
+    assert done.exit_code == 2
+    assert "write branch in the study, under [cycle]" in " ".join(done.stderr.split())
+
+
 def test_several_problems_are_a_line_each(folder):
     Path("study.toml").write_text(STUDY.replace("\na1", "\na9").replace("omega4_max", "omega9_max"))
     assert [line.split(": ")[1].split(" ")[0] for line in refused("run", "study.toml")] == [
@@ -221,6 +227,7 @@ def test_an_interrupted_run_is_kept_to_go_on(folder, number, word, code):
     ("name", "remedy"),
     [
         ("summary", "did you mean 'info'?"),
+        ("finite", "did you mean 'info'?"),
         ("sweep", "did you mean 'run'?"),
         ("exlpain", "did you mean 'explain'?"),
         ("help", "`fastlink --help` lists the commands"),

@@ -49,8 +49,17 @@ def test_every_public_function_refuses_a_call_that_does_not_fit(name):
             function(nothing_like_it=1)
 
 
+DESIGN = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
+SLIDER = {"r": 0.1, "l": 0.3, "e": 0.0}
+
+
+def search_of(where):
+    return fl.search("planar_4r", fl.grid(DESIGN), minimise="swing", where=where)
+
+
 def swept(space, **options):
-    return fl.sweep("planar_4r", space, ["theta4"], **{"branch": (1, 2)} | options)
+    names = options.pop("quantities", ["theta4"])
+    return fl.sweep("planar_4r", space, names, **{"branch": (1, 2)} | options)
 
 
 @pytest.mark.parametrize(
@@ -108,6 +117,38 @@ def swept(space, **options):
         (lambda: fl.DesignSpace("grid"), "dims", "grid, table, sobol"),
         (lambda: fl.planar.cognates(1, 2, 3), "cognates", "cognates("),
         (lambda: fl.hart.integer_designs(8, moveable=True), "moveable", "'movable'"),
+        (lambda: fl.run("s.toml", branch=2), "branch", "in the study, under [cycle]"),
+        (lambda: fl.run("s.toml", theta1_deg=[1.0]), "theta1_deg", "in the study, under [cycle]"),
+        (lambda: fl.accuracy("s.toml", minimise="swing"), "minimise", "in the study, under [search]"),
+        (lambda: fl.accuracy("s.toml", a1_mm=400), "a1_mm", "in the study, under [design]"),
+        (lambda: swept(DESIGN, branch="both"), "'both'", "'branch', value=(1, 2)"),
+        (lambda: swept(DESIGN, branch="open"), "'open'", "write 2, which is open where theta1 is in (0, pi)"),
+        (lambda: swept(DESIGN, branch="left"), "'left'", "2 (B to the left"),
+        (
+            lambda: fl.evaluate("planar_4r", ["theta4"], **DESIGN, theta1=1.0, branch="crossed"),
+            "'crossed'",
+            "write 2",
+        ),
+        (
+            lambda: fl.sweep("slider_crank", SLIDER, ["stroke"], theta1_deg=[10.0]),
+            "theta1_deg",
+            "as theta_deg",
+        ),
+        (
+            lambda: fl.evaluate("slider_crank", ["transmission_angle"], **SLIDER, theta1_deg=10.0),
+            "theta1_deg",
+            "write theta_deg",
+        ),
+        (lambda: fl.evaluate("planar_4r", ["theta4"], **DESIGN, positions=20), "positions", "write theta1"),
+        (lambda: swept(DESIGN, quantities=["swing_deg"]), "swing_deg", "write 'swing'"),
+        (lambda: swept(DESIGN, quantities=["d_swing_d_a1_mm"]), "d_swing_d_a1_mm", "write 'd_swing_d_a1'"),
+        (lambda: fl.draw("slider_crank", SLIDER, theta1_deg=10.0), "theta1_deg", "write theta_deg"),
+        (lambda: swept(DESIGN, theta=[1.0]), "theta", "write its positions as theta1"),
+        (lambda: search_of({"status": "wrong meaning"}), "'status'", "rotates_fully"),
+        (lambda: search_of("wrong meaning"), "'wrong meaning'", "rotates_fully"),
+        (lambda: search_of({"grashof_class": ["rocker_cranc"]}), "'grashof_class'", "'rocker_crank'"),
+        (lambda: fl.sweep("planar_4r", DESIGN, ["omega4_maxx"]), "omega4_maxx", "'omega4_max'"),
+        (lambda: fl.sweep("planar_4r", DESIGN, ["theta4_minn"]), "theta4_minn", "'theta4_min'"),
     ],
 )
 def test_a_wrong_call_names_the_parameter_and_what_to_write(call, key, remedy):
@@ -240,6 +281,14 @@ GONE = {
     "plot_map": "fl.plot(maps, name)",
     "run_study": "fl.run(study)",
     "summary": "maps.fastlink.summary()",
+    # what others call it
+    "optimise": "fl.search(...)",
+    "load": "fl.open(path)",
+    "read": "fl.open(path)",
+    "simulate": "fl.sweep(...)",
+    "solve": "fl.sweep(...)",
+    "pareto": "fl.search(...)",
+    "animate": "fl.draw(",
 }
 
 

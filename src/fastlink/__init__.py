@@ -55,8 +55,16 @@ else:
 
     _MODULES = _modules()
     __all__ = sorted(_MODULES)
-    #: What replaces the names of 0.2.
+    #: What others call what there is; and what replaces the names of 0.2.
+    _MEANT = {
+        "fl.search(...), or of a map fl.best(...)": "maximise maximize minimise minimize optimise optimize pareto",
+        "fl.open(path)": "load load_dataset open_dataset read",
+        "fl.sweep(...), or at single input positions fl.evaluate(...)": "analyse analyze compute simulate solve",
+        "fl.draw(...) of a linkage, fl.plot(maps, name) or fl.explore(maps)": "animate figure show view visualize",
+        "fl.convert(maps, to)": "export save to_csv write",
+    }
     _GONE = {
+        **{word: of for of, words in _MEANT.items() for word in words.split()},
         "accuracy_table": "fl.accuracy(study).fastlink.summary()",
         "finite": "maps.fastlink.finite()",
         "plot_designs": "fl.plot(maps, names), with kind='cumulative' of one name",

@@ -239,13 +239,17 @@ class InputWarning(UserWarning):
     """A remark on input that is taken as it is, or in part, but may not be meant so."""
 
 
-def remark(what: str, where: KeyPath = (), remedy: Remedy = "") -> None:
+class ResultWarning(InputWarning):
+    """A remark on a result that is not what was asked for; a command that makes it ends with the status 1."""
+
+
+def remark(what: str, where: KeyPath = (), remedy: Remedy = "", kind: type[Warning] = InputWarning) -> None:
     """Warn of input at the line that called fastlink, by `InputWarning`."""
     frame, level = sys._getframe(1), 2
     while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == __package__:
         frame, level = frame.f_back, level + 1
     text = printable(Wording().line(Problem(what, where, remedy)))
-    warnings.warn(text, InputWarning, stacklevel=level)
+    warnings.warn(text, kind, stacklevel=level)
 
 
 class _Collecting:
@@ -333,6 +337,8 @@ def listed(options: Sequence[str]) -> str:
 
 #: Parameters that the form of a call shows.
 MOST_PARAMETERS = 6
+#: What is added to a form; or a function of what is no parameter, which tells where it is written.
+Hint: TypeAlias = str | Callable[[str], str]
 BY_POSITION = (Parameter.POSITIONAL_ONLY, Parameter.POSITIONAL_OR_KEYWORD)
 
 
@@ -355,11 +361,13 @@ def door(function: Callable[P, R]) -> Callable[P, R]: ...
 
 
 @overload
-def door(*, hint: str = "", name: str = "") -> Callable[[Callable[P, R]], Callable[P, R]]: ...
+def door(*, hint: Hint = "", name: str = "") -> Callable[[Callable[P, R]], Callable[P, R]]: ...
 
 
-def door(function: Callable[P, R] | None = None, *, hint: str = "", name: str = "") -> Any:
+def door(function: Callable[P, R] | None = None, *, hint: Hint = "", name: str = "") -> Any:
     """Return a public function that refuses a wrong call with the nearest parameter, or with its form.
+
+    A hint that is a function tells of what is no parameter where it is written, if it knows; of "" what others tell.
 
     A right call costs a tenth of a microsecond more. A TypeError that the function itself raises is passed on.
 
@@ -398,7 +406,7 @@ def door(function: Callable[P, R] | None = None, *, hint: str = "", name: str = 
 
 
 def _wrong_call(
-    name: str, expected: Signature, args: Sequence[Any], options: Mapping[str, Any], hint: str
+    name: str, expected: Signature, args: Sequence[Any], options: Mapping[str, Any], hint: Hint
 ) -> list[Problem] | None:
     """Return the problems of a call that does not fit the parameters of a function, None of one that does."""
     try:
@@ -411,7 +419,7 @@ def _wrong_call(
     if parameters and parameters[0].name == "self":
         parameters, args = parameters[1:], args[1:]
     problems = Problems()
-    also = f"; {hint}" if hint else ""
+    also = f"; {told}" if (told := hint if isinstance(hint, str) else hint("")) else ""
     form = f"write {_form(name, parameters)}{also}"
     by_position = [one for one in parameters if one.kind in BY_POSITION]
     named = {
@@ -437,7 +445,8 @@ def _wrong_call(
         problems.add(f"{joined(absent)} are missing", (name,), form)
     if not any(one.kind is Parameter.VAR_KEYWORD for one in parameters):
         for key in (key for key in others if key not in misspelt.values()):
-            problems.add("is not a parameter", (name, key), suggest(key, named) if named else form)
+            there = "" if isinstance(hint, str) else hint(key)
+            problems.add("is not a parameter", (name, key), there or (suggest(key, named) if named else form))
     return problems.noted
 
 

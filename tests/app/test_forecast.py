@@ -1,6 +1,7 @@
 """The memory, file and time that `fastlink explain` says beforehand."""
 
 import os
+import re
 import shutil
 import sys
 from pathlib import Path
@@ -54,7 +55,15 @@ def test_nothing_is_compiled_unless_it_is_to_be_measured(folder, empty_cache, mo
     after = CliRunner().invoke(app, ["explain", str(path)]).output
     assert "compiled already" in after, after
     assert "estimated from 6 of 6 designs at 8 positions" in after
+    # what a map calls its run time, and verification apart in both
+    assert re.search(
+        r"run time:  about [.\d]+ s by \d+ threads?, then [.\d]+ s of verification, estimated", after
+    )
+    assert measured.timing.total == measured.timing.evaluation + measured.timing.file
     assert not Path("study.h5").exists()
+    with fl.run(path) as maps:
+        (line,) = [line for line in maps.fastlink.summary().splitlines() if line.startswith("run time")]
+        assert re.search(r"\d threads?; then [.\d]+ s of verification", line)
     assert fl.explain(path, measure=False).forecast.timing is None
 
 

@@ -112,7 +112,7 @@ def test_a_study_has_tolerances_of_its_own_or_is_given_some(tmp_path, maps):
     ("section", "key", "remedy"),
     [
         ("a1 = -1.0", "tolerances.a1", "at least 0"),
-        ('a1 = "1 mm"', "tolerances.a1", "0.1 %"),
+        ('a1 = "1 mm"', "tolerances.a1", "write a1_mm=1"),
         ("a9 = 1.0", "tolerances.a9", "did you mean"),
         ("a1 = [1.0, 2.0]", "tolerances.a1", "at least 0"),
         ("omega1 = nan", "tolerances.omega1", "rad s-1"),

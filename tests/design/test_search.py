@@ -129,6 +129,8 @@ def test_a_killed_search_goes_on(tmp_path, monkeypatch, asked):
     assert "run the same again" in " ".join(caught.value.__notes__)
     assert not path.exists()
     assert [one.name for one in tmp_path.iterdir()] == ["found.h5.search"]
+    with refused("found.h5.search: is of a run that has not finished", "run the same again"):
+        fl.open(tmp_path / "found.h5.search")
     done = sum(stop - start for start, stop in calls[-1])
     assert 0 < done < 3000
     with refused("another search", "restart"):
@@ -214,7 +216,8 @@ def test_a_map_is_refined_onto_targets():
     space = fl.grid(a1=np.linspace(0.2, 0.4, 5), a2=np.linspace(0.9, 1.1, 5), a3=[0.3, 0.5], a4=1.0)
     maps = fl.sweep("planar_4r", space, ["swing", "least_transmission_angle"], branch=1, verify=0)
     where = {"swing_deg": 70, "a3": 0.42}
-    nearest = fl.best(maps, maximise="least_transmission_angle", where=where, top=1)
+    with pytest.warns(fl.InputWarning, match="50 fail swing, 50 fail a3"):
+        nearest = fl.best(maps, maximise="least_transmission_angle", where=where, top=1)
     assert all(f"{name} = " in nearest.missed.item() for name in ("swing", "a3"))
     found = fl.best(maps, maximise="least_transmission_angle", where=where, top=1, refine=True)
     assert found.a3.item() == 0.42
@@ -228,7 +231,10 @@ def test_where_no_design_does_the_answer_is_the_nearest_one():
     asked = {"where": where, "maximise": "a3", "top": 2}
     space, missed = fl.sobol(5_000, seed=1, **WIPER), []
     for refine in (False, True):
-        found = fl.search("planar_4r", space, ["swing"], **asked, refine=refine)
+        with pytest.warns(
+            fl.InputWarning, match="none of 5,000 designs meets all conditions: 5,000 fail swing, "
+        ):
+            found = fl.search("planar_4r", space, ["swing"], **asked, refine=refine)
         assert found.sizes["design"] == (1 if refine else 2)
         assert "swing = 1.74533 by " in found.missed.values[0]
         names = "swing", "transmission_angle_min", "transmission_angle_max"
@@ -237,6 +243,16 @@ def test_where_no_design_does_the_answer_is_the_nearest_one():
     assert missed[1] < missed[0]
     assert found.refinement.attrs["flag_meanings"].split()[found.refinement.item()] == "misses_a_condition"
     assert "transmission_angle_min >= 0.785398" in found.active.item()
+
+
+def test_a_search_by_a_mean_of_positions_has_the_exact_extremes_of_a_sweep():
+    space = fl.sobol(64, a1=0.4, a2=(1.1, 1.3), a3=(0.7, 0.9), a4=1.0, omega1=25.0)
+    aims = {"minimise": "theta4_travel", "where": {"omega4_max": (None, 20)}}
+    found = fl.search("planar_4r", space, **aims, positions=30, top=1)
+    design = {name: found[name].item() for name in ("a1", "a2", "a3", "a4", "omega1")}
+    assert found.omega4_max.item() == fl.sweep("planar_4r", design, ["omega4_max"]).omega4_max.item()
+    travel = fl.sweep("planar_4r", design, ["theta4_travel"], positions=30)
+    assert found.theta4_travel.item() == travel.theta4_travel.item()
 
 
 STUDY = """
@@ -268,6 +284,15 @@ def test_a_study_searches(tmp_path):
     needs = fl.explain(path).forecast
     assert needs.size == 2000
     assert needs.file < 1e5
+    path.write_text(STUDY.replace('quantities = ["omega4_min"]', ""))  # nor has a search to name any
+    with fl.run(path, to=tmp_path / "without.h5", progress=False) as found:
+        check_rows(found, expected.drop_vars("omega4_min"))
+        assert "omega4_min" not in found
+    path.write_text(STUDY.replace("60, inf", "170, inf"))
+    for _ in range(2):  # searched, and found again
+        done = CliRunner().invoke(app, ["run", str(path), "--to", str(tmp_path / "near.h5"), "--quiet"])
+        assert done.exit_code == 1
+        assert done.stderr.startswith("fastlink: where: none of 2,000 designs meets all conditions: ")
 
 
 @pytest.mark.parametrize(

@@ -49,7 +49,8 @@ def test_a_fact_with_a_low_part_determines_two_values(made):
     with pytest.raises(InputError, match="b_low does not depend on a"):
         made.resolve("d_b_low_d_a")
     # to error bounds the low part is what the high one lost: their sum has no error
-    ((low, (times, high)),) = made.selection((), ()).error_bounds.named("b").lost.items()
+    bounds = made.selection((), ()).error_bounds
+    ((low, (times, high)),) = bounds.of(bounds.graph.name("b")).lost.items()
     assert (low.value, times, high.value) == ("b_low", -1.0, "b")
     # 50 digits hold the square, so that nothing is lost
     exact = read_facts(made, ["b"], {"a": CONTEXT.mpf(a)})

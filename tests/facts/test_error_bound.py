@@ -128,17 +128,22 @@ def test_roundings_are_counted_once(formula):
         assert found["f_error"] == UNIT_WITH_MARGIN * COUNTED[formula] * abs(found["f"])
 
 
+def bound_of(bounds, name):
+    return bounds.of(bounds.graph.name(name))
+
+
 def test_the_words_of_sums_of_two_meet():
     bounds = PLANAR.selection((), ()).error_bounds
     for name in ("Z0", "C0", "Z", "C"):
-        ((low, (sign, high)),) = bounds.named(name).lost.items()
+        ((low, (sign, high)),) = bound_of(bounds, name).lost.items()
         assert (low.value, sign, high.value) == (f"{name}_low", -1.0, name)
-    assert MINKOWSKI.selection((), ()).error_bounds.named("ground_share").lost
+    assert bound_of(MINKOWSKI.selection((), ()).error_bounds, "ground_share").lost
     # what tables and branches choose between is exact, and products with it too
     assert all(
-        MINKOWSKI.selection((), ()).error_bounds.named(name).scale for name in ("side", "r", "branch_sign")
+        bound_of(MINKOWSKI.selection((), ()).error_bounds, name).scale
+        for name in ("side", "r", "branch_sign")
     )
-    assert MINKOWSKI.selection((), ()).error_bounds.named("twos").relative == 0.0
+    assert bound_of(MINKOWSKI.selection((), ()).error_bounds, "twos").relative == 0.0
     lengths, theta = lengths_and_angles("toggle 1e-9", np.random.default_rng(5), 40)
     tables = ("theta1", *PLANAR.tables, *PLANAR.table_low_parts)
     values = dict(zip(LENGTHS, lengths, strict=True)) | dict(

@@ -186,13 +186,41 @@ def test_a_part_counts_its_own_designs(grid, tmp_path, small_blocks, name, endin
     assert part.theta1_count == angles
 
 
+def test_a_workbook_has_the_numbers_and_says_what_they_are(tmp_path):
+    maps = fl.sweep(
+        "planar_4r", fl.grid(a1=[0.4, 0.9], a2=1.2, a3=0.8, a4=1.0, omega1=1.0), ["omega4_max", "status"]
+    )
+    path = fl.convert(maps, tmp_path / "out.xlsx")
+    table = pd.read_excel(path)
+    assert table.a1.tolist() == [0.4, 0.9]
+    # a rate is infinite at a toggle, which Excel has no number for
+    np.testing.assert_allclose(table.omega4_max.astype(float), maps.omega4_max, rtol=1e-15)
+    about = pd.read_excel(path, sheet_name="columns", index_col=0)
+    assert about.units["omega4_max"] == "rad s-1"
+    assert about.meaning["omega4_max"] == maps.omega4_max.attrs["long_name"]
+    assert about.meaning["mechanism"] == "planar_4r"
+    assert left_in(tmp_path) == ["out.xlsx"]
+
+
+def test_a_map_of_too_many_rows_for_excel_is_refused(grid, tmp_path, monkeypatch):
+    monkeypatch.setattr("fastlink.io.convert.MOST_ROWS", 100)
+    with refused("to", "write a .csv"):
+        fl.convert(grid, tmp_path / "out.xlsx")
+    assert left_in(tmp_path) == []
+
+
 @pytest.mark.sample(2)
-@pytest.mark.parametrize("name", ["one.h5", "gzip.h5", "one.zarr", "one.csv", "one.parquet"])
+@pytest.mark.parametrize("name", ["one.h5", "gzip.h5", "one.zarr", "one.csv", "one.parquet", "one.xlsx"])
 def test_a_single_configuration_is_converted(grid, tmp_path, name):
     path = converted(grid, tmp_path / name, select=ONE)
-    if name.endswith(("csv", "parquet")):
-        table = pd.read_csv(path) if name.endswith("csv") else pd.read_parquet(path)
-        assert table.theta4.tolist() == [whole(grid).theta4.values[1, 2, 0, 3]]
+    if name.endswith(("csv", "parquet", "xlsx")):
+        read = {".csv": pd.read_csv, ".parquet": pd.read_parquet, ".xlsx": pd.read_excel}[path.suffix]
+        table = read(path)
+        # a workbook holds 16 digits
+        digits = 1e-15 if name.endswith("xlsx") else 0.0
+        assert table.theta4.item() == pytest.approx(
+            whole(grid).theta4.values[1, 2, 0, 3], rel=digits, abs=0.0
+        )
     else:
         xr.testing.assert_identical(
             loaded(path).drop_attrs(), whole(grid).isel(a1=1, a2=2, branch=0, theta1=3).drop_attrs()
@@ -318,7 +346,7 @@ def test_an_absent_value_of_an_axis_is_the_nearest_with_a_remark(grid, tmp_path)
         ({"compress": "lz4:3"}, "compress", "lz4"),
         ({"compress": 3}, "compress", "gzip"),
         ({"overwrite": "no"}, "overwrite", "True or False"),
-        ({"to": "maps.xlsx"}, "to", ".csv"),
+        ({"to": "maps.ods"}, "to", ".csv"),
         ({"to": "maps"}, "to", ".csv"),
         ({"to": "no/such/folder.nc"}, "to", "create it"),
         ({"to": "no/such/folder.zarr"}, "to", "create it"),
@@ -339,7 +367,7 @@ def test_all_problems_are_said_together(grid, tmp_path):
 
 
 @pytest.mark.sample(2)
-@pytest.mark.parametrize("name", ["out.h5", "out.nc", "out.zarr", "out.csv", "out.parquet"])
+@pytest.mark.parametrize("name", ["out.h5", "out.nc", "out.zarr", "out.csv", "out.parquet", "out.xlsx"])
 def test_what_exists_is_replaced_only_by_overwrite(grid, sampled, tmp_path, name):
     path = fl.convert(grid, tmp_path / name, quantities=["theta4"])
     kept = sorted(one.read_bytes() for one in path.rglob("*") if one.is_file()) or path.read_bytes()
@@ -370,7 +398,7 @@ def test_the_map_itself_and_other_folders_are_not_replaced(grid, tmp_path):
 
 
 @pytest.mark.sample(2)
-@pytest.mark.parametrize("name", ["out.h5", "z.h5", "out.zarr", "out.csv", "out.parquet"])
+@pytest.mark.parametrize("name", ["out.h5", "z.h5", "out.zarr", "out.csv", "out.parquet", "out.xlsx"])
 @pytest.mark.parametrize("fault", [KeyboardInterrupt, OSError(errno.ENOSPC, "No space left on device")])
 def test_what_fails_leaves_nothing_and_touches_nothing(
     grid, tmp_path, monkeypatch, small_blocks, name, fault
@@ -446,7 +474,9 @@ def test_a_name_that_is_no_text_is_one_of_a_file(grid, tmp_path):
     source.hardlink_to(grid)
     for name in OUTPUTS:
         path = converted(source, at(tmp_path, name), quantities=["theta4"])
-        if name.endswith(("csv", "parquet")):
+        if name.endswith("xlsx"):
+            assert len(pd.read_excel(path)) == 15 * 2 * 24
+        elif name.endswith(("csv", "parquet")):
             assert fl.table(path).size == 15 * 2 * 24
         else:
             is_said(path, name)
@@ -470,7 +500,7 @@ def test_what_no_file_can_hold_is_refused_by_its_name(grid, tmp_path, change, na
     assert left_in(tmp_path) == []
 
 
-OUTPUTS = ["out.h5", "gzip.h5", "out.nc", "out.zarr", "out.csv", "out.parquet"]
+OUTPUTS = ["out.h5", "gzip.h5", "out.nc", "out.zarr", "out.csv", "out.parquet", "out.xlsx"]
 
 
 def converted(grid, path, **options):

@@ -30,7 +30,7 @@ def test_what_a_killed_run_left_is_replaced(tmp_path):
         content = part.read_bytes()
     part.write_bytes(content)
     (tmp_path / "m.h5.part.new").write_text("of a run killed earlier still")
-    with pytest.raises(InputError, match="is not a finished map"):
+    with pytest.raises(InputError, match="is of a run that has not finished"):
         open_map(part)
     sample = Sample(seed=1)
     sample.save(path)

@@ -16,6 +16,7 @@ from tests.support.refusals import refused
 import fastlink as fl
 from fastlink.io import partial_file
 from fastlink.io.checksums import missing
+from fastlink.io.output_path import part_of
 from fastlink.io.partial_file import Journal, journal_of, read_journal
 from fastlink.io.writer import Writer
 
@@ -90,6 +91,9 @@ def test_an_interrupted_run_goes_on(tmp_path, monkeypatch, run):
     other = {"part": (1, 3)} if "part" in run else {"layout": "curves"} if "layout" in run else {"theta1": 9}
     with refused("to", "restart=True"):
         sweep(path, run, **other)
+    for door in (fl.check, fl.open):
+        with refused("map.h5.part: is of a run that has not finished", "run the same again to go on"):
+            door(part_of(path))
     # the rest with other blocks and threads
     with sweep(path, run, block=40, threads=2) as resumed, sweep(tmp_path / "whole.h5", run) as expected:
         done = resumed.attrs["designs_of_earlier_runs"]

@@ -216,7 +216,7 @@ def test_rankings_without_sense_are_refused(maps):
         maps.fastlink.top(3, "omega4_max", where=maps.omega4_max)
     with refused("theta1", "same map"):
         maps.fastlink.top(3, "omega4_max", where=maps.theta4 > 0)
-    with refused("meanings", "rotates_fully"):
+    with refused("where", "rotates_fully"):
         maps.fastlink.top(3, "omega4_max", where="turns fully")
 
 

@@ -156,7 +156,10 @@ def test_of_one_design_there_is_no_best():
 
 
 def test_where_nothing_meets_the_conditions_the_nearest_rows_are_the_answer(maps):
-    found = fl.best(maps, minimise=["a1", "a2"], where={"a1": (9.0, None)}, top=None)
+    with pytest.warns(fl.InputWarning, match=r"where: none of (.+) rows meets all conditions: \1 fail a1;"):
+        found = fl.best(maps, minimise=["a1", "a2"], where={"a1": (9.0, None)}, top=None)
+    with pytest.warns(fl.InputWarning, match="none of .* fail omega4_max; these miss least"):
+        maps.fastlink.top(1, "omega4_max", where={"omega4_max": (None, 1e-9)})
     assert found.a1.values[0] == maps.a1.values.max()
     assert found.missed.values[0] == f"a1 >= 9 by {9.0 - found.a1.values[0]:.6g} m"
     assert "none of" in found.attrs["selection"]

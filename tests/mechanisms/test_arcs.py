@@ -55,12 +55,16 @@ def test_extremes_over_an_arc_are_those_of_its_dense_samples(case):
 def test_lists_means_and_places_are_of_the_arc():
     design = DOUBLE_CRANK | {"arc_start": 2.0, "arc_end": 5.0}
     names = ["omega4_extrema", "omega4_min", "theta1_at_omega4_min", "omega4_mean", "omega4", "alpha4_peak"]
+    names += ["omega4_rms", "d_omega4_mean_d_a2"]
     maps = fl.sweep("planar_4r", design, names, positions=1000, branch=1, verify=1)
     assert maps.attrs["verify_mismatches"] == 0
     assert maps.theta1.size == 1000
-    step = 3.0 / 1000
-    np.testing.assert_allclose(maps.theta1[[0, -1]], [2.0 + step / 2, 5.0 - step / 2], rtol=1e-15)
-    assert maps.omega4_mean == pytest.approx(float(maps.omega4.mean()), rel=1e-13)
+    assert maps.theta1[[0, -1]].values.tolist() == [2.0, 5.0]
+    # the trapezoidal rule: of a smooth curve off by h^2/12 of the change of its slope, below 1e-6 of it
+    assert maps.omega4_mean == pytest.approx(float(maps.omega4.integrate("theta1")) / 3.0, rel=1e-13)
+    angles = fl.sweep("planar_4r", DOUBLE_CRANK, ["theta4"], angles=[2.0, 5.0]).theta4.values
+    turned = (angles[1] - angles[0]) % (2.0 * np.pi) / 3.0 * 10.0
+    assert maps.omega4_mean == pytest.approx(turned, rel=1e-6)
     assert maps.theta1_at_omega4_min == maps.theta1_at_omega4_extrema[0]
     assert maps.omega4_extrema_count == 1
     assert maps.omega4_min.attrs["long_name"].endswith("least over the arc")
@@ -128,6 +132,7 @@ def test_the_same_at_every_door(tmp_path):
             "number of positions",
         ),
         ({"arc_end": 2.0}, ["omega4_fluctuation"], {}, "a whole turn", "leave out"),
+        ({"arc_end": [2.0, 0.1]}, ["omega4_max"], {}, "arc_end[1] is 0.1 rad", "beyond the start"),
         ({"arc_end": [1.0, 2.0]}, ["omega4_mean"], {}, "differs", "extremes alone"),
         ({}, ["omega4_max"], {"over": (0.1, 0.2)}, "over", "arc_start and arc_end"),
     ],
@@ -138,6 +143,34 @@ def test_what_is_no_arc_is_refused(more, names, options, what, remedy):
         fl.sweep("planar_4r", FOUR_BAR | start | more, names, **{"branch": (1, 2)} | options)
 
 
+def test_arcs_that_end_before_they_start_are_told_or_allowed():
+    rows = {"arc_start": [0.0, 1.0, 2.0], "arc_end": [1.0, 2.0, 1.0]}
+    table = fl.table(rows).with_constants(FOUR_BAR)
+    grid = fl.grid(arc_start=[0.0, 2.0], arc_end=[1.5, 2.5], **FOUR_BAR)
+    sample = fl.sobol(8, arc_start=(0.0, 2.0), arc_end=(1.0, 3.0), **FOUR_BAR)
+    for space, what in (
+        (table, "arc_end[2] is 1 rad (57.2958 degrees)"),
+        (grid, "arc_start is 2 rad"),
+        (sample, "arc_end[1]"),
+    ):
+        with refused(what, "write an end beyond the start"):
+            fl.sweep("planar_4r", space, ["omega4_max"])
+    allowed = fl.sweep("planar_4r", table, ["omega4_max"], allow_invalid=True).omega4_max.values
+    assert np.isnan(allowed).tolist() == [False, False, True]
+    with refused("arc_start is missing beside arc_end", "write it, or leave arc_end out"):
+        fl.sweep("planar_4r", FOUR_BAR | {"arc_end_deg": 90.0}, ["omega4_max"])
+    with refused("arc_end is missing beside arc_start", "write it"):
+        fl.function("planar_4r", ["arc_start"], ["omega4_max"], **FOUR_BAR)
+    both = fl.function("planar_4r", ["arc_start", "arc_end"], ["omega4_max"], **FOUR_BAR)
+    with refused("arc_start: there is no derivative by an end of an arc", "leave it out"):
+        both.gradient([1.0, 2.0])
+    within = fl.sweep("planar_4r", FOUR_BAR | {"arc_start": 0.5, "arc_end": 1.5}, ["omega4_max"])
+    for tolerances in ({"arc_start": 0.01}, {"arc_end_deg": 1.0, "a1": 1e-4}):
+        with refused(next(iter(tolerances)), "leave it out"):
+            fl.tolerance(within, **tolerances)
+    assert np.isnan(both([[1.0, 2.0], [2.0, 1.0]])).ravel().tolist() == [False, True]
+
+
 def test_travel_tells_how_far_a_link_moves_over_an_arc():
     names = ["theta4_travel", "d_theta4_travel_d_a1", "theta4", "theta4_max", "theta4_min"]
     maps = fl.sweep(
@@ -146,10 +179,9 @@ def test_travel_tells_how_far_a_link_moves_over_an_arc():
     assert maps.attrs["verify_mismatches"] == 0
     curve = maps.theta4
     assert (maps.theta4_travel == curve.max("theta1") - curve.min("theta1")).all()
-    # the positions are half a step off the ends of the arc
-    step = float(abs(curve.diff("theta1")).max())
+    # the ends of the arc are positions, and the curve is monotonic: roundings of two angles
     exact = maps.theta4_max - maps.theta4_min
-    assert (abs(exact - maps.theta4_travel) <= 2 * step).all()
+    np.testing.assert_allclose(exact, maps.theta4_travel, rtol=1e-14)
     h = 1e-6
     ends = [
         fl.sweep(

@@ -123,9 +123,11 @@ def test_a_wrong_formula_of_a_sheet_is_a_mismatch_with_its_loops(tmp_path):
     )
     mine = fl.mechanism(written(tmp_path, wrong))
     design = {"r": 0.1, "d": 0.2, "e": 0.02, "omega": 1.0}
-    with fl.sweep(
-        mine, design, ["slide_rate", "psi_rate"], theta=5, to=tmp_path / "m.h5", branch=(1, 2)
-    ) as maps:
+    with pytest.warns(fl.InputWarning, match="slide_rate is wrong in .* that contradict the loops"):
+        maps = fl.sweep(
+            mine, design, ["slide_rate", "psi_rate"], theta=5, to=tmp_path / "m.h5", branch=(1, 2)
+        )
+    with maps:
         assert maps.slide_rate.attrs["independent_max_difference"] > 1e-8
         assert maps.psi_rate.attrs["independent_max_difference"] < 1e-40
         assert maps.attrs["verify_mismatches"] > 0
@@ -191,3 +193,22 @@ def test_what_may_end_within_the_range_has_the_extremes_of_samples(tmp_path):
     )
     assert 0 < np.isnan(maps.y.values).sum() < 64
     assert float(maps.y_min.squeeze()) == np.nanmin(maps.y.values)
+
+
+def test_a_quantity_of_a_sheet_passes_infinity_where_its_divisor_vanishes(tmp_path):
+    ratio = """
+torque_ratio [1] m: Torque on the lever over that on the crank
+    = 1.0 / (psi_rate / omega + 0.0)
+within [1] m2: Twice that
+    = torque_ratio + torque_ratio
+"""
+    mine = fl.mechanism(
+        written(tmp_path, QUICK_RETURN.replace("\npsi_acceleration", f"{ratio}psi_acceleration"))
+    )
+    design = {"r": 0.2, "d": 0.5, "e": 0.05, "omega": 1.0}  # a lever that swings
+    names = [f"{name}_{end}" for name in ("torque_ratio", "within") for end in ("max", "min")]
+    for r, infinite in ((0.2, True), (0.8, False)):
+        found = fl.sweep(mine, design | {"r": r}, [*names, "psi_rate_min"], verify=1)
+        assert found.attrs["verify_mismatches"] == 0
+        assert [bool(np.isinf(found[name])) for name in names] == [infinite] * 4
+    assert found.torque_ratio_max.item() == pytest.approx(1.0 / found.psi_rate_min.item(), rel=1e-14)

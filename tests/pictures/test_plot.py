@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
@@ -628,6 +629,9 @@ for door in doors:
     except fl.InputError as error:
         print(str(error).partition("matplotlib is not installed; python -m pip install ")[2])
 draw = "draw planar_4r a1=0.4 a2=1.1 a3=0.8 a4=1.0 --to b.png"
+print(app(draw.replace("b.png", "b.dxf").split(), standalone_mode=False))
+sys.modules["ezdxf"] = None
+print(fl.draw("planar_4r", **design, to="b.mm.svg"))
 for line in ("plot maps.h5 swing --to a.png", draw, "explore maps.h5 --to c.html"):
     try:
         print(app(line.split(), standalone_mode=False))
@@ -643,10 +647,13 @@ print("matplotlib.pyplot" in sys.modules, matplotlib.rcParams["font.size"], figu
 
 def test_without_matplotlib_every_door_has_the_remedy_and_with_it_its_state_is_left_as_it_was(folder):
     done = subprocess.run([sys.executable, "-c", DOORS], capture_output=True, text=True, check=False)
-    *doors, plot, draw, explore, state = done.stdout.splitlines()
+    *doors, dxf, _, svg, plot, draw, explore, state = done.stdout.splitlines()
     assert all(remedy == "matplotlib" for remedy in doors), done.stderr
     assert (len(doors), plot, draw, explore) == (7, "2", "2", "2")
     assert state == "False 31.0 10.0"
+    assert (dxf, svg) == ("b.dxf", "None")
+    assert Path("b.dxf").read_text().startswith("  0\nSECTION")
+    assert Path("b.mm.svg").read_text().startswith("<svg")
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import pytest
 import fastlink as fl
 from fastlink.errors import InputError
 from fastlink.facts.evaluate import evaluate_on_doubles, read_facts
-from fastlink.facts.fact import CatalogueError
+from fastlink.facts.formula import CatalogueError
 from fastlink.facts.tables import angle_tables
 from fastlink.mechanisms import NAMES, catalogue, inputs_of
 from fastlink.plan.programs import Planner

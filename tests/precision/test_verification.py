@@ -1,12 +1,15 @@
 """What a sweep says of its own errors: right where it is right, and not silent where it is not."""
 
+from functools import partial
 from importlib import import_module
 
 import numpy as np
 import pytest
 from tests.support.configurations import PLANAR
+from typer.testing import CliRunner
 
 import fastlink as fl
+from fastlink.app.cli import app
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.precision import Verification
 from fastlink.precision.reference import CONTEXT, HighPrecision
@@ -114,22 +117,59 @@ def spoil(monkeypatch, change):
 def test_a_wrong_digit_is_seen_and_a_missing_value_is_a_mismatch(monkeypatch, name):
     space = fl.grid(**CRANK, omega1=25.0)
     spoil(monkeypatch, lambda array: array * (1.0 + 1e-9))
-    maps = fl.sweep("planar_4r", space, [name], theta1=12, verify=4, branch=(1, 2))
+    with pytest.warns(fl.InputWarning, match=rf"{name} is wrong in \d of \d+ values, by .* NAME_error"):
+        maps = fl.sweep("planar_4r", space, [name], theta1=12, verify=4, branch=(1, 2))
     assert maps[name].attrs["error_max_relative"] == pytest.approx(1e-9, rel=1e-5)
     assert maps.status.attrs["verify_mismatches"] > 0  # the code is another
     spoil(monkeypatch, lambda array: np.full_like(array, np.nan))
-    maps = fl.sweep("planar_4r", space, [name], theta1=12, verify=4, branch=(1, 2))
+    with pytest.warns(fl.InputWarning, match=f"{name} is wrong"):
+        maps = fl.sweep("planar_4r", space, [name], theta1=12, verify=4, branch=(1, 2))
     assert maps[name].attrs["verify_mismatches"] > 0
     assert "NOT AS WITH 50 DIGITS" in maps.fastlink.summary()
 
 
 def test_a_value_that_is_wrong_by_more_than_its_bound_is_a_mismatch(monkeypatch):
     spoil(monkeypatch, lambda array: array * (1.0 + 1e-12))
-    maps = fl.sweep(
-        "planar_4r", fl.grid(**CRANK, omega1=25.0), ["theta4", "omega4"], theta1=12, verify=4, branch=(1, 2)
-    )
+    with pytest.warns(fl.InputWarning, match="is wrong in"):
+        maps = fl.sweep(
+            "planar_4r",
+            fl.grid(**CRANK, omega1=25.0),
+            ["theta4", "omega4"],
+            theta1=12,
+            verify=4,
+            branch=(1, 2),
+        )
     for name in ("theta4", "omega4"):
         assert maps[name].attrs["verify_mismatches"] == maps[name].attrs["verified_values"]
+
+
+def test_every_door_warns_of_what_is_wrong(monkeypatch, tmp_path):
+    """In memory, in a file, where that is there already, in a search and its file, joined, and with a status."""
+    spoil(monkeypatch, lambda array: array * (1.0 + 1e-9))
+    space, path = fl.grid(**CRANK | {"a2": [1.2, 1.3]}, omega1=25.0), tmp_path / "m.h5"
+    sweep = partial(fl.sweep, "planar_4r", space, ["omega4_max"])
+    search = partial(fl.search, "planar_4r", space, minimise="omega4_max", verify=2, refine=False)
+    parts = [tmp_path / f"m.part-{k}-of-2.h5" for k in (1, 2)]
+    text = "mechanism = 'planar_4r'\nquantities = ['omega4_max']\n[design]\na1 = 0.4\na2 = 1.2\na3 = 0.8\n"
+    (tmp_path / "study.toml").write_text(f"{text}a4 = 1.0\nomega1 = 25.0\n")
+    for door in (
+        lambda: sweep(verify=2),
+        lambda: sweep(to=path),
+        lambda: sweep(to=path),
+        lambda: search(),
+        lambda: search(to=tmp_path / "s.h5"),
+        lambda: search(to=tmp_path / "s.h5"),
+        *(partial(sweep, part=(k, 2), to=parts[k - 1]) for k in (1, 2)),
+        lambda: fl.join(parts, to=tmp_path / "j.h5"),
+        lambda: fl.run(tmp_path / "study.toml", to=tmp_path / "r.h5"),
+    ):
+        with pytest.warns(fl.InputWarning, match=r"omega4_max is wrong in .* by up to .*e\+06 roundings"):
+            door().close()
+    done = CliRunner().invoke(
+        app, ["run", str(tmp_path / "study.toml"), "--to", str(tmp_path / "c.h5"), "--quiet"]
+    )
+    assert done.exit_code == 1
+    assert done.stderr.startswith("fastlink: omega4_max is wrong in 1 of 1 values")
 
 
 def test_what_fails_or_is_interrupted_leaves_the_file(monkeypatch, tmp_path):
@@ -137,9 +177,11 @@ def test_what_fails_or_is_interrupted_leaves_the_file(monkeypatch, tmp_path):
         raise ZeroDivisionError("of all things")
 
     monkeypatch.setattr(Verification, "_measured", fail)
-    with fl.sweep(
-        "planar_4r", fl.grid(**CRANK), ["theta4"], theta1=8, to=tmp_path / "m.h5", branch=(1, 2)
-    ) as maps:
+    with pytest.warns(fl.InputWarning, match="not known: .* ZeroDivisionError"):
+        maps = fl.sweep(
+            "planar_4r", fl.grid(**CRANK), ["theta4"], theta1=8, to=tmp_path / "m.h5", branch=(1, 2)
+        )
+    with maps:
         assert maps.attrs["verify_failed"] == "ZeroDivisionError: of all things"
         assert "errors" in maps.fastlink.summary()
 
@@ -176,9 +218,10 @@ def test_what_vanishes_is_measured_against_the_lengths_that_made_it():
 
 def test_a_value_that_should_vanish_and_does_not_is_a_mismatch(monkeypatch):
     spoil(monkeypatch, lambda array: array + 1e-12)
-    maps = fl.sweep(
-        "hart", fl.grid(**KITE), ["F_y", "B_y"], phi=np.linspace(0.3, 2.8, 40), branch=1, verify=1
-    )
+    with pytest.warns(fl.InputWarning, match="F_y"):
+        maps = fl.sweep(
+            "hart", fl.grid(**KITE), ["F_y", "B_y"], phi=np.linspace(0.3, 2.8, 40), branch=1, verify=1
+        )
     for name in ("F_y", "B_y"):
         assert maps[name].attrs["verify_mismatches"] == maps[name].attrs["verified_values"]
         assert maps[name].attrs["error_max_roundings"] > 100

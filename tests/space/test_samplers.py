@@ -12,6 +12,7 @@ from numpy.testing import assert_array_equal
 from scipy.stats import qmc
 from tests.support.refusals import refused
 
+from fastlink.errors import InputWarning
 from fastlink.space.samplers import Slices, grid, latin_hypercube, sobol
 
 table = importlib.import_module("fastlink.space.tables")  # `fastlink.table` is the function
@@ -181,3 +182,13 @@ def test_an_input_called_as_a_parameter_is_given_in_a_mapping(sample):
         sample(4, {"m": (1.0, 2.0)}, m=1.0)
     with refused("ranges", "by name"):
         sample(4, 5.0)
+
+
+def test_a_tuple_that_is_rather_a_range_gets_a_remark():
+    with pytest.warns(
+        InputWarning, match=r"a1: \(0.1, 0.4, 5\) is .* numpy.linspace\(0.1, 0.4, 5\)"
+    ) as caught:
+        grid(a1=(0.1, 0.4, 5), a2=(1.0, 1.4, 9))
+    assert len(caught) == 1
+    for axis in ([0.1, 0.4, 5], (0.1, 0.4, 5.0), (1.0, 2.0, 3), (0.1, 0.4, 0.7)):
+        assert grid(a1=axis).size == 3

@@ -233,6 +233,22 @@ def test_a_large_file_needs_little_memory(tmp_path, monkeypatch, kind):
     assert peak < 8 * 4 * rows
 
 
+@pytest.mark.parametrize("cells", [[0.8, "n/a"], ["n/a", "n/a"], ["red", 0.8], [None, 0.8], [None, None]])
+@pytest.mark.parametrize("unit", ["", " [mm]"])
+def test_an_input_without_numbers_is_kept_if_allowed_and_never_a_label(tmp_path, cells, unit):
+    cells = [1000 * cell if unit and isinstance(cell, float) else cell for cell in cells]
+    frame = pd.DataFrame({"a1": 0.4, "a2": 1.2, "a4": 1.0, f"a3{unit}": pd.Series(cells, dtype=object)})
+    frame.to_csv(tmp_path / "d.csv", index=False)
+    bad = [k for k, cell in enumerate(cells) if not isinstance(cell, float)]
+    for source in (frame, tmp_path / "d.csv"):
+        with pytest.raises(fl.InputError, match=r"write .*number.* allow_invalid=True") as caught:
+            fl.sweep("planar_4r", source, ["swing"])
+        assert "keep=" not in str(caught.value)
+        kept = fl.sweep("planar_4r", source, ["swing"], allow_invalid=True)
+        assert np.flatnonzero(np.isnan(kept.swing)).tolist() == bad
+        assert np.flatnonzero(kept.status == 4).tolist() == bad
+
+
 def test_all_bad_rows_are_named_at_once_and_may_be_kept(tmp_path):
     """Texts, empty cells and numbers that no length has; a study keeps them too."""
     rows = [[0.4, 1.2, 0.8, 1.0] for _ in range(500)]

@@ -9,7 +9,9 @@ QUANTITIES = {
     "planar_4r": """
         transmission_angle: mu | μ | \\mu | transmissionAngle | pressure angle
         transmission_angle_min: mu_min | μmin | minimum transmission angle
-        d_theta4_d_theta1: mechanical advantage
+        mechanical_advantage: mechanical advantage | force amplification
+        P_speed: path length
+        theta4_travel: theta4 dwell
         T41: torque | crank torque | motor torque | T_41 | T14
         T41_peak: peak torque
         T41_rms: rms(T41)

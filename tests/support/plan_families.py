@@ -144,6 +144,7 @@ FAMILIES: dict[str, Family] = {
     "extremes over an arc": Family(
         "planar_4r", ["omega4_max", "theta4_min"], 9, more={"arc_start": 0.5, "arc_end": 2.0}
     ),
+    "extremes with poles": Family("planar_4r", ["mechanical_advantage_max", "mechanical_advantage_extrema"]),
     "extremes by another joint": Family("planar_4r", ["joint_omega_4_max"], 9, DRIVEN),
     "extremes of the focal mechanism": Family("focal", ["psi_rate_max"], 9, {"input": "sigma"}),
 }

@@ -15,12 +15,12 @@ import numpy as np
 import xarray as xr
 
 from fastlink._text import aligned, counted, duration, writable
-from fastlink.app.study import A_STUDY, Study, read_study
+from fastlink.app.study import Study, in_study, read_study
 from fastlink.engine.labels import flag_attrs
 from fastlink.engine.options import check_options
 from fastlink.engine.resolve import ResolvedSweep, resolve
 from fastlink.engine.run import Job, run
-from fastlink.errors import InputError, door
+from fastlink.errors import InputError, door, require_package
 from fastlink.facts.catalogue import ELIMINATED
 from fastlink.io.layout import plain_attrs
 from fastlink.io.output import write_whole
@@ -397,7 +397,7 @@ LABELS_OF_ALL = LABELS | {CHANGE_POINTS: ("1", "designs that are change points, 
 MISSED = 0.01
 
 
-@door(hint=A_STUDY)
+@door(hint=in_study)
 def accuracy(
     study: str | Path,
     *,
@@ -463,6 +463,8 @@ def accuracy(
     read = read_study(study, trust_code)
     target = None if to is None else check_made_at_once(to, 0, overwrite, read.sources)
     path = None if picture is None else check_picture(picture, "picture")
+    if path is not None:
+        require_package("matplotlib", ("picture",))
     offered = partial(methods_for, with_numpy=outside)
     measured = measure(read, offered, designs=designs, seed=seed, announce=announce)
     if target is not None:

@@ -29,6 +29,7 @@ from fastlink.errors import (
     Pair,
     Piece,
     Remedy,
+    ResultWarning,
     Setting,
     Wording,
     printable,
@@ -42,7 +43,7 @@ if TYPE_CHECKING:
 # -- The application, and what all its commands share: their wording of problems, their options
 
 
-BAD_INPUT, INTERRUPTED, TERMINATED = 2, 130, 143
+NOT_AS_WANTED, BAD_INPUT, INTERRUPTED, TERMINATED = 1, 2, 130, 143
 C = TypeVar("C", bound=Callable[..., Any])
 
 #: What arguments and options mean that several commands have; each command lists its own below what it does.
@@ -70,7 +71,7 @@ OTHER_NAMES = {
     "convert": ("export", "nccopy", "save", "to_netcdf", "transform"),
     "explore": ("browse", "dashboard", "serve", "view"),
     "explain": ("estimate", "forecast", "plan"),
-    "info": ("describe", "head", "open", "print", "show", "summary"),
+    "info": ("describe", "finite", "head", "open", "print", "show", "summary"),
     "join": ("concat", "combine", "merge"),
     "mechanisms": ("list", "ls"),
     "new": ("init", "template"),
@@ -92,6 +93,11 @@ def _printable_usage() -> Iterator[None]:
     try:
         yield
     except UsageError as error:
+        option = str(getattr(error, "option_name", "")).lstrip("-").replace("-", "_")
+        if option and error.ctx is not None and error.ctx.info_name in ("accuracy", "explain", "run"):
+            from fastlink.app.study import in_study
+
+            error.message += f" ({there})" if (there := in_study(option)) else ""
         error.message = printable(error.message)
         raise
 
@@ -183,21 +189,23 @@ class _Options(Wording):
 
 @contextlib.contextmanager
 def _remarks_as_lines() -> Iterator[None]:
-    """Print each remark on the input as a line, once, in place of Python's two that name a file of code."""
-    said: set[str] = set()
+    """Print each remark as a line, once, in place of Python's two that name a file of code; end with 1 after some."""
+    said: dict[str, type[Warning]] = {}
     show_other = warnings.showwarning
 
     def show(message: Warning | str, category: type[Warning], *place: Any, **named: Any) -> None:
         if not issubclass(category, InputWarning):
             show_other(message, category, *place, **named)
         elif str(message) not in said:
-            said.add(str(message))
+            said[str(message)] = category
             typer.echo(f"fastlink: {message}", err=True)
 
     with warnings.catch_warnings():
         warnings.simplefilter("always", InputWarning)
         warnings.showwarning = show
         yield
+    if ResultWarning in said.values():
+        raise typer.Exit(NOT_AS_WANTED)
 
 
 def command(function: C) -> C:
@@ -243,6 +251,8 @@ def by_name(
 
     `doors` are the command and the function to which such words are keywords: none of their options can be a name.
     """
+    from fastlink.space.units import named_with_unit
+
     given: dict[str, Any] = {}
     for text in texts:
         name, equals, value = (part.strip() for part in text.partition("="))
@@ -255,7 +265,8 @@ def by_name(
         if found is None:
             is_pair = equals and name and value
             what = f"{name} is {value!r}, not a number" if is_pair else f"{text!r} is not {form}"
-            raise InputError(what, (where,), ("write such as ", Setting(where, dict(example))))
+            such = ("write such as ", Setting(where, dict(example)))
+            raise InputError(what, (where,), named_with_unit(name, name and value) or such)
         if name in given:
             raise InputError(f"{name} is given twice", (where,), "write it once")
         given[name] = found
@@ -360,7 +371,6 @@ def extension_of(file: Path, own: Path | None, trusted: bool) -> Extension | Non
 
 
 EXAMPLE = {"a1": 0.4}
-CHANGED = 1
 
 
 @command
@@ -604,7 +614,7 @@ def check(
     found = check(file)
     typer.echo(str(found))
     if not found:
-        raise typer.Exit(CHANGED)
+        raise typer.Exit(NOT_AS_WANTED)
 
 
 @command
@@ -623,7 +633,7 @@ def best(
     mechanism: Path | None = None,
     trust_code: bool = False,
 ) -> None:
-    """List the best designs of a map, by several objectives the Pareto front.
+    """List the best designs of a map, by several objectives the Pareto front; the exit status is 1 if none is right.
 
     FILE
     --minimise NAME
@@ -633,7 +643,7 @@ def best(
     --refine  Go on from them off the grid, by derivatives, within the conditions.
     --changing A,B  Inputs that --refine may change; all swept ones if left out.
     --degrees  Show angles in degrees, as where a condition is in degrees.
-    --to FILE  Write them too: h5, nc, zarr, csv or parquet by its ending.
+    --to FILE  Write them too: h5, nc, zarr, csv, parquet or xlsx by its ending.
     --overwrite
     --quantities-file FILE.py
     --trust-code
@@ -801,7 +811,7 @@ def convert(
     """Convert a map to another format, compressed, in part, or with fewer digits.
 
     FILE
-    --to OUT  h5, nc, zarr, csv or parquet by its ending.
+    --to OUT  h5, nc, zarr, csv, parquet or xlsx by its ending.
     --select NAME=VALUES  Take a2=1.1:1.2 (both ends), theta1=0.5 (nearest), theta1_deg=90 or a2=#0:10; may be repeated.
     --quantities A,B  Variables to take; all if left out.
     --dtype TYPE  float32, or float64, for results.

@@ -603,6 +603,8 @@ def _summary(dataset: xr.Dataset) -> str:
             text += f", after {duration(figures['set_up_time_s'])} of setting up and compiling"
         if figures.has("threads"):
             text += f", {counted(int(figures['threads']), 'thread')}"
+        if figures.has("verify_time_s"):
+            text += f"; then {duration(figures['verify_time_s'])} of verification"
         if figures.has(JOINED):
             text += f"; of {counted(int(figures[JOINED]), 'part')} together"
         rows.append(("run time", text))

@@ -53,11 +53,11 @@ from fastlink.mechanisms import NAMES, SHEET, is_extension, name_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.mechanisms import mechanism as read_mechanism
 from fastlink.plan.query import Results, parse_request, units_of
-from fastlink.plan.request import POSITIONS, check_keywords
+from fastlink.plan.request import POSITIONS, check_keywords, drivers
 from fastlink.space.design_space import MODELS, DesignSpace, Links, bounds_of
 from fastlink.space.samplers import grid, latin_hypercube, sobol
 from fastlink.space.tables import CURVES, table
-from fastlink.space.units import KINDS, InUnit, factor_of, split, with_unit
+from fastlink.space.units import KINDS, InUnit, factor_of, named_with_unit, split, with_unit
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -248,7 +248,7 @@ class Cycle(BaseModel, extra="allow"):
     input: Text | None = None
     angles: Positions | None = None
     positions: Positions | None = None
-    branch: Annotated[Whole | list[Whole], Write("branches, such as [1, 2]")] | None = None
+    branch: Annotated[Whole | list[Whole] | String, Write("branches, such as [1, 2]")] | None = None
     solver: Annotated[String, Write('"eliminated" or "dense"')] | None = None
     extrema: Annotated[String, Write('"refined" or "sampled"')] | None = None
 
@@ -335,6 +335,7 @@ def read_tables(raw: Mapping[str, Any], positions: Collection[str]) -> tuple[dic
     empty: dict[str, Any] = {"cycle": {}, "run": {}, "output": {}}
     absent: set[str] = set()
     example = _example(raw.get("mechanism"))
+    raw = {"quantities": REQUIRED["quantities"], **raw} if "search" in raw else raw
     for _ in range(PASSES):
         try:
             tables = _plain(StudyFile.model_validate(raw))
@@ -402,7 +403,7 @@ def _problems(error: ValidationError, positions: Collection[str], example: str) 
         where = path if whole else (*path[:2], *path[3:])
         what, name = f"is {short_repr(entry['input'])}", str(path[-1])
         if kind == "write":
-            remedy = f"write {entry['msg']}"
+            remedy = named_with_unit(str(where[-1]), entry["input"]) or f"write {entry['msg']}"
         elif kind == "missing":
             what, remedy = "is missing", f"write {EXAMPLES[name]}"
         elif kind == "union_tag_invalid":
@@ -410,7 +411,7 @@ def _problems(error: ValidationError, positions: Collection[str], example: str) 
         elif kind == "extra_forbidden":
             known = list(KNOWN[str(path[0])] if path[1:] else StudyFile.model_fields)
             if not path[1:] and isinstance(entry["input"], dict):
-                known = [name for name in known if name in KNOWN]
+                known = [name for name in known if name in (*KNOWN, "links", "units", TOLERANCES)]
             what, remedy = f"is not a key of {_table(where)}", suggest(name, known)
             misspelt.add((*where[:-1], remedy))
         else:
@@ -640,7 +641,7 @@ class StudyRequest:
         self,
         path: Path,
         raw: Mapping[str, Any],
-        tables: Mapping[str, Any],
+        tables: dict[str, Any],
         catalogue: Catalogue,
         problems: Problems,
         mechanism: Any,
@@ -688,7 +689,8 @@ class StudyRequest:
         mechanism = self.catalogue.name if misspelt else self.mechanism
         space, problems = self.space, Problems()
         if function is check and space is not None:  # which takes inputs by their own names alone
-            space = designs_of(self.catalogue, space, self.options.get("links"), problems)
+            links = self.options.get("links")
+            space = designs_of(self.catalogue, space, links, problems, ALLOW in self.options)
         problems.attempt(function, mechanism, space, names, **self.of_cycle, **self.options)
         problems.stop()
 
@@ -699,7 +701,9 @@ class StudyRequest:
             return
         with self.problems.at("search"):
             options = {**self.of_cycle, **self.options}
-            request_of_search(self.mechanism, self.space, names, self.tables["search"], **options)
+            made = request_of_search(self.mechanism, self.space, names, self.tables["search"], **options)
+            if "quantities" not in self.raw:  # objectives and conditions come along
+                self.tables["quantities"] = [one for one in made.quantities if one not in names] or names
 
     def _check_names_of_cycle(self) -> None:
         """Refuse unknown keys of [cycle] whose values were refused already."""
@@ -786,8 +790,6 @@ class StudyRequest:
 # -- The text of a study file, and what is said to files that are something else
 
 
-#: The table of a study that asks for linkages for a task.
-SYNTHESIS = "synthesis"
 #: Bytes of a study at most: tables of designs have files of their own.
 MOST_BYTES = 16 << 20
 #: The remedy for what is not TOML.
@@ -886,7 +888,20 @@ class Study:
         return target if to or part is None else part.path(target)
 
 
-@door(hint=A_STUDY)
+def in_study(name: str) -> str:
+    """Return where a study has what is no parameter of a function that takes one; "" of other names, or what one is."""
+    if not name:
+        return A_STUDY
+    if name in ("quantities", "links", "mechanism", TOLERANCES):
+        return f"write {name} in the study"
+    tables = {one: "design" for mechanism in NAMES for one in find_catalogue(mechanism).all_inputs}
+    tables |= dict.fromkeys((ALLOW, *SAMPLES), "design") | dict.fromkeys(drivers(), "cycle")
+    tables |= {key: table for table in ("cycle", "search", "run") for key in KEYS[table]}
+    of, _ = split(name, tables)
+    return f"write {name} in the study, under [{tables[of]}]" if of in tables else ""
+
+
+@door(hint=in_study)
 def run(
     path: str | Path,
     to: str | Path | None = None,
@@ -901,7 +916,7 @@ def run(
     client: Client | None = None,
     trust_code: bool = False,
 ) -> xr.Dataset:
-    """Run a study file and write its map; with a table [search] or [synthesis] that of the designs that are found.
+    """Run a study file and write its map; of a study with a table [search] that of the designs that are found.
 
     Parameters
     ----------
@@ -961,8 +976,6 @@ def run(
     """
     call = dict(locals())
     checked = check_options(call | {"layout": CURVES if layout is None else layout})
-    if (asked := _synthesis_of(path)) is not None:
-        return _run_synthesis(asked, to, overwrite)
     study = read_study(path, trust_code)
     target = study.target(to, checked["part"])
     title = {name: study.tables[name] for name in ("title",) if name in study.tables}
@@ -989,49 +1002,6 @@ def run(
         if call.get(str(error.where[0]) if error.where else "") is not None:
             raise  # the caller's own, not the study's
         raise InputError.of(error.problems, StudyWording(study.path, study.tables, study.space)) from None
-
-
-def _synthesis_of(path: Any) -> tuple[Path, str, dict[str, Any]] | None:
-    """Return a study with a table [synthesis], its text and its tables; None of another, or of no study."""
-    path = check_path(("study",), path, "study.toml")
-    text = text_of(path)
-    contents = contents_of(path, text) if SYNTHESIS in text else {}
-    return (path, text, dict(contents)) if SYNTHESIS in contents else None
-
-
-def _run_synthesis(asked: tuple[Path, str, dict[str, Any]], to: Any, overwrite: bool) -> xr.Dataset:
-    """Find the linkages for the task of a study, and write them."""
-    from fastlink.synthesis.found import synthesise
-
-    path, text, contents = asked
-    table, problems = contents.pop(SYNTHESIS), Problems(StudyWording(path))
-    mechanism, names = contents.pop("mechanism", None), contents.pop("quantities", [])
-    output, title = contents.pop("output", {}), contents.pop("title", None)
-    if mechanism is None:
-        problems.add("is missing", ("mechanism",), 'write mechanism = "planar_4r"')
-    if not isinstance(table, dict) or not isinstance(output, dict):
-        problems.add("is not a table", (SYNTHESIS,), "write keys below [synthesis] and [output]")
-    for name in contents:
-        problems.add("is of another study", (name,), "leave it out beside [synthesis]")
-    problems.stop()
-    known = [
-        n for n in signature(synthesise).parameters if n not in ("mechanism", "quantities", "to", "attrs")
-    ]
-    for name in table:
-        if name not in (*known, "file"):
-            problems.add("is no key of it", (SYNTHESIS, name), suggest(name, known))
-    given = dict(table)
-    if (file := given.pop("file", None)) is not None:
-        tasks = [name for name in ("motion", "function") if given.get(name) is True]
-        given[tasks[0] if tasks else "path"] = path.parent / str(file)
-    problems.stop()
-    target = Path(os.path.expanduser(to or output.get("file") or f"{path.stem}.h5"))
-    attrs = {**({} if title is None else {"title": title}), "study_file": writable(path.name), "study": text}
-    try:
-        again = overwrite or bool(output.get("overwrite", False))
-        return synthesise(mechanism, names, to=target, overwrite=again, attrs=attrs, **given)
-    except InputError as error:
-        raise InputError.of(error.problems, StudyWording(path)) from None
 
 
 def _refuse_other_file(target: Path) -> None:

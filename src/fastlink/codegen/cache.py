@@ -31,21 +31,6 @@ import fastlink.codegen
 import fastlink.numerics
 from fastlink.errors import InputError, remark
 
-__all__ = [
-    "cache_folder",
-    "clear",
-    "contents",
-    "environment",
-    "is_kept",
-    "limit",
-    "load_or_compile",
-    "locked",
-    "notice",
-    "remove_numba_files",
-    "text_file",
-]
-
-
 # -- A line on the terminal while kernels compile
 
 

@@ -158,10 +158,10 @@ class ExtremaWriter:
         """Return the numbers of the searches for places at which the cells of one are split."""
         return [k for k, one in enumerate(self.program.searches) if one.splits and one.slope in search.turns]
 
-    def jumps_of(self, search: ExtremumSearch) -> list[int]:
-        """Return the numbers of the searches for places at which a quantity, whose extremes a search is for, jumps."""
-        jumps = () if search.onto else self.program.graded.jumps_at(search.quantity)
-        return [k for k in self.split_by(search) if self.program.searches[k].slope in jumps]
+    def breaks_of(self, search: ExtremumSearch) -> list[int]:
+        """Return the numbers of the searches for places at which a quantity that is searched jumps or is infinite."""
+        breaks = () if search.onto else self.program.graded.breaks_at(search.quantity)
+        return [k for k in self.split_by(search) if self.program.searches[k].slope in breaks]
 
     @property
     def most_gradients(self) -> int:
@@ -746,8 +746,22 @@ class ExtremaWriter:
                         with text.block("for k in range(4):"):
                             text.call(beside.place_aside, "state, filled, k")
                             self.write_extrema(number, results.extrema_at_zeros, "state, filled, table")
+                    elif search.poles:
+                        self.write_poles(number)
                     else:
                         self.write_extrema(number, results.extrema_at_zeros, "state, filled, table")
+
+    def write_poles(self, number: int) -> None:
+        """Write the values on both sides of places where the quantity may be infinite, and what they show."""
+        text = self.text
+        text.call(beside.set_aside, "state, filled")
+        with text.block("for turn in range(2):"):
+            with text.block("for k in range(2):"):
+                text.call(beside.place_at_pole, "state, filled, w, table, turn, k")
+                self.write_value(number)
+                text.call(beside.keep_at_pole, f"state, filled, table, search_{number}, k")
+            text.call(beside.place_at_pole, "state, filled, w, table, turn, 2")
+            self.write_extrema(number, beside.pole_values, "state, filled, w, table")
 
     def write_division(self, number: int) -> None:
         """Write the division of unresolved cells, and of their parts that are still unresolved."""
@@ -785,8 +799,8 @@ class ExtremaWriter:
             with text.block("if n_lost > 0:"):
                 self.write_value(number)
         text.call(classify, f"{state}, search_{number}")
-        if jumps := self.jumps_of(search):
-            text.call(beside.unlist_jumps, f"state, filled, splits, array({jumps})")
+        if breaks := self.breaks_of(search):
+            text.call(beside.unlist_jumps, f"state, filled, splits, array({breaks})")
         if classify is results.extrema_at_zeros:
             text.call(results.drop_folds, f"state, filled, w, table, search_{number}")
         if self.program.has_bounds and classify is results.extrema_at_zeros:
@@ -795,7 +809,7 @@ class ExtremaWriter:
                 text.call(beside.bound_aside, "state, filled")
             if listed and not search.onto:
                 text.call(results.note_uncertain, f"state, filled, w, table, search_{number}, best")
-        elif self.program.has_bounds:
+        elif self.program.has_bounds and not search.poles:
             text.call(results.bound_ends, "state, filled, w, table")
             if self.bounds_hidden(number):
                 text.call(beside.bound_hidden, "state, filled")

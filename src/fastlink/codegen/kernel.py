@@ -26,17 +26,6 @@ from fastlink.plan.programs import ExtremaProgram, KnownProgram, Program
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = [
-    "BACKENDS",
-    "SOON",
-    "Kernel",
-    "MachineCode",
-    "backend_of",
-    "kernel_of",
-    "llvm_text",
-    "load_kernel",
-]
-
 #: Compilers of kernels: the translator of this package, and numba.
 BACKENDS = ("llvm", "numba")
 KINDS = {"float64": "f", "int64": "i", "int8": "c"}

@@ -14,8 +14,6 @@ from typing import Any
 import llvmlite
 import llvmlite.binding as llvm
 
-__all__ = ["Loaded", "assembly", "compile_object", "host", "lanes_of_host", "version"]
-
 #: What the text leaves to do: short functions are merged into their callers, what stands in memory goes to registers,
 #: what is computed twice is computed once. LLVM's O2 takes five times as long and its code as much time to run (within
 #: 3 % over nine kernels).

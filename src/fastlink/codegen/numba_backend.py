@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
     from fastlink.codegen.source import Source
 
-__all__ = ["compile_by_numba"]
-
 #: Keeps divisions free of branches; with numba's default nothing vectorises.
 OPTIONS: dict[str, Any] = {"error_model": "numpy", "nogil": True}
 INLINE_OPTIONS: dict[str, Any] = {"error_model": "numpy", "forceinline": True}

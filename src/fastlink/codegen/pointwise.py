@@ -27,15 +27,14 @@ from fastlink.codegen.source import (
     paste_fact,
     paste_system,
 )
+from fastlink.facts.arc import ARC
 from fastlink.facts.fact import Fact, System
 from fastlink.facts.names import Quantity, Reduced
-from fastlink.plan.query import COUNT, status_text
+from fastlink.plan.query import COUNT, OF_ARC, WHOLE_PART, status_text
 
 if TYPE_CHECKING:
     from fastlink.plan.programs import Output, Program
     from fastlink.plan.query import Reduction
-
-__all__ = ["write_kernel"]
 
 # Input positions between two loops of curves: what is kept between them stays in the first cache.
 TILE = 512
@@ -137,6 +136,7 @@ class _PointwiseWriter:
         ]
         #: The facts of the design that tell where an integral over the turn meets a toggle.
         self.toggles = list(dict.fromkeys(name for o in program.outputs for name in o.toggles))
+        self.part = OF_ARC if ARC in program.variants else WHOLE_PART
         self.accumulated = [value for value in self.cycle_values if not value.reduction.whole]
         #: The values whose whole cycle is needed at once.
         whole = [value for value in self.cycle_values if value.reduction.whole]
@@ -343,6 +343,8 @@ class _PointwiseWriter:
         text, stages = self.text, self.stages()
         with text.block("for j in range(n_angles):", self.position, BOTH_MODES):
             self.write_tables("j")
+            if self.part is OF_ARC and self.accumulated:
+                text.add("part = 0.5 if (j == 0) | (j == n_angles - 1) else 1.0")
             self.paste(self.angle_steps)
             for number in range(len(stages)):
                 self.write_stage(stages, number)
@@ -397,7 +399,7 @@ class _PointwiseWriter:
             better = f"{value.name}_{value.reduction.suffix}__better"
             if better not in written:
                 new = {key: name for key, name in value.slots.items() if name not in written}
-                known = {"value": value.name, "better": better, **value.slots}
+                known = {"value": value.name, "better": better, **value.slots, **self.part}
                 for name in new.values():
                     text.add(f"{name} = {self.row(name)}")
                 if value.reduction.better:
@@ -413,7 +415,14 @@ class _PointwiseWriter:
         """Write the updates of the accumulators of derivatives by inputs that are not written yet."""
         for slope, slots in zip(value.slopes, value.gradient_slots, strict=True):
             rows = {other: self.row(slot) for other, slot in slots.items()}
-            known = {"value": value.name, "better": better, "slope": slope, **value.slots, **rows}
+            known = {
+                "value": value.name,
+                "better": better,
+                "slope": slope,
+                **value.slots,
+                **rows,
+                **self.part,
+            }
             for key, name in slots.items():
                 if name not in written:
                     self.text.add(f"{self.row(name)} = {value.reduction.gradient[key][1].format(**known)}")

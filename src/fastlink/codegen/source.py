@@ -19,16 +19,6 @@ from fastlink.numerics.compiler import parsed
 if TYPE_CHECKING:
     from fastlink.plan.programs import Program
 
-__all__ = [
-    "Array",
-    "Source",
-    "Step",
-    "Text",
-    "needed_steps",
-    "paste_fact",
-    "paste_system",
-]
-
 
 HEADER = '''"""Kernel of {mechanism}, written by fastlink: {names}."""
 

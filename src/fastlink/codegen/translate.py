@@ -24,9 +24,6 @@ import numpy as np
 from fastlink.numerics import elementary
 from fastlink.numerics.compiler import COMPILED_AS, INLINED, MERGED, OUTLINED, parsed, syntax
 
-__all__ = ["Refused", "translate"]
-
-
 # -- Values and instructions of LLVM, as text: what a translated function is made of
 
 # A value knows its kind when it is made, so nothing is inferred afterwards. A vector is a value of several

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from fastlink.errors import Problems, check_switch, door
 from fastlink.io.reader import as_dataset, as_map
-from fastlink.maps.best import choice_of, chosen
+from fastlink.maps.best import choice_of, chosen, remarked
 from fastlink.plan.query import check_names
 
 if TYPE_CHECKING:
@@ -100,7 +100,7 @@ def best(
         choice = problems.attempt(choice_of, dataset, minimise, maximise, where, top=top, infinite=infinite)
         problems.stop()
         if only is None:
-            return chosen(dataset, choice).of(dataset)
+            return remarked(chosen(dataset, choice).of(dataset))
         from fastlink.design.refine import Model, Refinement, candidates, spans_of
 
         with as_map(dataset) as own:
@@ -113,9 +113,10 @@ def best(
         looked = {result.name for result in refinement.results}
         starts = selected.of(own.drop_vars([name for name in own.data_vars if name not in looked])).load()
         searched = math.prod(selected.rows.shape)
-        return refinement.of(
+        refined = refinement.of(
             starts, searched=searched, top=top, whole=lambda k: selected.only(k).of(own).load()
         )
+        return remarked(refined)
 
 
 def inputs_to_refine(refine: Any) -> tuple[str, ...] | None:

@@ -32,7 +32,7 @@ from fastlink.engine.resolve import ResolvedSweep, of_request, resolve
 from fastlink.engine.run import default_threads, run
 from fastlink.engine.sinks import ProgressBar, allocated, check_needs, designs_per_block, within
 from fastlink.engine.sweep import sweep
-from fastlink.errors import InputError, Pair, Problems, Setting, check_switch, door
+from fastlink.errors import InputError, Pair, Problems, Remedy, Setting, check_switch, door
 from fastlink.facts.arc import ARC
 from fastlink.facts.catalogue import ELIMINATED, Catalogue
 from fastlink.facts.own import declared_names
@@ -58,6 +58,7 @@ from fastlink.maps.best import (
     least,
     listed,
     merged_nearest,
+    remarked,
     strongest,
     unbeaten,
     undominated,
@@ -66,10 +67,10 @@ from fastlink.maps.best import (
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.mechanisms import mechanism_of_map
 from fastlink.plan.query import Results, check_names, parse_request
-from fastlink.precision import DESIGNS
+from fastlink.precision import DESIGNS, with_remark
 from fastlink.space.design_space import BRANCH, DESIGN, DesignSpace, Links
 from fastlink.space.tables import FORMAT, STATUS, table
-from fastlink.space.units import in_si, split
+from fastlink.space.units import in_si, named_with_unit, split
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -376,7 +377,7 @@ def finished(
     for name in ("configurations", "configurations_per_second", "set_up_time_s"):
         result.attrs.pop(name, None)
     result.attrs["selection"] = f"{request.selection(kept, request.size)}{refined}"
-    return result
+    return remarked(result)
 
 
 class _Gathered:
@@ -627,7 +628,7 @@ class SearchRequest:
         aims = joined([str(one) for one in self.choice.objectives])
         near = f"{len(kept.near):,} that miss conditions least"
         if len(kept.near) and not len(kept.rows):
-            return f"none of {counted(size, 'design')} meets all conditions: {near}, by the {aims}"
+            return f"{kept.none_of(self.choice, size, 'design')}; {near}, by the {aims}"
         of = f"{len(kept.rows):,} of {kept.considered:,} rows by the {aims}"
         return f"{of}{f', {near}' if len(kept.near) else ''}, of {counted(size, 'design')}"
 
@@ -798,7 +799,7 @@ def to_file(
     if not overwrite:
         finished = finished_map(to, fingerprint, verified=0, attrs=about)
         if finished is not None:
-            return finished
+            return remarked(with_remark(finished))
     path = check_target(to, 0, overwrite, [one.path for one in parts])
     if not restart:
         check_left(path, fingerprint)
@@ -938,7 +939,9 @@ def _ranges(bounds: Any, catalogue: Catalogue, problems: Problems) -> dict[str, 
         if right:
             found[str(name)] = low, high
         else:
-            problems.add("is not a range", ("bounds", str(name)), ("write ", Pair(), " with finite lo < hi"))
+            texts = [named_with_unit(str(name), end, shown=False) for end in listed(ends)]
+            pair: Remedy = ("write ", Pair(), " with finite lo < hi")
+            problems.add("is not a range", ("bounds", str(name)), next(filter(None, texts), pair))
     known = {name: one.units for name, one in catalogue.all_inputs.items()}
     return problems.attempt(in_si, "bounds", found, known) or {}
 
@@ -1034,7 +1037,7 @@ def join(
             if copy and shown_parts(Path(found.encoding["source"])):
                 found.close()
                 raise exists_error(Path(to), "and shows the values of its parts")
-            return found
+            return with_remark(found)
     path = check_target(to, 0, overwrite, [part.path for part in parts])
     shown = None if copy else joined.shown_in(path.parent)
     ways |= {"run": joined.run(shown), "shown": shown}
@@ -1045,7 +1048,7 @@ def join(
             threads = min(default_threads(), MOST_THREADS)
             joined.copy(writer, threads, lambda start, stop: bar.take(start, stop, []), shown)
         writer.finish(joined.last_attrs(path.name), joined.errors)
-    return open_map(path)
+    return with_remark(open_map(path))
 
 
 def _joined_search(

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink._text import short_repr
-from fastlink.errors import InputError, Problem, Problems, remark
+from fastlink.errors import InputError, Problem, Problems, Remedy, Setting, remark
 from fastlink.plan.query import Results
 from fastlink.plan.request import unknown_input
 from fastlink.space import units
 from fastlink.space.design_space import BRANCH, EXTREMUM, MODELS, Column, Converted, Links, axis_of, bounds_of
-from fastlink.space.tables import or_keep
+from fastlink.space.tables import head_of, or_keep
 
 if TYPE_CHECKING:
     from fastlink.facts.catalogue import Catalogue
@@ -29,7 +29,7 @@ IGNORED = "design_ignored"
 
 
 def designs_of(
-    catalogue: Catalogue, space: DesignSpace, links: Links | None, problems: Problems
+    catalogue: Catalogue, space: DesignSpace, links: Links | None, problems: Problems, gaps: bool = False
 ) -> DesignSpace:
     """Return the designs of a request: inputs alone, in the units of the mechanism, besides labels."""
     # Values in another unit are converted. Results that stand in a table or come with a map are left out, with a
@@ -37,7 +37,7 @@ def designs_of(
     # differ only in branch or input position are one design.
     known, angles, lengths = _known_inputs(catalogue, catalogue.version)
     if space.labels:
-        space = _inputs_of_labels(space, known, problems)
+        space = _inputs_of_labels(space, known, problems, gaps)
     space = _in_si(space, known, problems)
     if space.of_map or space.attrs.get("design_kind") == "table":
         space = _without_results(catalogue, space, known, problems)
@@ -91,33 +91,40 @@ def without(space: DesignSpace, names: Iterable[str]) -> DesignSpace:
     return replace(space, dims=tuple(dim for dim, _ in dims), shape=shape, **rest)
 
 
-def _inputs_of_labels(space: DesignSpace, known: Mapping[str, Input], problems: Problems) -> DesignSpace:
-    """Return designs whose labels are no inputs: an index may be one, texts may not."""
-    inputs = [name for name in space.labels if units.split(name, known)[0] in known]
+def _inputs_of_labels(
+    space: DesignSpace, known: Mapping[str, Input], problems: Problems, gaps: bool
+) -> DesignSpace:
+    """Return designs whose labels are no inputs: an index may be one, texts alone stand for NaN if that is allowed."""
+    heads = {name: head_of(name) for name in space.labels}
+    inputs = {name: head for name, head in heads.items() if units.split(head[0], known)[0] in known}
     constants, columns = dict(space.constants), dict(space.columns)
-    for name in inputs:
+    for name, (of, _) in inputs.items():
         label = space.labels[name]
-        if label.dtype.kind not in "iuf":
+        if label.dtype.kind not in "iuf" and not (gaps and label.ndim):
             text = next((str(cell) for cell in label.ravel()), "")
-            problems.add(f"is {short_repr(text)}, not a number", ("design", name), "write numbers")
+            allow = (", or pass ", Setting("allow_invalid", True), " to keep such designs")
+            mend = units.named_with_unit(of, text, shown=not label.ndim)
+            remedy: Remedy = mend or ("write numbers", *((allow,) if label.ndim else ()))
+            problems.add(f"is {short_repr(text)}, not a number", ("design", name), remedy)
         elif label.ndim:
-            columns[name] = label.astype(np.float64)
+            is_text = label.dtype.kind not in "iuf"
+            columns[of] = np.full(len(label), np.nan) if is_text else label.astype(np.float64)
         else:
-            constants[name] = float(label)
+            constants[of] = float(label)
     labels = {name: label for name, label in space.labels.items() if name not in inputs}
-    return replace(space, constants=constants, columns=columns, labels=labels)
+    stated = {**space.units, **{of: unit for of, unit in inputs.values() if unit}}
+    return replace(space, constants=constants, columns=columns, labels=labels, units=stated)
 
 
 def _in_si(space: DesignSpace, known: Mapping[str, Input], problems: Problems) -> DesignSpace:
     """Return designs whose inputs are in units of SI and called by their own names, or note what cannot be."""
     found: dict[str, tuple[str, str, Fraction]] = {}
-    wrong = []
+    wrong, others = [], {name: name for name in space.names}
     for name in space.names:
         of, unit = units.split(name, known)
         if of not in known:
             continue
         expected, stated = known[of].units, space.units.get(name, "")
-        others = {*space.names, *(other for other, *_ in found.values())}
         try:
             factor, unit = units.conversion(of, unit, stated, expected, others)
         except InputError as error:

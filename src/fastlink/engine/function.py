@@ -6,13 +6,14 @@ import math
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from functools import cached_property, partial
 from inspect import signature
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink._text import counted, short_repr
+from fastlink._text import counted, joined
 from fastlink.engine.resolve import ResolvedSweep, check, of_request, resolve
 from fastlink.engine.run import VECTOR, Runner
 from fastlink.errors import InputError, Problem, Problems, Suggesting, door
@@ -22,12 +23,13 @@ from fastlink.facts.fact import Input
 from fastlink.facts.names import Derivative, GradientStatus, Reduced, derivative_name
 from fastlink.facts.powers import beyond_range
 from fastlink.machine import check_memory
-from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.numerics.compiler import MOVING, NOTHING
 from fastlink.plan.query import Request, check_names, parse_request
 from fastlink.plan.request import (
+    POSITIONS,
     check_inputs,
+    drivers,
     flag_beyond_range,
     keywords_in_si,
     selected_variants,
@@ -35,7 +37,7 @@ from fastlink.plan.request import (
 )
 from fastlink.space.design_space import DESIGN, MOST_DIMS, DesignSpace, in_unit, numbers_of
 from fastlink.space.samplers import grid
-from fastlink.space.units import RADIANS, split
+from fastlink.space.units import check_unit, scaled, split
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -185,7 +187,7 @@ def function(
     mechanism : str or Extension
         Name of the mechanism.
     inputs : sequence of str
-        The inputs that vary: the rows of the function's argument.
+        The inputs that vary: the rows of the function's argument, in SI or, by names such as ``a1_mm``, in other units.
     quantities : sequence of str
         Quantities, or their extremes and means over the cycle, as in `fastlink.sweep`: the rows of the function's
         result. ``"status"`` is among them only if it is named.
@@ -194,7 +196,8 @@ def function(
     links, input, angles, solver, extrema, backend
         As in `fastlink.sweep`.
     **fixed : float
-        The inputs that stay; and, as in `fastlink.sweep`, the input positions by the name of the input.
+        The inputs that stay; and, as in `fastlink.sweep`, the input positions, as ``positions=72`` or by the name of
+        the input.
 
     Returns
     -------
@@ -215,26 +218,23 @@ def function(
     """
     options = of_request(locals())
     names, wanted = list(check_names("inputs", inputs)), check_names("quantities", quantities)
-    for name in names:
-        if name in fixed:
-            what = f"is among the inputs and given as {short_repr(fixed[name])}"
-            raise InputError(what, ("function", name), "leave one out")
     catalogue, problems = find_catalogue(mechanism, input), Problems()
     known = catalogue.all_inputs
     fixed = keywords_in_si(catalogue, "function", fixed, problems, position=False)
-    for name in names:
-        of, unit = split(name, known)
-        if unit:
-            what = f"takes {'radians' if known[of].units == RADIANS else known[of].units}"
-            problems.add(what, ("function", name), f"write {of} among the inputs")
-    drives = {name for other in NAMES for name in inputs_of(other)} - known.keys()
-    strange = [name for name in fixed if split(name, drives)[0] not in {*known, *drives}]
-    keywords = (*_OPTIONS, catalogue.position.name)
+    own, factors, others = [split(name, known) for name in names], [], dict(zip(fixed, fixed, strict=True))
+    for name, (of, unit) in zip(names, own, strict=True):
+        with problems.at("function", name):
+            factors.append(check_unit(of, unit, known[of].units if unit else "1"))
+            if others.setdefault(of, name) != name or of in fixed:
+                raise InputError(f"{others[of]} is given too", remedy="write one of them")
+    drives = drivers() - known.keys()
+    strange = [name for name in fixed if split(name, drives)[0] not in {*known, *drives, POSITIONS}]
+    keywords = (*_OPTIONS, catalogue.position.name, POSITIONS)
     problems.noted += [unknown_input(catalogue, name, known, "function", keywords) for name in strange]
     problems.noted += wrong_inputs(catalogue, names)
     with problems.at():
         fixed_numbers = constants({name: value for name, value in fixed.items() if name in known}, known)
-        variants = selected_variants(catalogue, links, solver, [*names, *fixed_numbers])
+        variants = selected_variants(catalogue, links, solver, [*(of for of, _ in own), *fixed_numbers])
         check_inputs(catalogue, DesignSpace("grid", (), (), fixed_numbers), variants, False)
     positions = {name: values for name, values in fixed.items() if name not in (*known, *strange)}
     named: dict[str, Any] = {"positions": positions, "options": [*_OPTIONS, *known], "allow_invalid": True}
@@ -243,7 +243,7 @@ def function(
     if problems.noted:
         problems.attempt(check, mechanism, None, wanted, **named, **options)
     problems.stop()
-    columns = {name: np.full(1, np.nan) for name in names}
+    columns = {of: np.full(1, np.nan) for of, _ in own}
     varying = DesignSpace("table", (DESIGN,), (1,), fixed_numbers, columns=columns)
     resolved = resolve(mechanism, varying, wanted, **named, **options)
     for name in resolved.space.axes:  # a sweep evaluates every choice
@@ -253,7 +253,7 @@ def function(
             raise InputError("is missing", ("function", name), f"give it, one of {codes}")
     function_again: Any = function
     recipe = partial(function_again, mechanism, names, **options, **fixed)
-    return Function(resolved, names, resolved.one_branch, recipe)
+    return Function(resolved, names, factors, recipe)
 
 
 #: The keywords of a function besides its fixed inputs and the name of the input.
@@ -272,25 +272,24 @@ class Function(Suggesting):
     """
 
     def __init__(
-        self,
-        resolved: ResolvedSweep,
-        inputs: Sequence[str],
-        one_branch: bool,
-        recipe: Callable[..., Function],
+        self, resolved: ResolvedSweep, inputs: Sequence[str], factors: Sequence[Fraction], recipe: Any
     ) -> None:
         plan, lengths = resolved.plan, resolved.lengths
         self.inputs = tuple(inputs)
         self.quantities = tuple(output.name for output in plan.outputs)
         self._resolved, self._recipe = resolved, recipe
         self._job = resolved.job(math.inf)
-        axes = [axis for axis in axes_of(plan.outputs) if not (one_branch and axis == "branch")]
+        axes = [axis for axis in axes_of(plan.outputs) if not (resolved.one_branch and axis == "branch")]
         self.shape = tuple(lengths[axis] for axis in axes)
         #: The shape of each output of one design: its own lengths, and 1 along axes that it lacks.
         self._shapes = [
             tuple(lengths[axis] if axis in output.axes else 1 for axis in axes) for output in plan.outputs
         ]
         known = resolved.catalogue.known_inputs(plan.variants)
-        self._declared = [known[name] for name in self.inputs]
+        #: The inputs by their own names; by what rows in other units are multiplied, none where all are in SI.
+        self._names = [split(name, known)[0] for name in self.inputs]
+        self._factors = [factor for factor in factors if set(factors) - {1}]
+        self._declared = [known[name] for name in self._names]
         self._numbers = [k for k, output in enumerate(plan.outputs) if output.dtype == "float64"]
         row = sum(8 * math.prod(shape) for shape in self._shapes)
         self._block = max(1, min(BLOCK, BLOCK_BYTES // row // 64 * 64))
@@ -342,6 +341,8 @@ class Function(Suggesting):
         """The same function of (inputs,) or (inputs, n) for callers in ``@njit`` code, see docs/performance.md."""
         from fastlink.engine.jitted import JITTED_BLOCK, jitted_of
 
+        if self._factors:
+            raise InputError("takes inputs in SI", ("jitted",), f"make a function of {joined(self._names)}")
         bound = self._bind(JITTED_BLOCK)
         jitted = jitted_of(*bound, self._declared, self._shapes, self.shape, self._flag)
         jitted.__reduce_ex__ = lambda _: (getattr, (self, "jitted"))  # its addresses are of this process
@@ -350,6 +351,8 @@ class Function(Suggesting):
     @door(name="function", hint="x is one array, with a row for each input")
     def gradient(self, x: ArrayLike) -> NDArray[np.float64]:
         """Return the derivatives (quantities, inputs, ...) of the quantities of designs (inputs, ...).
+
+        Each is per unit of its input as the function takes it: of ``a1_mm`` per mm, of ``a1`` per m.
 
         Those of extremes, means and places over the cycle are ``d_NAME_max_d_INPUT`` and its like, see
         docs/tolerances.md: where two places tie or the motion has a limit, they are one-sided or NaN.
@@ -363,9 +366,9 @@ class Function(Suggesting):
         rows = self._rows(x)
         function, wanted = self._derivatives
         result = np.zeros((len(self.quantities), len(self.inputs), *rows.shape[1:], *self.shape))
-        found = dict(zip(function.quantities, function(rows), strict=True))
+        found = dict(zip(function.quantities, function(x), strict=True))
         for name, place in wanted.by_name.items():
-            result[place] = found[name]
+            result[place] = scaled(found[name], self._factors[place[1]]) if self._factors else found[name]
         for name, places in wanted.zero_unless.items():
             none = np.isin(found[name], NONE) if name in wanted.statuses else np.isnan(found[name])
             for place in places:
@@ -376,7 +379,7 @@ class Function(Suggesting):
     def without_gradient(self) -> tuple[str, ...]:
         """The quantities that have no derivatives: codes, lists, error bounds."""
         try:
-            _wanted(self._resolved, self.inputs)
+            _wanted(self._resolved, self._names)
         except InputError as error:
             return tuple({self.quantities[int(one.where[1])]: None for one in error.problems})
         return ()
@@ -384,7 +387,7 @@ class Function(Suggesting):
     @cached_property
     def _derivatives(self) -> tuple[Function, _Wanted]:
         """The function that gives what derivatives are made of, and what that is."""
-        wanted = _wanted(self._resolved, self.inputs)
+        wanted = _wanted(self._resolved, self._names)
         return self._recipe(list(dict.fromkeys((*wanted.by_name, *wanted.zero_unless)))), wanted
 
     def _rows(self, x: ArrayLike) -> NDArray[np.float64]:
@@ -395,6 +398,8 @@ class Function(Suggesting):
         if given.shape[:1] != (len(self.inputs),):
             remedy = f"its first axis has {len(self.inputs)} rows: {', '.join(self.inputs)}"
             raise InputError(f"has the shape {given.shape}", ("function", "x"), remedy)
+        if self._factors:
+            return np.array([scaled(row, factor) for row, factor in zip(given, self._factors, strict=True)])
         return given
 
     def _bind(self, block: int) -> tuple[Runner, Rows]:
@@ -404,8 +409,8 @@ class Function(Suggesting):
         for kernel in runner.kernels:
             for name, row in zip(kernel.task.inputs, kernel.designs, strict=True):
                 row[...] = constants.get(name, np.nan)
-                if name in self.inputs:
-                    rows.append((row, self.inputs.index(name)))
+                if name in self._names:
+                    rows.append((row, self._names.index(name)))
         return runner, rows
 
     def _evaluate_one(self, given: NDArray[np.float64], runner: Runner, rows: Rows) -> NDArray[np.float64]:

@@ -19,9 +19,9 @@ from fastlink.engine.designs import designs_of, without
 from fastlink.engine.run import Job, KernelTask, Shapes
 from fastlink.engine.scaling import FarDesigns, ScalingAxis, find_scaling_axis
 from fastlink.errors import InputError, KeyPath, Problem, Problems, check_path
-from fastlink.facts.arc import ARC
+from fastlink.facts.arc import ARC, ARC_ENDS
 from fastlink.facts.catalogue import ELIMINATED, Catalogue
-from fastlink.facts.derivative import is_tolerance, tolerance_name, toleranced
+from fastlink.facts.derivative import is_tolerance, tolerance_name
 from fastlink.facts.own import Definition, used
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.mechanisms import name_of
@@ -30,7 +30,7 @@ from fastlink.plan.programs import ANGLES_FOR_LANES, Plan, all_declared, make_pl
 from fastlink.plan.query import Extrema, check_names, parse_request, with_companions
 from fastlink.space.design_space import EXTREMUM, definition_of, in_unit, numbers_of
 from fastlink.space.tables import CURVES, as_space
-from fastlink.space.units import check_unit, comment, in_words, scaled, split
+from fastlink.space.units import check_unit, comment, in_words, named_with_unit, scaled, split
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -111,6 +111,8 @@ def check(
     variants = request.selected_variants(catalogue, links, solver, () if space is None else space.names)
     if space is not None:
         problems.attempt(request.check_inputs, catalogue, space, variants, allow_invalid)
+        if ARC in variants and not problems.noted:
+            problems.attempt(request.check_arcs, space, allow_invalid)
     branches = problems.attempt(request.check_branches, catalogue, branch)
     problems.attempt(request.check_keywords, mechanism, catalogue, positions or (), options)
     with problems.at():
@@ -277,8 +279,9 @@ def resolve(
     problems, designs = Problems(), None
     catalogue = find_catalogue(mechanism, options.get("input"))
     with problems.at():
-        given = _space_of(space, bool(options.get("allow_invalid")))
-        designs = designs_of(catalogue, given, options.get("links"), problems)
+        allowed = bool(options.get("allow_invalid"))
+        given = _space_of(space, allowed)
+        designs = designs_of(catalogue, given, options.get("links"), problems, allowed)
     named: dict[str, Any] = {"companions": companions, **options}
     checked = problems.attempt(check, mechanism, designs, quantities, **named)
     problems.stop()
@@ -366,16 +369,18 @@ def given_tolerances(
     known = {name: one for name, one in catalogue.all_inputs.items() if not is_tolerance(name)}
     known[catalogue.position.name] = catalogue.position
     found: dict[str, float] = {}
+    others = {name: name for name in tolerances}
     for name, value in tolerances.items():
         of, unit = split(name, known)
         if of not in known:
             problems.noted.append(request.unknown_input(catalogue, name, known, parent))
-        elif known[of].choices:
-            problems.add("is a code, which has no tolerance", (parent, name), "leave it out")
+        elif known[of].choices or of in ARC_ENDS:
+            what = "a code" if known[of].choices else "an end of an arc, by which there is no derivative"
+            problems.add(f"is {what}, and has no tolerance", (parent, name), "leave it out")
         else:
             with problems.at(parent, name):
                 units = known[of].units
-                factor = check_unit(of, unit, units, {*tolerances, *map(toleranced, found)})
+                factor = check_unit(of, unit, units, others)
                 share, number = _tolerance((parent, name), value, unit or units, is_in_unit=bool(unit))
                 found[tolerance_name(of, relative=share)] = float(scaled(number, factor))
     return found
@@ -391,7 +396,7 @@ def _tolerance(where: tuple[str, str], value: Any, units: str, *, is_in_unit: bo
         numbers = in_unit(where, value, numbers_of(*where, value), units)
         number = float(numbers) if numbers.ndim == 0 else None
     if number is None or not 0.0 <= number < math.inf:
-        raise InputError(f"is {short_repr(value)}", where, remedy)
+        raise InputError(f"is {short_repr(value)}", where, named_with_unit(where[1], value) or remedy)
     return share, number
 
 

@@ -26,7 +26,7 @@ from fastlink.io.partial_file import check_target
 from fastlink.io.reader import Part, PartOfMap
 from fastlink.io.writer import RemoteWriter, Writer, Written
 from fastlink.maps import open as open_map
-from fastlink.precision import DESIGNS, Verification
+from fastlink.precision import DESIGNS, Verification, with_remark
 from fastlink.space.design_space import DESIGN, Counted, DesignSpace, Links, held, part_of
 from fastlink.space.tables import CURVES, MAPS
 
@@ -427,16 +427,16 @@ def sweep(
     evaluation = Evaluation(resolved, attrs, *options, part=checked["part"], cluster=cluster)
     is_new = target is None or overwrite
     if not is_new and (finished := evaluation.finished(target)) is not None:
-        return finished
+        return with_remark(finished)
     path = None if target is None else check_target(target, evaluation.nbytes, overwrite)
     if cluster is not None:
         cluster.check()
     evaluation.load(started)
     with sinks.ProgressBar(evaluation.resolved.space.size, progress) as bar:
         if path is None:
-            return evaluation.in_memory(bar.take)
+            return with_remark(evaluation.in_memory(bar.take))
         evaluation.to_file(path, bar.take, overwrite=overwrite, restart=restart)
-    return open_map(path)
+    return with_remark(open_map(path))
 
 
 #: The keywords of a sweep besides the name of the input.

@@ -9,8 +9,6 @@ from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.fact import Fact, Input
 from fastlink.facts.formula import Formula
 
-__all__ = ["ARC", "ARC_ENDS", "ARC_FACTS", "AT_ENDS", "with_arc"]
-
 #: The variant, its inputs, the facts that vanish at either end, and those of the design that tell what is within.
 ARC, ARC_ENDS = "arc", ("arc_start", "arc_end")
 AT_ENDS, ARC_FACTS = ("at_arc_start", "at_arc_end"), ("arc_middle", "arc_reach")

@@ -14,9 +14,6 @@ from typing import Any
 from fastlink.facts.expression import Condition, Valueless
 from fastlink.facts.fact import Fact, GradedRange, System
 
-__all__ = ["asymptotics"]
-
-
 #: Whether values may be compared: in facts of users, whose text may do more than to choose.
 _COMPARES: ContextVar[bool] = ContextVar("compares", default=False)
 

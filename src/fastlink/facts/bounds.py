@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -11,9 +11,9 @@ from fastlink.errors import InputError, Setting
 from fastlink.facts.derivative import labelled
 from fastlink.facts.expression import (
     COMPARISONS,
+    Algebra,
     ExpressionGraph,
     Node,
-    beneath,
     generate_formula,
     is_power_of_two,
     postorder,
@@ -50,8 +50,6 @@ from fastlink.numerics.vectors import absolute, choice, sign, zero_where
 
 if TYPE_CHECKING:
     from fastlink.facts.catalogue import Selection
-
-__all__ = ["UNIT_WITH_MARGIN", "ErrorBounds"]
 
 
 # -- The error bound of one value: a relative part known beforehand, an expression, and low words
@@ -177,7 +175,7 @@ MARGIN = 1.0 + 2.0**-20
 def bound_of_zeroed(rules: Rules, node: Node) -> Bound:
     """Return the bound of a gap that is 0 within the rounding of the lengths: there its size is the error."""
     (condition, x), graph = node.args, rules.graph
-    bound = rules.bound(x)
+    bound = rules.of(x)
     choose = partial(graph.call, zero_where, condition)
     lost = {choose(low): (times, choose(high)) for low, (times, high) in bound.lost.items()}
     if x in bound.lost:  # the low word: what is left out is counted with the high one
@@ -228,7 +226,7 @@ def _doubt(rules: Rules, condition: Node, every: bool) -> Node | None:
     """Return the condition that the errors of the compared values may change a comparison, None if there are none."""
 
     def parts(node: Node) -> list[Node]:
-        return [part for part in node.args if every or rules.bound(part).gap] if joins(node) else []
+        return [part for part in node.args if every or rules.of(part).gap] if joins(node) else []
 
     def joins(node: Node) -> bool:
         return node.kind in ("&", "|") or node.args[0].kind in COMPARISONS
@@ -287,27 +285,30 @@ TABLED = (sin, cos, exp, sinh, cosh)
 BOUNDED_ALONE = (*TABLED, binary_exponent, power_of_two_below)
 
 
-class Rules:
+class Rules(Algebra[Bound]):
     """The bounds of values, by one rule for each operation."""
 
-    named: Callable[[str], Bound]
-
     def __init__(self) -> None:
+        super().__init__()
         self.graph = ExpressionGraph({*WORDS, *BOUNDED_ALONE, absolute, arsinh, ldexp, sign, *LAWS})
         self.exact = Bound(0.0, self.graph.zero)
-        self._bounds: dict[Node, Bound] = {}
 
-    def bound(self, node: Node) -> Bound:
-        """Return the bound of a value."""
-        for each in postorder([node], bounded_parts, self._bounds):
-            bound = self._rule(each)
-            gap = bound.gap or any(self._bounds[part].gap for part in bounded_parts(each))
-            self._bounds[each] = replace(bound, gap=gap)
-        return self._bounds[node]
+    def parts(self, node: Node) -> tuple[Node, ...]:
+        """Return the values whose errors determine that of a value."""
+        if node.kind == "item":
+            return node.args[0].args
+        if node.value is zero_where:
+            return node.args[1:]
+        return () if node.value in BOUNDED_ALONE else node.args
+
+    def rule(self, node: Node, parts: Sequence[Bound]) -> Bound:
+        """Return the bound of a value; a gap in a part is in it too."""
+        bound = super().rule(node, parts)
+        return replace(bound, gap=bound.gap or any(part.gap for part in parts))
 
     def settled(self, node: Node, bound: Bound | None = None) -> Bound:
         """Return the bound of a value that does not meet its low word."""
-        bound = bound or self.bound(node)
+        bound = bound or self.of(node)
         relative, rest = bound.relative, bound.rest
         for times, high in bound.lost.values():
             if high in (node, *(node.args if node.kind == "neg" else ())):
@@ -319,9 +320,9 @@ class Rules:
     def size(self, node: Node) -> Node:
         """Return the magnitude of a value."""
         bare = node.args[0] if node.kind == "neg" else node
-        if self.bound(bare).one:
+        if self.of(bare).one:
             return self.graph.one
-        return bare if self.bound(bare).positive else self.graph.call(abs, bare)
+        return bare if self.of(bare).positive else self.graph.call(abs, bare)
 
     def error(self, node: Node, bound: Bound) -> Node:
         """Return the bound of a value as one expression, without what is lost."""
@@ -330,30 +331,19 @@ class Rules:
     def _roundings(self, number: float, node: Node) -> Node:
         return self.graph.mul(self.graph.number(UNIT_WITH_MARGIN * number), self.size(node))
 
-    def _rule(self, node: Node) -> Bound:
-        match node.kind:
-            case "name":
-                return self.named(node.value)
-            case "number":
-                x = node.value
-                scale = x == 0.0 or x - x != 0.0 or is_power_of_two(x)
-                return replace(self.exact, scale=scale, one=abs(x) == 1.0 or x != x, positive=not x < 0.0)
-            case "neg":
-                bound = self.bound(node.args[0])
-                return replace(bound, lost=multiplied(bound.lost, -1.0), positive=False)
-            case "+" | "-":
-                return self._of_sum(node)
-            case "*" | "/":
-                return self._of_scaled(node) or self._of_ratio(node)
-            case "item":
-                return self._of_word(node)
-            case "call":
-                return self._of_call(node)
-        return self.exact  # a comparison, or several; what is given
+    def _of_number(self, node: Node) -> Bound:
+        x = node.value
+        scale = x == 0.0 or x - x != 0.0 or is_power_of_two(x)
+        return replace(self.exact, scale=scale, one=abs(x) == 1.0 or x != x, positive=not x < 0.0)
 
-    def _of_sum(self, node: Node) -> Bound:
+    def _of_negative(self, node: Node, bound: Bound) -> Bound:
+        return replace(bound, lost=multiplied(bound.lost, -1.0), positive=False)
+
+    def _of_other(self, node: Node, *parts: Bound) -> Bound:  # a comparison, or several; what is given
+        return self.exact
+
+    def _of_sum(self, node: Node, a: Bound, b: Bound) -> Bound:
         x, y = node.args
-        a, b = self.bound(x), self.bound(y)
         if not b.lost and self._is_high_word(x, a):  # low words meet in sums of sums
             a = self.settled(x)
         if not a.lost and self._is_high_word(y, b):
@@ -368,10 +358,9 @@ class Rules:
         bare = node.args[0] if node.kind == "neg" else node
         return any(high in (node, bare) and low is not bare for low, (_number, high) in bound.lost.items())
 
-    def _of_scaled(self, node: Node) -> Bound | None:
-        """Return the bound of a product or quotient with a power of two, else None."""
+    def _of_product(self, node: Node, a: Bound, b: Bound) -> Bound:
+        """Return the bound of a product or quotient; those with a power of two have no rounding."""
         (x, y), graph = node.args, self.graph
-        a, b = self.bound(x), self.bound(y)
         operate = graph.mul if node.kind == "*" else graph.div
         change: Callable[[Node], Node]
         if b.scale:
@@ -381,13 +370,15 @@ class Rules:
             other, by, change = b, a, partial(operate, x)
             rest = operate(self.size(x), b.rest)
         else:
-            return None
+            return self._of_ratio(node)
         same = by.one and by.positive
         lost = {
             low if same else change(low): (times, change(high)) for low, (times, high) in other.lost.items()
         }
         positive = a.positive and b.positive
         return Bound(other.relative, rest, lost, a.scale and b.scale, a.one and b.one, positive)
+
+    _of_quotient = _of_product
 
     def _of_ratio(self, node: Node) -> Bound:
         x, y = node.args
@@ -410,7 +401,7 @@ class Rules:
             return self.graph.div(e_x, self.size(y))
         return self.graph.read(of_quotient, [quotient, self.size(y), e_x, e_y])
 
-    def _of_word(self, node: Node) -> Bound:
+    def _of_item(self, node: Node, *parts: Bound) -> Bound:
         """Return the bound of a word of an unevaluated sum; the low word has no error."""
         (call,) = node.args
         high, low = (self.graph.node("item", call, value=k) for k in (0, 1))
@@ -426,7 +417,7 @@ class Rules:
             rest: Node = graph.zero
             lost: Lost = {}
             for arg in args:
-                bound = self.bound(arg)
+                bound = self.of(arg)
                 rest, lost = graph.add(rest, self.error(arg, bound)), united(lost, bound.lost)
             return 0.0, self.settled(high, Bound(0.0, rest, lost)).rest
         if function is two_product:
@@ -447,14 +438,14 @@ class Rules:
 
     def _pair(self, high: Node, low: Node) -> Bound:
         """Return the bound of an unevaluated sum."""
-        a, b = self.bound(high), self.bound(low)
+        a, b = self.of(high), self.of(low)
         rest = self.graph.add(a.rest, self.error(low, b))
         return self.settled(high, Bound(a.relative, rest, united(a.lost, b.lost)))
 
-    def _of_call(self, node: Node) -> Bound:
+    def _of_call(self, node: Node, *parts: Bound) -> Bound:
         function, graph = node.value, self.graph
         if function is select:
-            return self._of_choice(node)
+            return self._of_choice(node, *parts)
         if function in LAWS:
             return LAWS[function](self, node)
         if function in TABLED:
@@ -490,10 +481,9 @@ class Rules:
         assert function in (sine, cosine)
         return Bound(COSINE, graph.add(graph.number(REDUCTION), self.error(x, a)))
 
-    def _of_choice(self, node: Node) -> Bound:
+    def _of_choice(self, node: Node, doubtful: Bound, a: Bound, b: Bound) -> Bound:
         condition, x, y = node.args
-        a, b = self.bound(x), self.bound(y)
-        if self.bound(condition).gap:
+        if doubtful.gap:
             return bound_of_doubtful_choice(self, node)
         lost: dict[Node, tuple[float, Node]] = {}
         if a.lost and y.kind == "number" and y.value != y.value:  # else there is no number at all
@@ -527,15 +517,6 @@ class Rules:
         return error if error is self.graph.zero else self.graph.read(of_logarithm, [argument, error])
 
 
-def bounded_parts(node: Node) -> tuple[Node, ...]:
-    """Return the values whose errors determine that of a value."""
-    if node.kind == "item":
-        return node.args[0].args
-    if node.value is zero_where:
-        return node.args[1:]
-    return () if node.value in BOUNDED_ALONE else node.args
-
-
 # -- Error bounds of facts: NAME_error, and NAME_trust, which tells where the bound is small against the
 #    value
 
@@ -555,8 +536,7 @@ class ErrorBounds(Rules):
 
     def __init__(self, of: Selection) -> None:
         super().__init__()
-        self.of, self.catalogue, self.find = of, of.catalogue, of.find
-        self._named: dict[str, Bound] = {}
+        self.selection, self.catalogue, self.find = of, of.catalogue, of.find
         self._values: dict[str, Node] = {}
         self._facts: dict[str, Fact] = {}
 
@@ -589,14 +569,14 @@ class ErrorBounds(Rules):
     def _expression(self, name: str) -> tuple[Node, dict[Node, str]]:
         """Return the expression of a bound, and the fact's value as a name."""
         value = self._value(name)
-        bound = self.bound(value)
+        bound = self.of(value)
         if not self._lost_of(name, bound):
             bound = self.settled(value, bound)
         if bound.gap or (bound.rest is not self.graph.zero and self.catalogue.is_quantity(name)):
             error = self._or_infinite(value, self.error(value, bound))
         else:  # at least a trace of the value: where it is not finite, so is its error
             error = self.error(value, replace(bound, relative=max(bound.relative, UNIT_ROUNDING)))
-        angle = self.of.angle_of(name) if self.catalogue.is_quantity(name) else None
+        angle = self.selection.angle_of(name) if self.catalogue.is_quantity(name) else None
         if angle is not None:
             error = self.graph.read(of_small_angle, [self.graph.name(angle), error])
         return error, {} if value.kind in ("name", "number", "neg") else {value: name}
@@ -610,20 +590,15 @@ class ErrorBounds(Rules):
 
     # -- names ---------------------------------------------------------------------------------------------------
 
-    def named(self, name: str) -> Bound:
-        """Return the error bound of a name as an expression in other names."""
-        for each in postorder([name], self._parts, self._named):
-            self._named[each] = self._of_name(each)
-        return self._named[name]
+    def parts(self, node: Node) -> tuple[Node, ...]:
+        """Return the values whose bounds determine that of a value; of a name the one that it stands for."""
+        name = node.value
+        if node.kind != "name" or name in self.catalogue.table_low_parts or self.find(name) is None:
+            return super().parts(node)
+        return (self._value(name),)
 
-    def _parts(self, name: str) -> Iterator[str]:
-        """Yield the names whose bounds determine the bound of a name."""
-        if name in self.catalogue.table_low_parts or self.find(name) is None:
-            return
-        yield from (one.value for one in beneath([self._value(name)], bounded_parts) if one.kind == "name")
-
-    def _of_name(self, name: str) -> Bound:
-        graph = self.graph
+    def _of_name(self, node: Node, *of_value: Bound) -> Bound:
+        name, graph = node.value, self.graph
         if name in self.catalogue.table_low_parts:
             return replace(
                 self.exact, lost={graph.name(name): (1.0, graph.name(self.catalogue.table_low_parts[name]))}
@@ -631,10 +606,10 @@ class ErrorBounds(Rules):
         graded = self.catalogue.graded
         if graded is not None and name in graded.coordinates[:2]:
             return replace(self.exact, relative=FRACTION, positive=True)
-        if self.find(name) is None:  # no fact of a variant gives a table otherwise
+        if not of_value:  # no fact of a variant gives a table otherwise
             if name in self.catalogue.tables:
                 return self._of_table(name)
-            inputs = self.catalogue.known_inputs(self.of.variants)
+            inputs = self.catalogue.known_inputs(self.selection.variants)
             positive = name in inputs and inputs[name].rule != "any"
             return replace(self.exact, positive=positive)
         fact = self.bounded_fact(name)
@@ -644,10 +619,9 @@ class ErrorBounds(Rules):
                 return replace(
                     self.exact, scale=True, one={*map(abs, values)} == {1.0}, positive=min(values) > 0.0
                 )
-        value = self._value(name)
-        bound = self.bound(value)
+        (bound,) = of_value
         lost = self._lost_of(name, bound)
-        bound = replace(bound if lost else self.settled(value, bound), lost=lost)
+        bound = replace(bound if lost else self.settled(self._value(name), bound), lost=lost)
         if bound.rest is graph.zero:
             return bound
         return replace(bound, relative=0.0, rest=graph.name(error_name(name)))
@@ -656,7 +630,7 @@ class ErrorBounds(Rules):
         """Return the bound of a table: exact, or rounded once, perhaps with a low part."""
         table, graph = self.catalogue.tables[name], self.graph
         given = [graph.node("given", value=part) for part in table.depends_on]
-        bound = self.bound(graph.read(table.formula, given))
+        bound = self.of(graph.read(table.formula, given))
         if bound.relative == 0.0:
             return bound
         low = next((low for low, high in self.catalogue.table_low_parts.items() if high == name), None)
@@ -671,7 +645,7 @@ class ErrorBounds(Rules):
         if fact.low is None or len(bound.lost) != 1:
             return {}
         low = self._value(fact.low)
-        of_both = [word for word in fact.names if low in self.bound(self._value(word)).lost]
+        of_both = [word for word in fact.names if low in self.of(self._value(word)).lost]
         if name not in of_both or fact.name not in of_both:
             return {}
         return {graph.name(fact.low): (1.0 if name == fact.low else -1.0, graph.name(fact.name))}

@@ -26,9 +26,9 @@ from fastlink.facts.derivative import (
     tolerance_name,
     toleranced,
 )
-from fastlink.facts.expression import CircularError, GraphAsWritten, postorder
-from fastlink.facts.fact import CatalogueError, Fact, GradedRange, Input, Loops, System
-from fastlink.facts.formula import NAMESPACE, Formula, SheetError
+from fastlink.facts.expression import CircularError, postorder, value_of
+from fastlink.facts.fact import Fact, GradedRange, Input, Loops, System
+from fastlink.facts.formula import CatalogueError, Formula, SheetError
 from fastlink.facts.names import (
     Below,
     Change,
@@ -52,9 +52,6 @@ from fastlink.facts.names import (
     root_of,
     size_name,
 )
-
-__all__ = ["ELIMINATED", "Catalogue"]
-
 
 #: The name of the solver that needs no linear system: closed forms.
 ELIMINATED = "eliminated"
@@ -580,10 +577,9 @@ class Catalogue:
     def check(self) -> None:
         """Raise CatalogueError if a formula is none, a name is not declared, or a fact depends on itself."""
         sets: tuple[Mapping[str, Fact | System], ...] = (self.facts, self.tables, *self.variants.values())
-        graph = GraphAsWritten(filter(callable, NAMESPACE.values()))
         for steps in sets:
             for step in steps.values():
-                graph.read(step.formula, [*map(graph.name, step.formula.parameters)])
+                value_of(step.formula)
                 if isinstance(step, System):
                     self._check_size(step)
         for variant, steps in self.variants.items():

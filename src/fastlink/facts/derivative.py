@@ -10,11 +10,11 @@ from typing import Any
 
 from fastlink.errors import InputError, Setting
 from fastlink.facts.expression import (
+    Algebra,
     ExpressionGraph,
     Node,
     generate_formula,
     is_power_of_two,
-    postorder,
 )
 from fastlink.facts.fact import Fact, Input, System
 from fastlink.facts.formula import Formula, parameters
@@ -32,25 +32,6 @@ from fastlink.numerics import compensated, vectors
 from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, atan2, cosine, select, sine, sqrt
 from fastlink.numerics.logarithm import log, log1p, log_quotient
 from fastlink.numerics.vectors import magnitude
-
-__all__ = [
-    "TOLERANCES",
-    "Derivation",
-    "NoDependence",
-    "NoDerivative",
-    "Term",
-    "change_fact",
-    "in_a_sentence",
-    "is_tolerance",
-    "labelled",
-    "tolerance_fact",
-    "tolerance_inputs",
-    "tolerance_name",
-    "toleranced",
-    "units_per",
-    "worded",
-]
-
 
 # -- Tell from the text of facts on what it depends whether a value is a number
 
@@ -172,7 +153,24 @@ RULES = {function: _rule(function, text) for function, text in DERIVATIVES.items
 PAIRS = {getattr(compensated, name) for name in compensated.__all__} - {compensated.power_of_two_below}
 
 
-class Derivation:
+class _Causes(Algebra[frozenset[Node]]):
+    """The operations beneath values, those of the names in them too, by which they may be no number."""
+
+    def __init__(self, expression: Callable[[str], Node | None]) -> None:
+        super().__init__()
+        self._expression = expression
+
+    def parts(self, node: Node) -> tuple[Node, ...]:
+        """Return the parts of a value, of a name the expression that it stands for."""
+        expression = self._expression(node.value) if node.kind == "name" else None
+        return node.args if expression is None else (expression,)
+
+    def rule(self, node: Node, parts: Sequence[frozenset[Node]]) -> frozenset[Node]:
+        """Return the operation itself, if it is one of these, and those of its parts."""
+        return frozenset(filter(None, [_cause(node)])).union(*parts)
+
+
+class Derivation(Algebra[Node]):
     """The derivatives of a mechanism's facts with respect to one variable."""
 
     def __init__(
@@ -183,14 +181,14 @@ class Derivation:
         moving: bool = False,
         guards: Callable[[str], bool] = lambda name: False,
     ) -> None:
+        super().__init__()
         self.by, self.find, self.declared, self.moving = by, find, declared, moving
         self.graph = ExpressionGraph(RULES)
         self._values: dict[str, tuple[Node, Node]] = {}
-        self._slopes: dict[str, Node] = {}
         self._facts: dict[str, Fact] = {}
         self._originals: dict[str, str] = {}
         self._guards = guards
-        self._causes: dict[Node, frozenset[Node]] = {}
+        self._causes = _Causes(self._expression)
 
     def fact(self, name: str) -> Fact:
         """Return the derivative of a fact."""
@@ -221,39 +219,27 @@ class Derivation:
     def _guarded(self, name: str, root: Node, value: Node) -> Node:
         """Return a derivative that is none where the name is no finite number."""
         # a force is none where the linkage does not assemble, but its derivative by a mass, an acceleration, may exist
-        if not self._guards(name) or not self._causes_of(value) - self._causes_of(root):
+        if not self._guards(name) or not self._causes.of(value) - self._causes.of(root):
             return root
         graph = self.graph
         exists = graph.node("<", graph.call(abs, graph.name(name)), graph.number(INFINITY))
         return graph.select(exists, root, graph.number(NOT_A_NUMBER))
 
-    def _causes_of(self, root: Node) -> frozenset[Node]:
-        """Return the operations beneath a value, those of the names in it too, by which it may be no number."""
-        made_of: dict[Node, tuple[Node, ...]] = {}
-
-        def parts(node: Node) -> tuple[Node, ...]:
-            expression = self._expression(node.value) if node.kind == "name" else None
-            made_of[node] = node.args if expression is None else (expression,)
-            return made_of[node]
-
-        for node in postorder([root], parts, self._causes):
-            found = (self._causes[part] for part in made_of[node])
-            self._causes[node] = frozenset(filter(None, [_cause(node)])).union(*found)
-        return self._causes[root]
-
     def slope(self, name: str) -> Node:
         """Return the derivative of a name as a number, a name, or minus a name."""
-        for each in postorder([name], self._parts, self._slopes):
-            self._slopes[each] = self._slope(each)
-        return self._slopes[name]
+        return self.of(self.graph.name(name))
 
-    def _parts(self, name: str) -> tuple[str, ...]:
-        """Return the names whose derivatives determine the derivative of a name."""
-        step = None if name == self.by.name or self.declared(name) is not None else self.find(name)
-        return () if step is None or (isinstance(step, Fact) and name == step.low) else step.depends_on
+    def parts(self, node: Node) -> tuple[Node, ...]:
+        """Return the values whose derivatives determine that of a value; of a name those that its fact depends on."""
+        if node.kind != "name":
+            return node.args
+        known = node.value == self.by.name or self.declared(node.value) is not None
+        step = None if known else self.find(node.value)
+        is_low = isinstance(step, Fact) and node.value == step.low
+        return () if step is None or is_low else tuple(map(self.graph.name, step.depends_on))
 
-    def _slope(self, name: str) -> Node:
-        graph = self.graph
+    def _of_name(self, node: Node, *slopes: Node) -> Node:
+        name, graph = node.value, self.graph
         if name == self.by.name:
             return graph.one
         step, declared = self.find(name), self.declared(name)
@@ -261,14 +247,14 @@ class Derivation:
             root = graph.read_fact(declared, declared.name)
         elif step is None or (isinstance(step, Fact) and name == step.low):
             return graph.zero  # given, or a rounding error
-        elif all(self._slopes[part] is graph.zero for part in step.depends_on):
+        elif all(slope is graph.zero for slope in slopes):
             return graph.zero
         elif isinstance(step, System):
             what = f"quantity {derivative_name(name, self.by.name)!r}: a linear system determines {name}"
             raise NoDerivative(what, remedy=("write ", Setting("solver", "eliminated")))
         else:
             value = graph.read_fact(step, name)
-            root = self._differentiate(value)
+            root = self.of(value)
             self._values[name] = root, value
         bare = root.args[0] if root.kind == "neg" else root
         if bare.kind in ("name", "number"):
@@ -287,48 +273,28 @@ class Derivation:
             return None
         return self.graph.read_fact(step, name if original is None else step.name)
 
-    def _differentiate(self, root: Node) -> Node:
-        """Return the derivative of a value."""
-        slopes: dict[Node, Node] = {}
-        for node in postorder([root], lambda node: node.args, slopes):
-            slopes[node] = self._rule(node, [slopes[arg] for arg in node.args])
-        return slopes[root]
+    def rule(self, node: Node, slopes: Sequence[Node]) -> Node:
+        """Return the derivative of a value, zero if all its parts have none."""
+        if node.kind != "name" and all(slope is self.graph.zero for slope in slopes):
+            return self.graph.zero
+        return super().rule(node, slopes)
 
-    def _rule(self, node: Node, slopes: Sequence[Node]) -> Node:
-        if node.kind == "name":
-            return self._slopes[node.value]
-        graph, args = self.graph, node.args
-        if all(slope is graph.zero for slope in slopes):
-            return graph.zero
-        match node.kind:
-            case "neg":
-                return graph.neg(slopes[0])
-            case "+" | "-":
-                return graph.operation(node.kind, *slopes)
-            case "*":
-                return self._of_power(node, slopes) or graph.add(
-                    graph.mul(slopes[0], args[1]), graph.mul(args[0], slopes[1])
-                )
-            case "/":
-                return self._of_quotient(node, slopes)
-            case "item":
-                # the slope of a call is that of its first result
-                return slopes[0] if node.value == 0 else graph.zero
-            case "call":
-                return self._of_call(node, slopes)
-        return graph.zero  # comparisons: the selected values are differentiated in `select`
+    def _of_negative(self, node: Node, da: Node) -> Node:
+        return self.graph.neg(da)
 
-    def _of_power(self, node: Node, slopes: Sequence[Node]) -> Node | None:
-        """Return the derivative of x x or x x x, None of another product."""
+    def _of_sum(self, node: Node, da: Node, db: Node) -> Node:
+        return self.graph.operation(node.kind, da, db)
+
+    def _of_product(self, node: Node, da: Node, db: Node) -> Node:
         graph, (a, b) = self.graph, node.args
         if a is b:
-            return graph.mul(graph.mul(graph.number(2.0), a), slopes[0])
+            return graph.mul(graph.mul(graph.number(2.0), a), da)
         if a.kind == "*" and a.args[0] is b and a.args[1] is b:
-            return graph.mul(graph.mul(graph.number(3.0), a), slopes[1])
-        return None
+            return graph.mul(graph.mul(graph.number(3.0), a), db)
+        return graph.add(graph.mul(da, b), graph.mul(a, db))
 
-    def _of_quotient(self, node: Node, slopes: Sequence[Node]) -> Node:
-        graph, (a, b), (da, db) = self.graph, node.args, slopes
+    def _of_quotient(self, node: Node, da: Node, db: Node) -> Node:
+        graph, (a, b) = self.graph, node.args
         if db is graph.zero:
             return graph.div(da, b)
         if a.kind == "number" and is_power_of_two(a.value):
@@ -336,7 +302,15 @@ class Derivation:
             return graph.neg(graph.mul(square, db))
         return graph.div(graph.sub(da, graph.mul(node, db)), b)
 
-    def _of_call(self, node: Node, slopes: Sequence[Node]) -> Node:
+    def _of_item(self, node: Node, slope: Node) -> Node:  # that of a call is the one of its first result
+        return slope if node.value == 0 else self.graph.zero
+
+    def _of_other(
+        self, node: Node, *slopes: Node
+    ) -> Node:  # what a comparison selects is differentiated in `select`
+        return self.graph.zero
+
+    def _of_call(self, node: Node, *slopes: Node) -> Node:
         graph, function, args = self.graph, node.value, node.args
         if function is vectors.choice and slopes[1] is slopes[2]:
             return slopes[1]

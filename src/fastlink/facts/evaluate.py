@@ -16,8 +16,6 @@ from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.fact import Fact, System
 from fastlink.numerics.elementary import context_of
 
-__all__ = ["evaluate_on_doubles", "evaluate_step", "read_facts", "stack_rows", "steps_of", "tables_at"]
-
 
 def read_facts(
     catalogue: Catalogue, names: Iterable[str], values: Mapping[str, Any], variants: Iterable[str] = ()

@@ -7,32 +7,21 @@ import math
 from collections import Counter
 from collections.abc import Callable, Collection, Container, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Self, TypeVar
+from functools import lru_cache
+from typing import Any, Generic, Self, TypeVar
 
 from fastlink.facts.fact import Fact
-from fastlink.facts.formula import Formula
+from fastlink.facts.formula import NAMESPACE, Formula
 from fastlink.numerics.compiler import COMPILED_AS
 from fastlink.numerics.elementary import atan2, cosine, select, sine, sqrt
 from fastlink.numerics.logarithm import log, log1p, log_quotient
-
-__all__ = [
-    "CircularError",
-    "Condition",
-    "ExpressionGraph",
-    "GraphAsWritten",
-    "Node",
-    "Valueless",
-    "beneath",
-    "generate_formula",
-    "is_power_of_two",
-    "postorder",
-]
-
+from fastlink.numerics.vectors import absolute, magnitude
 
 # -- Visit values after those that they are made of, in chains of any length: no recursion
 
 
 T = TypeVar("T", bound=Hashable)
+M = TypeVar("M")
 
 
 class CircularError(Exception):
@@ -92,6 +81,45 @@ class Node:
     def is_condition(self) -> bool:
         """Whether it is a comparison, or several."""
         return self.kind in COMPARISONS or self.kind in ("&", "|")
+
+
+#: The method of `Algebra` that gives the meaning of a kind of value; `_of_other` of all others.
+METHODS = {
+    "name": "_of_name",
+    "number": "_of_number",
+    "neg": "_of_negative",
+    "item": "_of_item",
+    "call": "_of_call",
+}
+METHODS |= {"+": "_of_sum", "-": "_of_sum", "*": "_of_product", "/": "_of_quotient"}
+
+
+class Algebra(Generic[M]):
+    """What values mean to a reader, each from what its parts mean: readers say it by a method for each kind."""
+
+    def __init__(self) -> None:
+        self.meanings: dict[Node, M] = {}
+
+    def of(self, root: Node) -> M:
+        """Return the meaning of a value."""
+        meanings, made_of = self.meanings, dict[Node, tuple[Node, ...]]()
+
+        def parts(node: Node) -> tuple[Node, ...]:
+            found = made_of[node] = self.parts(node)
+            return found
+
+        for node in postorder([root], parts, meanings):
+            meanings[node] = self.rule(node, [meanings[part] for part in made_of[node]])
+        return meanings[root]
+
+    def parts(self, node: Node) -> tuple[Node, ...]:
+        """Return the values by whose meanings that of a value is known."""
+        return node.args
+
+    def rule(self, node: Node, parts: Sequence[M]) -> M:
+        """Return the meaning of a value from those of its parts."""
+        found: M = getattr(self, METHODS.get(node.kind, "_of_other"))(node, *parts)
+        return found
 
 
 def beneath(
@@ -390,6 +418,25 @@ def winding(nodes: Iterable[Node], known: Callable[[str], Mapping[str, float]]) 
     return found[node]
 
 
+def divisors(nodes: Iterable[Node]) -> list[Node]:
+    """Return the values of which one vanishes where one of some values is divided by zero."""
+    return list(dict.fromkeys(zero for node in nodes if node.kind == "/" for zero in _zeros(node.args[1])))
+
+
+def _zeros(node: Node) -> list[Node]:
+    """Return the values of which one vanishes where a value does: factors, and what a size or a root is of."""
+    match node.kind:
+        case "*":
+            return [zero for part in node.args for zero in _zeros(part)]
+        case "neg" | "/":
+            return _zeros(node.args[0])
+        case "call" if node.value in (sqrt, absolute):
+            return _zeros(node.args[0])
+        case "call" if node.value is magnitude:
+            return []  # it vanishes where two values do, at no position of most designs
+    return [node]
+
+
 def is_power_of_two(x: float) -> bool:
     """Tell whether a number is a power of two, so that products with it are exact."""
     return math.frexp(abs(x))[0] == 0.5
@@ -461,7 +508,14 @@ class Valueless:
     __hash__ = None  # type: ignore[assignment]
 
 
-# -- Formulas made of expressions
+# -- Formulas made of expressions, and expressions of formulas
+
+
+@lru_cache(maxsize=2048)
+def value_of(formula: Formula) -> Node:
+    """Return what a formula returns in names of its parameters, as it is written: each function remains a call."""
+    graph = GraphAsWritten(filter(callable, NAMESPACE.values()))
+    return graph.read(formula, [*map(graph.name, formula.parameters)])
 
 
 def generate_formula(name: str, graph: ExpressionGraph, root: Node, given: Mapping[Node, str]) -> Formula:

@@ -12,19 +12,7 @@ from dataclasses import dataclass, field, replace
 from functools import reduce
 from typing import Any, Literal
 
-from fastlink.facts.formula import CatalogueError, Formula
-
-__all__ = [
-    "CatalogueError",
-    "Fact",
-    "GradedRange",
-    "Input",
-    "KnownExtremes",
-    "Loops",
-    "Rule",
-    "System",
-]
-
+from fastlink.facts.formula import Formula
 
 Rule = Literal["positive", "non-negative", "any"]
 
@@ -211,6 +199,8 @@ class GradedRange:
     divisors : mapping of str to (str, int)
         For a quantity the fact that it is divided by and that may come close to zero anywhere in the range, never
         negative, and the power of it by which its derivative is divided.
+    poles : mapping of str to tuple of str
+        For a quantity the facts that it is divided by, which vanish where it may pass infinity.
     kinks : mapping of str to (tuple of str, tuple of str)
         For a quantity that chooses between smooth ones the facts that vanish where it does, and the smooth ones.
     turns : mapping of str to str
@@ -244,7 +234,12 @@ class GradedRange:
     kinks: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = field(default_factory=dict)
     turns: Mapping[str, str] = field(default_factory=dict)
     windings: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    poles: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def jumps_at(self, quantity: str) -> tuple[str, ...]:
         """Return the facts that vanish where a quantity jumps along with angles that it is made of."""
         return tuple(self.wraps_at[angle] for angle in self.windings.get(quantity, ()))
+
+    def breaks_at(self, quantity: str) -> tuple[str, ...]:
+        """Return the facts that vanish where a quantity jumps, or may pass infinity."""
+        return *self.jumps_at(quantity), *self.poles.get(quantity, ())

@@ -15,18 +15,6 @@ from fastlink.facts.names import innermost
 if TYPE_CHECKING:
     from fastlink.facts.catalogue import Catalogue
 
-__all__ = [
-    "Entry",
-    "Index",
-    "Ranked",
-    "best_names",
-    "did_you_mean",
-    "index_of_inputs",
-    "index_of_quantities",
-    "squeezed",
-    "words",
-]
-
 
 # -- Read names and phrases as words of the field, so that other spellings compare equal
 

@@ -17,9 +17,6 @@ from fastlink.errors import suggest
 from fastlink.numerics import compensated, elementary, logarithm, vectors
 from fastlink.numerics.compiler import parsed, syntax
 
-__all__ = ["NAMESPACE", "CatalogueError", "Formula", "SheetError", "parameters"]
-
-
 #: The functions and constants that a formula may name.
 NAMESPACE: dict[str, Any] = {
     **{name: getattr(module, name) for module in (compensated, vectors) for name in module.__all__},

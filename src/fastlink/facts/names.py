@@ -33,39 +33,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fastlink.facts.fact import CatalogueError
+from fastlink.facts.formula import CatalogueError
 
 if TYPE_CHECKING:
     from fastlink.facts.catalogue import Catalogue
-
-__all__ = [
-    "Below",
-    "Change",
-    "Derivative",
-    "ErrorBound",
-    "GradientStatus",
-    "ListOfExtrema",
-    "Made",
-    "Name",
-    "Quantity",
-    "Reduced",
-    "Size",
-    "Trust",
-    "as_derivative",
-    "bounded_of",
-    "derivative_name",
-    "error_name",
-    "forget_reduction",
-    "form_of",
-    "innermost",
-    "parse",
-    "plain_part",
-    "reading_of",
-    "register_reduction",
-    "root_of",
-    "signed",
-    "size_name",
-]
 
 
 # -- Names as trees: what a name is made of, and how it is spelt. They are read in `fastlink.facts.names`
@@ -268,6 +239,12 @@ def as_derivative(name: str) -> tuple[str, str] | None:
         return None
     of, sign, by = name[len(BEFORE) :].rpartition(BY)
     return (of, by) if sign and of and by else None
+
+
+def ending(name: str) -> tuple[str, str]:
+    """Return a name without its last part, and that part: omega4 and maxx of omega4_maxx."""
+    of, _, last = name.rpartition("_")
+    return of, last
 
 
 def innermost(name: str, known: Catalogue) -> str:

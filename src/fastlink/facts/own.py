@@ -13,7 +13,7 @@ import textwrap
 import traceback
 from collections.abc import Callable, Generator, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import lru_cache, reduce
+from functools import lru_cache, partial, reduce
 from itertools import product
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
@@ -30,6 +30,7 @@ from fastlink.facts.expression import (
     GraphAsWritten,
     Node,
     beneath,
+    divisors,
     generate_formula,
     postorder,
     winding,
@@ -50,22 +51,6 @@ from fastlink.facts.powers import UNITS, Powers, UnlikePowers, units_text
 from fastlink.numerics.compiler import parsed
 from fastlink.numerics.elementary import NOT_A_NUMBER, select, sqrt
 from fastlink.numerics.vectors import absolute, choice, magnitude
-
-__all__ = [
-    "TAKEN",
-    "TOO_LONG",
-    "Definition",
-    "OwnQuantity",
-    "check_name",
-    "check_units",
-    "declared_names",
-    "definition_text",
-    "extended",
-    "is_reserved",
-    "read_quantity",
-    "used",
-]
-
 
 # -- What a user's function may call
 
@@ -549,18 +534,18 @@ OF_KERNELS = """
     designs divide divided doubt drop_folds end_values ends entries every_vector extrema_at_zeros
     filled fine_marks flag_undecided flags flattened fluctuation_lanes forget_slopes forget_splits
     forget_winners from_high from_low from_upper gather gradients has_no_bound i i0 inf j j0 j1 j2
-    judge_winners k keep_away keep_beside keep_certain keep_fine keep_near keep_octave keep_slope
-    keep_slopes keep_splits keep_turned kernel known lanes lists mark mark_ends mark_fine
+    judge_winners k keep_at_pole keep_away keep_beside keep_certain keep_fine keep_near keep_octave
+    keep_slope keep_slopes keep_splits keep_turned kernel known lanes lists mark mark_ends mark_fine
     mark_splits mark_unresolved marks max min mirror_image n_angles n_designs n_ends n_here n_lost
     n_moving n_near n_octaves n_open n_tries n_turned n_vectors nan next_split note_hidden
     note_kinks note_uncertain note_winners nothing_yet octaves of_better off_at_end outlined padded
-    piece place_aside place_beside place_ends place_fine place_lost place_near place_octave
-    place_samples place_slope place_split position range replace_cells rest roots roundness_lanes
-    samples set_aside set_bracket settle_jumps settle_slopes settle_toggles side signs silence_rest
-    silenced solve_lanes split splits square start state step store_best store_bound store_change
-    store_counts store_extrema store_gradient store_list store_status straightness_lanes sums table
-    tile to_sample trial tries turn unlist_jumps unresolved upper v valleys vectors w w2
-    weigh_octave width winners
+    piece place_aside place_at_pole place_beside place_ends place_fine place_lost place_near
+    place_octave place_samples place_slope place_split pole_values position range replace_cells rest
+    roots roundness_lanes samples set_aside set_bracket settle_jumps settle_slopes settle_toggles
+    side signs silence_rest silenced solve_lanes split splits square start state step store_best
+    store_bound store_change store_counts store_extrema store_gradient store_list store_status
+    straightness_lanes sums table tile to_sample trial tries turn unlist_jumps unresolved upper v
+    valleys vectors w w2 weigh_octave width winners
 """
 TAKEN = frozenset({*OPTIONS.split(), *OF_KERNELS.split(), *NAMESPACE})
 #: The beginnings of names that kernels make.
@@ -882,6 +867,7 @@ def _declare(catalogue: Catalogue, one: OwnQuantity) -> None:
         assert catalogue.graded is not None
         windings = {**catalogue.graded.windings, one.name: turns}
         catalogue.graded = replace(catalogue.graded, windings=windings)
+    _declare_poles(catalogue, one, root, graph, labels)
 
 
 def _declare_kinks(
@@ -892,23 +878,53 @@ def _declare_kinks(
     assert graded is not None
     known = {name: pieces for name, (_, pieces) in graded.kinks.items()}
     found = split(graph, root, known)
+    declared = partial(_declared_step, catalogue, one, graph, labels)
     inner = [switch for name in one.parameters for switch in graded.kinks.get(name, ((), ()))[0]]
     if found is None or len(inner) + len(found[0]) + len(found[1]) > MOST_KINKS:
         return False
-
-    def declared(noun: str, k: int, node: Node) -> str:
-        """Declare a value as a step within the facts, and return its name; a quantity is that."""
-        if node.kind == "name" and catalogue.is_quantity(node.value):
-            return str(node.value)
-        formula = generate_formula(f"{one.name}_{noun}{k}", graph, node, {})
-        catalogue.declare(Fact(formula.name, formula, formula.parameters, **labels, internal=True))
-        return formula.name
 
     kinks = *inner, *(declared("kink", k, node) for k, node in enumerate(found[0]))
     pieces = tuple(declared("piece", k, node) for k, node in enumerate(found[1]))
     if kinks or pieces or any(name in known for name in one.parameters):
         catalogue.graded = replace(graded, kinks={**graded.kinks, one.name: (kinks, pieces)})
     return True
+
+
+def _declare_poles(
+    catalogue: Catalogue, one: OwnQuantity, root: Node, graph: GraphAsWritten, labels: dict[str, Any]
+) -> None:
+    """Declare what a quantity is divided by, of itself or of the quantities that it is made of."""
+    graded, nodes = catalogue.graded, beneath([root])
+    assert graded is not None
+    moving = [zero for zero in divisors(nodes) if any(_moves(catalogue, part) for part in beneath([zero]))]
+    poles = [_declared_step(catalogue, one, graph, labels, "pole", k, node) for k, node in enumerate(moving)]
+    poles += [pole for name in one.parameters for pole in graded.poles.get(name, ())]
+    if poles and one.name not in graded.not_differentiable:
+        catalogue.graded = replace(graded, poles={**graded.poles, one.name: tuple(dict.fromkeys(poles))})
+
+
+def _moves(catalogue: Catalogue, node: Node) -> bool:
+    """Tell whether a value is the input position, or a quantity, which may change with it."""
+    return node.kind == "name" and (
+        node.value == catalogue.position.name or catalogue.is_quantity(node.value)
+    )
+
+
+def _declared_step(
+    catalogue: Catalogue,
+    one: OwnQuantity,
+    graph: GraphAsWritten,
+    labels: dict[str, Any],
+    noun: str,
+    k: int,
+    node: Node,
+) -> str:
+    """Declare a value as a step within the facts, and return its name; a quantity is that."""
+    if node.kind == "name" and catalogue.is_quantity(node.value):
+        return str(node.value)
+    formula = generate_formula(f"{one.name}_{noun}{k}", graph, node, {})
+    catalogue.declare(Fact(formula.name, formula, formula.parameters, **labels, internal=True))
+    return formula.name
 
 
 def _units_of(catalogue: Catalogue, one: OwnQuantity, name: str) -> str:

@@ -24,17 +24,6 @@ if TYPE_CHECKING:
 
     from fastlink.facts.fact import Input
 
-__all__ = [
-    "UNITS",
-    "Powers",
-    "UnlikePowers",
-    "any_beyond_range",
-    "beyond_range",
-    "dimensions",
-    "limits",
-    "units_text",
-]
-
 
 #: Powers of kilogram, metre and second.
 UNITS: dict[str, tuple[int, int, int]] = {

@@ -40,7 +40,7 @@ from __future__ import annotations
 import ast
 import math
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from keyword import kwlist
 from pathlib import Path
@@ -48,15 +48,21 @@ from typing import Any, get_args
 
 from fastlink.errors import InputError, suggest
 from fastlink.facts.catalogue import Catalogue, plain_and_above
-from fastlink.facts.expression import GraphAsWritten, beneath, winding
+from fastlink.facts.expression import (
+    OPERATORS,
+    GraphAsWritten,
+    beneath,
+    divisors,
+    generate_formula,
+    value_of,
+    winding,
+)
 from fastlink.facts.fact import Fact, GradedRange, Input, Loops, Rule, System
 from fastlink.facts.formula import NAMESPACE, WORD, CatalogueError, Formula, SheetError
 from fastlink.facts.names import root_of
 from fastlink.facts.own import check_units, is_reserved
 from fastlink.facts.powers import Powers, UnlikePowers
 from fastlink.numerics.elementary import atan2, sqrt
-
-__all__ = ["Entry", "SheetError", "entries_of", "mechanism_of", "read_sheet", "read_sheets", "wrong_units"]
 
 HEAD = re.compile(
     r"(?P<kind>step |system |loops |also |let )?(?P<name>[A-Za-z_]\w*)"
@@ -354,6 +360,7 @@ def mechanism_of(text: str, file: str) -> Catalogue:
     found = Catalogue(title["name"], title["unknowns"], branches, Input(name, "rad", symbol, meaning))
     _check_names(entries)
     read_sheet(TURN.read_text(encoding="utf-8").replace("POSITION", name), "what every sheet gets", found)
+    shared = {*found.facts, "Z0", "C0"}
     read_sheet(text, file, found)
     _check_facts(found)
     conditions = (
@@ -377,7 +384,8 @@ def mechanism_of(text: str, file: str) -> Catalogue:
         raise SheetError(place, f"{name} {problem}", "mend its units, or its formula")
     if found.loops is not None:
         _check_loops(found, found.loops)
-    return found
+    found.graded = replace(found.graded, poles=_with_poles(found, shared))
+    return found.copied()  # without what was noted before the last step was declared
 
 
 #: Functions of formulas that tables alone may call, and what facts have in their place.
@@ -490,13 +498,12 @@ def _graded_range(known: Catalogue) -> GradedRange:
     sampled = []
     open_ends, windings = _with_roots(known)
     for name, fact in known.public.items():
-        result = fact.formula.result
-        is_angle = isinstance(result, ast.Call) and ast.unparse(result.func) == "atan2"
-        sine = result.args[0] if isinstance(result, ast.Call) and is_angle else result
-        sine = sine.left if isinstance(sine, ast.BinOp) else sine
-        if is_angle and isinstance(sine, ast.Name) and sine.id in known.facts and name not in open_ends:
-            wraps[name] = sine.id
-        elif is_angle or name in open_ends or not fact.formula.uses.isdisjoint(JUMPS):
+        value = value_of(fact.formula)
+        sine = value.args[0] if value.value is atan2 else value
+        sine = sine.args[0] if sine.kind in OPERATORS else sine
+        if value.value is atan2 and sine.value in known.facts and name not in open_ends:
+            wraps[name] = sine.value
+        elif value.value is atan2 or name in open_ends or not fact.formula.uses.isdisjoint(JUMPS):
             sampled.append(name)
     jumping = {name: windings[name] for name in known.public if windings[name] and name not in wraps}
     sampled += [name for name, turns in jumping.items() if not turns.keys() <= wraps.keys()]
@@ -514,9 +521,8 @@ def _with_roots(known: Catalogue) -> tuple[set[str], dict[str, dict[str, float]]
     windings: dict[str, dict[str, float]] = {known.position.name: {known.position.name: 1.0}}
     given = {*known.inputs, *known.tables, *known.table_low_parts, known.position.name, "branch"}
     closes = {*known.tables, "p", "q", "sigma"}
-    graph = GraphAsWritten(filter(callable, NAMESPACE.values()))
     for step in known.dependencies(sorted(known.public), given):
-        value = graph.read(step.formula, [*map(graph.name, step.depends_on)])
+        value = value_of(step.formula)
         nodes = beneath([value])
         turns = winding(nodes, lambda name: windings.get(name, {}))
         windings.update(dict.fromkeys(step.names, {step.name: 1.0} if value.value is atan2 else turns))
@@ -527,6 +533,33 @@ def _with_roots(known: Catalogue) -> tuple[set[str], dict[str, dict[str, float]]
         if not found.isdisjoint(root_of(known.parse(need)) for need in step.depends_on):
             found.update(step.names)
     return found, windings
+
+
+def _with_poles(known: Catalogue, shared: Collection[str]) -> dict[str, tuple[str, ...]]:
+    """Return the facts that a quantity, or what it is made of, is divided by; other values become steps.
+
+    What every sheet shares is divided by nothing that vanishes within the range.
+    """
+    found: dict[str, dict[str, None]] = {}
+    given = {*known.inputs, *known.tables, *known.table_low_parts, known.position.name, "branch"}
+    for step in [*known.dependencies(sorted(known.public), given)]:
+        if not isinstance(step, Fact) or step.name in shared:
+            continue
+        poles = dict[str, None]()
+        for k, zero in enumerate(divisors(beneath([value_of(step.formula)]))):
+            names = [part.value for part in beneath([zero]) if part.kind == "name"]
+            if not any(known.varies(name) for name in names if name not in shared):
+                continue
+            if zero.kind != "name":
+                formula = generate_formula(f"{step.name}_pole{k}", GraphAsWritten(()), zero, {})
+                labels: dict[str, Any] = dict.fromkeys(("symbol", "meaning"), formula.name)
+                labels |= {"units": "1", "source": step.source, "internal": True}
+                known.declare(Fact(formula.name, formula, formula.parameters, **labels))
+            poles[zero.value if zero.kind == "name" else formula.name] = None
+        for need in step.depends_on:
+            poles |= found.get(root_of(known.parse(need)), {})
+        found.update(dict.fromkeys(step.names, poles))
+    return {name: tuple(found[name]) for name in known.public if found.get(name)}
 
 
 def _loops(entry: Entry, unknowns: tuple[str, ...], said: Mapping[str, str], formula: Formula) -> Loops:

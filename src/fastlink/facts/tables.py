@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
     from fastlink.facts.catalogue import Catalogue
 
-__all__ = ["angle_tables", "words"]
-
 
 Function = Callable[[Any], Any]
 

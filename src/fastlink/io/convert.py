@@ -68,9 +68,6 @@ from fastlink.space.design_space import (
 )
 from fastlink.space.tables import FORMAT, STATUS
 
-__all__ = ["Source", "check_conversion", "convert"]
-
-
 # -- The compressions of converted files, by name and level, in the words of each library
 
 
@@ -87,6 +84,7 @@ OF_FORMAT = {
     "zarr": ("gzip", "zstd", "blosc", "lz4"),
     "parquet": ("gzip", "zstd", "lz4"),
     "csv": (),
+    "xlsx": (),
 }
 
 
@@ -131,7 +129,8 @@ def check_compression(value: Any, format: str) -> Compression | None:
     known = OF_FORMAT[format]
     if not known:
         remedy = "leave it out, and compress the file afterwards, or write a .parquet"
-        raise InputError(f"is {short_repr(value)}, and CSV is plain text", where=where, remedy=remedy)
+        why = "CSV is plain text" if format == "csv" else "a workbook is compressed anyway"
+        raise InputError(f"is {short_repr(value)}, and {why}", where=where, remedy=remedy)
     name, colon, level = value.partition(":") if isinstance(value, str) else (value, "", "")
     name = check_choice(where, name, known)
     levels = LEVELS[name]
@@ -681,6 +680,42 @@ def write_parquet(task: Task) -> None:
         out.publish()
 
 
+def write_xlsx(task: Task) -> None:
+    """Write an Excel workbook: a sheet of the rows, to 16 digits, and one that says what each column is."""
+    import openpyxl
+
+    fields, book = _fields(task.source), openpyxl.Workbook(write_only=True)
+    rows, about = book.create_sheet("designs"), book.create_sheet("columns")
+    rows.freeze_panes = "A2"
+    with OutputFile(task.path, task.overwrite, _empty) as out:
+        rows.append(list(fields))
+        try:
+            for columns in _rows(task, TEXT_BYTES):
+                cells = [[_cell(value) for value in spread(values).tolist()] for values, spread in columns]
+                for row in zip(*cells, strict=True):
+                    rows.append(row)
+        except BaseException:
+            rows.close()  # its text waits in a file of its own
+            raise
+        about.append(["column", "units", "meaning"])
+        for name, one in fields.items():
+            about.append([name, *(_cell(str(one.attrs.get(key, ""))) for key in ("units", "long_name"))])
+        for name, value in as_json(task.attrs).items():
+            about.append([name, "", _cell(value if isinstance(value, str) else json.dumps(value))])
+        with os.fdopen(os.dup(out.fd), "wb") as file:
+            book.save(file)
+        out.publish()
+
+
+def _cell(value: Any) -> Any:
+    """Return a value as Excel has it: nothing in place of NaN, infinity and signs without a picture as text."""
+    if isinstance(value, str):
+        return value if value.isprintable() else ascii(value)[1:-1]
+    if not isinstance(value, float) or math.isfinite(value):
+        return value
+    return None if math.isnan(value) else repr(value)
+
+
 def _empty(path: Path) -> None:
     os.close(partial_file.create(path))
 
@@ -728,9 +763,11 @@ FORMATS = {
     ".zarr": "zarr",
     ".csv": "csv",
     ".parquet": "parquet",
+    ".xlsx": "xlsx",
 }
-#: Packages that write a format.
-NEEDS = {"zarr": "zarr", "parquet": "pyarrow"}
+#: Packages that write a format; forms of tables, and the rows of a sheet of Excel below its head.
+NEEDS = {"zarr": "zarr", "parquet": "pyarrow", "xlsx": "openpyxl"}
+TABLES, MOST_ROWS = ("csv", "parquet", "xlsx"), 2**20 - 1
 TYPES = ("float32", "float64")
 
 
@@ -756,8 +793,8 @@ def convert(
     maps : path or xarray.Dataset
         The file of a map, or the result of `fastlink.sweep` or `fastlink.open`.
     to : path
-        What to write, by its ending: ``.h5`` or ``.nc`` (HDF5, which is netCDF-4), ``.zarr``, ``.csv`` or ``.parquet``.
-        CSV and Parquet have one row per configuration, with all inputs as columns.
+        What to write, by its ending: ``.h5`` or ``.nc`` (HDF5, which is netCDF-4), ``.zarr``, ``.csv``,
+        ``.parquet`` or ``.xlsx`` (Excel). The last three have one row per configuration, with all inputs as columns.
     select : mapping, optional
         What to take, by the names of dimensions and inputs: ``"1.1:1.2"`` or ``(1.1, 1.2)`` a range with both ends,
         ``0.5`` the nearest value, ``"#3"`` and ``"#0:10"`` numbers of values as Python counts. Other units by names
@@ -820,8 +857,11 @@ def convert(
         attrs = labelled(dataset, source, selection, command)
         if compression is not None:
             attrs[COMPRESSION] = str(compression)
-        if form in ("csv", "parquet"):
+        if form in TABLES:
             check_table(source.variables)
+        if form == "xlsx" and (rows := math.prod(_widest(source).shape)) > MOST_ROWS:
+            what = f"the map has {rows:,} rows, and a sheet of Excel {MOST_ROWS:,}"
+            raise InputError(what, ("to",), "write a .csv or a .parquet, or select a part")
         with _shown(source.nbytes, progress) as show:
             WRITERS[form](Task(path, source, attrs, overwrite, show, compression))
     if source.overflows:
@@ -830,7 +870,13 @@ def convert(
     return path
 
 
-WRITERS = {"hdf5": write_hdf5, "zarr": write_zarr, "csv": write_csv, "parquet": write_parquet}
+WRITERS = {
+    "hdf5": write_hdf5,
+    "zarr": write_zarr,
+    "csv": write_csv,
+    "parquet": write_parquet,
+    "xlsx": write_xlsx,
+}
 
 
 def _format(to: Any) -> str:

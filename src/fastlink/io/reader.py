@@ -471,6 +471,8 @@ def existing_map(path: Any, *, or_zarr: bool = False) -> Path:
     if not os.path.exists(file):
         hint = f"; {left.name} is of a run that has not finished" if (left := left_of(file)) else ""
         raise InputError(f"{file}: there is no such file{hint}", remedy="give the path of a written map")
+    if file == left_of(file.with_suffix("")) and read_seal(file)[1] is None:
+        raise InputError(f"{file}: is of a run that has not finished", remedy="run the same again to go on")
     return file
 
 

@@ -17,19 +17,6 @@ from fastlink.errors import InputError, Problems, Remedy, Setting, remark, sugge
 from fastlink.space.design_space import as_real
 from fastlink.space.units import RADIANS, check_unit, remark_on_angles, scaled, split, usual_name
 
-__all__ = [
-    "SLACK",
-    "Indexer",
-    "Range",
-    "Selection",
-    "form_of",
-    "in_units",
-    "is_scale",
-    "named",
-    "nearest",
-    "selected",
-]
-
 
 @dataclass(frozen=True)
 class Range:

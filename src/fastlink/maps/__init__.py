@@ -66,7 +66,7 @@ class MapAccessor(Suggesting):
             The variable, such as ``"grashof_class"``.
         """
         array = self._coded(of)
-        return has_flag(array, check_flags(array, "of", meanings))
+        return has_flag(array, check_flags(array, ("meanings",), meanings))
 
     @door
     def where_status(self, *meanings: str, of: str = STATUS) -> xr.Dataset:
@@ -302,7 +302,7 @@ class VariableAccessor(Suggesting):
     @door
     def status_is(self, *meanings: str) -> xr.DataArray:
         """Return where this code has one of some meanings, as a mask."""
-        return has_flag(self._array, check_flags(self._array, "meanings", meanings))
+        return has_flag(self._array, check_flags(self._array, ("meanings",), meanings))
 
     @door
     def finite(self) -> xr.DataArray:

@@ -14,6 +14,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from fastlink import errors
 from fastlink._text import counted, joined, short_number, short_repr
 from fastlink.errors import InputError, Pair, Problems, Setting, check_choice, check_switch, check_whole
 from fastlink.io.checksums import pieces
@@ -21,6 +22,7 @@ from fastlink.io.where import SLACK, Range, form_of, in_units, named
 from fastlink.maps.units import check_flags, flags_of
 from fastlink.space.design_space import BRANCH, DESIGN
 from fastlink.space.tables import STATUS
+from fastlink.space.units import named_with_unit
 
 # -- Conditions on the rows of a map: masks, meanings of a code, ranges of values
 
@@ -88,7 +90,7 @@ def conditions(maps: xr.Dataset, where: Any) -> list[Condition]:
         if STATUS not in maps:
             what = "the map has no variable 'status'"
             raise InputError(what, ("where",), "give a mask, such as maps.a1 < 0.5")
-        return [_of_code(maps[STATUS], "where", where)]
+        return [_of_code(maps[STATUS], ("where",), where)]
     if isinstance(where, Mapping) and not hasattr(where, "data_vars"):
         problems, made = Problems(), list[Condition]()
         for name, given in where.items():
@@ -114,7 +116,7 @@ def check_along(name: Any, dim: str, length: int, sizes: Mapping[Any, int]) -> N
         raise InputError(what, ("where",), "give a mask made from the same map")
 
 
-def _of_code(array: xr.DataArray, where: str, meanings: Any) -> Condition:
+def _of_code(array: xr.DataArray, where: errors.KeyPath, meanings: Any) -> Condition:
     codes = check_flags(array, where, [meanings] if isinstance(meanings, str) else list(meanings))
     return Condition(array, tuple(codes))
 
@@ -128,13 +130,14 @@ def _of_name(maps: xr.Dataset, name: Any, given: Any) -> Condition:
     problems.stop()
     array = maps[key or check_choice(("where",), name, list(known))]
     if flags_of(array) and isinstance(given, (str, list, tuple)):
-        return _of_code(array, name, given)
+        return _of_code(array, ("where", str(name)), given)
     if flags_of(array):
         what = f"{array.name} is a code, and given {short_repr(given)}"
         remedy = f"write one of its meanings, {', '.join(flags_of(array))}"
         raise InputError(what, ("where", str(name)), remedy)
     with problems.at("where", str(name)):
-        form = form_of(given, ("write ", Pair(unlimited=True), ", or a number to be met"))
+        of_unit = named_with_unit(str(name), given, shown=False)
+        form = form_of(given, of_unit or ("write ", Pair(unlimited=True), ", or a number to be met"))
         limits = form if isinstance(form, Range) else Range(form, form)
         if limits.low == math.inf or limits.high == -math.inf:
             raise InputError("takes no finite number", remedy=("write ", Pair(unlimited=True)))
@@ -337,6 +340,8 @@ DEFAULT_TOP = 10
 REFINEMENT, ACTIVE, GAIN, STARTS = "refinement", "active", "gain", "starts"
 #: What is said of designs that do not meet all conditions: which ones, and by how much.
 MISSED = "missed"
+#: The remedy where no design meets all conditions.
+WIDEN = "widen the conditions or the ranges, or search more designs"
 #: So many rows that miss least are kept for each design that is wanted, to refine them.
 NEAREST = 64
 NOT_A_NUMBER, INFINITE = "not a number", "infinite"
@@ -487,14 +492,17 @@ class Tally:
     not_numbers: int = 0
     infinite: int = 0
 
-    def nothing_found(self, choice: Choice, size: int) -> InputError:
-        """Return the error where none of so many rows counts, and none could by other numbers."""
+    def none_of(self, choice: Choice, size: int, noun: str = "row") -> str:
+        """Return a text that none of so many rows counts, and why."""
         failed = zip(choice.wanted, self.failed.tolist(), strict=True)
         reasons = [f"{count:,} fail {one.array.name or 'the mask'}" for one, count in failed if count]
         reasons += [f"{self.not_numbers:,} have no number"] if self.not_numbers else []
         reasons += [f"{self.infinite:,} are infinite"] if self.infinite else []
-        what = f"none of {counted(size, 'row')} meets all conditions: {', '.join(reasons)}"
-        return InputError(what, ("where",), "widen the conditions or the ranges, or search more designs")
+        return f"none of {counted(size, noun)} meets all conditions: {', '.join(reasons)}"
+
+    def nothing_found(self, choice: Choice, size: int) -> InputError:
+        """Return the error where none of so many rows counts, and none could by other numbers."""
+        return InputError(self.none_of(choice, size), ("where",), WIDEN)
 
     @property
     def counting(self) -> int:
@@ -577,6 +585,14 @@ def labelled_missed(found: xr.Dataset, texts: list[str]) -> xr.Dataset:
     return found.assign_coords({MISSED: ((DESIGN,), np.array(texts), attrs)}) if any(texts) else found
 
 
+def remarked(found: xr.Dataset) -> xr.Dataset:
+    """Return the designs that were found; a warning tells if none meets all conditions."""
+    if MISSED in found.coords and (found[MISSED].values != "").all():
+        what = f"{str(found.attrs['selection']).partition(';')[0]}; these miss least, by what 'missed' says"
+        errors.remark(what, ("where",), WIDEN, errors.ResultWarning)
+    return found
+
+
 def merged_nearest(
     most: int, *kept: tuple[NDArray[np.int64], NDArray[np.float64]]
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
@@ -638,7 +654,7 @@ def _best_of(rows: Rows, choice: Choice) -> Selection:
     if not len(chosen) and not len(near):
         raise reading.tally.nothing_found(choice, math.prod(rows.shape))
     if not len(chosen):
-        about = f"none of {math.prod(rows.shape):,} rows meets all conditions: the nearest ones"
+        about = f"{reading.tally.none_of(choice, math.prod(rows.shape))}; the nearest ones"
         return Selection(rows, near, about + reading.noted(), choice)
     near = near[: choice.nearest if len(chosen) < choice.enough else 0]
     if len(sought) > 1:
@@ -675,4 +691,4 @@ def top(maps: xr.Dataset, n: int, by: str, *, largest: bool, where: Any, infinit
     for condition in wanted:
         for dim, length in condition.array.sizes.items():
             check_along(condition.array.name, str(dim), length, rows.sizes)
-    return _best_of(rows, Choice([key], wanted, n, infinite, nearest=n)).of(maps)
+    return remarked(_best_of(rows, Choice([key], wanted, n, infinite, nearest=n)).of(maps))

@@ -190,19 +190,20 @@ def flags_of(array: xr.DataArray) -> dict[str, int]:
     return dict(zip(meanings, codes.tolist(), strict=True))
 
 
-def check_flags(array: xr.DataArray, where: str, meanings: Sequence[Any]) -> list[int]:
+def check_flags(array: xr.DataArray, where: KeyPath, meanings: Sequence[Any]) -> list[int]:
     """Return the codes of some meanings of a variable, of which spaces may stand for underscores, or refuse them."""
     flags = flags_of(array)
     if not flags:
         what = f"{array.name!r} has no codes with meanings"
-        raise InputError(what, (where,), "give a variable with flag_values and flag_meanings")
+        raise InputError(what, where, "give a variable with flag_values and flag_meanings")
     if array.dtype.kind not in "iu":
         what = f"{array.name!r} holds values that are not codes"
-        raise InputError(what, (where,), "make masks before averaging, and before masking codes")
+        raise InputError(what, where, "make masks before averaging, and before masking codes")
     if not meanings:
-        raise InputError("is empty", ("meanings",), f"write one of {', '.join(flags)}")
+        raise InputError("is empty", where, f"write one of {', '.join(flags)}")
     spelt = [one.strip().replace(" ", "_") if isinstance(one, str) else one for one in meanings]
-    return [flags[check_choice(("meanings",), one, list(flags), f" to {array.name}")] for one in spelt]
+    names = [name if name in flags else one for name, one in zip(spelt, meanings, strict=True)]
+    return [flags[check_choice(where, one, list(flags), f" to {array.name}")] for one in names]
 
 
 def has_flag(array: xr.DataArray, codes: Sequence[int]) -> xr.DataArray:

@@ -12,8 +12,6 @@ from fastlink.mechanisms import NAMES, catalogue, inputs_of
 if TYPE_CHECKING:
     from fastlink.typing import MechanismName
 
-__all__ = ["Mechanism", "MechanismList", "mechanisms"]
-
 HEADER = ("name", "title", "inputs that may drive", "quantities", "a first study")
 WIDTHS = (None, 46, 28, None, None)
 

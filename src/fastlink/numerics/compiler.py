@@ -15,33 +15,6 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any, Literal, TypeVar
 
-__all__ = [
-    "AT_CHANGE_POINT",
-    "AT_LIMIT",
-    "COMPILED_AS",
-    "CONSTANT",
-    "INFINITE",
-    "INLINED",
-    "JUMP",
-    "KINK",
-    "MERGED",
-    "MOVING",
-    "NOTHING",
-    "OF_SAMPLES",
-    "OUTLINED",
-    "SMOOTH",
-    "TIED",
-    "compiled_as",
-    "entries",
-    "inlined",
-    "lanes",
-    "merged",
-    "outlined",
-    "parsed",
-    "syntax",
-]
-
-
 F = TypeVar("F", bound=Callable[..., Any])
 
 #: Functions whose text is pasted at each call.

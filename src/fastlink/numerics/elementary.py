@@ -12,11 +12,6 @@ import numpy as np
 
 from fastlink.numerics.compiler import compiled_as, inlined
 
-__all__ = [
-    *("select", "sqrt", "atan2", "cosine", "sine", "bits_of", "double_of", "trailing_zeros"),
-    *("sin", "cos", "exp", "sinh", "cosh", "binary_exponent", "ldexp", "context_of"),
-]
-
 PI, TWO_PI = 3.141592653589793, 6.283185307179586
 #: Of an angle that is a sum or difference of refined angles: some dozens of roundings, over their size.
 ANGLE_ROUNDING = 2.0**-47

@@ -21,8 +21,6 @@ from fastlink.numerics.elementary import (
     sqrt,
 )
 
-__all__ = ["arsinh", "log", "log1p", "log_quotient", "quotient_sign"]
-
 # Minimax coefficients of (log((1 + s)/(1 - s))/s - 2)/s^2 in s^2 for |s| <= 0.2005: 2^-55.8 of the logarithm.
 LOG_COEFFICIENTS = (
     0.666666666666729,

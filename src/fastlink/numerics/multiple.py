@@ -17,19 +17,6 @@ import numpy as np
 from fastlink.numerics.compensated import product_rest, split, two_product, two_sum
 from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, ROUNDING_SHIFT, select
 
-__all__ = [
-    "LEAST_ARGUMENT",
-    "LOG_2",
-    "PLACES",
-    "Parts",
-    "TripleDouble",
-    "circular",
-    "doubles_of",
-    "hyperbolic",
-    "nearest_integer",
-]
-
-
 Parts = tuple[Any, Any, Any]
 
 #: Binary places of the integers that constants and tables are made of.

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from fastlink.pictures.draw import Request
     from fastlink.pictures.motion import Motion
 
-__all__ = ["DXF", "SVG", "is_cad", "written"]
-
 #: The endings; an .svg of another name is a picture.
 DXF, SVG = ".dxf", ".mm.svg"
 MM = 1000.0

@@ -52,18 +52,6 @@ if TYPE_CHECKING:
 
     from fastlink.pictures.maps import Panel, Selection
 
-__all__ = [
-    "MOST_POINTS",
-    "Cloud",
-    "Column",
-    "column_of",
-    "cut",
-    "draw",
-    "draw_corner",
-    "draw_cumulative",
-    "draw_scatter",
-]
-
 
 # -- Draw a variable over two dimensions, as a map, or as a grid of maps
 

@@ -43,17 +43,6 @@ from fastlink.space.units import DEGREES
 if TYPE_CHECKING:
     from fastlink.mechanisms._shared.picture import Picture
 
-__all__ = [
-    "MOST_CELLS",
-    "ONE",
-    "POOLS",
-    "Values",
-    "content_of",
-    "page_of",
-    "pooled",
-    "script_of",
-]
-
 
 # -- Write facts as JavaScript, so that a page moves a mechanism by the same formulas
 

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 
     from fastlink.pictures.charts import Cloud
 
-__all__ = ["KINDS", "plot"]
-
 
 #: Kinds of pictures, and how many quantities they show.
 KINDS = {"scatter": (2, 3), "corner": (2, 8), "cumulative": (1, 6)}

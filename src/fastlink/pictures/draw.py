@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib import import_module
+from importlib.util import find_spec
 from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -70,8 +71,6 @@ if TYPE_CHECKING:
     from fastlink.facts.catalogue import Catalogue
     from fastlink.mechanisms._shared.picture import Picture
     from fastlink.space.design_space import DesignSpace
-
-__all__ = ["Request", "draw", "picture_of"]
 
 
 # -- Find the design that is drawn: by numbers, in a study, or in a map
@@ -572,12 +571,13 @@ def draw(
     Returns
     -------
     matplotlib.figure.Figure
-        The figure, which a notebook shows; it is not part of matplotlib's global state and need not be closed.
+        The figure, which a notebook shows; it is not part of matplotlib's global state and need not be closed. None of
+        a drawing for CAD where matplotlib is not installed, which it does not need.
 
     Raises
     ------
     InputError
-        A name, value or word is unknown, the linkage does not assemble there, or matplotlib is missing.
+        A name, value or word is unknown, the linkage does not assemble there, or matplotlib or ezdxf is missing.
 
     Examples
     --------
@@ -589,10 +589,12 @@ def draw(
     >>> [axis.get_title() for axis in figure.axes][2]
     '$\\phi$ = 180°'
     """
-    require_package("matplotlib", ("draw",))
     path = None if to is None else check_picture(to, "to", kinds=DRAWINGS, example="linkage.png")
     if path is not None and path.suffix.lower() == DXF:
         require_package("ezdxf", ("to",))
+    for_cad = path is not None and is_cad(path) and animate is None
+    if not for_cad:
+        require_package("matplotlib", ("draw",))
     film = None
     if animate is not None:
         from fastlink.pictures.linkage import check_film
@@ -605,6 +607,10 @@ def draw(
     given = {"branch": branch, "links": links, "input": input}
     source = replace(source, **{name: value for name, value in given.items() if value is not None})
     request = request_of(source, strip, curves, show, degrees, film is not None)
+    if path is not None and is_cad(path):
+        write_whole(path, written(request, path))
+    if for_cad and find_spec("matplotlib") is None:
+        return None  # type: ignore[return-value]  # what a notebook has no picture for
     from fastlink.pictures.linkage import Board, write_film
     from fastlink.pictures.style import style
 
@@ -614,9 +620,7 @@ def draw(
         if source.target is not None:
             for sheet in board.sheets:
                 sheet.axis.plot(*source.target.T, "x", color="0.25", markersize=5.0, zorder=6.0)
-        if path is not None and is_cad(path):
-            write_whole(path, written(request, path))
-        elif path is not None:
+        if path is not None and not is_cad(path):
             save(board.figure, path, "to")
         if film is not None:
             write_film(board, film, frames)

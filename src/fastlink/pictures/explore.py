@@ -38,9 +38,6 @@ from fastlink.io.reader import as_map
 from fastlink.maps.best import least
 from fastlink.pictures.content import ONE, POOLS, Values, content_of, page_of
 
-__all__ = ["Page", "Server", "explore"]
-
-
 # -- Write a map as one page that needs neither Python nor a network
 
 

@@ -13,8 +13,6 @@ from fastlink.maps.units import DEGREE
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["constants_of", "label_of", "mathematical", "plain", "title_of", "units_text", "valued"]
-
 
 GREEK = "alpha|beta|gamma|delta|epsilon|zeta|eta|theta|kappa|lambda|mu|nu|xi|rho|sigma|tau|phi|chi|psi|omega|Delta"
 #: A symbol with its index; one after the d of a derivative, with the orders; what may stand between symbols.

@@ -45,8 +45,6 @@ if TYPE_CHECKING:
     from fastlink.pictures.draw import Request
     from fastlink.pictures.motion import Motion
 
-__all__ = ["Board", "check_film", "write_film"]
-
 
 # -- Marks of one size whatever the scale: ground pivots with their hatching, sliders, lines with hatching
 

@@ -18,28 +18,13 @@ from fastlink.maps.units import degrees_along, flags_of
 from fastlink.pictures.labels import plain, units_text, valued
 from fastlink.space.design_space import BRANCH, as_real
 from fastlink.space.tables import STATUS
-from fastlink.space.units import in_si
+from fastlink.space.units import in_si, named_with_unit
 
 if TYPE_CHECKING:
     import xarray as xr
 
     T = TypeVar("T", xr.DataArray, xr.Dataset)
     from matplotlib.figure import Figure
-
-__all__ = [
-    "Panel",
-    "Selection",
-    "branches_of",
-    "draw_variable",
-    "name_places",
-    "nearest_place",
-    "one_branch",
-    "panels_of",
-    "sameness",
-    "select",
-    "spread",
-    "values_at",
-]
 
 
 # -- Select what a picture shows: one variable, at fixed values of all dimensions but one or two
@@ -198,7 +183,8 @@ def nearest_place(dim: str, values: Any, value: Any) -> int:
     """Return the place of the nearest value along a dimension."""
     wanted = as_real(value)
     if wanted is None or not math.isfinite(wanted):
-        raise InputError(f"is {short_repr(value)}", where=("at", dim), remedy="write a finite number")
+        remedy = named_with_unit(dim, value) or "write a finite number"
+        raise InputError(f"is {short_repr(value)}", where=("at", dim), remedy=remedy)
     if not is_scale(values):
         what = f"has {'no values' if not values.size else 'coordinates that are not finite numbers'}"
         raise InputError(what, where=("at", dim), remedy=f"select by maps.isel({dim}=0)")

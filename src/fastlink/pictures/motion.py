@@ -26,18 +26,6 @@ if TYPE_CHECKING:
     from fastlink.mechanisms._shared.picture import Locus, Picture, Point, Value
     from fastlink.space.design_space import Links
 
-__all__ = [
-    "PLANES",
-    "STAY_IN_FILM",
-    "Euclidean",
-    "Minkowskian",
-    "Motion",
-    "Names",
-    "as_draw",
-    "function_of",
-    "samples_of",
-]
-
 
 # -- Positions of the points of one design, by the facts of its mechanism, and the range in which it
 #    assembles

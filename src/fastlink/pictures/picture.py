@@ -7,14 +7,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fastlink.errors import InputError, check_path, require_package
+from fastlink.errors import InputError, check_path
 from fastlink.io.output import write_whole
 from fastlink.io.output_path import check_writable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-__all__ = ["check_picture", "save"]
 
 
 #: Endings of pictures: those that matplotlib writes in full quality.
@@ -32,7 +30,6 @@ def check_picture(
         remedy = f"write one of {', '.join(kinds)}"
         raise InputError(f"{path}: the name of the picture {ending}", where=(where,), remedy=remedy)
     check_writable(path, where, example)
-    require_package("matplotlib", (where,))
     return path
 
 

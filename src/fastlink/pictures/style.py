@@ -20,28 +20,6 @@ from fastlink.maps.units import flags_of, half_turn
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = [
-    "ABSENT",
-    "CYCLIC",
-    "INFINITE",
-    "LINES",
-    "VEIL",
-    "WITHOUT_BOUND",
-    "NotebookFigure",
-    "are_counts",
-    "colour_tables",
-    "colours_of",
-    "count_colours",
-    "drawable",
-    "flag_colours",
-    "flag_handles",
-    "flag_indices",
-    "limits_of",
-    "near",
-    "scale_of",
-    "style",
-]
-
 
 # -- Choose the colours of maps: ranges without far outliers, and those of codes
 

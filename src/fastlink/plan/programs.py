@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
@@ -13,7 +12,9 @@ from fastlink.facts.arc import ARC, ARC_FACTS, AT_ENDS
 from fastlink.facts.asymptotics import asymptotics
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.derivative import NoDependence, NoDerivative, Term
-from fastlink.facts.fact import CatalogueError, Fact, GradedRange, System
+from fastlink.facts.expression import beneath, value_of
+from fastlink.facts.fact import Fact, GradedRange, System
+from fastlink.facts.formula import CatalogueError
 from fastlink.facts.names import (
     Change,
     ErrorBound,
@@ -34,24 +35,6 @@ if TYPE_CHECKING:
 
     from fastlink.facts.catalogue import Catalogue
     from fastlink.facts.fact import Fact, GradedRange, KnownExtremes, System
-
-__all__ = [
-    "ANGLES_FOR_LANES",
-    "ExtremaProgram",
-    "ExtremumSearch",
-    "Gradient",
-    "KnownProgram",
-    "Lanes",
-    "Output",
-    "Plan",
-    "Planner",
-    "Program",
-    "all_declared",
-    "folds",
-    "is_magnitude",
-    "make_plan",
-    "make_program",
-]
 
 
 # -- Programs: the computation of one kernel as data, of which its text is made
@@ -178,6 +161,8 @@ class ExtremumSearch:
     both_sides: bool = False
     #: Whether the extremes are those within an arc.
     arc: bool = False
+    #: Whether these are places where the quantity may pass infinity.
+    poles: bool = False
     #: What vanishes where the slope jumps or has a kink: cells are split at these places.
     turns: tuple[str, ...] = ()
     #: Whether the zeros of `slope` are such places of other searches, and nothing else.
@@ -292,17 +277,13 @@ FINER = 8
 
 def is_magnitude(step: Fact | System) -> bool:
     """Tell whether a fact is the magnitude of a vector and nothing else."""
-    called = _last_call(step)
-    return called is not None and _called(step, called) is magnitude
+    return value_of(step.formula).value is magnitude
 
 
 def folds(step: Fact | System) -> bool:
     """Tell whether a fact is an angle by the size of its sine: it turns back at 0 and at pi."""
-    called = _last_call(step)
-    if called is None or _called(step, called) is not atan2:
-        return False
-    sine = called.args[0]
-    return isinstance(sine, ast.Call) and isinstance(sine.func, ast.Name) and sine.func.id == "abs"
+    value = value_of(step.formula)
+    return value.value is atan2 and value.args[0].value is abs
 
 
 def has_sharp_terms(steps: Sequence[Fact | System]) -> bool:
@@ -311,24 +292,8 @@ def has_sharp_terms(steps: Sequence[Fact | System]) -> bool:
     if not (isinstance(last, Fact) and last.own):
         return False
     own = (step for step in steps if isinstance(step, Fact) and step.own)
-    within = sum(_calls_of_magnitude(step) for step in own)
+    within = sum(node.value is magnitude for step in own for node in beneath([value_of(step.formula)]))
     return within + sum(isinstance(step, Fact) and not step.own and is_magnitude(step) for step in steps) > 1
-
-
-def _calls_of_magnitude(step: Fact) -> int:
-    """Return how many magnitudes a user's fact computes itself."""
-    calls = (node for node in step.formula.nodes if isinstance(node, ast.Call))
-    return sum(_called(step, call) is magnitude for call in calls)
-
-
-def _last_call(step: Fact | System) -> ast.Call | None:
-    """Return the call that is all of what a fact returns."""
-    result = step.formula.result
-    return result if isinstance(result, ast.Call) else None
-
-
-def _called(step: Fact | System, call: ast.Call) -> object:
-    return step.formula.names.get(call.func.id) if isinstance(call.func, ast.Name) else None
 
 
 def is_sharp(catalogue: Catalogue, name: str) -> bool:
@@ -342,11 +307,11 @@ def may_have_kinks(step: Fact | System) -> bool:
 
 
 def turns_of(graded: GradedRange, quantity: str, steps: Iterable[Fact | System]) -> tuple[str, ...]:
-    """Return what vanishes where the slope of a quantity, which steps compute, jumps or has a kink."""
+    """Return what vanishes where the slope of a quantity, which steps compute, jumps, has a kink or a pole."""
     names = {name for step in steps for name in step.names}
     switches, _ = graded.kinks.get(quantity, ((), ()))
     turns = (zero for name, zero in graded.turns.items() if name in names)
-    return (*turns, *switches, *graded.jumps_at(quantity))
+    return (*turns, *switches, *graded.breaks_at(quantity))
 
 
 def is_of_known(output: Output, searches: Iterable[ExtremumSearch]) -> bool:
@@ -609,7 +574,7 @@ class Planner:
             kinked=False,
             turns=()
             if slope == name
-            else (*turns_of(graded, name, steps), *graded.jumps_at(search.quantity)),
+            else (*turns_of(graded, name, steps), *graded.breaks_at(search.quantity)),
             certain_by=(),
             gradients=(),
         )
@@ -644,9 +609,9 @@ class Planner:
         """Return the searches for places where a quantity may be greatest or least, though its slope is not 0.
 
         Where the greatest or least value of an angle is requested, its jumps by 2 pi are searched too; where that of a
-        quotient is, the places where what it is divided by is least: next to zero three extremes may be too close to
-        tell. So may be those on both sides of a kink: of what has kinks these are searched, and the extremes of its
-        smooth parts.
+        quotient is, the places where what it is divided by vanishes, or is least: next to zero three extremes may be
+        too close to tell. So may be those on both sides of a kink: of what has kinks these are searched, and the
+        extremes of its smooth parts.
         """
         wraps_at, position = self.graded.wraps_at, self.catalogue.position.name
         searches = [search for search in searches if search.quantity in bounded]
@@ -662,6 +627,12 @@ class Planner:
             replace(one, both_sides=True)
             for search in searches
             for name in self.graded.jumps_at(signed(search.quantity))
+            if (one := self.part_search(search, name, name)) is not None
+        ]
+        poles = [
+            replace(one, poles=True)
+            for search in searches
+            for name in self.graded.poles.get(signed(search.quantity), ())
             if (one := self.part_search(search, name, name)) is not None
         ]
         # as of a smooth part that the quantity is there: its derivatives by inputs are those at a fixed position
@@ -687,7 +658,7 @@ class Planner:
             for s in (*searches, *kinks)
             if s.divisors
         ]
-        return jumps + at_ends + kinks + nearly_poles
+        return jumps + poles + at_ends + kinks + nearly_poles
 
     def requested(self, search: ExtremumSearch, outputs: Sequence[Output]) -> ExtremumSearch:
         """Return a search with the error bounds and derivatives that are requested of its extremes."""

@@ -15,8 +15,8 @@ from fastlink._text import short_repr
 from fastlink.errors import InputError, Problems, Remedy, listed
 from fastlink.facts import find
 from fastlink.facts.derivative import units_per
-from fastlink.facts.fact import CatalogueError
 from fastlink.facts.find import parts
+from fastlink.facts.formula import CatalogueError
 from fastlink.facts.names import (
     Change,
     Derivative,
@@ -28,6 +28,7 @@ from fastlink.facts.names import (
     Reduced,
     bounded_of,
     derivative_name,
+    ending,
     error_name,
     forget_reduction,
     innermost,
@@ -39,6 +40,7 @@ from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.numerics import compiler
 from fastlink.numerics.elementary import sqrt
+from fastlink.space.units import is_unit
 
 if TYPE_CHECKING:
     from fastlink.facts.catalogue import Catalogue
@@ -52,12 +54,14 @@ if TYPE_CHECKING:
 
 
 #: The accumulator ``{count}`` of the configurations that assemble: its first value and its update.
-COUNT = ("0.0", "{count} + select({value} == {value}, 1.0, 0.0)")
+COUNT = ("0.0", "{count} + select({value} == {value}, {part}, 0.0)")
+#: What stands for the part of a position in a sum, and for it as a factor: at the ends of an arc it is a half.
+WHOLE_PART, OF_ARC = {"part": "1.0", "times": ""}, {"part": "part", "times": "part * "}
 #: Samples on which a reference is tried when a reduction is defined, and a factor without rounding.
 TRIED, FACTOR = (0.375, -1.25, 3.5, -0.0625, 2.0), 4.0
 TOLERANCE = 1e-12
 #: What kernel text calls the quantity, and whether it replaces an extreme.
-RESERVED = {"value", "better", "slope"}
+RESERVED = {"value", "better", "slope", *WHOLE_PART}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -65,7 +69,8 @@ class Reduction:
     """One way to reduce the cycle of a quantity to a number.
 
     Kernel text is one expression of arithmetic, comparisons, ``select``, ``sqrt`` and ``abs`` in which ``{value}`` is
-    the quantity at an input position and ``{NAME}`` an accumulator. Configurations that do not assemble are NaN and
+    the quantity at an input position and ``{NAME}`` an accumulator; ``{part}``, and ``{times}`` before a factor, weigh
+    what is summed where the ends of an arc count half. Configurations that do not assemble are NaN and
     must not enter: a comparison with NaN is false. A cycle without any value must give NaN.
 
     Attributes
@@ -151,7 +156,7 @@ class Reduction:
     def _check_text(self) -> None:
         names = set(self.accumulators)
         finals = ((text, names) for text in (self.finish, self.at_toggle))
-        all_names, here = names | set(self.gradient), {"value", "better"}
+        all_names, here = names | set(self.gradient), {"value", "better", *WHOLE_PART}
         updates = [(text, names | here) for pair in self.accumulators.values() for text in pair]
         slopes = [(text, all_names | here | {"slope"}) for pair in self.gradient.values() for text in pair]
         for text, known in (*updates, *finals, *slopes, (self.gradient_finish, all_names)):
@@ -289,14 +294,16 @@ register(
         phrase="root mean square over the cycle",
         reference=_root_mean_square,
         accumulators={
-            "total": ("0.0", "{total} + select({value} == {value}, {value} * {value}, 0.0)"),
+            "total": ("0.0", "{total} + select({value} == {value}, {times}{value} * {value}, 0.0)"),
             "count": COUNT,
         },
         finish="sqrt({total} / {count})",
         toggle_order=1,
         at_toggle="select({total} == 0.0, sqrt({total} / {count}), inf)",
         keywords=("effective", "quadratic"),
-        gradient={"product": ("0.0", "{product} + select({value} == {value}, {value} * {slope}, 0.0)")},
+        gradient={
+            "product": ("0.0", "{product} + select({value} == {value}, {times}{value} * {slope}, 0.0)")
+        },
         gradient_finish="{product} / ({count} * sqrt({total} / {count}))",
         has_kink=True,
     )
@@ -307,14 +314,14 @@ register(
         phrase="mean over the cycle",
         reference=_mean,
         accumulators={
-            "total": ("0.0", "{total} + select({value} == {value}, {value}, 0.0)"),
+            "total": ("0.0", "{total} + select({value} == {value}, {times}{value}, 0.0)"),
             "count": COUNT,
         },
         finish="{total} / {count}",
         toggle_order=2,
         at_toggle="select({total} == 0.0, {total} / {count}, nan)",
         keywords=("average", "avg", "averaged"),
-        gradient={"slopes": ("0.0", "{slopes} + select({value} == {value}, {slope}, 0.0)")},
+        gradient={"slopes": ("0.0", "{slopes} + select({value} == {value}, {times}{slope}, 0.0)")},
         gradient_finish="{slopes} / {count}",
     )
 )
@@ -629,6 +636,11 @@ def _derivatives(text: str, catalogue: Catalogue) -> Iterable[tuple[tuple[str, .
 
 def suggest_quantity(text: str, catalogue: Catalogue, over_cycle: bool = True) -> list[str]:
     """Return the names to suggest for an unknown quantity: three at most."""
+    of, how = ending(text)
+    if over_cycle and catalogue.is_quantity(of) and catalogue.has_reductions(of):
+        known = [name for name, each in REDUCTIONS.items() if not each.of_path]
+        if not catalogue.is_quantity(text) and (near := get_close_matches(how, known, 1, 0.66)):
+            return [str(Reduced(Quantity(of), near[0]))]
     return find.best_names(rank_quantities(text, catalogue, over_cycle))
 
 
@@ -652,6 +664,11 @@ def unknown_quantity(name: str, catalogue: Catalogue, over_cycle: bool = True) -
         what = f"quantity {name!r} is called {new!r} since 0.3"
         return InputError(
             what, remedy=f"write {new!r}, or 'least_transmission_angle' for the least acute angle"
+        )
+    of, unit = ending(name)
+    if is_unit(unit) and of in Results(catalogue):
+        return InputError(
+            f"quantity {name!r}: results are in SI", remedy=f"write {of!r}, and `convert` the map"
         )
     same = find.squeezed(name)
     for known in catalogue.all_inputs.values():

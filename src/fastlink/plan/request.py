@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import lru_cache
@@ -28,7 +28,7 @@ from fastlink.errors import (
     remark,
     suggest,
 )
-from fastlink.facts.arc import ARC, ARC_ENDS
+from fastlink.facts.arc import ARC_ENDS
 from fastlink.facts.catalogue import ELIMINATED, Catalogue
 from fastlink.facts.derivative import is_tolerance
 from fastlink.facts.fact import Input
@@ -38,7 +38,7 @@ from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.plan.query import Extrema, Request, input_remedy, parse_request, suggest_input
 from fastlink.space import design_space as spaces
 from fastlink.space import units
-from fastlink.space.design_space import DesignSpace, steps
+from fastlink.space.design_space import DesignSpace, Floats, steps
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -172,6 +172,10 @@ def unknown_input(
             return Problem(f"belongs to links of model {model!r}", (parent, name), mend)
     if "tol" in name and (near := nearest(name, catalogue.tolerances)):
         return Problem(f"is unknown to {catalogue.name}", (parent, name), did_you_mean([near]))
+    driving, unit = units.split(name, others := {*drivers(), POSITIONS})
+    if driving in others:
+        what = f"is unknown to {catalogue.name}, whose input is {catalogue.position.name}"
+        return Problem(what, (parent, name), f"write {units.with_unit(catalogue.position.name, unit)}")
     every = {*known, *(key for inputs in catalogue.variant_inputs.values() for key in inputs)}
     names = sorted(key for key in every if not is_tolerance(key))  # each input has two, by a rule
     option = nearest(name, options)
@@ -267,11 +271,28 @@ def _joined(group: Sequence[Problem]) -> Problem:
     return Problem(f"{names} are missing", group[0].where[:-1], (needed, *group[0].remedy[1:]))
 
 
+#: What both branches are called, and the two ways of a four-bar.
+BOTH, OPEN_OR_CROSSED = ("all", "any", "both", "each", "every", "*", ":"), ("open", "crossed")
+
+
+def _branches_meant(catalogue: Catalogue, branch: Any) -> Remedy:
+    """Return what to write for a branch: of a word, what it may mean."""
+    codes = ", ".join(map(str, catalogue.branches))
+    if not isinstance(branch, str):
+        return f"write some of {codes}"
+    if branch in BOTH:
+        return ("write ", Setting("branch", tuple(catalogue.branches)))
+    if branch in OPEN_OR_CROSSED and catalogue.position.name == "theta1":
+        return "write 2, which is open where theta1 is in (0, pi) and crossed elsewhere, or 1, the other way round"
+    each = " or ".join(f"{code} ({meaning})" for code, meaning in catalogue.branches.items())
+    return f"write {each}, or {codes} for both"
+
+
 def branch_codes(catalogue: Catalogue, branch: Any, *, gaps: bool = False) -> NDArray[np.float64]:
     """Return branches as numbers of the same shape, among which NaN may stand if there may be gaps."""
     if isinstance(branch, np.ma.MaskedArray):
         branch = spaces.unmasked(branch)
-    remedy = f"write some of {', '.join(map(str, catalogue.branches))}"
+    remedy = _branches_meant(catalogue, branch)
     spaces.check_length(("branch",), branch, remedy)
     values = spaces.cells_of(branch)
     if values.dtype.kind in "iuf":
@@ -316,6 +337,12 @@ POSITIONS = "positions"
 IN_DEGREES = ("deg", "degree", "degrees", "in_degrees")
 
 
+@lru_cache(maxsize=1)
+def drivers() -> frozenset[str]:
+    """Return the inputs that drive some mechanism."""
+    return frozenset(name for mechanism in NAMES for name in inputs_of(mechanism))
+
+
 def check_keywords(
     mechanism: str | Extension, catalogue: Catalogue, names: Iterable[str], options: Iterable[str]
 ) -> None:
@@ -335,10 +362,11 @@ def check_keywords(
             problems.add("is not an option", (name,), f"give {joined(ARC_ENDS)} with the design")
         elif name in IN_DEGREES and catalogue.position.units == units.RADIANS:
             problems.add("is not an option", (name,), f"write angles in degrees as {in_degrees}")
-        elif any(name in inputs_of(other) for other in NAMES):
-            own = name in inputs_of(mechanism)
-            other = (f", or, to drive {name}, write ", Setting("input", name)) if own else ()
-            problems.add(f"the input is {position}", (name,), (f"write its positions as {position}", other))
+        elif (driving := units.split(name, drivers()))[0] in drivers():
+            named = units.with_unit(position, driving[1])
+            own = driving[0] in inputs_of(mechanism)
+            other = (f", or, to drive {driving[0]}, write ", Setting("input", driving[0])) if own else ()
+            problems.add(f"the input is {position}", (name,), (f"write its positions as {named}", other))
         elif name in OTHER_NAMES["n"]:
             problems.add("is not an option", (name,), "the designs have a number: fl.sobol(n, a2=(1.0, 1.4))")
         else:
@@ -408,6 +436,7 @@ def keywords_in_si(
     if position:
         declared[catalogue.position.name] = catalogue.position
     result: dict[str, Any] = {}
+    others = {name: name for name in given}
     for name, value in given.items():
         of, unit = units.split(name, declared)
         if not unit:
@@ -415,7 +444,7 @@ def keywords_in_si(
             continue
         try:
             stated = spaces.units_of("", value).get("", "")
-            factor, _ = units.conversion(of, unit, stated, declared[of].units, {*given, *result})
+            factor, _ = units.conversion(of, unit, stated, declared[of].units, others)
             numbers = spaces.numbers_of(door, name, value, spaces.MOST_DIMS)
             plain = units.scaled(numbers, factor)
             result[of] = _relabelled(value, plain) if hasattr(value, "dims") else plain
@@ -471,30 +500,67 @@ def _refuse_whole(requests: Iterable[Request], but: str, remedy: str) -> None:
     problems.stop()
 
 
+def check_arcs(space: DesignSpace, allow_invalid: bool) -> None:
+    """Refuse arcs with one end alone, and those that end before they start or are longer than a turn.
+
+    Of arcs that differ from design to design, invalid ones may be allowed.
+    """
+    for name, other in (ARC_ENDS, ARC_ENDS[::-1]):
+        if name not in space.names:
+            raise InputError(
+                f"is missing beside {other}", ("design", name), f"write it, or leave {other} out"
+            )
+    for first, starts, ends in () if allow_invalid and _arc_varies(space) else _arcs(space):
+        lengths = ends - starts
+        bad = np.flatnonzero(~((lengths > 0.0) & (lengths <= 2.0 * np.pi * (1.0 + 2.0**-50))))
+        if bad.size:
+            what = f"is {_in_degrees(ends[bad[0]])}, and arc_start is {_in_degrees(starts[bad[0]])}"
+            where = () if first is None else (first + int(bad[0]),)
+            remedy = "write an end beyond the start, by a turn at most"
+            raise InputError(what, ("design", ARC_ENDS[1], *where), remedy)
+
+
+def _arc_varies(space: DesignSpace) -> list[str]:
+    return [name for name in ARC_ENDS if name not in space.constants]
+
+
+def _arcs(space: DesignSpace) -> Iterator[tuple[int | None, Floats, Floats]]:
+    """Yield the starts and ends of all arcs, with the number of the first one's design where each is one of many."""
+    starts, ends = ({**space.constants, **space.axes, **space.columns}[name] for name in ARC_ENDS)
+    if not {*ARC_ENDS} & {*space.columns}:
+        grid = np.meshgrid(starts, ends)
+        yield None, grid[0].ravel(), grid[1].ravel()
+        return
+    for start, stop in steps(0, space.size):
+        found = np.empty((2, stop - start))
+        space.fill(ARC_ENDS, start, stop, found)
+        yield start, *found
+
+
+def _in_degrees(angle: float) -> str:
+    return f"{angle:.6g} rad ({math.degrees(angle):.6g} degrees)"
+
+
 def positions_of_arc(
     catalogue: Catalogue, space: DesignSpace, given: Any, key: str, names: Sequence[str]
 ) -> NDArray[Any]:
-    """Return so many input positions of the arc that designs give, in the middles of equal parts; else refuse them."""
+    """Return so many input positions of the arc that designs give, its ends among them; else refuse them."""
     position = catalogue.position.name
     if _are_several(given):
         what = f"{position} is an array, and the designs give an arc"
         raise InputError(what, (key,), f"write a number of positions, or leave out {joined(ARC_ENDS)}")
     requests, problems = [parse_request(name, catalogue) for name in names], Problems()
     _refuse_whole(requests, "not an arc", f"leave out {joined(ARC_ENDS)}")
-    inputs, n = catalogue.known_inputs([ARC]), int(given)
-    varying = [name for name in ARC_ENDS if name in space.names and name not in space.constants]
-    if varying:
+    n = int(given)
+    if varying := _arc_varies(space):
         for k, request in enumerate(requests):
             if catalogue.varies(request.quantity) and not (request.can_be_refined or request.listed):
                 what = f"{request.name!r} is of positions that all designs share, and {varying[0]} differs"
                 problems.add(what, ("quantities", k), "give one arc, or ask for extremes alone")
         problems.stop()
         return np.arange(n) * (2.0 * np.pi / n)
-    start, end = (float(space.constants.get(name, inputs[name].default or 0.0)) for name in ARC_ENDS)
-    if not 0.0 < end - start <= 2.0 * np.pi * (1.0 + 2.0**-50):
-        what = f"is {end}, and arc_start is {start}"
-        raise InputError(what, ("design", ARC_ENDS[1]), "write an end beyond the start, by a turn at most")
-    return start + (np.arange(n) + 0.5) * ((end - start) / n)
+    start, end = (space.constants[name] for name in ARC_ENDS)
+    return np.linspace(start, end, n)
 
 
 def check_positions(catalogue: Catalogue, given: int | ArrayLike, key: str = "angles") -> NDArray[Any]:
@@ -517,7 +583,8 @@ def check_positions(catalogue: Catalogue, given: int | ArrayLike, key: str = "an
     try:
         values = spaces.numbers_of("", key, given)
     except InputError as error:
-        raise InputError(error.what, error.where[1:], remedy) from None
+        of_unit = units.named_with_unit(key, given, shown=False)
+        raise InputError(error.what, error.where[1:], of_unit or remedy) from None
     if values.ndim != 1:
         raise InputError(f"is {short_repr(given)}", (key,), remedy)
     if values.size == 0:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink.errors import InputError
+from fastlink.facts.arc import ARC
 from fastlink.facts.evaluate import read_facts
 from fastlink.facts.fact import Fact, Input, System
 from fastlink.facts.names import ErrorBound, error_name, signed
@@ -169,6 +170,8 @@ def within(share: int, each: int, most: int) -> int:
 VANISHES = CONTEXT.mpf(10) ** (-DIGITS // 2)
 #: Errors beyond so many roundings are held against the error bound, as are all of values that vanish.
 SUSPECT = 16.0
+#: Reductions and positions, which are held against no bound, are wrong beyond so many.
+LOST = 1e6
 
 
 @dataclass
@@ -185,7 +188,8 @@ class MeasuredErrors:
         Errors where both values are finite; relative to the size of such values of the design where the exact one is 0.
     values, mismatches : int
         The number of values compared, and of those with another code, finite where the exact one is not, or wrong by
-        more than their error bound; exact values that no formula of the facts confirms are among these.
+        more than their error bound or, without one, by more than `LOST`; exact values that no formula of the facts
+        confirms are among these.
     independent : list of float
         Differences of exact values from independent ones, in units of `unit_of`.
     shares : list of float
@@ -228,6 +232,7 @@ class MeasuredErrors:
             self.roundings.append(roundings)
         if bound is not None and error != 0 and (vanishes or roundings > SUSPECT):
             self.mismatches += int(error > bound())
+        self.mismatches += int(bound is None and not zeroed and roundings > LOST)
 
     def add_code(self, value: float, exact: Any) -> None:
         """Compare a code, which is right or wrong."""
@@ -397,7 +402,7 @@ def sampled(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, 
         measured = MeasuredErrors(METHODS[reduction.has_position, output.request.is_position])
         for design, curve in enumerate(curves[:compared]):
             value = float(sample.result(output.name, design))
-            exact, size = _reduced(reduction, curve)
+            exact, size = _reduced(reduction, twice_within(curve) if ARC in sample.plan.variants else curve)
             if output.toggles and curve.any() and _meets_toggle(sample, output, design):
                 exact = CONTEXT.nan  # the integral does not exist, or is infinite
             if reduction.has_position and not CONTEXT.isnan(exact):
@@ -421,6 +426,11 @@ def _meets_toggle(sample: Sample, output: Output, design: int) -> bool:
     at = sample.configuration(design, sample.branches[design], sample.positions[0])
     known = sample.facts(output.toggles, zeroes=True).at(at)
     return any(known[name] > 0 for name in output.toggles)
+
+
+def twice_within(curve: NDArray[Any]) -> NDArray[Any]:
+    """Return the samples of an arc, of whose ends half counts: those between twice."""
+    return np.concatenate([curve, curve[1:-1]])
 
 
 def _reduced(reduction: Reduction, curve: NDArray[Any]) -> tuple[Any, Any]:
@@ -535,7 +545,7 @@ def _compare_outermost(
             bound = float(results[_bound_of(value)])
             errors[_bound_of(value)].add_bound(bound, float(results[value]), greatest.value)
     if position in results and not (CONTEXT.isnan(exact.position) and CONTEXT.isfinite(exact.value)):
-        _add_position(errors[position], float(results[position]), exact)
+        _add_position(errors[position], float(results[position]), exact, zeroed)
     return exact
 
 
@@ -579,10 +589,10 @@ def _confirm(
         measured.add_independent(independent.difference(at, quantity, exact.value, unit))
 
 
-def _add_position(measured: MeasuredErrors, value: float, exact: Extreme) -> None:
+def _add_position(measured: MeasuredErrors, value: float, exact: Extreme, zeroed: bool = False) -> None:
     """Compare input angles modulo a turn, relative to a whole one."""
     turns = CONTEXT.nint((CONTEXT.mpf(value) - exact.position) / TURN) if np.isfinite(value) else 0
-    measured.add(value, exact.position + turns * TURN, TURN + exact.position_condition)
+    measured.add(value, exact.position + turns * TURN, TURN + exact.position_condition, zeroed=zeroed)
 
 
 def _distance(angle: float, other: Any) -> float:

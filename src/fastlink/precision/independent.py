@@ -129,7 +129,8 @@ PLANAR_PLACES = _named("*_*", "ABP", "xy")
 FIXED_FRAME = PLANAR_JOINTS | PLANAR_PLACES | {"theta2": 0, "theta4": 0}
 FIXED_FRAME |= {"omega2": 1, "omega4": 1, "alpha2": 2, "alpha4": 2, "jerk2": 3, "jerk4": 3}
 FIXED_FRAME |= {"P_vx": 1, "P_vy": 1, "P_speed": 1, "P_ax": 2, "P_ay": 2, "curvature": 2}
-FIXED_FRAME |= dict.fromkeys(PLANAR_FORCES, 2)
+FIXED_FRAME |= dict.fromkeys(PLANAR_FORCES, 2) | {"mechanical_advantage": 1}
+FIXED_FRAME |= {"instant_centre_x": 0, "instant_centre_y": 0, "relative_centre_x": 0}
 
 
 def _planar_joints(ctx: Any, at: Mapping[str, Any], joint: int, order: int, values: Values) -> list[Series]:
@@ -186,6 +187,13 @@ def _fixed_frame(ctx: Any, at: Mapping[str, Any], order: int, forces: bool, valu
         values[f"theta{k}"] = wrapped(ctx, angle.terms[0])
         if "omega1" in at:
             values |= rates(angle.at_speed(*speed), (f"omega{k}", f"alpha{k}", f"jerk{k}"))
+    if order and (rate := directions[2].derivative(1)) != 0:
+        values["mechanical_advantage"] = 1 / rate
+    A, B, D = places["A"].terms[0], places["B"].terms[0], ctx.mpc(at["a4"], 0)
+    if (across := cross(A, B - D)) != 0:
+        values |= coordinates({"instant_centre": A * (cross(D, B - D) / across)})
+    if (rise := (B - A).imag) != 0:
+        values["relative_centre_x"] = A.real - A.imag * (B - A).real / rise
     if "P" in places and order:
         _add_point(at, places["P"], speed, order, values)
     if forces:
@@ -285,6 +293,7 @@ SLIDER_FORCES = (
 SLIDER_CRANK = _named("A_*", "xy") | {"slider_position": 0, "theta2": 0, "transmission_angle": 0}
 SLIDER_CRANK |= {"slider_velocity": 1, "slider_acceleration": 2, "slider_jerk": 3}
 SLIDER_CRANK |= {"omega2": 1, "alpha2": 2, "jerk2": 3} | dict.fromkeys(SLIDER_FORCES, 2)
+SLIDER_CRANK |= {"mechanical_advantage": 1, "instant_centre_x": 0, "instant_centre_y": 0}
 
 
 def _slider_crank(ctx: Any, at: Mapping[str, Any], order: int, forces: bool, values: Values) -> None:
@@ -306,6 +315,11 @@ def _slider_crank(ctx: Any, at: Mapping[str, Any], order: int, forces: bool, val
     values["slider_position"] = slider.terms[0]
     values["theta2"] = wrapped(ctx, rod.terms[0])
     values["transmission_angle"] = abs(wrapped(ctx, rod.terms[0] + ctx.pi - ctx.pi / 2))
+    A, slope = r * unit_vector(ctx, at["theta"]), slider.derivative(1) if order else 0
+    if slope != 0:
+        values["mechanical_advantage"] = 1 / slope
+    if A.real != 0:  # OA meets the line through B that is square to its own
+        values |= coordinates({"instant_centre": A * (slider.terms[0] / A.real)})
     if "omega" in at:
         names = ("slider_velocity", "slider_acceleration", "slider_jerk")
         values |= rates(slider.at_speed(at["omega"]), names)

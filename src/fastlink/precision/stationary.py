@@ -168,7 +168,13 @@ class Stationary:
         self.variants = (graded.name, *variants)
         given = (*self.inputs, *graded.coordinates)
         arc = (*AT_ENDS, *ARC_FACTS) if ARC in variants else ()
-        names = (quantity, self.position, *graded.jumps_at(quantity), *arc)
+        names = (
+            quantity,
+            self.position,
+            *graded.jumps_at(quantity),
+            *graded.poles.get(signed(quantity), ()),
+            *arc,
+        )
         self.facts = HighPrecision(catalogue, names, given, self.variants, zeroes=zeroes)
         self.movable = [n for n in inputs if not catalogue.known_inputs(variants)[n].choices]
         self._sample()
@@ -228,13 +234,18 @@ class Stationary:
             angles = tuple(self.graded.windings.get(self.quantity, ()))
             steps = (abs(np.diff(values)) for values in self._sampled(angles))
             beside = {angle: inside & (step > np.pi) for angle, step in zip(angles, steps, strict=True)}
+            beside = {self.graded.wraps_at[angle]: cells for angle, cells in beside.items()}
+            # and where what it is divided by vanishes
+            for zero in self.graded.poles.get(signed(self.quantity), ()):
+                (values,) = self._sampled((zero,))
+                beside[zero] = inside & (values[..., 1:] * values[..., :-1] < 0.0)
             apart = np.logical_or.reduce([~inside, jumping, *beside.values()])
             turning, sides = turning_cells(np.sign(self.slopes), apart, self._side)
-        for angle, cells in beside.items():
+        for zero, cells in beside.items():
             for design, end, cell in np.argwhere(cells).tolist():
                 for k, kind in ((0, -BESIDE), (1, BESIDE)):
                     place = float(self.x[design, end, cell + k]), float(self.values[design, end, cell + k])
-                    candidates[design].append(Candidate(end, *place, kind, self.graded.wraps_at[angle]))
+                    candidates[design].append(Candidate(end, *place, kind, zero))
         for design, end, cell in np.argwhere(jumping).tolist():
             candidates[design].append(Candidate(end, float(self.x[design, end, cell]), np.nan, JUMP))
         for design, end in np.argwhere(self.bounded).tolist():
@@ -374,8 +385,14 @@ class Stationary:
         return kink if candidate.kind * (there - value) > 0 else first, False  # or that by samples is better
 
     def _beside(self, base: Mapping[str, Any], candidate: Candidate) -> Extreme:
-        """Return the value on one side of a jump, whose place a fact's zero is."""
+        """Return the value on one side of a jump, or of a pole, where it is infinite, whose place a fact's zero is."""
         end, x = candidate.end, self._zero(base, candidate)
+        if candidate.zero in self.graded.poles.get(signed(self.quantity), ()):
+            aside = ASIDE if candidate.kind > 0 else -ASIDE  # at a place where x is 0, too
+            near, far = (self._at(base, end, x + k * aside)[self.quantity] for k in (FARTHER, FARTHER**2))
+            place = self._at(base, end, x)[self.position]
+            limit = near * CONTEXT.inf if abs(near) > GROWS * abs(far) else near
+            return Extreme(limit, CONTEXT.zero, place, CONTEXT.zero)
         aside = ASIDE if (candidate.kind > 0) == (x > 0) else -ASIDE
         value, farther = (self._at(base, end, x * (1 + k * aside))[self.quantity] for k in (1, 2))
         return Extreme(value, abs(farther - value) / ASIDE, CONTEXT.nan, CONTEXT.zero)

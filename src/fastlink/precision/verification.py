@@ -8,13 +8,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.errors import check_whole
+from fastlink._text import counted, joined
+from fastlink.errors import ResultWarning, check_whole, remark
 from fastlink.facts.powers import any_beyond_range
 from fastlink.precision.errors import Sample, affordable, configurations, refined, sampled, values
+from fastlink.precision.independent import TOLERANCE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    import xarray as xr
     from numpy.typing import NDArray
 
     from fastlink.errors import KeyPath
@@ -41,6 +44,28 @@ def check_verify(where: KeyPath, verify: Any) -> int:
 _Rows = tuple[int, int, "list[NDArray[Any]]"]
 #: Quantities that are rounding errors themselves, which have none.
 OF_ERRORS = ("residual", "deviation")
+#: The remedy for wrong results.
+DOUBTED = "do not rely on it: ask for NAME_error (NAME_max_error) too, mend your own formulas, or report it"
+
+
+def with_remark(maps: xr.Dataset) -> xr.Dataset:
+    """Return a map; a warning tells if its verification has found that it is wrong, or has failed."""
+    found = {str(name): one.attrs for name, one in maps.data_vars.items()}
+    wrong = [name for name, attrs in found.items() if attrs.get("verify_mismatches")]
+    for name in sorted(wrong, key=lambda name: -found[name].get("error_max_roundings", 0.0))[:1]:
+        attrs, designs = found[name], counted(int(maps.attrs["verified_designs"]), "design")
+        what = f"{name} is wrong in {attrs['verify_mismatches']:,} of {attrs['verified_values']:,} values"
+        if attrs.get("independent_max_difference", 0.0) > TOLERANCE:
+            what += ", by formulas that contradict the loops"
+        elif "error_max_roundings" in attrs:
+            what += f", by up to {attrs['error_max_roundings']:.1e} roundings"
+        others = f"; so are {joined(others)}" if (others := [one for one in wrong if one != name]) else ""
+        what += f", of {designs} computed again with 50 digits{others}"
+        remark(what, (), DOUBTED, ResultWarning)
+    if "verify_failed" in maps.attrs:
+        what = f"errors are not known: the verification has ended with {maps.attrs['verify_failed']}"
+        remark(what, (), "verify=0 (--verify 0) leaves it out", ResultWarning)
+    return maps
 
 
 class _Chosen:

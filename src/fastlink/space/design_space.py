@@ -23,26 +23,6 @@ from fastlink.errors import InputError, KeyPath, Problem, Problems, Remedy, chec
 from fastlink.machine import check_memory
 from fastlink.space.units import check_unit, conversion, named_with_unit, scaled, split
 
-__all__ = [
-    "MODELS",
-    "STEP",
-    "Column",
-    "Consecutive",
-    "Converted",
-    "Counted",
-    "Gathered",
-    "Links",
-    "bounds_of",
-    "definition_of",
-    "ends_of",
-    "in_unit",
-    "part_of",
-    "round_bar",
-    "steps",
-    "taken_links",
-]
-
-
 # -- Check the values that are given for inputs
 
 
@@ -125,7 +105,7 @@ def numbers_of(where: str, name: str, given: Any, most_dims: int = 1) -> Floats:
         raise InputError(what, where=path, remedy="write a smaller one") from None
 
 
-def check_length(where: KeyPath, given: Any, remedy: str = f"write at most {MOST_LISTED}") -> None:
+def check_length(where: KeyPath, given: Any, remedy: Remedy = f"write at most {MOST_LISTED}") -> None:
     """Refuse a list or a range of more values than can be read in seconds."""
     if not has(given, "dtype") and listed(given) > MOST_LISTED:
         raise InputError(f"holds {counted(listed(given), 'value')}", where=where, remedy=remedy)
@@ -192,7 +172,8 @@ def _refuse_non_numbers(where: str, name: str, given: Any) -> None:
     for index, cell in np.ndenumerate(cells):
         if not is_number(cell):
             what = f"is {short_repr(cell)}, not a number"
-            raise InputError(what, where=(where, name, *index), remedy="write a number")
+            remedy = named_with_unit(name, cell, shown=False) or "write a number"
+            raise InputError(what, where=(where, name, *index), remedy=remedy)
 
 
 def is_number(cell: object) -> bool:
@@ -519,6 +500,7 @@ class Links:
             raise InputError(what, where=("links", "model"), remedy=suggest(self.model, MODELS))
         problems, known = Problems(), MODELS[self.model]
         numbers: dict[str, float] = {}
+        others = {name: name for name in self.values}
         for name, value in self.values.items():
             where = ("links", name)
             of, unit = split(name, known)
@@ -527,14 +509,14 @@ class Links:
                 problems.add(f"{self.model} has no {short_repr(name)}", where, suggest(name, known))
             elif not is_number(value):
                 remedy = f"write one number, or leave it out and give {name} in the design"
-                problems.add(f"is {short_repr(value)}", where, remedy)
+                problems.add(f"is {short_repr(value)}", where, named_with_unit(name, value) or remedy)
             else:
                 number = as_real(value)
                 if number is None or not 0 <= number < math.inf:
                     problems.add(f"is {short_repr(value)}", where, "write a finite number of at least 0")
                 else:
                     with problems.at(*where):
-                        factor = check_unit(of, unit, known[of], {*numbers, *self.values})
+                        factor = check_unit(of, unit, known[of], others)
                         numbers[of] = float(scaled(number, factor))
         problems.stop()
         object.__setattr__(self, "values", numbers)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fastlink._text import counted, short_repr
-from fastlink.errors import MOST_SEED, InputError, Pair, Problems, check_whole, door
+from fastlink.errors import MOST_SEED, InputError, Pair, Problems, Samples, check_whole, door, remark
 from fastlink.space.design_space import (
     STEP,
     Column,
@@ -26,20 +26,6 @@ from fastlink.space.design_space import (
     sampled,
     units_of,
 )
-from fastlink.space.tables import table
-
-__all__ = [
-    "DesignSpace",
-    "Permutation",
-    "Slices",
-    "grid",
-    "latin_hypercube",
-    "rounds_of",
-    "sobol",
-    "sobol_axes",
-    "table",
-]
-
 
 # -- Samples whose designs are computed from their numbers alone: Sobol's sequence and Latin hypercubes
 
@@ -272,6 +258,8 @@ def slices_axes(n: int, seed: int, bounds: list[tuple[float, float]]) -> list[Co
 MOST_DESIGNS = 2**62  # flat design numbers are int64
 #: A double tells no more designs of a sample apart, each in its slice of a range.
 MOST_SAMPLES = 2**50
+#: A third value is rather a number of values if it is at least so much, and so many times the first two.
+FEWEST, FAR = 2, 4
 #: How an input is given that is called like a parameter.
 OF_THAT_NAME = "an input called n is given in a mapping, such as {'n': (1.0, 2.0)}"
 
@@ -300,9 +288,12 @@ def grid(axes: Mapping[str, ArrayLike] | None = None, /, **more: ArrayLike) -> D
     >>> space.dims, space.shape, space.size
     (('a2', 'a3'), (5, 2), 10)
     """
-    problems = Problems()
-    constants, swept, units = _read("grid", _keywords("grid", axes, more), axis_of, problems)
+    problems, given = Problems(), _keywords("grid", axes, more)
+    constants, swept, units = _read("grid", given, axis_of, problems)
     problems.stop()
+    if name := next((name for name in swept if _is_linspace(given[name])), ""):
+        what = f"{given[name]} is an axis of these three values"
+        remark(what, ("grid", name), ("if it is a range, write ", Samples(*given[name])))
     shape = tuple(len(values) for values in swept.values())
     if math.prod(shape) > MOST_DESIGNS:
         lengths = ", ".join(f"{name}: {length}" for name, length in zip(swept, shape, strict=True))
@@ -310,6 +301,12 @@ def grid(axes: Mapping[str, ArrayLike] | None = None, /, **more: ArrayLike) -> D
         raise InputError(what, where=("grid",), remedy=f"shorten an axis ({lengths})")
     attrs: dict[str, str | int] = {"design_kind": "grid"}
     return DesignSpace("grid", tuple(swept), shape, constants, axes=swept, attrs=attrs, units=units)
+
+
+def _is_linspace(given: Any) -> bool:
+    """Tell whether an axis is rather the ends and the number of its values: a whole number far beyond both."""
+    count = given[2] if isinstance(given, tuple) and len(given) == 3 else None
+    return type(count) is int and count >= FEWEST and count > FAR * max(abs(given[0]), abs(given[1]))
 
 
 def _keywords(kind: str, axes: Any, more: Mapping[str, ArrayLike]) -> dict[str, Any]:

@@ -56,6 +56,7 @@ from fastlink.space.design_space import (
     sampled,
     units_of,
 )
+from fastlink.space.units import named_with_unit
 
 __all__ = [
     "CURVES",
@@ -85,6 +86,8 @@ LONGEST_NAME = 200
 #: A name with its unit, as it heads a column.
 HEAD = re.compile(r"(\w+)\s*[\[(]\s*([^\[\]()]+?)\s*[\])]")
 LABEL_ENDINGS = ("_id", "_name", "_label")
+#: Texts that stand for no number, whatever the column holds.
+NO_VALUES = frozenset({"n/a", "n.a.", "na", "#n/a", "nan", "none", "null", "missing", "-", "--", "?", ""})
 #: Cells without a finite number that a message names for each column.
 MOST_CELLS = 6
 #: A result that every map has: a table with such a column is made of the rows of a map.
@@ -142,6 +145,12 @@ def _is_missing(cell: Any) -> bool:
     )
 
 
+def _with_gaps(cells: NDArray[Any]) -> NDArray[Any]:
+    """Return a column with NaN in place of texts and of cells that hold nothing."""
+    gaps = [isinstance(cell, str) or _is_missing(cell) for cell in cells.ravel()]
+    return np.where(np.reshape(gaps, cells.shape), np.nan, cells) if cells.ndim else cells
+
+
 def label_of(values: Any, where: KeyPath) -> NDArray[Any]:
     """Return labels as numbers or as texts, which files can hold."""
     array = np.asarray(values)
@@ -185,13 +194,14 @@ class Columns:
                 self.add_label(name, given)
                 return
             check_input_name("table", head_of(name)[0])
-            values = numbers_of("table", name, given)
+            cells = cells_of(given)
+            values = numbers_of("table", name, _with_gaps(cells) if cells.dtype.kind == "O" else given)
             self.units |= units_of(name, given)
             if values.ndim == 0:
                 self.constants[name] = constant("table", name, values)
             else:
                 self._check_length(name, values)
-                self.check_finite(name, values)
+                self.check_finite(name, values, cells=cells)
                 self.columns[name] = values
 
     def add_label(self, name: str, given: Any) -> None:
@@ -212,21 +222,21 @@ class Columns:
             check_input_name("table", head_of(name)[0])
             self.columns[name] = numbers.column()
 
-    def check_finite(self, name: str, values: Floats, first: int = 0) -> None:
-        """Note the rows of a column, whose values begin at some row, that hold no finite number."""
+    def check_finite(self, name: str, values: Floats, first: int = 0, cells: Any = None) -> None:
+        """Note the rows of a column, whose values begin at some row, that hold no finite number, but what is shown."""
         if not self.allow_invalid and first_invalid(values) is not None:
             rows = np.flatnonzero(~np.isfinite(values))
-            cells = [(f"row {first + k} (counted from 0)", str(values[k])) for k in rows[:MOST_CELLS]]
-            self.doubt(name, cells, len(rows))
+            shown = [str(values[k]) if cells is None else short_repr(cells[k]) for k in rows[:MOST_CELLS]]
+            found = [(f"row {first + k} (counted from 0)", of) for k, of in zip(rows, shown, strict=False)]
+            self.doubt(name, found, len(rows))
 
     def doubt(self, name: str, cells: Sequence[tuple[str, str]], count: int) -> None:
         """Note cells of a column that hold no finite number, the first of so many."""
         self.bad.setdefault(name, []).extend(cells)
         self.count[name] = self.count.get(name, 0) + count
 
-    @property
-    def doubtful(self) -> dict[str, Problem]:
-        """By column the problem of its cells that hold no finite number."""
+    def doubtful(self, *, may_label: bool) -> dict[str, Problem]:
+        """By column the problem of its cells that hold no finite number; labels unless the inputs are known."""
         keep = (", or pass ", Setting("allow_invalid", True), " to keep such designs")
         found = {}
         for name, cells in self.bad.items():
@@ -234,8 +244,9 @@ class Columns:
             shown = "".join(f", {other.partition(' (counted')[0]} is {one}" for other, one in others)
             more = f" and {self.count[name] - MOST_CELLS:,} more" if self.count[name] > MOST_CELLS else ""
             what = f"{place} of column {name}{self.source} is {value}{shown}{more}"
-            is_text = any(value.startswith(("'", '"')) for _, value in cells)
-            remedy = or_keep("write a number", name) if is_text else "write a finite number"
+            texts = [value[1:-1].lower() for _, value in cells if value.startswith(("'", '"'))]
+            is_label = may_label and {*texts} - NO_VALUES and not head_of(name)[1]
+            remedy = or_keep("write a number", name) if is_label else "write a finite number"
             parts = (remedy,) if isinstance(remedy, str) else remedy
             found[name] = Problem(what, ("table",), (*parts, keep))
         return found
@@ -267,9 +278,9 @@ class Columns:
         Of a request (`single`) cells without finite numbers are refused with all else that is wrong with its designs.
         """
         if not (self.of_map or (single and self.columns)):
-            self.problems.noted += self.doubtful.values()
+            self.problems.noted += self.doubtful(may_label=True).values()
         self.problems.stop()
-        doubtful = self._without_units(self.doubtful)
+        doubtful = self._without_units(self.doubtful(may_label=False))
         self.columns, self.constants = self._without_units(self.columns), self._without_units(self.constants)
         further: dict[str, Any] = {"units": self.units, "of_map": self.of_map, "doubtful": doubtful}
         if self.columns:
@@ -281,7 +292,7 @@ class Columns:
             text = next((str(cell) for cell in label.ravel()), "")
             raise refused(
                 f"column {name} holds {short_repr(text)}, and no column holds numbers",
-                "write a number for each input",
+                named_with_unit(name, text, shown=False) or "write a number for each input",
             )
         what = f"holds only single numbers ({', '.join(self.constants)})" if self.constants else "is empty"
         raise refused(f"the table {what}", "give at least one column of values, or use grid")

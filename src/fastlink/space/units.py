@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Collection, Container, Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
@@ -143,10 +143,17 @@ def with_unit(name: str, unit: str) -> str:
     return "_".join([name, *(one if power == 1 else f"{one}{power}" for one, power in powers)])
 
 
-def named_with_unit(name: str, value: object) -> str:
+#: A number and what may be its unit.
+QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s].*?)\s*")
+
+
+def named_with_unit(name: str, value: object, *, shown: bool = True) -> str:
     """Return the remedy for a number that is given as a text with its unit, such as 40 mm; empty for others."""
-    number, _, unit = value.strip().partition(" ") if isinstance(value, str) else ("", "", "")
-    return f"write {with_unit(name, unit)}={number}" if unit and is_unit(unit) else ""
+    found = QUANTITY.fullmatch(value) if isinstance(value, str) else None
+    if found is None or not is_unit(found[2]):
+        return ""
+    named = with_unit(name.removesuffix(with_unit("", found[2])), found[2])
+    return f"write {named}{f'={found[1]}' if shown else ', and numbers alone'}"
 
 
 def usual_name(name: str, units: str) -> str:
@@ -164,8 +171,11 @@ def comment(unit: str) -> str:
     return f"given in {in_words(unit)}"
 
 
-def check_unit(of: str, unit: str, units: str, others: Collection[str] = ()) -> Fraction:
-    """Return what a unit is in that of an input, 1 without one, or refuse another kind, or a second value."""
+def check_unit(of: str, unit: str, units: str, others: dict[str, str] | None = None) -> Fraction:
+    """Return what a unit is in that of an input, 1 without one, or refuse another kind, or a second value.
+
+    The others are known by the inputs that they are, and this one is added.
+    """
     if not unit:
         return Fraction(1)
     factor = factor_of(unit, units)
@@ -175,18 +185,20 @@ def check_unit(of: str, unit: str, units: str, others: Collection[str] = ()) -> 
         own, usual = "a plain number" if units == "1" else f"in {units}", usual_name(of, units)
         remedy = f"write {of}" if usual == of else f"write {of}, or such as {usual}"
         raise InputError(f"{of} is {no} but {own}", remedy=remedy)
-    if of in others:
-        raise InputError(f"{of} is given too", remedy="write one of them")
+    if others is not None and of in others:
+        raise InputError(f"{others[of]} is given too", remedy="write one of them")
+    if others is not None:
+        others[of] = with_unit(of, unit)
     return factor
 
 
 def in_si(where: str, given: Mapping[str, Any], units: Mapping[str, str]) -> dict[str, Any]:
     """Return numbers, or pairs of them, by plain names and in the units of these; what is no number as it is."""
-    found, problems = dict[str, Any](), Problems()
+    found, problems, others = dict[str, Any](), Problems(), {name: name for name in given}
     for name, value in given.items():
         of, unit = split(name, units)
         with problems.at(where, name):
-            factor = check_unit(of, unit, units.get(of, "1"), {*given, *found})
+            factor = check_unit(of, unit, units.get(of, "1"), others)
             try:
                 found[of] = value if factor == 1 else scaled(value, factor).tolist()
             except (TypeError, ValueError):
@@ -196,7 +208,7 @@ def in_si(where: str, given: Mapping[str, Any], units: Mapping[str, str]) -> dic
 
 
 def conversion(
-    of: str, unit: str, stated: str, expected: str, others: Collection[str] = (), where: KeyPath = ()
+    of: str, unit: str, stated: str, expected: str, others: dict[str, str] | None = None, where: KeyPath = ()
 ) -> tuple[Fraction, str]:
     """Return what the unit of values is in that of their input, and that unit: of their name, or that they state.
 

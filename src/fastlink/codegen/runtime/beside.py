@@ -30,10 +30,12 @@ from fastlink.codegen.runtime.cells import (
     NUMBER,
     OPEN,
     ORDER,
+    PARITY,
     PART,
     PARTS,
     ROOT,
     ROOTS,
+    SIDES,
     SIGN,
     SLOPE,
     SLOPE_BOUND,
@@ -369,9 +371,57 @@ def bound_aside(s: Any, count: int) -> None:
         s[BOUND, i] = s[BOUND, i] + 8.0 * FARTHER_ASIDE * s[SLOPE, i]
 
 
+# How far on either side of a place where a quantity may be infinite it is evaluated, over the distance of the place
+# from the end of the range; how much greater it is nearer by at least: a simple pole makes it 1024 times as great, and
+# the rounding of the place, 2^-51 of it, changes that by a part in 2^17.
+FAR_FROM_POLE, NEAR_POLE, GROWS_AT_POLE = 2.0**-24, 2.0**-34, 2.0**5
+
+
+# Nearer to the end of a range that goes on in another half is one place: the other side is there.
+AT_SEAM = 2.0**-40
+
+
+@outlined
+def place_at_pole(s: Any, count: int, w: Any, table: Any, turn: int, k: int) -> None:
+    """Put items at one side of their places, farther at first, then nearer; then at the places themselves."""
+    off = FAR_FROM_POLE if k == 0 else (NEAR_POLE if k == 1 else 0.0)
+    for i in range(count):
+        if turn + k == 0:
+            s[XB, i] = s[HALF, i]
+        x, half = s[XA, i], int(s[XB, i])
+        seam = (abs(x) < AT_SEAM) & (w[table[START] + int(s[UPPER, i]), int(s[LANE, i])] == 0.0)
+        s[X, i] = off if seam and off > 0.0 else x * (1.0 + (off if turn == 0 else -off))
+        s[HALF, i] = half ^ 1 if seam and turn > 0 and off > 0.0 else half
+
+
+@outlined
+def keep_at_pole(s: Any, count: int, table: Any, search: Any, k: int) -> None:
+    """Keep the farther or the nearer value beside a place, of a mirrored half that of the mirror."""
+    for i in lanes(padded(count)):
+        mirrored = (table[SIDES] == 1) & (s[HALF, i] != s[XB, i])
+        value = s[VALUE, i] * (float(search[PARITY]) if mirrored else 1.0)
+        s[FA, i] = value if k == 0 else s[FA, i]
+        s[FB, i] = value if k == 1 else s[FB, i]
+
+
+@outlined
+def pole_values(s: Any, count: int, w: Any, table: Any, search: Any) -> None:
+    """Make values infinite where they grow towards the place; others, whose quotient has a limit, do not count.
+
+    What grows towards a toggle or fold is for `end_values` to tell.
+    """
+    for i in range(count):
+        far, near = abs(s[FA, i]), abs(s[FB, i])
+        grows = (near > GROWS_AT_POLE * far) | (near == INFINITY)
+        grows = grows & (s[XA, i] >= 2.0 * abs(w[table[START] + int(s[UPPER, i]), int(s[LANE, i])]))
+        s[VALUE, i] = s[FB, i] * INFINITY if grows else NOT_A_NUMBER
+        s[BOUND, i] = INFINITY
+        s[KIND, i] = 0.0 if grows else NOT_A_NUMBER
+
+
 @outlined
 def unlist_jumps(s: Any, count: int, splits: Any, numbers: Any) -> None:
-    """Let no zero of the slope be an extreme where the quantity jumps, at places by the searches of some numbers."""
+    """Let no zero of the slope be an extreme where the quantity jumps or is infinite, at places of some searches."""
     for i in range(count):
         x, n = s[X, i], int(splits[LAST, int(s[LANE, i])])
         while n > 0:

@@ -10,8 +10,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
 
-__all__ = ["Bar", "Circle", "Force", "Guide", "Locus", "Picture", "Point", "Torque", "joint"]
-
 #: The name of a fact, an input or the input position, or a constant.
 Value: TypeAlias = str | float
 

@@ -57,6 +57,11 @@ planar_4r.graded = GradedRange(
     wraps_at={"theta2": "AB_y", "theta4": "DB_y", "joint_angle_2": "AB_v", "joint_angle_4": "DB_y"},
     divisors={"curvature": ("curve_rate", 5)},  # (P' x P'')/|P'|^3
     turns={"load_torque": "omega4"},  # T_2 omega4 |omega4|
+    poles={
+        "mechanical_advantage": ("output_ratio",),
+        **dict.fromkeys(("instant_centre_x", "instant_centre_y"), ("coupler_ratio",)),
+        "relative_centre_x": ("output_excess",),
+    },
     known={
         **AT_ENDS,
         "A_y": KnownExtremes({1: ("place_crosswise",), 2: ("place_crosswise",)}),

@@ -26,9 +26,6 @@ from fastlink.facts.sheet import read_sheets
 from fastlink.mechanisms._shared.borrow import ByOtherInput, facts_of, with_derivatives
 from fastlink.mechanisms.planar_4r import AT_ENDS, PAIRS, planar_4r
 
-__all__ = ["driven_by", "driven_catalogues"]
-
-
 #: The inputs of the coupler point, and the places in the ground frame that are offered.
 POINT = ("P_u", "P_v")
 PLACES = tuple(f"{name}_{xy}" for name in "ABP" for xy in "xy")

@@ -64,6 +64,10 @@ slider_crank.graded = GradedRange(
     max_extrema=dict.fromkeys(SIMPLE, 2),
     not_differentiable=("loop_residual",),
     wraps_at={"theta2": "AB_y"},
+    poles={
+        "mechanical_advantage": ("x_slope",),
+        **dict.fromkeys(("instant_centre_x", "instant_centre_y"), ("half_cosine",)),
+    },
     axis=PI / 2,
     known={
         "slider_position": KnownExtremes({1: ("place_inner",), 2: ("place_outer",)}),
