@@ -26,7 +26,6 @@ GAIT = np.stack([
 
 
 def box(lengths, others):
-    """Return limits of the lengths, and of the coupler point and the pivot O."""
     names = ("P_u", "P_v", "O_x", "O_y")
     return {f"a{k}": lengths for k in (1, 2, 3, 4)} | dict.fromkeys(names, others)
 
@@ -68,7 +67,6 @@ FUNCTIONS = {
 
 
 def timed(function):
-    """Return what a function returns, and the seconds that it takes."""
     start = time.perf_counter()
     return function(), time.perf_counter() - start
 
@@ -88,7 +86,6 @@ def paths(seeds):
 
 
 def functions():
-    """Return a row for each function: the greatest error known and found, the transmission angle, the time."""
     rows = []
     for name, (function, over, turns, where, known) in FUNCTIONS.items():
         ask = {"function": function, "over": over, "turn_deg": turns, "where": where, "top": 1}
@@ -100,27 +97,23 @@ def functions():
 
 def dyads(tasks=100_000):
     """Return how many five-pose tasks a second are solved, and the greatest distance from circles by their size."""
-    rng = np.random.default_rng(0)
-    poses = np.concatenate(
-        [rng.uniform(-1, 1, (tasks, 5, 2)), rng.uniform(-np.pi, np.pi, (tasks, 5, 1))], axis=2
-    )
-    found, counts, forms = np.empty((tasks, 4, 4)), np.zeros(tasks, dtype=np.int64), np.zeros((tasks, 5, 8))
-    _, seconds = timed(lambda: compiled("dyads")(poses, forms, found, counts))
-    centre, pin = found[..., 0] + 1j * found[..., 1], found[..., 2] + 1j * found[..., 3]
-    at = (poses[..., 0] + 1j * poses[..., 1])[:, None] + np.exp(1j * poses[..., 2])[:, None] * pin[..., None]
-    radius = np.abs(at - centre[..., None])
+    places, angles = np.random.default_rng(0).uniform(-1, 1, (2, tasks, 5, 2))
+    poses = np.concatenate([places, np.pi * angles[..., :1]], axis=2)
+    found, counts = np.empty((tasks, 4, 4)), np.zeros(tasks, dtype=np.int64)
+    _, seconds = timed(lambda: compiled("dyads")(poses, np.zeros((tasks, 5, 8)), found, counts))
+    pins = np.exp(1j * poses[..., 2])[:, None] * (found @ [0, 0, 1, 1j])[..., None]
+    radius = np.abs((places @ [1, 1j])[:, None] + pins - (found @ [1, 1j, 0, 0])[..., None])
     off = np.nanmax(np.ptp(radius, axis=-1) / np.maximum(1.0, radius.max(axis=-1)))
     return tasks / seconds, off, np.bincount(counts).tolist()
 
 
 def random_path(rng, closed):
-    """Return twelve points of the curve of a random crank-rocker, all around or of a part, and their size."""
     lengths = np.array([9.0, 1.0, 1.0, 9.0])
     while lengths[0] + lengths[3] >= 0.98 * (lengths[1] + lengths[2]):
         lengths = np.sort(rng.uniform(0.1, 1.0, 4))
-    span = 2 * np.pi if closed else rng.uniform(0.5, 5.0)
     numbers = [lengths[0], *rng.permutation(lengths[1:]), *rng.uniform(-1, 1, 2)]
     design = dict(zip(("a1", "a2", "a3", "a4", "P_u", "P_v"), numbers, strict=True))
+    span = 2 * np.pi if closed else rng.uniform(0.5, 5.0)
     theta = rng.uniform(0, 2 * np.pi) + np.sort(rng.uniform(0, span, 12))
     at = fl.evaluate("planar_4r", ["P_x", "P_y"], branch=int(rng.integers(1, 3)), theta1=theta, **design)
     points = np.stack([at["P_x"], at["P_y"]], axis=1)
@@ -128,19 +121,17 @@ def random_path(rng, closed):
 
 
 def random_linkages(count):
-    """Return a row for closed and for open paths: how many come back to 1e-10 of the size, in what time."""
     rows = []
     for closed in (True, False):
-        good, seconds = [], []
+        made = []
         for seed in range(count):
             points, size = random_path(np.random.default_rng(seed), closed)
-            found, took = timed(
-                lambda z=points, c=closed: fl.synthesise("planar_4r", path=z, closed=c, top=1)
-            )
-            good.append(found.sizes["design"] > 0 and float(found.path_error[0]) < 1e-10 * size)
-            seconds.append(took)
-        soon = np.count_nonzero(np.array(good) & (np.array(seconds) < 2.0))
-        rows.append(("closed" if closed else "open", f"{sum(good)}", f"{soon}", f"{np.median(seconds):.2f}"))
+            ask = {"path": points, "closed": closed, "top": 1}
+            found, seconds = timed(lambda ask=ask: fl.synthesise("planar_4r", **ask))
+            made.append((found.sizes["design"] > 0 and float(found.path_error[0]) < 1e-10 * size, seconds))
+        good, seconds = np.array(made).T
+        soon = f"{np.sum(good * (seconds < 2)):.0f}"
+        rows.append(("closed" if closed else "open", f"{good.sum():.0f}", soon, f"{np.median(seconds):.2f}"))
     return rows
 
 

@@ -86,6 +86,17 @@ def test_a_random_linkage_comes_back_from_points_of_its_closed_curve():
     assert (first.path_error < 1e-9 * size).all()
 
 
+def test_a_whole_curve_is_compared_as_a_whole():
+    """An ellipse of 60 points: what the distances are is of the 200 places, a step of 2 pi / 200 each."""
+    angle = TURN * np.arange(60) / 60
+    found = fl.synthesise(
+        "planar_4r", path=np.stack([np.cos(angle), 0.6 * np.sin(angle)], axis=1), closed=True, top=1
+    )
+    assert float(found.path_error_max[0]) < 1e-4
+    assert float(found.chamfer[0]) < 2 * TURN / 200
+    assert float(found.ordered_distance[0]) < TURN * (TURN / 200) ** 2
+
+
 def test_five_poses_have_all_their_dyads():
     """Four dyads, one of them with a radius 29 times the other's; residuals are of rounding alone."""
     found = fl.synthesise("planar_4r", motion=POSES, top=20)

@@ -188,13 +188,14 @@ def solve_path(task: PathTask, seed: int, rounds: int = ROUNDS, enough: float = 
     """
     open_path = not task.closed and task.times is None
     shapes = SHAPES_OPEN if open_path else SHAPES
-    shapes = max(256, shapes if len(task.target) <= 2 * COMPARED else shapes // 2)
-    kept = KEPT if len(task.target) <= 2 * COMPARED else max(100, KEPT * 2 * COMPARED // len(task.target))
+    few = min(1.0, 2.0 * COMPARED / len(task.target))
+    shapes, kept = (shapes, KEPT) if few == 1.0 else (shapes // 2, max(100, int(KEPT * few)))
     found: Candidates | None = None
     for number in range(rounds):
         starts = starts_of(task, shapes, min(kept, shapes), seed, number * shapes)
         fit_limits(task, starts)
-        for most, steps in STAGES:
+        for most, steps in STAGES:  # fewer of longer ones
+            most, steps = max(8, int(most * few)), max(30, int(steps * few))
             starts = refined(task, starts.at(slice(0, most)), steps)
         found = merged(starts if found is None else joined(found, starts))
         if not len(found.cost):
