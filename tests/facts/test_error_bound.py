@@ -183,7 +183,7 @@ def bounds_over_errors(entry, names, kind, n):
 BOUNDED = [entry for entry in ENTRIES if entry.solver == "eliminated"]  # a linear system has no bounds
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("entry", BOUNDED, ids=str)
 def test_every_bound_holds_and_is_not_much_greater_than_the_error(entry):
     names = tuple(name for name in entry.names if not entry.catalogue.public_fact(name).flags)

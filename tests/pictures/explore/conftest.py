@@ -25,3 +25,9 @@ def path(tmp_path_factory):
         "planar_4r", space, names, extrema="sampled", theta1=24, to=file, verify=0, branch=(1, 2)
     ).close()
     return file
+
+
+@pytest.fixture(scope="module")
+def page(path):
+    with fl.explore(path, browser=False) as served:
+        yield served

@@ -70,12 +70,6 @@ INK = """(() => {
 
 
 @pytest.fixture(scope="module")
-def page(path):
-    with fl.explore(path, browser=False) as served:
-        yield served
-
-
-@pytest.fixture(scope="module")
 def show(browser):
     with new_tab(browser) as found:
         yield found

@@ -21,12 +21,6 @@ from fastlink.pictures import content, explore
 from fastlink.pictures.content import Values
 
 
-@pytest.fixture(scope="module")
-def page(path):
-    with fl.explore(path, browser=False) as served:
-        yield served
-
-
 def ask(page, where, query=None, **headers):
     """Return status and body of an answer; a query that is a text is sent as it is."""
     base, _, token = page.url.partition("?token=")
