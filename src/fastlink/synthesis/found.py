@@ -55,6 +55,8 @@ DEFECTS = {
 TOUCH = 1e-7
 #: Poses and points that a task takes, and linkages of which a result is chosen.
 MOST_POINTS, MOST_FOUND = 2000, 400
+#: Links of a path are so many times as long as its points are from their mean at most, unless a limit is given.
+LONGEST = 20.0
 
 
 # -- Linkages, and what is wrong with them
@@ -483,6 +485,11 @@ def _solve_path(asked: Asked, path: Any, timing: Any, closed: Any) -> Solved:
     if is_closed and comes_back and times is None:
         target, weights = points[:-1], np.ones(count - 1)
         weights[0] = 2.0
+    if not asked.exact:
+        # lengths without a limit of their own: nearly straight or round paths are met ever better by ever longer links
+        longest = np.where(np.arange(10) < 6, LONGEST * size, np.inf)
+        asked.upper = np.where(np.isfinite(asked.upper), asked.upper, longest)
+        asked.lower = np.where(np.isfinite(asked.lower), asked.lower, -longest)
     task = paths.PathTask(target, times, is_closed, crank, weights, asked.lower, asked.upper)
     attrs: dict[str, Any] = {"closed": int(is_closed)}
     found, complete = None, ""
