@@ -48,7 +48,9 @@ def test_the_main_job_of_the_readme(tmp_path, count):
     (first, *_) = code_blocks(README, "sh")
     install, run = first.strip().split(" && ")
     assert install == "python -m pip install ."
-    fewer = "" if count == 101 else " --verify 2"  # of designs with 50 digits, which take as long as all the rest
+    fewer = (
+        "" if count == 101 else " --verify 2"
+    )  # of designs with 50 digits, which take as long as all the rest
     assert f"{count**3:,}" in command(run + fewer, tmp_path)
     plot = re.search(r"`(fastlink plot [^`]*)`", README)
     assert plot is not None
