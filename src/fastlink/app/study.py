@@ -790,6 +790,8 @@ class StudyRequest:
 # -- The text of a study file, and what is said to files that are something else
 
 
+#: The table of a study that asks for linkages for a task.
+SYNTHESIS = "synthesis"
 #: Bytes of a study at most: tables of designs have files of their own.
 MOST_BYTES = 16 << 20
 #: The remedy for what is not TOML.
@@ -916,7 +918,7 @@ def run(
     client: Client | None = None,
     trust_code: bool = False,
 ) -> xr.Dataset:
-    """Run a study file and write its map; of a study with a table [search] that of the designs that are found.
+    """Run a study file and write its map; with a table [search] or [synthesis] that of the designs that are found.
 
     Parameters
     ----------
@@ -976,6 +978,8 @@ def run(
     """
     call = dict(locals())
     checked = check_options(call | {"layout": CURVES if layout is None else layout})
+    if (asked := _synthesis_of(path)) is not None:
+        return _run_synthesis(asked, to, overwrite)
     study = read_study(path, trust_code)
     target = study.target(to, checked["part"])
     title = {name: study.tables[name] for name in ("title",) if name in study.tables}
@@ -1002,6 +1006,49 @@ def run(
         if call.get(str(error.where[0]) if error.where else "") is not None:
             raise  # the caller's own, not the study's
         raise InputError.of(error.problems, StudyWording(study.path, study.tables, study.space)) from None
+
+
+def _synthesis_of(path: Any) -> tuple[Path, str, dict[str, Any]] | None:
+    """Return a study with a table [synthesis], its text and its tables; None of another, or of no study."""
+    path = check_path(("study",), path, "study.toml")
+    text = text_of(path)
+    contents = contents_of(path, text) if SYNTHESIS in text else {}
+    return (path, text, dict(contents)) if SYNTHESIS in contents else None
+
+
+def _run_synthesis(asked: tuple[Path, str, dict[str, Any]], to: Any, overwrite: bool) -> xr.Dataset:
+    """Find the linkages for the task of a study, and write them."""
+    from fastlink.synthesis.found import synthesise
+
+    path, text, contents = asked
+    table, problems = contents.pop(SYNTHESIS), Problems(StudyWording(path))
+    mechanism, names = contents.pop("mechanism", None), contents.pop("quantities", [])
+    output, title = contents.pop("output", {}), contents.pop("title", None)
+    if mechanism is None:
+        problems.add("is missing", ("mechanism",), 'write mechanism = "planar_4r"')
+    if not isinstance(table, dict) or not isinstance(output, dict):
+        problems.add("is not a table", (SYNTHESIS,), "write keys below [synthesis] and [output]")
+    for name in contents:
+        problems.add("is of another study", (name,), "leave it out beside [synthesis]")
+    problems.stop()
+    known = [
+        n for n in signature(synthesise).parameters if n not in ("mechanism", "quantities", "to", "attrs")
+    ]
+    for name in table:
+        if name not in (*known, "file"):
+            problems.add("is no key of it", (SYNTHESIS, name), suggest(name, known))
+    given = dict(table)
+    if (file := given.pop("file", None)) is not None:
+        tasks = [name for name in ("motion", "function") if given.get(name) is True]
+        given[tasks[0] if tasks else "path"] = path.parent / str(file)
+    problems.stop()
+    target = Path(os.path.expanduser(to or output.get("file") or f"{path.stem}.h5"))
+    attrs = {**({} if title is None else {"title": title}), "study_file": writable(path.name), "study": text}
+    try:
+        again = overwrite or bool(output.get("overwrite", False))
+        return synthesise(mechanism, names, to=target, overwrite=again, attrs=attrs, **given)
+    except InputError as error:
+        raise InputError.of(error.problems, StudyWording(path)) from None
 
 
 def _refuse_other_file(target: Path) -> None:
