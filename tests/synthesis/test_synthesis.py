@@ -183,6 +183,30 @@ def test_five_timed_points_are_exact():
     np.testing.assert_allclose(np.diff(good.theta1[0]), np.diff(theta), atol=1e-12)
 
 
+def test_nine_points_have_all_their_linkages_with_their_defects():
+    """Problem 3 of Wampler, Morgan, Sommese 1992: 64 real triples (alphaCertified), of which one linkage, and its
+    cognate with the same crank, pass the points in order by a crank that turns.
+    """
+    points = [
+        (0.25, 0.0),
+        (0.52, 0.1),
+        (0.8, 0.7),
+        (1.2, 1.0),
+        (1.4, 1.3),
+        (1.1, 1.48),
+        (0.7, 1.4),
+        (0.2, 1.0),
+        (0.02, 0.4),
+    ]
+    found = fl.synthesise("planar_4r", path=points, exact=True, closed=True, top=400)
+    assert found.attrs["complete"] == "all 64 real of 1,442 triples of cognates"
+    assert found.sizes["design"] == 384
+    assert found.defect.values[:3].tolist()[:2] == [0, 0]
+    assert found.defect.values[2] > 0
+    place, _ = points_of(found)
+    assert np.abs(place - np.array(points) @ [1, 1j]).max() < 1e-12
+
+
 def test_the_greatest_error_of_a_function_equioscillates():
     """At the optimum of five free numbers the greatest error stands at least six times with changing signs."""
     found = fl.synthesise("planar_4r", function=np.square, over=(0, 1), turn_deg=(90, 90), top=1)
