@@ -296,13 +296,19 @@ def test_threads_compile_once(place, monkeypatch):
 
 
 def test_all_that_kernels_call_is_in_the_packages_that_are_hashed():
-    """Facts of mechanisms are pasted into the text; functions that are called by name must be hashed."""
+    """Facts of mechanisms are pasted into the text; functions that are called by name must be hashed.
+
+    A kernel of synthesis is the whole text of its module.
+    """
     for module in pkgutil.walk_packages(fastlink.__path__, "fastlink."):
         if not module.name.endswith("__main__"):
             importlib.import_module(module.name)
     hashed = tuple(package.__name__ + "." for package in cache.PACKAGES)
     for function in [*INLINED, *OUTLINED, *COMPILED_AS]:
-        if function.__module__.startswith("fastlink."):
+        if (
+            function.__module__.startswith("fastlink.")
+            and function.__module__ != "fastlink.synthesis.kernels"
+        ):
             assert function.__module__.startswith(hashed), function
 
 

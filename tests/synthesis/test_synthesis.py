@@ -49,6 +49,7 @@ def path_of(rng, theta):
     return np.stack([at["P_x"], at["P_y"]], axis=1)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("task", "least"),
     [
@@ -86,6 +87,7 @@ def test_a_random_linkage_comes_back_from_points_of_its_closed_curve():
     assert (first.path_error < 1e-9 * size).all()
 
 
+@pytest.mark.stress
 def test_a_whole_curve_is_compared_as_a_whole():
     """An ellipse of 60 points: what the distances are is of the 200 places, a step of 2 pi / 200 each."""
     angle = TURN * np.arange(60) / 60
@@ -150,6 +152,7 @@ def real_dyads(d, e):
     return int(np.count_nonzero(np.abs(roots.imag) < 1e-7 * (1 + np.abs(roots))))
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("count", [2, 3, 4])
 def test_fewer_poses_are_met_exactly_by_the_best_of_a_family(count):
     found = fl.synthesise("planar_4r", motion=POSES[:count], top=3)
@@ -229,6 +232,7 @@ def test_the_greatest_error_of_a_function_equioscillates():
     )  # 5001 places miss an extreme by the square of their step
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("points", [3, 4, 5])
 def test_precision_points_are_met(points):
     found = fl.synthesise(

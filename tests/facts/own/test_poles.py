@@ -57,7 +57,7 @@ POLES = {
 }
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", POLES)
 def test_extremes_are_infinite_where_the_divisor_changes_its_sign(name):
     space = fl.sobol(200, a1=(0.2, 1.5), a2=(0.2, 1.5), a3=(0.2, 1.5)).with_constants(
