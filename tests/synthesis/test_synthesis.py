@@ -288,6 +288,8 @@ def test_cognates_draw_the_same_curve():
         ({"path": ARC, "over": (1, 2)}, "over is for function=...; leave it out"),
         ({"function": np.log10, "over": (1, 2)}, "turn_deg is missing; write the turns of both shafts"),
         ({"path": ARC, "exact": True}, "exact is for nine points, or five with timing"),
+        ({"path": ARC, "timing": list("abcde")}, "timing has the shape (0,), and there are 5 points"),
+        ({"function": lambda x: 1 / 0, "over": (0, 1), "turn_deg": (60, 60)}, "function: cannot be called"),
         ({}, "synthesise has no task"),
     ],
 )  # fmt: skip
@@ -305,6 +307,15 @@ def test_conditions_and_other_objectives_hold_at_the_end():
     assert float(found.path_error_sum[0]) < 0.01123885
     greatest = fl.synthesise("planar_4r", minimise="path_error_max", **ask)
     assert float(greatest.path_error_max[0]) < 0.030625 < float(found.path_error_max[0])
+
+
+def test_a_condition_that_no_start_meets_is_met_at_the_end():
+    """Once the refinement towards it ended at a ground link of length 0."""
+    square = [(0, 0), (1, 0), (1, 1), (0, 1), (0.5, 0.5), (0.2, 0.9)]
+    found = fl.synthesise("planar_4r", path=square, where={"transmission_angle_min_deg": (95, None)}, top=2)
+    assert found.sizes["design"] == 2
+    assert (np.degrees(found.transmission_angle_min) >= 95.0).all()
+    assert (found.path_error < 1e-6).all()
 
 
 def test_no_linkage_is_an_empty_result_with_the_reason():

@@ -55,8 +55,9 @@ DEFECTS = {
 TOUCH = 1e-7
 #: Poses and points that a task takes, and linkages of which a result is chosen.
 MOST_POINTS, MOST_FOUND = 2000, 400
-#: Links of a path are so many times as long as its points are from their mean at most, unless a limit is given.
-LONGEST = 20.0
+#: Links of a path are so many times as long as its points are from their mean at most, and at least, unless a limit is
+#: given.
+LONGEST, SHORTEST = 20.0, 1e-6
 
 
 # -- Linkages, and what is wrong with them
@@ -473,7 +474,10 @@ def _solve_path(asked: Asked, path: Any, timing: Any, closed: Any) -> Solved:
         _check(is_closed, "timing", "is 'even', and the path is open", angles)
         times = 2.0 * np.pi * np.arange(count) / (count - comes_back)
     elif timing is not None:
-        times = np.asarray(timing, dtype=float)
+        try:
+            times = np.asarray(timing, dtype=float)
+        except (TypeError, ValueError):
+            times = np.empty(0)
         what = f"has the shape {times.shape}, and there are {counted(count, 'point')}"
         fits = times.shape == (count,) and np.isfinite(times).all()
         _check(fits, "timing", what, "write a crank angle for each point, in rad")
@@ -489,7 +493,8 @@ def _solve_path(asked: Asked, path: Any, timing: Any, closed: Any) -> Solved:
         # lengths without a limit of their own: nearly straight or round paths are met ever better by ever longer links
         longest = np.where(np.arange(10) < 6, LONGEST * size, np.inf)
         asked.upper = np.where(np.isfinite(asked.upper), asked.upper, longest)
-        asked.lower = np.where(np.isfinite(asked.lower), asked.lower, -longest)
+        shortest = np.where(np.arange(10) < 4, SHORTEST * size, -longest)
+        asked.lower = np.where(np.isfinite(asked.lower), asked.lower, shortest)
     task = paths.PathTask(target, times, is_closed, crank, weights, asked.lower, asked.upper)
     attrs: dict[str, Any] = {"closed": int(is_closed)}
     found, complete = None, ""
@@ -739,7 +744,7 @@ def _values(function: Any, x: Floats) -> Floats:
     """Return a function at places, of arrays or of single numbers."""
     try:
         values = np.asarray(function(x), dtype=float)
-    except (TypeError, ValueError):
+    except Exception:  # whatever a function of somebody's does with an array
         values = np.empty(0)
     if values.shape == x.shape:
         return values
@@ -891,8 +896,10 @@ def within_conditions(solved: Solved, asked: Asked, every: xr.Dataset) -> Linkag
         for _ in range(1 if by_path else 10):
             reach = np.inf if by_path else 0.2 * (1.0 + np.abs(x))
             box = [*zip(np.maximum(low, x - reach), np.minimum(high, x + reach), strict=True)]
-            best = minimize(objective, np.clip(x, low, high), jac=True, bounds=box, constraints=rules, method="SLSQP",
-                            options={"maxiter": MOST_STEPS if by_path else 30, "ftol": 1e-14})  # fmt: skip
+            with np.errstate(all="ignore"):  # where limits cannot be met it may step to no number
+                best = minimize(objective, np.clip(x, low, high), jac=True, bounds=box, constraints=rules,
+                                method="SLSQP",
+                                options={"maxiter": MOST_STEPS if by_path else 30, "ftol": 1e-14})  # fmt: skip
             if (
                 not np.isfinite(best.x).all()
                 or np.abs(best.x - x).max() < 1e-9
@@ -902,8 +909,7 @@ def within_conditions(solved: Solved, asked: Asked, every: xr.Dataset) -> Linkag
             x = best.x
         if by_path:
             x = best.x
-        if np.isfinite(x).all():
-            n = numbers(x)
+        if np.isfinite(x).all() and (n := numbers(x))[:4].min() > 0.0:
             fit(n)
             if met and task.times is None:  # to the rounding, which programs do not reach
                 signs = np.array([[side, np.sign(fit.theta[-1] - fit.theta[0])]])
