@@ -493,6 +493,7 @@ def test_a_real_process_refuses():
     assert done.stderr.startswith("fastlink: MECHANISM: ")
 
 
+@pytest.mark.stress
 def test_a_name_that_is_no_text_is_printed_to_a_strict_terminal_too(folder):
     environment = os.environ | {"PYTHONIOENCODING": "utf-8:strict"}
     command = [*MAIN, "draw", "planar_4r", "a1=0.4", "a2=1.1", "a3=0.8", "a4=1.0", "--to", b"\xff.png"]

@@ -149,6 +149,7 @@ def test_what_was_measured_is_what_is_shown():
     assert report.parts_of_page()[1] == report.text_of(kept["cases"], kept["answers"], kept["machine"])
 
 
+@pytest.mark.stress
 def test_the_page_has_the_measured_errors_of_textbook_formulas():
     """Next to a toggle or a fold they subtract squares of lengths that agree to the distance; fastlink does not."""
     page = (Path(__file__).parents[2] / "docs" / "accuracy.md").read_text()

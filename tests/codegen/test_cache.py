@@ -273,6 +273,7 @@ def test_a_second_process_takes_the_kernel_from_the_cache(place):
     assert [run(place, 3), run(place, 3)] == ["compiled 3.0", "3.0"]
 
 
+@pytest.mark.stress
 def test_twenty_processes_compile_once(place):
     """The compilation takes a second more than it would: others come meanwhile."""
     found = sorted(finish(start(place, 4, wait=1.0, count=20)).splitlines())

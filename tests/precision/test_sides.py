@@ -68,6 +68,7 @@ def test_noise_of_a_slope_at_a_fold_is_no_extreme():
     assert listed.attrs["verify_mismatches"] == 0
 
 
+@pytest.mark.stress
 def test_lists_leave_out_rounding_errors_where_a_kite_or_parallelogram_rests():
     """A crank that turns its coupler alone, or its output at its own speed, needs no torque: 0 has no extremes."""
     rng = np.random.default_rng(7)

@@ -75,6 +75,7 @@ def test_cases_of_the_literature(task, least):
         assert abs(float(found.theta1[0, -1] - found.theta1[0, 0])) == pytest.approx(TURN)
 
 
+@pytest.mark.stress
 def test_a_random_linkage_comes_back_from_points_of_its_closed_curve():
     """Of 12 points the 9 + 12 unknowns are fixed: an error of 1e-10 of the size is the linkage, or a cognate of it."""
     rng = np.random.default_rng(5)
@@ -299,6 +300,7 @@ def test_bad_tasks_are_refused_with_a_remedy(task, line):
     assert str(error.value).startswith(line)
 
 
+@pytest.mark.stress
 def test_conditions_and_other_objectives_hold_at_the_end():
     """The least error with an angle of 50 degrees at least is at that limit; the least greatest distance is less."""
     ask = {"path": KUNJUR, "timing": np.radians(20 * np.arange(18)), "closed": True, "top": 1}

@@ -113,6 +113,7 @@ def test_what_reads_a_map_runs_nothing(made, folder, command):
     assert not (folder / "ran").exists()
 
 
+@pytest.mark.stress
 def test_refined_designs_of_own_quantities_with_tolerances(made):
     mine, maps, _ = made
     found = fl.best(maps, minimise="cost_max_worst_change", top=1, refine=True, mechanism=mine)

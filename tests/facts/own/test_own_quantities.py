@@ -84,6 +84,7 @@ def test_extremes_are_those_of_a_dense_grid(name):
         assert (sign * found - best <= 40.0 * size * np.pi / ANGLES).all()
 
 
+@pytest.mark.stress
 def test_verification_with_50_digits_finds_roundings_alone():
     names = [
         "cost_max",

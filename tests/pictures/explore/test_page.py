@@ -347,6 +347,7 @@ def test_a_page_without_a_server_shows_the_same(browser, tab, written):
         )
 
 
+@pytest.mark.stress
 def test_a_map_of_sampled_designs_is_points(browser, tmp_path):
     maps, file = maps_of("points", None), tmp_path / "page.html"
     maps.fastlink.explore(to=file, browser=False)
@@ -364,6 +365,7 @@ def test_a_map_of_sampled_designs_is_points(browser, tmp_path):
         assert [one["design"] for one in listed(tab)] == least.tolist()
 
 
+@pytest.mark.stress
 def test_a_cell_of_many_designs_shows_their_mean_once_a_slider_rests(browser, show, tmp_path):
     space = fl.grid(a1=np.linspace(0.2, 1.9, 1500), a2=[0.8, 1.1], a3=[0.7, 0.9], a4=1.0)
     maps = fl.sweep("planar_4r", space, ["least_transmission_angle"], verify=0, branch=(1, 2))
@@ -388,6 +390,7 @@ def test_a_cell_of_many_designs_shows_their_mean_once_a_slider_rests(browser, sh
             assert alone.evaluate(GREATEST) == tab.evaluate(GREATEST)
 
 
+@pytest.mark.stress
 def test_a_map_of_one_axis_is_a_line(show):
     with fl.explore(maps_of("line", None), browser=False) as page:
         tab = show(page.url)
@@ -594,6 +597,7 @@ def test_a_linkage_that_is_dragged_apart_stops_there(show, coupler_page):
     assert state(tab, "design.motion.assembles(positionNow())")
 
 
+@pytest.mark.stress
 def test_a_map_over_positions_is_evaluated_at_the_position_that_is_chosen(show):
     maps = fl.sweep(
         "planar_4r",
