@@ -13,7 +13,7 @@ import textwrap
 import traceback
 from collections.abc import Callable, Generator, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import lru_cache, partial, reduce
+from functools import lru_cache, reduce
 from itertools import product
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
@@ -867,7 +867,7 @@ def _declare(catalogue: Catalogue, one: OwnQuantity) -> None:
         assert catalogue.graded is not None
         windings = {**catalogue.graded.windings, one.name: turns}
         catalogue.graded = replace(catalogue.graded, windings=windings)
-    _declare_poles(catalogue, one, root, graph, labels)
+    _declare_poles(catalogue, one, root, labels)
 
 
 def _declare_kinks(
@@ -878,26 +878,28 @@ def _declare_kinks(
     assert graded is not None
     known = {name: pieces for name, (_, pieces) in graded.kinks.items()}
     found = split(graph, root, known)
-    declared = partial(_declared_step, catalogue, one, graph, labels)
     inner = [switch for name in one.parameters for switch in graded.kinks.get(name, ((), ()))[0]]
     if found is None or len(inner) + len(found[0]) + len(found[1]) > MOST_KINKS:
         return False
 
-    kinks = *inner, *(declared("kink", k, node) for k, node in enumerate(found[0]))
-    pieces = tuple(declared("piece", k, node) for k, node in enumerate(found[1]))
+    kinks = (
+        *inner,
+        *(declared_step(catalogue, f"{one.name}_kink{k}", node, labels) for k, node in enumerate(found[0])),
+    )
+    pieces = tuple(
+        declared_step(catalogue, f"{one.name}_piece{k}", node, labels) for k, node in enumerate(found[1])
+    )
     if kinks or pieces or any(name in known for name in one.parameters):
         catalogue.graded = replace(graded, kinks={**graded.kinks, one.name: (kinks, pieces)})
     return True
 
 
-def _declare_poles(
-    catalogue: Catalogue, one: OwnQuantity, root: Node, graph: GraphAsWritten, labels: dict[str, Any]
-) -> None:
+def _declare_poles(catalogue: Catalogue, one: OwnQuantity, root: Node, labels: dict[str, Any]) -> None:
     """Declare what a quantity is divided by, of itself or of the quantities that it is made of."""
     graded, nodes = catalogue.graded, beneath([root])
     assert graded is not None
     moving = [zero for zero in divisors(nodes) if any(_moves(catalogue, part) for part in beneath([zero]))]
-    poles = [_declared_step(catalogue, one, graph, labels, "pole", k, node) for k, node in enumerate(moving)]
+    poles = [declared_step(catalogue, f"{one.name}_pole{k}", node, labels) for k, node in enumerate(moving)]
     poles += [pole for name in one.parameters for pole in graded.poles.get(name, ())]
     if poles and one.name not in graded.not_differentiable:
         catalogue.graded = replace(graded, poles={**graded.poles, one.name: tuple(dict.fromkeys(poles))})
@@ -910,21 +912,13 @@ def _moves(catalogue: Catalogue, node: Node) -> bool:
     )
 
 
-def _declared_step(
-    catalogue: Catalogue,
-    one: OwnQuantity,
-    graph: GraphAsWritten,
-    labels: dict[str, Any],
-    noun: str,
-    k: int,
-    node: Node,
-) -> str:
+def declared_step(catalogue: Catalogue, name: str, node: Node, labels: Mapping[str, Any]) -> str:
     """Declare a value as a step within the facts, and return its name; a quantity is that."""
     if node.kind == "name" and catalogue.is_quantity(node.value):
         return str(node.value)
-    formula = generate_formula(f"{one.name}_{noun}{k}", graph, node, {})
-    catalogue.declare(Fact(formula.name, formula, formula.parameters, **labels, internal=True))
-    return formula.name
+    formula = generate_formula(name, GraphAsWritten(()), node, {})
+    catalogue.declare(Fact(name, formula, formula.parameters, **labels, internal=True))
+    return name
 
 
 def _units_of(catalogue: Catalogue, one: OwnQuantity, name: str) -> str:

@@ -50,17 +50,15 @@ from fastlink.errors import InputError, suggest
 from fastlink.facts.catalogue import Catalogue, plain_and_above
 from fastlink.facts.expression import (
     OPERATORS,
-    GraphAsWritten,
     beneath,
     divisors,
-    generate_formula,
     value_of,
     winding,
 )
 from fastlink.facts.fact import Fact, GradedRange, Input, Loops, Rule, System
 from fastlink.facts.formula import NAMESPACE, WORD, CatalogueError, Formula, SheetError
 from fastlink.facts.names import root_of
-from fastlink.facts.own import check_units, is_reserved
+from fastlink.facts.own import check_units, declared_step, is_reserved
 from fastlink.facts.powers import Powers, UnlikePowers
 from fastlink.numerics.elementary import atan2, sqrt
 
@@ -515,13 +513,18 @@ def _graded_range(known: Catalogue) -> GradedRange:
     )
 
 
+def _steps_of(known: Catalogue) -> list[Fact | System]:
+    """Return all that quantities are made of, each after what it is made of."""
+    given = {*known.inputs, *known.tables, *known.table_low_parts, known.position.name, "branch"}
+    return [*known.dependencies(sorted(known.public), given)]
+
+
 def _with_roots(known: Catalogue) -> tuple[set[str], dict[str, dict[str, float]]]:
     """Return the facts that may be no number where the loop closes by Z0 and C0, roots; how facts wind with angles."""
     found: set[str] = set()
     windings: dict[str, dict[str, float]] = {known.position.name: {known.position.name: 1.0}}
-    given = {*known.inputs, *known.tables, *known.table_low_parts, known.position.name, "branch"}
     closes = {*known.tables, "p", "q", "sigma"}
-    for step in known.dependencies(sorted(known.public), given):
+    for step in _steps_of(known):
         value = value_of(step.formula)
         nodes = beneath([value])
         turns = winding(nodes, lambda name: windings.get(name, {}))
@@ -541,8 +544,7 @@ def _with_poles(known: Catalogue, shared: Collection[str]) -> dict[str, tuple[st
     What every sheet shares is divided by nothing that vanishes within the range.
     """
     found: dict[str, dict[str, None]] = {}
-    given = {*known.inputs, *known.tables, *known.table_low_parts, known.position.name, "branch"}
-    for step in [*known.dependencies(sorted(known.public), given)]:
+    for step in _steps_of(known):
         if not isinstance(step, Fact) or step.name in shared:
             continue
         poles = dict[str, None]()
@@ -550,12 +552,9 @@ def _with_poles(known: Catalogue, shared: Collection[str]) -> dict[str, tuple[st
             names = [part.value for part in beneath([zero]) if part.kind == "name"]
             if not any(known.varies(name) for name in names if name not in shared):
                 continue
-            if zero.kind != "name":
-                formula = generate_formula(f"{step.name}_pole{k}", GraphAsWritten(()), zero, {})
-                labels: dict[str, Any] = dict.fromkeys(("symbol", "meaning"), formula.name)
-                labels |= {"units": "1", "source": step.source, "internal": True}
-                known.declare(Fact(formula.name, formula, formula.parameters, **labels))
-            poles[zero.value if zero.kind == "name" else formula.name] = None
+            name = f"{step.name}_pole{k}"
+            labels = {"units": "1", "symbol": name, "meaning": name, "source": step.source}
+            poles[zero.value if zero.kind == "name" else declared_step(known, name, zero, labels)] = None
         for need in step.depends_on:
             poles |= found.get(root_of(known.parse(need)), {})
         found.update(dict.fromkeys(step.names, poles))
