@@ -865,7 +865,7 @@ def request_of(
     problems = Problems()
     only = problems.attempt(inputs_to_refine, asked["refine"])
     catalogue = find_catalogue(mechanism, of_sweep["input"])
-    names = _searched(catalogue, asked, problems)
+    names = names_searched(catalogue, asked, problems)
     bounds = _ranges(asked["bounds"], catalogue, problems)
     resolved, others = None, list[str]()
     with problems.at():
@@ -898,7 +898,7 @@ def request_of(
     return request
 
 
-def _searched(catalogue: Catalogue, asked: Mapping[str, Any], problems: Problems) -> list[str]:
+def names_searched(catalogue: Catalogue, asked: Mapping[str, Any], problems: Problems) -> list[str]:
     """Return the quantities that objectives and conditions name; what is unknown is noted, other values are not."""
     aims = [(key, name) for key in ("minimise", "maximise") for name in listed(asked[key])]
     where = asked["where"]

@@ -8,7 +8,6 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +18,7 @@ from scipy.optimize import minimize
 
 from fastlink._text import counted, joined, short_number, short_repr
 from fastlink.codegen.cache import environment
-from fastlink.design.search import _searched, write
+from fastlink.design.search import names_searched, write
 from fastlink.engine.evaluate import evaluate
 from fastlink.engine.function import function
 from fastlink.engine.sweep import sweep
@@ -35,8 +34,8 @@ from fastlink.plan.query import check_names
 from fastlink.space.design_space import DESIGN
 from fastlink.space.tables import table
 from fastlink.space.units import PI, in_si, scaled, split
-from fastlink.synthesis import functions, paths, poses
-from fastlink.synthesis.paths import NUMBERS
+from fastlink.synthesis import functions, nine_points, paths, poses
+from fastlink.synthesis.paths import NUMBERS, wrapped
 
 __all__ = ["DEFECTS", "Linkages", "from_pins", "synthesise"]
 
@@ -55,9 +54,8 @@ DEFECTS = {
 TOUCH = 1e-7
 #: Poses and points that a task takes, and linkages of which a result is chosen.
 MOST_POINTS, MOST_FOUND = 2000, 400
-#: Links of a path are so many times as long as its points are from their mean at most, and at least, unless a limit is
-#: given.
-LONGEST, SHORTEST = 20.0, 1e-6
+#: Links of a path are so many times as long as its points are from their mean at most, unless a limit is given.
+LONGEST = 20.0
 
 
 # -- Linkages, and what is wrong with them
@@ -304,7 +302,7 @@ class Asked:
         asked["where"] = {k: v for k, v in where.items() if split(str(k), own)[0] not in own}
         for name, given in (("minimise", self.minimise), ("maximise", self.maximise)):
             asked[name] = [one for one in _listed(given) if one not in own]
-        found = _searched(self.catalogue, asked, problems)
+        found = names_searched(self.catalogue, asked, problems)
         problems.stop()
         return found
 
@@ -493,14 +491,12 @@ def _solve_path(asked: Asked, path: Any, timing: Any, closed: Any) -> Solved:
         # lengths without a limit of their own: nearly straight or round paths are met ever better by ever longer links
         longest = np.where(np.arange(10) < 6, LONGEST * size, np.inf)
         asked.upper = np.where(np.isfinite(asked.upper), asked.upper, longest)
-        shortest = np.where(np.arange(10) < 4, SHORTEST * size, -longest)
-        asked.lower = np.where(np.isfinite(asked.lower), asked.lower, shortest)
+        asked.lower = np.where(np.isfinite(asked.lower), asked.lower, -longest)
     task = paths.PathTask(target, times, is_closed, crank, weights, asked.lower, asked.upper)
     attrs: dict[str, Any] = {"closed": int(is_closed)}
-    found, complete = None, ""
     if asked.exact:
-        found, complete = _all_exact(asked, task)
-    if found is None:
+        found, attrs["complete"] = _all_exact(asked, task)
+    else:
         many = times is None and 9 <= len(target) <= 2 * paths.COMPARED
         rounds = 1 if many else paths.ROUNDS if len(target) <= 2 * paths.COMPARED else 2
         solved = paths.solve_path(task, asked.seed, rounds)
@@ -518,8 +514,6 @@ def _solve_path(asked: Asked, path: Any, timing: Any, closed: Any) -> Solved:
         found = asked.within(_different(found))
     if is_closed and comes_back and times is None:
         found = _come_back(found)
-    if complete:
-        attrs["complete"] = complete
     coords = {"target_x": rows[:, 0], "target_y": rows[:, 1]} | ({} if times is None else {"time": times})
     if times is not None:
         attrs["timing"] = "crank angles, but for a phase"
@@ -551,7 +545,7 @@ def joined_linkages(one: Linkages, other: Linkages) -> Linkages:
     return Linkages(numbers, theta, side, starts, more)
 
 
-def _all_exact(asked: Asked, task: paths.PathTask) -> tuple[Linkages | None, str]:
+def _all_exact(asked: Asked, task: paths.PathTask) -> tuple[Linkages, str]:
     """Return all linkages that pass points exactly, where algebra gives them, and how many that are."""
     count = len(task.target)
     best = "leave it out: least squares find the best"
@@ -567,7 +561,7 @@ def _all_exact(asked: Asked, task: paths.PathTask) -> tuple[Linkages | None, str
 
 def _of_nine(points: NDArray[np.complex128]) -> tuple[Linkages, str]:
     """Return a linkage of each triple of cognates through nine points, and how many triples there are."""
-    triples = import_module("fastlink.synthesis.nine_points").solutions(points)
+    triples = nine_points.solutions(points)
     real = triples.unknowns[triples.real]
     turns = np.concatenate([np.ones((len(real), 1)), real[:, 8:]], axis=1)
     x, a, y, b = (real[:, k, None] for k in range(4))
@@ -583,10 +577,7 @@ def _through_nine(task: paths.PathTask) -> paths.Candidates | None:
     The best of a sample of shapes lies in a long valley then, and what passes all points is not near its start.
     """
     some = np.unique(np.linspace(0, len(task.target) - 1, 9).round().astype(int))
-    try:
-        found, _ = _of_nine(task.target[some])
-    except ModuleNotFoundError:
-        return None
+    found, _ = _of_nine(task.target[some])
     found = judged(cognates_of(found), task.closed, False)
     found = found.at(found.more["defect"] == 0)
     if not len(found):
@@ -617,7 +608,7 @@ def _solve_motion(asked: Asked, motion: Any, rotation_length: Any) -> Solved:
     size = float(np.abs(points - points.mean()).max())
     for k in range(count):
         same = np.abs(points[:k] - points[k]) <= 1e-12 * size
-        same &= np.abs(np.remainder(angles[:k] - angles[k] + np.pi, 2.0 * np.pi) - np.pi) <= 1e-12
+        same &= np.abs(wrapped(angles[:k] - angles[k])) <= 1e-12
         what = f"has the same pose in rows {int(np.argmax(same)) if k else 0} and {k}"
         _check(not same.any(), "motion", what, "leave one of them out")
     own = Setting("rotation_length", float(f"{size or 1.0:.2g}"))
@@ -736,7 +727,7 @@ def _solve_function(asked: Asked, function: Any, over: Any, turn: Any, turn_deg:
 def _greatest(task: Any, one: Any, given: Any, turns: Any) -> float:
     """Return the greatest error between precision points."""
     whole = functions.FunctionTask(np.linspace(0.0, turns[0], functions.FINE), np.empty(0), given)
-    _, errors = functions._peaks(whole, one.numbers, one.sign, one.sense)
+    _, errors = functions.peaks_of(whole, one.numbers, one.sign, one.sense)
     return float(np.max(np.abs(errors)))
 
 
@@ -795,11 +786,7 @@ def within_conditions(solved: Solved, asked: Asked, every: xr.Dataset) -> Linkag
     aim = choice.objectives[0]
     aim_name = str(aim.array.name)
     by_path = aim_name in ("path_error", "path_error_max", "path_error_sum")
-    if (
-        task is None
-        or len(choice.objectives) != 1
-        or not (limits or aim_name == "path_error_max" or not by_path)
-    ):
+    if len(choice.objectives) != 1 or not (limits or aim_name == "path_error_max" or not by_path):
         return None
     if not by_path and aim_name in LABELS:
         return None
@@ -925,7 +912,7 @@ def within_conditions(solved: Solved, asked: Asked, every: xr.Dataset) -> Linkag
     found = Linkages(
         every_n, theta, np.repeat(side_of[:, None], count, axis=1), np.ones(len(made), dtype=np.int64)
     )
-    return asked.within(found.at(slice(0, None)))
+    return asked.within(found)
 
 
 def _rule(function: Any, count: int | None = None, kind: str = "ineq") -> dict[str, Any]:
@@ -1009,7 +996,7 @@ def _errors(solved: Solved, found: Linkages, branch: NDArray[np.int64]) -> dict[
     if solved.task == "function":
         at = evaluate("planar_4r", ["theta4"], branch=branch[:, None], allow_invalid=True, theta1=found.theta,
                       **{name: inputs[name] for name in NUMBERS[:4]})["theta4"]  # fmt: skip
-        off = np.remainder(at - found.more["theta4"] + np.pi, 2.0 * np.pi) - np.pi
+        off = wrapped(at - found.more["theta4"])
         return {"output_error": off, "structural_error_rms": np.sqrt(np.mean(off**2, axis=1))}
     at = evaluate(
         "planar_4r", ["P_x", "P_y", "theta2"], branch=sides, allow_invalid=True, theta1=found.theta, **inputs
@@ -1026,8 +1013,7 @@ def _errors(solved: Solved, found: Linkages, branch: NDArray[np.int64]) -> dict[
             "path_error_max": off.max(axis=1),
         }
         return errors | {"path_error_sum": square.sum(axis=1)} | whole
-    turn = at["theta2"] + n[:, 8:9] + found.more["body_angle"][:, None] - target["target_angle"]
-    turn = np.remainder(turn + np.pi, 2.0 * np.pi) - np.pi
+    turn = wrapped(at["theta2"] + n[:, 8:9] + found.more["body_angle"][:, None] - target["target_angle"])
     both = off**2 + (solved.attrs["rotation_length"] * turn) ** 2
     return {"point_error": off, "angle_error": turn, "pose_error": np.sqrt(both.mean(axis=1)),
             "pose_error_max": np.sqrt(both.max(axis=1))}  # fmt: skip

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linprog
 
-from fastlink.synthesis.paths import compiled
+from fastlink.synthesis.paths import compiled, wrapped
 
 __all__ = ["FunctionTask", "Generator", "chebyshev", "solve_function"]
 
@@ -88,7 +88,7 @@ def _angles(numbers: Floats, sign: Any, turn: Floats) -> tuple[Floats, Floats]:
 def _off(numbers: Floats, sign: Any, turn: Floats, wanted: Floats) -> Floats:
     """Return the errors of the output angle (linkages, places), NaN where the bars do not meet."""
     psi, _ = _angles(numbers, sign, turn)
-    return np.asarray(np.remainder(psi - numbers[:, 4, None] - wanted + np.pi, 2.0 * np.pi) - np.pi)
+    return wrapped(psi - numbers[:, 4, None] - wanted)
 
 
 def _slopes(numbers: Floats, sign: Any, turn: Floats) -> Floats:
@@ -196,7 +196,7 @@ def _by_powers(
     return numbers
 
 
-def _peaks(task: FunctionTask, numbers: Floats, sign: float, sense: int) -> tuple[Floats, Floats]:
+def peaks_of(task: FunctionTask, numbers: Floats, sign: float, sense: int) -> tuple[Floats, Floats]:
     """Return where the error has extremes along the crank's turn, the ends among them, and the errors there.
 
     Each is enclosed by places, and found by parabolas through three of them, ever nearer: the error is flat there.
@@ -234,7 +234,7 @@ def _minimax(task: FunctionTask, numbers: Floats, sign: float, sense: int, aim: 
     if task.output is not None:
         turn = np.linspace(task.turn_in[0], task.turn_in[-1], FINE)
         wanted = sense * task.output(turn)
-    peaks, errors = _peaks(task, numbers, sign, sense)
+    peaks, errors = peaks_of(task, numbers, sign, sense)
     best, trust = float(np.max(np.abs(errors))), TRUST
     if not np.isfinite(best):
         return None
@@ -278,7 +278,7 @@ def _minimax(task: FunctionTask, numbers: Floats, sign: float, sense: int, aim: 
                 break
             continue
         moved = numbers + program.x[:5]
-        where, there = _peaks(task, moved, sign, sense)
+        where, there = peaks_of(task, moved, sign, sense)
         other = float(np.max(np.abs(there))) + (short(moved) if low else 0.0)
         other = other if _is_built(moved[None])[0] else np.inf
         if other < merit:
@@ -357,5 +357,5 @@ def _is_known(
 def _wrapped(numbers: Floats) -> Floats:
     """Return differences of numbers, those of angles within half a turn."""
     turned = numbers.copy()
-    turned[..., 3:] = np.remainder(turned[..., 3:] + np.pi, 2.0 * np.pi) - np.pi
+    turned[..., 3:] = wrapped(turned[..., 3:])
     return turned

@@ -226,6 +226,11 @@ def joined(one: Candidates, other: Candidates) -> Candidates:
     return both.at(np.argsort(both.cost, kind="stable"))
 
 
+def wrapped(angles: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return angles within half a turn."""
+    return np.asarray(np.remainder(angles + np.pi, 2.0 * np.pi) - np.pi)
+
+
 def merged(found: Candidates, most: int = 400) -> Candidates:
     """Return different linkages, the best of each, with the number of starts that ended there."""
     kept, starts = different(found.numbers, found.signs[:, 0], found.starts, most)
@@ -241,7 +246,7 @@ def different(
     kept, counts = list[int](), list[int]()
     for k, one in enumerate(numbers):
         off = np.abs(numbers[kept, :8] - one[:8]).max(axis=1, initial=0.0) / one[:4].max()
-        turn = np.abs(np.remainder(numbers[kept, 8] - one[8] + np.pi, 2 * np.pi) - np.pi)
+        turn = np.abs(wrapped(numbers[kept, 8] - one[8]))
         same = (off < SAME) & (turn < SAME) & (signs[kept] == signs[k])
         if same.any():
             counts[int(np.argmax(same))] += int(starts[k])
