@@ -5,8 +5,10 @@ import pytest
 import xarray as xr
 
 import fastlink as fl
+from fastlink.codegen.kernel import load_kernel
+from fastlink.synthesis import kernels, paths
 from fastlink.synthesis.found import DEFECTS, Linkages, cognates_of, judged
-from fastlink.synthesis.paths import compiled
+from fastlink.synthesis.poses import dyads_of_five
 
 TURN = 2.0 * np.pi
 #: Kunjur, Krishnamurty 1997, as later papers use it: 18 points, a step of 20 degrees of the crank each.
@@ -116,18 +118,16 @@ def test_five_poses_have_all_their_dyads():
 
 
 def test_dyads_of_random_poses_are_as_many_as_the_resultant_has_real_roots():
-    """The kernel against eigenvalues of the companion matrix, on random tasks; each dyad leaves no circle."""
+    """Against the roots of a resultant in a null space by SVD, on random tasks; each dyad leaves no circle."""
     rng, count = np.random.default_rng(0), 300
     poses = np.concatenate(
         [rng.uniform(-1, 1, (count, 5, 2)), rng.uniform(-np.pi, np.pi, (count, 5, 1))], axis=2
     )
-    found, counts = np.empty((count, 4, 4)), np.zeros(count, dtype=np.int64)
-    compiled("dyads")(poses, np.zeros((count, 5, 8)), found, counts)
     d, e = poses[..., 0] + 1j * poses[..., 1], np.exp(1j * poses[..., 2])
-    centre, pin = found[..., 0] + 1j * found[..., 1], found[..., 2] + 1j * found[..., 3]
+    centre, pin = dyads_of_five(d, poses[..., 2])
     radius = np.abs(d[:, None] + e[:, None] * pin[..., None] - centre[..., None])
     assert np.nanmax(np.ptp(radius, axis=-1) / np.maximum(1, radius.max(axis=-1))) < 1e-13
-    assert counts.tolist() == [real_dyads(*one) for one in zip(d, e, strict=True)]
+    assert np.isfinite(centre).sum(axis=1).tolist() == [real_dyads(*one) for one in zip(d, e, strict=True)]
 
 
 def real_dyads(d, e):
@@ -373,3 +373,28 @@ def test_random_closed_paths(seed):
     points = path_of(rng, np.sort(rng.uniform(0, TURN, 12)))
     found = fl.synthesise("planar_4r", path=points, closed=True, top=1)
     assert float(found.path_error[0]) < 1e-6
+
+
+@pytest.mark.parametrize("compiler", ["llvm", pytest.param("numba", marks=pytest.mark.stress)])
+@pytest.mark.parametrize("timed", [False, True])
+def test_the_kernel_has_the_bits_of_its_text(compiler, timed):
+    """Nine linkages with limits, eight abreast and one alone: the text run as Python, and compiled."""
+    source, rng = paths.refinement(), np.random.default_rng(1)
+    angle = TURN * np.arange(7) / 7
+    target = np.stack([np.cos(angle), 0.4 * np.sin(angle) + 0.1 * np.cos(2 * angle)], axis=1)
+    task = paths.PathTask(target @ [1, 1j], angle if timed else None, closed=True)
+    starts = paths.starts_of(task, 64, 9, 0).at(slice(0, 9))
+    upper = np.array([3.0, 3, 3, 3, 1, 1, *[np.inf] * 4])
+    scratch = [np.zeros(one.lengths(2 * 7 + 10)) for one in source.scratch]
+    options = np.array([timed, True, True], dtype=np.int64)
+    rest = (target, np.ones(7), angle, options, np.ones(10) - (np.arange(10) == 9) * (not timed), -upper, upper,
+            np.zeros(1), 4)  # fmt: skip
+    made = []
+    for code in (kernels.kernel, load_kernel(source, compiler)):
+        given = [part.copy() for part in (starts.numbers, starts.signs, starts.theta, starts.cost)]
+        with np.errstate(all="ignore"):
+            code(*given, *rest, *(one + rng.normal(size=one.shape) for one in scratch))
+        made.append(given)
+    for one, other in zip(*made, strict=True):
+        np.testing.assert_array_equal(one, other)
+    assert (made[0][3] < starts.cost).any()

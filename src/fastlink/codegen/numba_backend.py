@@ -104,8 +104,8 @@ def compile_by_numba(source: Source, key: str) -> Callable[..., None]:
     declare()
     module = _module(source.text, key)
     for function in vars(module).values():
-        if callable(function) and function in OUTLINED:
-            register_jitable(**OPTIONS)(function)
+        if callable(function) and function in OUTLINED | INLINED and function not in _declared:
+            register_jitable(**(INLINE_OPTIONS if function in INLINED else OPTIONS))(function)
     kernel = numba.njit(**OPTIONS, cache=True, pipeline_class=_Restrict)(module.kernel)
     kernel.compile(_signature(source.arguments))
     return kernel  # type: ignore[no-any-return]

@@ -697,6 +697,8 @@ class _Function:
         if function is np.array and len(node.args) == 1 and isinstance(node.args[0], ast.List):
             return self.module.constant_array([self.number(part) for part in node.args[0].elts])
         args = [self.value(arg) for arg in node.args]
+        if isinstance(function, ast.FunctionDef) and _is_inlined(function):
+            return self.paste(function, self.scope, args)
         if self.width > 1 and (isinstance(function, ast.FunctionDef) or function in OUTLINED):
             self.refuse(node, "lanes call no functions with loops")
         if isinstance(function, ast.FunctionDef):
@@ -712,7 +714,7 @@ class _Function:
         if function in OUTLINED:
             return self.call_function(syntax(function), function.__globals__, args, merged=function in MERGED)
         if function in INLINED:
-            return self.paste(function, args)
+            return self.paste(syntax(function), function.__globals__, args)
         self.refuse(node, "it is none of the functions that kernels call")
 
     def words(self, node: ast.Call) -> Array:
@@ -742,11 +744,10 @@ class _Function:
         self.put(f"call void {text}")
         return None
 
-    def paste(self, function: Callable[..., Any], args: Sequence[Any]) -> Any:
+    def paste(self, node: ast.FunctionDef, scope: dict[str, Any], args: Sequence[Any]) -> Any:
         """Translate the text of a function where it is called."""
-        node = syntax(function)
         outer = self.node, self.names, self.scope, self.straight, self.everywhere, self.flags
-        self.node, self.scope, self.straight, self.everywhere = node, function.__globals__, True, {}
+        self.node, self.scope, self.straight, self.everywhere = node, scope, True, {}
         self.flags = ""
         self.names = {parameter.arg: arg for parameter, arg in zip(node.args.args, args, strict=True)}
         *body, last = node.body
@@ -1037,6 +1038,10 @@ def in_order_of_need(touched: Sequence[tuple[set[str], set[str]]]) -> list[int]:
             if not before[j]:
                 ready.append(j)
     return order
+
+
+def _is_inlined(node: ast.FunctionDef) -> bool:
+    return any(isinstance(mark, ast.Name) and mark.id == "inlined" for mark in node.decorator_list)
 
 
 def _signature(arg: Name) -> Any:

@@ -88,19 +88,7 @@ class Linkages:
 
     def pins(self) -> tuple[Any, ...]:
         """Return O and D, and A, B and P at the points of the task, in its frame."""
-        n = self.numbers
-        turn = np.exp(1j * n[:, 8])
-        o = n[:, 6] + 1j * n[:, 7]
-        crank = n[:, :1] * np.exp(1j * self.theta)
-        far = n[:, 3:4] - crank
-        size = np.abs(far)
-        with np.errstate(all="ignore"):
-            cosine = (size**2 + n[:, 1:2] ** 2 - n[:, 2:3] ** 2) / (2.0 * size * n[:, 1:2])
-            b = far / size * (cosine + 1j * self.side * np.sqrt(np.maximum(1.0 - cosine**2, 0.0)))
-        a = o[:, None] + turn[:, None] * crank
-        along = turn[:, None] * b
-        point = a + (n[:, 4:5] + 1j * n[:, 5:6]) * along
-        return o, o + turn * n[:, 3], a, a + n[:, 1:2] * along, point
+        return paths.pins(self.numbers, self.theta, self.side)
 
 
 def from_pins(o: Any, d: Any, a: Any, b: Any, point: Any) -> Linkages:
@@ -206,7 +194,8 @@ def cognates_of(found: Linkages) -> Linkages:
     Roberts 1875; see `fastlink.planar.cognates`. They stand linkage by linkage, the given one first.
     """
     o, d, a, b, point = found.pins()
-    ratio = (point - a) / (b - a)
+    with np.errstate(invalid="ignore"):  # at a dead point bars may miss each other by rounding
+        ratio = (point - a) / (b - a)
     third = o + (d - o) * ratio[:, 0]
     one, two = o[:, None] + (point - a), third[:, None] + ratio * (b - d[:, None])
     three, four = d[:, None] + (point - b), third[:, None] + (1.0 - ratio) * (a - o[:, None])
@@ -793,16 +782,18 @@ def within_conditions(solved: Solved, asked: Asked, every: xr.Dataset) -> Linkag
     near = [one.high for one in choice.wanted if one.name in ("path_error", "path_error_max")]
     names = [*dict.fromkeys([*(one.name for one in limits), *([] if by_path else [aim_name])])]
     error, codes = every["path_error"].values, every["defect"].values
-    key = (
-        error
-        if by_path
-        else aim.sign * every[aim_name].values + np.where(error <= min(near, default=np.inf), 0, 1e9)
-    )
-    rows = [k for k in np.argsort(key, kind="stable") if codes[k] == 0][
-        : CONSTRAINED if by_path else CONSTRAINED // 3
-    ]
     count, made = len(task.target), list[Any]()
     size = float(np.sqrt(task.size / count))
+    # of those that pass all points those come first that miss the conditions least
+    missing = np.zeros_like(error)
+    for one in limits:
+        at, unit = every[one.name].values, max(abs(one.low if np.isfinite(one.low) else one.high), 1e-6)
+        missing += np.maximum(0.0, np.maximum(one.low - at, at - one.high)) / unit
+    key = np.maximum(error, 1e-9 * size)
+    if not by_path:
+        key = aim.sign * every[aim_name].values + np.where(error <= min(near, default=np.inf), 0, 1e9)
+    best_first = [k for k in np.lexsort((missing, key)) if codes[k] == 0]
+    rows = best_first[: CONSTRAINED if by_path else CONSTRAINED // 3]
     free = np.flatnonzero((task.lower < task.upper) & (np.arange(10) < (10 if task.times is not None else 9)))
     scale = np.where(np.isin(free, (8, 9)), 1.0, size)
     bounds = [

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linprog
 
-from fastlink.synthesis.paths import compiled, wrapped
+from fastlink.synthesis.paths import solved, wrapped
 
 __all__ = ["FunctionTask", "Generator", "chebyshev", "solve_function"]
 
@@ -118,6 +118,30 @@ def _transmission(numbers: Floats, turn: Floats) -> Floats:
         return np.asarray(np.arccos(np.minimum(np.maximum(abs(at[0]), abs(at[1])), 1.0)))
 
 
+@np.errstate(all="ignore")
+def freudenstein(phi: Floats, psi: Floats) -> tuple[Floats, Floats]:
+    """Return for all pairs of start angles (pairs, places) the greatest error to first order, and the best K1, K2, K3.
+
+    The least squares of K1 cos psi - K2 cos phi + K3 = cos(phi - psi) are weighed by the rate at which the output angle
+    changes it; where that changes its sign the linkage would change its assembly mode, and the error is infinite.
+    """
+    difference = phi[:, None] - psi
+    right, turn = np.cos(difference), np.sin(difference)
+    x = np.ones((*right.shape, 3))
+    x[..., 0], x[..., 1] = np.cos(psi), -np.cos(phi)[:, None]
+    rate, fine = np.ones_like(right), np.ones(right.shape[:2], dtype=bool)
+    for _ in range(3):
+        weighted = x / (rate * rate)[..., None]
+        matrices, sides = weighted.swapaxes(2, 3) @ x, (weighted * right[..., None]).sum(axis=2)
+        k = solved(matrices.reshape(-1, 3, 3), sides.reshape(-1, 3)).reshape(*fine.shape, 3)
+        off = (x @ k[..., None])[..., 0] - right
+        rate = -k[..., :1] * np.sin(psi) - turn
+        fine &= (rate * rate[..., :1] > 0.0).all(axis=2)
+    r2, r4 = 1.0 / k[..., 0], 1.0 / k[..., 1]
+    fine &= (1.0 + r2 * r2 + r4 * r4 - 2.0 * r2 * r4 * k[..., 2] > 0.0) & (abs(r2) < 1e3) & (abs(r4) < 1e3)
+    return np.where(fine, np.abs(off / rate).max(axis=2), np.inf), k
+
+
 def _scanned(task: FunctionTask, sense: int) -> tuple[Floats, Floats]:
     """Return start values and their signs: the best places of the scan, each better than its neighbours."""
     count = min(PLACES, len(task.turn_in))
@@ -128,9 +152,7 @@ def _scanned(task: FunctionTask, sense: int) -> tuple[Floats, Floats]:
     else:
         turn, wanted = task.turn_in[places], sense * task.turn_out[places]
     starts = np.pi * np.arange(STARTS) / STARTS
-    given = [np.ascontiguousarray(f(starts[:, None] + of)) for of in (turn, wanted) for f in (np.cos, np.sin)]
-    error, ratios = np.empty((STARTS, STARTS)), np.zeros((STARTS, STARTS, 3))
-    compiled("freudenstein")(*given, error, ratios)
+    error, ratios = freudenstein(starts[:, None] + turn, starts[:, None] + wanted)
     least = np.ones_like(error, dtype=bool)
     for shift in ((0, 1), (1, 0), (1, 1), (1, -1)):
         for side in (1, -1):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import threading
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.resources import files
@@ -10,48 +10,75 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.fft import fft, ifft, irfft, rfft
 from scipy.stats import qmc
 
-from fastlink.codegen.kernel import load_kernel
-from fastlink.codegen.source import Source
+from fastlink.codegen.kernel import backend_of, load_kernel
+from fastlink.codegen.source import N_ANGLES, Array, Source
+from fastlink.engine.run import aligned, default_threads
+from fastlink.machine import work_in_threads
+from fastlink.synthesis.kernels import assembled, rates
 
-__all__ = ["NUMBERS", "Candidates", "PathTask", "compiled", "solve_path"]
+__all__ = ["NUMBERS", "Candidates", "PathTask", "pins", "refinement", "solve_path"]
 
-#: The arguments of each kernel: kinds and numbers of axes, see `kernels.py`.
-ARGUMENTS = {
-    "refine": "f2 f2 f2 c1 f1 f1 i1 f1 f1 f1 i1 i0",
-    "compare": "f2 c1 f1 f1 f1 i0 i0 i0 i0 f1 f1 f1 f2",
-    "dyads": "f3 f3 f3 i1",
-    "freudenstein": "f2 f2 f2 f2 f2 f3",
-    "begin": "f2 f2 f2 c1 f1 f1 i0 i0 f2 f2",
-}
-KINDS = {"f": "float64", "c": "complex128", "i": "int64"}
+Floats = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+# -- The kernel of `kernels.py`
+
+
+#: Linkages side by side in the kernel, and those of one piece of work.
+WIDE, PART = 8, 64
 
 
 @dataclass(frozen=True)
-class _Text(Source):
-    """A kernel whose arguments are its own."""
-
-    given: tuple[tuple[str, int], ...] = ()
+class _Refinement(Source):
+    """The kernel that refines linkages; its arguments before the scratch are its own."""
 
     @property
     def arguments(self) -> list[tuple[str, tuple[int | None, ...]]]:
         """The dtype of each argument, and its axes."""
-        return [(dtype, (None,) * axes) for dtype, axes in self.given]
+        given = ["float64"] * 7 + ["int64", *["float64"] * 4]
+        shapes = [
+            (None, 10),
+            (None, 2),
+            (None, None),
+            (None,),
+            (None, 2),
+            (None,),
+            (None,),
+            (3,),
+            *[(10,)] * 3,
+            (1,),
+        ]
+        return [*zip(given, shapes, strict=True), ("int64", ()), *super().arguments[4:]]
 
 
 @cache
-def compiled(name: str) -> Callable[..., None]:
-    """Return a kernel of `kernels.py`, compiled by numba, or from the cache."""
+def refinement() -> Source:
+    """Return the kernel."""
     text = files("fastlink.synthesis").joinpath("kernels.py").read_text(encoding="utf-8")
-    given = tuple((KINDS[one[0]], int(one[1])) for one in ARGUMENTS[name].split())
-    return load_kernel(_Text(f"{text}\n\nkernel = {name}\n", 0, 0, (), (), given=given), "numba")
+    rows = {
+        "p": 10,
+        "side": 2,
+        "theta": N_ANGLES,
+        "q": 10,
+        "moved": N_ANGLES,
+        "d": 10,
+        "scales": 10,
+        "f": 14,
+        "v": 8,
+    }
+    shapes: dict[str, tuple[Any, ...]] = {name: (count, WIDE) for name, count in rows.items()} | {
+        "m": (N_ANGLES, 11, WIDE), "along": (N_ANGLES, WIDE), "slope": (N_ANGLES, WIDE),
+        "across": (N_ANGLES, 11, WIDE), "g": (23, 11), "w": (13, 12), "h": (10, 10)}  # fmt: skip
+    return _Refinement(text, 0, 0, tuple(Array(name, "float64", shape) for name, shape in shapes.items()), ())
 
 
 #: Numbers of a linkage in kernels.
 NUMBERS = ("a1", "a2", "a3", "a4", "P_u", "P_v", "O_x", "O_y", "ground_angle", "phase")
-#: Places of a swept curve, and starts on it that are tried.
-PLACES, PHASES = 64, 32
+#: Places of a swept curve.
+PLACES = 64
 #: Points of a path that shapes are compared with, at most.
 COMPARED = 20
 #: Parts of a curve that an open path may be.
@@ -134,41 +161,137 @@ def shapes_of(count: int, seed: int, skip: int = 0) -> NDArray[np.float64]:
     return np.ascontiguousarray(np.stack([a2, a3, a4, u, v], axis=1) / a1[:, None])
 
 
+def pins(numbers: Floats, theta: Any, side: Any) -> tuple[Complex, ...]:
+    """Return O and D of linkages, then A, B and P (linkages, angles), in the frame of the task.
+
+    NaN where the bars do not meet.
+    """
+    n = numbers[:, :, None]
+    a1, a2, a3, a4, u, v = (n[:, k] for k in range(6))
+    turn, o = np.exp(1j * n[:, 8]), n[:, 6] + 1j * n[:, 7]
+    with np.errstate(all="ignore"):
+        ax, ay, bx, by, *_, x, y = assembled(a1, a2, a3, a4, u, v, side, np.cos(theta), np.sin(theta))
+        a = ax + 1j * ay
+        moving = (o + turn * of for of in (a, a + a2 * (bx + 1j * by), x + 1j * y))
+        return o[:, 0], (o + turn * a4)[:, 0], *moving
+
+
 def starts_of(task: PathTask, count: int, keep: int, seed: int, skip: int = 0) -> Candidates:
-    """Return the linkages whose curves are most like a path, of so many shapes."""
-    shapes = shapes_of(count, seed, skip)
-    best, how = np.empty(2 * count), np.zeros((2 * count, 3))
+    """Return the linkages whose curves are most like a path, of so many shapes.
+
+    Each curve has equal places, by its length or with times by the crank angle. What the best turn, size and place of
+    it leave of the squares, for all first places at once, is made of circular correlations with the path.
+    """
+    shapes = np.repeat(shapes_of(count, seed, skip), 2, axis=0)
+    side = np.tile([[-1.0], [1.0]], (count, 1))
+    numbers = np.concatenate([np.ones((2 * count, 1)), shapes, np.zeros((2 * count, 4))], axis=1)
+    turns = np.arange(PLACES + 1) / PLACES
+    z = pins(numbers, 2.0 * np.pi * turns, side)[-1]
+    at = np.broadcast_to(turns, z.shape)
     timed = task.times is not None
-    times = task.times if task.times is not None else np.zeros(len(task.target))
-    spans = np.array([1.0]) if task.closed or timed else np.array(SPANS)
-    some = np.unique(
-        np.linspace(0, len(task.target) - 1, min(len(task.target), COMPARED)).round().astype(int)
-    )
-    compiled("compare")(shapes, task.target[some], task.share[some], times[some], spans, int(timed), PLACES, PHASES, 2,
-                        task.lower, task.upper, best, how)  # fmt: skip
+    if not timed:
+        behind = np.concatenate([np.zeros((2 * count, 1)), np.cumsum(np.abs(np.diff(z)), axis=1)], axis=1)
+        # all curves in one table, one after the other
+        table = (behind / behind[:, -1:] + np.arange(2 * count)[:, None]).ravel()
+        wanted = (turns[:-1] + np.arange(2 * count)[:, None]).ravel()
+        at = np.interp(wanted, table, at.ravel()).reshape(2 * count, PLACES)
+        z = np.interp(wanted, table, z.ravel()).reshape(2 * count, PLACES)
+    at, z = at[:, :PLACES], z[:, :PLACES]
+    share = task.share if task.times is None else task.times / (2.0 * np.pi)
+    centre, n, whole = task.target.mean(), len(task.target), task.size
+    # sizes at which a shape is within the limits of its numbers
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ends = np.sort(np.stack([task.lower[:6] / numbers[:, :6], task.upper[:6] / numbers[:, :6]]), axis=0)
+        least, most = ends[0].max(axis=1, keepdims=True), ends[1].min(axis=1, keepdims=True)
+    curves, squares, products = fft(z), rfft(np.abs(z) ** 2), rfft((np.conj(z) * np.roll(z, -1, 1)).real)
+    best, how = np.full(2 * count, np.inf), np.zeros((2 * count, 3))
+    for span in (1.0,) if task.closed or timed else SPANS:
+        offset = share * span * PLACES
+        low, part = np.floor(offset).astype(int), offset % 1.0
+
+        def comb(
+            to_first: Any, to_next: Any, sense: float, of: Any = fft, low: Any = low
+        ) -> Complex:  # of points between two places, backwards for the other sense
+            made = np.zeros(PLACES, dtype=np.result_type(to_first, to_next))
+            np.add.at(made, low % PLACES, to_first)
+            np.add.at(made, (low + 1) % PLACES, to_next)
+            return np.asarray(of(made) if sense < 0.0 else np.conj(of(np.conj(made))))
+
+        path = np.conj(task.target - centre)
+        for sense in (1.0,) if timed else (1.0, -1.0):
+            mean = ifft(curves * comb(1.0 - part, part, sense)) / n
+            both = ifft(curves * comb(path * (1.0 - part), path * part, sense))
+            twice = 2.0 * part * (1.0 - part)
+            own = squares * comb((1.0 - part) ** 2, part**2, sense, rfft)
+            own += products * comb(
+                *((twice, 0.0 * part) if sense > 0.0 else (0.0 * part, twice)), sense, rfft
+            )
+            own = irfft(own, PLACES) - n * np.abs(mean) ** 2
+            with np.errstate(divide="ignore", invalid="ignore"):
+                size = np.abs(both) / own
+                left = whole - np.abs(both) * size
+                place = centre - np.conj(both) / own * mean
+            within = (size >= least) & (size <= most)
+            for k, of in ((6, place.real), (7, place.imag)):
+                if np.isfinite(task.lower[k]) or np.isfinite(task.upper[k]):
+                    within &= (of >= task.lower[k]) & (of <= task.upper[k])
+            left = np.where(own > 1e-12 * n, np.where(within, left, 1e4 * left), np.inf)
+            k = np.argmin(left, axis=1)
+            left = left[np.arange(2 * count), k]
+            better = left < best
+            best[better] = left[better]
+            how[better] = np.stack(
+                [k[better], np.full(better.sum(), sense), np.full(better.sum(), span)], axis=1
+            )
     # half of them are the best of all, half the best of small groups: what fits best may lie in one long valley
     groups = np.array_split(np.arange(2 * count), keep // 2)
     rows = np.argsort(best, kind="stable")[: keep - len(groups)]
     rows = np.unique(np.concatenate([rows, [group[np.argmin(best[group])] for group in groups]]))
     rows = rows[np.isfinite(best[rows])]
-    signs = np.stack([2.0 * (rows % 2) - 1.0, how[rows, 1]], axis=1)
-    numbers, theta = np.zeros((len(rows), 10)), np.zeros((len(rows), len(task.target)))
-    chosen = np.ascontiguousarray(shapes[rows // 2])
-    compiled("begin")(chosen, signs, np.ascontiguousarray(how[rows]), task.target, task.share, times, int(timed),
-                      PLACES, numbers, theta)  # fmt: skip
+    numbers, at, (first, sense, span) = numbers[rows], at[rows], (of[:, None] for of in how[rows].T)
+    # the angles there, and how the points at these are turned, sized and placed
+    where = first + sense * span * share * PLACES
+    below = np.floor(where)
+    ends = [
+        np.take_along_axis(at, (low + one).astype(int) % PLACES, 1) + (low + one) // PLACES for one in (0, 1)
+    ]
+    theta = 2.0 * np.pi * (ends[0] + (where - below) * (ends[1] - ends[0]))
+    points = pins(numbers, theta, side[rows])[-1]
+    middle = points.mean(axis=1, keepdims=True)
+    factor = (np.conj(points - middle) @ (task.target - centre)) / (np.abs(points - middle) ** 2).sum(axis=1)
+    numbers[:, :6] *= np.abs(factor)[:, None]
+    place = centre - factor * middle[:, 0]
+    numbers[:, 6], numbers[:, 7], numbers[:, 8] = place.real, place.imag, np.angle(factor)
+    numbers[:, 9] = 2.0 * np.pi * first[:, 0] / PLACES if timed else 0.0
+    signs = np.concatenate([side[rows], sense], axis=1)
     return Candidates(numbers, signs, theta, best[rows], np.ones(len(rows), dtype=np.int64))
 
 
 def refined(task: PathTask, found: Candidates, most: int) -> Candidates:
     """Return linkages after so many steps at most, the best first."""
-    times = task.times if task.times is not None else np.zeros(len(task.target))
-    options = np.array([int(task.times is not None), int(task.crank), 1, int(task.closed)])
-    cost, steps = np.empty(len(found.cost)), np.zeros(len(found.cost), dtype=np.int64)
-    compiled("refine")(found.numbers, found.signs, found.theta, task.target, task.weights, times, options, task.lower,
-                       task.upper, cost, steps, most)  # fmt: skip
-    found.cost = cost
-    order = np.argsort(cost, kind="stable")
-    return found.at(order[np.isfinite(cost[order])])
+    source = refinement()
+    code = load_kernel(source, backend_of(None))
+    n = len(task.target)
+    target = np.stack([task.target.real, task.target.imag], axis=1)
+    times = np.zeros(n) if task.times is None else task.times
+    options = np.array([task.times is not None, task.crank, task.closed], dtype=np.int64)
+    free = (task.lower < task.upper).astype(float)
+    free[9] *= task.times is not None
+    enough = np.array([1e-31 * float(np.sum(np.abs(task.target - task.target[0]) ** 2))])
+    fixed = (target, np.sqrt(task.weights), times, options, free, task.lower, task.upper, enough, most)
+    made: dict[int, Candidates] = {}
+    count = max(-(-len(found.cost) // PART), 1)
+    parts = iter(range(count))
+
+    def work() -> None:
+        scratch = [aligned(array.lengths(2 * n + 10), array.dtype) for array in source.scratch]
+        for k in parts:
+            part = made[k] = found.at(slice(k, None, count))
+            code(part.numbers, part.signs, part.theta, part.cost, *fixed, *scratch)
+
+    work_in_threads(work, min(default_threads(), count), "synthesis", threading.Event())
+    whole = joined(*(made[k] for k in range(count)))
+    return whole.at(np.isfinite(whole.cost))
 
 
 #: Shapes that are compared in each round, of closed or timed paths and of open ones; starts that are refined.
@@ -219,16 +342,25 @@ def fit_limits(task: PathTask, found: Candidates) -> None:
     np.clip(numbers, task.lower, task.upper, out=numbers)
 
 
-def joined(one: Candidates, other: Candidates) -> Candidates:
-    """Return the linkages of two, the best first."""
-    parts = ("numbers", "signs", "theta", "cost", "starts")
-    both = Candidates(*(np.concatenate([getattr(one, name), getattr(other, name)]) for name in parts))
+def joined(*several: Candidates) -> Candidates:
+    """Return the linkages of several, the best first."""
+    names = ("numbers", "signs", "theta", "cost", "starts")
+    both = Candidates(*(np.concatenate([getattr(one, name) for one in several]) for name in names))
     return both.at(np.argsort(both.cost, kind="stable"))
 
 
 def wrapped(angles: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return angles within half a turn."""
     return np.asarray(np.remainder(angles + np.pi, 2.0 * np.pi) - np.pi)
+
+
+def solved(matrices: Floats, right: Floats) -> Floats:
+    """Return the solutions of many small systems, NaN where one is singular."""
+    det = np.linalg.det(matrices)
+    singular = ~(np.abs(det) > 0.0)
+    matrices = np.where(singular[:, None, None], np.eye(matrices.shape[-1]), matrices)
+    found = np.linalg.solve(matrices, right[..., None])[..., 0]
+    return np.where(singular[:, None], np.nan, found)
 
 
 def merged(found: Candidates, most: int = 400) -> Candidates:
@@ -259,29 +391,24 @@ def different(
 def curve_of(n: NDArray[np.float64], theta: NDArray[np.float64], side: float) -> tuple[Any, ...]:
     """Return coupler points of one linkage, and their derivatives by its numbers and (last) the crank angle.
 
-    Then the direction of AB as a complex number, the derivatives of its angle, and whether the bars meet. The kernels
-    have the same formulas, for thousands of linkages.
+    Then the direction of AB as a complex number, the derivatives of its angle, and whether the bars meet.
     """
-    crank, turn, w = n[0] * np.exp(1j * theta), np.exp(1j * n[8]), complex(n[4], n[5])
-    far = n[3] - crank
-    size = np.abs(far)
+    (a1, a2, a3, a4, u, v), c, s = n[:6], np.cos(theta), np.sin(theta)
     with np.errstate(all="ignore"):
-        cosine = (size**2 + n[1] ** 2 - n[2] ** 2) / (2.0 * size * n[1])
-        b = far / size * (cosine + 1j * side * np.sqrt(np.maximum(1.0 - cosine**2, 0.0)))
-        f = (n[1] * b - far) / n[2]
-        rate = np.zeros((len(theta), 10))
-        for k, along in ((0, np.exp(1j * theta)), (1, b), (3, -1.0), (9, 1j * crank)):
-            rate[:, k] = (np.conj(f) * along).real
-        rate[:, 2] = -1.0
-        rate /= (np.conj(f) * b).imag[:, None] * n[1]
-    point = complex(n[6], n[7]) + turn * (crank + w * b)
-    by = (turn * w * 1j * b)[:, None] * rate
-    by[:, 0] += turn * np.exp(1j * theta)
-    by[:, 9] += turn * 1j * crank
-    by[:, 4], by[:, 5], by[:, 6], by[:, 7] = turn * b, 1j * turn * b, 1.0, 1j
-    by[:, 8] = 1j * (point - complex(n[6], n[7]))
+        ax, ay, bx, by, fx, fy, x, y = assembled(a1, a2, a3, a4, u, v, side, c, s)
+        turns = rates(a2, ax, ay, bx, by, fx, fy, c, s)
+    turn, b = np.exp(1j * n[8]), bx + 1j * by
+    rate, along = np.zeros((len(theta), 10)), np.zeros((len(theta), 10), dtype=complex)
+    for k, one in zip((0, 1, 2, 3, 9), turns, strict=True):
+        rate[:, k] = one
+    along[:, 0], along[:, 4], along[:, 5], along[:, 9] = c + 1j * s, b, 1j * b, 1j * (ax + 1j * ay)
+    along += (1j * (x - ax) - (y - ay))[:, None] * rate
+    along[:, 8] = 1j * (x + 1j * y)
+    along *= turn
+    along[:, 6], along[:, 7] = 1.0, 1j
     rate[:, 8] = 1.0
-    return point, np.nan_to_num(by), turn * b, np.nan_to_num(rate), bool((np.abs(cosine) < 1.0).all())
+    point = complex(n[6], n[7]) + turn * (x + 1j * y)
+    return point, np.nan_to_num(along), turn * b, np.nan_to_num(rate), bool(np.isfinite(x).all())
 
 
 class Fit:

@@ -7,14 +7,11 @@ from itertools import combinations, permutations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from fastlink.synthesis.paths import compiled, curve_of
+from fastlink.synthesis.paths import Complex, Floats, curve_of, solved
 
-__all__ = ["Dyad", "MotionTask", "dyads_of", "pairs_of", "solve_motion", "timed_by_cognate"]
-
-Floats = NDArray[np.float64]
+__all__ = ["Dyad", "MotionTask", "dyads_of", "dyads_of_five", "pairs_of", "solve_motion", "timed_by_cognate"]
 
 #: Further poses that are drawn where fewer than five are given, each with up to four dyads.
 DRAWN = 1500
@@ -26,7 +23,7 @@ PAIRED, LONGEST = 260, 15.0
 class MotionTask:
     """Poses that were checked: points of the body, directions of it, and the length that weighs angles."""
 
-    points: NDArray[np.complex128]
+    points: Complex
     angles: Floats
     rotation_length: float
 
@@ -40,34 +37,127 @@ class MotionTask:
 Dyad = tuple[complex, complex]
 
 
-def dyads_of(points: NDArray[np.complex128], angles: Floats) -> list[Dyad]:
+#: Tasks that are solved at once.
+BLOCK = 2048
+#: A turn of the null space, so that no dyad of the usual tasks has a coordinate without size.
+MIX = np.array([[0.6, 0.48, 0.64], [-0.8, 0.36, 0.48], [0.0, -0.8, 0.6]])
+
+
+def _rows(d: Complex, e: Complex) -> Floats:
+    """Return the linear form of poses: |d + e w - c|^2 = R^2 as a row times (p0, w, c, q, k), with q p0 = conj(c) w."""
+    m, one = np.conj(d) * e, np.ones(d.shape)
+    parts = (
+        np.abs(d) ** 2,
+        2.0 * m.real,
+        -2.0 * m.imag,
+        -2.0 * d.real,
+        -2.0 * d.imag,
+        -2.0 * e.real,
+        2.0 * e.imag,
+    )
+    return np.stack([*parts, one], axis=-1)
+
+
+def _product(a: Floats, b: Floats) -> Floats:
+    """Return products of polynomials (tasks, powers), lowest power first."""
+    made = np.zeros((len(a), a.shape[1] + b.shape[1] - 1))
+    for k in range(a.shape[1]):
+        made[:, k : k + b.shape[1]] += a[:, k : k + 1] * b
+    return made
+
+
+@np.errstate(all="ignore")
+def _of_null_space(rows: Floats) -> tuple[Complex, Complex]:
+    """Return centres and body points (tasks, 4) of all dyads whose linear form meets five rows; NaN where fewer are.
+
+    The rows leave three dimensions, and both parts of q p0 = conj(c) w are conics there, which meet in four points.
+    """
+    basis = MIX @ np.linalg.qr(np.swapaxes(rows, 1, 2), mode="complete")[0][:, :, 5:].swapaxes(1, 2)
+    w, c, q = (basis[..., k] + 1j * basis[..., k + 1] for k in (1, 3, 5))
+    both = basis[:, :, None, 0] * q[:, None] - np.conj(c)[:, :, None] * w[:, None]
+    both = 0.5 * (both + both.swapaxes(1, 2))
+    # a y^2 + b(x) y + c(x) = 0 of either; the resultant of both is the quartic
+    (a1, a2), (b1, b2), (c1, c2) = zip(*(
+        (of[:, 2, 2, None], 2.0 * of[:, :2, 2], np.stack([of[:, 0, 0], 2.0 * of[:, 0, 1], of[:, 1, 1]], axis=1))
+        for of in (both.real, both.imag)), strict=True)  # fmt: skip
+    u, slope = a1 * c2 - a2 * c1, a1 * b2 - a2 * b1
+    quartic = _product(u, u) - _product(slope, _product(b1, c2) - _product(b2, c1))
+    companion = np.zeros((len(rows), 4, 4))
+    companion[:, 1:, :3] = np.eye(3)
+    companion[:, :, 3] = -quartic[:, :4] / quartic[:, 4:]
+    companion[~np.isfinite(companion).all(axis=(1, 2))] = 0.0
+    roots = np.linalg.eigvals(companion)
+    # of a pair that nearly meets both count as real: the conics tell
+    x = np.where(np.abs(roots.imag) <= 1e-5 * (1.0 + np.abs(roots)), roots.real, np.nan)
+    y = -(u[:, :1] + x * (u[:, 1:2] + x * u[:, 2:])) / (slope[:, :1] + slope[:, 1:] * x)
+    f00, f01, f02, f11, f12, f22 = (
+        both[:, i, k, None] for i, k in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+    )
+    for _ in range(6):
+        value = f00 + x * (2.0 * f01 + f11 * x) + y * (2.0 * (f02 + f12 * x) + f22 * y)
+        by_x, by_y = 2.0 * (f01 + f11 * x + f12 * y), 2.0 * (f02 + f12 * x + f22 * y)
+        det = (np.conj(by_x) * by_y).imag
+        x, y = x - (np.conj(value) * by_y).imag / det, y - (np.conj(by_x) * value).imag / det
+    size = 1.0 + x * x + y * y
+    x = np.where(np.abs(value.real) + np.abs(value.imag) < 1e-11 * size, x, np.nan)
+    w, c = (of[:, :1] + x * of[:, 1:2] + y * of[:, 2:] for of in (w, c))
+    scale = basis[:, :1, 0] + x * basis[:, 1:2, 0] + y * basis[:, 2:, 0]
+    return c / scale, w / scale
+
+
+def _without_doubles(c: Complex, w: Complex) -> tuple[Complex, Complex]:
+    """Return dyads (tasks, 4) with NaN for those that are there before, or at infinity."""
+    same = np.abs(c[:, :, None] - c[:, None]) + np.abs(w[:, :, None] - w[:, None])
+    same = same < 1e-9 * (1.0 + np.abs(c) + np.abs(w))[:, :, None]
+    drop = np.tril(same, -1).any(axis=2) | ~(np.abs(c) < 1e12)
+    return np.where(drop, np.nan, c), np.where(drop, np.nan, w)
+
+
+@np.errstate(all="ignore")
+def dyads_of_five(points: Complex, angles: Floats) -> tuple[Complex, Complex]:
+    """Return centres and body points (tasks, 4) of all RR dyads of tasks of five poses (tasks, 5); NaN for no dyad."""
+    centres, pins = np.empty((2, len(points), 4), dtype=complex)
+    for k in range(0, len(points), BLOCK):
+        z, e = points[k : k + BLOCK], np.exp(1j * angles[k : k + BLOCK])
+        origin = z.mean(axis=1, keepdims=True)
+        size = np.abs(z - origin).max(axis=1, keepdims=True)
+        size = np.where(size > 0.0, size, 1.0)
+        d = (z - origin) / size
+        c, w = _of_null_space(_rows(d, e))
+        task, which = np.nonzero(np.isfinite(c) & np.isfinite(w))
+        d, e, centre, pin = d[task], e[task], c[task, which], w[task, which]
+        for _ in range(2):  # on the circles of the poses themselves
+            at = d + e * pin[:, None] - centre[:, None]
+            first, other = at[:, :1], at[:, 1:]
+            shift, turn = first - other, np.conj(other) * e[:, 1:] - np.conj(first) * e[:, :1]
+            jac = 2.0 * np.stack([shift.real, shift.imag, turn.real, -turn.imag], axis=-1)
+            # the difference of two squares as a product, which loses nothing
+            off = -shift.real * (other.real + first.real) - shift.imag * (other.imag + first.imag)
+            step = solved(jac, off)
+            centre, pin = centre - (step[:, 0] + 1j * step[:, 1]), pin - (step[:, 2] + 1j * step[:, 3])
+        c[task, which], w[task, which] = centre, pin
+        c, w = _without_doubles(c, w)
+        centres[k : k + BLOCK], pins[k : k + BLOCK] = origin + size * c, size * w
+    return centres, pins
+
+
+def dyads_of(points: Complex, angles: Floats) -> list[Dyad]:
     """Return all RR dyads of five poses; of more, those of the linear form's least squares, then nearest to circles."""
-    found, counts = np.empty((1, 4, 4)), np.zeros(1, dtype=np.int64)
     if len(points) == 5:
-        poses = np.stack([points.real, points.imag, angles], axis=1)[None]
-        compiled("dyads")(poses, np.zeros((1, 5, 8)), found, counts)
-        return [(complex(a, b), complex(c, d)) for a, b, c, d in found[0, : counts[0]]]
+        return _listed(*dyads_of_five(points[None], angles[None]))
     origin = points.mean()
     size = float(np.abs(points - origin).max()) or 1.0
     d, e = (points - origin) / size, np.exp(1j * angles)
-    m = np.conj(d) * e
-    columns = (
-        np.abs(d) ** 2,
-        2 * m.real,
-        -2 * m.imag,
-        -2 * d.real,
-        -2 * d.imag,
-        -2 * e.real,
-        2 * e.imag,
-        np.ones(len(d)),
-    )
-    rows = np.linalg.svd(np.stack(columns, axis=1))[2][:5]
-    compiled("dyads")(np.full((1, 5, 3), np.nan), np.ascontiguousarray(rows[None]), found, counts)
-    starts = [(complex(a, b), complex(c, f)) for a, b, c, f in found[0, : counts[0]]]
+    starts = _listed(*_without_doubles(*_of_null_space(np.linalg.svd(_rows(d, e))[2][None, :5])))
     return [(origin + size * c, size * w) for c, w in (_on_circle(d, e, start) for start in starts)]
 
 
-def _on_circle(d: NDArray[np.complex128], e: NDArray[np.complex128], start: Dyad) -> Dyad:
+def _listed(centres: Complex, pins: Complex) -> list[Dyad]:
+    fine = np.isfinite(centres) & np.isfinite(pins)
+    return [(complex(c), complex(w)) for c, w in zip(centres[fine], pins[fine], strict=True)]
+
+
+def _on_circle(d: Complex, e: Complex, start: Dyad) -> Dyad:
     """Return the dyad whose pin leaves its circle least, in lengths, near a start."""
 
     def off(x: Floats) -> Floats:
@@ -102,10 +192,7 @@ def family_of(task: MotionTask, seed: int) -> list[Dyad]:
     poses[:, count:, 0], poses[:, count:, 1] = centre.real, centre.imag
     spread = max(float(np.ptp(task.angles)), 0.3)
     poses[:, count:, 2] = weights @ task.angles + 0.7 * spread * rng.normal(size=(DRAWN, more))
-    found, counts = np.empty((DRAWN, 4, 4)), np.zeros(DRAWN, dtype=np.int64)
-    compiled("dyads")(poses, np.zeros((DRAWN, 5, 8)), found, counts)
-    rows = found[np.isfinite(found[..., 0])]
-    return [(complex(a, b), complex(c, d)) for a, b, c, d in rows]
+    return _listed(*dyads_of_five(poses[..., 0] + 1j * poses[..., 1], poses[..., 2]))
 
 
 def pairs_of(task: MotionTask, dyads: list[Dyad], both: bool = True) -> dict[str, Any]:
@@ -210,7 +297,7 @@ def _on_poses(task: MotionTask, found: dict[str, Any]) -> dict[str, Any]:
     return dict(zip((*names, "pairs"), parts, strict=True))
 
 
-def timed_by_cognate(points: NDArray[np.complex128], times: Floats) -> tuple[Floats, Floats]:
+def timed_by_cognate(points: Complex, times: Floats) -> tuple[Floats, Floats]:
     """Return linkages (rows of ten numbers) whose crank turns by times while the point passes points, and their signs.
 
     The crank of a linkage turns as the coupler of a cognate does (S. Roberts 1875), so points with times are poses of
