@@ -252,10 +252,10 @@ def starts_of(task: PathTask, count: int, keep: int, seed: int, skip: int = 0) -
     # the angles there, and how the points at these are turned, sized and placed
     where = first + sense * span * share * PLACES
     below = np.floor(where)
-    ends = [
-        np.take_along_axis(at, (low + one).astype(int) % PLACES, 1) + (low + one) // PLACES for one in (0, 1)
-    ]
-    theta = 2.0 * np.pi * (ends[0] + (where - below) * (ends[1] - ends[0]))
+    one, other = (
+        np.take_along_axis(at, (below + k).astype(int) % PLACES, 1) + (below + k) // PLACES for k in (0, 1)
+    )
+    theta = 2.0 * np.pi * (one + (where - below) * (other - one))
     points = pins(numbers, theta, side[rows])[-1]
     middle = points.mean(axis=1, keepdims=True)
     factor = (np.conj(points - middle) @ (task.target - centre)) / (np.abs(points - middle) ** 2).sum(axis=1)
