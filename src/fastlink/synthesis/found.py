@@ -54,8 +54,11 @@ DEFECTS = {
 TOUCH = 1e-7
 #: Poses and points that a task takes, and linkages of which a result is chosen.
 MOST_POINTS, MOST_FOUND = 2000, 400
-#: Links of a path are so many times as long as its points are from their mean at most, unless a limit is given.
-LONGEST = 20.0
+#: Links of a path are so many times as long as its points are from their mean at most, unless a limit is given: of a
+#: closed one, and of an open one, which may be a small part of a curve.
+LONGEST, LONGEST_OPEN = 20.0, 50.0
+#: Sets of nine points of a path that are met exactly, as starts; the relative error up to which a second set is tried.
+THROUGH_NINE, NEARLY = 4, 1e-4
 
 
 # -- Linkages, and what is wrong with them
@@ -478,7 +481,7 @@ def _solve_path(asked: Asked, path: Any, timing: Any, closed: Any) -> Solved:
         weights[0] = 2.0
     if not asked.exact:
         # lengths without a limit of their own: nearly straight or round paths are met ever better by ever longer links
-        longest = np.where(np.arange(10) < 6, LONGEST * size, np.inf)
+        longest = np.where(np.arange(10) < 6, (LONGEST if is_closed else LONGEST_OPEN) * size, np.inf)
         asked.upper = np.where(np.isfinite(asked.upper), asked.upper, longest)
         asked.lower = np.where(np.isfinite(asked.lower), asked.lower, -longest)
     task = paths.PathTask(target, times, is_closed, crank, weights, asked.lower, asked.upper)
@@ -489,9 +492,11 @@ def _solve_path(asked: Asked, path: Any, timing: Any, closed: Any) -> Solved:
         many = times is None and 9 <= len(target) <= 2 * paths.COMPARED
         rounds = 1 if many else paths.ROUNDS if len(target) <= 2 * paths.COMPARED else 2
         solved = paths.solve_path(task, asked.seed, rounds)
-        poor = not len(solved.cost) or solved.cost[0] > paths.EXACT**2 * task.size
-        if many and poor and (more := _through_nine(task)) is not None:
-            solved = paths.merged(paths.joined(solved, more))
+        for attempt in range(THROUGH_NINE if many else 0):
+            error = np.sqrt(solved.cost[0] / task.size) if len(solved.cost) else np.inf
+            if error < paths.EXACT or (attempt and error > NEARLY):
+                break
+            solved = paths.merged(paths.joined(solved, _through_nine(task, attempt)))
         side = np.repeat(solved.signs[:, :1], len(target), axis=1)
         found = Linkages(solved.numbers, solved.theta, side, solved.starts)
     if times is None:
@@ -548,9 +553,9 @@ def _all_exact(asked: Asked, task: paths.PathTask) -> tuple[Linkages, str]:
     return _of_nine(task.target)
 
 
-def _of_nine(points: NDArray[np.complex128]) -> tuple[Linkages, str]:
+def _of_nine(points: NDArray[np.complex128], **options: int) -> tuple[Linkages, str]:
     """Return a linkage of each triple of cognates through nine points, and how many triples there are."""
-    triples = nine_points.solutions(points)
+    triples = nine_points.solutions(points, **options)
     real = triples.unknowns[triples.real]
     turns = np.concatenate([np.ones((len(real), 1)), real[:, 8:]], axis=1)
     x, a, y, b = (real[:, k, None] for k in range(4))
@@ -560,19 +565,22 @@ def _of_nine(points: NDArray[np.complex128]) -> tuple[Linkages, str]:
     return found, complete + (f"; {len(triples.lost)} paths did not arrive" if len(triples.lost) else "")
 
 
-def _through_nine(task: paths.PathTask) -> paths.Candidates | None:
+def _through_nine(task: paths.PathTask, attempt: int) -> paths.Candidates:
     """Return linkages that pass nine of the points in order, refined on all: where curves of many shapes are alike.
 
-    The best of a sample of shapes lies in a long valley then, and what passes all points is not near its start.
+    The best of a sample of shapes lies in a long valley then, and what passes all points is not near its start. Each
+    attempt takes other points.
     """
-    some = np.unique(np.linspace(0, len(task.target) - 1, 9).round().astype(int))
-    found, _ = _of_nine(task.target[some])
+    last = len(task.target) - 1
+    some = np.unique(np.linspace(0, last, 9).round().astype(int))
+    if attempt:
+        between = np.random.default_rng(attempt).choice(last - 1, 7, replace=False) + 1
+        some = np.sort(np.append(between, [0, last]))
+    found, _ = _of_nine(task.target[some], ways=1)
     found = judged(cognates_of(found), task.closed, False)
     found = found.at(found.more["defect"] == 0)
-    if not len(found):
-        return None
     share, order = task.share, found.more["order"].astype(float)
-    theta = np.array([np.interp(share, share[some], one) for one in found.theta])
+    theta = np.array([np.interp(share, share[some], one) for one in found.theta]).reshape(-1, last + 1)
     signs = np.stack([found.side[:, 0], order], axis=1)
     starts = paths.Candidates(found.numbers.copy(), signs, theta, np.zeros(len(found)), found.starts)
     paths.fit_limits(task, starts)

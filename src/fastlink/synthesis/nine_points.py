@@ -612,7 +612,7 @@ def _follow(starts: Complex, place: Complex, goal: Complex, threads: int) -> tup
     return ends, told, again
 
 
-def solutions(points: Complex, threads: int | None = None) -> Triples:
+def solutions(points: Complex, threads: int | None = None, ways: int = WAYS) -> Triples:
     """Find all four-bars whose coupler point passes nine points, in any order and at any time.
 
     Parameters
@@ -621,6 +621,8 @@ def solutions(points: Complex, threads: int | None = None) -> Triples:
         The nine points (9,) as x + iy, of any size.
     threads
         How many; one for each processor if left out.
+    ways
+        From how many starts paths are followed at most, until none is lost; one finds nearly all.
 
     Returns
     -------
@@ -634,7 +636,7 @@ def solutions(points: Complex, threads: int | None = None) -> Triples:
     place, starts = _instance()
     found, errors, again = np.empty((0, 16), complex), np.empty(0), 0
     lost = np.full((TRIPLES + 1, 2), np.nan)
-    for way in range(WAYS):
+    for way in range(ways):
         # turned and scaled, points are another instance of the same problem, with the conjugates apart from them
         factors = 2.0 * np.exp(2j * np.pi * np.random.default_rng(way).random(2))
         ends, told, more = _follow(starts, place, given * factors[:, None], threads)
