@@ -489,9 +489,12 @@ def _solve_path(asked: Asked, path: Any, timing: Any, closed: Any) -> Solved:
     if asked.exact:
         found, attrs["complete"] = _all_exact(asked, task)
     else:
-        many = times is None and 9 <= len(target) <= 2 * paths.COMPARED
-        rounds = 1 if many else paths.ROUNDS if len(target) <= 2 * paths.COMPARED else 2
-        solved = paths.solve_path(task, asked.seed, rounds)
+        many = times is None and not task.is_whole and 9 <= len(target) <= paths.MANY
+        if task.is_whole:
+            solved = paths.solve_curve(task, asked.seed)
+        else:
+            rounds = 1 if many else paths.ROUNDS if len(target) <= paths.MANY else 2
+            solved = paths.solve_path(task, asked.seed, rounds)
         for attempt in range(THROUGH_NINE if many else 0):
             error = np.sqrt(solved.cost[0] / task.size) if len(solved.cost) else np.inf
             if error < paths.EXACT or (attempt and error > NEARLY):
@@ -512,7 +515,8 @@ def _solve_path(asked: Asked, path: Any, timing: Any, closed: Any) -> Solved:
     if times is not None:
         attrs["timing"] = "crank angles, but for a phase"
     fitted = None if asked.exact else task
-    return Solved("path", found, coords, attrs, "path_error", with_defects=asked.exact, path=fitted)
+    least = "ordered_distance" if task.is_whole else "path_error"
+    return Solved("path", found, coords, attrs, least, with_defects=asked.exact, path=fitted)
 
 
 def _come_back(found: Linkages) -> Linkages:
@@ -777,7 +781,7 @@ def within_conditions(solved: Solved, asked: Asked, every: xr.Dataset) -> Linkag
     if task is None:
         return None
     if not minimise and not maximise:
-        minimise = solved.minimise
+        minimise = "path_error"
     choice = choice_of(every, minimise, maximise, asked.where, top=None)
     limits = [one for one in choice.wanted if one.is_limit and one.name not in LABELS]
     aim = choice.objectives[0]
@@ -1004,7 +1008,7 @@ def _errors(solved: Solved, found: Linkages, branch: NDArray[np.int64]) -> dict[
     off = np.abs(place - (target["target_x"] + 1j * target["target_y"]))
     if solved.task == "path":
         square, whole = off**2, {}
-        if solved.attrs["closed"] and off.shape[1] >= A_CURVE and "time" not in target:
+        if solved.minimise == "ordered_distance":
             whole = curve_distances(found, target["target_x"] + 1j * target["target_y"])
         errors = {
             "point_error": off,
@@ -1018,8 +1022,8 @@ def _errors(solved: Solved, found: Linkages, branch: NDArray[np.int64]) -> dict[
             "pose_error_max": np.sqrt(both.max(axis=1))}  # fmt: skip
 
 
-#: Closed paths of so many points count as curves; places of theirs that are compared.
-A_CURVE, UNIFORM = 24, 200
+#: Places of whole curves that are compared.
+UNIFORM = 200
 
 
 def curve_distances(found: Linkages, target: NDArray[np.complex128]) -> dict[str, Floats]:
@@ -1038,21 +1042,21 @@ def curve_distances(found: Linkages, target: NDArray[np.complex128]) -> dict[str
     wanted = uniform(target)
     centre = wanted.mean()
     size = np.sqrt(np.mean(np.abs(wanted - centre) ** 2))
-    theta = np.broadcast_to(2.0 * np.pi * np.arange(2 * UNIFORM) / (2 * UNIFORM), (len(found), 2 * UNIFORM))
-    side = np.repeat(found.side[:, :1], 2 * UNIFORM, axis=1)
-    *_, curves = Linkages(found.numbers, theta, side, found.starts).pins()
     wanted, result = (wanted - centre) / size, np.full((2, len(found)), np.nan)
-    for k, curve in enumerate(curves):
-        if not np.isfinite(curve).all() or found.more["defect"][k]:
-            continue
+    rows = np.flatnonzero(found.more["defect"] == 0)
+    # cognates have one curve, which the first of them draws
+    first, same = np.unique(found.more["curve"][rows], return_index=True, return_inverse=True)[1:]
+    some = found.at(rows[first])
+    theta = 2.0 * np.pi * np.arange(2 * UNIFORM) / (2 * UNIFORM)
+    for k, curve in enumerate(paths.pins(some.numbers, theta, some.side[:, :1])[-1]):
         own = (uniform(curve) - centre) / size
         apart = np.abs(own[:, None] - wanted[None])
-        result[0, k] = apart.min(axis=0).mean() + apart.min(axis=1).mean()
         both = [
             np.fft.ifft(np.fft.fft(one) * np.conj(np.fft.fft(wanted))).real.max() for one in (own, own[::-1])
         ]
         squares = np.sum(np.abs(own) ** 2) + np.sum(np.abs(wanted) ** 2) - 2.0 * max(both)
-        result[1, k] = 2.0 * np.pi * max(squares, 0.0) / UNIFORM
+        made = apart.min(axis=0).mean() + apart.min(axis=1).mean(), 2.0 * np.pi * max(squares, 0.0) / UNIFORM
+        result[:, rows[same == k]] = np.array(made)[:, None]
     return {"chamfer": result[0], "ordered_distance": result[1]}
 
 

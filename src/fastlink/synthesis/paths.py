@@ -79,8 +79,10 @@ def refinement() -> Source:
 NUMBERS = ("a1", "a2", "a3", "a4", "P_u", "P_v", "O_x", "O_y", "ground_angle", "phase")
 #: Places of a swept curve.
 PLACES = 64
-#: Points of a path that shapes are compared with, at most.
-COMPARED = 20
+#: Closed paths of so many points are followed as whole curves.
+WHOLE = 24
+#: Up to so many points a path has all its starts.
+MANY = 40
 #: Parts of a curve that an open path may be.
 SPANS = (0.05, 0.1, 0.17, 0.25, 0.35, 0.45, 0.57, 0.7, 0.85, 1.0)
 
@@ -113,6 +115,11 @@ class PathTask:
         return float(np.sum(np.abs(self.target - self.target.mean()) ** 2))
 
     @property
+    def is_whole(self) -> bool:
+        """Whether the path counts as a curve that is followed as a whole."""
+        return self.closed and self.times is None and len(self.target) >= WHOLE
+
+    @property
     def share(self) -> NDArray[np.float64]:
         """How much of the length each point has behind it: of the whole curve where the path closes."""
         steps = np.abs(np.diff(self.target))
@@ -133,8 +140,8 @@ class Candidates:
     starts: NDArray[np.int64]
 
     def at(self, rows: Any) -> Candidates:
-        """Return some rows."""
-        return Candidates(*(np.ascontiguousarray(part[rows]) for part in
+        """Return a copy of some rows."""
+        return Candidates(*(np.array(part[rows], order="C") for part in
                             (self.numbers, self.signs, self.theta, self.cost, self.starts)))  # fmt: skip
 
 
@@ -176,6 +183,15 @@ def pins(numbers: Floats, theta: Any, side: Any) -> tuple[Complex, ...]:
         return o[:, 0], (o + turn * a4)[:, 0], *moving
 
 
+def at_shares(values: Any, points: Complex, share: Floats) -> Any:
+    """Return values (curves, places) where so many shares of the length of curves (curves, places) are behind."""
+    behind = np.concatenate([np.zeros((len(points), 1)), np.cumsum(np.abs(np.diff(points)), axis=1)], axis=1)
+    # all curves in one table, one after the other
+    rows = np.arange(len(points))[:, None]
+    table = (behind / behind[:, -1:] + rows).ravel()
+    return np.interp((share + rows).ravel(), table, values.ravel()).reshape(len(points), -1)
+
+
 def starts_of(task: PathTask, count: int, keep: int, seed: int, skip: int = 0) -> Candidates:
     """Return the linkages whose curves are most like a path, of so many shapes.
 
@@ -190,12 +206,7 @@ def starts_of(task: PathTask, count: int, keep: int, seed: int, skip: int = 0) -
     at = np.broadcast_to(turns, z.shape)
     timed = task.times is not None
     if not timed:
-        behind = np.concatenate([np.zeros((2 * count, 1)), np.cumsum(np.abs(np.diff(z)), axis=1)], axis=1)
-        # all curves in one table, one after the other
-        table = (behind / behind[:, -1:] + np.arange(2 * count)[:, None]).ravel()
-        wanted = (turns[:-1] + np.arange(2 * count)[:, None]).ravel()
-        at = np.interp(wanted, table, at.ravel()).reshape(2 * count, PLACES)
-        z = np.interp(wanted, table, z.ravel()).reshape(2 * count, PLACES)
+        at, z = (at_shares(of, z, turns[:-1]) for of in (at, z))
     at, z = at[:, :PLACES], z[:, :PLACES]
     share = task.share if task.times is None else task.times / (2.0 * np.pi)
     centre, n, whole = task.target.mean(), len(task.target), task.size
@@ -267,7 +278,7 @@ def starts_of(task: PathTask, count: int, keep: int, seed: int, skip: int = 0) -
     return Candidates(numbers, signs, theta, best[rows], np.ones(len(rows), dtype=np.int64))
 
 
-def refined(task: PathTask, found: Candidates, most: int) -> Candidates:
+def refined(task: PathTask, found: Candidates, most: int, *, angles_only: bool = False) -> Candidates:
     """Return linkages after so many steps at most, the best first."""
     source = refinement()
     code = load_kernel(source, backend_of(None))
@@ -275,7 +286,7 @@ def refined(task: PathTask, found: Candidates, most: int) -> Candidates:
     target = np.stack([task.target.real, task.target.imag], axis=1)
     times = np.zeros(n) if task.times is None else task.times
     options = np.array([task.times is not None, task.crank, task.closed], dtype=np.int64)
-    free = (task.lower < task.upper).astype(float)
+    free = (task.lower < task.upper).astype(float) * (not angles_only)
     free[9] *= task.times is not None
     enough = np.array([1e-31 * float(np.sum(np.abs(task.target - task.target[0]) ** 2))])
     fixed = (target, np.sqrt(task.weights), times, options, free, task.lower, task.upper, enough, most)
@@ -311,7 +322,7 @@ def solve_path(task: PathTask, seed: int, rounds: int = ROUNDS, enough: float = 
     """
     open_path = not task.closed and task.times is None
     shapes = SHAPES_OPEN if open_path else SHAPES
-    few = min(1.0, 2.0 * COMPARED / len(task.target))
+    few = min(1.0, MANY / len(task.target))
     shapes, kept = (shapes, KEPT) if few == 1.0 else (shapes // 2, max(100, int(KEPT * few)))
     found: Candidates | None = None
     for number in range(rounds):
@@ -327,6 +338,87 @@ def solve_path(task: PathTask, seed: int, rounds: int = ROUNDS, enough: float = 
             break
     assert found is not None
     return found
+
+
+#: Of whole curves: starts that are refined by length, for so many steps; places of the path and of the curve then.
+BY_LENGTH, LENGTH_STEPS, UNIFORM, FINE = 60, 40, 100, 256
+
+
+def solve_curve(task: PathTask, seed: int) -> Candidates:
+    """Return linkages whose whole curves follow a closed path, and what they become if points alone count."""
+    starts = starts_of(task, SHAPES, BY_LENGTH, seed)
+    fit_limits(task, starts)
+    found = by_length(task, starts)
+    polished = refined(task, found.at(slice(0, BY_LENGTH // 4)), 100)
+    return merged(joined(refined(task, found, 10, angles_only=True), polished))
+
+
+def by_length(task: PathTask, found: Candidates) -> Candidates:
+    """Return linkages refined so that equal shares of the length of curves and path meet.
+
+    By Levenberg-Marquardt with differences. Unknowns are the logarithms of the shortest link and of Grashof's sums, so
+    that cranks turn, then the other numbers and the first crank angle.
+    """
+    target = task.target - task.target.mean()
+    around = np.append(target, target[0])[None]
+    wanted = at_shares(around, around, np.arange(UNIFORM) / UNIFORM)[0]
+    size, lower, upper = float(np.sqrt(np.mean(np.abs(wanted) ** 2))), task.lower.copy(), task.upper.copy()
+    middle = task.target.mean()
+    for ends in (lower, upper):
+        ends[6:8] -= middle.real, middle.imag
+    n = found.numbers - np.array([*[0.0] * 6, middle.real, middle.imag, 0.0, 0.0])
+    double = (n[:, 0] > n[:, 3])[:, None]
+
+    def unknowns(n: Floats) -> Floats:
+        short, long = (np.where(double[:, 0], n[:, i], n[:, k]) for i, k in ((3, 0), (0, 3)))
+        big, one, other = long - short, n[:, 1] - short, n[:, 2] - short
+        sums = np.stack([one + other - big, big + other - one, big + one - other, short], axis=1)
+        return np.asarray(np.log(np.maximum(sums, 1e-9 * short[:, None])))
+
+    def numbers(x: Floats, double: Any) -> Floats:
+        p, q, r, short = np.exp(x[:, :4]).T[:, :, None]
+        long = short + (q + r) / 2.0
+        lengths = [np.where(double, long, short), short + (p + r) / 2.0, short + (p + q) / 2.0,
+                   np.where(double, short, long)]  # fmt: skip
+        return np.concatenate([*lengths, x[:, 4:9], 0.0 * x[:, :1]], axis=1)
+
+    def off(x: Floats, double: Any, signs: Floats) -> Floats:
+        n, turns = numbers(x, double), 2.0 * np.pi * np.arange(FINE + 1) / FINE
+        theta = x[:, 9:] + signs[:, 1:] * turns
+        theta = at_shares(theta, pins(n, theta, signs[:, :1])[-1], np.arange(UNIFORM) / UNIFORM)
+        away = pins(n, theta, signs[:, :1])[-1] - wanted
+        return np.concatenate([away.real, away.imag], axis=1)
+
+    x = np.concatenate([unknowns(n), n[:, 4:9], found.theta[:, :1]], axis=1)
+    steps = 1e-6 * np.array([1.0] * 4 + [size] * 4 + [1.0] * 2)
+    count, damping = len(x), np.full(len(x), 1e-3)
+    now = off(x, double, found.signs)
+    cost = np.sum(now**2, axis=1)
+    for _ in range(LENGTH_STEPS):
+        beside = (x[:, None] + np.diag(steps)).reshape(-1, 10)
+        there = off(beside, np.repeat(double, 10, axis=0), np.repeat(found.signs, 10, axis=0))
+        j = np.nan_to_num((there.reshape(count, 10, -1) - now[:, None]) / steps[:, None])
+        h = j @ j.swapaxes(1, 2)
+        diagonal = np.einsum("mii->mi", h)
+        least = 1e-12 * diagonal.max(axis=1, keepdims=True) + 1e-300
+        h = h + np.einsum("mi,ij->mij", damping[:, None] * diagonal + least, np.eye(10))
+        step = -solved(h, (j @ now[:, :, None])[:, :, 0])
+        moved = x + np.concatenate([np.clip(step[:, :4], -1.0, 1.0), step[:, 4:]], axis=1)
+        n = np.clip(numbers(moved, double), lower, upper)
+        n[:, 9] = 0.0
+        moved[:, :9] = np.concatenate([unknowns(n), n[:, 4:9]], axis=1)
+        other = off(moved, double, found.signs)
+        better = np.sum(other**2, axis=1) < cost
+        x[better], now[better] = moved[better], other[better]
+        cost = np.sum(now**2, axis=1)
+        damping = np.where(better, 0.2 * damping, np.minimum(4.0 * damping, 1e8))
+    order = np.argsort(cost, kind="stable")
+    made, x = found.at(order), x[order]
+    made.numbers, made.cost = numbers(x, double[order]), cost[order]
+    turns = x[:, 9:] + made.signs[:, 1:] * 2.0 * np.pi * np.arange(FINE + 1) / FINE
+    made.theta = at_shares(turns, pins(made.numbers, turns, made.signs[:, :1])[-1], task.share)
+    made.numbers += np.array([*[0.0] * 6, middle.real, middle.imag, 0.0, 0.0])
+    return made
 
 
 def fit_limits(task: PathTask, found: Candidates) -> None:
