@@ -1022,8 +1022,8 @@ def _errors(solved: Solved, found: Linkages, branch: NDArray[np.int64]) -> dict[
             "pose_error_max": np.sqrt(both.max(axis=1))}  # fmt: skip
 
 
-#: Places of whole curves that are compared.
-UNIFORM = 200
+#: Places of whole curves that are compared, and parts of the distance between two where the first may be.
+UNIFORM, FINER = 200, 8
 
 
 def curve_distances(found: Linkages, target: NDArray[np.complex128]) -> dict[str, Floats]:
@@ -1051,8 +1051,13 @@ def curve_distances(found: Linkages, target: NDArray[np.complex128]) -> dict[str
     for k, curve in enumerate(paths.pins(some.numbers, theta, some.side[:, :1])[-1]):
         own = (uniform(curve) - centre) / size
         apart = np.abs(own[:, None] - wanted[None])
+        # first places between the 200 count too, or else near curves would not tell themselves apart
         both = [
-            np.fft.ifft(np.fft.fft(one) * np.conj(np.fft.fft(wanted))).real.max() for one in (own, own[::-1])
+            FINER
+            * np.fft.ifft(
+                np.fft.ifftshift(np.pad(np.fft.fftshift(of), (FINER - 1) * UNIFORM // 2))
+            ).real.max()
+            for of in (np.fft.fft(one) * np.conj(np.fft.fft(wanted)) for one in (own, own[::-1]))
         ]
         squares = np.sum(np.abs(own) ** 2) + np.sum(np.abs(wanted) ** 2) - 2.0 * max(both)
         made = apart.min(axis=0).mean() + apart.min(axis=1).mean(), 2.0 * np.pi * max(squares, 0.0) / UNIFORM

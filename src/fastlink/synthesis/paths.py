@@ -349,7 +349,7 @@ def solve_curve(task: PathTask, seed: int) -> Candidates:
     starts = starts_of(task, SHAPES, BY_LENGTH, seed)
     fit_limits(task, starts)
     found = by_length(task, starts)
-    polished = refined(task, found.at(slice(0, BY_LENGTH // 4)), 100)
+    polished = refined(task, found.at(slice(0, BY_LENGTH // 3)), 300)
     return merged(joined(refined(task, found, 10, angles_only=True), polished))
 
 
