@@ -1,13 +1,18 @@
 """Dimensional synthesis: published cases with the least that was found, random linkages found again, functions; times.
 
 ``python -m benchmarks.synthesis`` prints the tables of docs/synthesis.md and, with ``--random N``, how many of N random
-crank-rockers come back from twelve points each. Everything is compiled before it is timed.
+crank-rockers come back from twelve points each; with ``--curves N``, how near N curves that no four-bar draws are met,
+beside an atlas of elliptic Fourier descriptors with differential evolution and, from the folder of an installation
+(``--pylinkage``), pylinkage's swarm. Everything is compiled before it is timed.
 """
 
 import argparse
+import sys
 import time
 
 import numpy as np
+from matplotlib.textpath import TextPath
+from scipy.optimize import differential_evolution
 
 import fastlink as fl
 from benchmarks.cases import markdown
@@ -133,10 +138,206 @@ def random_linkages(count):
     return rows
 
 
+#: Curves that no four-bar draws: letters and digits, polygons, ellipses and the like, airfoils; places, and harmonics.
+LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefhkmnorstuvwxyz0123456789"
+PLACES, HARMONICS = 200, 20
+
+
+def uniform(z, count=PLACES):
+    z = np.append(z, z[0])
+    behind = np.append(0.0, np.cumsum(np.abs(np.diff(z))))
+    return np.interp(behind[-1] * np.arange(count) / count, behind, z)
+
+
+def target(k):
+    rng, turn = np.random.default_rng(k), 2 * np.pi * np.arange(400) / 400
+    if k % 4 == 0:
+        parts = TextPath((0, 0), LETTERS[k // 4 % len(LETTERS)], size=1).to_polygons()
+        z = max((part @ [1, 1j] for part in parts), key=lambda z: np.abs(np.diff(z)).sum())
+    elif k % 4 == 1:
+        sides = rng.integers(3, 9)
+        z = np.exp(2j * np.pi * (np.arange(sides) + rng.uniform(-0.3, 0.3, sides)) / sides) * rng.uniform(
+            0.6, 1, sides
+        )
+    elif k % 4 == 2:
+        power, x, y = 2 / rng.choice([1, 2, 2, 3, 6]), np.cos(turn), np.sin(turn)
+        z = np.sign(x) * abs(x) ** power + 1j * rng.uniform(0.15, 0.9) * np.sign(y) * abs(y) ** power
+    else:  # NACA's four digits
+        camber, at, thick = rng.uniform(0, 0.09), rng.uniform(0.2, 0.7), rng.uniform(0.06, 0.24)
+        x = (1 - np.cos(np.linspace(0, np.pi, 100))) / 2
+        half = 5 * thick * (0.2969 * np.sqrt(x) + x * (-0.1260 + x * (-0.3516 + x * (0.2843 - 0.1036 * x))))
+        line = (
+            np.where(x < at, (2 * at * x - x * x) / at**2, (1 - 2 * at + 2 * at * x - x * x) / (1 - at) ** 2)
+            * camber
+        )
+        z = np.append(x + 1j * (line + half), (x + 1j * (line - half))[-2:0:-1])
+    return uniform(z * np.exp(2j * np.pi * rng.random()))
+
+
+def distances(own, wanted):
+    """Return chamfer and ordered distance of LInK of two curves of 200 places."""
+    centre, size = wanted.mean(), wanted.std()
+    own, wanted = (own - centre) / size, (wanted - centre) / size
+    apart = np.abs(own[:, None] - wanted)
+    turns = [np.abs(np.roll(one, k) - wanted) ** 2 for one in (own, own[::-1]) for k in range(PLACES)]
+    return apart.min(0).mean() + apart.min(1).mean(), 2 * np.pi * min(one.mean() for one in turns)
+
+
+def placed(own, wanted):
+    """Return a curve turned, sized and placed so that the ordered distance is least."""
+    best = None
+    for one in (own, own[::-1]):
+        a, b = one - one.mean(), wanted - wanted.mean()
+        both = np.fft.ifft(np.fft.fft(b) * np.conj(np.fft.fft(a)))  # of all first places
+        k = int(np.argmax(np.abs(both)))
+        if best is None or abs(both[k]) > best[0]:
+            best = abs(both[k]), wanted.mean() + np.roll(a, k) * both[k] / np.sum(np.abs(a) ** 2)
+    return best[1]
+
+
+def curves_of(x, count=128):
+    """Return coupler curves of shapes (a1, a2, a3, P_u, P_v by the ground; a side): NaN where the crank cannot turn."""
+    (a1, a2, a3, u, v), side = 10.0 ** np.clip(x[:5], -3, 3), np.where(x[5] > 0.5, 1, -1)
+    u, v = u * np.cos(x[4]), u * np.sin(x[4])
+    pin = a1 * np.exp(2j * np.pi * np.arange(count) / count)[:, None]
+    far = 1 - pin
+    cosine = (abs(far) ** 2 + a2**2 - a3**2) / (2 * abs(far) * a2)
+    with np.errstate(invalid="ignore"):
+        return (pin + (u + 1j * v) * far / abs(far) * (cosine + 1j * side * np.sqrt(1 - cosine**2))).T
+
+
+def descriptors(z):
+    """Return elliptic Fourier descriptors of curves, whatever their place, size, rotation, first place and sense."""
+    around = np.concatenate([z, z[:, :1]], axis=1)
+    behind = np.concatenate([np.zeros((len(z), 1)), np.cumsum(abs(np.diff(around)), axis=1)], axis=1)
+    table, rows = behind / behind[:, -1:] + np.arange(len(z))[:, None], np.arange(len(z))[:, None]
+    even = np.interp((rows + np.arange(64) / 64).ravel(), table.ravel(), around.ravel()).reshape(len(z), 64)
+    k = np.arange(-HARMONICS, HARMONICS + 1)
+    c = np.fft.fft(even)[:, k]
+    back = abs(c[:, HARMONICS - 1]) > abs(c[:, HARMONICS + 1])
+    c[back] = c[back, ::-1]
+    one, other = np.angle(c[:, HARMONICS + 1, None]), np.angle(c[:, HARMONICS - 1, None])
+    c = c * np.exp(-0.5j * ((one + other) + k * (one - other))) / abs(c[:, HARMONICS + 1, None])
+    c[:, HARMONICS] = 0
+    return c
+
+
+def by_descriptors(wanted, atlas, seconds):
+    """Return the curve of the least difference of descriptors: the nearest of an atlas, then differential evolution."""
+    shapes, known = atlas
+    goal, k = descriptors(wanted[None])[0], np.arange(-HARMONICS, HARMONICS + 1)
+    goals = [goal, goal * (-1.0) ** (k - 1)]
+    end = time.perf_counter() + seconds
+
+    def off(x):
+        z = curves_of(x)
+        fine = np.isfinite(z).all(axis=1)
+        found = np.full(len(z), 1e3)
+        found[fine] = np.min([(abs(descriptors(z[fine]) - one) ** 2).sum(axis=1) for one in goals], axis=0)
+        return found
+
+    near = np.argsort(np.min([(abs(known - one) ** 2).sum(axis=1) for one in goals], axis=0))[:60]
+    bounds = [(-1.3, 1.3)] * 4 + [(0, 2 * np.pi), (0, 1)]
+    best = differential_evolution(off, bounds, init=np.clip(shapes[:, near].T, *np.transpose(bounds)), vectorized=True,
+                                  updating="deferred", maxiter=10**6, tol=0, seed=0, polish=False,
+                                  callback=lambda *_, **__: time.perf_counter() > end)  # fmt: skip
+    return placed(uniform(curves_of(best.x[:, None], 400)[0]), wanted)
+
+
+def make_atlas(count=100_000):
+    x = np.random.default_rng(0).uniform(size=(6, 12 * count)) * np.array([2.6] * 4 + [2 * np.pi, 1])[:, None]
+    x[:4] -= 1.3
+    a = np.concatenate([10.0 ** x[:3], np.ones((1, x.shape[1]))])
+    turns = (a.max(axis=0) + a.min(axis=0) < 0.5 * a.sum(axis=0)) & (
+        np.minimum(a[0], 1) <= np.minimum(a[1], a[2])
+    )
+    x = x[:, turns][:, :count]
+    parts = [descriptors(curves_of(x[:, k : k + 5000])) for k in range(0, x.shape[1], 5000)]
+    return x, np.concatenate(parts)
+
+
+def by_swarm(wanted, seconds):
+    """Return the curve of pylinkage's swarm; turn, size and place are those of the least ordered distance."""
+    from pylinkage.actuators import Crank
+    from pylinkage.components import Ground
+    from pylinkage.dyads import FixedDyad, RRRDyad
+    from pylinkage.optimization import particle_swarm_optimization
+    from pylinkage.simulation import Linkage
+
+    o, d = Ground(0, 0), Ground(1, 0)
+    crank = Crank(anchor=o, radius=0.3, angular_velocity=2 * np.pi / 100)
+    pin = RRRDyad(crank.output, d, distance1=0.9, distance2=0.8)
+    linkage = Linkage([o, d, crank, pin, FixedDyad(crank.output, pin, distance=0.5, angle=0.3)])
+
+    def curve(numbers, start):
+        linkage.set_coords(start)
+        linkage.set_constraints([float(one) for one in numbers])
+        path = linkage.step_fast(100)[:, -1]
+        return path[:, 0] + 1j * path[:, 1]
+
+    start, pairs = linkage.get_coords(), ([0.05, 0.05, 0.05, 0.05, 0.0], [4.0, 4.0, 4.0, 4.0, 6.3])
+
+    def score(_, numbers, __):
+        z = curve(numbers, start)
+        if not np.isfinite(z).all() or np.ptp(abs(z)) + abs(z).max() == 0.0:
+            return -1e3
+        z = uniform(z)
+        return (
+            -float(np.mean(np.abs(placed(z, wanted) - wanted) ** 2))
+            if abs(z - z.mean()).max() > 1e-9
+            else -1e3
+        )
+
+    begin = time.perf_counter()
+    for _ in range(20):
+        score(None, [0.3, 0.9, 0.8, 0.5, 0.3], None)
+    rounds = max(2, int(seconds / 50 / ((time.perf_counter() - begin) / 20)))
+    found = particle_swarm_optimization(score, linkage, n_particles=50, iterations=rounds, bounds=pairs, verbose=False,
+                                        dimensions=5)  # fmt: skip
+    return placed(uniform(curve(found[0].dimensions, start)), wanted)
+
+
+def curves(count, pylinkage, seconds=3.0):
+    """Return rows of medians of chamfer, ordered distance and time over curves; others have three seconds each."""
+    atlas = make_atlas()
+
+    def own(wanted):
+        found = fl.synthesise("planar_4r", path=wanted, closed=True, top=1).isel(design=0)
+        theta = 2 * np.pi * np.arange(400) / 400
+        design = {name: float(found[name]) for name in ("a1", "a2", "a3", "a4", "P_u", "P_v")}
+        at = fl.evaluate("planar_4r", ["P_x", "P_y"], branch=int(found.branch), theta1=theta, **design)
+        turn = np.exp(1j * float(found.ground_angle))
+        return uniform(complex(found.O_x, found.O_y) + turn * (at["P_x"] + 1j * np.asarray(at["P_y"])))
+
+    ways = {
+        "fastlink": own,
+        "descriptors, then evolution": lambda wanted: by_descriptors(wanted, atlas, seconds),
+    }
+    if pylinkage:
+        sys.path.append(pylinkage)
+        ways["pylinkage's swarm"] = lambda wanted: by_swarm(wanted, seconds)
+    made = {name: [] for name in ways}
+    for k in range(-1, count):  # the first one compiles
+        for name, way in ways.items():
+            wanted = target(k % 1000)
+            z, spent = timed(lambda way=way, wanted=wanted: way(wanted))
+            if k >= 0:
+                made[name].append((*distances(z, wanted), spent))
+    rows = []
+    for name, known in made.items():
+        chamfer, ordered, spent = np.median(known, axis=0)
+        rows.append(
+            (name, f"{chamfer:.4f}", f"{ordered:.5f}", f"{spent:.2f}", f"{np.max(known, axis=0)[2]:.2f}")
+        )
+    return rows, made
+
+
 def main():
     parser = argparse.ArgumentParser(prog="python -m benchmarks.synthesis", description=__doc__)
     parser.add_argument("--seeds", type=int, default=5, help="of each published path")
     parser.add_argument("--random", type=int, default=0, help="random crank-rockers")
+    parser.add_argument("--curves", type=int, default=0, help="that no four-bar draws")
+    parser.add_argument("--pylinkage", default="", help="the folder of packages that it is installed in")
     arguments = parser.parse_args()
     dyads(10)
     fl.synthesise("planar_4r", function=np.log10, over=(1, 2), turn_deg=(60, 90), top=1)
@@ -148,7 +349,11 @@ def main():
     )
     if arguments.random:
         head = "paths", f"found again of {arguments.random}", "within 2 s", "median s"
-        print(markdown(head, *random_linkages(arguments.random)))
+        print(markdown(head, *random_linkages(arguments.random)), "")
+    if arguments.curves:
+        rows, _ = curves(arguments.curves, arguments.pylinkage)
+        head = f"{arguments.curves} curves, medians", "chamfer", "ordered", "s", "greatest s"
+        print(markdown(head, *rows))
 
 
 if __name__ == "__main__":
