@@ -24,6 +24,7 @@ from fastlink.errors import (
     Samples,
     Setting,
     check_choice,
+    listed,
     nearest,
     remark,
     suggest,
@@ -35,6 +36,7 @@ from fastlink.facts.fact import Input
 from fastlink.facts.find import did_you_mean
 from fastlink.facts.powers import beyond_range, limits
 from fastlink.mechanisms import NAMES, inputs_of
+from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.query import Extrema, Request, input_remedy, parse_request, suggest_input
 from fastlink.space import design_space as spaces
 from fastlink.space import units
@@ -105,18 +107,19 @@ def check_inputs(
     known = catalogue.known_inputs(variants)
     problems = Problems()
     of_sample = ("n", "seed") if space.kind in ("sobol", "latin_hypercube") else ()
+    allow: Remedy = (ALLOW,) if space.attrs.get("design_kind") == "table" else ""
     problems.noted += name_problems(catalogue, space.names, known, options=of_sample)
     for name in filter(known.__contains__, space.names):
         value = space.constants.get(name)
         if not allow_invalid and (value is None or not in_range(known[name], value)):
             column = space.columns.get(name)
             if isinstance(column, spaces.Column):
-                problems.noted += _column_problems(known[name], column)
+                problems.noted += _column_problems(known[name], column, allow)
             else:  # designs of a space beyond the range are flagged, as those that never assemble are
                 values, check = space.values(name), Input.allows if value is None else in_range
                 if name in space.doubtful:  # whose cells without numbers are named already
                     values = np.where(np.isfinite(values), values, 1.0)
-                problems.noted += value_problems(known[name], values, "design", check=check)
+                problems.noted += value_problems(known[name], values, "design", allow, check)
     problems.stop()
 
 
@@ -176,18 +179,22 @@ def unknown_input(
     if driving in others:
         what = f"is unknown to {catalogue.name}, whose input is {catalogue.position.name}"
         return Problem(what, (parent, name), f"write {units.with_unit(catalogue.position.name, unit)}")
-    every = {*known, *(key for inputs in catalogue.variant_inputs.values() for key in inputs)}
-    names = sorted(key for key in every if not is_tolerance(key))  # each input has two, by a rule
+    every = dict.fromkeys((*known, *(key for inputs in catalogue.variant_inputs.values() for key in inputs)))
+    names = [key for key in every if not is_tolerance(key)]  # each input has two, by a rule
+    what = f"is unknown to {catalogue.name}"
+    if elsewhere := [other for other in NAMES if name in find_catalogue(other).all_inputs]:
+        return Problem(f"{what}, known to {joined(elsewhere)}", (parent, name), listed(names))
     option = nearest(name, options)
     near_an_option = option and not nearest(name, names) and not suggest_input(name, catalogue)
     remedy = suggest(name, options) if near_an_option else input_remedy(name, catalogue, names)
     of = next((key for key in names if key in catalogue.variables and name.startswith(f"{key}_")), "")
     if of and (usual := units.usual_name(of, catalogue.variables[of].units)) != of:
         remedy = f"write {of}, or in another unit such as {usual}"
-    return Problem(f"is unknown to {catalogue.name}", (parent, name), remedy)
+    return Problem(what, (parent, name), remedy)
 
 
-#: Wrong values of an input that a message names.
+#: How rows of a table that are no designs are kept, at doors that can; wrong values of an input that a message names.
+ALLOW = (", or pass ", Setting("allow_invalid", True), " to keep such designs")
 MOST_SHOWN = 6
 
 
@@ -226,14 +233,14 @@ def value_problems(
     return [Problem(f"is {value}{also} ({declared.meaning})", where, (mend, *remedy) if remedy else mend)]
 
 
-def _column_problems(declared: Input, column: spaces.Column) -> list[Problem]:
+def _column_problems(declared: Input, column: spaces.Column, allow: Remedy) -> list[Problem]:
     """Return the values of a column that an input cannot have as one problem, if its bounds do not rule them out."""
     if not declared.choices and all(declared.allows(end) for end in column.bounds):
         return []
     for start, stop in steps(0, len(column)):
         values = column.piece(start, stop)
         if not declared.allows(values).all():
-            (problem,) = value_problems(declared, values, "design", first=start)
+            (problem,) = value_problems(declared, values, "design", allow, first=start)
             row = start + int(np.argmin(declared.allows(values)))
             return [replace(problem, where=(*problem.where[:2], row))]
     return []
@@ -367,6 +374,9 @@ def check_keywords(
             own = driving[0] in inputs_of(mechanism)
             other = (f", or, to drive {driving[0]}, write ", Setting("input", driving[0])) if own else ()
             problems.add(f"the input is {position}", (name,), (f"write its positions as {named}", other))
+        elif name in ("unit", "units"):
+            remedy = f"write units in names, such as {in_degrees}; results are in SI, which `convert` changes"
+            problems.add("is not an option", (name,), remedy)
         elif name in OTHER_NAMES["n"]:
             problems.add("is not an option", (name,), "the designs have a number: fl.sobol(n, a2=(1.0, 1.4))")
         else:
