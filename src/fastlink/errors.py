@@ -301,7 +301,7 @@ def nearest(name: object, known: Iterable[str]) -> str | None:
         if name in OTHER_NAMES.get(option, ()):
             return option
     folded = {one.casefold(): one for one in reversed(known)}
-    near = difflib.get_close_matches(name, list(folded), n=1, cutoff=0.5)
+    near = difflib.get_close_matches(name, list(folded), n=1, cutoff=0.55)
     return folded[near[0]] if near else None
 
 

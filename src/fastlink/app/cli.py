@@ -362,7 +362,10 @@ def print_summary(maps: Any) -> None:
     if {"search", "synthesis"} & set(maps.attrs) and PartOfMap.of(maps.attrs) is None:
         found = maps.load()
         found.attrs.pop("selection", None)  # which the summary has said
-        typer.echo(listed(found, [str(name) for name, one in found.data_vars.items() if one.ndim == 1]))
+        names = [str(name) for name, one in found.data_vars.items() if one.ndim == 1]
+        typer.echo(
+            listed(found, names, degrees="deg" in str(maps.attrs.get("study")))
+        )  # as it is written there
 
 
 def extension_of(file: Path, own: Path | None, trusted: bool) -> Extension | None:
@@ -876,7 +879,7 @@ def plot(
     """
     from fastlink.pictures.designs import plot as drawn
 
-    given = names or []
+    given = [one for name in names or [] for one in (_parts(name) if "=" not in name else [name])]
     options = [one for one in given if one.find("=") > 0]
     for dim, value in by_name(options, "names", "NAME", {}, str, (plot, drawn)).items():
         at_it = ("write ", Setting("at", {dim: value}))

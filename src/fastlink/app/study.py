@@ -414,7 +414,9 @@ def _problems(error: ValidationError, positions: Collection[str], example: str) 
         elif kind == "missing":
             what, remedy = "is missing", f"write {EXAMPLES[name]}"
         elif kind == "union_tag_invalid":
-            what, remedy = f"is not a key of {_table(where)}", suggest(name, ["sobol", "latin_hypercube"])
+            near = nearest(name, ["sobol", "latin_hypercube"])
+            what = f"is not a key of {_table(where)}" if near else "is a sample, and named as none"
+            remedy = f"did you mean {near!r}?" if near else f"write {INPUT}"
         elif kind == "extra_forbidden":
             known = list(KNOWN[str(path[0])] if path[1:] else StudyFile.model_fields)
             if not path[1:] and isinstance(entry["input"], dict):

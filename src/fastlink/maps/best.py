@@ -96,6 +96,9 @@ def conditions(maps: xr.Dataset, where: Any) -> list[Condition]:
         for name, given in where.items():
             with problems.at():
                 made.append(_of_name(maps, name, given))
+                if sum(one.array.name == made[-1].array.name for one in made) > 1:
+                    what = f"{made[-1].array.name} is given too"
+                    raise InputError(what, ("where", str(name)), "write one of them")
         problems.stop()
         # of one branch alone, which is none of the axes that a search reads, it holds: others are refused
         return [one for one in made if one.array.name != BRANCH or one.array.ndim]
@@ -469,6 +472,9 @@ def objective(maps: xr.Dataset, where: str, name: Any, sign: float) -> Objective
     if not isinstance(name, str):
         remedy = "write the name of a variable; a new one is maps.assign(NAME=...)"
         raise InputError(f"is {short_repr(name)}", (where,), remedy)
+    if name in maps.coords and not maps[name].ndim and not flags_of(maps[name]):
+        remedy = f"rank by one that differs: {', '.join(own[:8])}"
+        raise InputError(f"{short_repr(name)} is the same for all designs", (where,), remedy)
     if name in maps.variables and name not in usable:
         what = f"{short_repr(name)} is {'a code' if flags_of(maps[name]) else 'not a number for each design'}"
         numbers = f", and rank by a number: {', '.join(own[:8])}" if own else ""
@@ -590,11 +596,11 @@ def labelled_missed(found: xr.Dataset, texts: list[str]) -> xr.Dataset:
     return found.assign_coords({MISSED: ((DESIGN,), np.array(texts), attrs)}) if any(texts) else found
 
 
-def remarked(found: xr.Dataset) -> xr.Dataset:
+def remarked(found: xr.Dataset, remedy: str = WIDEN) -> xr.Dataset:
     """Return the designs that were found; a warning tells if none meets all conditions."""
     if MISSED in found.coords and (found[MISSED].values != "").all():
         what = f"{str(found.attrs['selection']).partition(';')[0]}; these miss least, by what 'missed' says"
-        errors.remark(what, ("where",), WIDEN, errors.ResultWarning)
+        errors.remark(what, ("where",), remedy, errors.ResultWarning)
     return found
 
 

@@ -641,6 +641,9 @@ def suggest_quantity(text: str, catalogue: Catalogue, over_cycle: bool = True) -
         known = [name for name, each in REDUCTIONS.items() if not each.of_path]
         if not catalogue.is_quantity(text) and (near := get_close_matches(how, known, 1, 0.66)):
             return [str(Reduced(Quantity(of), near[0]))]
+    paths = [name for name, each in REDUCTIONS.items() if each.of_path]
+    if over_cycle and of in points_of(catalogue) and (near := get_close_matches(how, paths, 1)):
+        return [str(Reduced(Quantity(of), near[0]))]
     return find.best_names(rank_quantities(text, catalogue, over_cycle))
 
 

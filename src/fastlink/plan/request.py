@@ -173,17 +173,22 @@ def unknown_input(
         if name in inputs:
             mend = ("write ", Model(model, tuple(inputs)), ", or leave it out")
             return Problem(f"belongs to links of model {model!r}", (parent, name), mend)
-    if "tol" in name and (near := nearest(name, catalogue.tolerances)):
+    if "tol" in name and parent != "tolerance" and (near := nearest(name, catalogue.tolerances)):
         return Problem(f"is unknown to {catalogue.name}", (parent, name), did_you_mean([near]))
-    driving, unit = units.split(name, others := {*drivers(), POSITIONS})
-    if driving in others:
+    driving, unit = units.split(name, given := {*drivers(), POSITIONS, "angle", "position"})
+    if driving in given:
         what = f"is unknown to {catalogue.name}, whose input is {catalogue.position.name}"
         return Problem(what, (parent, name), f"write {units.with_unit(catalogue.position.name, unit)}")
     every = dict.fromkeys((*known, *(key for inputs in catalogue.variant_inputs.values() for key in inputs)))
     names = [key for key in every if not is_tolerance(key)]  # each input has two, by a rule
     what = f"is unknown to {catalogue.name}"
-    if elsewhere := [other for other in NAMES if name in find_catalogue(other).all_inputs]:
+    others = [one for one in NAMES if one != getattr(catalogue, "first", catalogue).name]
+    if elsewhere := [other for other in others if name in find_catalogue(other).all_inputs]:
         return Problem(f"{what}, known to {joined(elsewhere)}", (parent, name), listed(names))
+    if catalogue.is_quantity(name):
+        near = suggest_input(name, catalogue)
+        remedy = did_you_mean(near) if near else "leave it out"
+        return Problem("is a quantity, not an input", (parent, name), remedy)
     option = nearest(name, options)
     near_an_option = option and not nearest(name, names) and not suggest_input(name, catalogue)
     remedy = suggest(name, options) if near_an_option else input_remedy(name, catalogue, names)
@@ -367,6 +372,8 @@ def check_keywords(
             problems.add("is not an option", (name,), f"write {units.with_unit(position, unit)}")
         elif name in ("over", "arc"):
             problems.add("is not an option", (name,), f"give {joined(ARC_ENDS)} with the design")
+        elif units.split(name, inputs := catalogue.all_inputs)[0] in inputs:
+            problems.add("is an input, not an option", (name,), "give it with the design")
         elif name in IN_DEGREES and catalogue.position.units == units.RADIANS:
             problems.add("is not an option", (name,), f"write angles in degrees as {in_degrees}")
         elif (driving := units.split(name, drivers()))[0] in drivers():
