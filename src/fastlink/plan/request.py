@@ -37,7 +37,7 @@ from fastlink.facts.find import did_you_mean
 from fastlink.facts.powers import beyond_range, limits
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.mechanisms import catalogue as find_catalogue
-from fastlink.plan.query import Extrema, Request, input_remedy, parse_request, suggest_input
+from fastlink.plan.query import Extrema, Request, parse_request, suggest_input
 from fastlink.space import design_space as spaces
 from fastlink.space import units
 from fastlink.space.design_space import DesignSpace, Floats, steps
@@ -169,33 +169,34 @@ def unknown_input(
     options: Sequence[str] = (),
 ) -> Problem:
     """Return the problem of a name that is not among the known inputs."""
+    where, what = (parent, name), f"is unknown to {catalogue.name}"
     for model, inputs in catalogue.variant_inputs.items():
         if name in inputs:
             mend = ("write ", Model(model, tuple(inputs)), ", or leave it out")
-            return Problem(f"belongs to links of model {model!r}", (parent, name), mend)
+            return Problem(f"belongs to links of model {model!r}", where, mend)
     if "tol" in name and parent != "tolerance" and (near := nearest(name, catalogue.tolerances)):
-        return Problem(f"is unknown to {catalogue.name}", (parent, name), did_you_mean([near]))
+        return Problem(what, where, did_you_mean([near]))
     driving, unit = units.split(name, given := {*drivers(), POSITIONS, "angle", "position"})
     if driving in given:
-        what = f"is unknown to {catalogue.name}, whose input is {catalogue.position.name}"
-        return Problem(what, (parent, name), f"write {units.with_unit(catalogue.position.name, unit)}")
+        position = catalogue.position.name
+        return Problem(
+            f"{what}, whose input is {position}", where, f"write {units.with_unit(position, unit)}"
+        )
     every = dict.fromkeys((*known, *(key for inputs in catalogue.variant_inputs.values() for key in inputs)))
     names = [key for key in every if not is_tolerance(key)]  # each input has two, by a rule
-    what = f"is unknown to {catalogue.name}"
     others = [one for one in NAMES if one != getattr(catalogue, "first", catalogue).name]
     if elsewhere := [other for other in others if name in find_catalogue(other).all_inputs]:
-        return Problem(f"{what}, known to {joined(elsewhere)}", (parent, name), listed(names))
+        return Problem(f"{what}, known to {joined(elsewhere)}", where, listed(names))
+    meant = suggest_input(name, catalogue)
+    remedy: Remedy = did_you_mean(meant) if meant else listed(names)
     if catalogue.is_quantity(name):
-        near = suggest_input(name, catalogue)
-        remedy = did_you_mean(near) if near else "leave it out"
-        return Problem("is a quantity, not an input", (parent, name), remedy)
-    option = nearest(name, options)
-    near_an_option = option and not nearest(name, names) and not suggest_input(name, catalogue)
-    remedy = suggest(name, options) if near_an_option else input_remedy(name, catalogue, names)
+        return Problem("is a quantity, not an input", where, remedy if meant else "leave it out")
+    if not meant and nearest(name, options) and not nearest(name, names):
+        remedy = suggest(name, options)
     of = next((key for key in names if key in catalogue.variables and name.startswith(f"{key}_")), "")
     if of and (usual := units.usual_name(of, catalogue.variables[of].units)) != of:
         remedy = f"write {of}, or in another unit such as {usual}"
-    return Problem(what, (parent, name), remedy)
+    return Problem(what, where, remedy)
 
 
 #: How rows of a table that are no designs are kept, at doors that can; wrong values of an input that a message names.
