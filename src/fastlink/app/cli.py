@@ -363,9 +363,7 @@ def print_summary(maps: Any) -> None:
         found = maps.load()
         found.attrs.pop("selection", None)  # which the summary has said
         names = [str(name) for name, one in found.data_vars.items() if one.ndim == 1]
-        typer.echo(
-            listed(found, names, degrees="deg" in str(maps.attrs.get("study")))
-        )  # as it is written there
+        typer.echo(listed(found, names, degrees="deg" in str(maps.attrs.get("study"))))  # as the study is
 
 
 def extension_of(file: Path, own: Path | None, trusted: bool) -> Extension | None:

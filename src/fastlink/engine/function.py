@@ -35,9 +35,9 @@ from fastlink.plan.request import (
     selected_variants,
     unknown_input,
 )
-from fastlink.space.design_space import DESIGN, MOST_DIMS, NUMBERS, DesignSpace, in_unit, numbers_of
+from fastlink.space.design_space import DESIGN, MOST_DIMS, DesignSpace, in_unit, numbers_of
 from fastlink.space.samplers import grid
-from fastlink.space.units import check_unit, scaled, split, usual_name
+from fastlink.space.units import check_unit, scaled, split
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -394,18 +394,12 @@ class Function(Suggesting):
         """Return the argument as an array with a row for each input."""
         plain = type(x) is np.ndarray and x.dtype == np.float64
         try:
-            given: NDArray[np.float64] = x if plain else numbers_of("function", "x", x, MOST_DIMS)  # type: ignore[assignment]
+            numbers: Any = x if plain else numbers_of("function", "x", x, MOST_DIMS)
         except InputError as error:
-            if not isinstance(x, str) and error.remedy not in (
-                NUMBERS,
-                "write a number",
-            ):  # a text with a unit
-                usual = usual_name(self._names[0], self._declared[0].units)
-                remedy = (
-                    f"write numbers alone, and units in the names of the function's inputs, such as {usual}"
-                )
-                raise InputError(error.what, error.where, remedy) from None
-            raise
+            name = self._names[int((*error.where, 0)[2])]  # of a text with its unit, which belongs there
+            remedy = str(error.remedy).replace("write x", f"make the function of {name}")
+            raise InputError(error.what, error.where, remedy) from None
+        given: NDArray[np.float64] = numbers
         if given.shape[:1] != (len(self.inputs),):
             remedy = f"its first axis has {len(self.inputs)} rows: {', '.join(self.inputs)}"
             raise InputError(f"has the shape {given.shape}", ("function", "x"), remedy)

@@ -98,12 +98,8 @@ class MapAccessor(Suggesting):
             counted = flag_counts(self._coded(of))
         if counted is None:
             what = f"{short_repr(of)} holds values that are not codes"
-            remedy = (
-                "count before averaging or masking"
-                if flags_of(self._maps[of])
-                else "name a code, such as status"
-            )
-            raise InputError(what, ("of",), remedy)
+            before = "count before averaging or masking"
+            raise InputError(what, ("of",), before if flags_of(self._maps[of]) else "name a code, such as status")
         return counted
 
     @door

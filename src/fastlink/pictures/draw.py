@@ -21,6 +21,7 @@ from fastlink.engine.evaluate import evaluate
 from fastlink.engine.extend import is_own
 from fastlink.errors import (
     InputError,
+    Problem,
     Problems,
     Setting,
     check_choice,
@@ -314,13 +315,10 @@ def request_of(source: Source, strip: Any, curves: Any, show: Any, degrees: Any,
     with problems.at():
         own: dict[str, Any] = {"links": links if isinstance(links, Links) else None, "input": source.input}
         as_draw(lambda: evaluate(source.mechanism, ["status"], **own, **inputs))
-    for k, one in enumerate(problems.noted):  # of a list, as of a1=0,4
-        if (
-            len(one.where) > 2
-            and split(str(one.where[1]), given := (catalogue.position.name,))[0] not in given
-        ):
-            remedy = "write one number, with a point"
-            problems.noted[k] = replace(one, what="holds several values", where=one.where[:2], remedy=remedy)
+    driving = (catalogue.position.name,)
+    for k, one in enumerate(problems.noted):
+        if len(one.where) > 2 and split(str(one.where[1]), driving)[0] not in driving:  # of a list, as of a1=0,4
+            problems.noted[k] = Problem("holds several values", one.where[:2], "write one number, with a point")
     numbers, positions, in_degrees = _numbers(catalogue, source, problems)
     if positions is not None and strip is not None:
         problems.add("is given beside strip", ("draw", catalogue.position.name), "leave one of them out")

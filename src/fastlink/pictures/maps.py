@@ -103,13 +103,8 @@ def select(
 def _check_split(variable: xr.DataArray, option: str, dim: Any, at: Mapping[str, float]) -> None:
     """Refuse a dimension whose values cannot stand beside each other."""
     known = [str(key) for key in variable.dims if key != BRANCH]
-    check_choice(
-        (option,),
-        dim,
-        known,
-        f" to {variable.name}",
-        meant=lambda one: listed(known) if one in variable.coords else "",
-    )
+    there = dict.fromkeys(map(str, variable.coords), listed(known))
+    check_choice((option,), dim, known, f" to {variable.name}", lambda one: there.get(one, ""))
     if dim in at:
         what = f"{dim} is fixed by at"
         raise InputError(what, where=(option,), remedy="leave one of them out")

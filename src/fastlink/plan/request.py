@@ -178,10 +178,8 @@ def unknown_input(
         return Problem(what, where, did_you_mean([near]))
     driving, unit = units.split(name, given := {*drivers(), POSITIONS, "angle", "position"})
     if driving in given:
-        position = catalogue.position.name
-        return Problem(
-            f"{what}, whose input is {position}", where, f"write {units.with_unit(position, unit)}"
-        )
+        what += f", whose input is {catalogue.position.name}"
+        return Problem(what, where, f"write {units.with_unit(catalogue.position.name, unit)}")
     every = dict.fromkeys((*known, *(key for inputs in catalogue.variant_inputs.values() for key in inputs)))
     names = [key for key in every if not is_tolerance(key)]  # each input has two, by a rule
     others = [one for one in NAMES if one != getattr(catalogue, "first", catalogue).name]

@@ -20,18 +20,7 @@ from numpy.lib.mixins import NDArrayOperatorsMixin
 from numpy.typing import NDArray
 
 from fastlink._text import aligned, counted, html_table, in_words, short_number, short_repr, size
-from fastlink.errors import (
-    InputError,
-    KeyPath,
-    Pair,
-    Problem,
-    Problems,
-    Remedy,
-    Samples,
-    check_whole,
-    door,
-    suggest,
-)
+from fastlink.errors import InputError, KeyPath, Problem, Problems, Remedy, check_whole, door, suggest
 from fastlink.machine import check_memory
 from fastlink.space.units import check_unit, conversion, named_with_unit, scaled, split
 
@@ -182,10 +171,10 @@ def _refuse_non_numbers(where: str, name: str, given: Any) -> None:
     cells = np.asarray(given, dtype=object)
     if cells.ndim == 0 and not is_number(cells[()]):
         ends = RANGE.fullmatch(cells[()]) if isinstance(cells[()], str) else None
-        remedy: Remedy = named_with_unit(name, cells[()]) or NUMBERS
+        remedy = named_with_unit(name, cells[()]) or NUMBERS
         if ends is not None:
-            low, high = float(ends[1]), float(ends[2])
-            remedy = ("write ", Samples(low, high, int(ends[3] or 11)) if where == "grid" else Pair())
+            axis = f"numpy.linspace({ends[1]}, {ends[2]}, {ends[3] or 11})"
+            remedy = f"write {axis if where == 'grid' else '(lo, hi)'}"
         raise InputError(f"is {short_repr(cells[()])}, not a number", where=(where, name), remedy=remedy)
     for index, cell in np.ndenumerate(cells):
         if not is_number(cell):
