@@ -423,7 +423,7 @@ def test_plot_refuses(mapped):
         (["--branch", "3"], "--branch is 3; write one of 1, 2"),
         (
             ["--at", "a1=0.4"],
-            "--at: 'a1' is not a dimension of omega4_max that can be fixed; did you mean 'a3'?",
+            "--at: 'a1' is not a dimension of omega4_max that can be fixed; known: a2, a3",
         ),
     ):
         assert refused("plot", "study.h5", "omega4_max", *arguments) == [message]

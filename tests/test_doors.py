@@ -162,7 +162,7 @@ def test_all_that_is_wrong_with_a_call_is_named():
     with pytest.raises(CallError) as caught:
         fl.plot(nmae="omega4", branches=1, colour="red")
     wheres = {one.where for one in caught.value.problems}
-    assert wheres == {("plot", key) for key in ("maps", "branches", "colour")}
+    assert wheres == {("plot", key) for key in ("maps", "nmae", "branches", "colour")}
 
 
 def test_an_error_inside_a_right_call_is_passed_on():

@@ -39,6 +39,7 @@ OTHER_NAMES = {
     "attrs": ("attributes", "metadata"),
     "branch": ("assembly", "assembly_mode", "branches", "mode", "modes"),
     "block": ("batch", "batch_size", "chunk", "chunks", "chunksize"),
+    "minimise": ("by", "cost", "loss", "objective", "sort"),
     "n": ("count", "designs", "n_samples", "num", "number", "points", "samples", "size"),
     "overwrite": ("clobber", "exist_ok", "force", "replace"),
     "progress": ("progressbar", "show_progress", "tqdm", "verbose"),
@@ -47,6 +48,8 @@ OTHER_NAMES = {
     "subject": ("mechanism", "study"),
     "space": ("data", "design", "designs", "df", "grid", "table"),
     "threads": ("cores", "cpus", "n_jobs", "n_workers", "processes", "workers"),
+    "top": ("count", "k", "limit", "n"),
+    "where": ("condition", "conditions", "constraints", "filter"),
     "to": ("file", "filename", "fname", "out", "outfile", "output", "path", "save", "savefig"),
 }
 #: Verbs that continue the path of a problem; other texts follow a colon.
@@ -298,7 +301,7 @@ def nearest(name: object, known: Iterable[str]) -> str | None:
         if name in OTHER_NAMES.get(option, ()):
             return option
     folded = {one.casefold(): one for one in reversed(known)}
-    near = difflib.get_close_matches(name, list(folded), n=1, cutoff=0.5)
+    near = difflib.get_close_matches(name, list(folded), n=1, cutoff=0.55)
     return folded[near[0]] if near else None
 
 

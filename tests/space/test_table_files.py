@@ -2,6 +2,7 @@
 
 import math
 import pickle
+import re
 import sys
 import tracemalloc
 from concurrent.futures import ThreadPoolExecutor
@@ -264,8 +265,14 @@ def test_all_bad_rows_are_named_at_once_and_may_be_kept(tmp_path):
     assert np.flatnonzero(np.isnan(kept.swing)).tolist() == [17, 200, 333, 400]
     study = 'mechanism = "planar_4r"\nquantities = ["swing"]\n[design]\ntable = "d.csv"\n'
     (tmp_path / "s.toml").write_text(study)
-    with refused("row 17 (line 19)", "allow_invalid = true"):
+    with pytest.raises(fl.InputError) as caught:
         fl.run(tmp_path / "s.toml", to=tmp_path / "s.h5")
+    assert re.findall(r"row 17 |-0.4, 0.0 at 400|allow_invalid = true", str(caught.value)) == [
+        *("row 17 ", "allow_invalid = true"),
+        *("-0.4, 0.0 at 400", "allow_invalid = true"),
+    ]
+    with pytest.raises(fl.InputError, match="allow_invalid=True"):  # of the sweep, after that of the table
+        fl.sweep("planar_4r", fl.table(tmp_path / "d.csv", allow_invalid=True), ["swing"])
     (tmp_path / "s.toml").write_text(study + "allow_invalid = true\n")
     with fl.run(tmp_path / "s.toml", to=tmp_path / "s.h5") as found:
         np.testing.assert_array_equal(found.swing, kept.swing)

@@ -59,7 +59,7 @@ MEANINGS = {
     "--quiet": "Print neither progress nor summary.",
     "--to PICTURE": "png, svg or pdf by its ending; NAME.png if left out.",
     "--trust-code": "Run the Python file of quantities that is named.",
-    "--where NAME=LO:HI": "A condition: a2=1.1:1.3, transmission_angle_min_deg=40:, status=rotates_fully; "
+    "--where NAME=LO:HI": "A condition: a2=1.1:1.3, least_transmission_angle_deg=40:, status=rotates_fully; "
     "may be repeated.",
 }
 
@@ -83,6 +83,12 @@ OTHER_NAMES = {
 }
 
 
+#: What is meant by an argument too many.
+INSTEAD = {
+    "best": "; write objectives as --minimise NAME",
+    "convert": "; write --to OUT",
+    "quantities": "; write words as --find WORD",
+}
 #: Of click, or of typer's own copy of it.
 UsageError: Any = typer.BadParameter.__base__
 
@@ -98,7 +104,10 @@ def _printable_usage() -> Iterator[None]:
             from fastlink.app.study import in_study
 
             error.message += f" ({there})" if (there := in_study(option)) else ""
-        error.message = printable(error.message)
+        if type(error).__name__ != "NoArgsIsHelpError":  # whose message is the help
+            command = "" if error.ctx is None else str(error.ctx.info_name)
+            hint = INSTEAD.get(command, "") if "unexpected extra" in error.message else ""
+            error.message = printable(f"{error.message}{hint}")
         raise
 
 
@@ -353,7 +362,8 @@ def print_summary(maps: Any) -> None:
     if {"search", "synthesis"} & set(maps.attrs) and PartOfMap.of(maps.attrs) is None:
         found = maps.load()
         found.attrs.pop("selection", None)  # which the summary has said
-        typer.echo(listed(found, [str(name) for name, one in found.data_vars.items() if one.ndim == 1]))
+        names = [str(name) for name, one in found.data_vars.items() if one.ndim == 1]
+        typer.echo(listed(found, names, degrees="deg" in str(maps.attrs.get("study"))))  # as the study is
 
 
 def extension_of(file: Path, own: Path | None, trusted: bool) -> Extension | None:
@@ -848,9 +858,9 @@ def plot(
 
     For instance: fastlink plot maps.h5 omega4_max --at a4=1.0
 
-    Of all rows: fastlink plot maps.h5 omega4_max transmission_angle_min --where status=rotates_fully
+    Of all rows: fastlink plot maps.h5 omega4_max least_transmission_angle --where status=rotates_fully
 
-    A front: fastlink plot maps.h5 --minimise omega4_max --maximise transmission_angle_min
+    A front: fastlink plot maps.h5 --minimise omega4_max --maximise least_transmission_angle
 
     FILE
     NAME...  A variable, or several; `fastlink info` lists them.
@@ -867,7 +877,7 @@ def plot(
     """
     from fastlink.pictures.designs import plot as drawn
 
-    given = names or []
+    given = [one for name in names or [] for one in (_parts(name) if "=" not in name else [name])]
     options = [one for one in given if one.find("=") > 0]
     for dim, value in by_name(options, "names", "NAME", {}, str, (plot, drawn)).items():
         at_it = ("write ", Setting("at", {dim: value}))

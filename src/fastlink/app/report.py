@@ -28,7 +28,7 @@ from fastlink._text import (
 from fastlink.app.accuracy import accuracy_table
 from fastlink.engine.labels import request_labels
 from fastlink.engine.options import check_options
-from fastlink.errors import InputError, Setting, door
+from fastlink.errors import InputError, Remedy, Setting, door
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.fact import Fact, Input
 from fastlink.facts.find import index_of_inputs
@@ -489,6 +489,9 @@ def quantities(
     >>> [row.name for row in fl.quantities("planar_4r", find="mu min")]
     ['transmission_angle_min', 'least_transmission_angle']
     """
+    if isinstance(internal, str):
+        remedy: Remedy = ("write True or False", (", or ", Setting("find", internal)))
+        raise InputError(f"is {internal!r}", ("internal",), remedy)
     internal = check_options({"internal": internal})["internal"]
     if mechanism is None and find is None:
         known = ", ".join(map(repr, NAMES))

@@ -56,7 +56,7 @@ from fastlink.plan.query import Results, parse_request, units_of
 from fastlink.plan.request import POSITIONS, check_keywords, drivers
 from fastlink.space.design_space import MODELS, DesignSpace, Links, bounds_of
 from fastlink.space.samplers import grid, latin_hypercube, sobol
-from fastlink.space.tables import CURVES, table
+from fastlink.space.tables import CURVES, as_space
 from fastlink.space.units import KINDS, InUnit, factor_of, named_with_unit, split, with_unit
 
 if TYPE_CHECKING:
@@ -336,6 +336,7 @@ def read_tables(raw: Mapping[str, Any], positions: Collection[str]) -> tuple[dic
     absent: set[str] = set()
     example = _example(raw.get("mechanism"))
     raw = {"quantities": REQUIRED["quantities"], **raw} if "search" in raw else raw
+    raw = {"design": {}, **raw} if _bounds_of(raw) else raw
     for _ in range(PASSES):
         try:
             tables = _plain(StudyFile.model_validate(raw))
@@ -344,6 +345,12 @@ def read_tables(raw: Mapping[str, Any], positions: Collection[str]) -> tuple[dic
             problems += _problems(error, positions, example)
             raw = _without(raw, [entry["loc"] for entry in error.errors(include_url=False)], absent)
     return empty, problems
+
+
+def _bounds_of(tables: Mapping[str, Any]) -> Any:
+    """Return the ranges of the sample of a study's search, which may give all its designs."""
+    search = tables.get("search")
+    return search.get("bounds") if isinstance(search, Mapping) and "samples" in search else None
 
 
 def _example(mechanism: Any) -> str:
@@ -407,7 +414,9 @@ def _problems(error: ValidationError, positions: Collection[str], example: str) 
         elif kind == "missing":
             what, remedy = "is missing", f"write {EXAMPLES[name]}"
         elif kind == "union_tag_invalid":
-            what, remedy = f"is not a key of {_table(where)}", suggest(name, ["sobol", "latin_hypercube"])
+            near = nearest(name, ["sobol", "latin_hypercube"])
+            what = f"is not a key of {_table(where)}" if near else "is a sample, and named as none"
+            remedy = f"did you mean {near!r}?" if near else f"write {INPUT}"
         elif kind == "extra_forbidden":
             known = list(KNOWN[str(path[0])] if path[1:] else StudyFile.model_fields)
             if not path[1:] and isinstance(entry["input"], dict):
@@ -758,7 +767,7 @@ class StudyRequest:
             self.options[ALLOW] = True
             if self.tables.get("search"):
                 problems.add("counts for maps alone", ("design", ALLOW), "leave it out")
-        if not design and not self.broken & {"design", "links"}:
+        if not (design or _bounds_of(self.tables) or self.broken & {"design", "links"}):
             problems.add("is empty", ("design",), "write a number or an axis for each input")
         space: DesignSpace | None = problems.attempt(grid, **entries)
         if len(kinds) == 1:
@@ -766,7 +775,7 @@ class StudyRequest:
             with problems.at("design", kind):
                 if kind == "table":
                     ways = {KEEP: design.get(KEEP, ()), ALLOW: bool(design.get(ALLOW))}
-                    space = table(path.parent / design["table"], **ways)
+                    space = as_space(path.parent / design["table"], **ways)
                 else:
                     space = (sobol if kind == "sobol" else latin_hypercube)(**design[kind])
                 for name in constants:
@@ -823,7 +832,8 @@ def text_of(path: Path) -> str:
         raise
     except (OSError, ValueError) as error:  # ValueError: a NUL in the path
         why = getattr(error, "strerror", None) or str(error)
-        raise _refused(path, f"cannot be read ({why})", A_STUDY) from None
+        what = "is a mechanism, not a study" if str(path) in NAMES else f"cannot be read ({why})"
+        raise _refused(path, what, A_STUDY) from None
 
 
 def contents_of(path: Path, text: str) -> dict[str, Any]:

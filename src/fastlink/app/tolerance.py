@@ -22,12 +22,12 @@ from fastlink.engine.function import derivative_of
 from fastlink.engine.options import check_options
 from fastlink.engine.resolve import given_tolerances, resolve
 from fastlink.engine.sweep import sweep
-from fastlink.errors import InputError, Problems, check_path, door
+from fastlink.errors import InputError, Problems, check_path, door, remark
 from fastlink.facts.derivative import is_tolerance, tolerance_name, toleranced
 from fastlink.io.reader import as_map
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.query import check_names, parse_request
-from fastlink.space.design_space import BRANCH, DESIGN, MODELS, DesignSpace
+from fastlink.space.design_space import BRANCH, DESIGN, MODELS, DesignSpace, bounds_of
 from fastlink.space.tables import as_space
 
 if TYPE_CHECKING:
@@ -208,6 +208,9 @@ def tolerance(
     if checked.get("contributions") and to is not None:
         remedy = "leave one of them out; derivatives such as d_omega4_max_d_a1 can be swept into a file"
         problems.add("is given with to", ("contributions",), remedy)
+    if isinstance(quantities, Mapping):
+        problems.add("is a mapping", ("quantities",), "write tolerances by name, such as a1=1e-4")
+        quantities = None
     names = None if quantities is None else problems.attempt(check_names, "quantities", quantities)
     path = problems.attempt(check_path, ("maps",), maps) if isinstance(maps, (str, os.PathLike)) else None
     is_study = path is not None and path.suffix.lower() == ".toml"
@@ -258,6 +261,12 @@ def _with_tolerances(subject: Subject, tolerances: Mapping[str, Any]) -> DesignS
     if not given and not any(map(is_tolerance, space.names)):
         remedy = f"write such as {next(iter(subject.catalogue.inputs))}=1e-4, in the unit of the input"
         raise InputError("no tolerance is given", ("tolerance",), remedy)
+    values = {**space.columns, **space.axes, **{name: np.array(one) for name, one in space.constants.items()}}
+    for of, declared in subject.catalogue.all_inputs.items():
+        number = given.get(tolerance_name(of, relative=False), 0.0)
+        if declared.rule == "positive" and of in values and number > max(bounds_of(values[of])):
+            what = f"is {number:g} {declared.units}, more than {of} itself"
+            remark(what, ("tolerance", of), f"if it is in per cent, write {of}='{number:g} %'")
     return space.with_constants(given)
 
 

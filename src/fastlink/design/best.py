@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from fastlink.errors import Problems, check_switch, door
 from fastlink.io.reader import as_dataset, as_map
-from fastlink.maps.best import choice_of, chosen, remarked
+from fastlink.maps.best import WIDEN, choice_of, chosen, remarked
 from fastlink.plan.query import check_names
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from fastlink.engine.extend import Extension
 
 
-@door
+@door(hint=lambda name: "write fl.convert(found, to=...)" if name == "to" else "")
 def best(
     maps: Any,
     *,
@@ -100,7 +100,7 @@ def best(
         choice = problems.attempt(choice_of, dataset, minimise, maximise, where, top=top, infinite=infinite)
         problems.stop()
         if only is None:
-            return remarked(chosen(dataset, choice).of(dataset))
+            return remarked(chosen(dataset, choice).of(dataset), f"{WIDEN}, or refine, which leaves the grid")
         from fastlink.design.refine import Model, Refinement, candidates, spans_of
 
         with as_map(dataset) as own:

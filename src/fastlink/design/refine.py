@@ -43,6 +43,7 @@ from fastlink.mechanisms import mechanism_of_map
 from fastlink.plan.query import Request, parse_request
 from fastlink.plan.request import check_positions, selected_variants
 from fastlink.space.design_space import BRANCH, DESIGN, EXTREMUM, MODELS, DesignSpace, Links, bounds_of, steps
+from fastlink.space.units import split
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -93,7 +94,7 @@ def spans_of(catalogue: Catalogue, maps: xr.Dataset, only: Sequence[str] = ()) -
     along a straight line, follow it.
     """
     swept, problems = swept_inputs(catalogue, maps), Problems()
-    check_only(only, list(swept), problems)
+    only = check_only(only, list(swept), problems)
     for name, declared in swept.items():
         problems.attempt(check_units, maps[name], declared.units, ("refine", name))
     problems.stop()
@@ -118,18 +119,21 @@ def spans_of_space(
     given = {**space.axes, **space.columns}
     swept = [name for name in given if not known[name].choices]
     problems = Problems()
-    check_only(only, swept, problems)
+    only = check_only(only, swept, problems)
     check_only(bounds, swept, problems, "bounds")
     problems.stop()
     ends = {name: bounds.get(name) or bounds_of(given[name]) for name in only or swept}
     return _spans(ends, {} if space.kind != "table" else {n: given[n] for n in ends if n in space.columns})
 
 
-def check_only(names: Iterable[str], swept: Sequence[str], problems: Problems, where: str = "refine") -> None:
-    """Note names that are not inputs which are swept."""
+def check_only(
+    names: Iterable[str], swept: Sequence[str], problems: Problems, where: str = "refine"
+) -> list[str]:
+    """Return names of inputs that are swept without their units, and note others."""
     for name in names:
-        if name not in swept:
+        if split(name, swept)[0] not in swept:
             problems.add(f"{short_repr(name)} is not an input that is swept", (where,), listed(list(swept)))
+    return [split(name, swept)[0] for name in names]
 
 
 def _spans(ends: Mapping[str, tuple[float, float]], tabled: Mapping[str, Any]) -> list[Span]:

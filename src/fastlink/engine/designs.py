@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink._text import short_repr
-from fastlink.errors import InputError, Problem, Problems, Remedy, Setting, remark
+from fastlink.errors import InputError, Problem, Problems, Remedy, remark
 from fastlink.plan.query import Results
-from fastlink.plan.request import unknown_input
+from fastlink.plan.request import ALLOW, unknown_input
 from fastlink.space import units
 from fastlink.space.design_space import BRANCH, EXTREMUM, MODELS, Column, Converted, Links, axis_of, bounds_of
 from fastlink.space.tables import head_of, or_keep
@@ -102,9 +102,8 @@ def _inputs_of_labels(
         label = space.labels[name]
         if label.dtype.kind not in "iuf" and not (gaps and label.ndim):
             text = next((str(cell) for cell in label.ravel()), "")
-            allow = (", or pass ", Setting("allow_invalid", True), " to keep such designs")
             mend = units.named_with_unit(of, text, shown=not label.ndim)
-            remedy: Remedy = mend or ("write numbers", *((allow,) if label.ndim else ()))
+            remedy: Remedy = mend or ("write numbers", *((ALLOW,) if label.ndim else ()))
             problems.add(f"is {short_repr(text)}, not a number", ("design", name), remedy)
         elif label.ndim:
             is_text = label.dtype.kind not in "iuf"

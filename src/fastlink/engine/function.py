@@ -393,7 +393,12 @@ class Function(Suggesting):
     def _rows(self, x: ArrayLike) -> NDArray[np.float64]:
         """Return the argument as an array with a row for each input."""
         plain = type(x) is np.ndarray and x.dtype == np.float64
-        numbers: Any = x if plain else numbers_of("function", "x", x, MOST_DIMS)
+        try:
+            numbers: Any = x if plain else numbers_of("function", "x", x, MOST_DIMS)
+        except InputError as error:
+            name = self._names[int((*error.where, 0)[2])]  # of a text with its unit, which belongs there
+            remedy = str(error.remedy).replace("write x", f"make the function of {name}")
+            raise InputError(error.what, error.where, remedy) from None
         given: NDArray[np.float64] = numbers
         if given.shape[:1] != (len(self.inputs),):
             remedy = f"its first axis has {len(self.inputs)} rows: {', '.join(self.inputs)}"

@@ -884,7 +884,8 @@ def _format(to: Any) -> str:
     path = check_path(("to",), to, "out.nc")
     form = FORMATS.get(path.suffix.lower())
     if form is None:
-        what = f"{short_repr(os.fspath(path))} ends in {path.suffix or 'nothing'!r}, which names no format"
+        ends = f"ends in {path.suffix!r}, which names no format" if path.suffix else "has no ending"
+        what = f"{short_repr(os.fspath(path))} {ends}"
         raise InputError(what, where=("to",), remedy=f"write one of {', '.join(FORMATS)}")
     if form in NEEDS:
         require_package(NEEDS[form], ("to",))

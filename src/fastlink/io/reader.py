@@ -628,6 +628,9 @@ def _checked(place: Path, *, is_part: bool = False) -> FileCheck:
     except InputError:
         raise
     except (OSError, RuntimeError, KeyError, ValueError, TypeError, EOFError, MemoryError) as error:
+        with contextlib.suppress(OSError):
+            if place.is_file() and not is_hdf5(place):
+                open_map(place)  # which says what it is instead
         remedy = "give a map that a sweep has written, or write it again"
         raise InputError(f"{place}: cannot be read ({reason(error)})", remedy=remedy) from error
 

@@ -154,7 +154,7 @@ def _coordinate(maps: xr.Dataset, name: Any) -> tuple[xr.DataArray, Fraction | N
         what, remedy = "is a result, which has no dimension of its own", f"select by {', '.join(known)}"
         raise InputError(what, remedy=remedy)
     others = [usual_name(key, one.attrs.get("units", "")) for key, one in known.items()]
-    raise InputError("is no dimension and no coordinate of the map", remedy=suggest(name, [*known, *others]))
+    raise InputError("is no dimension and no coordinate of the map", remedy=suggest(name, {*known, *others}))
 
 
 def _taken(coordinate: xr.DataArray, condition: Any, factor: Fraction | None) -> Indexer:

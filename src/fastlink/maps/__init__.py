@@ -98,7 +98,8 @@ class MapAccessor(Suggesting):
             counted = flag_counts(self._coded(of))
         if counted is None:
             what = f"{short_repr(of)} holds values that are not codes"
-            raise InputError(what, ("of",), "count before averaging or masking")
+            before = "count before averaging or masking"
+            raise InputError(what, ("of",), before if flags_of(self._maps[of]) else "name a code, such as status")
         return counted
 
     @door

@@ -22,7 +22,7 @@ from fastlink.io.where import SLACK, Range, form_of, in_units, named
 from fastlink.maps.units import check_flags, flags_of
 from fastlink.space.design_space import BRANCH, DESIGN
 from fastlink.space.tables import STATUS
-from fastlink.space.units import named_with_unit
+from fastlink.space.units import named_with_unit, split
 
 # -- Conditions on the rows of a map: masks, meanings of a code, ranges of values
 
@@ -96,6 +96,9 @@ def conditions(maps: xr.Dataset, where: Any) -> list[Condition]:
         for name, given in where.items():
             with problems.at():
                 made.append(_of_name(maps, name, given))
+                if sum(one.array.name == made[-1].array.name for one in made) > 1:
+                    what = f"{made[-1].array.name} is given too"
+                    raise InputError(what, ("where", str(name)), "write one of them")
         problems.stop()
         # of one branch alone, which is none of the axes that a search reads, it holds: others are refused
         return [one for one in made if one.array.name != BRANCH or one.array.ndim]
@@ -444,7 +447,7 @@ def _objectives(maps: xr.Dataset, minimise: Any, maximise: Any) -> list[Objectiv
     problems.stop()
     if not found:
         remedy = ("write ", Setting("minimise", "NAME"), " or ", Setting("maximise", "NAME"))
-        raise InputError("there is no objective", ("best",), remedy)
+        raise InputError("there is no objective", ("minimise",), remedy)
     return found
 
 
@@ -462,14 +465,20 @@ def objective(maps: xr.Dataset, where: str, name: Any, sign: float) -> Objective
     """Return an objective by its name, or refuse it."""
     usable = [key for key in numeric(maps) if not flags_of(maps[key])]
     own = [key for key in usable if key in maps.data_vars]
-    if not own and name in maps.data_vars:
+    if isinstance(name, str) and (of := split(name, usable))[1]:
+        raise InputError(f"{name!r} is ranked alike in any unit", (where,), f"write {of[0]!r}")
+    if not own and name in maps.data_vars and not flags_of(maps[name]):
         raise InputError("ranks designs, and here is one alone", (where,), "sweep several values of an input")
     if not isinstance(name, str):
         remedy = "write the name of a variable; a new one is maps.assign(NAME=...)"
         raise InputError(f"is {short_repr(name)}", (where,), remedy)
+    if name in maps.coords and not maps[name].ndim and not flags_of(maps[name]):
+        remedy = f"rank by one that differs: {', '.join(own[:8])}"
+        raise InputError(f"{short_repr(name)} is the same for all designs", (where,), remedy)
     if name in maps.variables and name not in usable:
         what = f"{short_repr(name)} is {'a code' if flags_of(maps[name]) else 'not a number for each design'}"
-        remedy = f"select by where='MEANING', and rank by a number: {', '.join(own[:8])}"
+        numbers = f", and rank by a number: {', '.join(own[:8])}" if own else ""
+        remedy = f"select by where={{{name!r}: 'MEANING'}}{numbers}"
         raise InputError(what, (where,), remedy)
     known = own or [str(key) for key in maps.data_vars]
     return Objective(maps[name if name in usable else check_choice((where,), name, known)], sign)
@@ -494,6 +503,8 @@ class Tally:
 
     def none_of(self, choice: Choice, size: int, noun: str = "row") -> str:
         """Return a text that none of so many rows counts, and why."""
+        if not size:
+            return f"there is no {noun}"
         failed = zip(choice.wanted, self.failed.tolist(), strict=True)
         reasons = [f"{count:,} fail {one.array.name or 'the mask'}" for one, count in failed if count]
         reasons += [f"{self.not_numbers:,} have no number"] if self.not_numbers else []
@@ -585,11 +596,11 @@ def labelled_missed(found: xr.Dataset, texts: list[str]) -> xr.Dataset:
     return found.assign_coords({MISSED: ((DESIGN,), np.array(texts), attrs)}) if any(texts) else found
 
 
-def remarked(found: xr.Dataset) -> xr.Dataset:
+def remarked(found: xr.Dataset, remedy: str = WIDEN) -> xr.Dataset:
     """Return the designs that were found; a warning tells if none meets all conditions."""
     if MISSED in found.coords and (found[MISSED].values != "").all():
         what = f"{str(found.attrs['selection']).partition(';')[0]}; these miss least, by what 'missed' says"
-        errors.remark(what, ("where",), WIDEN, errors.ResultWarning)
+        errors.remark(what, ("where",), remedy, errors.ResultWarning)
     return found
 
 

@@ -21,6 +21,7 @@ from fastlink.engine.evaluate import evaluate
 from fastlink.engine.extend import is_own
 from fastlink.errors import (
     InputError,
+    Problem,
     Problems,
     Setting,
     check_choice,
@@ -28,6 +29,7 @@ from fastlink.errors import (
     check_switch,
     check_whole,
     door,
+    listed,
     remark,
     require_package,
     suggest,
@@ -238,7 +240,7 @@ def _nearest_places(along: Mapping[str, Any], at: Any, units: Mapping[str, str])
     problems, places, at = Problems(), [], values_at(at, units)
     for dim in at:
         if dim not in along:
-            problems.add(f"{short_repr(dim)} is not a dimension of the designs", ("at",), suggest(dim, along))
+            problems.add(f"{short_repr(dim)} is not a dimension of the designs", ("at",), listed(list(along)))
     for dim, values in along.items():
         if dim not in at and len(values) > 1:
             problems.add(f"{dim} has {len(values)} values", ("at",), f"write which, such as {values[0]:g}")
@@ -313,6 +315,10 @@ def request_of(source: Source, strip: Any, curves: Any, show: Any, degrees: Any,
     with problems.at():
         own: dict[str, Any] = {"links": links if isinstance(links, Links) else None, "input": source.input}
         as_draw(lambda: evaluate(source.mechanism, ["status"], **own, **inputs))
+    driving = (catalogue.position.name,)
+    for k, one in enumerate(problems.noted):
+        if len(one.where) > 2 and split(str(one.where[1]), driving)[0] not in driving:  # of a list, as of a1=0,4
+            problems.noted[k] = Problem("holds several values", one.where[:2], "write one number, with a point")
     numbers, positions, in_degrees = _numbers(catalogue, source, problems)
     if positions is not None and strip is not None:
         problems.add("is given beside strip", ("draw", catalogue.position.name), "leave one of them out")

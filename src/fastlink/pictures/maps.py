@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from fastlink._text import short_number, short_repr
-from fastlink.errors import InputError, Remedy, Setting, check_choice, check_whole, suggest
+from fastlink.errors import InputError, Remedy, Setting, check_choice, check_whole, listed, suggest
 from fastlink.io.where import is_scale, nearest
 from fastlink.maps.units import degrees as in_degrees
 from fastlink.maps.units import degrees_along, flags_of
@@ -103,7 +103,8 @@ def select(
 def _check_split(variable: xr.DataArray, option: str, dim: Any, at: Mapping[str, float]) -> None:
     """Refuse a dimension whose values cannot stand beside each other."""
     known = [str(key) for key in variable.dims if key != BRANCH]
-    check_choice((option,), dim, known, f" to {variable.name}")
+    there = dict.fromkeys(map(str, variable.coords), listed(known))
+    check_choice((option,), dim, known, f" to {variable.name}", lambda one: there.get(one, ""))
     if dim in at:
         what = f"{dim} is fixed by at"
         raise InputError(what, where=(option,), remedy="leave one of them out")
@@ -163,7 +164,7 @@ def _fixed(
             places[str(key)] = 0
     for dim in at:
         known = [str(key) for key in variable.dims if key != BRANCH]
-        remedy: Remedy = suggest(dim, known) if known else "it has none"
+        remedy: Remedy = listed(known) if dim in variable.coords or not known else suggest(dim, known)
         if dim == BRANCH:
             remedy = ("choose one by ", Setting("branch", 1))
         what = f"{short_repr(dim)} is not a dimension of {variable.name} that can be fixed"

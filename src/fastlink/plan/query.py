@@ -641,6 +641,9 @@ def suggest_quantity(text: str, catalogue: Catalogue, over_cycle: bool = True) -
         known = [name for name, each in REDUCTIONS.items() if not each.of_path]
         if not catalogue.is_quantity(text) and (near := get_close_matches(how, known, 1, 0.66)):
             return [str(Reduced(Quantity(of), near[0]))]
+    paths = [name for name, each in REDUCTIONS.items() if each.of_path]
+    if over_cycle and of in points_of(catalogue) and (near := get_close_matches(how, paths, 1)):
+        return [str(Reduced(Quantity(of), near[0]))]
     return find.best_names(rank_quantities(text, catalogue, over_cycle))
 
 
@@ -667,15 +670,17 @@ def unknown_quantity(name: str, catalogue: Catalogue, over_cycle: bool = True) -
         )
     of, unit = ending(name)
     if is_unit(unit) and of in Results(catalogue):
-        return InputError(
-            f"quantity {name!r}: results are in SI", remedy=f"write {of!r}, and `convert` the map"
-        )
+        what = f"quantity {name!r}: results are in SI"
+        return InputError(what, remedy=f"write {of!r}, and convert the result")
     same = find.squeezed(name)
     for known in catalogue.all_inputs.values():
         if find.squeezed(known.name) == same:
             of = "" if known.name == name else f" {known.name!r}"
             what = f"quantity {name!r} is the input{of}, a coordinate of the result ({known.meaning})"
             return InputError(what, remedy="leave it out")
+    if of in catalogue.all_inputs and unit in REDUCTIONS:
+        what = f"quantity {name!r}: {of} is an input, which does not change over the cycle"
+        return InputError(what, remedy="leave it out")
     wrong, of_variable = catalogue.unknown_part(name)
     what = f"quantity {name!r}" if wrong == name else f"quantity {name!r}: {wrong!r}"
     elsewhere = [other for other in NAMES if find_catalogue(other).is_public(wrong)]
@@ -876,7 +881,8 @@ def check_names(parameter: str, given: Iterable[str]) -> tuple[str, ...]:
     """Return the names of a list, each of which must stand in it once."""
     where = (parameter,)
     if isinstance(given, str):
-        raise InputError(f"is one text, {short_repr(given)}", where, f"write a list: [{short_repr(given)}]")
+        meant = re.findall(r"[^\s,;]+", given) or [given]
+        raise InputError(f"is one text, {short_repr(given)}", where, f"write a list: {short_repr(meant)}")
     names: list[str] = []
     try:
         if not isinstance(given, (bytes, bytearray, set, frozenset, Mapping)):

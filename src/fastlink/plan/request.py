@@ -24,6 +24,7 @@ from fastlink.errors import (
     Samples,
     Setting,
     check_choice,
+    listed,
     nearest,
     remark,
     suggest,
@@ -35,7 +36,8 @@ from fastlink.facts.fact import Input
 from fastlink.facts.find import did_you_mean
 from fastlink.facts.powers import beyond_range, limits
 from fastlink.mechanisms import NAMES, inputs_of
-from fastlink.plan.query import Extrema, Request, input_remedy, parse_request, suggest_input
+from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.plan.query import Extrema, Request, parse_request, suggest_input
 from fastlink.space import design_space as spaces
 from fastlink.space import units
 from fastlink.space.design_space import DesignSpace, Floats, steps
@@ -105,18 +107,19 @@ def check_inputs(
     known = catalogue.known_inputs(variants)
     problems = Problems()
     of_sample = ("n", "seed") if space.kind in ("sobol", "latin_hypercube") else ()
+    allow: Remedy = (ALLOW,) if space.attrs.get("design_kind") == "table" else ""
     problems.noted += name_problems(catalogue, space.names, known, options=of_sample)
     for name in filter(known.__contains__, space.names):
         value = space.constants.get(name)
         if not allow_invalid and (value is None or not in_range(known[name], value)):
             column = space.columns.get(name)
             if isinstance(column, spaces.Column):
-                problems.noted += _column_problems(known[name], column)
+                problems.noted += _column_problems(known[name], column, allow)
             else:  # designs of a space beyond the range are flagged, as those that never assemble are
                 values, check = space.values(name), Input.allows if value is None else in_range
                 if name in space.doubtful:  # whose cells without numbers are named already
                     values = np.where(np.isfinite(values), values, 1.0)
-                problems.noted += value_problems(known[name], values, "design", check=check)
+                problems.noted += value_problems(known[name], values, "design", allow, check)
     problems.stop()
 
 
@@ -166,28 +169,36 @@ def unknown_input(
     options: Sequence[str] = (),
 ) -> Problem:
     """Return the problem of a name that is not among the known inputs."""
+    where, what = (parent, name), f"is unknown to {catalogue.name}"
     for model, inputs in catalogue.variant_inputs.items():
         if name in inputs:
             mend = ("write ", Model(model, tuple(inputs)), ", or leave it out")
-            return Problem(f"belongs to links of model {model!r}", (parent, name), mend)
-    if "tol" in name and (near := nearest(name, catalogue.tolerances)):
-        return Problem(f"is unknown to {catalogue.name}", (parent, name), did_you_mean([near]))
-    driving, unit = units.split(name, others := {*drivers(), POSITIONS})
-    if driving in others:
-        what = f"is unknown to {catalogue.name}, whose input is {catalogue.position.name}"
-        return Problem(what, (parent, name), f"write {units.with_unit(catalogue.position.name, unit)}")
-    every = {*known, *(key for inputs in catalogue.variant_inputs.values() for key in inputs)}
-    names = sorted(key for key in every if not is_tolerance(key))  # each input has two, by a rule
-    option = nearest(name, options)
-    near_an_option = option and not nearest(name, names) and not suggest_input(name, catalogue)
-    remedy = suggest(name, options) if near_an_option else input_remedy(name, catalogue, names)
+            return Problem(f"belongs to links of model {model!r}", where, mend)
+    if "tol" in name and parent != "tolerance" and (near := nearest(name, catalogue.tolerances)):
+        return Problem(what, where, did_you_mean([near]))
+    driving, unit = units.split(name, given := {*drivers(), POSITIONS, "angle", "position"})
+    if driving in given:
+        what += f", whose input is {catalogue.position.name}"
+        return Problem(what, where, f"write {units.with_unit(catalogue.position.name, unit)}")
+    every = dict.fromkeys((*known, *(key for inputs in catalogue.variant_inputs.values() for key in inputs)))
+    names = [key for key in every if not is_tolerance(key)]  # each input has two, by a rule
+    others = [one for one in NAMES if one != getattr(catalogue, "first", catalogue).name]
+    if elsewhere := [other for other in others if name in find_catalogue(other).all_inputs]:
+        return Problem(f"{what}, known to {joined(elsewhere)}", where, listed(names))
+    meant = suggest_input(name, catalogue)
+    remedy: Remedy = did_you_mean(meant) if meant else listed(names)
+    if catalogue.is_quantity(name):
+        return Problem("is a quantity, not an input", where, remedy if meant else "leave it out")
+    if not meant and nearest(name, options) and not nearest(name, names):
+        remedy = suggest(name, options)
     of = next((key for key in names if key in catalogue.variables and name.startswith(f"{key}_")), "")
     if of and (usual := units.usual_name(of, catalogue.variables[of].units)) != of:
         remedy = f"write {of}, or in another unit such as {usual}"
-    return Problem(f"is unknown to {catalogue.name}", (parent, name), remedy)
+    return Problem(what, where, remedy)
 
 
-#: Wrong values of an input that a message names.
+#: How rows of a table that are no designs are kept, at doors that can; wrong values of an input that a message names.
+ALLOW = (", or pass ", Setting("allow_invalid", True), " to keep such designs")
 MOST_SHOWN = 6
 
 
@@ -226,14 +237,14 @@ def value_problems(
     return [Problem(f"is {value}{also} ({declared.meaning})", where, (mend, *remedy) if remedy else mend)]
 
 
-def _column_problems(declared: Input, column: spaces.Column) -> list[Problem]:
+def _column_problems(declared: Input, column: spaces.Column, allow: Remedy) -> list[Problem]:
     """Return the values of a column that an input cannot have as one problem, if its bounds do not rule them out."""
     if not declared.choices and all(declared.allows(end) for end in column.bounds):
         return []
     for start, stop in steps(0, len(column)):
         values = column.piece(start, stop)
         if not declared.allows(values).all():
-            (problem,) = value_problems(declared, values, "design", first=start)
+            (problem,) = value_problems(declared, values, "design", allow, first=start)
             row = start + int(np.argmin(declared.allows(values)))
             return [replace(problem, where=(*problem.where[:2], row))]
     return []
@@ -360,6 +371,8 @@ def check_keywords(
             problems.add("is not an option", (name,), f"write {units.with_unit(position, unit)}")
         elif name in ("over", "arc"):
             problems.add("is not an option", (name,), f"give {joined(ARC_ENDS)} with the design")
+        elif units.split(name, inputs := catalogue.all_inputs)[0] in inputs:
+            problems.add("is an input, not an option", (name,), "give it with the design")
         elif name in IN_DEGREES and catalogue.position.units == units.RADIANS:
             problems.add("is not an option", (name,), f"write angles in degrees as {in_degrees}")
         elif (driving := units.split(name, drivers()))[0] in drivers():
@@ -367,6 +380,9 @@ def check_keywords(
             own = driving[0] in inputs_of(mechanism)
             other = (f", or, to drive {driving[0]}, write ", Setting("input", driving[0])) if own else ()
             problems.add(f"the input is {position}", (name,), (f"write its positions as {named}", other))
+        elif name in ("unit", "units"):
+            remedy = f"write units in names, such as {in_degrees}; results are in SI, which `convert` changes"
+            problems.add("is not an option", (name,), remedy)
         elif name in OTHER_NAMES["n"]:
             problems.add("is not an option", (name,), "the designs have a number: fl.sobol(n, a2=(1.0, 1.4))")
         else:

@@ -6,6 +6,7 @@ import hashlib
 import html
 import math
 import numbers
+import re
 import sys
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -29,6 +30,8 @@ from fastlink.space.units import check_unit, conversion, named_with_unit, scaled
 T = TypeVar("T")
 Floats = NDArray[np.float64]
 NUMBERS = "write a number or a flat list of numbers"
+#: A text that means a range, and perhaps how many values of it.
+RANGE = re.compile(r"\s*([-+]?\d+\.?\d*)\s*:\s*([-+]?\d+\.?\d*)\s*(?::\s*(\d+)\s*)?")
 #: Most values of a list or range: 10^8 take 10 s and 0.8 GB to read.
 MOST_LISTED = 10**8
 #: Most axes of an array of NumPy.
@@ -167,7 +170,11 @@ def check_input_name(where: str, name: str) -> None:
 def _refuse_non_numbers(where: str, name: str, given: Any) -> None:
     cells = np.asarray(given, dtype=object)
     if cells.ndim == 0 and not is_number(cells[()]):
+        ends = RANGE.fullmatch(cells[()]) if isinstance(cells[()], str) else None
         remedy = named_with_unit(name, cells[()]) or NUMBERS
+        if ends is not None:
+            axis = f"numpy.linspace({ends[1]}, {ends[2]}, {ends[3] or 11})"
+            remedy = f"write {axis if where == 'grid' else '(lo, hi)'}"
         raise InputError(f"is {short_repr(cells[()])}, not a number", where=(where, name), remedy=remedy)
     for index, cell in np.ndenumerate(cells):
         if not is_number(cell):

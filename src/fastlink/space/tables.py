@@ -56,7 +56,7 @@ from fastlink.space.design_space import (
     sampled,
     units_of,
 )
-from fastlink.space.units import named_with_unit
+from fastlink.space.units import is_unit, named_with_unit
 
 __all__ = [
     "CURVES",
@@ -120,9 +120,11 @@ def is_label(name: str, keep: Collection[str]) -> bool:
 
 
 def head_of(name: str) -> tuple[str, str]:
-    """Return the name and the unit in the head of a column, a1 and mm of ``a1 [mm]``; no unit of one without."""
-    head = HEAD.fullmatch(name)
-    return (head[1], head[2]) if head else (name, "")
+    """Return the name and the unit in the head of a column, a1 and mm of ``a1 [mm]``, ``a1 mm``; else no unit."""
+    if head := HEAD.fullmatch(name):
+        return head[1], head[2]
+    of, _, unit = name.rpartition(" ")
+    return (of, unit) if of.isidentifier() and is_unit(unit) else (name, "")
 
 
 def is_text(values: NDArray[Any]) -> bool:
@@ -246,9 +248,9 @@ class Columns:
             what = f"{place} of column {name}{self.source} is {value}{shown}{more}"
             texts = [value[1:-1].lower() for _, value in cells if value.startswith(("'", '"'))]
             is_label = may_label and {*texts} - NO_VALUES and not head_of(name)[1]
-            remedy = or_keep("write a number", name) if is_label else "write a finite number"
-            parts = (remedy,) if isinstance(remedy, str) else remedy
-            found[name] = Problem(what, ("table",), (*parts, keep))
+            label = (", or, if it is no input, pass ", Setting("keep", [name])) if is_label else ()
+            number = "write a number" if is_label else "write a finite number"
+            found[name] = Problem(what, ("table",), (number, keep, label))
         return found
 
     def _check_length(self, name: str, values: NDArray[Any]) -> None:
@@ -538,6 +540,9 @@ class CsvFile(TableFile):
                 raise refused(what, "write the names of the columns in line 1")
             if name.startswith("#"):
                 raise refused(f"{where} starts with '#'", "write the names of the columns alone in line 1")
+            if len(names) == 1 and " " in name and not head_of(name)[1]:
+                remedy = "separate columns by commas, semicolons or tabs"
+                raise refused(f"{where} has one column, {short_repr(name)}", remedy)
             if position or name or len(names) == 1:
                 check_name(name, position, names[:position], f"{where}: ")
         return names
@@ -902,9 +907,9 @@ def table(source: Any, *, keep: Sequence[str] = (), allow_invalid: bool = False)
     return flat(space)
 
 
-def as_space(source: Any, *, allow_invalid: bool = False) -> DesignSpace:
+def as_space(source: Any, *, keep: Sequence[str] = (), allow_invalid: bool = False) -> DesignSpace:
     """Return the designs that stand in place of a design space: a table, one design, or those of a map."""
-    space = source if isinstance(source, DesignSpace) else _space_of(source, (), allow_invalid, single=True)
+    space = _space_of(source, _kept(keep), allow_invalid, single=True)
     if space is None:
         remedy = f"give fastlink.grid(...), fastlink.sobol(...), {SOURCES}"
         if has(source, "dims"):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections import Counter
 from collections.abc import Container, Mapping, Sequence
@@ -152,7 +153,9 @@ def named_with_unit(name: str, value: object, *, shown: bool = True) -> str:
     found = QUANTITY.fullmatch(value) if isinstance(value, str) else None
     if found is None or not is_unit(found[2]):
         return ""
-    named = with_unit(name.removesuffix(with_unit("", found[2])), found[2])
+    named = name.removesuffix(with_unit("", found[2]))
+    if any(UNITS[part][1] != 1 for part, _ in _parts(found[2]) or ()):  # of SI none need stand in the name
+        named = with_unit(named, found[2])
     return f"write {named}{f'={found[1]}' if shown else ', and numbers alone'}"
 
 
@@ -289,6 +292,10 @@ def remark_on_angles(name: str, values: Any, *where: str) -> None:
 def remark_on_lengths(values: Mapping[str, Any], *where: str) -> None:
     """Warn of lengths, among which is the radius of bars, that can hardly be meant in m."""
     thinnest = values.get("radius", THIN)
+    longest = max((one for name, one in values.items() if name != "radius"), default=math.inf)
+    if thinnest > longest > 0.0:
+        remedy = f"if it is in mm, write {usual_name('radius', 'm')}; round_bar takes density, then radius"
+        remark(f"is {thinnest:g} m, of bars up to {longest:g} m long", (*where, "radius"), remedy)
     for name, longest in values.items() if thinnest < THIN else ():
         if longest > LONG:
             what = f"is up to {longest:g} m, of bars with a radius of {thinnest:g} m"
