@@ -180,6 +180,26 @@ class Breakpoint:
     of: str
 
 
+#: What is given of a piece of the range: where it begins and how long it is; of both ends which gap limits it (from 1
+#: on, 0 for none), how fast that grows from there, within what distance it is in proportion to that; and how samples
+#: are graded, see `GradedRange.ends`.
+PIECE_ENDS = tuple(
+    tuple(f"piece_{name}_{end}" for name in ("by", "slope", "near", "scale", "start", "toggle"))
+    for end in ("low", "high")
+)
+PIECE = ("piece_low", "piece_width", *PIECE_ENDS[0], *PIECE_ENDS[1])
+
+
+def root_of_gap(gap: str) -> str:
+    """Return the name of the root of a gap."""
+    return f"{gap}_root"
+
+
+def slope_of_gap(gap: str) -> str:
+    """Return the name of the fact whose extremes are searched at the zeros of a gap, whose slope it is there."""
+    return f"{gap}_slope"
+
+
 @dataclass(frozen=True, kw_only=True)
 class GradedRange:
     """The range in which extremes are searched, dense where curves are steep.
@@ -225,6 +245,9 @@ class GradedRange:
         The input position that the mirror leaves: it exchanges `axis` + x and `axis` - x.
     known : mapping of str to KnownExtremes
         The quantities whose extremes are known in closed form, and are not searched.
+    gaps : tuple of str
+        Of a mechanism whose loops close one after the other the facts that are not negative where they do, each
+        defined where those before are not negative. They cut the turn into pieces, each of which is a range.
     """
 
     name: str = "graded"
@@ -251,6 +274,17 @@ class GradedRange:
     turns: Mapping[str, str] = field(default_factory=dict)
     windings: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     poles: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    gaps: tuple[str, ...] = ()
+
+    @property
+    def given(self) -> tuple[str, ...]:
+        """The values of a place that are given: its coordinates, and where there are gaps those of its piece."""
+        return (*self.coordinates, *PIECE) if self.gaps else self.coordinates
+
+    @property
+    def vanishing(self) -> tuple[str, ...]:
+        """The facts that vanish at limits of motion like the root of the distance."""
+        return tuple(map(root_of_gap, self.gaps)) if self.gaps else (self.vanishes_at_toggle,)
 
     def breakpoints(self, quantity: str, *kinds: Breaking) -> list[Breakpoint]:
         """Return the places where a quantity is not smooth, those of some kinds."""

@@ -1,0 +1,311 @@
+"""Pieces of the turn in which all loops of a mechanism close, cut gap by gap; what their extremes come to.
+
+Each gap is a function of the input position that is not negative where its loop closes (`GradedRange.gaps`). Its zeros
+in a piece of the range, and the least values next to which its root turns sharply, cut the piece; from the turn on, all
+gaps do so one after the other. Pieces are columns, as lanes of a search are; afterwards the extremes of all pieces of
+one design and branch are put together.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastlink.codegen.runtime.cells import AT_LIMIT as AT_LIMIT_OF
+from fastlink.codegen.runtime.cells import LANES, START, append_item, padded, set_bracket
+from fastlink.codegen.runtime.results import (
+    AT_GREATEST,
+    AT_LEAST,
+    BEST,
+    BEST_ROWS,
+    CODE,
+    COUNT,
+    GREATEST,
+    GREATEST_BOUND,
+    LEAST,
+    LEAST_BOUND,
+    LIST_KIND,
+    LIST_THETA,
+    LIST_VALUE,
+    PLACE,
+    SECOND,
+    TIE,
+    UNDECIDED,
+    WINNER_ROWS,
+    insert,
+    of_better,
+)
+from fastlink.numerics.compiler import AT_LIMIT, SMOOTH, TIED, lanes, merged, outlined
+from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, TWO_PI, sqrt
+
+# Rows of pieces: the lane of the design, the branch by its place among the results and as a number, then the values of
+# `fastlink.facts.fact.PIECE`: of each end the gap that limits it, how fast that grows, within what distance it is in
+# proportion to that, and how samples are graded there.
+OF_LANE, OF_COLUMN, BRANCH, LOW, WIDTH, END_LOW, END_HIGH = 0, 1, 2, 3, 4, 5, 11
+BY, GROWS, NEAR, SCALE, FIRST, IS_TOGGLE = range(6)
+PIECE_ROWS = 17
+#: How many pieces there is room for, by design and branch.
+MOST_PIECES = 8
+#: Where the turn is cut anyway: at no place that symmetry gives an extreme.
+SEAM = -0.7390851332151607
+# The first sample beside a limit, over the scale; the part of the scale in which a gap is in proportion to the distance,
+# as far as a double tells it; and the size of a least gap whose root turns within a fraction of a radian.
+NEAR_LIMIT, PROPORTIONAL, SHARP = 2.0**-60, 2.0**-26, 2.0**-6
+# Rows of what is found of a design in a branch: the length of all pieces, and how many ends are limits.
+LENGTH, LIMITS = 0, 1
+
+
+@merged
+def _copy_end(source: Any, i: int, target: Any, k: int, end: int) -> None:
+    """Copy one end of a piece."""
+    for r in range(6):
+        target[end + r, k] = source[end + r, i]
+
+
+@merged
+def _set_end(pieces: Any, k: int, end: int, by: float, grows: float, distance: float, width: float) -> None:
+    """Write one end of a piece: what limits it, and how far beyond it the next sharp place is."""
+    near = distance / width
+    scale = sqrt(near / (1.0 + near)) if near < 1.0 else sqrt(0.5)
+    pieces[end + BY, k] = by
+    pieces[end + GROWS, k] = grows
+    pieces[end + NEAR, k] = PROPORTIONAL * width * scale * scale
+    pieces[end + SCALE, k] = scale
+    pieces[end + FIRST, k] = NEAR_LIMIT * scale if by > 0.0 else 0.0
+    pieces[end + IS_TOGGLE, k] = 1.0 if by > 0.0 else 0.0
+
+
+@outlined
+def begin_pieces(pieces: Any, count: int, branches: Any) -> int:
+    """Begin with the whole turn of each design in each branch; return how many pieces there are."""
+    total = 0
+    for i in range(count):
+        for b in range(branches.size):
+            pieces[OF_LANE, total] = i
+            pieces[OF_COLUMN, total] = b
+            pieces[BRANCH, total] = branches[b]
+            pieces[LOW, total] = SEAM
+            pieces[WIDTH, total] = TWO_PI
+            _set_end(pieces, total, END_LOW, 0.0, 0.0, TWO_PI, TWO_PI)
+            _set_end(pieces, total, END_HIGH, 0.0, 0.0, TWO_PI, TWO_PI)
+            total += 1
+    return _fill(pieces, total)
+
+
+@merged
+def _fill(pieces: Any, total: int) -> int:
+    """Repeat the last piece up to a whole vector; return how many there are."""
+    if total > 0:
+        for k in range(total, padded(total)):
+            for r in range(PIECE_ROWS):
+                pieces[r, k] = pieces[r, total - 1]
+    return total
+
+
+@outlined
+def close_pieces(further: Any, total: int, pieces: Any) -> int:
+    """Take the pieces that were cut in place of those before; return how many there are."""
+    for r in range(PIECE_ROWS):
+        for k in lanes(padded(total)):
+            pieces[r, k] = further[r, k]
+    return _fill(pieces, total)
+
+
+@merged
+def _end_piece(
+    pieces: Any, p: int, further: Any, total: int, high: float, by: float, grows: float, distance: float
+) -> int:
+    """End the piece under way; return how many there are, as far as there is room."""
+    low = further[LOW, total]
+    width = high - low
+    further[WIDTH, total] = width
+    for r in range(3):
+        further[r, total] = pieces[r, p]
+    # what is beyond the lower end was kept in place of its scale
+    _set_end(further, total, END_LOW, further[END_LOW + BY, total], further[END_LOW + GROWS, total],
+             further[END_LOW + SCALE, total], width)
+    _set_end(further, total, END_HIGH, by, grows, distance, width)
+    return total + 1 if (width > 0.0) & (total + 8 < further.shape[1]) else total
+
+
+@merged
+def _begin_piece(further: Any, total: int, low: float, by: float, grows: float, distance: float) -> None:
+    """Begin a piece, which `_end_piece` ends."""
+    further[LOW, total] = low
+    further[END_LOW + BY, total] = by
+    further[END_LOW + GROWS, total] = grows
+    further[END_LOW + SCALE, total] = distance
+
+
+@merged
+def _beyond(pieces: Any, p: int, end: int) -> float:
+    """Return how far beyond an end of a piece the next sharp place is, by its scale."""
+    square = pieces[end + SCALE, p] * pieces[end + SCALE, p]
+    return float(pieces[WIDTH, p] * (square / (1.0 - square)))
+
+
+@outlined
+def cut_pieces(
+    pieces: Any, start: int, count: int, lists: Any, best: Any, zeros: int, leasts: int, gap: int, further: Any, total: int
+) -> int:
+    """Cut pieces where a gap is zero, and at small least values of it; return how many there are.
+
+    `zeros` and `leasts` are the searches for both, lists of which are in the columns of the pieces.
+    """
+    room = lists.shape[2]
+    for i in range(count):
+        p, at, of = start + i, zeros * LANES + i, leasts * LANES + i
+        low = pieces[LOW, p]
+        high = low + pieces[WIDTH, p]
+        n_zeros, n_leasts = min(int(best[COUNT, at]), room), min(int(best[COUNT, of]), room)
+        inside = lists[LIST_VALUE, at, 0] < 0.0 if n_zeros > 0 else best[GREATEST, of] > 0.0
+        _begin_piece(further, total, low, pieces[END_LOW + BY, p], pieces[END_LOW + GROWS, p], _beyond(pieces, p, END_LOW))
+        z, m = 0, 0
+        while z + m < n_zeros + n_leasts:
+            is_zero = (m >= n_leasts) or (z < n_zeros and lists[LIST_THETA, at, z] <= lists[LIST_THETA, of, m])
+            if is_zero:
+                theta, slope = lists[LIST_THETA, at, z], lists[LIST_VALUE, at, z]
+                before = theta - lists[LIST_THETA, at, z - 1] if z > 0 else TWO_PI
+                after = lists[LIST_THETA, at, z + 1] - theta if z + 1 < n_zeros else TWO_PI
+                if inside & (slope < 0.0):
+                    total = _end_piece(pieces, p, further, total, theta, float(gap), -slope, after)
+                    inside = False
+                elif (not inside) & (slope > 0.0):
+                    _begin_piece(further, total, theta, float(gap), slope, before)
+                    inside = True
+                z += 1
+            else:
+                theta, least = lists[LIST_THETA, of, m], lists[LIST_VALUE, of, m]
+                sharp = (lists[LIST_KIND, of, m] < 0.0) & (least > 0.0) & (least < SHARP)
+                if inside & sharp:
+                    distance = 2.0 * sqrt(least)
+                    total = _end_piece(pieces, p, further, total, theta, 0.0, 0.0, distance)
+                    _begin_piece(further, total, theta, 0.0, 0.0, distance)
+                m += 1
+        if inside:
+            by, grows = pieces[END_HIGH + BY, p], pieces[END_HIGH + GROWS, p]
+            total = _end_piece(pieces, p, further, total, high, by, grows, _beyond(pieces, p, END_HIGH))
+    return total
+
+
+@outlined
+def collect_both_ends(w: Any, count: int, table: Any, search: Any, best: Any, ends: Any) -> int:
+    """Make items of both ends of each piece, see `beside.collect_ends`: where two pieces meet may be an extreme."""
+    total = 0
+    for i in range(count):
+        for upper in range(2):
+            x = 0.0 if search[AT_LIMIT_OF] > 0 else abs(w[table[START] + upper, i])
+            set_bracket(ends, total, x, 0.0, x, 0.0)
+            total = append_item(ends, total, i, 0, upper == 1)
+    return total
+
+
+@outlined
+def clear_all(lists: Any, best: Any, found: Any) -> None:
+    """Forget the extremes of the designs before."""
+    for column in range(best.shape[1]):
+        for r in range(lists.shape[0]):
+            for k in range(lists.shape[2]):
+                lists[r, column, k] = 0.0 if r == LIST_KIND else NOT_A_NUMBER
+        for r in range(best.shape[0]):
+            best[r, column] = 0.0
+        best[GREATEST, column] = -INFINITY
+        best[LEAST, column] = INFINITY
+        best[AT_GREATEST, column] = NOT_A_NUMBER
+        best[AT_LEAST, column] = NOT_A_NUMBER
+    for column in range(found.shape[1]):
+        found[LENGTH, column] = 0.0
+        found[LIMITS, column] = 0.0
+
+
+@outlined
+def note_pieces(pieces: Any, count: int, found: Any) -> None:
+    """Note how much of the turn each design moves through in each branch, and how many limits it meets."""
+    for p in range(count):
+        column = int(pieces[OF_COLUMN, p]) * LANES + int(pieces[OF_LANE, p])
+        found[LENGTH, column] += pieces[WIDTH, p]
+        found[LIMITS, column] += pieces[END_LOW + IS_TOGGLE, p] + pieces[END_HIGH + IS_TOGGLE, p]
+
+
+@merged
+def _in_turn(theta: float) -> float:
+    """Return an input position in [0, 2 pi)."""
+    turned = theta + TWO_PI if theta < 0.0 else theta
+    return turned - TWO_PI if turned >= TWO_PI else turned
+
+
+@outlined
+def join_pieces(
+    pieces: Any, start: int, count: int, branches: int, numbers: Any, lists: Any, best: Any, all_lists: Any, all_best: Any
+) -> None:
+    """Put the extremes of pieces together with those of the pieces before of the same design and branch."""
+    room = lists.shape[2]
+    for n in range(numbers.size):
+        for i in range(count):
+            p, of = start + i, numbers[n] * LANES + i
+            to = (numbers[n] * branches + int(pieces[OF_COLUMN, p])) * LANES + int(pieces[OF_LANE, p])
+            for k in range(min(int(best[COUNT, of]), room)):
+                theta = _in_turn(lists[LIST_THETA, of, k])
+                j = insert(all_lists, to, int(all_best[COUNT, to]), theta, room)
+                if j < room:
+                    for r in range(lists.shape[0]):
+                        all_lists[r, to, j] = lists[r, of, k]
+                    all_lists[LIST_THETA, to, j] = theta
+                all_best[COUNT, to] += 1.0
+            if room == 0:
+                all_best[COUNT, to] += best[COUNT, of]
+            if best.shape[0] > BEST_ROWS:
+                all_best[UNDECIDED, to] = max(all_best[UNDECIDED, to], best[UNDECIDED, of])
+                high, low = all_best[GREATEST_BOUND, to], all_best[LEAST_BOUND, to]
+                if best[GREATEST, of] >= best[LEAST, of]:
+                    all_best[GREATEST_BOUND, to] = of_better(
+                        all_best[GREATEST, to], high, best[GREATEST, of], best[GREATEST_BOUND, of]
+                    )
+                    all_best[LEAST_BOUND, to] = of_better(
+                        -all_best[LEAST, to], low, -best[LEAST, of], best[LEAST_BOUND, of]
+                    )
+            if best[GREATEST, of] > all_best[GREATEST, to]:
+                all_best[GREATEST, to] = best[GREATEST, of]
+                all_best[AT_GREATEST, to] = _in_turn(best[AT_GREATEST, of])
+            if best[LEAST, of] < all_best[LEAST, to]:
+                all_best[LEAST, to] = best[LEAST, of]
+                all_best[AT_LEAST, to] = _in_turn(best[AT_LEAST, of])
+
+
+@outlined
+def join_winners(
+    pieces: Any, start: int, count: int, branches: int, numbers: Any, winners: Any, gradients: Any, all_winners: Any, all_gradients: Any
+) -> None:
+    """Put the places of extremes and the derivatives there together with those of the pieces before.
+
+    A place at which two pieces meet is one; another one of the same value makes a tie.
+    """
+    half = gradients.shape[0] >> 1
+    for n in range(numbers.size):
+        for i in range(count):
+            p, of = start + i, numbers[n] * LANES + i
+            to = (numbers[n] * branches + int(pieces[OF_COLUMN, p])) * LANES + int(pieces[OF_LANE, p])
+            for least in range(2):
+                row = least * WINNER_ROWS
+                value, best = winners[row + BEST, of], all_winners[row + BEST, to]
+                apart = abs(winners[row + PLACE, of] - all_winners[row + PLACE, to])
+                other = apart > TIE
+                tied = (abs(value - best) <= TIE * abs(best)) & other & (best > -INFINITY)
+                if value > best:
+                    for r in range(WINNER_ROWS):
+                        all_winners[row + r, to] = winners[row + r, of]
+                    for r in range(half):
+                        all_gradients[least * half + r, to] = gradients[least * half + r, of]
+                code = all_winners[row + CODE, to]
+                if tied & ((code == 1.0 * SMOOTH) | (code == 1.0 * AT_LIMIT)):
+                    all_winners[row + CODE, to] = 1.0 * TIED
+
+
+@outlined
+def store_assembly(result: Any, first: int, count: int, found: Any, w: Any, valid: int) -> None:
+    """Store how designs assemble over the turn: all of it, a part, nowhere, or with inputs that are none."""
+    for i in range(count):
+        for branch in range(result.shape[1]):
+            column = branch * LANES + i
+            part = 1 if found[LIMITS, column] > 0.0 else 0
+            code = part if found[LENGTH, column] > 0.0 else 2
+            result[first + i, branch] = code if w[valid, i] == 1.0 else 3
