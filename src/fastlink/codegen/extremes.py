@@ -81,7 +81,7 @@ class ExtremaWriter:
         """Return the name of the input position where results tell or hang on where extremes are; else none."""
         requests = [output.request for output in self.program.outputs]
         wanted = any(r.is_position or r.listed or r.is_of_gradient for r in requests)
-        wanted = wanted or self.program.searches[0].arc
+        wanted = wanted or self.program.searches[0].arc or self.program.in_pieces
         return [self.program.catalogue.position.name] if wanted else []
 
     def gradient_names(self, search: ExtremumSearch) -> list[str]:

@@ -412,9 +412,8 @@ def mechanism_of(text: str, file: str) -> Catalogue:
     shared = {*found.facts, "Z0", "C0", *map(root_of_gap, gaps)}
     read_sheet(text, file, found)
     _check_facts(found)
-    conditions = (
-        VALID.get(one.rule, "(abs({0}) < INFINITY)").format(one.name) for one in found.inputs.values()
-    )
+    given = _given_to(found, gaps) if gaps else found.inputs.values()
+    conditions = (VALID.get(one.rule, "(abs({0}) < INFINITY)").format(one.name) for one in given)
     default = UNLESS_DECLARED.replace("{valid}", " & ".join(conditions) or "1.0 > 0.0")
     if gaps:
         _declare_gaps(found, gaps, file)
@@ -438,6 +437,17 @@ def mechanism_of(text: str, file: str) -> Catalogue:
         _check_loops(found, found.loops)
     found.graded = replace(found.graded, poles=_with_poles(found, shared))
     return found.copied()  # without what was noted before the last step was declared
+
+
+def _given_to(known: Catalogue, names: Sequence[str]) -> list[Input]:
+    """Return the inputs that facts depend on."""
+    found, new = dict.fromkeys(names), list(names)
+    while new:
+        fact = known.facts.get(new.pop().removesuffix("_root"))
+        further = [name for name in (fact.depends_on if fact else ()) if name not in found]
+        found |= dict.fromkeys(further)
+        new += further
+    return [known.inputs[name] for name in known.inputs if name in found]
 
 
 def _declare_gaps(known: Catalogue, gaps: Sequence[str], file: str) -> None:

@@ -87,7 +87,7 @@ class _Writer:
         self.inputs: dict[str, list[str]] = {}
         self.facts: list[str] = []
         self.gaps: dict[str, str] = {}
-        self.ways: list[tuple[str, Pair]] = []
+        self.ways: list[tuple[str, Pair, str]] = []
         #: The coordinates of points as facts or inputs, and by the unknowns of the loops.
         self.points: dict[str, Pair] = {}
         self.in_loops: dict[str, Pair] = {}
@@ -203,9 +203,9 @@ class _Writer:
         self.rows.append(f"    {angle} by omega: omega_{name}, alpha_{name}, jerk_{name}")
         return angle
 
-    def add_ways(self, name: str, meanings: Pair, gap: str) -> None:
-        """Note that a dyad can be assembled in two ways, and what limits it."""
-        self.ways.append((name, meanings))
+    def add_ways(self, name: str, meanings: Pair, gap: str, first: str = "1.0") -> None:
+        """Note that a dyad can be assembled in two ways, the sign of the first, and what limits it."""
+        self.ways.append((name, meanings, first))
         self.gaps[f"gap_{name}"] = gap
 
     def line(self, where: KeyPath, given: Any) -> tuple[str, Pair, Pair, str]:
@@ -303,9 +303,11 @@ class _Writer:
         length = self.value(("crank", pin), second, f"length_{name}", "m", f"length of the crank {name}", "positive")
         self.inputs["omega"] = ["omega [rad s-1] omega: angular velocity of the crank, constant"]
         axis = ("cos_theta", "sin_theta")
+        radius = f"{length}_or_none"
+        self.fact(f"step {radius} [m] {length}: Length of the crank {name}, which is positive", f"= select({length} > 0.0, {length}, NOT_A_NUMBER)")
         self.links.append(Link(name, [pivot, pin], pivot, axis, ("cos(theta)", "sin(theta)"), "crank_rate", "theta"))
         self.fact("step crank_rate [1] n: Angular velocity of the crank over itself", "= 1.0")
-        self.add_bar(name, pivot, pin, length)
+        self.add_bar(name, pivot, pin, length, (f"{radius} * cos_theta", f"{radius} * sin_theta"))
 
     def add_bar(self, name: str, start: str, end: str, length: str, at: Pair | None = None) -> None:
         """Write the end of a bar, whose link is the last."""
@@ -365,7 +367,7 @@ class _Writer:
         )
         self.fact(
             f"step {sum_squared} [m2] ({first} + {second})^2: Square of the length of both bars",
-            f"= ({l1} + {l2}) * ({l1} + {l2})",
+            f"= select(({l1} > 0.0) & ({l2} > 0.0), ({l1} + {l2}) * ({l1} + {l2}), NOT_A_NUMBER)",
         )
         self.fact(
             f"step fold_{name} [1] d^2: Square of the difference of both bars over that of their sum",
@@ -377,7 +379,8 @@ class _Writer:
             f"part = {reach}_squared / {sum_squared}",
             f"= (1.0 - part) * (part - fold_{name})",
         )
-        self.add_ways(name, (f"{name} to the left of {a}{d}", f"{name} to its right"), f"the bars {first} and {second}")
+        meanings = (f"{name} to the right of {a}{d}", f"{name} to its left")  # in the order of the planar 4R
+        self.add_ways(name, meanings, f"the bars {first} and {second}", "-1.0")
         across = f"across = sign_{name} * ({sum_squared} * {root})"
         share = f"share = {reach}_squared + ({l1} - {l2}) * ({l1} + {l2})"
         for axis, sign, other in (("x", "-", "y"), ("y", "+", "x")):
@@ -444,7 +447,7 @@ class _Writer:
         )
         self.fact(
             f"step gap_{name} [1] 1 - h^2/{bar}^2: Square of the sine of the transmission angle at {name}",
-            f"part = off_{name} / {length}",
+            f"part = off_{name} / select({length} > 0.0, {length}, NOT_A_NUMBER)",
             "= (1.0 - part) * (1.0 + part)",
         )
         self.add_ways(name, (f"{name} ahead of {a} along the line", f"{name} behind it"), f"the bar {bar}")
@@ -643,16 +646,16 @@ class _Writer:
             self.problems.stop()
         if len(self.ways) > MOST_WAYS:
             raise InputError(f"{len(self.ways)} dyads have two ways each", ("dyads",), f"write at most {MOST_WAYS}")
-        for k, (name, _) in enumerate(self.ways):
+        for k, (name, _, first) in enumerate(self.ways):
             rest, lines = "branch - 1.0", []
             for higher in range(len(self.ways) - 1, k, -1):
                 lines.append(f"r{higher} = {rest}")
                 rest = f"r{higher} - select(r{higher} >= {2.0**higher}, {2.0**higher}, 0.0)"
-            self.fact(f"step sign_{name} [1] s_{name}: 1 or -1, the way to assemble the dyad of {name}", *lines, f"= select({rest} >= {2.0**k}, -1.0, 1.0)")
+            self.fact(f"step sign_{name} [1] s_{name}: 1 or -1, the way to assemble the dyad of {name}", *lines, f"= {first} * select({rest} >= {2.0**k}, -1.0, 1.0)")
         name, title = str(self.declared["name"]), str(self.declared.get("title") or f"Linkage {self.declared['name']}")
         branches = []
         for number in range(2 ** len(self.ways)):
-            words = [ways[number >> k & 1] for k, (_, ways) in enumerate(self.ways)]
+            words = [ways[number >> k & 1] for k, (_, ways, _) in enumerate(self.ways)]
             branches.append(f"{number + 1}: {'; '.join(words) or 'the only one'}")
         inputs = [line for lines in self.inputs.values() for line in (lines[0], *(f"    {one}" for one in lines[1:]))]
         parts = ["[mechanism]", f"{name}: {title}", "[position]"]
