@@ -73,7 +73,8 @@ class ExtremaWriter:
     def item_needs(self, search: ExtremumSearch) -> list[str]:
         """Return the design values that an item of a search carries."""
         names = [*self.slope_names(search), search.quantity, *self.places_wanted]
-        needs = self.design_needs(self.needed_for([*names, *search.bounded_by, *search.certain_by]))
+        names += [*search.bounded_by, *search.certain_by, *self.needs_of_zeros(search)]
+        needs = self.design_needs(self.needed_for(names))
         return [*needs, *(ARC_FACTS if search.arc else ())]
 
     @property
@@ -83,6 +84,11 @@ class ExtremaWriter:
         wanted = any(r.is_position or r.listed or r.is_of_gradient for r in requests)
         wanted = wanted or self.program.searches[0].arc or self.program.in_pieces
         return [self.program.catalogue.position.name] if wanted else []
+
+    def needs_of_zeros(self, search: ExtremumSearch) -> tuple[str, ...]:
+        """Return what is evaluated at the zeros of a gap; its error bound only where bounds are requested."""
+        names = self.program.needs_of_zeros(search)
+        return names if self.program.has_bounds else names[:1]
 
     def gradient_names(self, search: ExtremumSearch) -> list[str]:
         """Return the derivatives by inputs that are evaluated at the extremes of a search."""
@@ -157,8 +163,9 @@ class ExtremaWriter:
         columns, most = len(self.program.searches) * branches * LANES, LANES * branches * pieces.MOST_PIECES
         both = [Array(name, "float64", (pieces.PIECE_ROWS, most + 2 * MOST_LANES)) for name in ("pieces", "further")]
         found = Array("found", "float64", (2, branches * LANES))
+        zeros = Array("zeros", "float64", (pieces.ZERO_ROWS, LANES, pieces.MOST_ZEROS))
         joined = [self.best(columns), self.lists("lists", columns), *self.places(columns)]
-        return [*both, found, *(replace(array, name=f"all_{array.name}") for array in joined)]
+        return [*both, found, zeros, *(replace(array, name=f"all_{array.name}") for array in joined)]
 
     @property
     def columns(self) -> int:
@@ -350,6 +357,9 @@ class ExtremaWriter:
                 if self.program.mirrored:
                     self.text.use("codegen.runtime.results", "mirror_image")
                     stores[cells.IMAGE] = f"mirror_image({position}, {2.0 * self.program.graded.axis})"
+            if search.cuts and not search.certain_by:
+                names += self.needs_of_zeros(search)
+                stores |= dict(zip((cells.IMAGE, cells.BOUND, cells.SLOPE_BOUND), self.needs_of_zeros(search), strict=False))
             if search.bounded_by:
                 names += search.bounded_by
                 bound, slope_bound, bend, slope = search.bounded_by
@@ -632,7 +642,7 @@ class ExtremaWriter:
         for number in sorted(numbers, key=lambda k: not searches[k].splits):
             self.write_search(number)
         for number in numbers:
-            if self.needs_ends(searches[number]) or searches[number].cuts:
+            if self.needs_ends(searches[number]) or (searches[number].cuts and searches[number].certain_by):
                 self.write_ends(number)
         for row in self.doubts:
             text.call(results.doubt, f"w, {row}, n_here, lists, best")
@@ -645,9 +655,10 @@ class ExtremaWriter:
         for zeros, leasts in zip(of_cuts[::2], of_cuts[1::2], strict=True):
             text.add("n_further = 0")
             with self.lanes_of_pieces():
+                text.call(pieces.forget_zeros, "zeros")
                 self.write_pass([zeros, leasts])
                 gap = searches[zeros].cuts
-                arguments = f"pieces, p0, n_here, lists, best, {zeros}, {leasts}, {gap}, further, n_further"
+                arguments = f"pieces, p0, n_here, zeros, lists, best, {leasts}, {gap}, further, n_further"
                 text.call(pieces.cut_pieces, arguments, "n_further")
             text.call(pieces.close_pieces, "further, n_further, pieces", "n_pieces")
         text.call(pieces.clear_all, "all_lists, all_best, found")
@@ -893,6 +904,10 @@ class ExtremaWriter:
     def write_extrema(self, number: int, classify: Callable[..., Any], state: str) -> None:
         """Write the quantity's evaluation at items of a search, what is extreme there, and its storing."""
         text, search = self.text, self.program.searches[number]
+        if search.cuts and not search.certain_by:
+            self.write_value(number)
+            text.call(pieces.keep_zeros, "state, filled, zeros")
+            return
         listed = bool(search.certain_by) and classify is results.extrema_at_zeros
         if listed:
             self.write_certain(number)
@@ -910,7 +925,7 @@ class ExtremaWriter:
             text.call(results.bound_zeros, f"state, filled, search_{number}, {int(search.magnitude)}")
             if search.kind == "jump":
                 text.call(beside.bound_aside, "state, filled")
-            if listed and not search.onto:
+            if listed and not (search.onto or search.cuts):
                 text.call(results.note_uncertain, f"state, filled, w, table, search_{number}, best")
         elif self.program.has_bounds and search.kind != "pole":
             text.call(results.bound_ends, "state, filled, w, table")

@@ -180,14 +180,16 @@ class Breakpoint:
     of: str
 
 
-#: What is given of a piece of the range: where it begins and how long it is; of both ends which gap limits it (from 1
-#: on, 0 for none), how fast that grows from there, within what distance it is in proportion to that; and how samples
-#: are graded, see `GradedRange.ends`.
+#: What is given of a piece of the range: where it begins, how long it is, how far off its limits may be; of both ends
+#: which gap limits it (from 1 on, 0 for none), two terms of the power series of that in the distance, the error of the
+#: first, within what distance they stand for it; and how samples are graded, see `GradedRange.ends`.
 PIECE_ENDS = tuple(
-    tuple(f"piece_{name}_{end}" for name in ("by", "slope", "near", "scale", "start", "toggle"))
+    tuple(f"piece_{name}_{end}" for name in ("by", "slope", "bend", "off", "near", "scale", "start", "toggle"))
     for end in ("low", "high")
 )
-PIECE = ("piece_low", "piece_width", *PIECE_ENDS[0], *PIECE_ENDS[1])
+PIECE = ("piece_low", "piece_width", "piece_off", *PIECE_ENDS[0], *PIECE_ENDS[1])
+#: The errors of what is given of a piece.
+PIECE_ERRORS = {"piece_low": "piece_off"} | {names[1]: names[3] for names in PIECE_ENDS}
 
 
 def root_of_gap(gap: str) -> str:

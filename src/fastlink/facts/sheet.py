@@ -368,8 +368,9 @@ step ROOT [1] r: Root of GAP
     low, high = piece_width * from_low, piece_width * from_high
     next_low = (piece_by_low == K.0) & (low < piece_near_low)
     next_high = (piece_by_high == K.0) & (high < piece_near_high)
-    at_high = select(next_high, sqrt(piece_slope_high * high), sqrt(GAP))
-    = select(next_low, sqrt(piece_slope_low * low), at_high)
+    at_low = low * (piece_slope_low + piece_bend_low * low)
+    at_high = high * (piece_slope_high + piece_bend_high * high)
+    = sqrt(select(next_low, at_low, select(next_high, at_high, GAP)))
 d_ROOT_d_POSITION = 0.5 * d_GAP_d_POSITION / ROOT
 d_SLOPE_d_POSITION = GAP
 """
@@ -584,7 +585,7 @@ def _graded_range(known: Catalogue, gaps: tuple[str, ...]) -> GradedRange:
     jumping = {name: windings[name] for name in known.public if windings[name] and name not in wraps}
     sampled += [name for name, turns in jumping.items() if not turns.keys() <= wraps.keys()]
     of_pieces: dict[str, Any] = {"gaps": gaps, "cells_otherwise": 64, "antisymmetric": (), "vanish_at_one_end": ()}
-    of_pieces["ends"] = tuple(names[3:] for names in PIECE_ENDS)
+    of_pieces["ends"] = tuple(names[5:] for names in PIECE_ENDS)
     return GradedRange(
         bounded_factor="toward_limits" if gaps else "share_of_sigma",
         not_differentiable=tuple(dict.fromkeys(sampled)),

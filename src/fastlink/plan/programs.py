@@ -184,6 +184,15 @@ class ExtremumSearch:
         return self.kind == "split"
 
 
+def needs_of_zeros(known: Catalogue, search: ExtremumSearch) -> tuple[str, ...]:
+    """Return what is evaluated at the zeros of a gap: its second derivative, and error bounds of it and of its slope."""
+    if not search.cuts or search.certain_by or known.graded is None:
+        return ()
+    gap, position = known.graded.gaps[search.cuts - 1], known.position.name
+    slope = derivative_name(gap, position)
+    return derivative_name(slope, position), error_name(gap), error_name(slope)
+
+
 @dataclass(frozen=True)
 class Gradient:
     """The derivative of an extreme, or of its place, by an input."""
@@ -238,6 +247,10 @@ class ExtremaProgram(Program):
         coordinates = dict.fromkeys(self.coordinates, self.catalogue.position.name)
         of_piece = dict.fromkeys((*PIECE, "branch"), "design") if self.in_pieces else {}
         return self._axes_by(coordinates | of_piece)
+
+    def needs_of_zeros(self, search: ExtremumSearch) -> tuple[str, ...]:
+        """Return what is evaluated at the zeros of a gap, see `needs_of_zeros`."""
+        return needs_of_zeros(self.catalogue, search)
 
     @property
     def has_bounds(self) -> bool:
@@ -636,7 +649,7 @@ class Planner:
             for name in (slope_of_gap(gap), gap):
                 search = self.search(name)
                 assert search is not None
-                certain = (error_name(search.slope),)
+                certain = (error_name(search.slope),) if name == gap else ()
                 found.append(replace(search, cells=cells, cuts=k, certain_by=certain, turns=()))
         return found
 
@@ -737,6 +750,7 @@ class Planner:
             names += [term.tolerance for o in of_group for term in o.terms]
             names += [error_name(end[2]) for end in ends if any(s.bounded_by for s in group) and not self.graded.gaps]
             names += [VALID for o in of_group if o.is_assembly]
+            names += [name for s in group for name in needs_of_zeros(self.catalogue, s)]
             names += [name for s in group[:1] if s.arc for name in ARC_FACTS]
             of_steps = self.made_of(self.steps(names))
             programs.append(ExtremaProgram(**of_steps, outputs=tuple(of_group), searches=tuple(group)))

@@ -11,7 +11,19 @@ from __future__ import annotations
 from typing import Any
 
 from fastlink.codegen.runtime.cells import AT_LIMIT as AT_LIMIT_OF
-from fastlink.codegen.runtime.cells import LANES, START, append_item, padded, set_bracket
+from fastlink.codegen.runtime.cells import (
+    BOUND,
+    IMAGE,
+    LANE,
+    LANES,
+    SLOPE_BOUND,
+    START,
+    THETA,
+    VALUE,
+    append_item,
+    padded,
+    set_bracket,
+)
 from fastlink.codegen.runtime.results import (
     AT_GREATEST,
     AT_LEAST,
@@ -27,7 +39,6 @@ from fastlink.codegen.runtime.results import (
     LIST_THETA,
     LIST_VALUE,
     PLACE,
-    SECOND,
     TIE,
     UNDECIDED,
     WINNER_ROWS,
@@ -40,38 +51,65 @@ from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, TWO_PI, sqrt
 # Rows of pieces: the lane of the design, the branch by its place among the results and as a number, then the values of
 # `fastlink.facts.fact.PIECE`: of each end the gap that limits it, how fast that grows, within what distance it is in
 # proportion to that, and how samples are graded there.
-OF_LANE, OF_COLUMN, BRANCH, LOW, WIDTH, END_LOW, END_HIGH = 0, 1, 2, 3, 4, 5, 11
-BY, GROWS, NEAR, SCALE, FIRST, IS_TOGGLE = range(6)
-PIECE_ROWS = 17
+OF_LANE, OF_COLUMN, BRANCH, LOW, WIDTH, OFF, END_LOW, END_HIGH = 0, 1, 2, 3, 4, 5, 6, 14
+BY, GROWS, BENDS, ROUGH, NEAR, SCALE, FIRST, IS_TOGGLE = range(8)
+END_ROWS, PIECE_ROWS = 8, 22
+# Rows of the zeros of a gap: the input position, slope, half the second derivative, how far off the place and the slope may
+# be. The count of a lane is in the column after the last.
+AT, SLOPE_AT, BEND_AT, OFF_AT, ROUGH_AT = range(5)
+ZERO_ROWS, MOST_ZEROS = 5, 17
 #: How many pieces there is room for, by design and branch.
 MOST_PIECES = 8
 #: Where the turn is cut anyway: at no place that symmetry gives an extreme.
 SEAM = -0.7390851332151607
-# The first sample beside a limit, over the scale; the part of the scale in which a gap is in proportion to the distance,
-# as far as a double tells it; and the size of a least gap whose root turns within a fraction of a radian.
-NEAR_LIMIT, PROPORTIONAL, SHARP = 2.0**-60, 2.0**-26, 2.0**-6
+# The first sample beside a limit, over the scale; and the size of a least gap whose root turns within a fraction of a
+# radian.
+NEAR_LIMIT, SHARP = 2.0**-60, 2.0**-6
+# Within what distance of a limit, in rad, two terms of a gap's power series are nearer to it than its formula, which is
+# off by some 2^-52: there the third is as small. Next to another limit, or another gap, it is within this part of the
+# way, as the series may come to its end there.
+SERIES, PART_OF_WAY = 2.0**-17, 2.0**-13
 # Rows of what is found of a design in a branch: the length of all pieces, and how many ends are limits.
 LENGTH, LIMITS = 0, 1
 
 
 @merged
-def _copy_end(source: Any, i: int, target: Any, k: int, end: int) -> None:
-    """Copy one end of a piece."""
-    for r in range(6):
-        target[end + r, k] = source[end + r, i]
-
-
-@merged
-def _set_end(pieces: Any, k: int, end: int, by: float, grows: float, distance: float, width: float) -> None:
-    """Write one end of a piece: what limits it, and how far beyond it the next sharp place is."""
-    near = distance / width
+def _set_end(pieces: Any, k: int, end: int, distance: float, width: float, whole: Any) -> None:
+    """Write how samples are graded at an end of a piece, by how far beyond it the next sharp place is."""
+    near, by = distance / width, pieces[end + BY, k]
     scale = sqrt(near / (1.0 + near)) if near < 1.0 else sqrt(0.5)
-    pieces[end + BY, k] = by
-    pieces[end + GROWS, k] = grows
-    pieces[end + NEAR, k] = PROPORTIONAL * width * scale * scale
+    way = width if whole else PART_OF_WAY * width
+    pieces[end + NEAR, k] = way if way < SERIES else SERIES
     pieces[end + SCALE, k] = scale
     pieces[end + FIRST, k] = NEAR_LIMIT * scale if by > 0.0 else 0.0
     pieces[end + IS_TOGGLE, k] = 1.0 if by > 0.0 else 0.0
+
+
+@outlined
+def forget_zeros(zeros: Any) -> None:
+    """Begin with no zeros."""
+    for i in range(LANES):
+        zeros[AT, i, MOST_ZEROS - 1] = 0.0
+
+
+@outlined
+def keep_zeros(s: Any, count: int, zeros: Any) -> None:
+    """Sort the zeros at items into those of their pieces, with the slope, the second derivative and the error there."""
+    for i in range(count):
+        lane, theta, slope = int(s[LANE, i]), s[THETA, i], s[VALUE, i]
+        n = int(zeros[AT, lane, MOST_ZEROS - 1])
+        if (slope == slope) & (n < MOST_ZEROS - 1):
+            k = n
+            while k > 0 and zeros[AT, lane, k - 1] > theta:
+                for r in range(ZERO_ROWS):
+                    zeros[r, lane, k] = zeros[r, lane, k - 1]
+                k -= 1
+            zeros[AT, lane, k] = theta
+            zeros[SLOPE_AT, lane, k] = slope
+            zeros[BEND_AT, lane, k] = 0.5 * s[IMAGE, i]
+            zeros[OFF_AT, lane, k] = s[BOUND, i] / abs(slope)
+            zeros[ROUGH_AT, lane, k] = s[SLOPE_BOUND, i]
+            zeros[AT, lane, MOST_ZEROS - 1] = n + 1.0
 
 
 @outlined
@@ -85,8 +123,11 @@ def begin_pieces(pieces: Any, count: int, branches: Any) -> int:
             pieces[BRANCH, total] = branches[b]
             pieces[LOW, total] = SEAM
             pieces[WIDTH, total] = TWO_PI
-            _set_end(pieces, total, END_LOW, 0.0, 0.0, TWO_PI, TWO_PI)
-            _set_end(pieces, total, END_HIGH, 0.0, 0.0, TWO_PI, TWO_PI)
+            pieces[OFF, total] = 0.0
+            for end in range(END_LOW, PIECE_ROWS, END_ROWS):
+                for r in range(END_ROWS):
+                    pieces[end + r, total] = 0.0
+                _set_end(pieces, total, end, TWO_PI, TWO_PI, False)
             total += 1
     return _fill(pieces, total)
 
@@ -111,29 +152,41 @@ def close_pieces(further: Any, total: int, pieces: Any) -> int:
 
 
 @merged
-def _end_piece(
-    pieces: Any, p: int, further: Any, total: int, high: float, by: float, grows: float, distance: float
-) -> int:
-    """End the piece under way; return how many there are, as far as there is room."""
-    low = further[LOW, total]
-    width = high - low
+def _end_piece(pieces: Any, p: int, further: Any, total: int, high: float, beyond: float) -> int:
+    """End the piece under way, whose end is written; return how many there are, as far as there is room."""
+    width = high - further[LOW, total]
     further[WIDTH, total] = width
     for r in range(3):
         further[r, total] = pieces[r, p]
     # what is beyond the lower end was kept in place of its scale
-    _set_end(further, total, END_LOW, further[END_LOW + BY, total], further[END_LOW + GROWS, total],
-             further[END_LOW + SCALE, total], width)
-    _set_end(further, total, END_HIGH, by, grows, distance, width)
+    whole = further[END_LOW + BY, total] == further[END_HIGH + BY, total]
+    _set_end(further, total, END_LOW, further[END_LOW + SCALE, total], width, whole)
+    _set_end(further, total, END_HIGH, beyond, width, whole)
     return total + 1 if (width > 0.0) & (total + 8 < further.shape[1]) else total
 
 
 @merged
-def _begin_piece(further: Any, total: int, low: float, by: float, grows: float, distance: float) -> None:
-    """Begin a piece, which `_end_piece` ends."""
+def _begin_piece(further: Any, total: int, low: float, beyond: float, off: float) -> None:
+    """Begin a piece, whose lower end is written, which `_end_piece` ends."""
     further[LOW, total] = low
-    further[END_LOW + BY, total] = by
-    further[END_LOW + GROWS, total] = grows
-    further[END_LOW + SCALE, total] = distance
+    further[OFF, total] = off
+    further[END_LOW + SCALE, total] = beyond
+
+
+@merged
+def _copy_end(pieces: Any, p: int, further: Any, total: int, end: int) -> None:
+    """Take over one end of a piece that was cut."""
+    for r in range(END_ROWS):
+        further[end + r, total] = pieces[end + r, p]
+
+
+@merged
+def _limit(further: Any, total: int, end: int, by: float, zeros: Any, i: int, z: int) -> None:
+    """Write what limits one end of a piece, a zero of a gap; nothing by 0."""
+    further[end + BY, total] = by
+    further[end + GROWS, total] = abs(zeros[SLOPE_AT, i, z])
+    further[end + BENDS, total] = zeros[BEND_AT, i, z]
+    further[end + ROUGH, total] = zeros[ROUGH_AT, i, z]
 
 
 @merged
@@ -145,45 +198,64 @@ def _beyond(pieces: Any, p: int, end: int) -> float:
 
 @outlined
 def cut_pieces(
-    pieces: Any, start: int, count: int, lists: Any, best: Any, zeros: int, leasts: int, gap: int, further: Any, total: int
+    pieces: Any,
+    start: int,
+    count: int,
+    zeros: Any,
+    lists: Any,
+    best: Any,
+    leasts: int,
+    gap: int,
+    further: Any,
+    total: int,
 ) -> int:
     """Cut pieces where a gap is zero, and at small least values of it; return how many there are.
 
-    `zeros` and `leasts` are the searches for both, lists of which are in the columns of the pieces.
+    `leasts` is the number of the search for the latter, lists of which are in the columns of the pieces.
     """
     room = lists.shape[2]
     for i in range(count):
-        p, at, of = start + i, zeros * LANES + i, leasts * LANES + i
+        p, of = start + i, leasts * LANES + i
         low = pieces[LOW, p]
         high = low + pieces[WIDTH, p]
-        n_zeros, n_leasts = min(int(best[COUNT, at]), room), min(int(best[COUNT, of]), room)
-        inside = lists[LIST_VALUE, at, 0] < 0.0 if n_zeros > 0 else best[GREATEST, of] > 0.0
-        _begin_piece(further, total, low, pieces[END_LOW + BY, p], pieces[END_LOW + GROWS, p], _beyond(pieces, p, END_LOW))
+        n_zeros, n_leasts = int(zeros[AT, i, MOST_ZEROS - 1]), min(int(best[COUNT, of]), room)
+        inside = zeros[SLOPE_AT, i, 0] < 0.0 if n_zeros > 0 else best[GREATEST, of] > 0.0
+        _copy_end(pieces, p, further, total, END_LOW)
+        _begin_piece(further, total, low, _beyond(pieces, p, END_LOW), pieces[OFF, p])
         z, m = 0, 0
         while z + m < n_zeros + n_leasts:
-            is_zero = (m >= n_leasts) or (z < n_zeros and lists[LIST_THETA, at, z] <= lists[LIST_THETA, of, m])
+            is_zero = m >= n_leasts
+            if (z < n_zeros) & (m < n_leasts):
+                is_zero = zeros[AT, i, z] <= lists[LIST_THETA, of, m]
             if is_zero:
-                theta, slope = lists[LIST_THETA, at, z], lists[LIST_VALUE, at, z]
-                before = theta - lists[LIST_THETA, at, z - 1] if z > 0 else TWO_PI
-                after = lists[LIST_THETA, at, z + 1] - theta if z + 1 < n_zeros else TWO_PI
+                theta, slope = zeros[AT, i, z], zeros[SLOPE_AT, i, z]
+                before = theta - zeros[AT, i, max(z - 1, 0)] if z > 0 else TWO_PI
+                after = zeros[AT, i, z + 1] - theta if z + 1 < n_zeros else TWO_PI
+                off = zeros[OFF_AT, i, z]
                 if inside & (slope < 0.0):
-                    total = _end_piece(pieces, p, further, total, theta, float(gap), -slope, after)
+                    further[OFF, total] = max(further[OFF, total], off)
+                    _limit(further, total, END_HIGH, float(gap), zeros, i, z)
+                    total = _end_piece(pieces, p, further, total, theta, after)
                     inside = False
                 elif (not inside) & (slope > 0.0):
-                    _begin_piece(further, total, theta, float(gap), slope, before)
+                    _limit(further, total, END_LOW, float(gap), zeros, i, z)
+                    _begin_piece(further, total, theta, before, off)
                     inside = True
                 z += 1
             else:
                 theta, least = lists[LIST_THETA, of, m], lists[LIST_VALUE, of, m]
                 sharp = (lists[LIST_KIND, of, m] < 0.0) & (least > 0.0) & (least < SHARP)
                 if inside & sharp:
-                    distance = 2.0 * sqrt(least)
-                    total = _end_piece(pieces, p, further, total, theta, 0.0, 0.0, distance)
-                    _begin_piece(further, total, theta, 0.0, 0.0, distance)
+                    beyond = 2.0 * sqrt(least)
+                    _limit(further, total, END_HIGH, 0.0, zeros, i, 0)
+                    total = _end_piece(pieces, p, further, total, theta, beyond)
+                    _limit(further, total, END_LOW, 0.0, zeros, i, 0)
+                    _begin_piece(further, total, theta, beyond, 0.0)
                 m += 1
         if inside:
-            by, grows = pieces[END_HIGH + BY, p], pieces[END_HIGH + GROWS, p]
-            total = _end_piece(pieces, p, further, total, high, by, grows, _beyond(pieces, p, END_HIGH))
+            _copy_end(pieces, p, further, total, END_HIGH)
+            further[OFF, total] = max(further[OFF, total], pieces[OFF, p])
+            total = _end_piece(pieces, p, further, total, high, _beyond(pieces, p, END_HIGH))
     return total
 
 
