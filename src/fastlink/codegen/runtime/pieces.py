@@ -233,7 +233,7 @@ def cut_pieces(
                 after = zeros[AT, i, z + 1] - theta if z + 1 < n_zeros else TWO_PI
                 off = zeros[OFF_AT, i, z]
                 if inside & (slope < 0.0):
-                    further[OFF, total] = max(further[OFF, total], off)
+                    further[OFF, total] += off
                     _limit(further, total, END_HIGH, float(gap), zeros, i, z)
                     total = _end_piece(pieces, p, further, total, theta, after)
                     inside = False
@@ -254,7 +254,7 @@ def cut_pieces(
                 m += 1
         if inside:
             _copy_end(pieces, p, further, total, END_HIGH)
-            further[OFF, total] = max(further[OFF, total], pieces[OFF, p])
+            further[OFF, total] += pieces[OFF, p]
             total = _end_piece(pieces, p, further, total, high, _beyond(pieces, p, END_HIGH))
     return total
 
