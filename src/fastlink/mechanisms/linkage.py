@@ -14,13 +14,15 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from typing import Any
 
 from fastlink._text import short_repr
 from fastlink.errors import InputError, KeyPath, Problems, check_choice, door, suggest
 from fastlink.facts.own import check_name
+from fastlink.mechanisms import Mechanism
 from fastlink.mechanisms._shared.picture import Bar, Guide, Picture, Point
 
 #: What each kind of dyad is given besides the points that it joins; what may be left out stands in brackets.
@@ -97,6 +99,14 @@ class _Writer:
         self.drawn: list[Point] = []
         self.bars: list[Bar] = []
         self.guides: list[Guide] = []
+
+    @contextmanager
+    def within(self, *place: str) -> Iterator[None]:
+        """Note the problems of a part of the declaration, at its place in that."""
+        try:
+            yield
+        except InputError as error:
+            self.problems.noted += [replace(one, where=("linkage", *place, *one.where)) for one in error.problems]
 
     # -- reading -------------------------------------------------------------------------------------------------------
 
@@ -269,11 +279,11 @@ class _Writer:
             raise InputError(f"is {short_repr(ground)}", ("ground",), 'write pivots, such as {"O": (0, 0), "D": ("a4", 0)}')
         self.links.append(Link("ground", [], "", ("1.0", "0.0"), ("1.0", "0.0"), ""))
         for name, at in ground.items():
-            with self.problems.at("ground", str(name)):
-                self.new_name(("ground",), name)
-                pair = self.pair(("ground", name), at, "coordinates: names of inputs, or numbers in m")
+            with self.within("ground", str(name)):
+                self.new_name((), name)
+                pair = self.pair((), at, "coordinates: names of inputs, or numbers in m")
                 x, y = (
-                    self.value(("ground", name), one, f"{name}_{axis}", "m", f"{axis} of the pivot {name}")
+                    self.value((), one, f"{name}_{axis}", "m", f"{axis} of the pivot {name}")
                     for one, axis in zip(pair, "xy", strict=True)
                 )
                 self.points[name] = self.in_loops[name] = x, y
@@ -327,8 +337,7 @@ class _Writer:
         if not isinstance(dyads, Mapping) or not dyads:
             raise InputError(f"is {short_repr(dyads)}", ("dyads",), f'write such as {{"B": {SHAPES["rrr"]}}}')
         for name, given in dyads.items():
-            where = ("dyads", str(name))
-            with self.problems.at(*where):
+            with self.within("dyads", str(name)):
                 self.new_name((), name)
                 words = list(given) if isinstance(given, Mapping) else []
                 kind = next((word for word in words if word in KINDS), "")
@@ -337,7 +346,7 @@ class _Writer:
                     raise InputError(said, (), f"write one of {'; '.join(SHAPES.values())}")
                 known = [kind, *KINDS[kind].replace("[", "").replace("]", "").split()]
                 for word in words:
-                    check_choice((), word, known)
+                    check_choice((word,), word, known) if word not in known else None
                 missing = [word for word in KINDS[kind].split() if word[0] != "[" and word not in words]
                 if missing:
                     raise InputError(f"has no {missing[0]!r}", (), f"write {SHAPES[kind]}")
@@ -642,10 +651,11 @@ class _Writer:
     def write(self) -> str:
         """Return the sheet, or raise all problems of the declaration."""
         for write in (self.write_ground, self.write_crank, self.write_dyads):
-            self.problems.attempt(write)
+            with self.within():
+                write()
             self.problems.stop()
         if len(self.ways) > MOST_WAYS:
-            raise InputError(f"{len(self.ways)} dyads have two ways each", ("dyads",), f"write at most {MOST_WAYS}")
+            raise InputError(f"{len(self.ways)} dyads have two ways each", ("linkage", "dyads"), f"write at most {MOST_WAYS}")
         for k, (name, _, first) in enumerate(self.ways):
             rest, lines = "branch - 1.0", []
             for higher in range(len(self.ways) - 1, k, -1):
@@ -672,13 +682,112 @@ class _Writer:
         return Picture(points=tuple(self.drawn), bars=tuple(self.bars), guides=tuple(self.guides), traced=traced, title=str(self.declared["name"]))
 
 
-def sheet_of_linkage(declared: Mapping[str, Any]) -> tuple[str, Picture]:
-    """Return the sheet of formulas and the picture of a declaration.
+def sheet_of_linkage(text: str) -> tuple[str, Picture]:
+    """Return the sheet of formulas and the picture of a declaration, which is a text in JSON.
 
     Raises
     ------
     InputError
         The declaration is none, or places a point of too few or too many bars.
     """
-    writer = _Writer(declared)
+    writer = _Writer(json.loads(text))
     return writer.write(), writer.picture
+
+
+#: What a declaration has.
+PARTS = ("name", "title", "ground", "crank", "dyads", "defaults")
+
+
+@door
+def linkage(
+    name: str = "linkage",
+    *,
+    ground: Mapping[str, Any],
+    crank: Mapping[str, Any],
+    dyads: Mapping[str, Any],
+    title: str = "",
+    defaults: Mapping[str, float] | None = None,
+) -> Mechanism:
+    """Declare a planar linkage by its joints: a crank, then dyads, each of which places a point or a link.
+
+    A declaration is data; the same words stand in the table ``[linkage]`` of a study. Lengths and coordinates are names
+    of inputs, which a design gives, or numbers, which are inputs with a default.
+
+    Parameters
+    ----------
+    name : str, default "linkage"
+        What it is called.
+    ground : mapping
+        The pivots of the ground by name, each with x and y, such as ``{"O": (0, 0), "D": ("a4", 0)}``.
+    crank : mapping
+        The pin of the crank, with its pivot and its length: ``{"A": ("O", "a1")}``. It turns by ``theta`` at the
+        constant speed ``omega``.
+    dyads : mapping
+        What is placed one after the other, by the name of the point (or of the link with a slot):
+
+        - ``{"rrr": ("A", "D"), "lengths": ("a2", "a3")}``: a pin that two bars from A and D join;
+        - ``{"rrp": "A", "length": "l", "along": ("C", "E")}``: the end of a bar from A, a slider on the line through two
+          points of one link, or on a fixed one through a pivot at an angle: ``("C", "beta")``;
+        - ``{"rpr": ("A", "D"), "offset": "e"}``: a link about D, along whose slot the pin A slides, e to its left;
+        - ``{"rpp": "A", "along": ("C", "E"), "angle": "beta"}``: a slider on a line, in whose slot the pin A slides;
+        - ``{"prp": (("C", "E"), ("G", "H"))}``: a pin on two lines;
+        - ``{"on": ("A", "B"), "at": ("u", "v")}``: a point of the link of A and B, u along AB from A, v to the left; of a
+          link with a slot by its name: ``"on": "lever"``;
+        - ``{"gear": ("O", "A"), "about": "D", "ratio": -2, "length": "b"}``: the end of a bar about D that a gear or a
+          belt turns so many times as fast as OA, a whole number, ``"phase"`` ahead.
+    title : str, optional
+        What it is, for pictures and files.
+    defaults : mapping of str to float, optional
+        Numbers for inputs that a design need not give.
+
+    Returns
+    -------
+    str
+        A name that stands for the mechanism wherever the name of one does, see `fastlink.mechanism`. Branches number
+        the ways to assemble its dyads, which ``fl.quantities`` lists.
+
+    Raises
+    ------
+    InputError
+        Something cannot be placed: with the point, the reason and the remedy.
+
+    Notes
+    -----
+    What a point B has: ``B_x``, ``B_y``, ``B_vx``, ``B_vy``, ``B_ax``, ``B_ay``, ``B_speed``, ``B_acceleration``,
+    ``B_curvature``; a bar AB: ``angle_AB``, ``omega_AB``, ``alpha_AB``, ``jerk_AB``; a dyad of two ways:
+    ``transmission_angle_B``.
+
+    Examples
+    --------
+    >>> import fastlink as fl
+    >>> watt = fl.linkage(
+    ...     "watt",
+    ...     ground={"O": (0, 0), "D": ("a4", 0), "G": ("G_x", "G_y")},
+    ...     crank={"A": ("O", "a1")},
+    ...     dyads={
+    ...         "B": {"rrr": ("A", "D"), "lengths": ("a2", "a3")},
+    ...         "P": {"on": ("A", "B"), "at": ("P_u", "P_v")},
+    ...         "F": {"rrr": ("P", "G"), "lengths": ("a5", "a6")},
+    ...     },
+    ... )
+    >>> design = {"a1": 0.1, "a2": 0.3, "a3": 0.35, "a4": 0.4, "P_u": 0.15, "P_v": 0.1}
+    >>> design |= {"G_x": 0.45, "G_y": 0.3, "a5": 0.3, "a6": 0.25, "omega": 10.0}
+    >>> maps = fl.sweep(watt, design, ["F_x_max", "status"], branch=3)
+    >>> float(maps.F_x_max.round(12))
+    0.240003525055
+    """
+    declared = dict(zip(PARTS, (name, title, ground, crank, dyads, dict(defaults or {})), strict=True))
+    if not isinstance(name, str) or re.fullmatch("[A-Za-z](_?[A-Za-z0-9])*", name) is None:
+        raise InputError(f"is {short_repr(name)}", ("linkage", "name"), "write letters, digits and single _")
+    try:
+        text = json.dumps(declared, default=_as_data)
+    except (TypeError, ValueError) as error:
+        raise InputError(str(error), ("linkage",), "write names, numbers, lists and mappings") from None
+    return Mechanism(text, f"linkage {name}")
+
+
+def _as_data(value: Any) -> Any:
+    """Return a number of NumPy as one of Python."""
+    if hasattr(value, "item") and getattr(value, "ndim", None) == 0:
+        return value.item()
+    raise TypeError(f"{short_repr(value)} is no number or name")
