@@ -75,6 +75,7 @@ class ExtremaWriter:
         names = [*self.slope_names(search), search.quantity, *self.places_wanted]
         names += [*search.bounded_by, *search.certain_by, *self.needs_of_zeros(search)]
         needs = self.design_needs(self.needed_for(names))
+        needs += [name for name in names if self.program.axes[name] <= {"design"} and name not in needs]
         return [*needs, *(ARC_FACTS if search.arc else ())]
 
     @property
@@ -775,12 +776,14 @@ class ExtremaWriter:
     def write_sample(self, numbers: Sequence[int]) -> None:
         """Write the derivatives at one sample, of some searches."""
         text, program = self.text, self.program
-        steps = self.needed_for(self.slope_names(*(program.searches[number] for number in numbers)))
+        names = self.slope_names(*(program.searches[number] for number in numbers))
+        steps = self.needed_for(names)
         for name, row in zip(program.graded.coordinates, ("low__row", "high__row"), strict=False):
             text.add(f"{name} = samples[{row}, i]")
         side = "1.0 if turn == 0 else -1.0" if program.sides > 1 else "1.0"
         text.add(f"{program.graded.coordinates[2]} = {side}")
-        for name in self.design_needs(steps):
+        own = [name for name in names if program.axes[name] <= {"design"}]
+        for name in dict.fromkeys([*self.design_needs(steps), *own]):
             text.add(f"{name} = w[{self.row(name)}, i]")
         for step in (s for s in steps if "branch" not in program.axes[s.name]):
             self.paste(step)

@@ -606,7 +606,7 @@ class ErrorBounds(Rules):
         graded = self.catalogue.graded
         if graded is not None and name in graded.coordinates[:2]:
             return replace(self.exact, relative=FRACTION, positive=True)
-        if graded is not None and graded.gaps and name in PIECE_ERRORS:
+        if graded is not None and graded.gaps is not None and name in PIECE_ERRORS:
             return replace(self.exact, rest=graph.name(PIECE_ERRORS[name]))
         if not of_value:  # no fact of a variant gives a table otherwise
             if name in self.catalogue.tables:

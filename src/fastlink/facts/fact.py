@@ -247,7 +247,7 @@ class GradedRange:
         The input position that the mirror leaves: it exchanges `axis` + x and `axis` - x.
     known : mapping of str to KnownExtremes
         The quantities whose extremes are known in closed form, and are not searched.
-    gaps : tuple of str
+    gaps : tuple of str, optional
         Of a mechanism whose loops close one after the other the facts that are not negative where they do, each
         defined where those before are not negative. They cut the turn into pieces, each of which is a range.
     """
@@ -276,17 +276,17 @@ class GradedRange:
     turns: Mapping[str, str] = field(default_factory=dict)
     windings: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     poles: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    gaps: tuple[str, ...] = ()
+    gaps: tuple[str, ...] | None = None
 
     @property
     def given(self) -> tuple[str, ...]:
         """The values of a place that are given: its coordinates, and where there are gaps those of its piece."""
-        return (*self.coordinates, *PIECE) if self.gaps else self.coordinates
+        return self.coordinates if self.gaps is None else (*self.coordinates, *PIECE)
 
     @property
     def vanishing(self) -> tuple[str, ...]:
         """The facts that vanish at limits of motion like the root of the distance."""
-        return tuple(map(root_of_gap, self.gaps)) if self.gaps else (self.vanishes_at_toggle,)
+        return (self.vanishes_at_toggle,) if self.gaps is None else tuple(map(root_of_gap, self.gaps))
 
     def breakpoints(self, quantity: str, *kinds: Breaking) -> list[Breakpoint]:
         """Return the places where a quantity is not smooth, those of some kinds."""

@@ -42,6 +42,7 @@ import math
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import count
 from keyword import kwlist
 from pathlib import Path
 from typing import Any, get_args
@@ -398,9 +399,11 @@ def mechanism_of(text: str, file: str) -> Catalogue:
         remedy = "write NAME [rad] symbol: meaning below [position]; only an angle can drive"
         raise SheetError(file, "the position is no angle in rad", remedy)
     numbered = [entry.head.partition(": ") for entry in entries if entry.section == "branches"]
-    gaps = tuple(entry.parts["name"] for entry in entries if entry.section == "closes")
+    gaps = None
+    if re.search(r"^\[closes\]", text, re.M):
+        gaps = tuple(entry.parts["name"] for entry in entries if entry.section == "closes")
     numbers = [number for number, _, _ in numbered]
-    many = gaps and len(numbers) <= MOST_BRANCHES and numbers == [str(k + 1) for k in range(len(numbers))]
+    many = gaps is not None and len(numbers) <= MOST_BRANCHES and numbers == [str(k + 1) for k in range(len(numbers))]
     if not (numbers == ["1", "2"] or many) or not all(meaning for *_, meaning in numbered):
         remedy = "write both below [branches]: 1: meaning, and 2: meaning"
         raise SheetError(file, "the branches are not 1 and 2", remedy)
@@ -408,21 +411,21 @@ def mechanism_of(text: str, file: str) -> Catalogue:
     branches = {int(number): meaning for number, _, meaning in numbered}
     found = Catalogue(title["name"], title["unknowns"], branches, Input(name, "rad", symbol, meaning))
     _check_names(entries)
-    turn = CLOSES if gaps else TURN
+    turn = TURN if gaps is None else CLOSES
     read_sheet(turn.read_text(encoding="utf-8").replace("POSITION", name), "what every sheet gets", found)
-    shared = {*found.facts, "Z0", "C0", *map(root_of_gap, gaps)}
+    shared = {*found.facts, "Z0", "C0", *map(root_of_gap, gaps or ())}
     read_sheet(text, file, found)
     _check_facts(found)
-    given = _given_to(found, gaps) if gaps else found.inputs.values()
+    given = found.inputs.values() if gaps is None else _given_to(found, gaps)
     conditions = (VALID.get(one.rule, "(abs({0}) < INFINITY)").format(one.name) for one in given)
     default = UNLESS_DECLARED.replace("{valid}", " & ".join(conditions) or "1.0 > 0.0")
-    if gaps:
+    if gaps is not None:
         _declare_gaps(found, gaps, file)
         default = default[: default.index("step Z0")] + STATUS_OF_GAPS
     head, *rest = re.split(r"\n(?=\w)", default)
     missing = [entry for entry in rest if entry.removeprefix("step ").split(" ")[0] not in found.facts]
     read_sheet("\n".join([head, *missing]), "what every sheet gets", found)
-    found.closes = ("closes",) if gaps else ("sigma", "p", "q")
+    found.closes = ("sigma", "p", "q") if gaps is None else ("closes",)
     found.graded = _graded_range(found, gaps)
     try:
         found.check()
@@ -461,7 +464,7 @@ def _declare_gaps(known: Catalogue, gaps: Sequence[str], file: str) -> None:
             raise SheetError(file, what, f"declare it in [facts]: step {gap} [1] symbol: meaning")
         names = {"GAP": gap, "ROOT": root_of_gap(gap), "SLOPE": slope_of_gap(gap), "POSITION": position, "K": str(k)}
         read_sheet(re.sub("[A-Z]+", lambda word: names.get(word[0], word[0]), OF_GAP), place, known)
-    conditions = " & ".join(f"({gap} >= 0.0)" for gap in gaps)
+    conditions = " & ".join(f"({gap} >= 0.0)" for gap in gaps) or f"cos_{position} < 2.0"
     read_sheet(CLOSES_WHERE.replace("{conditions}", conditions), place, known)
 
 
@@ -569,7 +572,7 @@ def _only_head(entries: Sequence[Entry], section: str, file: str) -> Mapping[str
     return heads[0].parts
 
 
-def _graded_range(known: Catalogue, gaps: tuple[str, ...]) -> GradedRange:
+def _graded_range(known: Catalogue, gaps: tuple[str, ...] | None) -> GradedRange:
     """Return how extremes are searched, and of which quantities they are those of samples."""
     wraps: dict[str, str] = {}
     sampled = []
@@ -587,11 +590,11 @@ def _graded_range(known: Catalogue, gaps: tuple[str, ...]) -> GradedRange:
     of_pieces: dict[str, Any] = {"gaps": gaps, "cells_otherwise": 64, "antisymmetric": (), "vanish_at_one_end": ()}
     of_pieces["ends"] = tuple(names[5:] for names in PIECE_ENDS)
     return GradedRange(
-        bounded_factor="toward_limits" if gaps else "share_of_sigma",
+        bounded_factor="share_of_sigma" if gaps is None else "toward_limits",
         not_differentiable=tuple(dict.fromkeys(sampled)),
         wraps_at=wraps,
         windings={name: turns for name, turns in jumping.items() if name not in sampled},
-        **(of_pieces if gaps else {}),
+        **({} if gaps is None else of_pieces),
     )
 
 
@@ -601,11 +604,11 @@ def _steps_of(known: Catalogue) -> list[Fact | System]:
     return [*known.dependencies(sorted(known.public), given)]
 
 
-def _with_roots(known: Catalogue, gaps: Collection[str]) -> tuple[set[str], dict[str, dict[str, float]]]:
+def _with_roots(known: Catalogue, gaps: Collection[str] | None) -> tuple[set[str], dict[str, dict[str, float]]]:
     """Return the facts that may be no number where the loop closes by Z0 and C0, roots; how facts wind with angles."""
     found: set[str] = set()
     windings: dict[str, dict[str, float]] = {known.position.name: {known.position.name: 1.0}}
-    closes = {*known.tables, *(gaps or ("p", "q", "sigma"))}
+    closes = {*known.tables, *(("p", "q", "sigma") if gaps is None else gaps)}
     for step in _steps_of(known):
         value = value_of(step.formula)
         nodes = beneath([value])
@@ -636,7 +639,8 @@ def _with_poles(known: Catalogue, shared: Collection[str]) -> dict[str, tuple[st
                 continue  # of a vector, which vanishes at no position of most designs
             if not any(known.varies(name) for name in names if name not in shared):
                 continue
-            name = f"{step.name}_pole{k}"
+            of = f"{root_of(known.parse(step.name))}_rate" if known.is_derivative(step.name) else step.name
+            name = next(free for n in count(k) if not known.declares(free := f"{of}_pole{n}"))
             labels = {"units": "1", "symbol": name, "meaning": name, "source": step.source}
             poles[zero.value if zero.kind == "name" else declared_step(known, name, zero, labels)] = None
         for need in step.depends_on:

@@ -76,6 +76,11 @@ def _minus(a: str, b: str) -> str:
     return f"-{b}" if a == "0.0" else f"{a} - {b}"
 
 
+def _times(a: str, b: str) -> str:
+    """Return a product as text."""
+    return "0.0" if "0.0" in (a, b) else (a if b == "1.0" else f"{a} * {b}")
+
+
 def _plus(a: str, b: str) -> str:
     """Return a sum as text."""
     return b if a == "0.0" else (a if b == "0.0" else f"{a} + {b}")
@@ -88,6 +93,8 @@ class _Writer:
         self.declared, self.problems = declared, Problems()
         self.inputs: dict[str, list[str]] = {}
         self.facts: list[str] = []
+        #: The facts that change over the turn.
+        self.moving = {"theta", "cos_theta", "sin_theta"}
         self.gaps: dict[str, str] = {}
         self.ways: list[tuple[str, Pair, str]] = []
         #: The coordinates of points as facts or inputs, and by the unknowns of the loops.
@@ -159,8 +166,15 @@ class _Writer:
     # -- writing -------------------------------------------------------------------------------------------------------
 
     def fact(self, head: str, *lines: str) -> None:
-        """Append a fact; braces stand for both parts of a vector."""
+        """Append a fact, and note whether it moves."""
         self.facts += [head, *(f"    {line}" for line in lines)]
+        words = set(re.findall(r"\w+", " ".join(lines)))
+        if words & self.moving or any(word.endswith("_d_theta") for word in words):
+            self.moving.add(head.removeprefix("step ").partition(" ")[0])
+
+    def rate(self, name: str, speed: str = "omega") -> str:
+        """Return the derivative of a fact by time as text, 0 times the speed where it does not move."""
+        return f"{speed} * d_{name}_d_theta" if name in self.moving else f"0.0 * {speed}"
 
     def slope(self, name: str, slope: str) -> None:
         """Append the derivative of a fact by the crank angle."""
@@ -168,8 +182,9 @@ class _Writer:
 
     def rate_of(self, point: str) -> Pair:
         """Return the derivative of a point by the crank angle."""
-        is_ground = point in self.links[0].points
-        return ("0.0", "0.0") if is_ground else (f"d_{point}_x_d_theta", f"d_{point}_y_d_theta")
+        moves = (f"{point}_{axis}" in self.moving for axis in "xy")
+        x, y = (f"d_{point}_{axis}_d_theta" if own else "0.0" for axis, own in zip("xy", moves, strict=True))
+        return x, y
 
     def turning(self, vector: str, rate: str) -> None:
         """Append the derivatives of a vector of a link."""
@@ -181,8 +196,8 @@ class _Writer:
         for k, axis in enumerate("xy"):
             x, v, a = f"{name}_{axis}", f"{name}_v{axis}", f"{name}_a{axis}"
             self.fact(f"{x} [m] {x}: Point {name}, {axis}", f"= {at[k]}")
-            self.fact(f"{v} [m s-1] {v}: Velocity of {name}, {axis}", f"= omega * d_{x}_d_theta")
-            self.fact(f"{a} [m s-2] {a}: Acceleration of {name}, {axis}", f"= omega * d_{v}_d_theta")
+            self.fact(f"{v} [m s-1] {v}: Velocity of {name}, {axis}", f"= {self.rate(x)}")
+            self.fact(f"{a} [m s-2] {a}: Acceleration of {name}, {axis}", f"= {self.rate(v)}")
             self.rows += [f"    | {_minus(x, in_loops[k])}", f"    {x} by omega: {v}, {a}"]
             self.unknowns.append(x)
         for noun, word, unit in (("speed", "v", "m s-1"), ("acceleration", "a", "m s-2")):
@@ -207,7 +222,7 @@ class _Writer:
         before = "omega"
         for word, unit, noun in (("alpha", "s-2", "acceleration"), ("jerk", "s-3", "jerk")):
             head = f"{word}_{name} [rad {unit}] {word}_{name}: Angular {noun} {of}"
-            self.fact(head, f"= omega * d_{before}_{name}_d_theta")
+            self.fact(head, f"= {self.rate(f'{before}_{name}')}")
             before = word
         self.unknowns.append(angle)
         self.rows.append(f"    {angle} by omega: omega_{name}, alpha_{name}, jerk_{name}")
@@ -487,7 +502,7 @@ class _Writer:
         self.links.append(Link(bar, [a, name], a, axis, (f"cos({angle})", f"sin({angle})"), rate, angle))
         of, to = self.in_loops[a], self.in_loops[c]
         ends = [_plus(of[k], f"{length} * {self.links[-1].in_loops[k]}") for k in range(2)]
-        self.rows += [f"    | {_minus(ends[k], _plus(to[k], f'{slide} * {(lx, ly)[k]}'))}" for k in range(2)]
+        self.rows += [f"    | {_minus(ends[k], _plus(to[k], _times(slide, (lx, ly)[k])))}" for k in range(2)]
         self.add_point(name, (_plus(ax, f"{bar}_x"), _plus(ay, f"{bar}_y")), tuple(ends), "slider")  # type: ignore[arg-type]
         self.bars.append(Bar(f"{a} {name}", {f"{a} {name}": length}))
         self.fact(f"step across_{name} [m2] h {bar}: Cosine of the transmission angle at {name}, times lengths", f"= off_{name} * {length}")
@@ -497,8 +512,8 @@ class _Writer:
     def add_slide(self, name: str, start: str, slide: str) -> None:
         """Write the velocity and acceleration of a slider along its line."""
         rate, second = f"{slide}_rate", f"{slide}_acceleration"
-        self.fact(f"{rate} [m s-1] v: Velocity of {name} along its line", f"= omega * d_{slide}_d_theta")
-        self.fact(f"{second} [m s-2] a: Acceleration of {name} along its line", f"= omega * d_{rate}_d_theta")
+        self.fact(f"{rate} [m s-1] v: Velocity of {name} along its line", f"= {self.rate(slide)}")
+        self.fact(f"{second} [m s-2] a: Acceleration of {name} along its line", f"= {self.rate(rate)}")
         self.unknowns.append(slide)
         self.rows.append(f"    {slide} by omega: {rate}, {second}")
 
@@ -560,12 +575,12 @@ class _Writer:
         self.fact(f"{slide} [m] s_{name}: Place of the slider {name} on its line, from {c}", f"= {ux} * ({rx}) + {uy} * ({ry}){off}")
         self.add_slide(name, c, slide)
         of, to = self.in_loops[a], self.in_loops[c]
-        ends = [_plus(to[k], f"{slide} * {(lx, ly)[k]}") for k in range(2)]
+        ends = [_plus(to[k], _times(slide, (lx, ly)[k])) for k in range(2)]
         x, y = (_minus(of[k], f"({ends[k]})") for k in range(2))
         along = f"(({x}) * {lx} + ({y}) * {ly})"
         self.rows.append(f"    | {along} * sin({angle}) - (({y}) * {lx} - ({x}) * {ly}) * cos({angle})" if angle else f"    | {along}")
         self.links.append(Link(f"slider{name}", [name], name, (ux, uy), (lx, ly), turn))
-        self.add_point(name, (_plus(cx, f"{slide} * {ux}"), _plus(cy, f"{slide} * {uy}")), tuple(ends), "slider")  # type: ignore[arg-type]
+        self.add_point(name, (_plus(cx, _times(slide, ux)), _plus(cy, _times(slide, uy))), tuple(ends), "slider")  # type: ignore[arg-type]
         self.bars.append(Bar(f"{name} {a}", {}))
 
     def write_prp(self, name: str, given: Mapping[str, Any]) -> None:
@@ -580,10 +595,10 @@ class _Writer:
         )
         self.add_slide(name, c, slide)
         to, of = self.in_loops[c], self.in_loops[g]
-        ends = [_plus(to[k], f"{slide} * {(lx, ly)[k]}") for k in range(2)]
+        ends = [_plus(to[k], _times(slide, (lx, ly)[k])) for k in range(2)]
         x, y = (_minus(f"({ends[k]})", f"({of[k]})") for k in range(2))
         self.rows.append(f"    | ({x}) * {ky} - ({y}) * {kx}")
-        self.add_point(name, (_plus(cx, f"{slide} * {ux}"), _plus(cy, f"{slide} * {uy}")), tuple(ends), "slider")  # type: ignore[arg-type]
+        self.add_point(name, (_plus(cx, _times(slide, ux)), _plus(cy, _times(slide, uy))), tuple(ends), "slider")  # type: ignore[arg-type]
 
     def write_on(self, name: str, given: Mapping[str, Any]) -> None:
         """Write a point of a link, by its place along the axis from one point of it to another, and left of that."""
@@ -670,7 +685,8 @@ class _Writer:
         inputs = [line for lines in self.inputs.values() for line in (lines[0], *(f"    {one}" for one in lines[1:]))]
         parts = ["[mechanism]", f"{name}: {title}", "[position]"]
         parts += [f"theta [rad] theta: crank angle; direction of {self.links[1].name}", "[branches]", *branches]
-        parts += ["[closes]", *(f"{gap}: {what}" for gap, what in self.gaps.items()), "[inputs]", *inputs]
+        closes = ["[closes]", *(f"{gap}: {what}" for gap, what in self.gaps.items())]
+        parts += [*closes, "[inputs]", *inputs]
         parts += ["## docs/linkages.md", "[facts]", *self.facts]
         parts += ["[loops]", f"loops {name}: {', '.join(self.unknowns)}", *self.rows]
         return "\n".join(parts) + "\n"

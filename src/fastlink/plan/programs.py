@@ -186,7 +186,7 @@ class ExtremumSearch:
 
 def needs_of_zeros(known: Catalogue, search: ExtremumSearch) -> tuple[str, ...]:
     """Return what is evaluated at the zeros of a gap: its second derivative, and error bounds of it and of its slope."""
-    if not search.cuts or search.certain_by or known.graded is None:
+    if not search.cuts or search.certain_by or known.graded is None or known.graded.gaps is None:
         return ()
     gap, position = known.graded.gaps[search.cuts - 1], known.position.name
     slope = derivative_name(gap, position)
@@ -239,7 +239,7 @@ class ExtremaProgram(Program):
     @property
     def in_pieces(self) -> bool:
         """Whether lanes are pieces of the range, each of one design and branch."""
-        return bool(self.graded.gaps)
+        return self.graded.gaps is not None
 
     @cached_property
     def axes(self) -> dict[str, frozenset[str]]:
@@ -380,7 +380,7 @@ class Planner:
     @property
     def is_in_pieces(self) -> bool:
         """Whether the range of the mechanism is cut into pieces, see `GradedRange.gaps`."""
-        return self.catalogue.graded is not None and bool(self.catalogue.graded.gaps)
+        return self.catalogue.graded is not None and self.catalogue.graded.gaps is not None
 
     @property
     def tables(self) -> tuple[str, ...]:
@@ -533,7 +533,7 @@ class Planner:
         An arc of the turn is no mirror image of itself, and extremes that are known may be outside of it.
         """
         found = self._search_of_turn(quantity)
-        if found is not None and self.graded.gaps:  # a piece is no mirror image of another
+        if found is not None and self.graded.gaps is not None:  # no piece is the mirror image of another
             found = replace(found, parity=0, slope_parity=0)
         if found is None or ARC not in self.variants:
             return found
@@ -569,7 +569,9 @@ class Planner:
             max(round(grades[slope].order + power * grades[divisor].order), 0),
             grade.parity,
             -grade.parity,  # the input position is odd
-            at_limit=grade.order <= 0.0 if graded.gaps else graded.reciprocal not in needed and not grade.choice,
+            at_limit=grade.order <= 0.0
+            if graded.gaps is not None
+            else graded.reciprocal not in needed and not grade.choice,
             divided=quantity not in graded.cells,
             turns=() if quantity in graded.cells else turns_of(graded, quantity, steps),
             magnitude=is_magnitude(by_name[quantity]),
@@ -645,7 +647,7 @@ class Planner:
     def searches_for_cuts(self, cells: int) -> list[ExtremumSearch]:
         """Return the searches for zeros and least values of gaps, in their order."""
         found = []
-        for k, gap in enumerate(self.graded.gaps, 1):
+        for k, gap in enumerate(self.graded.gaps or (), 1):
             for name in (slope_of_gap(gap), gap):
                 search = self.search(name)
                 assert search is not None
@@ -748,7 +750,7 @@ class Planner:
             if group is first:
                 of_group += [output for output in outputs if output.is_assembly]
             names += [term.tolerance for o in of_group for term in o.terms]
-            names += [error_name(end[2]) for end in ends if any(s.bounded_by for s in group) and not self.graded.gaps]
+            names += [error_name(end[2]) for end in ends if any(s.bounded_by for s in group) and self.graded.gaps is None]
             names += [VALID for o in of_group if o.is_assembly]
             names += [name for s in group for name in needs_of_zeros(self.catalogue, s)]
             names += [name for s in group[:1] if s.arc for name in ARC_FACTS]

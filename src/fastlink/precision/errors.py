@@ -20,7 +20,7 @@ from fastlink.facts.tables import angle_tables
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.precision.independent import TOLERANCE, IndependentValues
 from fastlink.precision.reference import CONTEXT, DIGITS, HighPrecision, error_in_roundings
-from fastlink.precision.stationary import END, JUMP, Extreme, Stationary
+from fastlink.precision.stationary import CLOSES, END, JUMP, Extreme, Stationary, StationaryInPieces, stationary_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -499,6 +499,8 @@ def outermost(
 def refined(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, MeasuredErrors]:
     """Measure the errors of all results that belong to the extremes of one quantity."""
     quantity = outputs[0].request.quantity
+    if outputs[0].is_assembly:
+        return _assembly(sample, outputs[0], share)
     parts = {_part(output): output for output in outputs}
     errors = {
         part: MeasuredErrors(
@@ -509,10 +511,10 @@ def refined(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, 
     count = affordable(sample, quantity, share, outputs)
     inputs = {name: column[:count] for name, column in sample.inputs.items()}
     designs = sample.catalogue, quantity, inputs, sample.branches[:count], sample.plan.variants
-    stationary = as_meant = Stationary(*designs)
+    stationary = as_meant = stationary_of(*designs)
     zeroed = [stationary.zeroed(design) for design in range(count)]
     if "value" in parts and any(zeroed):
-        as_meant = Stationary(*designs, zeroes=True)  # which extremes there are is a decision, like a code
+        as_meant = stationary_of(*designs, zeroes=True)  # which extremes there are is a decision, like a code
     independent = IndependentValues(sample.catalogue, [quantity])
     for design in range(count):
         results = {part: sample.result(output.name, design) for part, output in parts.items()}
@@ -524,6 +526,17 @@ def refined(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, 
             for exact in _compare_list(as_meant, design, results, errors)[: not zeroed[design]]:
                 _confirm(sample, design, exact, independent, errors["value"])
     return {parts[part].name: measured for part, measured in errors.items()}
+
+
+def _assembly(sample: Sample, output: Output, share: int) -> dict[str, MeasuredErrors]:
+    """Compare how designs assemble over the turn with what samples of their gaps show."""
+    known, measured = sample.catalogue, MeasuredErrors(METHOD)
+    count = min(sample.count, max(share // EVALUATIONS, 1))
+    inputs = {name: column[:count] for name, column in sample.inputs.items()}
+    designs = StationaryInPieces(known, CLOSES, inputs, sample.branches[:count], sample.plan.variants)
+    for design in range(count):
+        measured.add_code(float(sample.result(output.name, design)), designs.assembly(design))
+    return {output.name: measured}
 
 
 def _compare_outermost(

@@ -168,7 +168,7 @@ def _compared(sample: Sample, kind: str, group: list[Output], share: int) -> int
     if kind == "values":
         return configurations(sample, group, share)
     quantity = group[0].request.quantity
-    if kind == "refined":
+    if kind == "refined" and not group[0].is_assembly:
         return affordable(sample, quantity, share, group)
     return sample.affordable(sample.facts([quantity]), share, sample.count)
 
