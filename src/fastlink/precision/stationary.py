@@ -540,6 +540,8 @@ class StationaryInPieces(Stationary):
     def _candidates(self) -> list[list[Candidate]]:
         """Return the extremes of each design by samples, jumps and limits among them."""
         self.bounded = np.zeros(self.x.shape[:2], dtype=bool)
+        if self.quantity == CLOSES:
+            return [[] for _ in self.limits]
         found = super()._candidates()
         for design, limits in enumerate(self.limits):
             for at, side, gap in limits:
