@@ -1107,7 +1107,9 @@ def _mechanism(path: Path, contents: dict[str, Any], problems: Problems, trusted
         declared = contents.pop(LINKAGE)
         with problems.at():
             if mechanism is not None:
-                raise InputError("is given twice, here and by [linkage]", ("mechanism",), "leave one of both out")
+                raise InputError(
+                    "is given twice, here and by [linkage]", ("mechanism",), "leave one of both out"
+                )
             contents["mechanism"] = "linkage"
             parts = check_options({}) if not isinstance(declared, dict) else declared
             return linkage(**parts)

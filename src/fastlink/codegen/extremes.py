@@ -162,7 +162,10 @@ class ExtremaWriter:
         """Return the arrays of pieces, and those of what their extremes come to by design and branch."""
         branches = len(self.program.branches)
         columns, most = len(self.program.searches) * branches * LANES, LANES * branches * pieces.MOST_PIECES
-        both = [Array(name, "float64", (pieces.PIECE_ROWS, most + 2 * MOST_LANES)) for name in ("pieces", "further")]
+        both = [
+            Array(name, "float64", (pieces.PIECE_ROWS, most + 2 * MOST_LANES))
+            for name in ("pieces", "further")
+        ]
         found = Array("found", "float64", (2, branches * LANES))
         zeros = Array("zeros", "float64", (pieces.ZERO_ROWS, LANES, pieces.MOST_ZEROS))
         joined = [self.best(columns), self.lists("lists", columns), *self.places(columns)]
@@ -360,7 +363,13 @@ class ExtremaWriter:
                     stores[cells.IMAGE] = f"mirror_image({position}, {2.0 * self.program.graded.axis})"
             if search.cuts and not search.certain_by:
                 names += self.needs_of_zeros(search)
-                stores |= dict(zip((cells.IMAGE, cells.BOUND, cells.SLOPE_BOUND), self.needs_of_zeros(search), strict=False))
+                stores |= dict(
+                    zip(
+                        (cells.IMAGE, cells.BOUND, cells.SLOPE_BOUND),
+                        self.needs_of_zeros(search),
+                        strict=False,
+                    )
+                )
             if search.bounded_by:
                 names += search.bounded_by
                 bound, slope_bound, bend, slope = search.bounded_by
@@ -651,7 +660,9 @@ class ExtremaWriter:
     def write_pieces(self, of_cuts: Sequence[int], others: Sequence[int]) -> None:
         """Write how gaps cut the turn into pieces, the searches in these, and what their extremes come to."""
         text, searches, branches = self.text, self.program.searches, self.program.branches
-        text.add(f"numbers = array({[k for k in others if not (searches[k].onto or searches[k].splits)] or [0]})")
+        text.add(
+            f"numbers = array({[k for k in others if not (searches[k].onto or searches[k].splits)] or [0]})"
+        )
         text.call(pieces.begin_pieces, f"pieces, n_here, array({[float(b) for b in branches]})", "n_pieces")
         for zeros, leasts in zip(of_cuts[::2], of_cuts[1::2], strict=True):
             text.add("n_further = 0")
@@ -674,7 +685,9 @@ class ExtremaWriter:
                 arguments = f"pieces, p0, n_here, {len(branches)}, numbers"
                 text.call(pieces.join_pieces, f"{arguments}, lists, best, all_lists, all_best")
                 if self.program.has_gradients:
-                    text.call(pieces.join_winners, f"{arguments}, winners, gradients, all_winners, all_gradients")
+                    text.call(
+                        pieces.join_winners, f"{arguments}, winners, gradients, all_winners, all_gradients"
+                    )
         text.add(f"n_here = min({LANES}, n_designs - i0)")
         text.add(f"width = (n_here + {MOST_LANES - 1}) & {-MOST_LANES}")
         if rows := [name for name in self.rows if self.is_of_results(name)]:

@@ -184,12 +184,16 @@ class Breakpoint:
 #: which gap limits it (from 1 on, 0 for none), two terms of the power series of that in the distance, the error of the
 #: first, within what distance they stand for it; and how samples are graded, see `GradedRange.ends`.
 PIECE_ENDS = tuple(
-    tuple(f"piece_{name}_{end}" for name in ("by", "slope", "bend", "off", "near", "scale", "start", "toggle"))
+    tuple(
+        f"piece_{name}_{end}" for name in ("by", "slope", "bend", "off", "near", "scale", "start", "toggle")
+    )
     for end in ("low", "high")
 )
 PIECE = ("piece_low", "piece_width", "piece_off", *PIECE_ENDS[0], *PIECE_ENDS[1])
 #: The errors of what is given of a piece.
-PIECE_ERRORS = {"piece_low": "piece_off", "piece_width": "piece_off"} | {names[1]: names[3] for names in PIECE_ENDS}
+PIECE_ERRORS = {"piece_low": "piece_off", "piece_width": "piece_off"} | {
+    names[1]: names[3] for names in PIECE_ENDS
+}
 
 
 def root_of_gap(gap: str) -> str:

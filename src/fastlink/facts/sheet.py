@@ -403,7 +403,11 @@ def mechanism_of(text: str, file: str) -> Catalogue:
     if re.search(r"^\[closes\]", text, re.M):
         gaps = tuple(entry.parts["name"] for entry in entries if entry.section == "closes")
     numbers = [number for number, _, _ in numbered]
-    many = gaps is not None and len(numbers) <= MOST_BRANCHES and numbers == [str(k + 1) for k in range(len(numbers))]
+    many = (
+        gaps is not None
+        and len(numbers) <= MOST_BRANCHES
+        and numbers == [str(k + 1) for k in range(len(numbers))]
+    )
     if not (numbers == ["1", "2"] or many) or not all(meaning for *_, meaning in numbered):
         remedy = "write both below [branches]: 1: meaning, and 2: meaning"
         raise SheetError(file, "the branches are not 1 and 2", remedy)
@@ -462,7 +466,13 @@ def _declare_gaps(known: Catalogue, gaps: Sequence[str], file: str) -> None:
         if fact is None or fact.units != "1":
             what = f"{gap} of [closes] is no fact without units"
             raise SheetError(file, what, f"declare it in [facts]: step {gap} [1] symbol: meaning")
-        names = {"GAP": gap, "ROOT": root_of_gap(gap), "SLOPE": slope_of_gap(gap), "POSITION": position, "K": str(k)}
+        names = {
+            "GAP": gap,
+            "ROOT": root_of_gap(gap),
+            "SLOPE": slope_of_gap(gap),
+            "POSITION": position,
+            "K": str(k),
+        }
         read_sheet(re.sub("[A-Z]+", lambda word: names.get(word[0], word[0]), OF_GAP), place, known)
     conditions = " & ".join(f"({gap} >= 0.0)" for gap in gaps) or f"cos_{position} < 2.0"
     read_sheet(CLOSES_WHERE.replace("{conditions}", conditions), place, known)
@@ -587,7 +597,12 @@ def _graded_range(known: Catalogue, gaps: tuple[str, ...] | None) -> GradedRange
             sampled.append(name)
     jumping = {name: windings[name] for name in known.public if windings[name] and name not in wraps}
     sampled += [name for name, turns in jumping.items() if not turns.keys() <= wraps.keys()]
-    of_pieces: dict[str, Any] = {"gaps": gaps, "cells_otherwise": 64, "antisymmetric": (), "vanish_at_one_end": ()}
+    of_pieces: dict[str, Any] = {
+        "gaps": gaps,
+        "cells_otherwise": 64,
+        "antisymmetric": (),
+        "vanish_at_one_end": (),
+    }
     of_pieces["ends"] = tuple(names[5:] for names in PIECE_ENDS)
     return GradedRange(
         bounded_factor="share_of_sigma" if gaps is None else "toward_limits",
@@ -604,7 +619,9 @@ def _steps_of(known: Catalogue) -> list[Fact | System]:
     return [*known.dependencies(sorted(known.public), given)]
 
 
-def _with_roots(known: Catalogue, gaps: Collection[str] | None) -> tuple[set[str], dict[str, dict[str, float]]]:
+def _with_roots(
+    known: Catalogue, gaps: Collection[str] | None
+) -> tuple[set[str], dict[str, dict[str, float]]]:
     """Return the facts that may be no number where the loop closes by Z0 and C0, roots; how facts wind with angles."""
     found: set[str] = set()
     windings: dict[str, dict[str, float]] = {known.position.name: {known.position.name: 1.0}}

@@ -113,16 +113,24 @@ class _Writer:
         try:
             yield
         except InputError as error:
-            self.problems.noted += [replace(one, where=("linkage", *place, *one.where)) for one in error.problems]
+            self.problems.noted += [
+                replace(one, where=("linkage", *place, *one.where)) for one in error.problems
+            ]
 
     # -- reading -------------------------------------------------------------------------------------------------------
 
-    def value(self, where: KeyPath, given: Any, name: str, units: str, meaning: str, rule: str = "any") -> str:
+    def value(
+        self, where: KeyPath, given: Any, name: str, units: str, meaning: str, rule: str = "any"
+    ) -> str:
         """Return the name of an input, or of one with a number as its default; 0 is no input."""
         if isinstance(given, str):
             name = given
             if NAME.match(name) is None or re.fullmatch("[A-Za-z](_?[A-Za-z0-9])*_?", name) is None:
-                raise InputError(f"is {given!r}, which is no name", where, "write letters, digits and single _, or a number")
+                raise InputError(
+                    f"is {given!r}, which is no name",
+                    where,
+                    "write letters, digits and single _, or a number",
+                )
             check_name(name)
         elif isinstance(given, bool) or not isinstance(given, (int, float)) or given - given != 0.0:
             raise InputError(f"is {short_repr(given)}", where, "write the name of an input, or a number")
@@ -215,7 +223,9 @@ class _Writer:
     def add_angle(self, name: str, vector: str, rate: str) -> str:
         """Append angle, angular velocity, acceleration and jerk of a link by a vector of it; return its angle."""
         angle = f"angle_{name}"
-        self.fact(f"{angle} [rad] theta_{name}: Direction of {name}", f"= atan2({vector}_y + 0.0, {vector}_x)")
+        self.fact(
+            f"{angle} [rad] theta_{name}: Direction of {name}", f"= atan2({vector}_y + 0.0, {vector}_x)"
+        )
         self.slope(angle, rate)
         of = f"of {name}"
         self.fact(f"omega_{name} [rad s-1] omega_{name}: Angular velocity {of}", f"= omega * {rate}")
@@ -235,19 +245,26 @@ class _Writer:
 
     def line(self, where: KeyPath, given: Any) -> tuple[str, Pair, Pair, str]:
         """Return a line: a point, the unit vector along it as facts and in the loops, the rate at which that turns."""
-        first, second = self.pair((*where, "along"), given, "points of one link, or a ground pivot and an angle")
+        first, second = self.pair(
+            (*where, "along"), given, "points of one link, or a ground pivot and an angle"
+        )
         start = self.point((*where, "along"), first)
         if second not in self.points:
             if start not in self.links[0].points:
                 what = f"{short_repr(second)} is no point, and an angle is that of a fixed line"
                 raise InputError(what, (*where, "along"), suggest(str(second), list(self.points)))
             name = f"{start}_angle"
-            angle = self.value((*where, "along"), second, name, "rad", f"direction of the line through {start}")
+            angle = self.value(
+                (*where, "along"), second, name, "rad", f"direction of the line through {start}"
+            )
             unit = "axis_" + "_".join((start, "at", angle)) if angle != "0.0" else ""
             if not unit:
                 return start, ("1.0", "0.0"), ("1.0", "0.0"), ""
             for axis, of in (("x", "cosine"), ("y", "sine")):
-                self.once(f"step {unit}_{axis} [1] u_{axis}: Direction of the line through {start}", f"= {of}({angle})")
+                self.once(
+                    f"step {unit}_{axis} [1] u_{axis}: Direction of the line through {start}",
+                    f"= {of}({angle})",
+                )
             return start, (f"{unit}_x", f"{unit}_y"), (f"cos({angle})", f"sin({angle})"), ""
         link = self.link_of((*where, "along"), start, second)
         return start, *self.direction(link, start, second), link.rate
@@ -291,7 +308,9 @@ class _Writer:
         """Write the pivots of the ground."""
         ground = self.declared.get("ground")
         if not isinstance(ground, Mapping) or not ground:
-            raise InputError(f"is {short_repr(ground)}", ("ground",), 'write pivots, such as {"O": (0, 0), "D": ("a4", 0)}')
+            raise InputError(
+                f"is {short_repr(ground)}", ("ground",), 'write pivots, such as {"O": (0, 0), "D": ("a4", 0)}'
+            )
         self.links.append(Link("ground", [], "", ("1.0", "0.0"), ("1.0", "0.0"), ""))
         for name, at in ground.items():
             with self.within("ground", str(name)):
@@ -325,12 +344,19 @@ class _Writer:
         if pivot not in self.links[0].points:
             raise InputError(f"{pivot} is no pivot of the ground", ("crank", pin), shape)
         name = pivot + pin
-        length = self.value(("crank", pin), second, f"length_{name}", "m", f"length of the crank {name}", "positive")
+        length = self.value(
+            ("crank", pin), second, f"length_{name}", "m", f"length of the crank {name}", "positive"
+        )
         self.inputs["omega"] = ["omega [rad s-1] omega: angular velocity of the crank, constant"]
         axis = ("cos_theta", "sin_theta")
         radius = f"{length}_or_none"
-        self.fact(f"step {radius} [m] {length}: Length of the crank {name}, which is positive", f"= select({length} > 0.0, {length}, NOT_A_NUMBER)")
-        self.links.append(Link(name, [pivot, pin], pivot, axis, ("cos(theta)", "sin(theta)"), "crank_rate", "theta"))
+        self.fact(
+            f"step {radius} [m] {length}: Length of the crank {name}, which is positive",
+            f"= select({length} > 0.0, {length}, NOT_A_NUMBER)",
+        )
+        self.links.append(
+            Link(name, [pivot, pin], pivot, axis, ("cos(theta)", "sin(theta)"), "crank_rate", "theta")
+        )
         self.fact("step crank_rate [1] n: Angular velocity of the crank over itself", "= 1.0")
         self.add_bar(name, pivot, pin, length, (f"{radius} * cos_theta", f"{radius} * sin_theta"))
 
@@ -357,7 +383,11 @@ class _Writer:
                 words = list(given) if isinstance(given, Mapping) else []
                 kind = next((word for word in words if word in KINDS), "")
                 if not kind:
-                    said = f"is {short_repr(given)}" if not words else f"has no kind, but {', '.join(map(repr, words))}"
+                    said = (
+                        f"is {short_repr(given)}"
+                        if not words
+                        else f"has no kind, but {', '.join(map(repr, words))}"
+                    )
                     raise InputError(said, (), f"write one of {'; '.join(SHAPES.values())}")
                 known = [kind, *KINDS[kind].replace("[", "").replace("]", "").split()]
                 for word in words:
@@ -374,7 +404,11 @@ class _Writer:
         outer = self.pair(("rrr",), given["rrr"], "points")
         a, d = (self.point(("rrr",), one) for one in outer)
         if a == d or any(a in link.points and d in link.points for link in self.links):
-            raise InputError(f"{a} and {d} are of one link, on which {name} would be fixed", ("rrr",), f'write {SHAPES["on"]}')
+            raise InputError(
+                f"{a} and {d} are of one link, on which {name} would be fixed",
+                ("rrr",),
+                f"write {SHAPES['on']}",
+            )
         lengths = self.pair(("lengths",), given["lengths"], "lengths")
         first, second = a + name, d + name
         l1, l2 = (
@@ -440,17 +474,30 @@ class _Writer:
         for bar, start, length, rate in zip((first, second), (a, d), (l1, l2), rates, strict=True):
             angle = self.add_angle(bar, bar, rate)
             axis = (f"{bar}_x / {length}", f"{bar}_y / {length}")
-            self.links.append(Link(bar, [start, name], start, axis, (f"cos({angle})", f"sin({angle})"), rate, angle))
-            loops.append([_plus(self.in_loops[start][k], f"{length} * {self.links[-1].in_loops[k]}") for k in range(2)])
+            self.links.append(
+                Link(bar, [start, name], start, axis, (f"cos({angle})", f"sin({angle})"), rate, angle)
+            )
+            loops.append(
+                [_plus(self.in_loops[start][k], f"{length} * {self.links[-1].in_loops[k]}") for k in range(2)]
+            )
         self.rows += [f"    | {_minus(loops[0][k], loops[1][k])}" for k in range(2)]
         self.add_point(name, (_plus(ax, f"{first}_x"), _plus(ay, f"{first}_y")), tuple(loops[0]))  # type: ignore[arg-type]
         self.bars += [Bar(f"{start} {name}", {f"{start} {name}": of}) for start, of in ((a, l1), (d, l2))]
-        self.add_transmission(name, f"0.5 * ({sum_squared} * {root})", f"dot_{name}", *rates[::-1], f"the bars {first} and {second}")
+        self.add_transmission(
+            name,
+            f"0.5 * ({sum_squared} * {root})",
+            f"dot_{name}",
+            *rates[::-1],
+            f"the bars {first} and {second}",
+        )
 
     def add_transmission(self, name: str, sine: str, cosine: str, fast: str, slow: str, between: str) -> None:
         """Write the transmission angle of a dyad, which grows at the difference of two rates."""
         angle = f"transmission_angle_{name}"
-        self.fact(f"step sine_{name} [m2] |{name}|: Sine of the transmission angle at {name}, times lengths", f"= {sine}")
+        self.fact(
+            f"step sine_{name} [m2] |{name}|: Sine of the transmission angle at {name}, times lengths",
+            f"= {sine}",
+        )
         self.fact(
             f"{angle} [rad] mu_{name}: Transmission angle at {name}; between {between}",
             f"= atan2(sine_{name} + 0.0, {cosine})",
@@ -461,7 +508,9 @@ class _Writer:
         """Write a bar whose end is a slider on a line, which is fixed or of a link."""
         a = self.point(("rrp",), given["rrp"])
         bar, slide, root = a + name, f"slide_{name}", f"gap_{name}_root"
-        length = self.value(("length",), given["length"], f"length_{bar}", "m", f"length of the bar {bar}", "positive")
+        length = self.value(
+            ("length",), given["length"], f"length_{bar}", "m", f"length of the bar {bar}", "positive"
+        )
         c, (ux, uy), (lx, ly), turn = self.line((), given["along"])
         (ax, ay), (cx, cy) = self.points[a], self.points[c]
         rx, ry = _minus(ax, cx), _minus(ay, cy)
@@ -475,15 +524,23 @@ class _Writer:
             "= (1.0 - part) * (1.0 + part)",
         )
         self.add_ways(name, (f"{name} ahead of {a} along the line", f"{name} behind it"), f"the bar {bar}")
-        self.fact(f"step ahead_{name} [m] c: Part of {bar} along the line", f"= sign_{name} * ({length} * {root})")
+        self.fact(
+            f"step ahead_{name} [m] c: Part of {bar} along the line", f"= sign_{name} * ({length} * {root})"
+        )
         for axis, of, sign, other in (("x", ux, "+", uy), ("y", uy, "-", ux)):
             self.fact(
                 f"step {bar}_{axis} [m] {bar}_{axis}: Vector from {a} to {name}, {axis}",
                 f"= ahead_{name} * {of} {sign} off_{name} * {other}",
             )
-        self.fact(f"{slide} [m] s_{name}: Place of the slider {name} on its line, from {c}", f"= {ux} * ({rx}) + {uy} * ({ry}) + ahead_{name}")
+        self.fact(
+            f"{slide} [m] s_{name}: Place of the slider {name} on its line, from {c}",
+            f"= {ux} * ({rx}) + {uy} * ({ry}) + ahead_{name}",
+        )
         rate, per = f"n_{bar}", f"per_ahead_{name}"
-        self.fact(f"step {per} [m-1] 1/c: Reciprocal of the part of {bar} along the line", f"= 1.0 / (sign_{name} * ({length} * {root}))")
+        self.fact(
+            f"step {per} [m-1] 1/c: Reciprocal of the part of {bar} along the line",
+            f"= 1.0 / (sign_{name} * ({length} * {root}))",
+        )
         (vax, vay), (vcx, vcy) = self.rate_of(a), self.rate_of(c)
         wx, wy = _minus(vcx, vax), _minus(vcy, vay)
         of_line = f" + {slide} * {turn}" if turn else ""
@@ -505,9 +562,14 @@ class _Writer:
         self.rows += [f"    | {_minus(ends[k], _plus(to[k], _times(slide, (lx, ly)[k])))}" for k in range(2)]
         self.add_point(name, (_plus(ax, f"{bar}_x"), _plus(ay, f"{bar}_y")), tuple(ends), "slider")  # type: ignore[arg-type]
         self.bars.append(Bar(f"{a} {name}", {f"{a} {name}": length}))
-        self.fact(f"step across_{name} [m2] h {bar}: Cosine of the transmission angle at {name}, times lengths", f"= off_{name} * {length}")
+        self.fact(
+            f"step across_{name} [m2] h {bar}: Cosine of the transmission angle at {name}, times lengths",
+            f"= off_{name} * {length}",
+        )
         between = f"the bar {bar} and the normal of its line"
-        self.add_transmission(name, f"{length} * {length} * {root}", f"across_{name}", rate, turn or "0.0", between)
+        self.add_transmission(
+            name, f"{length} * {length} * {root}", f"across_{name}", rate, turn or "0.0", between
+        )
 
     def add_slide(self, name: str, start: str, slide: str) -> None:
         """Write the velocity and acceleration of a slider along its line."""
@@ -519,9 +581,17 @@ class _Writer:
 
     def write_rpr(self, name: str, given: Mapping[str, Any]) -> None:
         """Write a link about a pivot, along whose slot a pin slides."""
-        pin, pivot = self.pair(("rpr",), given["rpr"], "points: the pin, and the pivot of the link with the slot")
+        pin, pivot = self.pair(
+            ("rpr",), given["rpr"], "points: the pin, and the pivot of the link with the slot"
+        )
         a, d = self.point(("rpr",), pin), self.point(("rpr",), pivot)
-        offset = self.value(("offset",), given.get("offset", 0), f"offset_{name}", "m", f"distance of the slot of {name} from {d}, to its left")
+        offset = self.value(
+            ("offset",),
+            given.get("offset", 0),
+            f"offset_{name}",
+            "m",
+            f"distance of the slot of {name} from {d}, to its left",
+        )
         (ax, ay), (dx, dy) = self.points[a], self.points[d]
         reach, slide, root, rate = f"reach_{name}", f"slide_{name}", f"gap_{name}_root", f"n_{name}"
         for axis, of in (("x", _minus(ax, dx)), ("y", _minus(ay, dy))):
@@ -530,18 +600,30 @@ class _Writer:
         (vax, vay), (vdx, vdy) = self.rate_of(a), self.rate_of(d)
         wx, wy = _minus(vax, vdx), _minus(vay, vdy)
         if offset == "0.0":
-            self.fact(f"{slide} [m] s_{name}: Place of {a} along the slot of {name}, from {d}", f"= magnitude({reach}_x, {reach}_y)")
+            self.fact(
+                f"{slide} [m] s_{name}: Place of {a} along the slot of {name}, from {d}",
+                f"= magnitude({reach}_x, {reach}_y)",
+            )
             for axis in "xy":
-                self.fact(f"step axis_{name}_{axis} [1] u_{axis}: Direction of {name}, {axis}", f"= {reach}_{axis} / {slide}")
+                self.fact(
+                    f"step axis_{name}_{axis} [1] u_{axis}: Direction of {name}, {axis}",
+                    f"= {reach}_{axis} / {slide}",
+                )
         else:
             scale = next(iter(self.bars[0].lengths.values()))
-            self.fact(f"step {reach}_squared [m2] |{d}{a}|^2: Square of the distance of {d} and {a}", f"= {reach}_x * {reach}_x + {reach}_y * {reach}_y")
+            self.fact(
+                f"step {reach}_squared [m2] |{d}{a}|^2: Square of the distance of {d} and {a}",
+                f"= {reach}_x * {reach}_x + {reach}_y * {reach}_y",
+            )
             self.fact(
                 f"step gap_{name} [1] s^2: Square of the place of {a} along the slot, over that of the crank",
                 f"= ({reach}_squared - {offset} * {offset}) / ({scale} * {scale})",
             )
             self.add_ways(name, (f"{a} ahead of {d} along {name}", f"{a} behind it"), f"the slot of {name}")
-            self.fact(f"{slide} [m] s_{name}: Place of {a} along the slot of {name}, from {d}", f"= sign_{name} * ({scale} * {root})")
+            self.fact(
+                f"{slide} [m] s_{name}: Place of {a} along the slot of {name}, from {d}",
+                f"= sign_{name} * ({scale} * {root})",
+            )
             for axis, sign, other in (("x", "+", "y"), ("y", "-", "x")):
                 self.fact(
                     f"step axis_{name}_{axis} [1] u_{axis}: Direction of {name}, {axis}",
@@ -561,7 +643,10 @@ class _Writer:
         self.links.append(Link(name, [d], d, axis_names, (lx, ly), rate, angle))
         (px, py), (qx, qy) = self.in_loops[a], self.in_loops[d]
         left = ("", "") if offset == "0.0" else (f" - {offset} * {ly}", f" + {offset} * {lx}")
-        self.rows += [f"    | {qx} + {slide} * {lx}{left[0]} - ({px})", f"    | {qy} + {slide} * {ly}{left[1]} - ({py})"]
+        self.rows += [
+            f"    | {qx} + {slide} * {lx}{left[0]} - ({px})",
+            f"    | {qy} + {slide} * {ly}{left[1]} - ({py})",
+        ]
         self.bars.append(Bar(f"{d} {a}", {}))
 
     def write_rpp(self, name: str, given: Mapping[str, Any]) -> None:
@@ -570,23 +655,46 @@ class _Writer:
         c, (ux, uy), (lx, ly), turn = self.line((), given["along"])
         slide, (ax, ay), (cx, cy) = f"slide_{name}", self.points[a], self.points[c]
         rx, ry = _minus(ax, cx), _minus(ay, cy)
-        angle = self.value(("angle",), given["angle"], f"slot_{name}", "rad", f"angle of the slot of {name} from its line") if "angle" in given else ""
+        angle = (
+            self.value(
+                ("angle",),
+                given["angle"],
+                f"slot_{name}",
+                "rad",
+                f"angle of the slot of {name} from its line",
+            )
+            if "angle" in given
+            else ""
+        )
         off = f" - ({ux} * ({ry}) - {uy} * ({rx})) * (cosine({angle}) / sine({angle}))" if angle else ""
-        self.fact(f"{slide} [m] s_{name}: Place of the slider {name} on its line, from {c}", f"= {ux} * ({rx}) + {uy} * ({ry}){off}")
+        self.fact(
+            f"{slide} [m] s_{name}: Place of the slider {name} on its line, from {c}",
+            f"= {ux} * ({rx}) + {uy} * ({ry}){off}",
+        )
         self.add_slide(name, c, slide)
         of, to = self.in_loops[a], self.in_loops[c]
         ends = [_plus(to[k], _times(slide, (lx, ly)[k])) for k in range(2)]
         x, y = (_minus(of[k], f"({ends[k]})") for k in range(2))
         along = f"(({x}) * {lx} + ({y}) * {ly})"
-        self.rows.append(f"    | {along} * sin({angle}) - (({y}) * {lx} - ({x}) * {ly}) * cos({angle})" if angle else f"    | {along}")
+        self.rows.append(
+            f"    | {along} * sin({angle}) - (({y}) * {lx} - ({x}) * {ly}) * cos({angle})"
+            if angle
+            else f"    | {along}"
+        )
         self.links.append(Link(f"slider{name}", [name], name, (ux, uy), (lx, ly), turn))
-        self.add_point(name, (_plus(cx, _times(slide, ux)), _plus(cy, _times(slide, uy))), tuple(ends), "slider")  # type: ignore[arg-type]
+        self.add_point(
+            name, (_plus(cx, _times(slide, ux)), _plus(cy, _times(slide, uy))), tuple(ends), "slider"
+        )  # type: ignore[arg-type]
         self.bars.append(Bar(f"{name} {a}", {}))
 
     def write_prp(self, name: str, given: Mapping[str, Any]) -> None:
         """Write a pin of two sliders, each on a line of its own."""
-        lines = self.pair(("prp",), given["prp"], "lines, each of two points of one link, or of a ground pivot and an angle")
-        (c, (ux, uy), (lx, ly), turn), (g, (wx, wy), (kx, ky), _) = (self.line(("prp",), one) for one in lines)
+        lines = self.pair(
+            ("prp",), given["prp"], "lines, each of two points of one link, or of a ground pivot and an angle"
+        )
+        (c, (ux, uy), (lx, ly), turn), (g, (wx, wy), (kx, ky), _) = (
+            self.line(("prp",), one) for one in lines
+        )
         slide, (cx, cy), (gx, gy) = f"slide_{name}", self.points[c], self.points[g]
         rx, ry = _minus(gx, cx), _minus(gy, cy)
         self.fact(
@@ -598,7 +706,9 @@ class _Writer:
         ends = [_plus(to[k], _times(slide, (lx, ly)[k])) for k in range(2)]
         x, y = (_minus(f"({ends[k]})", f"({of[k]})") for k in range(2))
         self.rows.append(f"    | ({x}) * {ky} - ({y}) * {kx}")
-        self.add_point(name, (_plus(cx, _times(slide, ux)), _plus(cy, _times(slide, uy))), tuple(ends), "slider")  # type: ignore[arg-type]
+        self.add_point(
+            name, (_plus(cx, _times(slide, ux)), _plus(cy, _times(slide, uy))), tuple(ends), "slider"
+        )  # type: ignore[arg-type]
 
     def write_on(self, name: str, given: Mapping[str, Any]) -> None:
         """Write a point of a link, by its place along the axis from one point of it to another, and left of that."""
@@ -614,7 +724,9 @@ class _Writer:
         place = self.pair(("at",), given["at"], "coordinates: names of inputs, or numbers in m")
         about = ("along", "left of")
         u, v = (
-            self.value(("at",), one, f"{name}_{axis}", "m", f"place of {name} on {link.name}, {what} its axis")
+            self.value(
+                ("at",), one, f"{name}_{axis}", "m", f"place of {name} on {link.name}, {what} its axis"
+            )
             for one, axis, what in zip(place, "uv", about, strict=True)
         )
         (x, y), (px, py) = self.points[start], self.in_loops[start]
@@ -638,12 +750,24 @@ class _Writer:
         pivot, ratio = self.point(("about",), given["about"]), given["ratio"]
         if isinstance(ratio, bool) or not isinstance(ratio, int) or not 1 <= abs(ratio) <= MOST_RATIO:
             what = f"is {short_repr(ratio)}: another ratio goes on for several turns of the crank"
-            raise InputError(what, ("ratio",), f"write a whole number from -{MOST_RATIO} to {MOST_RATIO}, not 0")
+            raise InputError(
+                what, ("ratio",), f"write a whole number from -{MOST_RATIO} to {MOST_RATIO}, not 0"
+            )
         bar = pivot + name
-        length = self.value(("length",), given["length"], f"length_{bar}", "m", f"length of the bar {bar}", "positive")
-        phase = self.value(("phase",), given.get("phase", 0), f"phase_{bar}", "rad", f"angle of {bar} beyond that of its drive")
+        length = self.value(
+            ("length",), given["length"], f"length_{bar}", "m", f"length of the bar {bar}", "positive"
+        )
+        phase = self.value(
+            ("phase",),
+            given.get("phase", 0),
+            f"phase_{bar}",
+            "rad",
+            f"angle of {bar} beyond that of its drive",
+        )
         (ux, uy), (lx, ly) = self.direction(driver, start, end)
-        lines = [f"x, y = {ux}, {uy}", "u, v = x, y"] + ["u, v = u * x - v * y, u * y + v * x"] * (abs(ratio) - 1)
+        lines = [f"x, y = {ux}, {uy}", "u, v = x, y"] + ["u, v = u * x - v * y, u * y + v * x"] * (
+            abs(ratio) - 1
+        )
         if phase != "0.0":
             lines.append(f"c, s = cosine({phase}), sine({phase})")
         v = "v" if ratio > 0 else "-v"
@@ -651,14 +775,19 @@ class _Writer:
         for axis, of in zip("xy", turned, strict=True):
             self.fact(f"step axis_{bar}_{axis} [1] u_{axis}: Direction of {bar}, {axis}", *lines, f"= {of}")
         rate = f"n_{bar}"
-        self.fact(f"step {rate} [1] n_{bar}: Angular velocity of {bar} over that of the crank", f"= {float(ratio)} * {driver.rate}")
+        self.fact(
+            f"step {rate} [1] n_{bar}: Angular velocity of {bar} over that of the crank",
+            f"= {float(ratio)} * {driver.rate}",
+        )
         self.turning(f"axis_{bar}", rate)
         angle = self.add_angle(bar, f"axis_{bar}", rate)
         of = re.fullmatch(r"cos\((\w+)\)", lx)
         turns = f"{ratio}.0 * {of[1] if of else driver.angle}" + ("" if phase == "0.0" else f" + {phase}")
         self.rows.append(f"    | sin({angle} - ({turns}))")
         axis_pair = (f"axis_{bar}_x", f"axis_{bar}_y")
-        self.links.append(Link(bar, [pivot, name], pivot, axis_pair, (f"cos({angle})", f"sin({angle})"), rate, angle))
+        self.links.append(
+            Link(bar, [pivot, name], pivot, axis_pair, (f"cos({angle})", f"sin({angle})"), rate, angle)
+        )
         self.add_bar(bar, pivot, name, length)
 
     # -- the sheet -----------------------------------------------------------------------------------------------------
@@ -670,21 +799,40 @@ class _Writer:
                 write()
             self.problems.stop()
         if len(self.ways) > MOST_WAYS:
-            raise InputError(f"{len(self.ways)} dyads have two ways each", ("linkage", "dyads"), f"write at most {MOST_WAYS}")
+            raise InputError(
+                f"{len(self.ways)} dyads have two ways each",
+                ("linkage", "dyads"),
+                f"write at most {MOST_WAYS}",
+            )
         for k, (name, _, first) in enumerate(self.ways):
             rest, lines = "branch - 1.0", []
             for higher in range(len(self.ways) - 1, k, -1):
                 lines.append(f"r{higher} = {rest}")
                 rest = f"r{higher} - select(r{higher} >= {2.0**higher}, {2.0**higher}, 0.0)"
-            self.fact(f"step sign_{name} [1] s_{name}: 1 or -1, the way to assemble the dyad of {name}", *lines, f"= {first} * select({rest} >= {2.0**k}, -1.0, 1.0)")
-        name, title = str(self.declared["name"]), str(self.declared.get("title") or f"Linkage {self.declared['name']}")
+            self.fact(
+                f"step sign_{name} [1] s_{name}: 1 or -1, the way to assemble the dyad of {name}",
+                *lines,
+                f"= {first} * select({rest} >= {2.0**k}, -1.0, 1.0)",
+            )
+        name, title = (
+            str(self.declared["name"]),
+            str(self.declared.get("title") or f"Linkage {self.declared['name']}"),
+        )
         branches = []
         for number in range(2 ** len(self.ways)):
             words = [ways[number >> k & 1] for k, (_, ways, _) in enumerate(self.ways)]
             branches.append(f"{number + 1}: {'; '.join(words) or 'the only one'}")
-        inputs = [line for lines in self.inputs.values() for line in (lines[0], *(f"    {one}" for one in lines[1:]))]
+        inputs = [
+            line
+            for lines in self.inputs.values()
+            for line in (lines[0], *(f"    {one}" for one in lines[1:]))
+        ]
         parts = ["[mechanism]", f"{name}: {title}", "[position]"]
-        parts += [f"theta [rad] theta: crank angle; direction of {self.links[1].name}", "[branches]", *branches]
+        parts += [
+            f"theta [rad] theta: crank angle; direction of {self.links[1].name}",
+            "[branches]",
+            *branches,
+        ]
         closes = ["[closes]", *(f"{gap}: {what}" for gap, what in self.gaps.items())]
         parts += [*closes, "[inputs]", *inputs]
         parts += ["## docs/linkages.md", "[facts]", *self.facts]
@@ -695,7 +843,13 @@ class _Writer:
     def picture(self) -> Picture:
         """What is drawn of it."""
         traced = {point.name: point.name for point in self.drawn if point.kind == "traced"}
-        return Picture(points=tuple(self.drawn), bars=tuple(self.bars), guides=tuple(self.guides), traced=traced, title=str(self.declared["name"]))
+        return Picture(
+            points=tuple(self.drawn),
+            bars=tuple(self.bars),
+            guides=tuple(self.guides),
+            traced=traced,
+            title=str(self.declared["name"]),
+        )
 
 
 def sheet_of_linkage(text: str) -> tuple[str, Picture]:

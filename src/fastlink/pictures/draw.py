@@ -341,7 +341,9 @@ def request_of(source: Source, strip: Any, curves: Any, show: Any, degrees: Any,
 def picture_of(mechanism: str, catalogue: Catalogue) -> Picture:
     """Return what a mechanism declares to be drawn, or refuse one that does not."""
     try:
-        picture: Picture = picture_of_own(mechanism) or import_module(f"fastlink.mechanisms.{mechanism}").PICTURE
+        picture: Picture = (
+            picture_of_own(mechanism) or import_module(f"fastlink.mechanisms.{mechanism}").PICTURE
+        )
     except (ModuleNotFoundError, AttributeError):
         remedy = f"declare its joints and bars in mechanisms/{mechanism}/__init__.py"
         if "@" in mechanism or mechanism.endswith(SHEET):

@@ -750,7 +750,11 @@ class Planner:
             if group is first:
                 of_group += [output for output in outputs if output.is_assembly]
             names += [term.tolerance for o in of_group for term in o.terms]
-            names += [error_name(end[2]) for end in ends if any(s.bounded_by for s in group) and self.graded.gaps is None]
+            names += [
+                error_name(end[2])
+                for end in ends
+                if any(s.bounded_by for s in group) and self.graded.gaps is None
+            ]
             names += [VALID for o in of_group if o.is_assembly]
             names += [name for s in group for name in needs_of_zeros(self.catalogue, s)]
             names += [name for s in group[:1] if s.arc for name in ARC_FACTS]

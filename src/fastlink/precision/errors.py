@@ -20,7 +20,15 @@ from fastlink.facts.tables import angle_tables
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.precision.independent import TOLERANCE, IndependentValues
 from fastlink.precision.reference import CONTEXT, DIGITS, HighPrecision, error_in_roundings
-from fastlink.precision.stationary import CLOSES, END, JUMP, Extreme, Stationary, StationaryInPieces, stationary_of
+from fastlink.precision.stationary import (
+    CLOSES,
+    END,
+    JUMP,
+    Extreme,
+    Stationary,
+    StationaryInPieces,
+    stationary_of,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence

@@ -480,7 +480,13 @@ class StationaryInPieces(Stationary):
         self.variants = tuple(one for one in self.variants if one != self.graded.name)
         count, gaps = self.inputs["branch"].size, self.graded.gaps or ()
         given = (*self.inputs, self.position)
-        self.facts = HighPrecision(self.catalogue, (*self.facts.names[:1], *self.facts.names[2:], *gaps), given, self.variants, zeroes=self.facts.zeroes)
+        self.facts = HighPrecision(
+            self.catalogue,
+            (*self.facts.names[:1], *self.facts.names[2:], *gaps),
+            given,
+            self.variants,
+            zeroes=self.facts.zeroes,
+        )
         self.folds, self.scale = np.zeros(count, dtype=bool), np.ones((count, 1))
         first = -np.pi + 0.1234567  # at no place that symmetry gives an extreme
         every = np.linspace(first, first + 2.0 * np.pi, TURN_SAMPLES + 1)

@@ -307,7 +307,15 @@ def _in_turn(theta: float) -> float:
 
 @outlined
 def join_pieces(
-    pieces: Any, start: int, count: int, branches: int, numbers: Any, lists: Any, best: Any, all_lists: Any, all_best: Any
+    pieces: Any,
+    start: int,
+    count: int,
+    branches: int,
+    numbers: Any,
+    lists: Any,
+    best: Any,
+    all_lists: Any,
+    all_best: Any,
 ) -> None:
     """Put the extremes of pieces together with those of the pieces before of the same design and branch."""
     room = lists.shape[2]
@@ -345,7 +353,15 @@ def join_pieces(
 
 @outlined
 def join_winners(
-    pieces: Any, start: int, count: int, branches: int, numbers: Any, winners: Any, gradients: Any, all_winners: Any, all_gradients: Any
+    pieces: Any,
+    start: int,
+    count: int,
+    branches: int,
+    numbers: Any,
+    winners: Any,
+    gradients: Any,
+    all_winners: Any,
+    all_gradients: Any,
 ) -> None:
     """Put the places of extremes and the derivatives there together with those of the pieces before.
 
