@@ -242,6 +242,7 @@ class _Writer:
         """Note that a dyad can be assembled in two ways, the sign of the first, and what limits it."""
         self.ways.append((name, meanings, first))
         self.gaps[f"gap_{name}"] = gap
+        self.moving.add(f"gap_{name}_root")
 
     def line(self, where: KeyPath, given: Any) -> tuple[str, Pair, Pair, str]:
         """Return a line: a point, the unit vector along it as facts and in the loops, the rate at which that turns."""

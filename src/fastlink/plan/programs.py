@@ -185,7 +185,7 @@ class ExtremumSearch:
 
 
 def needs_of_zeros(known: Catalogue, search: ExtremumSearch) -> tuple[str, ...]:
-    """Return what is evaluated at the zeros of a gap: its second derivative, and error bounds of it and of its slope."""
+    """Return what is evaluated at zeros of a gap: its second derivative, and error bounds of it and of its slope."""
     if not search.cuts or search.certain_by or known.graded is None or known.graded.gaps is None:
         return ()
     gap, position = known.graded.gaps[search.cuts - 1], known.position.name

@@ -464,8 +464,8 @@ class Stationary:
 
 #: The fact that is 1 where all loops close.
 CLOSES = "closes"
-#: Samples of a turn that gaps cut into pieces, and how often least and greatest gaps between them are refined; powers of
-#: ten of the distances from a limit of further samples; halvings that place a limit.
+#: Samples of a turn that gaps cut into pieces, and how often least and greatest gaps between them are refined; powers
+#: of ten of the distances from a limit of further samples; halvings that place a limit.
 TURN_SAMPLES, REFINED, BESIDE_LIMIT, HALVINGS = 1024, 4, range(2, 15), 50
 
 
@@ -522,7 +522,7 @@ class StationaryInPieces(Stationary):
             left, right = np.diff(f)[:-1] / np.diff(x)[:-1], np.diff(f)[1:] / np.diff(x)[1:]
             turns = left * right < 0.0
             at = 0.5 * (x[:-2] + x[1:-1]) + left / (left - right) * 0.5 * (x[2:] - x[:-2])
-        found = at[turns]
+        found: NDArray[Any] = at[turns]
         return found[np.isfinite(found)]
 
     def _limits(self, design: int, x: NDArray[Any]) -> list[tuple[float, int, str]]:
