@@ -167,9 +167,11 @@ class ExtremaWriter:
             for name in ("pieces", "further")
         ]
         found = Array("found", "float64", (2, branches * LANES))
-        zeros = Array("zeros", "float64", (pieces.ZERO_ROWS, LANES, pieces.MOST_ZEROS))
+        zeros = [
+            Array(name, "float64", (pieces.ZERO_ROWS, LANES, pieces.MOST_ZEROS)) for name in ("zeros", "leasts")
+        ]
         joined = [self.best(columns), self.lists("lists", columns), *self.places(columns)]
-        return [*both, found, zeros, *(replace(array, name=f"all_{array.name}") for array in joined)]
+        return [*both, found, *zeros, *(replace(array, name=f"all_{array.name}") for array in joined)]
 
     @property
     def columns(self) -> int:
@@ -361,7 +363,7 @@ class ExtremaWriter:
                 if self.program.mirrored:
                     self.text.use("codegen.runtime.results", "mirror_image")
                     stores[cells.IMAGE] = f"mirror_image({position}, {2.0 * self.program.graded.axis})"
-            if search.cuts and not search.certain_by:
+            if search.cuts:
                 names += self.needs_of_zeros(search)
                 stores |= dict(
                     zip(
@@ -652,7 +654,7 @@ class ExtremaWriter:
         for number in sorted(numbers, key=lambda k: not searches[k].splits):
             self.write_search(number)
         for number in numbers:
-            if self.needs_ends(searches[number]) or (searches[number].cuts and searches[number].certain_by):
+            if self.needs_ends(searches[number]):
                 self.write_ends(number)
         for row in self.doubts:
             text.call(results.doubt, f"w, {row}, n_here, lists, best")
@@ -664,14 +666,14 @@ class ExtremaWriter:
             f"numbers = array({[k for k in others if not (searches[k].onto or searches[k].splits)] or [0]})"
         )
         text.call(pieces.begin_pieces, f"pieces, n_here, array({[float(b) for b in branches]})", "n_pieces")
-        for zeros, leasts in zip(of_cuts[::2], of_cuts[1::2], strict=True):
+        for number in of_cuts:
             text.add("n_further = 0")
             with self.lanes_of_pieces():
-                text.call(pieces.forget_zeros, "zeros")
-                self.write_pass([zeros, leasts])
-                gap = searches[zeros].cuts
-                arguments = f"pieces, p0, n_here, zeros, lists, best, {leasts}, {gap}, further, n_further"
-                text.call(pieces.cut_pieces, arguments, "n_further")
+                text.call(pieces.forget_zeros, "zeros, leasts")
+                self.write_pass([number])
+                middle = self.sample_row(number, 0) + self.cells
+                arguments = f"pieces, p0, n_here, zeros, leasts, samples, {middle}, {searches[number].cuts}"
+                text.call(pieces.cut_pieces, f"{arguments}, further, n_further", "n_further")
             text.call(pieces.close_pieces, "further, n_further, pieces", "n_pieces")
         text.call(pieces.clear_all, "all_lists, all_best, found")
         if self.program.has_gradients:
@@ -865,6 +867,9 @@ class ExtremaWriter:
                     text.call(cells.begin_valleys, "state, filled, vectors", "n_open")
                     self.write_steps(number, cells.advance_valleys)
                     text.call(cells.split, "state, filled, counts, roots")
+                    if search.cuts:
+                        self.write_value(number)
+                        text.call(pieces.keep_leasts, "state, filled, leasts")
                 else:
                     text.call(cells.begin_roots, "state, filled, vectors, flags", "n_open")
                     self.write_steps(number, cells.advance_roots)
@@ -920,7 +925,7 @@ class ExtremaWriter:
     def write_extrema(self, number: int, classify: Callable[..., Any], state: str) -> None:
         """Write the quantity's evaluation at items of a search, what is extreme there, and its storing."""
         text, search = self.text, self.program.searches[number]
-        if search.cuts and not search.certain_by:
+        if search.cuts:
             self.write_value(number)
             text.call(pieces.keep_zeros, "state, filled, zeros")
             return
@@ -941,7 +946,7 @@ class ExtremaWriter:
             text.call(results.bound_zeros, f"state, filled, search_{number}, {int(search.magnitude)}")
             if search.kind == "jump":
                 text.call(beside.bound_aside, "state, filled")
-            if listed and not (search.onto or search.cuts):
+            if listed and not search.onto:
                 text.call(results.note_uncertain, f"state, filled, w, table, search_{number}, best")
         elif self.program.has_bounds and search.kind != "pole":
             text.call(results.bound_ends, "state, filled, w, table")

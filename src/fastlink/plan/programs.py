@@ -170,7 +170,7 @@ class ExtremumSearch:
     gradients: tuple[Gradient, ...] = ()
     #: Where its extremes are, if that is known in closed form.
     known: KnownExtremes | None = None
-    #: Whose zeros and least values cut the range into pieces, before all other searches: the number of the gap, or 0.
+    #: If its zeros cut the range into pieces, before all other searches, the number of the gap, else 0.
     cuts: int = 0
 
     @property
@@ -186,7 +186,7 @@ class ExtremumSearch:
 
 def needs_of_zeros(known: Catalogue, search: ExtremumSearch) -> tuple[str, ...]:
     """Return what is evaluated at zeros of a gap: its second derivative, and error bounds of it and of its slope."""
-    if not search.cuts or search.certain_by or known.graded is None or known.graded.gaps is None:
+    if not search.cuts or known.graded is None or known.graded.gaps is None:
         return ()
     gap, position = known.graded.gaps[search.cuts - 1], known.position.name
     slope = derivative_name(gap, position)
@@ -645,14 +645,12 @@ class Planner:
         ]
 
     def searches_for_cuts(self, cells: int) -> list[ExtremumSearch]:
-        """Return the searches for zeros and least values of gaps, in their order."""
+        """Return the searches for zeros of gaps, in their order."""
         found = []
         for k, gap in enumerate(self.graded.gaps or (), 1):
-            for name in (slope_of_gap(gap), gap):
-                search = self.search(name)
-                assert search is not None
-                certain = (error_name(search.slope),) if name == gap else ()
-                found.append(replace(search, cells=cells, cuts=k, certain_by=certain, turns=()))
+            search = self.search(slope_of_gap(gap))
+            assert search is not None
+            found.append(replace(search, cells=cells, cuts=k, turns=()))
         return found
 
     def further_searches(
@@ -736,9 +734,9 @@ class Planner:
         groups = {(self.graded.cells_otherwise, False): first} if any(o.is_assembly for o in outputs) else {}
         for search in (*searches, *self.further_searches(searches, bounded)):
             groups.setdefault((search.cells, search.mirrored), []).append(search)
-        for group in groups.values():
+        for (cells, _), group in groups.items():
             group += self.searches_for_splits(group)
-            group += self.searches_for_cuts(group[0].cells)
+            group += self.searches_for_cuts(cells)
             names = [position, self.graded.bounded_factor, *(name for end in ends for name in end)]
             names += [
                 name

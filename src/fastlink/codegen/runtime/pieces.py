@@ -13,6 +13,7 @@ from typing import Any
 from fastlink.codegen.runtime.cells import AT_LIMIT as AT_LIMIT_OF
 from fastlink.codegen.runtime.cells import (
     BOUND,
+    FC,
     IMAGE,
     LANE,
     LANES,
@@ -37,7 +38,6 @@ from fastlink.codegen.runtime.results import (
     LEAST_BOUND,
     LIST_KIND,
     LIST_THETA,
-    LIST_VALUE,
     PLACE,
     TIE,
     UNDECIDED,
@@ -86,10 +86,28 @@ def _set_end(pieces: Any, k: int, end: int, distance: float, width: float, whole
 
 
 @outlined
-def forget_zeros(zeros: Any) -> None:
-    """Begin with no zeros."""
+def forget_zeros(zeros: Any, leasts: Any) -> None:
+    """Begin with no zeros, and no least values."""
     for i in range(LANES):
         zeros[AT, i, MOST_ZEROS - 1] = 0.0
+        leasts[AT, i, MOST_ZEROS - 1] = 0.0
+
+
+@merged
+def _place(zeros: Any, lane: int, theta: float) -> int:
+    """Make room in a sorted list of zeros; return where, -1 where there is none."""
+    n = int(zeros[AT, lane, MOST_ZEROS - 1])
+    k = n
+    if n >= MOST_ZEROS - 1:
+        k = -1
+    while k > 0 and zeros[AT, lane, k - 1] > theta:
+        for r in range(ZERO_ROWS):
+            zeros[r, lane, k] = zeros[r, lane, k - 1]
+        k -= 1
+    if k >= 0:
+        zeros[AT, lane, k] = theta
+        zeros[AT, lane, MOST_ZEROS - 1] = n + 1.0
+    return k
 
 
 @outlined
@@ -97,19 +115,23 @@ def keep_zeros(s: Any, count: int, zeros: Any) -> None:
     """Sort the zeros at items into those of their pieces, with the slope, the second derivative and the error there."""
     for i in range(count):
         lane, theta, slope = int(s[LANE, i]), s[THETA, i], s[VALUE, i]
-        n = int(zeros[AT, lane, MOST_ZEROS - 1])
-        if (slope == slope) & (n < MOST_ZEROS - 1):
-            k = n
-            while k > 0 and zeros[AT, lane, k - 1] > theta:
-                for r in range(ZERO_ROWS):
-                    zeros[r, lane, k] = zeros[r, lane, k - 1]
-                k -= 1
-            zeros[AT, lane, k] = theta
-            zeros[SLOPE_AT, lane, k] = slope
-            zeros[BEND_AT, lane, k] = 0.5 * s[IMAGE, i]
-            zeros[OFF_AT, lane, k] = s[BOUND, i] / abs(slope)
-            zeros[ROUGH_AT, lane, k] = s[SLOPE_BOUND, i]
-            zeros[AT, lane, MOST_ZEROS - 1] = n + 1.0
+        if slope == slope:
+            k = _place(zeros, lane, theta)
+            if k >= 0:
+                zeros[SLOPE_AT, lane, k] = slope
+                zeros[BEND_AT, lane, k] = 0.5 * s[IMAGE, i]
+                zeros[OFF_AT, lane, k] = s[BOUND, i] / abs(slope)
+                zeros[ROUGH_AT, lane, k] = s[SLOPE_BOUND, i]
+
+
+@outlined
+def keep_leasts(s: Any, count: int, leasts: Any) -> None:
+    """Sort the least values at items into those of their pieces, if the root of the gap turns sharply there."""
+    for i in range(count):
+        if (s[FC, i] > 0.0) & (s[FC, i] < SHARP):
+            k = _place(leasts, int(s[LANE, i]), s[THETA, i])
+            if k >= 0:
+                leasts[SLOPE_AT, int(s[LANE, i]), k] = s[FC, i]
 
 
 @outlined
@@ -202,31 +224,30 @@ def cut_pieces(
     start: int,
     count: int,
     zeros: Any,
-    lists: Any,
-    best: Any,
-    leasts: int,
+    leasts: Any,
+    samples: Any,
+    middle: int,
     gap: int,
     further: Any,
     total: int,
 ) -> int:
     """Cut pieces where a gap is zero, and at small least values of it; return how many there are.
 
-    `leasts` is the number of the search for the latter, lists of which are in the columns of the pieces.
+    Without a zero the sample in row `middle` tells whether the loop closes in all of a piece.
     """
-    room = lists.shape[2]
     for i in range(count):
-        p, of = start + i, leasts * LANES + i
+        p = start + i
         low = pieces[LOW, p]
         high = low + pieces[WIDTH, p]
-        n_zeros, n_leasts = int(zeros[AT, i, MOST_ZEROS - 1]), min(int(best[COUNT, of]), room)
-        inside = zeros[SLOPE_AT, i, 0] < 0.0 if n_zeros > 0 else best[GREATEST, of] > 0.0
+        n_zeros, n_leasts = int(zeros[AT, i, MOST_ZEROS - 1]), int(leasts[AT, i, MOST_ZEROS - 1])
+        inside = zeros[SLOPE_AT, i, 0] < 0.0 if n_zeros > 0 else samples[middle, i] > 0.0
         _copy_end(pieces, p, further, total, END_LOW)
         _begin_piece(further, total, low, _beyond(pieces, p, END_LOW), pieces[OFF, p])
         z, m = 0, 0
         while z + m < n_zeros + n_leasts:
             is_zero = m >= n_leasts
             if (z < n_zeros) & (m < n_leasts):
-                is_zero = zeros[AT, i, z] <= lists[LIST_THETA, of, m]
+                is_zero = zeros[AT, i, z] <= leasts[AT, i, m]
             if is_zero:
                 theta, slope = zeros[AT, i, z], zeros[SLOPE_AT, i, z]
                 before = theta - zeros[AT, i, max(z - 1, 0)] if z > 0 else TWO_PI
@@ -243,10 +264,8 @@ def cut_pieces(
                     inside = True
                 z += 1
             else:
-                theta, least = lists[LIST_THETA, of, m], lists[LIST_VALUE, of, m]
-                sharp = (lists[LIST_KIND, of, m] < 0.0) & (least > 0.0) & (least < SHARP)
-                if inside & sharp:
-                    beyond = 2.0 * sqrt(least)
+                theta, beyond = leasts[AT, i, m], 2.0 * sqrt(leasts[SLOPE_AT, i, m])
+                if inside:
                     _limit(further, total, END_HIGH, 0.0, zeros, i, 0)
                     total = _end_piece(pieces, p, further, total, theta, beyond)
                     _limit(further, total, END_LOW, 0.0, zeros, i, 0)
