@@ -860,6 +860,8 @@ class ExtremaWriter:
             text.call(cells.collect, f"samples, marks, {part}, counts, roots, valleys")
         if search.divided:
             self.write_division(number)
+        if search.cuts:
+            self.write_leasts(number, parts[0])
         for items, count in (("valleys", cells.VALLEYS), ("roots", cells.ROOTS)):
             with text.block(f"for start in range(0, counts[{count}], {LANES}):"):
                 text.call(cells.gather, f"{items}, start, counts[{count}], w, rows_{number}, state", "filled")
@@ -867,9 +869,6 @@ class ExtremaWriter:
                     text.call(cells.begin_valleys, "state, filled, vectors", "n_open")
                     self.write_steps(number, cells.advance_valleys)
                     text.call(cells.split, "state, filled, counts, roots")
-                    if search.cuts:
-                        self.write_value(number)
-                        text.call(pieces.keep_leasts, "state, filled, leasts")
                 else:
                     text.call(cells.begin_roots, "state, filled, vectors, flags", "n_open")
                     self.write_steps(number, cells.advance_roots)
@@ -885,6 +884,18 @@ class ExtremaWriter:
                         self.write_poles(number)
                     else:
                         self.write_extrema(number, results.extrema_at_zeros, "state, filled, table")
+
+    def write_leasts(self, number: int, part: str) -> None:
+        """Write the small least values of a gap, next to which its root may turn sharply."""
+        text = self.text
+        text.call(pieces.collect_leasts, f"samples, {part}, n_here, ends", "n_leasts")
+        with text.block(f"for start in range(0, n_leasts, {LANES}):"):
+            text.call(cells.gather, f"ends, start, n_leasts, w, rows_{number}, state", "filled")
+            text.call(cells.begin_valleys, "state, filled, vectors", "n_open")
+            self.write_steps(number, cells.advance_valleys)
+            text.call(pieces.place_leasts, "state, filled")
+            self.write_value(number)
+            text.call(pieces.keep_leasts, "state, filled, leasts")
 
     def write_poles(self, number: int) -> None:
         """Write the values on both sides of places where the quantity may be infinite, and what they show."""

@@ -13,6 +13,7 @@ from typing import Any
 from fastlink.codegen.runtime.cells import AT_LIMIT as AT_LIMIT_OF
 from fastlink.codegen.runtime.cells import (
     BOUND,
+    CELLS,
     FC,
     IMAGE,
     LANE,
@@ -21,10 +22,15 @@ from fastlink.codegen.runtime.cells import (
     START,
     THETA,
     VALUE,
+    XC,
+    F,
+    X,
     append_item,
     padded,
+    position_of,
     set_bracket,
 )
+from fastlink.codegen.runtime.cells import FIRST as FIRST_ROW
 from fastlink.codegen.runtime.results import (
     AT_GREATEST,
     AT_LEAST,
@@ -65,6 +71,8 @@ SEAM = -0.7390851332151607
 # The first sample beside a limit, over the scale; and the size of a least gap whose root turns within a fraction of a
 # radian.
 NEAR_LIMIT, SHARP = 2.0**-60, 2.0**-6
+# Limits that are one place still have a scale.
+TINY = 2.0**-60
 # Within what distance of a limit, in rad, two terms of a gap's power series are nearer to it than its formula, which is
 # off by some 2^-52: there the third is as small. Next to another limit, or another gap, it is within this part of the
 # way, as the series may come to its end there.
@@ -76,7 +84,7 @@ LENGTH, LIMITS = 0, 1
 @merged
 def _set_end(pieces: Any, k: int, end: int, distance: float, width: float, whole: Any) -> None:
     """Write how samples are graded at an end of a piece, by how far beyond it the next sharp place is."""
-    near, by = distance / width, pieces[end + BY, k]
+    near, by = distance / width + TINY, pieces[end + BY, k]
     scale = sqrt(near / (1.0 + near)) if near < 1.0 else sqrt(0.5)
     way = width if whole else PART_OF_WAY * width
     pieces[end + NEAR, k] = way if way < SERIES else SERIES
@@ -125,10 +133,35 @@ def keep_zeros(s: Any, count: int, zeros: Any) -> None:
 
 
 @outlined
+def collect_leasts(samples: Any, part: Any, count: int, items: Any) -> int:
+    """Make items of the cells about small least values of a gap; return how many there are."""
+    cells, first, total = part[CELLS], part[FIRST_ROW], 0
+    for j in range(1, 2 * cells):
+        at, upper = first + j, j > cells
+        for i in range(count):
+            f = samples[at, i]
+            if (f > 0.0) & (f < 2.0 * SHARP) & (f <= samples[at - 1, i]) & (f <= samples[at + 1, i]):
+                a = position_of(samples, cells, j - 1, upper, i)
+                b = position_of(samples, cells, j + 1, upper, i)
+                set_bracket(items, total, a, samples[at - 1, i], b, samples[at + 1, i])
+                items[XC, total] = position_of(samples, cells, j, upper, i)
+                items[FC, total] = f
+                total = append_item(items, total, i, 0, upper)
+    return total
+
+
+@outlined
+def place_leasts(s: Any, count: int) -> None:
+    """Put items where their least values are."""
+    for i in lanes(padded(count)):
+        s[X, i] = s[XC, i]
+
+
+@outlined
 def keep_leasts(s: Any, count: int, leasts: Any) -> None:
     """Sort the least values at items into those of their pieces, if the root of the gap turns sharply there."""
     for i in range(count):
-        if (s[FC, i] > 0.0) & (s[FC, i] < SHARP):
+        if (s[FC, i] > 0.0) & (s[FC, i] < SHARP) & (s[F, i] > 0.0):  # else there are two zeros, which are found
             k = _place(leasts, int(s[LANE, i]), s[THETA, i])
             if k >= 0:
                 leasts[SLOPE_AT, int(s[LANE, i]), k] = s[FC, i]
@@ -265,7 +298,7 @@ def cut_pieces(
                 z += 1
             else:
                 theta, beyond = leasts[AT, i, m], 2.0 * sqrt(leasts[SLOPE_AT, i, m])
-                if inside:
+                if inside & (theta - further[LOW, total] > beyond):  # else it is found twice
                     _limit(further, total, END_HIGH, 0.0, zeros, i, 0)
                     total = _end_piece(pieces, p, further, total, theta, beyond)
                     _limit(further, total, END_LOW, 0.0, zeros, i, 0)
