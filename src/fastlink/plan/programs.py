@@ -650,7 +650,7 @@ class Planner:
         for k, gap in enumerate(self.graded.gaps or (), 1):
             search = self.search(slope_of_gap(gap))
             assert search is not None
-            found.append(replace(search, cells=cells, cuts=k, turns=()))
+            found.append(replace(search, cells=cells, cuts=k, turns=(), arc=False))
         return found
 
     def further_searches(
