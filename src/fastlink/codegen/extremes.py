@@ -19,7 +19,7 @@ from fastlink.codegen.runtime.cells import ITEM_ROWS, LANES, MOST_LANES, STATE_R
 from fastlink.codegen.runtime.results import WINNER_ROWS
 from fastlink.codegen.source import Array, Source, Text, needed_steps, paste_fact
 from fastlink.facts.arc import ARC_FACTS
-from fastlink.facts.fact import PIECE, Fact
+from fastlink.facts.fact import PIECE, Fact, ranges_of
 from fastlink.facts.names import error_name
 from fastlink.plan.programs import VALID
 
@@ -166,12 +166,14 @@ class ExtremaWriter:
             Array(name, "float64", (pieces.PIECE_ROWS, most + 2 * MOST_LANES))
             for name in ("pieces", "further")
         ]
-        found = Array("found", "float64", (2, branches * LANES))
+        found = Array("found", "float64", (3, branches * LANES))
+        ranges = Array("ranges", "float64", (pieces.RANGE_ROWS, branches * LANES, pieces.MOST_RANGES))
         zeros = [
-            Array(name, "float64", (pieces.ZERO_ROWS, LANES, pieces.MOST_ZEROS)) for name in ("zeros", "leasts")
+            Array(name, "float64", (pieces.ZERO_ROWS, LANES, pieces.MOST_ZEROS))
+            for name in ("zeros", "leasts")
         ]
         joined = [self.best(columns), self.lists("lists", columns), *self.places(columns)]
-        return [*both, found, *zeros, *(replace(array, name=f"all_{array.name}") for array in joined)]
+        return [*both, found, ranges, *zeros, *(replace(array, name=f"all_{array.name}") for array in joined)]
 
     @property
     def columns(self) -> int:
@@ -675,10 +677,10 @@ class ExtremaWriter:
                 arguments = f"pieces, p0, n_here, zeros, leasts, samples, {middle}, {searches[number].cuts}"
                 text.call(pieces.cut_pieces, f"{arguments}, further, n_further", "n_further")
             text.call(pieces.close_pieces, "further, n_further, pieces", "n_pieces")
-        text.call(pieces.clear_all, "all_lists, all_best, found")
+        text.call(pieces.clear_all, "all_lists, all_best, found, ranges")
         if self.program.has_gradients:
             text.call(results.forget_winners, "all_winners, all_gradients")
-        text.call(pieces.note_pieces, "pieces, n_pieces, found")
+        text.call(pieces.note_pieces, "pieces, n_pieces, found, ranges")
         if others:
             with self.lanes_of_pieces():
                 self.write_pass(others)
@@ -994,8 +996,13 @@ class ExtremaWriter:
         """Write the copy of one result of a search."""
         request = output.request
         if output.is_assembly:
-            valid = self.row(VALID)
-            self.text.call(pieces.store_assembly, f"out_{output.name}, i0, n_here, found, w, {valid}")
+            target = f"out_{output.name}, i0, n_here"
+            row = ranges_of(self.program.catalogue.position.name).get(output.name, -1)
+            if row < 0:
+                self.text.call(pieces.store_assembly, f"{target}, found, w, {self.row(VALID)}")
+            else:
+                store = pieces.store_ranges if row < 2 else pieces.store_gaps
+                self.text.call(store, f"{target}, ranges, {row}")
             return
         number = self.number_of(request.quantity)
         base = number * len(self.program.branches) * LANES

@@ -196,6 +196,11 @@ PIECE_ERRORS = {"piece_low": "piece_off", "piece_width": "piece_off"} | {
 }
 
 
+def ranges_of(position: str) -> dict[str, int]:
+    """Return the facts of the ranges between limits through which a mechanism with gaps moves, each with its row."""
+    return {f"{position}_{name}": row for row, name in enumerate(("low", "high", "low_by", "high_by"))}
+
+
 def root_of_gap(gap: str) -> str:
     """Return the name of the root of a gap."""
     return f"{gap}_root"

@@ -350,6 +350,12 @@ status [1] status: How the design assembles over a full turn of the input
     3: invalid_input
     4: beyond_range
     = select(valid == 1.0, select(closes == 1.0, 0.0, 2.0), 3.0)
+POSITION_{low,high} [rad] x_{low,high}: Input angles where ranges {begin,end} through which it moves; NaN without limits
+    = select(closes == 1.0, 0.0, NOT_A_NUMBER)
+POSITION_{low,high}_by [1] by: What limits the ranges through which it moves where they {begin,end}
+    0: nothing
+{gaps}
+    = select(closes == 1.0, 0.0, 0.0)
 """
 CLOSES_WHERE = """
 ## where all loops close
@@ -425,7 +431,8 @@ def mechanism_of(text: str, file: str) -> Catalogue:
     default = UNLESS_DECLARED.replace("{valid}", " & ".join(conditions) or "1.0 > 0.0")
     if gaps is not None:
         _declare_gaps(found, gaps, file)
-        default = default[: default.index("step Z0")] + STATUS_OF_GAPS
+        default = default[: default.index("step Z0")] + STATUS_OF_GAPS.replace("POSITION", name)
+        default = default.replace("{gaps}", "\n".join(f"    {k}: {gap}" for k, gap in enumerate(gaps, 1)))
     head, *rest = re.split(r"\n(?=\w)", default)
     missing = [entry for entry in rest if entry.removeprefix("step ").split(" ")[0] not in found.facts]
     read_sheet("\n".join([head, *missing]), "what every sheet gets", found)

@@ -13,7 +13,16 @@ from fastlink.facts.asymptotics import asymptotics
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.derivative import NoDependence, NoDerivative, Term
 from fastlink.facts.expression import beneath, value_of
-from fastlink.facts.fact import PIECE, Breaking, Breakpoint, Fact, GradedRange, System, slope_of_gap
+from fastlink.facts.fact import (
+    PIECE,
+    Breaking,
+    Breakpoint,
+    Fact,
+    GradedRange,
+    System,
+    ranges_of,
+    slope_of_gap,
+)
 from fastlink.facts.formula import CatalogueError
 from fastlink.facts.names import (
     Change,
@@ -861,7 +870,8 @@ def make_plan(
     planner = Planner(catalogue, tuple(given), tuple(variants), tuple(branches))
     searches: dict[str, ExtremumSearch | None] = {}
     refined: set[str] = set()
-    assembly = {r.name for r in requests if r.name == ASSEMBLY and planner.is_in_pieces}
+    of_pieces = {ASSEMBLY, *ranges_of(catalogue.position.name)} if planner.is_in_pieces else set()
+    assembly = of_pieces.intersection(request.name for request in requests)
     refined |= assembly
     for request in requests:
         if request.listed or request.is_error or (extrema == "refined" and request.can_be_refined):
@@ -877,7 +887,11 @@ def make_plan(
                 raise _not_refined(request, catalogue)
     whole_turn = extrema == "refined" and ARC not in variants
     outputs = tuple(
-        replace(planner.output(r, refined=True), axes=(BRANCH,), is_assembly=True)
+        replace(
+            planner.output(r, refined=True),
+            axes=(BRANCH,) if r.name == ASSEMBLY else (BRANCH, EXTREMUM),
+            is_assembly=True,
+        )
         if r.name in assembly
         else planner.output(r, whole_turn=whole_turn, refined=r.name in refined)
         for r in requests
@@ -889,6 +903,8 @@ def make_plan(
     if searched or assembly:
         programs += planner.extrema_programs([output for output in outputs if output.refined], searched)
     kept = max((search.most for search in searched), default=0)
+    if len(assembly) > (ASSEMBLY in assembly):
+        kept = max(kept, planner.graded.max_extrema_otherwise)
     recipe = catalogue, names, tuple(given), tuple(branches), tuple(variants), angles, extrema
     return Plan(catalogue, outputs, tuple(programs), tuple(branches), tuple(variants), kept, recipe)
 

@@ -20,6 +20,7 @@ from fastlink.facts.tables import angle_tables
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.precision.independent import TOLERANCE, IndependentValues
 from fastlink.precision.reference import CONTEXT, DIGITS, HighPrecision, error_in_roundings
+from fastlink.facts.fact import ranges_of
 from fastlink.precision.stationary import (
     CLOSES,
     END,
@@ -508,7 +509,7 @@ def refined(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, 
     """Measure the errors of all results that belong to the extremes of one quantity."""
     quantity = outputs[0].request.quantity
     if outputs[0].is_assembly:
-        return _assembly(sample, outputs[0], share)
+        return _assembly(sample, outputs, share)
     parts = {_part(output): output for output in outputs}
     errors = {
         part: MeasuredErrors(
@@ -536,14 +537,28 @@ def refined(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, 
     return {parts[part].name: measured for part, measured in errors.items()}
 
 
-def _assembly(sample: Sample, output: Output, share: int) -> dict[str, MeasuredErrors]:
-    """Compare how designs assemble over the turn with what samples of their gaps show."""
-    known, measured = sample.catalogue, MeasuredErrors(METHOD)
+def _assembly(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, MeasuredErrors]:
+    """Compare how designs assemble over the turn, and between which limits, with what samples of their gaps show."""
+    known, (output,) = sample.catalogue, outputs
+    row = ranges_of(known.position.name).get(output.name)
+    measured = MeasuredErrors(METHOD, TURN if row in (0, 1) else 0)
     count = min(sample.count, max(share // EVALUATIONS, 1))
     inputs = {name: column[:count] for name, column in sample.inputs.items()}
     designs = StationaryInPieces(known, CLOSES, inputs, sample.branches[:count], sample.plan.variants)
     for design in range(count):
-        measured.add_code(float(sample.result(output.name, design)), designs.assembly(design))
+        result = sample.result(output.name, design)
+        if row is None:
+            measured.add_code(float(result), designs.assembly(design))
+            continue
+        limits = designs.limits_of(design, 1 - 2 * (row % 2))
+        told = result[result > 0] if row > 1 else result[np.isfinite(result)]
+        if len(told) != len(limits):
+            measured.add_mismatch()
+        for value, (at, gap, condition) in zip(told.tolist(), limits, strict=False):
+            if row > 1:
+                measured.add_code(float(value), gap)
+            else:
+                measured.add(float(value), at, TURN + condition)
     return {output.name: measured}
 
 

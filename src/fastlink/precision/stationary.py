@@ -464,6 +464,8 @@ class Stationary:
 
 #: The fact that is 1 where all loops close.
 CLOSES = "closes"
+#: Where kernels cut the turn, so that ranges are told from there on.
+SEAM = -0.7390851332151607
 #: Samples of a turn that gaps cut into pieces, and how often least and greatest gaps between them are refined; powers
 #: of ten of the distances from a limit of further samples; halvings that place a limit.
 TURN_SAMPLES, REFINED, BESIDE_LIMIT, HALVINGS = 1024, 4, range(2, 15), 50
@@ -514,6 +516,34 @@ class StationaryInPieces(Stationary):
             return 3
         closes = self.closes[design] == 1.0
         return 0 if closes.all() else (1 if closes.any() else 2)
+
+    def limits_of(self, design: int, side: int) -> list[tuple[Any, int, Any]]:
+        """Return the limits where ranges begin (side 1) or end (-1): the position, the number of the gap, its condition.
+
+        They are in the order of where their ranges begin.
+        """
+        found = []
+        for at, own, gap in self._limits_by_range(design):
+            if own != side:
+                continue
+            candidate = Candidate(0, at, np.nan, END, gap)
+            with CONTEXT.workdps(OF_ENDS):
+                base = self.facts.at(self._values(design, 0, CONTEXT.mpf(at)))
+                x, condition = self._zero(base, candidate), CONTEXT.zero
+                for name in self.movable:
+                    if base[name] != 0:
+                        moved = self.facts.moved(base, {name: base[name] * (1 + STEP)})
+                        condition += abs(self._zero(moved, candidate) - x) / STEP
+            found.append((x % (2 * CONTEXT.pi), (self.graded.gaps or ()).index(gap) + 1, condition))
+        return found
+
+    def _limits_by_range(self, design: int) -> list[tuple[float, int, str]]:
+        """Return the limits of a design, each range's beginning before its end, from the seam of kernels on."""
+        turn = 2.0 * np.pi
+        ordered = sorted(self.limits[design], key=lambda limit: (limit[0] - SEAM) % turn)
+        if ordered and ordered[0][1] < 0:  # the range that the seam cuts is the first
+            ordered = [ordered[-1], *ordered[:-1]]
+        return ordered
 
     def _turning(self, design: int, x: NDArray[Any], gap: str) -> NDArray[Any]:
         """Return where parabolas through samples of a gap are least or greatest."""

@@ -77,8 +77,10 @@ TINY = 2.0**-60
 # off by some 2^-52: there the third is as small. Next to another limit, or another gap, it is within this part of the
 # way, as the series may come to its end there.
 SERIES, PART_OF_WAY = 2.0**-17, 2.0**-13
-# Rows of what is found of a design in a branch: the length of all pieces, and how many ends are limits.
-LENGTH, LIMITS = 0, 1
+# Rows of what is found of a design in a branch: the length of all pieces, how many ends are limits, and how many ranges
+# it moves through. Rows of a range: where it begins and ends, and the gaps that limit it there.
+LENGTH, LIMITS, COUNT_OF_RANGES = range(3)
+RANGE_ROWS, MOST_RANGES = 4, 16
 
 
 @merged
@@ -161,7 +163,9 @@ def place_leasts(s: Any, count: int) -> None:
 def keep_leasts(s: Any, count: int, leasts: Any) -> None:
     """Sort the least values at items into those of their pieces, if the root of the gap turns sharply there."""
     for i in range(count):
-        if (s[FC, i] > 0.0) & (s[FC, i] < SHARP) & (s[F, i] > 0.0):  # else there are two zeros, which are found
+        if (
+            (s[FC, i] > 0.0) & (s[FC, i] < SHARP) & (s[F, i] > 0.0)
+        ):  # else there are two zeros, which are found
             k = _place(leasts, int(s[LANE, i]), s[THETA, i])
             if k >= 0:
                 leasts[SLOPE_AT, int(s[LANE, i]), k] = s[FC, i]
@@ -324,8 +328,8 @@ def collect_both_ends(w: Any, count: int, table: Any, search: Any, best: Any, en
 
 
 @outlined
-def clear_all(lists: Any, best: Any, found: Any) -> None:
-    """Forget the extremes of the designs before."""
+def clear_all(lists: Any, best: Any, found: Any, ranges: Any) -> None:
+    """Forget the extremes and the ranges of the designs before."""
     for column in range(best.shape[1]):
         for r in range(lists.shape[0]):
             for k in range(lists.shape[2]):
@@ -337,17 +341,11 @@ def clear_all(lists: Any, best: Any, found: Any) -> None:
         best[AT_GREATEST, column] = NOT_A_NUMBER
         best[AT_LEAST, column] = NOT_A_NUMBER
     for column in range(found.shape[1]):
-        found[LENGTH, column] = 0.0
-        found[LIMITS, column] = 0.0
-
-
-@outlined
-def note_pieces(pieces: Any, count: int, found: Any) -> None:
-    """Note how much of the turn each design moves through in each branch, and how many limits it meets."""
-    for p in range(count):
-        column = int(pieces[OF_COLUMN, p]) * LANES + int(pieces[OF_LANE, p])
-        found[LENGTH, column] += pieces[WIDTH, p]
-        found[LIMITS, column] += pieces[END_LOW + IS_TOGGLE, p] + pieces[END_HIGH + IS_TOGGLE, p]
+        for r in range(found.shape[0]):
+            found[r, column] = 0.0
+        for r in range(RANGE_ROWS):
+            for k in range(MOST_RANGES):
+                ranges[r, column, k] = NOT_A_NUMBER if r < 2 else 0.0
 
 
 @merged
@@ -355,6 +353,35 @@ def _in_turn(theta: float) -> float:
     """Return an input position in [0, 2 pi)."""
     turned = theta + TWO_PI if theta < 0.0 else theta
     return turned - TWO_PI if turned >= TWO_PI else turned
+
+
+@outlined
+def note_pieces(pieces: Any, count: int, found: Any, ranges: Any) -> None:
+    """Note how much of the turn each design moves through in each branch, between which limits, and what limits it.
+
+    Pieces that meet are one range; one that the seam cuts begins with the last piece and ends with the first.
+    """
+    for p in range(count):
+        column = int(pieces[OF_COLUMN, p]) * LANES + int(pieces[OF_LANE, p])
+        n = int(found[COUNT_OF_RANGES, column])
+        found[LENGTH, column] += pieces[WIDTH, p]
+        found[LIMITS, column] += pieces[END_LOW + IS_TOGGLE, p] + pieces[END_HIGH + IS_TOGGLE, p]
+        if n < MOST_RANGES:
+            if pieces[END_LOW + IS_TOGGLE, p] > 0.0:
+                ranges[0, column, n] = _in_turn(pieces[LOW, p])
+                ranges[2, column, n] = pieces[END_LOW + BY, p]
+            if pieces[END_HIGH + IS_TOGGLE, p] > 0.0:
+                ranges[1, column, n] = _in_turn(pieces[LOW, p] + pieces[WIDTH, p])
+                ranges[3, column, n] = pieces[END_HIGH + BY, p]
+                found[COUNT_OF_RANGES, column] = n + 1.0
+    for column in range(found.shape[1]):
+        n = int(found[COUNT_OF_RANGES, column])
+        first = ranges[0, column, 0]
+        if (n > 0) & (n < MOST_RANGES) & (first != first):
+            ranges[0, column, 0] = ranges[0, column, n]
+            ranges[2, column, 0] = ranges[2, column, n]
+            ranges[0, column, n] = NOT_A_NUMBER
+            ranges[2, column, n] = 0.0
 
 
 @outlined
@@ -449,3 +476,24 @@ def store_assembly(result: Any, first: int, count: int, found: Any, w: Any, vali
             part = 1 if found[LIMITS, column] > 0.0 else 0
             code = part if found[LENGTH, column] > 0.0 else 2
             result[first + i, branch] = code if w[valid, i] == 1.0 else 3
+
+
+@outlined
+def store_ranges(result: Any, first: int, count: int, ranges: Any, row: int) -> None:
+    """Store where the ranges begin or end through which designs move, or the gaps that limit these there."""
+    for i in range(count):
+        for branch in range(result.shape[1]):
+            for k in range(result.shape[2]):
+                value = ranges[row, branch * LANES + i, k] if k < MOST_RANGES else NOT_A_NUMBER
+                result[first + i, branch, k] = value
+
+
+@outlined
+def store_gaps(result: Any, first: int, count: int, ranges: Any, row: int) -> None:
+    """Store the numbers of the gaps that limit ranges."""
+    for i in range(count):
+        for branch in range(result.shape[1]):
+            for k in range(result.shape[2]):
+                result[first + i, branch, k] = (
+                    int(ranges[row, branch * LANES + i, k]) if k < MOST_RANGES else 0
+                )
