@@ -1001,8 +1001,9 @@ class ExtremaWriter:
             if row < 0:
                 self.text.call(pieces.store_assembly, f"{target}, found, w, {self.row(VALID)}")
             else:
-                store = pieces.store_ranges if row < 2 else pieces.store_gaps
-                self.text.call(store, f"{target}, ranges, {row}")
+                self.text.call(
+                    pieces.store_ranges if row < 2 else pieces.store_gaps, f"{target}, ranges, {row}"
+                )
             return
         number = self.number_of(request.quantity)
         base = number * len(self.program.branches) * LANES

@@ -180,7 +180,7 @@ class Breakpoint:
     of: str
 
 
-#: What is given of a piece of the range: where it begins, how long it is, how far off both its limits may be together; of both ends
+#: What is given of a piece of the range: where it begins, how long it is, how far off its limits may be; of both ends
 #: which gap limits it (from 1 on, 0 for none), two terms of the power series of that in the distance, the error of the
 #: first, within what distance they stand for it; and how samples are graded, see `GradedRange.ends`.
 PIECE_ENDS = tuple(

@@ -163,7 +163,8 @@ def entries_of(text: str, file: str) -> Iterator[Entry]:
             raise SheetError(
                 place,
                 f"{line} is no section",
-                "write [inputs], [tables], [facts], [variant NAME], [mechanism], [position], [branches], [closes] or [loops]",
+                "write [inputs], [tables], [facts], [variant NAME], [mechanism], [position], [branches], [closes] "
+                "or [loops]",
             )
         else:
             entry = Entry(place, line, section, source)
@@ -373,8 +374,8 @@ d_SLOPE_d_POSITION = GAP
 [variant graded]
 step ROOT [1] r: Root of GAP
     low, high = piece_width * from_low, piece_width * from_high
-    next_low = (piece_by_low == K.0) & (low < piece_near_low)
-    next_high = (piece_by_high == K.0) & (high < piece_near_high)
+    next_low = (piece_by_low == NUMBER.0) & (low < piece_near_low)
+    next_high = (piece_by_high == NUMBER.0) & (high < piece_near_high)
     at_low = low * (piece_slope_low + piece_bend_low * low)
     at_high = high * (piece_slope_high + piece_bend_high * high)
     = sqrt(select(next_low, at_low, select(next_high, at_high, GAP)))
@@ -473,14 +474,10 @@ def _declare_gaps(known: Catalogue, gaps: Sequence[str], file: str) -> None:
         if fact is None or fact.units != "1":
             what = f"{gap} of [closes] is no fact without units"
             raise SheetError(file, what, f"declare it in [facts]: step {gap} [1] symbol: meaning")
-        names = {
-            "GAP": gap,
-            "ROOT": root_of_gap(gap),
-            "SLOPE": slope_of_gap(gap),
-            "POSITION": position,
-            "K": str(k),
-        }
-        read_sheet(re.sub("[A-Z]+", lambda word: names.get(word[0], word[0]), OF_GAP), place, known)
+        text = OF_GAP.replace("POSITION", position).replace("NUMBER", str(k))
+        for word, name in (("GAP", gap), ("ROOT", root_of_gap(gap)), ("SLOPE", slope_of_gap(gap))):
+            text = text.replace(word, name)
+        read_sheet(text, place, known)
     conditions = " & ".join(f"({gap} >= 0.0)" for gap in gaps) or f"cos_{position} < 2.0"
     read_sheet(CLOSES_WHERE.replace("{conditions}", conditions), place, known)
 

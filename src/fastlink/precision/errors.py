@@ -505,6 +505,10 @@ def outermost(
     return equal[0] if near is None else min(equal, key=lambda e: _distance(near, e.position))
 
 
+#: Designs whose ranges are compared at most: of each a turn is sampled.
+ASSEMBLIES = 16
+
+
 def refined(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, MeasuredErrors]:
     """Measure the errors of all results that belong to the extremes of one quantity."""
     quantity = outputs[0].request.quantity
@@ -539,27 +543,27 @@ def refined(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, 
 
 def _assembly(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, MeasuredErrors]:
     """Compare how designs assemble over the turn, and between which limits, with what samples of their gaps show."""
-    known, (output,) = sample.catalogue, outputs
-    row = ranges_of(known.position.name).get(output.name)
-    measured = MeasuredErrors(METHOD, TURN if row in (0, 1) else 0)
-    count = min(sample.count, max(share // EVALUATIONS, 1))
+    known, count = sample.catalogue, min(sample.count, ASSEMBLIES)
+    rows = {output.name: ranges_of(known.position.name).get(output.name, -1) for output in outputs}
+    errors = {name: MeasuredErrors(METHOD, TURN if row in (0, 1) else 0) for name, row in rows.items()}
     inputs = {name: column[:count] for name, column in sample.inputs.items()}
     designs = StationaryInPieces(known, CLOSES, inputs, sample.branches[:count], sample.plan.variants)
     for design in range(count):
-        result = sample.result(output.name, design)
-        if row is None:
-            measured.add_code(float(result), designs.assembly(design))
-            continue
-        limits = designs.limits_of(design, 1 - 2 * (row % 2))
-        told = result[result > 0] if row > 1 else result[np.isfinite(result)]
-        if len(told) != len(limits):
-            measured.add_mismatch()
-        for value, (at, gap, condition) in zip(told.tolist(), limits, strict=False):
-            if row > 1:
-                measured.add_code(float(value), gap)
-            else:
-                measured.add(float(value), at, TURN + condition)
-    return {output.name: measured}
+        limits = [designs.limits_of(design, side) for side in (1, -1)] if max(rows.values()) >= 0 else []
+        for name, row in rows.items():
+            result, measured = sample.result(name, design), errors[name]
+            if row < 0:
+                measured.add_code(float(result), designs.assembly(design))
+                continue
+            told = result[result > 0] if row > 1 else result[np.isfinite(result)]
+            if len(told) != len(limits[row % 2]):
+                measured.add_mismatch()
+            for value, (at, gap, condition) in zip(told.tolist(), limits[row % 2], strict=False):
+                if row > 1:
+                    measured.add_code(float(value), gap)
+                else:
+                    measured.add(float(value), at, TURN + condition)
+    return errors
 
 
 def _compare_outermost(

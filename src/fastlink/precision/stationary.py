@@ -149,6 +149,9 @@ class Stationary:
         The extremes of each design, by samples.
     """
 
+    #: The first step towards a zero, over its place.
+    first_step = CONTEXT.mpf(10) ** -3
+
     def __init__(
         self,
         catalogue: Catalogue,
@@ -401,7 +404,7 @@ class Stationary:
     def _zero(self, base: Mapping[str, Any], candidate: Candidate) -> Any:
         """Return the place where the fact of a candidate vanishes."""
         end, zero, x = candidate.end, candidate.zero, CONTEXT.mpf(candidate.x)
-        step = (abs(x) + AT_END) / 1000
+        step = (abs(x) + AT_END) * self.first_step
         for _ in range(MOST_STEPS):
             here, there = (self._at(base, end, x + k * step)[zero] for k in (0, 1))
             if here == 0 or here == there:
@@ -477,6 +480,9 @@ class StationaryInPieces(Stationary):
     Limits are where a gap vanishes, found between samples; nothing is graded but by further samples beside them.
     """
 
+    # another limit may be as near
+    first_step = CONTEXT.mpf(10) ** -13
+
     def _sample(self) -> None:
         """Evaluate the quantity and its slope at ``x[design, 0, sample]``, with samples beside limits."""
         self.variants = tuple(one for one in self.variants if one != self.graded.name)
@@ -497,11 +503,13 @@ class StationaryInPieces(Stationary):
         rows = []
         for design in range(count):
             x = every
-            for _ in range(REFINED):
-                x = np.unique(np.concatenate([x, *(self._turning(design, x, gap) for gap in gaps)]))
+            for gap in gaps:  # beside the limits of one the next may rise and fall at once
+                x = np.unique(np.concatenate([x, *self._beside_zeros(design, x, gap)]))
+                for _ in range(REFINED):
+                    x = np.unique(np.concatenate([x, self._turning(design, x, gap)]))
+                x = np.unique(np.concatenate([x, *self._beside_zeros(design, x, gap)]))
             self.limits.append(self._limits(design, x))
-            near = [at + side * 10.0**-k for at, side, _ in self.limits[-1] for k in BESIDE_LIMIT]
-            rows.append(np.unique(np.concatenate([x, near])))
+            rows.append(x)
         length = max(row.size for row in rows)
         length += length % 2
         self.x = np.stack([np.pad(row, (0, length - row.size), mode="edge") for row in rows])[:, None, :]
@@ -552,26 +560,41 @@ class StationaryInPieces(Stationary):
             left, right = np.diff(f)[:-1] / np.diff(x)[:-1], np.diff(f)[1:] / np.diff(x)[1:]
             turns = left * right < 0.0
             at = 0.5 * (x[:-2] + x[1:-1]) + left / (left - right) * 0.5 * (x[2:] - x[:-2])
-        found: NDArray[Any] = at[turns]
-        return found[np.isfinite(found)]
+        found: NDArray[Any] = at[turns & np.isfinite(at)]
+        return found
+
+    def _beside_zeros(self, design: int, x: NDArray[Any], gap: str) -> list[NDArray[Any]]:
+        """Return positions on both sides of the zeros of a gap between samples."""
+        (f,) = self._read((gap,), x, x < -10.0, np.full(x.size, design))
+        cells = np.flatnonzero((f[1:] >= 0.0) & (f[:-1] < 0.0) | (f[1:] < 0.0) & (f[:-1] >= 0.0))
+        low, high = self._halved(design, gap, 0.0, x[cells], x[cells + 1], f[cells + 1] >= 0.0)
+        steps = 10.0 ** -np.array(BESIDE_LIMIT)
+        return [(low[:, None] - steps).ravel(), (high[:, None] + steps).ravel()]
+
+    def _halved(
+        self, design: int, name: str, least: float, low: NDArray[Any], high: NDArray[Any], rises: NDArray[Any]
+    ) -> tuple[NDArray[Any], NDArray[Any]]:
+        """Return cells, between whose ends a fact comes to a value, as narrow as doubles are."""
+        for _ in range(HALVINGS):
+            middle = 0.5 * (low + high)
+            (here,) = self._read((name,), middle, middle < -10.0, np.full(middle.size, design))
+            above = (here >= least) == rises
+            low, high = np.where(above, low, middle), np.where(above, middle, high)
+        return low, high
 
     def _limits(self, design: int, x: NDArray[Any]) -> list[tuple[float, int, str]]:
         """Return the limits of motion between samples, each next to what closes."""
-        found = []
         (closes,) = self._read((CLOSES,), x, x < -10.0, np.full(x.size, design))
-        for cell in np.flatnonzero((closes[1:] == 1.0) != (closes[:-1] == 1.0)).tolist():
-            side = 1 if closes[cell + 1] == 1.0 else -1
-            outer, inner = (x[cell], x[cell + 1])[::side]
-            for _ in range(HALVINGS):
-                middle = 0.5 * (outer + inner)
-                at = np.array([middle])
-                (here,) = self._read((CLOSES,), at, at < -10.0, np.array([design]))
-                outer, inner = (outer, middle) if here[0] == 1.0 else (middle, inner)
-            gaps = self.graded.gaps or ()
-            values = self._read(gaps, np.array([outer]), np.array([False]), np.array([design]))
-            gap = next((g for g, v in zip(gaps, values, strict=True) if not v[0] >= 0.0), gaps[-1])
-            found.append((float(inner), side, gap))
-        return found
+        cells = np.flatnonzero((closes[1:] == 1.0) != (closes[:-1] == 1.0))
+        rises = closes[cells + 1] == 1.0
+        low, high = self._halved(design, CLOSES, 1.0, x[cells], x[cells + 1], rises)
+        gaps, outer = self.graded.gaps or (), np.where(rises, low, high)
+        values = self._read(gaps, outer, outer < -10.0, np.full(outer.size, design))
+        first = [
+            next((k for k, of in enumerate(values) if not of[cell] >= 0.0), -1) for cell in range(cells.size)
+        ]
+        inner, sides = np.where(rises, high, low).tolist(), np.where(rises, 1, -1).tolist()
+        return [(at, side, gaps[k]) for at, side, k in zip(inner, sides, first, strict=True)]
 
     def _candidates(self) -> list[list[Candidate]]:
         """Return the extremes of each design by samples, jumps and limits among them."""

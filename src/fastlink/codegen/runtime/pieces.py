@@ -55,13 +55,12 @@ from fastlink.numerics.compiler import AT_LIMIT, SMOOTH, TIED, lanes, merged, ou
 from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, TWO_PI, sqrt
 
 # Rows of pieces: the lane of the design, the branch by its place among the results and as a number, then the values of
-# `fastlink.facts.fact.PIECE`: of each end the gap that limits it, how fast that grows, within what distance it is in
-# proportion to that, and how samples are graded there.
+# `fastlink.facts.fact.PIECE`.
 OF_LANE, OF_COLUMN, BRANCH, LOW, WIDTH, OFF, END_LOW, END_HIGH = 0, 1, 2, 3, 4, 5, 6, 14
 BY, GROWS, BENDS, ROUGH, NEAR, SCALE, FIRST, IS_TOGGLE = range(8)
 END_ROWS, PIECE_ROWS = 8, 22
-# Rows of the zeros of a gap: the input position, slope, half the second derivative, how far off the place and the slope may
-# be. The count of a lane is in the column after the last.
+# Rows of the zeros of a gap: the input position, slope, half the second derivative, how far off the place and the slope
+# may be. Of least values: the input position, the value. The count of a lane is in the column after the last.
 AT, SLOPE_AT, BEND_AT, OFF_AT, ROUGH_AT = range(5)
 ZERO_ROWS, MOST_ZEROS = 5, 17
 #: How many pieces there is room for, by design and branch.
@@ -374,14 +373,13 @@ def note_pieces(pieces: Any, count: int, found: Any, ranges: Any) -> None:
                 ranges[1, column, n] = _in_turn(pieces[LOW, p] + pieces[WIDTH, p])
                 ranges[3, column, n] = pieces[END_HIGH + BY, p]
                 found[COUNT_OF_RANGES, column] = n + 1.0
-    for column in range(found.shape[1]):
-        n = int(found[COUNT_OF_RANGES, column])
-        first = ranges[0, column, 0]
-        if (n > 0) & (n < MOST_RANGES) & (first != first):
-            ranges[0, column, 0] = ranges[0, column, n]
-            ranges[2, column, 0] = ranges[2, column, n]
-            ranges[0, column, n] = NOT_A_NUMBER
-            ranges[2, column, n] = 0.0
+    for i in range(found.shape[1]):
+        last, first = int(found[COUNT_OF_RANGES, i]), ranges[0, i, 0]
+        if (last > 0) & (last < MOST_RANGES) & (first != first):
+            ranges[0, i, 0] = ranges[0, i, last]
+            ranges[2, i, 0] = ranges[2, i, last]
+            ranges[0, i, last] = NOT_A_NUMBER
+            ranges[2, i, last] = 0.0
 
 
 @outlined
