@@ -194,6 +194,11 @@ class _Writer:
         x, y = (f"d_{point}_{axis}_d_theta" if own else "0.0" for axis, own in zip("xy", moves, strict=True))
         return x, y
 
+    def unit_of(self, bar: str, length: str) -> Pair:
+        """Return the unit vector along a bar."""
+        self.once(f"step per_{bar} [m-1] 1/{bar}: Reciprocal of the length of {bar}", f"= 1.0 / {length}")
+        return f"{bar}_x * per_{bar}", f"{bar}_y * per_{bar}"
+
     def turning(self, vector: str, rate: str) -> None:
         """Append the derivatives of a vector of a link."""
         self.slope(f"{vector}_x", f"-({rate} * {vector}_y)")
@@ -428,6 +433,15 @@ class _Writer:
             f"step {sum_squared} [m2] ({first} + {second})^2: Square of the length of both bars",
             f"= select(({l1} > 0.0) & ({l2} > 0.0), ({l1} + {l2}) * ({l1} + {l2}), NOT_A_NUMBER)",
         )
+        # divisions are most of what a configuration costs: one of the design, one here, one of the rates
+        self.fact(
+            f"step per_sum_{name} [m-2] 1/({first} + {second})^2: Reciprocal of that square",
+            f"= 1.0 / {sum_squared}",
+        )
+        self.fact(
+            f"step per_reach_{name} [m-2] 1/(2 |{a}{d}|^2): Half the reciprocal of the square of that distance",
+            f"= 0.5 / {reach}_squared",
+        )
         self.fact(
             f"step fold_{name} [1] d^2: Square of the difference of both bars over that of their sum",
             f"ratio = ({l1} - {l2}) / ({l1} + {l2})",
@@ -435,7 +449,7 @@ class _Writer:
         )
         self.fact(
             f"step gap_{name} [1] 16 T^2/({first} + {second})^4: Square of the triangle {a}{d}{name}",
-            f"part = {reach}_squared / {sum_squared}",
+            f"part = {reach}_squared * per_sum_{name}",
             f"= (1.0 - part) * (part - fold_{name})",
         )
         meanings = (f"{name} to the right of {a}{d}", f"{name} to its left")  # in the order of the planar 4R
@@ -447,7 +461,7 @@ class _Writer:
                 f"step {first}_{axis} [m] {first}_{axis}: Vector from {a} to {name}, {axis}",
                 share,
                 across,
-                f"= 0.5 * ({reach}_{axis} * share {sign} {reach}_{other} * across) / {reach}_squared",
+                f"= per_reach_{name} * ({reach}_{axis} * share {sign} {reach}_{other} * across)",
             )
             head = f"step {second}_{axis} [m] {second}_{axis}: Vector from {d} to {name}, {axis}"
             self.fact(head, f"= {first}_{axis} - {reach}_{axis}")
@@ -474,7 +488,7 @@ class _Writer:
         loops = []
         for bar, start, length, rate in zip((first, second), (a, d), (l1, l2), rates, strict=True):
             angle = self.add_angle(bar, bar, rate)
-            axis = (f"{bar}_x / {length}", f"{bar}_y / {length}")
+            axis = self.unit_of(bar, length)
             self.links.append(
                 Link(bar, [start, name], start, axis, (f"cos({angle})", f"sin({angle})"), rate, angle)
             )
@@ -556,7 +570,7 @@ class _Writer:
         self.slope(slide, f"{rate} * off_{name} - (({wx}) * {ux} + ({wy}) * {uy})")
         self.add_slide(name, c, slide)
         angle = self.add_angle(bar, bar, rate)
-        axis = (f"{bar}_x / {length}", f"{bar}_y / {length}")
+        axis = self.unit_of(bar, length)
         self.links.append(Link(bar, [a, name], a, axis, (f"cos({angle})", f"sin({angle})"), rate, angle))
         of, to = self.in_loops[a], self.in_loops[c]
         ends = [_plus(of[k], f"{length} * {self.links[-1].in_loops[k]}") for k in range(2)]
