@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from fastlink.io.reader import check as check
     from fastlink.maps import open as open
     from fastlink.mechanisms import mechanism as mechanism
+    from fastlink.mechanisms.linkage import linkage as linkage
     from fastlink.mechanisms.listing import mechanisms as mechanisms
     from fastlink.pictures.designs import plot as plot
     from fastlink.pictures.draw import draw as draw

@@ -14,6 +14,7 @@ from fastlink.codegen.kernel import MachineCode, load_kernel
 from fastlink.codegen.runtime.cells import LANES
 from fastlink.engine.resolve import resolve
 from fastlink.space.design_space import EXTREMUM
+from tests.mechanisms.linkages.declared import WATT
 from tests.support.configurations import draw
 
 
@@ -143,6 +144,11 @@ FAMILIES: dict[str, Family] = {
     ),
     "extremes over an arc": Family(
         "planar_4r", ["omega4_max", "theta4_min"], 9, more={"arc_start": 0.5, "arc_end": 2.0}
+    ),
+    "extremes in pieces": Family(
+        WATT,
+        ["F_x_max", "F_x_max_error", "d_F_x_max_d_a1", "F_x_extrema", "theta_low", "theta_low_by", "status"],
+        options={"branch": (1, 2, 3, 4)},
     ),
     "extremes with poles": Family("planar_4r", ["mechanical_advantage_max", "mechanical_advantage_extrema"]),
     "extremes by another joint": Family("planar_4r", ["joint_omega_4_max"], 9, DRIVEN),

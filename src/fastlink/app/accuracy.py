@@ -30,7 +30,7 @@ from fastlink.mechanisms import name_of
 from fastlink.pictures.picture import check_picture, save
 from fastlink.precision.errors import outermost, read_curves
 from fastlink.precision.reference import CONTEXT, HighPrecision
-from fastlink.precision.stationary import Stationary
+from fastlink.precision.stationary import stationary_of
 from fastlink.space.design_space import DesignSpace, sampled
 
 if TYPE_CHECKING:
@@ -360,7 +360,7 @@ def truth_of(subject: Subject, rng: np.random.Generator) -> Truth:
     inputs, k = resolved.space.at(np.arange(count)), rng.integers(len(resolved.branches), size=count)
     branches = np.array(resolved.branches, dtype=float)[k]
     if request.reduction is not None:
-        stationary = Stationary(catalogue, request.quantity, inputs, branches, variants)
+        stationary = stationary_of(catalogue, request.quantity, inputs, branches, variants)
         extremes = [
             CONTEXT.nan if folds else outermost(stationary, design, request.reduction.sign).value
             for design, folds in enumerate(stationary.folds)

@@ -52,6 +52,7 @@ from fastlink.io.reader import Part, is_hdf5, open_map
 from fastlink.mechanisms import NAMES, SHEET, is_extension, name_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.mechanisms import mechanism as read_mechanism
+from fastlink.mechanisms.linkage import linkage
 from fastlink.plan.query import Results, parse_request, units_of
 from fastlink.plan.request import POSITIONS, check_keywords, drivers
 from fastlink.space.design_space import MODELS, DesignSpace, Links, bounds_of
@@ -71,6 +72,8 @@ if TYPE_CHECKING:
 
 #: The key of a study that names the file, and the option by which it is run.
 KEY, TRUST = "quantities_file", "trust_code"
+#: The table of a linkage by its joints.
+LINKAGE = "linkage"
 
 
 def load_extension(study: Path, name: Any, mechanism: str, trusted: bool) -> Extension:
@@ -1107,9 +1110,20 @@ def read_study(path: str | Path, trust_code: bool = False) -> Study:
     return Study(path, text, tables, request.space, request.options, sources, mechanism)
 
 
-def _mechanism(path: Path, contents: Mapping[str, Any], problems: Problems, trusted: bool) -> Any:
+def _mechanism(path: Path, contents: dict[str, Any], problems: Problems, trusted: bool) -> Any:
     """Return the mechanism of a study: its name, or with the quantities that a file declares."""
     mechanism, own = contents.get("mechanism"), contents.get(KEY)
+    if LINKAGE in contents:
+        declared = contents.pop(LINKAGE)
+        with problems.at():
+            if mechanism is not None:
+                raise InputError(
+                    "is given twice, here and by [linkage]", ("mechanism",), "leave one of both out"
+                )
+            contents["mechanism"] = "linkage"
+            parts = check_options({}) if not isinstance(declared, dict) else declared
+            return linkage(**parts)
+        problems.stop()
     if isinstance(mechanism, str) and mechanism.endswith(SHEET):
         with problems.at():
             return read_mechanism(path.parent / mechanism)

@@ -10,16 +10,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from fastlink.codegen.runtime import beside, cells, results
+from fastlink.codegen.runtime import beside, cells, pieces, results
 from fastlink.codegen.runtime.beside import MOST_SPLITS, OCTAVES, SPLIT_ROWS
 from fastlink.codegen.runtime.cells import ITEM_ROWS, LANES, MOST_LANES, STATE_ROWS
 from fastlink.codegen.runtime.results import WINNER_ROWS
 from fastlink.codegen.source import Array, Source, Text, needed_steps, paste_fact
 from fastlink.facts.arc import ARC_FACTS
-from fastlink.facts.fact import Fact
+from fastlink.facts.fact import PIECE, Fact, ranges_of
 from fastlink.facts.names import error_name
+from fastlink.plan.programs import VALID
 
 if TYPE_CHECKING:
     from fastlink.plan.programs import ExtremaProgram, ExtremumSearch, Output
@@ -49,8 +51,11 @@ class ExtremaWriter:
         for output in program.outputs:
             for term in output.terms:
                 self.row(term.tolerance)
+        if any(output.is_assembly for output in program.outputs):
+            self.row(VALID)
         # positive where a gap counts as zero, so that it is not known whether there is a toggle
-        self.doubts = [self.row(error_name(end[2])) for end in program.graded.ends if program.has_bounds]
+        doubted = program.graded.ends if program.has_bounds and not program.in_pieces else ()
+        self.doubts = [self.row(error_name(end[2])) for end in doubted]
 
     def row(self, name: str) -> int:
         """Return the row of a lane value, reserving it on first use."""
@@ -68,7 +73,9 @@ class ExtremaWriter:
     def item_needs(self, search: ExtremumSearch) -> list[str]:
         """Return the design values that an item of a search carries."""
         names = [*self.slope_names(search), search.quantity, *self.places_wanted]
-        needs = self.design_needs(self.needed_for([*names, *search.bounded_by, *search.certain_by]))
+        names += [*search.bounded_by, *search.certain_by, *self.needs_of_zeros(search)]
+        needs = self.design_needs(self.needed_for(names))
+        needs += [name for name in names if self.program.axes[name] <= {"design"} and name not in needs]
         return [*needs, *(ARC_FACTS if search.arc else ())]
 
     @property
@@ -76,8 +83,13 @@ class ExtremaWriter:
         """Return the name of the input position where results tell or hang on where extremes are; else none."""
         requests = [output.request for output in self.program.outputs]
         wanted = any(r.is_position or r.listed or r.is_of_gradient for r in requests)
-        wanted = wanted or self.program.searches[0].arc
+        wanted = wanted or self.program.searches[0].arc or self.program.in_pieces
         return [self.program.catalogue.position.name] if wanted else []
+
+    def needs_of_zeros(self, search: ExtremumSearch) -> tuple[str, ...]:
+        """Return what is evaluated at the zeros of a gap; its error bound only where bounds are requested."""
+        names = self.program.needs_of_zeros(search)
+        return names if self.program.has_bounds else names[:1]
 
     def gradient_names(self, search: ExtremumSearch) -> list[str]:
         """Return the derivatives by inputs that are evaluated at the extremes of a search."""
@@ -126,7 +138,7 @@ class ExtremaWriter:
     def scratch(self) -> tuple[Array, ...]:
         """Return the arrays that the kernel works in."""
         searches, samples = self.program.searches, self.sample_row(len(self.program.searches), 0)
-        columns = len(searches) * len(self.program.branches) * LANES
+        columns = len(searches) * self.columns * LANES
         room = LANES * self.halves
         return (
             Array("w", "float64", (len(self.rows), LANES)),
@@ -141,13 +153,45 @@ class ExtremaWriter:
             Array("vectors", "int64", (LANES // MOST_LANES,)),
             Array("counts", "int64", (cells.COUNTS,)),
             self.best(columns),
-            Array("lists", "float64", (results.LIST_ROWS + self.program.has_bounds, columns, self.kept)),
+            self.lists("lists", columns),
             *self.places(columns),
+            *(self.of_all() if self.program.in_pieces else ()),
         )
+
+    def of_all(self) -> list[Array]:
+        """Return the arrays of pieces, and those of what their extremes come to by design and branch."""
+        branches = len(self.program.branches)
+        columns, most = len(self.program.searches) * branches * LANES, LANES * branches * pieces.MOST_PIECES
+        both = [
+            Array(name, "float64", (pieces.PIECE_ROWS, most + 2 * MOST_LANES))
+            for name in ("pieces", "further")
+        ]
+        found = Array("found", "float64", (3, branches * LANES))
+        ranges = Array("ranges", "float64", (pieces.RANGE_ROWS, branches * LANES, pieces.MOST_RANGES))
+        zeros = [
+            Array(name, "float64", (pieces.ZERO_ROWS, LANES, pieces.MOST_ZEROS))
+            for name in ("zeros", "leasts")
+        ]
+        joined = [self.best(columns), self.lists("lists", columns), *self.places(columns)]
+        return [*both, found, ranges, *zeros, *(replace(array, name=f"all_{array.name}") for array in joined)]
+
+    @property
+    def columns(self) -> int:
+        """How many columns of results each search has for a lane: one of each branch, or of a piece."""
+        return 1 if self.program.in_pieces else len(self.program.branches)
+
+    @property
+    def all(self) -> str:
+        """What the names of arrays begin with that hold results by design and branch."""
+        return "all_" if self.program.in_pieces else ""
 
     def best(self, columns: int) -> Array:
         """Return the array of greatest and least values."""
         return Array("best", "float64", (results.BEST_ROWS + 3 * self.program.has_bounds, columns))
+
+    def lists(self, name: str, columns: int) -> Array:
+        """Return the array of lists of extremes."""
+        return Array(name, "float64", (results.LIST_ROWS + self.program.has_bounds, columns, self.kept))
 
     @property
     def n_splits(self) -> int:
@@ -270,6 +314,8 @@ class ExtremaWriter:
 
     def own_column(self, branch: int) -> int:
         """Return the number of a searched branch among the results, -1 where it is not."""
+        if self.program.in_pieces:
+            return 0
         return self.program.branches.index(branch) if branch in self.program.branches else -1
 
     def mirror_column(self, branch: int) -> int:
@@ -319,6 +365,15 @@ class ExtremaWriter:
                 if self.program.mirrored:
                     self.text.use("codegen.runtime.results", "mirror_image")
                     stores[cells.IMAGE] = f"mirror_image({position}, {2.0 * self.program.graded.axis})"
+            if search.cuts:
+                names += self.needs_of_zeros(search)
+                stores |= dict(
+                    zip(
+                        (cells.IMAGE, cells.BOUND, cells.SLOPE_BOUND),
+                        self.needs_of_zeros(search),
+                        strict=False,
+                    )
+                )
             if search.bounded_by:
                 names += search.bounded_by
                 bound, slope_bound, bend, slope = search.bounded_by
@@ -359,6 +414,8 @@ class ExtremaWriter:
         sides = self.sides
         above = f"1.0 if ({half} == 0.0) | ({half} == 2.0) else -1.0"
         self.text.add(f"{side} = {above if sides == 2 else '1.0'}")
+        if self.program.in_pieces:
+            return
         former = f"{first}.0 if {half} <= {sides - 1.0} else " if others else ""
         self.text.add(f"branch = {former}{[first, *others][-1]}.0")
 
@@ -371,7 +428,7 @@ class ExtremaWriter:
             return
         asked = [int(sign in map(sign_of, own)) for sign in (1, -1)]
         text.add(f"asked_{number} = array({[*asked, int(search.magnitude), int(search.folds)]})")
-        columns = len(self.program.branches) * LANES
+        columns = self.columns * LANES
         text.add(f"columns_{number} = array({[number * columns, (number + 1) * columns]})")
         text.call(results.judge_winners, f"winners, w, n_here, table, search_{number}, asked_{number}")
         signs = sorted({sign_of(output) for output in own if output.inputs})
@@ -421,7 +478,8 @@ class ExtremaWriter:
             for k, gradient in enumerate(search.gradients):
                 held = " / ".join(gradient.held) or "0.0"
                 held = f"-({held})" if gradient.is_position and gradient.held else held
-                moving = gradient.moving or "0.0"
+                # nothing follows how the limit of a piece moves
+                moving = "nan" if self.program.in_pieces else gradient.moving or "0.0"
                 text.add(f"slope__{k} = {moving} if where__of == {results.ALONG} else {held}")
                 if gradient.is_position or search.parity < 0:
                     text.add(f"slope__{k} = -slope__{k} if mirrored__of else slope__{k}")
@@ -434,19 +492,19 @@ class ExtremaWriter:
         target, first = f"out_{output.name}, i0, n_here", number * len(self.program.branches) * LANES
         if request.is_status:
             row = results.WINNER_ROWS * (sign_of(output) < 0) + results.CODE
-            self.text.call(results.store_status, f"{target}, {first}, winners, {row}")
+            self.text.call(results.store_status, f"{target}, {first}, {self.all}winners, {row}")
             return
         kinds = [(one.by, one.is_position) for one in search.gradients]
         base = self.gradient_base(sign_of(output))
         rows = [base + kinds.index((by, request.is_position)) for by in output.inputs]
         if not request.change:
-            self.text.call(results.store_gradient, f"{target}, {first}, gradients, {rows[0]}")
+            self.text.call(results.store_gradient, f"{target}, {first}, {self.all}gradients, {rows[0]}")
             return
         table, tolerances = f"{output.name}__terms", [self.row(term.tolerance) for term in output.terms]
         self.text.add(
             f"{table} = array({[first, int(request.change == 'rss'), len(rows), *rows, *tolerances]})"
         )
-        self.text.call(results.store_change, f"{target}, gradients, w, {table}")
+        self.text.call(results.store_change, f"{target}, {self.all}gradients, w, {table}")
 
     # -- beside folds and toggles, where slopes may be rounding ----------------------------------------
 
@@ -564,32 +622,94 @@ class ExtremaWriter:
         text, searches = self.text, self.program.searches
         text.use("numerics.compiler", "lanes", "outlined")
         self.write_tables()
+        of_cuts = [k for k, search in enumerate(searches) if search.cuts]
+        others = [k for k in range(len(searches)) if k not in of_cuts]
         with text.blocks_of_designs():
-            self.write_designs()
-            self.write_samples()
-            text.call(results.clear, f"lists, best, {self.kept}")
-            if self.program.has_gradients:
-                text.call(results.forget_winners, "winners, gradients")
-            text.add(f"counts[{cells.DESIGNS}] = n_here")
-            text.call(beside.forget_splits, "splits")
-            for number in sorted(range(len(searches)), key=lambda k: not searches[k].splits):
-                self.write_search(number)
-            for search in filter(self.needs_ends, searches):
-                self.write_ends(searches.index(search))
-            for row in self.doubts:
-                text.call(results.doubt, f"w, {row}, n_here, lists, best")
+            if self.program.in_pieces:
+                self.write_pieces(of_cuts, others)
+            else:
+                self.write_pass(others)
             if self.flagged:
                 columns = len(self.program.branches) * LANES
-                for number, search in enumerate(searches):
-                    if room := self.room(search):
+                for number in others:
+                    if room := self.room(searches[number]):
                         span = f"{number * columns}, {(number + 1) * columns}, {room}"
-                        text.call(results.flag_undecided, f"lists, best, {span}")
-            for number in range(len(searches)):
-                self.write_gradients(number)
+                        text.call(results.flag_undecided, f"{self.all}lists, {self.all}best, {span}")
+            if not self.program.in_pieces:
+                for number in others:
+                    self.write_gradients(number)
             for output in self.program.outputs:
                 self.write_result(output)
         self.write_functions(self.write_evaluations)
         return text.source(self.program, self.scratch())
+
+    def write_pass(self, numbers: Sequence[int]) -> None:
+        """Write some searches in the lanes at hand, from the values of the designs to all extremes."""
+        text, searches = self.text, self.program.searches
+        self.write_designs()
+        self.write_samples(numbers)
+        text.call(results.clear, f"lists, best, {self.kept}")
+        if self.program.has_gradients:
+            text.call(results.forget_winners, "winners, gradients")
+        text.add(f"counts[{cells.DESIGNS}] = n_here")
+        text.call(beside.forget_splits, "splits")
+        for number in sorted(numbers, key=lambda k: not searches[k].splits):
+            self.write_search(number)
+        for number in numbers:
+            if self.needs_ends(searches[number]):
+                self.write_ends(number)
+        for row in self.doubts:
+            text.call(results.doubt, f"w, {row}, n_here, lists, best")
+
+    def write_pieces(self, of_cuts: Sequence[int], others: Sequence[int]) -> None:
+        """Write how gaps cut the turn into pieces, the searches in these, and what their extremes come to."""
+        text, searches, branches = self.text, self.program.searches, self.program.branches
+        text.add(
+            f"numbers = array({[k for k in others if not (searches[k].onto or searches[k].splits)] or [0]})"
+        )
+        text.call(pieces.begin_pieces, f"pieces, n_here, array({[float(b) for b in branches]})", "n_pieces")
+        for number in of_cuts:
+            text.add("n_further = 0")
+            with self.lanes_of_pieces():
+                text.call(pieces.forget_zeros, "zeros, leasts")
+                self.write_pass([number])
+                middle = self.sample_row(number, 0) + self.cells
+                arguments = f"pieces, p0, n_here, zeros, leasts, samples, {middle}, {searches[number].cuts}"
+                text.call(pieces.cut_pieces, f"{arguments}, further, n_further", "n_further")
+            text.call(pieces.close_pieces, "further, n_further, pieces", "n_pieces")
+        text.call(pieces.clear_all, "all_lists, all_best, found, ranges")
+        if self.program.has_gradients:
+            text.call(results.forget_winners, "all_winners, all_gradients")
+        text.call(pieces.note_pieces, "pieces, n_pieces, found, ranges")
+        if others:
+            with self.lanes_of_pieces():
+                self.write_pass(others)
+                for number in others:
+                    self.write_gradients(number)
+                arguments = f"pieces, p0, n_here, {len(branches)}, numbers"
+                text.call(pieces.join_pieces, f"{arguments}, lists, best, all_lists, all_best")
+                if self.program.has_gradients:
+                    text.call(
+                        pieces.join_winners, f"{arguments}, winners, gradients, all_winners, all_gradients"
+                    )
+        text.add(f"n_here = min({LANES}, n_designs - i0)")
+        text.add(f"width = (n_here + {MOST_LANES - 1}) & {-MOST_LANES}")
+        if rows := [name for name in self.rows if self.is_of_results(name)]:
+            with text.block("for i in lanes(width):"):
+                self.write_design_values(only=rows)
+
+    def is_of_results(self, name: str) -> bool:
+        """Tell whether a value of the design is read where results are stored, when pieces are done with."""
+        terms = {term.tolerance for output in self.program.outputs for term in output.terms}
+        return name in terms or (name == VALID and any(output.is_assembly for output in self.program.outputs))
+
+    @contextmanager
+    def lanes_of_pieces(self) -> Iterator[None]:
+        """Append a loop over pieces, which lie in lanes side by side."""
+        with self.text.block(f"for p0 in range(0, n_pieces, {LANES}):"):
+            self.text.add(f"n_here = min({LANES}, n_pieces - p0)")
+            self.text.add(f"width = (n_here + {MOST_LANES - 1}) & {-MOST_LANES}")
+            yield
 
     def write_functions(self, write: Callable[[int, ExtremumSearch], None]) -> None:
         """Write the functions of each search, which the kernel calls."""
@@ -604,7 +724,7 @@ class ExtremaWriter:
         _, start, toggle = map(self.row, program.graded.ends[0])
         none = [-1] * (2 - len(searched))
         own, mirror = ([*map(column, searched), *none] for column in (self.own_column, self.mirror_column))
-        sizes = [start, toggle, program.sides, self.halves, len(program.branches)]
+        sizes = [start, toggle, program.sides, self.halves, self.columns]
         tables = {"table": [*sizes, *own, *mirror]}
         for k, search in enumerate(program.searches):
             flags = [int(search.at_limit), int(search.kind == "wrap") - int(search.kind in ("piece", "end"))]
@@ -628,16 +748,21 @@ class ExtremaWriter:
         with self.text.block("for i in lanes(width):", "design"):
             self.write_design_values()
 
-    def write_design_values(self, further: Sequence[str] = ()) -> None:
-        """Write the values of the design that the rows hold, and further ones."""
+    def write_design_values(self, further: Sequence[str] = (), only: Sequence[str] = ()) -> None:
+        """Write the values of the design that the rows hold, and further ones; of a piece what is given of it."""
+        rows, lane = only or [*self.rows], "i"
+        if self.program.in_pieces and not only:
+            lane = f"int(pieces[{pieces.OF_LANE}, p0 + i])"
+            for k, name in enumerate(("branch", *PIECE), pieces.BRANCH):
+                self.text.add(f"{name} = pieces[{k}, p0 + i]")
         for k, name in enumerate(self.program.inputs):
-            self.text.add(f"{name} = designs[{k}, i0 + i]")
-        for step in needed_steps(self.design_steps, [*self.rows, *further]):
+            self.text.add(f"{name} = designs[{k}, i0 + {lane}]")
+        for step in needed_steps(self.design_steps, [*rows, *further]):
             paste_fact(step, step.depends_on, "", self.text)
-        for name in self.rows:
+        for name in rows:
             self.text.add(f"w[{self.row(name)}, i] = {name}")
 
-    def write_samples(self) -> None:
+    def write_samples(self, numbers: Sequence[int]) -> None:
         """Write the derivatives at all samples of the graded range, on both sides: both branches side by side."""
         text, sides = self.text, self.sides
         scale, start, _ = map(self.row, self.program.graded.ends[0])
@@ -661,19 +786,21 @@ class ExtremaWriter:
                 text.add(f"samples[{near + 1}, i] = rest")
             with text.block(f"for turn in range({sides}):"):
                 with text.block(*lanes):
-                    self.write_sample()
+                    self.write_sample(numbers)
                 with text.block(*lanes):
-                    self.write_marks()
+                    self.write_marks(numbers)
 
-    def write_sample(self) -> None:
-        """Write the derivatives at one sample."""
+    def write_sample(self, numbers: Sequence[int]) -> None:
+        """Write the derivatives at one sample, of some searches."""
         text, program = self.text, self.program
-        steps = self.needed_for(self.slope_names(*program.searches))
+        names = self.slope_names(*(program.searches[number] for number in numbers))
+        steps = self.needed_for(names)
         for name, row in zip(program.graded.coordinates, ("low__row", "high__row"), strict=False):
             text.add(f"{name} = samples[{row}, i]")
         side = "1.0 if turn == 0 else -1.0" if program.sides > 1 else "1.0"
         text.add(f"{program.graded.coordinates[2]} = {side}")
-        for name in self.design_needs(steps):
+        own = [name for name in names if program.axes[name] <= {"design"}]
+        for name in dict.fromkeys([*self.design_needs(steps), *own]):
             text.add(f"{name} = w[{self.row(name)}, i]")
         for step in (s for s in steps if "branch" not in program.axes[s.name]):
             self.paste(step)
@@ -681,7 +808,8 @@ class ExtremaWriter:
             text.add(f"branch__{branch} = {branch}.0")
             for step in (s for s in steps if "branch" in program.axes[s.name]):
                 self.paste(step, f"__{branch}")
-        for number, search in enumerate(program.searches):
+        for number in numbers:
+            search = program.searches[number]
             values = [f"f_{number}__{branch}" for branch in program.searched_branches]
             for value, branch in zip(values, program.searched_branches, strict=True):
                 text.add(f"{value} = {self.scaled(search, f'__{branch}')}")
@@ -694,10 +822,11 @@ class ExtremaWriter:
         """Return the entry of a sample of a function in one branch."""
         return f"samples[{self.sample_row(number, k * self.sides)} + turn * {self.samples} + {j}, i]"
 
-    def write_marks(self) -> None:
-        """Mark the samples before those at hand, of all functions in all branches."""
+    def write_marks(self, numbers: Sequence[int]) -> None:
+        """Mark the samples before those at hand, of functions in all branches."""
         self.text.use("codegen.runtime.cells", "mark")
-        for number, search in enumerate(self.program.searches):
+        for number in numbers:
+            search = self.program.searches[number]
             for k in range(len(self.searched_branches)):
                 before, here, now = (self.sample(number, k, j) for j in ("j2", "j1", "j"))
                 mark = f"mark({before}, {here}, {now}, {self.sign_of(search, k)}.0)"
@@ -733,6 +862,8 @@ class ExtremaWriter:
             text.call(cells.collect, f"samples, marks, {part}, counts, roots, valleys")
         if search.divided:
             self.write_division(number)
+        if search.cuts:
+            self.write_leasts(number, parts[0])
         for items, count in (("valleys", cells.VALLEYS), ("roots", cells.ROOTS)):
             with text.block(f"for start in range(0, counts[{count}], {LANES}):"):
                 text.call(cells.gather, f"{items}, start, counts[{count}], w, rows_{number}, state", "filled")
@@ -755,6 +886,18 @@ class ExtremaWriter:
                         self.write_poles(number)
                     else:
                         self.write_extrema(number, results.extrema_at_zeros, "state, filled, table")
+
+    def write_leasts(self, number: int, part: str) -> None:
+        """Write the small least values of a gap, next to which its root may turn sharply."""
+        text = self.text
+        text.call(pieces.collect_leasts, f"samples, {part}, n_here, ends", "n_leasts")
+        with text.block(f"for start in range(0, n_leasts, {LANES}):"):
+            text.call(cells.gather, f"ends, start, n_leasts, w, rows_{number}, state", "filled")
+            text.call(cells.begin_valleys, "state, filled, vectors", "n_open")
+            self.write_steps(number, cells.advance_valleys)
+            text.call(pieces.place_leasts, "state, filled")
+            self.write_value(number)
+            text.call(pieces.keep_leasts, "state, filled, leasts")
 
     def write_poles(self, number: int) -> None:
         """Write the values on both sides of places where the quantity may be infinite, and what they show."""
@@ -795,6 +938,10 @@ class ExtremaWriter:
     def write_extrema(self, number: int, classify: Callable[..., Any], state: str) -> None:
         """Write the quantity's evaluation at items of a search, what is extreme there, and its storing."""
         text, search = self.text, self.program.searches[number]
+        if search.cuts:
+            self.write_value(number)
+            text.call(pieces.keep_zeros, "state, filled, zeros")
+            return
         listed = bool(search.certain_by) and classify is results.extrema_at_zeros
         if listed:
             self.write_certain(number)
@@ -828,7 +975,8 @@ class ExtremaWriter:
     def write_ends(self, number: int) -> None:
         """Write the values at the ends of the range, where these may be extreme."""
         text, search = self.text, self.program.searches[number]
-        text.call(beside.collect_ends, f"w, n_here, table, search_{number}, best, ends", "n_ends")
+        collect = pieces.collect_both_ends if self.program.in_pieces else beside.collect_ends
+        text.call(collect, f"w, n_here, table, search_{number}, best, ends", "n_ends")
         for part in self.parts_that_may_rest(number):
             text.call(results.collect_rest, f"samples, {part}, n_here, ends, n_ends", "n_ends")
         with text.block(f"for start in range(0, n_ends, {LANES}):"):
@@ -847,6 +995,16 @@ class ExtremaWriter:
     def write_result(self, output: Output) -> None:
         """Write the copy of one result of a search."""
         request = output.request
+        if output.is_assembly:
+            target = f"out_{output.name}, i0, n_here"
+            row = ranges_of(self.program.catalogue.position.name).get(output.name, -1)
+            if row < 0:
+                self.text.call(pieces.store_assembly, f"{target}, found, w, {self.row(VALID)}")
+            else:
+                self.text.call(
+                    pieces.store_ranges if row < 2 else pieces.store_gaps, f"{target}, ranges, {row}"
+                )
+            return
         number = self.number_of(request.quantity)
         base = number * len(self.program.branches) * LANES
         target = f"out_{output.name}, i0, n_here, {base}"
@@ -855,12 +1013,12 @@ class ExtremaWriter:
         elif request.reduction is not None:
             row = {1: results.GREATEST, -1: results.LEAST}[request.reduction.sign] + int(request.is_position)
             store = results.store_bound if request.is_error else results.store_best
-            self.text.call(store, f"{target}, best, {row}")
+            self.text.call(store, f"{target}, {self.all}best, {row}")
         elif request.listed == "count":
-            self.text.call(results.store_counts, f"{target}, best")
+            self.text.call(results.store_counts, f"{target}, {self.all}best")
         else:
             row = results.LIST_ROW_OF[request.listed]
-            self.text.call(results.store_list, f"{target}, lists, {row}")
+            self.text.call(results.store_list, f"{target}, {self.all}lists, {row}")
 
 
 def sign_of(output: Output) -> int:

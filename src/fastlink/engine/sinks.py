@@ -77,7 +77,7 @@ class StatusCounts:
 
     def take(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
         """Count the designs of a block; thread-safe."""
-        found = np.bincount(arrays[self.index], minlength=len(self.counts))
+        found = np.bincount(arrays[self.index].ravel(), minlength=len(self.counts))
         with self.lock:
             self.counts += found
 

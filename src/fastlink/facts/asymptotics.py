@@ -125,7 +125,7 @@ def asymptotics(
             continue
         if moving.intersection(step.depends_on):
             moving.update(step.names)
-        if step.name == graded.vanishes_at_toggle:
+        if step.name in graded.vanishing:
             orders[step.name] = Asymptotics(-1.0, 1)
         elif strict and step.name in graded.vanish_at_one_end:  # as sigma^2
             orders[step.name] = Asymptotics(0.0, 1, of_reciprocal=2.0)

@@ -18,7 +18,7 @@ from fastlink.facts.expression import (
     is_power_of_two,
     postorder,
 )
-from fastlink.facts.fact import Fact, System
+from fastlink.facts.fact import PIECE_ERRORS, Fact, System
 from fastlink.facts.names import ErrorBound, Quantity, error_name
 from fastlink.numerics.compensated import (
     UNIT_ROUNDING,
@@ -606,6 +606,8 @@ class ErrorBounds(Rules):
         graded = self.catalogue.graded
         if graded is not None and name in graded.coordinates[:2]:
             return replace(self.exact, relative=FRACTION, positive=True)
+        if graded is not None and graded.gaps is not None and name in PIECE_ERRORS:
+            return replace(self.exact, rest=graph.name(PIECE_ERRORS[name]))
         if not of_value:  # no fact of a variant gives a table otherwise
             if name in self.catalogue.tables:
                 return self._of_table(name)

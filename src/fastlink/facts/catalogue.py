@@ -595,7 +595,7 @@ class Catalogue:
         names = {*self.facts, *parts} - derivatives
         leaves = {"branch", self.position.name, *self.tables, *self.table_low_parts}
         if self.graded is not None:
-            leaves |= set(self.graded.coordinates)
+            leaves |= set(self.graded.given)
         for option in ((), *((name,) for name in {*self.variants, *self.variant_inputs})):
             replaced = {name for key in option for name in self.variants.get(key, {})}
             known = (leaves | set(self.known_inputs(option))) - replaced

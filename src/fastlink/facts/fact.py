@@ -180,6 +180,37 @@ class Breakpoint:
     of: str
 
 
+#: What is given of a piece of the range: where it begins, how long it is, how far off its limits may be; of both ends
+#: which gap limits it (from 1 on, 0 for none), two terms of the power series of that in the distance, the error of the
+#: first, within what distance they stand for it; and how samples are graded, see `GradedRange.ends`.
+PIECE_ENDS = tuple(
+    tuple(
+        f"piece_{name}_{end}" for name in ("by", "slope", "bend", "off", "near", "scale", "start", "toggle")
+    )
+    for end in ("low", "high")
+)
+PIECE = ("piece_low", "piece_width", "piece_off", *PIECE_ENDS[0], *PIECE_ENDS[1])
+#: The errors of what is given of a piece.
+PIECE_ERRORS = {"piece_low": "piece_off", "piece_width": "piece_off"} | {
+    names[1]: names[3] for names in PIECE_ENDS
+}
+
+
+def ranges_of(position: str) -> dict[str, int]:
+    """Return the facts of the ranges between limits through which a mechanism with gaps moves, each with its row."""
+    return {f"{position}_{name}": row for row, name in enumerate(("low", "high", "low_by", "high_by"))}
+
+
+def root_of_gap(gap: str) -> str:
+    """Return the name of the root of a gap."""
+    return f"{gap}_root"
+
+
+def slope_of_gap(gap: str) -> str:
+    """Return the name of the fact whose extremes are searched at the zeros of a gap, whose slope it is there."""
+    return f"{gap}_slope"
+
+
 @dataclass(frozen=True, kw_only=True)
 class GradedRange:
     """The range in which extremes are searched, dense where curves are steep.
@@ -225,6 +256,9 @@ class GradedRange:
         The input position that the mirror leaves: it exchanges `axis` + x and `axis` - x.
     known : mapping of str to KnownExtremes
         The quantities whose extremes are known in closed form, and are not searched.
+    gaps : tuple of str, optional
+        Of a mechanism whose loops close one after the other the facts that are not negative where they do, each
+        defined where those before are not negative. They cut the turn into pieces, each of which is a range.
     """
 
     name: str = "graded"
@@ -251,6 +285,17 @@ class GradedRange:
     turns: Mapping[str, str] = field(default_factory=dict)
     windings: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     poles: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    gaps: tuple[str, ...] | None = None
+
+    @property
+    def given(self) -> tuple[str, ...]:
+        """The values of a place that are given: its coordinates, and where there are gaps those of its piece."""
+        return self.coordinates if self.gaps is None else (*self.coordinates, *PIECE)
+
+    @property
+    def vanishing(self) -> tuple[str, ...]:
+        """The facts that vanish at limits of motion like the root of the distance."""
+        return (self.vanishes_at_toggle,) if self.gaps is None else tuple(map(root_of_gap, self.gaps))
 
     def breakpoints(self, quantity: str, *kinds: Breaking) -> list[Breakpoint]:
         """Return the places where a quantity is not smooth, those of some kinds."""

@@ -546,6 +546,11 @@ OF_KERNELS = """
     store_bound store_change store_counts store_extrema store_gradient store_list store_status
     straightness_lanes sums table tile to_sample trial tries turn unlist_jumps unresolved upper v
     valleys vectors w w2 weigh_octave width winners
+    all_best all_gradients all_lists all_winners begin_pieces clear_all close_pieces collect_both_ends
+    cut_pieces found further insert join_pieces join_winners n_further n_pieces note_pieces numbers p0
+    pieces store_assembly zeros keep_zeros forget_zeros
+    leasts keep_leasts collect_leasts place_leasts n_leasts ranges store_ranges
+    store_gaps
 """
 TAKEN = frozenset({*OPTIONS.split(), *OF_KERNELS.split(), *NAMESPACE})
 #: The beginnings of names that kernels make.

@@ -42,6 +42,7 @@ import math
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import count
 from keyword import kwlist
 from pathlib import Path
 from typing import Any, get_args
@@ -55,20 +56,31 @@ from fastlink.facts.expression import (
     value_of,
     winding,
 )
-from fastlink.facts.fact import Fact, GradedRange, Input, Loops, Rule, System
+from fastlink.facts.fact import (
+    PIECE_ENDS,
+    Fact,
+    GradedRange,
+    Input,
+    Loops,
+    Rule,
+    System,
+    root_of_gap,
+    slope_of_gap,
+)
 from fastlink.facts.formula import NAMESPACE, WORD, CatalogueError, Formula, SheetError
 from fastlink.facts.names import root_of
 from fastlink.facts.own import check_units, declared_step, is_reserved
 from fastlink.facts.powers import Powers, UnlikePowers
 from fastlink.numerics.elementary import atan2, sqrt
+from fastlink.numerics.vectors import magnitude
 
 HEAD = re.compile(
     r"(?P<kind>step |system |loops |also |let )?(?P<name>[A-Za-z_]\w*)"
     r"(?: \[(?P<units>[^\]]*)\] (?P<symbol>.*?): (?P<meaning>.+)|: (?P<unknowns>.+)| = (?P<value>.+))?"
 )
-SECTION = re.compile(r"\[(mechanism|position|branches|inputs|tables|facts|loops|variant (\w+))\]")
+SECTION = re.compile(r"\[(mechanism|position|branches|closes|inputs|tables|facts|loops|variant (\w+))\]")
 #: The sections of a whole mechanism that `read_sheet` leaves to `mechanism_of`.
-OF_MECHANISM = ("mechanism", "position", "branches")
+OF_MECHANISM = ("mechanism", "position", "branches", "closes")
 RULES = get_args(Rule)
 #: Words that are no names of values.
 RESERVED = frozenset((*kwlist, "abs"))
@@ -151,7 +163,8 @@ def entries_of(text: str, file: str) -> Iterator[Entry]:
             raise SheetError(
                 place,
                 f"{line} is no section",
-                "write [inputs], [tables], [facts], [variant NAME], [mechanism], [position], [branches] or [loops]",
+                "write [inputs], [tables], [facts], [variant NAME], [mechanism], [position], [branches], [closes] "
+                "or [loops]",
             )
         else:
             entry = Entry(place, line, section, source)
@@ -309,6 +322,7 @@ def _number(entry: Entry, text: str, names: Mapping[str, Any]) -> float:
 
 #: What the sheet of a mechanism gets with it, in terms of its input angle.
 TURN = Path(__file__).with_name("turn.facts")
+CLOSES = Path(__file__).with_name("closes.facts")
 #: What it gets unless it has a fact of that name.
 UNLESS_DECLARED = """
 ## the input angle turns
@@ -328,6 +342,48 @@ status [1] status: How the design assembles over a full turn of the input
     part = select((Z0 > 0.0) | (C0 > 0.0), 1.0, 0.0)
     = select(valid == 1.0, select(range_width > 0.0, part, 2.0), 3.0)
 """
+#: The status of a sheet with gaps, which kernels find by the pieces of its range; and what each gap gets.
+STATUS_OF_GAPS = """
+status [1] status: How the design assembles over a full turn of the input
+    0: rotates_fully
+    1: assembles_over_part_of_the_turn
+    2: never_assembles
+    3: invalid_input
+    4: beyond_range
+    = select(valid == 1.0, select(closes == 1.0, 0.0, 2.0), 3.0)
+POSITION_{low,high} [rad] x_{low,high}: Input angles where ranges {begin,end} through which it moves; NaN without limits
+    = select(closes == 1.0, 0.0, NOT_A_NUMBER)
+POSITION_{low,high}_by [1] by: What limits the ranges through which it moves where they {begin,end}
+    0: nothing
+{gaps}
+    = select(closes == 1.0, 0.0, 0.0)
+"""
+CLOSES_WHERE = """
+## where all loops close
+step closes [1] closes: 1 where all loops close, else NaN
+    = select({conditions}, 1.0, NOT_A_NUMBER)
+"""
+OF_GAP = """
+## docs/own_mechanisms.md#several-loops
+step ROOT [1] r: Root of GAP
+    = sqrt(GAP)
+step SLOPE [1] s: Slope of GAP
+    = d_GAP_d_POSITION
+d_ROOT_d_POSITION = 0.5 * d_GAP_d_POSITION / ROOT
+d_SLOPE_d_POSITION = GAP
+[variant graded]
+step ROOT [1] r: Root of GAP
+    low, high = piece_width * from_low, piece_width * from_high
+    next_low = (piece_by_low == NUMBER.0) & (low < piece_near_low)
+    next_high = (piece_by_high == NUMBER.0) & (high < piece_near_high)
+    at_low = low * (piece_slope_low + piece_bend_low * low)
+    at_high = high * (piece_slope_high + piece_bend_high * high)
+    = sqrt(select(next_low, at_low, select(next_high, at_high, GAP)))
+d_ROOT_d_POSITION = 0.5 * d_GAP_d_POSITION / ROOT
+d_SLOPE_d_POSITION = GAP
+"""
+#: The most ways in which the dyads of a mechanism can be assembled.
+MOST_BRANCHES = 64
 VALID = {"positive": "({0} > 0.0) & ({0} < INFINITY)", "non-negative": "({0} >= 0.0) & ({0} < INFINITY)"}
 #: Functions whose values or slopes may jump: extremes of what calls them are those of samples.
 JUMPS = frozenset(("select", "choice", "abs", "absolute", "sign", "largest", "zero_where"))
@@ -350,26 +406,39 @@ def mechanism_of(text: str, file: str) -> Catalogue:
         remedy = "write NAME [rad] symbol: meaning below [position]; only an angle can drive"
         raise SheetError(file, "the position is no angle in rad", remedy)
     numbered = [entry.head.partition(": ") for entry in entries if entry.section == "branches"]
-    if [number for number, _, _ in numbered] != ["1", "2"] or not all(meaning for *_, meaning in numbered):
+    gaps = None
+    if re.search(r"^\[closes\]", text, re.M):
+        gaps = tuple(entry.parts["name"] for entry in entries if entry.section == "closes")
+    numbers = [number for number, _, _ in numbered]
+    many = (
+        gaps is not None
+        and len(numbers) <= MOST_BRANCHES
+        and numbers == [str(k + 1) for k in range(len(numbers))]
+    )
+    if not (numbers == ["1", "2"] or many) or not all(meaning for *_, meaning in numbered):
         remedy = "write both below [branches]: 1: meaning, and 2: meaning"
         raise SheetError(file, "the branches are not 1 and 2", remedy)
     name, symbol, meaning = (position[key] for key in ("name", "symbol", "meaning"))
     branches = {int(number): meaning for number, _, meaning in numbered}
     found = Catalogue(title["name"], title["unknowns"], branches, Input(name, "rad", symbol, meaning))
     _check_names(entries)
-    read_sheet(TURN.read_text(encoding="utf-8").replace("POSITION", name), "what every sheet gets", found)
-    shared = {*found.facts, "Z0", "C0"}
+    turn = TURN if gaps is None else CLOSES
+    read_sheet(turn.read_text(encoding="utf-8").replace("POSITION", name), "what every sheet gets", found)
+    shared = {*found.facts, "Z0", "C0", *map(root_of_gap, gaps or ())}
     read_sheet(text, file, found)
     _check_facts(found)
-    conditions = (
-        VALID.get(one.rule, "(abs({0}) < INFINITY)").format(one.name) for one in found.inputs.values()
-    )
+    given = found.inputs.values() if gaps is None else _given_to(found, gaps)
+    conditions = (VALID.get(one.rule, "(abs({0}) < INFINITY)").format(one.name) for one in given)
     default = UNLESS_DECLARED.replace("{valid}", " & ".join(conditions) or "1.0 > 0.0")
+    if gaps is not None:
+        _declare_gaps(found, gaps, file)
+        default = default[: default.index("step Z0")] + STATUS_OF_GAPS.replace("POSITION", name)
+        default = default.replace("{gaps}", "\n".join(f"    {k}: {gap}" for k, gap in enumerate(gaps, 1)))
     head, *rest = re.split(r"\n(?=\w)", default)
     missing = [entry for entry in rest if entry.removeprefix("step ").split(" ")[0] not in found.facts]
     read_sheet("\n".join([head, *missing]), "what every sheet gets", found)
-    found.closes = ("sigma", "p", "q")
-    found.graded = _graded_range(found)
+    found.closes = ("sigma", "p", "q") if gaps is None else ("closes",)
+    found.graded = _graded_range(found, gaps)
     try:
         found.check()
     except SheetError:
@@ -384,6 +453,33 @@ def mechanism_of(text: str, file: str) -> Catalogue:
         _check_loops(found, found.loops)
     found.graded = replace(found.graded, poles=_with_poles(found, shared))
     return found.copied()  # without what was noted before the last step was declared
+
+
+def _given_to(known: Catalogue, names: Sequence[str]) -> list[Input]:
+    """Return the inputs that facts depend on."""
+    found, new = dict.fromkeys(names), list(names)
+    while new:
+        fact = known.facts.get(new.pop().removesuffix("_root"))
+        further = [name for name in (fact.depends_on if fact else ()) if name not in found]
+        found |= dict.fromkeys(further)
+        new += further
+    return [known.inputs[name] for name in known.inputs if name in found]
+
+
+def _declare_gaps(known: Catalogue, gaps: Sequence[str], file: str) -> None:
+    """Declare the roots of gaps, by which facts vanish at limits of motion, and what their zeros are searched by."""
+    position, place = known.position.name, "what every sheet gets"
+    for k, gap in enumerate(gaps, 1):
+        fact = known.facts.get(gap)
+        if fact is None or fact.units != "1":
+            what = f"{gap} of [closes] is no fact without units"
+            raise SheetError(file, what, f"declare it in [facts]: step {gap} [1] symbol: meaning")
+        text = OF_GAP.replace("POSITION", position).replace("NUMBER", str(k))
+        for word, name in (("GAP", gap), ("ROOT", root_of_gap(gap)), ("SLOPE", slope_of_gap(gap))):
+            text = text.replace(word, name)
+        read_sheet(text, place, known)
+    conditions = " & ".join(f"({gap} >= 0.0)" for gap in gaps) or f"cos_{position} < 2.0"
+    read_sheet(CLOSES_WHERE.replace("{conditions}", conditions), place, known)
 
 
 #: Functions of formulas that tables alone may call, and what facts have in their place.
@@ -449,7 +545,7 @@ def wrong_units(known: Catalogue) -> dict[str, str]:
         units = {name: one.units for name, one in facts.items() if isinstance(one, Fact)} | units
     units |= dict.fromkeys((*known.tables, *known.table_low_parts, "branch"), "1")
     if known.graded is not None:
-        units |= dict.fromkeys(known.graded.coordinates, "1")
+        units |= dict.fromkeys(known.graded.given, "1")
 
     def number(name: str) -> Powers:
         plain = plain_and_above(known.parse(name))[0]
@@ -490,11 +586,11 @@ def _only_head(entries: Sequence[Entry], section: str, file: str) -> Mapping[str
     return heads[0].parts
 
 
-def _graded_range(known: Catalogue) -> GradedRange:
+def _graded_range(known: Catalogue, gaps: tuple[str, ...] | None) -> GradedRange:
     """Return how extremes are searched, and of which quantities they are those of samples."""
     wraps: dict[str, str] = {}
     sampled = []
-    open_ends, windings = _with_roots(known)
+    open_ends, windings = _with_roots(known, gaps)
     for name, fact in known.public.items():
         value = value_of(fact.formula)
         sine = value.args[0] if value.value is atan2 else value
@@ -505,11 +601,19 @@ def _graded_range(known: Catalogue) -> GradedRange:
             sampled.append(name)
     jumping = {name: windings[name] for name in known.public if windings[name] and name not in wraps}
     sampled += [name for name, turns in jumping.items() if not turns.keys() <= wraps.keys()]
+    of_pieces: dict[str, Any] = {
+        "gaps": gaps,
+        "cells_otherwise": 64,
+        "antisymmetric": (),
+        "vanish_at_one_end": (),
+    }
+    of_pieces["ends"] = tuple(names[5:] for names in PIECE_ENDS)
     return GradedRange(
-        bounded_factor="share_of_sigma",
+        bounded_factor="share_of_sigma" if gaps is None else "toward_limits",
         not_differentiable=tuple(dict.fromkeys(sampled)),
         wraps_at=wraps,
         windings={name: turns for name, turns in jumping.items() if name not in sampled},
+        **({} if gaps is None else of_pieces),
     )
 
 
@@ -519,11 +623,13 @@ def _steps_of(known: Catalogue) -> list[Fact | System]:
     return [*known.dependencies(sorted(known.public), given)]
 
 
-def _with_roots(known: Catalogue) -> tuple[set[str], dict[str, dict[str, float]]]:
+def _with_roots(
+    known: Catalogue, gaps: Collection[str] | None
+) -> tuple[set[str], dict[str, dict[str, float]]]:
     """Return the facts that may be no number where the loop closes by Z0 and C0, roots; how facts wind with angles."""
     found: set[str] = set()
     windings: dict[str, dict[str, float]] = {known.position.name: {known.position.name: 1.0}}
-    closes = {*known.tables, "p", "q", "sigma"}
+    closes = {*known.tables, *(("p", "q", "sigma") if gaps is None else gaps)}
     for step in _steps_of(known):
         value = value_of(step.formula)
         nodes = beneath([value])
@@ -550,15 +656,27 @@ def _with_poles(known: Catalogue, shared: Collection[str]) -> dict[str, tuple[st
         poles = dict[str, None]()
         for k, zero in enumerate(divisors(beneath([value_of(step.formula)]))):
             names = [part.value for part in beneath([zero]) if part.kind == "name"]
+            if zero.kind == "name" and _is_size(known, zero.value):
+                continue  # of a vector, which vanishes at no position of most designs
             if not any(known.varies(name) for name in names if name not in shared):
                 continue
-            name = f"{step.name}_pole{k}"
+            of = f"{root_of(known.parse(step.name))}_rate" if known.is_derivative(step.name) else step.name
+            name = next(free for n in count(k) if not known.declares(free := f"{of}_pole{n}"))
             labels = {"units": "1", "symbol": name, "meaning": name, "source": step.source}
             poles[zero.value if zero.kind == "name" else declared_step(known, name, zero, labels)] = None
         for need in step.depends_on:
             poles |= found.get(root_of(known.parse(need)), {})
         found.update(dict.fromkeys(step.names, poles))
     return {name: tuple(found[name]) for name in known.public if found.get(name)}
+
+
+def _is_size(known: Catalogue, name: str) -> bool:
+    """Tell whether a fact is the magnitude of a vector, or its square."""
+    fact = known.facts.get(name)
+    value = value_of(fact.formula) if fact is not None else None
+    if value is None or value.value is magnitude:
+        return value is not None
+    return value.kind == "+" and all(part.kind == "*" and part.args[0] is part.args[1] for part in value.args)
 
 
 def _loops(entry: Entry, unknowns: tuple[str, ...], said: Mapping[str, str], formula: Formula) -> Loops:

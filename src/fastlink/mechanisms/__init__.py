@@ -50,7 +50,7 @@ class Mechanism(str):
     Attributes
     ----------
     text : str
-        The sheet.
+        The sheet, or the declaration of a linkage by its joints as JSON.
     """
 
     text: str
@@ -64,8 +64,13 @@ class Mechanism(str):
         for read in _sheets.values():  # a study and a command name their file at every door
             if read.text == text:
                 return read
+        sheet, picture = text, None
+        if text.startswith("{"):
+            from fastlink.mechanisms.linkage import sheet_of_linkage
+
+            sheet, picture = sheet_of_linkage(text)
         try:
-            known = mechanism_of(text, file)
+            known = mechanism_of(sheet, file)
         except RecursionError:
             what, remedy = (
                 "has an expression of too many terms",
@@ -75,10 +80,11 @@ class Mechanism(str):
         except SheetError as error:
             raise InputError(error.what, where=("mechanism", error.place), remedy=error.remedy) from None
         own = super().__new__(cls, f"{known.name}@{sha256(text.encode()).hexdigest()[:8]}")
-        own.text, own.file, own.known = text, file, with_arc(known)
+        own.text, own.file, own.known, own.picture = text, file, with_arc(known), picture
         return _sheets.setdefault(str(own), own)
 
     known: Catalogue
+    picture: Any
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.text, self.file)
@@ -141,6 +147,11 @@ def mechanism_of_map(attrs: Mapping[str, Any]) -> str:
 def sheet_of(mechanism: str) -> str:
     """Return the sheet of a mechanism of a user's own, empty for others."""
     return _sheets[mechanism].text if mechanism in _sheets else ""
+
+
+def picture_of_own(mechanism: str) -> Any:
+    """Return the picture of a linkage that a user declared, None for others."""
+    return _sheets[mechanism].picture if mechanism in _sheets else None
 
 
 class _Package(ModuleType):

@@ -36,7 +36,7 @@ from fastlink.errors import (
 )
 from fastlink.io.output import write_whole
 from fastlink.io.reader import as_map
-from fastlink.mechanisms import NAMES, SHEET, mechanism_of_map, name_of
+from fastlink.mechanisms import NAMES, SHEET, mechanism_of_map, name_of, picture_of_own
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.pictures.cad import DXF, is_cad, written
 from fastlink.pictures.labels import mathematical
@@ -347,7 +347,9 @@ def request_of(source: Source, strip: Any, curves: Any, show: Any, degrees: Any,
 def picture_of(mechanism: str, catalogue: Catalogue) -> Picture:
     """Return what a mechanism declares to be drawn, or refuse one that does not."""
     try:
-        picture: Picture = import_module(f"fastlink.mechanisms.{mechanism}").PICTURE
+        picture: Picture = (
+            picture_of_own(mechanism) or import_module(f"fastlink.mechanisms.{mechanism}").PICTURE
+        )
     except (ModuleNotFoundError, AttributeError):
         remedy = f"declare its joints and bars in mechanisms/{mechanism}/__init__.py"
         if "@" in mechanism or mechanism.endswith(SHEET):

@@ -117,6 +117,11 @@ class Motion:
     def meaning(self, name: str) -> str:
         """Return the words for the code of the design, such as its status."""
         code = int(self.number(name))
+        graded = self.catalogue.graded
+        if graded is not None and graded.gaps is not None and not code:  # of one position; the turn tells
+            turn = np.linspace(0.0, 2.0 * np.pi, 721)
+            codes = self._evaluated([name], np.array(self.branches)[:1, None], turn)[name]
+            code = int(bool(np.any(codes)))
         return in_words(self.catalogue.public_fact(name).flags[code])
 
     def _evaluated(self, names: list[str], branch: Any, positions: Any) -> dict[str, Any]:

@@ -13,7 +13,16 @@ from fastlink.facts.asymptotics import asymptotics
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.derivative import NoDependence, NoDerivative, Term
 from fastlink.facts.expression import beneath, value_of
-from fastlink.facts.fact import Breaking, Breakpoint, Fact, GradedRange, System
+from fastlink.facts.fact import (
+    PIECE,
+    Breaking,
+    Breakpoint,
+    Fact,
+    GradedRange,
+    System,
+    ranges_of,
+    slope_of_gap,
+)
 from fastlink.facts.formula import CatalogueError
 from fastlink.facts.names import (
     Change,
@@ -57,6 +66,8 @@ class Output:
     counted: str = ""
     #: Of a change by tolerances, the inputs that have some, with the facts of these.
     terms: tuple[Term, ...] = ()
+    #: Whether it is how the design assembles over the turn, which the pieces of its range tell.
+    is_assembly: bool = False
 
     @property
     def slopes(self) -> tuple[str, ...]:
@@ -110,8 +121,8 @@ class Program:
     def _axes_by(self, coordinates: Mapping[str, str]) -> dict[str, frozenset[str]]:
         """Return the axes on which each value depends, with those of coordinates."""
         axes = {name: frozenset({"design"}) for name in self.inputs}
-        axes |= {name: frozenset({axis}) for name, axis in coordinates.items()}
         axes["branch"] = frozenset({"branch"})
+        axes |= {name: frozenset({axis}) for name, axis in coordinates.items()}
         for step in self.steps:
             joint = frozenset[str]().union(*(axes[name] for name in step.depends_on))
             axes |= dict.fromkeys(step.names, joint)
@@ -168,6 +179,8 @@ class ExtremumSearch:
     gradients: tuple[Gradient, ...] = ()
     #: Where its extremes are, if that is known in closed form.
     known: KnownExtremes | None = None
+    #: If its zeros cut the range into pieces, before all other searches, the number of the gap, else 0.
+    cuts: int = 0
 
     @property
     def mirrored(self) -> bool:
@@ -178,6 +191,15 @@ class ExtremumSearch:
     def splits(self) -> bool:
         """Whether it is for places at which cells of others are split, and nothing else."""
         return self.kind == "split"
+
+
+def needs_of_zeros(known: Catalogue, search: ExtremumSearch) -> tuple[str, ...]:
+    """Return what is evaluated at zeros of a gap: its second derivative, and error bounds of it and of its slope."""
+    if not search.cuts or known.graded is None or known.graded.gaps is None:
+        return ()
+    gap, position = known.graded.gaps[search.cuts - 1], known.position.name
+    slope = derivative_name(gap, position)
+    return derivative_name(slope, position), error_name(gap), error_name(slope)
 
 
 @dataclass(frozen=True)
@@ -224,6 +246,22 @@ class ExtremaProgram(Program):
         return self.graded.coordinates
 
     @property
+    def in_pieces(self) -> bool:
+        """Whether lanes are pieces of the range, each of one design and branch."""
+        return self.graded.gaps is not None
+
+    @cached_property
+    def axes(self) -> dict[str, frozenset[str]]:
+        """The axes on which each value depends: a piece is of one design, and all that is given of it is its own."""
+        coordinates = dict.fromkeys(self.coordinates, self.catalogue.position.name)
+        of_piece = dict.fromkeys((*PIECE, "branch"), "design") if self.in_pieces else {}
+        return self._axes_by(coordinates | of_piece)
+
+    def needs_of_zeros(self, search: ExtremumSearch) -> tuple[str, ...]:
+        """Return what is evaluated at the zeros of a gap, see `needs_of_zeros`."""
+        return needs_of_zeros(self.catalogue, search)
+
+    @property
     def has_bounds(self) -> bool:
         """Whether error bounds of extremes are requested."""
         return any(search.bounded_by for search in self.searches)
@@ -240,13 +278,15 @@ class ExtremaProgram(Program):
 
     @property
     def searched_branches(self) -> tuple[int, ...]:
-        """The branches that are searched."""
+        """The branches that are searched; a piece has its own, whatever that is."""
+        if self.in_pieces:
+            return self.branches[:1]
         return tuple(self.catalogue.branches) if self.mirrored else self.branches
 
     @property
     def sides(self) -> int:
         """Number of sides of the ground line that are searched."""
-        return 1 if self.mirrored else 2
+        return 1 if self.mirrored or self.in_pieces else 2
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -324,6 +364,8 @@ def is_of_known(output: Output, searches: Iterable[ExtremumSearch]) -> bool:
 
 
 #: The order of the searches for breakpoints, by their kinds.
+#: The fact that is 1 where all inputs are as they have to be, and the code by which a mechanism assembles.
+VALID, ASSEMBLY = "valid", "status"
 ORDER: dict[Breaking, int] = {"wrap": 0, "jump": 1, "pole": 2, "end": 3, "kink": 4, "piece": 4}
 # Fewer angles than this leave vector lanes idle when lanes are angles.
 ANGLES_FOR_LANES = 32
@@ -345,6 +387,11 @@ class Planner:
         return self.catalogue.graded
 
     @property
+    def is_in_pieces(self) -> bool:
+        """Whether the range of the mechanism is cut into pieces, see `GradedRange.gaps`."""
+        return self.catalogue.graded is not None and self.catalogue.graded.gaps is not None
+
+    @property
     def tables(self) -> tuple[str, ...]:
         """The functions of the input position."""
         return self.catalogue.position.name, *self.catalogue.tables, *self.catalogue.table_low_parts
@@ -356,7 +403,7 @@ class Planner:
 
     def steps(self, names: Iterable[str]) -> tuple[Fact | System, ...]:
         """Return the steps that compute facts at positions of the graded range."""
-        leaves = (*self.given, *self.graded.coordinates, "branch")
+        leaves = (*self.given, *self.graded.given, "branch")
         return tuple(self.catalogue.dependencies(names, leaves, (self.graded.name, *self.variants)))
 
     def made_of(self, steps: tuple[Fact | System, ...]) -> dict[str, Any]:
@@ -418,7 +465,7 @@ class Planner:
             return None
         if any(isinstance(step, System) for step in steps):
             return None
-        coordinates = (*self.graded.coordinates, "branch")
+        coordinates = (*self.graded.given, "branch")
         return round(asymptotics(self.graded, steps, coordinates, strict=True)[name].order)
 
     # -- Values at given input positions, and their reductions
@@ -495,6 +542,8 @@ class Planner:
         An arc of the turn is no mirror image of itself, and extremes that are known may be outside of it.
         """
         found = self._search_of_turn(quantity)
+        if found is not None and self.graded.gaps is not None:  # no piece is the mirror image of another
+            found = replace(found, parity=0, slope_parity=0)
         if found is None or ARC not in self.variants:
             return found
         return replace(found, arc=True, parity=0, slope_parity=0, known=None)
@@ -514,7 +563,7 @@ class Planner:
             return None
         if any(isinstance(step, System) for step in steps):
             return None
-        grades = asymptotics(graded, steps, (*graded.coordinates, "branch"))
+        grades = asymptotics(graded, steps, (*graded.given, "branch"))
         grade = grades[quantity]
         divisor, power = graded.divisors.get(quantity, (quantity, 0))
         own = self.steps((quantity,))
@@ -529,7 +578,9 @@ class Planner:
             max(round(grades[slope].order + power * grades[divisor].order), 0),
             grade.parity,
             -grade.parity,  # the input position is odd
-            at_limit=graded.reciprocal not in needed and not grade.choice,
+            at_limit=grade.order <= 0.0
+            if graded.gaps is not None
+            else graded.reciprocal not in needed and not grade.choice,
             divided=quantity not in graded.cells,
             turns=() if quantity in graded.cells else turns_of(graded, quantity, steps),
             magnitude=is_magnitude(by_name[quantity]),
@@ -556,7 +607,7 @@ class Planner:
         divisor, power = graded.divisors.get(name, (name, 0)) if slope != name else (name, 0)
         if slope != name and is_magnitude(next(step for step in steps if name in step.names)):
             divisor, power = name, 1  # half the derivative of the square, which has no kink
-        grades = asymptotics(graded, steps, (*graded.coordinates, "branch"))
+        grades = asymptotics(graded, steps, (*graded.given, "branch"))
         parity = grades[slope].parity if slope == name else -grades[name].parity  # the position is odd
         if place.kind == "wrap":  # the sine of the angle times a length is odd where the angle is
             parity = -search.slope_parity
@@ -601,6 +652,15 @@ class Planner:
             for name, search in first.items()
             for one in self.part_search(search, Breakpoint("split", name, name))
         ]
+
+    def searches_for_cuts(self, cells: int) -> list[ExtremumSearch]:
+        """Return the searches for zeros of gaps, in their order."""
+        found = []
+        for k, gap in enumerate(self.graded.gaps or (), 1):
+            search = self.search(slope_of_gap(gap))
+            assert search is not None
+            found.append(replace(search, cells=cells, cuts=k, turns=(), arc=False))
+        return found
 
     def further_searches(
         self, searches: Sequence[ExtremumSearch], bounded: Container[str]
@@ -679,11 +739,13 @@ class Planner:
         quantities = {output.request.quantity for output in outputs}
         searches = [self.requested(search, outputs) for search in searches if search.quantity in quantities]
         bounded = {output.request.quantity for output in outputs if output.request.can_be_refined}
-        groups: dict[tuple[int, bool], list[ExtremumSearch]] = {}
+        first: list[ExtremumSearch] = []
+        groups = {(self.graded.cells_otherwise, False): first} if any(o.is_assembly for o in outputs) else {}
         for search in (*searches, *self.further_searches(searches, bounded)):
             groups.setdefault((search.cells, search.mirrored), []).append(search)
-        for group in groups.values():
+        for (cells, _), group in groups.items():
             group += self.searches_for_splits(group)
+            group += self.searches_for_cuts(cells)
             names = [position, self.graded.bounded_factor, *(name for end in ends for name in end)]
             names += [
                 name
@@ -692,8 +754,16 @@ class Planner:
             ]
             names += [name for s in group for gradient in s.gradients for name in gradient.names]
             of_group = [o for s in group for o in outputs if o.request.quantity == s.quantity and not s.onto]
+            if group is first:
+                of_group += [output for output in outputs if output.is_assembly]
             names += [term.tolerance for o in of_group for term in o.terms]
-            names += [error_name(end[2]) for end in ends if any(s.bounded_by for s in group)]
+            names += [
+                error_name(end[2])
+                for end in ends
+                if any(s.bounded_by for s in group) and self.graded.gaps is None
+            ]
+            names += [VALID for o in of_group if o.is_assembly]
+            names += [name for s in group for name in needs_of_zeros(self.catalogue, s)]
             names += [name for s in group[:1] if s.arc for name in ARC_FACTS]
             of_steps = self.made_of(self.steps(names))
             programs.append(ExtremaProgram(**of_steps, outputs=tuple(of_group), searches=tuple(group)))
@@ -800,6 +870,9 @@ def make_plan(
     planner = Planner(catalogue, tuple(given), tuple(variants), tuple(branches))
     searches: dict[str, ExtremumSearch | None] = {}
     refined: set[str] = set()
+    of_pieces = {ASSEMBLY, *ranges_of(catalogue.position.name)} if planner.is_in_pieces else set()
+    assembly = of_pieces.intersection(request.name for request in requests)
+    refined |= assembly
     for request in requests:
         if request.listed or request.is_error or (extrema == "refined" and request.can_be_refined):
             quantity = request.quantity
@@ -813,14 +886,25 @@ def make_plan(
             elif request.listed:
                 raise _not_refined(request, catalogue)
     whole_turn = extrema == "refined" and ARC not in variants
-    outputs = tuple(planner.output(r, whole_turn=whole_turn, refined=r.name in refined) for r in requests)
+    outputs = tuple(
+        replace(
+            planner.output(r, refined=True),
+            axes=(BRANCH,) if r.name == ASSEMBLY else (BRANCH, EXTREMUM),
+            is_assembly=True,
+        )
+        if r.name in assembly
+        else planner.output(r, whole_turn=whole_turn, refined=r.name in refined)
+        for r in requests
+    )
     programs: list[Program] = []
     if sampled := [output.name for output in outputs if not output.refined]:
         programs += planner.pointwise_programs(sampled, angles, whole_turn)
     searched = [search for search in searches.values() if search is not None]
-    if searched:
+    if searched or assembly:
         programs += planner.extrema_programs([output for output in outputs if output.refined], searched)
     kept = max((search.most for search in searched), default=0)
+    if len(assembly) > (ASSEMBLY in assembly):
+        kept = max(kept, planner.graded.max_extrema_otherwise)
     recipe = catalogue, names, tuple(given), tuple(branches), tuple(variants), angles, extrema
     return Plan(catalogue, outputs, tuple(programs), tuple(branches), tuple(variants), kept, recipe)
 

@@ -20,7 +20,16 @@ from fastlink.facts.tables import angle_tables
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.precision.independent import TOLERANCE, IndependentValues
 from fastlink.precision.reference import CONTEXT, DIGITS, HighPrecision, error_in_roundings
-from fastlink.precision.stationary import END, JUMP, Extreme, Stationary
+from fastlink.facts.fact import ranges_of
+from fastlink.precision.stationary import (
+    CLOSES,
+    END,
+    JUMP,
+    Extreme,
+    Stationary,
+    StationaryInPieces,
+    stationary_of,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -496,9 +505,15 @@ def outermost(
     return equal[0] if near is None else min(equal, key=lambda e: _distance(near, e.position))
 
 
+#: Designs whose ranges are compared at most: of each a turn is sampled.
+ASSEMBLIES = 16
+
+
 def refined(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, MeasuredErrors]:
     """Measure the errors of all results that belong to the extremes of one quantity."""
     quantity = outputs[0].request.quantity
+    if outputs[0].is_assembly:
+        return _assembly(sample, outputs, share)
     parts = {_part(output): output for output in outputs}
     errors = {
         part: MeasuredErrors(
@@ -509,10 +524,10 @@ def refined(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, 
     count = affordable(sample, quantity, share, outputs)
     inputs = {name: column[:count] for name, column in sample.inputs.items()}
     designs = sample.catalogue, quantity, inputs, sample.branches[:count], sample.plan.variants
-    stationary = as_meant = Stationary(*designs)
+    stationary = as_meant = stationary_of(*designs)
     zeroed = [stationary.zeroed(design) for design in range(count)]
     if "value" in parts and any(zeroed):
-        as_meant = Stationary(*designs, zeroes=True)  # which extremes there are is a decision, like a code
+        as_meant = stationary_of(*designs, zeroes=True)  # which extremes there are is a decision, like a code
     independent = IndependentValues(sample.catalogue, [quantity])
     for design in range(count):
         results = {part: sample.result(output.name, design) for part, output in parts.items()}
@@ -524,6 +539,31 @@ def refined(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, 
             for exact in _compare_list(as_meant, design, results, errors)[: not zeroed[design]]:
                 _confirm(sample, design, exact, independent, errors["value"])
     return {parts[part].name: measured for part, measured in errors.items()}
+
+
+def _assembly(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, MeasuredErrors]:
+    """Compare how designs assemble over the turn, and between which limits, with what samples of their gaps show."""
+    known, count = sample.catalogue, min(sample.count, ASSEMBLIES)
+    rows = {output.name: ranges_of(known.position.name).get(output.name, -1) for output in outputs}
+    errors = {name: MeasuredErrors(METHOD, TURN if row in (0, 1) else 0) for name, row in rows.items()}
+    inputs = {name: column[:count] for name, column in sample.inputs.items()}
+    designs = StationaryInPieces(known, CLOSES, inputs, sample.branches[:count], sample.plan.variants)
+    for design in range(count):
+        limits = [designs.limits_of(design, side) for side in (1, -1)] if max(rows.values()) >= 0 else []
+        for name, row in rows.items():
+            result, measured = sample.result(name, design), errors[name]
+            if row < 0:
+                measured.add_code(float(result), designs.assembly(design))
+                continue
+            told = result[result > 0] if row > 1 else result[np.isfinite(result)]
+            if len(told) != len(limits[row % 2]):
+                measured.add_mismatch()
+            for value, (at, gap, condition) in zip(told.tolist(), limits[row % 2], strict=False):
+                if row > 1:
+                    measured.add_code(float(value), gap)
+                else:
+                    measured.add(float(value), at, TURN + condition)
+    return errors
 
 
 def _compare_outermost(

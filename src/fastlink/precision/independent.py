@@ -7,7 +7,9 @@ here, and no form that is there because it does not cancel: digits are had by co
 
 from __future__ import annotations
 
+import ast
 import math
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property, partial
@@ -886,6 +888,9 @@ class _OfSeries:
 def _of_loops(catalogue: Catalogue, loops: Loops) -> Model:
     """Return the model of a mechanism whose sheet has the equations of its loops: their root nearest to its facts."""
     law, position = loops.formula, catalogue.position.name
+    # the names in each equation; where lines of their own come before, all may be in each
+    own = [ast.unparse(row) for row in getattr(law.result, "elts", [])] if len(law.statements) == 1 else []
+    needed = [{*re.findall(r"\w+", row)} for row in own] or [{*law.parameters}] * len(loops.unknowns)
 
     @cache
     def equation_in(ctx: Any) -> Formula:
@@ -898,22 +903,31 @@ def _of_loops(catalogue: Catalogue, loops: Loops) -> Model:
 
     def configuration(ctx: Any, at: Mapping[str, Any], order: int, _: bool, values: Values) -> None:
         equation, zero = equation_in(ctx), 0 * ctx.mpf(1)
-
-        def equations(unknowns: list[Series], drive: Series) -> list[Series]:
-            known = {**at, position: drive, **dict(zip(loops.unknowns, unknowns, strict=True))}
-            found = equation(*(known[name] for name in law.parameters))
-            return [Series([zero] * len(drive.terms)) + one for one in found]
-
         doubles = {name: float(value) for name, value in at.items()}
         start = read_facts(catalogue, loops.unknowns, doubles)
-        first = [ctx.mpf(float(start[name])) for name in loops.unknowns]
-        if any(map(ctx.isnan, first)):
+        # loops that close by themselves do so where others, which stand on them, are open
+        closed = [name for name in loops.unknowns if math.isfinite(start[name])]
+        rows = [
+            k for k, needs in enumerate(needed) if needs.isdisjoint(set(loops.unknowns).difference(closed))
+        ]
+        if not closed or len(rows) != len(closed):
             raise Open("the loop does not close")
+
+        def equations(unknowns: list[Series], drive: Series) -> list[Series]:
+            known = dict.fromkeys(loops.unknowns, Series([zero] * len(drive.terms)))
+            known |= {**at, position: drive, **dict(zip(closed, unknowns, strict=True))}
+            found = equation(*(known[name] for name in law.parameters))
+            return [Series([zero] * len(drive.terms)) + found[k] for k in rows]
+
+        first = [ctx.mpf(float(start[name])) for name in closed]
         found = solved(ctx, equations, first, drive_of(ctx, at[position], order))
-        curves = dict(zip(loops.unknowns, found, strict=True))
+        curves = dict(zip(closed, found, strict=True))
         values |= {name: curve.terms[0] for name, curve in curves.items()}
+        values |= {name: ctx.nan for name in loops.unknowns if name not in curves}
         for name, (unknown, speed, k) in loops.rates.items():
-            if len(curves[unknown].terms) > k:
+            if unknown not in curves:
+                values[name] = ctx.nan
+            elif len(curves[unknown].terms) > k:
                 values[name] = curves[unknown].derivative(k) * at[speed] ** k
 
     orders = {**dict.fromkeys(loops.unknowns, 0), **{name: k for name, (_, _, k) in loops.rates.items()}}

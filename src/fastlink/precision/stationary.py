@@ -149,6 +149,9 @@ class Stationary:
         The extremes of each design, by samples.
     """
 
+    #: The first step towards a zero, over its place.
+    first_step = CONTEXT.mpf(10) ** -3
+
     def __init__(
         self,
         catalogue: Catalogue,
@@ -166,7 +169,8 @@ class Stationary:
         self.slope = derivative_name(quantity, self.position)
         self.inputs = {**inputs, "branch": branches}
         self.variants = (graded.name, *variants)
-        given = (*self.inputs, *graded.coordinates)
+        in_pieces = graded.gaps is not None
+        given = (*self.inputs, *((self.position,) if in_pieces else graded.coordinates))
         arc = (*AT_ENDS, *ARC_FACTS) if ARC in variants else ()
         names = (
             quantity,
@@ -174,7 +178,8 @@ class Stationary:
             *(place.zero for place in graded.breakpoints(signed(quantity), "jump", "pole")),
             *arc,
         )
-        self.facts = HighPrecision(catalogue, names, given, self.variants, zeroes=zeroes)
+        variants_here = variants if in_pieces else self.variants
+        self.facts = HighPrecision(catalogue, names, given, variants_here, zeroes=zeroes)
         self.movable = [n for n in inputs if not catalogue.known_inputs(variants)[n].choices]
         self._sample()
         self.candidates = self._candidates()
@@ -267,7 +272,7 @@ class Stationary:
         for design, found in enumerate(self.candidates):
             inside = []
             for one in found:
-                if one.zero:
+                if one.zero and one.kind != END:
                     base = self.facts.at(self._values(design, one.end, CONTEXT.mpf(one.x)))
                     one = replace(one, x=float(self._zero(base, one)))
                 x, at = np.array([one.x]), np.array([bool(one.end)])
@@ -399,7 +404,7 @@ class Stationary:
     def _zero(self, base: Mapping[str, Any], candidate: Candidate) -> Any:
         """Return the place where the fact of a candidate vanishes."""
         end, zero, x = candidate.end, candidate.zero, CONTEXT.mpf(candidate.x)
-        step = (abs(x) + AT_END) / 1000
+        step = (abs(x) + AT_END) * self.first_step
         for _ in range(MOST_STEPS):
             here, there = (self._at(base, end, x + k * step)[zero] for k in (0, 1))
             if here == 0 or here == there:
@@ -458,6 +463,197 @@ class Stationary:
             return Extreme(CONTEXT.zero, CONTEXT.mpf(size), position, CONTEXT.zero)
         condition = self.facts.condition(base, self.movable)
         return Extreme(value, condition[self.quantity], position, condition[self.position])
+
+
+#: The fact that is 1 where all loops close.
+CLOSES = "closes"
+#: Where kernels cut the turn, so that ranges are told from there on.
+SEAM = -0.7390851332151607
+#: Samples of a turn that gaps cut into pieces, and how often least and greatest gaps between them are refined; powers
+#: of ten of the distances from a limit of further samples; halvings that place a limit.
+TURN_SAMPLES, REFINED, BESIDE_LIMIT, HALVINGS = 1024, 4, range(2, 15), 50
+
+
+class StationaryInPieces(Stationary):
+    """The extremes over a turn that gaps cut into pieces: x is the input position, and there are no coordinates.
+
+    Limits are where a gap vanishes, found between samples; nothing is graded but by further samples beside them.
+    """
+
+    # another limit may be as near
+    first_step = CONTEXT.mpf(10) ** -13
+
+    def _sample(self) -> None:
+        """Evaluate the quantity and its slope at ``x[design, 0, sample]``, with samples beside limits."""
+        self.variants = tuple(one for one in self.variants if one != self.graded.name)
+        count, gaps = self.inputs["branch"].size, self.graded.gaps or ()
+        given = (*self.inputs, self.position)
+        self.facts = HighPrecision(
+            self.catalogue,
+            (*self.facts.names[:1], *self.facts.names[2:], *gaps),
+            given,
+            self.variants,
+            zeroes=self.facts.zeroes,
+        )
+        self.folds, self.scale = np.zeros(count, dtype=bool), np.ones((count, 1))
+        first = -np.pi + 0.1234567  # at no place that symmetry gives an extreme
+        every = np.linspace(first, first + 2.0 * np.pi, TURN_SAMPLES + 1)
+        #: The limits of each design: the position, the direction of what closes, the gap.
+        self.limits: list[list[tuple[float, int, str]]] = []
+        rows = []
+        for design in range(count):
+            x = every
+            for gap in gaps:  # beside the limits of one the next may rise and fall at once
+                x = np.unique(np.concatenate([x, *self._beside_zeros(design, x, gap)]))
+                for _ in range(REFINED):
+                    x = np.unique(np.concatenate([x, self._turning(design, x, gap)]))
+                x = np.unique(np.concatenate([x, *self._beside_zeros(design, x, gap)]))
+            self.limits.append(self._limits(design, x))
+            rows.append(x)
+        length = max(row.size for row in rows)
+        length += length % 2
+        self.x = np.stack([np.pad(row, (0, length - row.size), mode="edge") for row in rows])[:, None, :]
+        values = self._sampled((CLOSES, *((self.quantity, self.slope) if self.quantity != CLOSES else ())))
+        self.closes, *of = (np.where(values[0] == 1.0, value, np.nan) for value in values)
+        self.values, self.slopes = of or (self.closes, self.closes)
+
+    def assembly(self, design: int) -> int:
+        """Return the code of how a design assembles over the turn."""
+        (valid,) = self._read(("valid",), self.x[design, 0, :1], np.zeros(1, dtype=bool), np.array([design]))
+        if valid[0] != 1.0:
+            return 3
+        closes = self.closes[design] == 1.0
+        return 0 if closes.all() else (1 if closes.any() else 2)
+
+    def limits_of(self, design: int, side: int) -> list[tuple[Any, int, Any]]:
+        """Return the limits where ranges begin (side 1) or end (-1): the position, the number of the gap, its condition.
+
+        They are in the order of where their ranges begin.
+        """
+        found = []
+        for at, own, gap in self._limits_by_range(design):
+            if own != side:
+                continue
+            candidate = Candidate(0, at, np.nan, END, gap)
+            with CONTEXT.workdps(OF_ENDS):
+                base = self.facts.at(self._values(design, 0, CONTEXT.mpf(at)))
+                x, condition = self._zero(base, candidate), CONTEXT.zero
+                for name in self.movable:
+                    if base[name] != 0:
+                        moved = self.facts.moved(base, {name: base[name] * (1 + STEP)})
+                        condition += abs(self._zero(moved, candidate) - x) / STEP
+            found.append((x % (2 * CONTEXT.pi), (self.graded.gaps or ()).index(gap) + 1, condition))
+        return found
+
+    def _limits_by_range(self, design: int) -> list[tuple[float, int, str]]:
+        """Return the limits of a design, each range's beginning before its end, from the seam of kernels on."""
+        turn = 2.0 * np.pi
+        ordered = sorted(self.limits[design], key=lambda limit: (limit[0] - SEAM) % turn)
+        if ordered and ordered[0][1] < 0:  # the range that the seam cuts is the first
+            ordered = [ordered[-1], *ordered[:-1]]
+        return ordered
+
+    def _turning(self, design: int, x: NDArray[Any], gap: str) -> NDArray[Any]:
+        """Return where parabolas through samples of a gap are least or greatest."""
+        (f,) = self._read((gap,), x, x < -10.0, np.full(x.size, design))
+        with np.errstate(invalid="ignore", divide="ignore"):
+            left, right = np.diff(f)[:-1] / np.diff(x)[:-1], np.diff(f)[1:] / np.diff(x)[1:]
+            turns = left * right < 0.0
+            at = 0.5 * (x[:-2] + x[1:-1]) + left / (left - right) * 0.5 * (x[2:] - x[:-2])
+        found: NDArray[Any] = at[turns & np.isfinite(at)]
+        return found
+
+    def _beside_zeros(self, design: int, x: NDArray[Any], gap: str) -> list[NDArray[Any]]:
+        """Return positions on both sides of the zeros of a gap between samples."""
+        (f,) = self._read((gap,), x, x < -10.0, np.full(x.size, design))
+        cells = np.flatnonzero((f[1:] >= 0.0) & (f[:-1] < 0.0) | (f[1:] < 0.0) & (f[:-1] >= 0.0))
+        low, high = self._halved(design, gap, 0.0, x[cells], x[cells + 1], f[cells + 1] >= 0.0)
+        steps = 10.0 ** -np.array(BESIDE_LIMIT)
+        return [(low[:, None] - steps).ravel(), (high[:, None] + steps).ravel()]
+
+    def _halved(
+        self, design: int, name: str, least: float, low: NDArray[Any], high: NDArray[Any], rises: NDArray[Any]
+    ) -> tuple[NDArray[Any], NDArray[Any]]:
+        """Return cells, between whose ends a fact comes to a value, as narrow as doubles are."""
+        for _ in range(HALVINGS):
+            middle = 0.5 * (low + high)
+            (here,) = self._read((name,), middle, middle < -10.0, np.full(middle.size, design))
+            above = (here >= least) == rises
+            low, high = np.where(above, low, middle), np.where(above, middle, high)
+        return low, high
+
+    def _limits(self, design: int, x: NDArray[Any]) -> list[tuple[float, int, str]]:
+        """Return the limits of motion between samples, each next to what closes."""
+        (closes,) = self._read((CLOSES,), x, x < -10.0, np.full(x.size, design))
+        cells = np.flatnonzero((closes[1:] == 1.0) != (closes[:-1] == 1.0))
+        rises = closes[cells + 1] == 1.0
+        low, high = self._halved(design, CLOSES, 1.0, x[cells], x[cells + 1], rises)
+        gaps, outer = self.graded.gaps or (), np.where(rises, low, high)
+        values = self._read(gaps, outer, outer < -10.0, np.full(outer.size, design))
+        first = [
+            next((k for k, of in enumerate(values) if not of[cell] >= 0.0), -1) for cell in range(cells.size)
+        ]
+        inner, sides = np.where(rises, high, low).tolist(), np.where(rises, 1, -1).tolist()
+        return [(at, side, gaps[k]) for at, side, k in zip(inner, sides, first, strict=True)]
+
+    def _candidates(self) -> list[list[Candidate]]:
+        """Return the extremes of each design by samples, jumps and limits among them."""
+        self.bounded = np.zeros(self.x.shape[:2], dtype=bool)
+        if self.quantity == CLOSES:
+            return [[] for _ in self.limits]
+        found = super()._candidates()
+        for design, limits in enumerate(self.limits):
+            for at, side, gap in limits:
+                found[design].append(Candidate(0, at, np.nan, END, f"{side} {gap}"))
+        return found
+
+    def _read(
+        self, names: Sequence[str], x: NDArray[Any], high: NDArray[Any], designs: NDArray[Any]
+    ) -> list[NDArray[Any]]:
+        values: dict[str, Any] = {name: column[designs] for name, column in self.inputs.items()}
+        with as_given(not self.facts.zeroes), np.errstate(invalid="ignore", divide="ignore"):
+            facts = read_facts(self.catalogue, names, values | {self.position: x}, self.variants)
+        return [np.broadcast_to(facts[name], x.shape) for name in names]
+
+    @cached_property
+    def _slope_facts(self) -> HighPrecision:
+        given = (*self.inputs, self.position)
+        return HighPrecision(self.catalogue, (self.slope,), given, self.variants, zeroes=self.facts.zeroes)
+
+    def _sampled(self, names: Sequence[str]) -> list[NDArray[Any]]:
+        designs = np.arange(len(self.x))[:, None, None]
+        return self._read(names, self.x, np.zeros(self.x.shape, dtype=bool), designs)
+
+    def _leaves_at(self, end: int, x: Any) -> dict[str, Any]:
+        return {self.position: CONTEXT.mpf(x)}
+
+    def _at_end(self, base: Mapping[str, Any], candidate: Candidate, size: float) -> Extreme:
+        """Return the limit of the quantity where a gap vanishes: infinite, 0 or finite."""
+        side, gap = candidate.zero.split()
+        x = self._zero(base, replace(candidate, zero=gap))
+        aside = AT_END * int(side)
+        farther = self._at(base, 0, x + FARTHER * aside)[self.quantity]
+        base = self._at(base, 0, x + aside)
+        value, position = base[self.quantity], base[self.position]
+        changes = max(abs(value), abs(farther)) > GROWS * min(abs(value), abs(farther))
+        if changes and abs(value) > size:
+            return Extreme(CONTEXT.inf if value > 0 else -CONTEXT.inf, CONTEXT.zero, position, CONTEXT.zero)
+        if changes:
+            return Extreme(CONTEXT.zero, CONTEXT.mpf(size), position, CONTEXT.zero)
+        # a limit moves with the inputs, and the value with it
+        condition = CONTEXT.zero
+        for name in self.movable:
+            if base[name] != 0:
+                moved = self.facts.moved(base, {name: base[name] * (1 + STEP)})
+                there = self._zero(moved, replace(candidate, zero=gap)) + aside
+                condition += abs(self._at(moved, 0, there)[self.quantity] - value) / STEP
+        return Extreme(value, condition, position, condition)
+
+
+def stationary_of(catalogue: Catalogue, *arguments: Any, **options: Any) -> Stationary:
+    """Return the extremes of a quantity, see `Stationary`."""
+    in_pieces = catalogue.graded is not None and catalogue.graded.gaps is not None
+    return (StationaryInPieces if in_pieces else Stationary)(catalogue, *arguments, **options)
 
 
 def _leaves(x: NDArray[Any], high: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:

@@ -11,7 +11,15 @@ import numpy as np
 from fastlink._text import counted, joined
 from fastlink.errors import ResultWarning, check_whole, remark
 from fastlink.facts.powers import any_beyond_range
-from fastlink.precision.errors import Sample, affordable, configurations, refined, sampled, values
+from fastlink.precision.errors import (
+    ASSEMBLIES,
+    Sample,
+    affordable,
+    configurations,
+    refined,
+    sampled,
+    values,
+)
 from fastlink.precision.independent import TOLERANCE
 
 if TYPE_CHECKING:
@@ -168,6 +176,8 @@ def _compared(sample: Sample, kind: str, group: list[Output], share: int) -> int
     if kind == "values":
         return configurations(sample, group, share)
     quantity = group[0].request.quantity
+    if group[0].is_assembly:
+        return min(sample.count, ASSEMBLIES)
     if kind == "refined":
         return affordable(sample, quantity, share, group)
     return sample.affordable(sample.facts([quantity]), share, sample.count)
@@ -189,7 +199,8 @@ def _groups(outputs: Sequence[Output]) -> tuple[list[tuple[str, list[Output]]], 
         ):
             left_out.append(output.name)
         elif output.refined:
-            groups.setdefault(("refined", request.quantity), []).append(output)
+            of = "" if output.is_assembly else request.quantity
+            groups.setdefault(("refined", of), []).append(output)
         elif request.reduction is not None:
             groups.setdefault(("sampled", request.quantity), []).append(output)
         else:

@@ -228,7 +228,7 @@ def clear(lists: Any, best: Any, kept: int) -> None:
 
 
 @outlined
-def _insert(lists: Any, column: int, count: int, theta: float, room: int) -> int:
+def insert(lists: Any, column: int, count: int, theta: float, room: int) -> int:
     """Make room in a sorted list of so many extrema, the last of which drops out beyond its room; return where."""
     k = count if count < room else room
     while k > 0 and lists[LIST_THETA, column, k - 1] > theta:
@@ -313,7 +313,7 @@ def store_extrema(s: Any, count: int, table: Any, search: Any, lists: Any, best:
             column = (onto * branches + target) * LANES + lane
             if (kind != 0.0) & (room > 0):
                 if s[CERTAIN, i] > 0.0:
-                    k = _insert(lists, column, int(best[COUNT, column]), theta, room)
+                    k = insert(lists, column, int(best[COUNT, column]), theta, room)
                     if k < room:
                         lists[LIST_THETA, column, k] = theta
                         lists[LIST_VALUE, column, k] = value

@@ -1,0 +1,978 @@
+"""Linkages that a user declares by their joints: a crank, then dyads, each of which a closed form places.
+
+A declaration becomes a sheet of formulas (`fastlink.facts.sheet`), from which all else follows as for any mechanism.
+With A and D the outer joints of a dyad of two bars, B the inner one, J the quarter turn to the left, s = 1 or -1 the
+way to assemble it and T the area of the triangle ADB,
+
+    AB = (AD (|AD|^2 + AB^2 - DB^2) + s J AD 4 T)/(2 |AD|^2),    16 T^2 = ((AB + DB)^2 - |AD|^2)(|AD|^2 - (AB - DB)^2).
+
+Angular velocities over that of the crank follow from A' + n_AB J AB = D' + n_DB J DB, multiplied by DB and by AB, with
+AB x DB = s 2 T. A pin on a line, a slot about a pin and two lines are placed and moved alike.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import Any
+
+from fastlink._text import short_repr
+from fastlink.errors import InputError, KeyPath, Problems, check_choice, door, suggest
+from fastlink.facts.own import check_name
+from fastlink.mechanisms import Mechanism
+from fastlink.mechanisms._shared.picture import Bar, Guide, Picture, Point
+
+#: What each kind of dyad is given besides the points that it joins; what may be left out stands in brackets.
+KINDS = {
+    "rrr": "lengths",
+    "rrp": "length along",
+    "rpr": "[offset]",
+    "rpp": "along [angle]",
+    "prp": "",
+    "on": "at",
+    "gear": "about ratio length [phase]",
+}
+SHAPES = {
+    "rrr": '{"rrr": ("A", "D"), "lengths": ("a2", "a3")}',
+    "rrp": '{"rrp": "A", "length": "l", "along": ("C", "E")}',
+    "rpr": '{"rpr": ("A", "D"), "offset": "e"}',
+    "rpp": '{"rpp": "A", "along": ("C", "E")}',
+    "prp": '{"prp": (("C", "E"), ("G", "H"))}',
+    "on": '{"on": ("A", "B"), "at": ("P_u", "P_v")}',
+    "gear": '{"gear": ("O", "A"), "about": "D", "ratio": -2, "length": "b"}',
+}
+#: Dyads that can be assembled in two ways, at most.
+MOST_WAYS = 6
+#: The speeds of a gear over that of the bar that drives it.
+MOST_RATIO = 8
+NAME = re.compile("[A-Za-z][A-Za-z0-9]*")
+
+Pair = tuple[str, str]
+
+
+@dataclass(frozen=True)
+class Link:
+    """A rigid link: its points, and the unit vector of its axis as facts and by the unknowns of the loops."""
+
+    name: str
+    points: list[str]
+    origin: str
+    axis: Pair
+    in_loops: Pair
+    #: The fact of its angular velocity over that of the crank; empty of the ground.
+    rate: str
+    #: Its angle as a quantity or as the input position; empty of the ground.
+    angle: str = ""
+
+
+def _minus(a: str, b: str) -> str:
+    """Return a difference as text."""
+    if b == "0.0":
+        return a
+    b = f"({b})" if " " in b else b
+    return f"-{b}" if a == "0.0" else f"{a} - {b}"
+
+
+def _times(a: str, b: str) -> str:
+    """Return a product as text."""
+    return "0.0" if "0.0" in (a, b) else (a if b == "1.0" else f"{a} * {b}")
+
+
+def _plus(a: str, b: str) -> str:
+    """Return a sum as text."""
+    return b if a == "0.0" else (a if b == "0.0" else f"{a} + {b}")
+
+
+class _Writer:
+    """The sheet of a declaration while it is written, and its picture."""
+
+    def __init__(self, declared: Mapping[str, Any]) -> None:
+        self.declared, self.problems = declared, Problems()
+        self.inputs: dict[str, list[str]] = {}
+        self.facts: list[str] = []
+        #: The facts that change over the turn.
+        self.moving = {"theta", "cos_theta", "sin_theta"}
+        self.gaps: dict[str, str] = {}
+        self.ways: list[tuple[str, Pair, str]] = []
+        #: The coordinates of points as facts or inputs, and by the unknowns of the loops.
+        self.points: dict[str, Pair] = {}
+        self.in_loops: dict[str, Pair] = {}
+        self.unknowns: list[str] = []
+        self.rows: list[str] = []
+        self.links: list[Link] = []
+        self.drawn: list[Point] = []
+        self.bars: list[Bar] = []
+        self.guides: list[Guide] = []
+
+    @contextmanager
+    def within(self, *place: str) -> Iterator[None]:
+        """Note the problems of a part of the declaration, at its place in that."""
+        try:
+            yield
+        except InputError as error:
+            self.problems.noted += [
+                replace(one, where=("linkage", *place, *one.where)) for one in error.problems
+            ]
+
+    # -- reading -------------------------------------------------------------------------------------------------------
+
+    def value(
+        self, where: KeyPath, given: Any, name: str, units: str, meaning: str, rule: str = "any"
+    ) -> str:
+        """Return the name of an input, or of one with a number as its default; 0 is no input."""
+        if isinstance(given, str):
+            name = given
+            if NAME.match(name) is None or re.fullmatch("[A-Za-z](_?[A-Za-z0-9])*_?", name) is None:
+                raise InputError(
+                    f"is {given!r}, which is no name",
+                    where,
+                    "write letters, digits and single _, or a number",
+                )
+            check_name(name)
+        elif isinstance(given, bool) or not isinstance(given, (int, float)) or given - given != 0.0:
+            raise InputError(f"is {short_repr(given)}", where, "write the name of an input, or a number")
+        elif given == 0 and rule == "any":
+            return "0.0"
+        lines = self.inputs.setdefault(name, [f"{name} [{units}] {name}: {meaning}"])
+        if f"[{units}]" not in lines[0]:
+            what = f"{name} is an input in {lines[0].partition('[')[2].partition(']')[0]} already, here in {units}"
+            raise InputError(what, where, "call one of both otherwise")
+        if rule != "any" and f"rule: {rule}" not in lines:
+            lines.append(f"rule: {rule}")
+        default = self.declared.get("defaults", {}).get(name) if isinstance(given, str) else float(given)
+        if default is not None and not any(line.startswith("default") for line in lines):
+            lines.append(f"default: {float(default)!r}")
+        return name
+
+    def point(self, where: KeyPath, name: Any) -> str:
+        """Return the name of a point that is placed already."""
+        if isinstance(name, str) and name in self.points:
+            return name
+        later = isinstance(name, str) and name in self.declared.get("dyads", {})
+        remedy = f"declare {name} before it" if later else suggest(str(name), list(self.points))
+        what = f"{name} is placed later" if later else f"{short_repr(name)} is no point"
+        raise InputError(what, where, remedy)
+
+    def pair(self, where: KeyPath, given: Any, noun: str) -> tuple[Any, Any]:
+        """Return two entries of a list."""
+        if isinstance(given, str) or not isinstance(given, Sequence) or len(given) != 2:
+            raise InputError(f"is {short_repr(given)}", where, f"write two {noun}")
+        return given[0], given[1]
+
+    def link_of(self, where: KeyPath, first: str, second: str) -> Link:
+        """Return the link that two points are of."""
+        for link in self.links:
+            if first in link.points and second in link.points:
+                return link
+        raise InputError(
+            f"{first} and {second} are of no link", where, "write two points of one bar, or of the ground"
+        )
+
+    # -- writing -------------------------------------------------------------------------------------------------------
+
+    def fact(self, head: str, *lines: str) -> None:
+        """Append a fact, and note whether it moves."""
+        self.facts += [head, *(f"    {line}" for line in lines)]
+        words = set(re.findall(r"\w+", " ".join(lines)))
+        if words & self.moving or any(word.endswith("_d_theta") for word in words):
+            self.moving.add(head.removeprefix("step ").partition(" ")[0])
+
+    def rate(self, name: str, speed: str = "omega") -> str:
+        """Return the derivative of a fact by time as text, 0 times the speed where it does not move."""
+        return f"{speed} * d_{name}_d_theta" if name in self.moving else f"0.0 * {speed}"
+
+    def slope(self, name: str, slope: str) -> None:
+        """Append the derivative of a fact by the crank angle."""
+        self.facts.append(f"d_{name}_d_theta = {slope}")
+
+    def rate_of(self, point: str) -> Pair:
+        """Return the derivative of a point by the crank angle."""
+        moves = (f"{point}_{axis}" in self.moving for axis in "xy")
+        x, y = (f"d_{point}_{axis}_d_theta" if own else "0.0" for axis, own in zip("xy", moves, strict=True))
+        return x, y
+
+    def unit_of(self, bar: str, length: str) -> Pair:
+        """Return the unit vector along a bar."""
+        self.once(f"step per_{bar} [m-1] 1/{bar}: Reciprocal of the length of {bar}", f"= 1.0 / {length}")
+        return f"{bar}_x * per_{bar}", f"{bar}_y * per_{bar}"
+
+    def turning(self, vector: str, rate: str) -> None:
+        """Append the derivatives of a vector of a link."""
+        self.slope(f"{vector}_x", f"-({rate} * {vector}_y)")
+        self.slope(f"{vector}_y", f"{rate} * {vector}_x")
+
+    def add_point(self, name: str, at: Pair, in_loops: Pair, kind: str = "joint") -> None:
+        """Append the place and the motion of a point, by what it is the sum of."""
+        for k, axis in enumerate("xy"):
+            x, v, a = f"{name}_{axis}", f"{name}_v{axis}", f"{name}_a{axis}"
+            self.fact(f"{x} [m] {x}: Point {name}, {axis}", f"= {at[k]}")
+            self.fact(f"{v} [m s-1] {v}: Velocity of {name}, {axis}", f"= {self.rate(x)}")
+            self.fact(f"{a} [m s-2] {a}: Acceleration of {name}, {axis}", f"= {self.rate(v)}")
+            self.rows += [f"    | {_minus(x, in_loops[k])}", f"    {x} by omega: {v}, {a}"]
+            self.unknowns.append(x)
+        for noun, word, unit in (("speed", "v", "m s-1"), ("acceleration", "a", "m s-2")):
+            head = f"{name}_{noun} [{unit}] |{word}_{name}|: {noun.capitalize()} of {name}; its magnitude"
+            self.fact(head, f"= magnitude({name}_{word}x, {name}_{word}y)")
+        cross = f"{name}_vx * {name}_ay - {name}_vy * {name}_ax"
+        self.fact(
+            f"{name}_curvature [m-1] kappa_{name}: Curvature of the path of {name}; positive where it turns left",
+            f"= ({cross}) / ({name}_speed * {name}_speed * {name}_speed)",
+        )
+        self.points[name] = (f"{name}_x", f"{name}_y")
+        self.in_loops[name] = self.points[name]
+        self.drawn.append(Point(name, f"{name}_x", f"{name}_y", kind))  # type: ignore[arg-type]
+
+    def add_angle(self, name: str, vector: str, rate: str) -> str:
+        """Append angle, angular velocity, acceleration and jerk of a link by a vector of it; return its angle."""
+        angle = f"angle_{name}"
+        self.fact(
+            f"{angle} [rad] theta_{name}: Direction of {name}", f"= atan2({vector}_y + 0.0, {vector}_x)"
+        )
+        self.slope(angle, rate)
+        of = f"of {name}"
+        self.fact(f"omega_{name} [rad s-1] omega_{name}: Angular velocity {of}", f"= omega * {rate}")
+        before = "omega"
+        for word, unit, noun in (("alpha", "s-2", "acceleration"), ("jerk", "s-3", "jerk")):
+            head = f"{word}_{name} [rad {unit}] {word}_{name}: Angular {noun} {of}"
+            self.fact(head, f"= {self.rate(f'{before}_{name}')}")
+            before = word
+        self.unknowns.append(angle)
+        self.rows.append(f"    {angle} by omega: omega_{name}, alpha_{name}, jerk_{name}")
+        return angle
+
+    def add_ways(self, name: str, meanings: Pair, gap: str, first: str = "1.0") -> None:
+        """Note that a dyad can be assembled in two ways, the sign of the first, and what limits it."""
+        self.ways.append((name, meanings, first))
+        self.gaps[f"gap_{name}"] = gap
+        self.moving.add(f"gap_{name}_root")
+
+    def line(self, where: KeyPath, given: Any) -> tuple[str, Pair, Pair, str]:
+        """Return a line: a point, the unit vector along it as facts and in the loops, the rate at which that turns."""
+        first, second = self.pair(
+            (*where, "along"), given, "points of one link, or a ground pivot and an angle"
+        )
+        start = self.point((*where, "along"), first)
+        if second not in self.points:
+            if start not in self.links[0].points:
+                what = f"{short_repr(second)} is no point, and an angle is that of a fixed line"
+                raise InputError(what, (*where, "along"), suggest(str(second), list(self.points)))
+            name = f"{start}_angle"
+            angle = self.value(
+                (*where, "along"), second, name, "rad", f"direction of the line through {start}"
+            )
+            unit = "axis_" + "_".join((start, "at", angle)) if angle != "0.0" else ""
+            if not unit:
+                return start, ("1.0", "0.0"), ("1.0", "0.0"), ""
+            for axis, of in (("x", "cosine"), ("y", "sine")):
+                self.once(
+                    f"step {unit}_{axis} [1] u_{axis}: Direction of the line through {start}",
+                    f"= {of}({angle})",
+                )
+            return start, (f"{unit}_x", f"{unit}_y"), (f"cos({angle})", f"sin({angle})"), ""
+        link = self.link_of((*where, "along"), start, second)
+        return start, *self.direction(link, start, second), link.rate
+
+    def once(self, head: str, *lines: str) -> None:
+        """Append a fact unless it is there."""
+        if head not in self.facts:
+            self.fact(head, *lines)
+
+    def direction(self, link: Link, start: str, end: str) -> tuple[Pair, Pair]:
+        """Return the unit vector from a point of a link to another, as facts and in the loops."""
+        if link.origin == start and link.points[:2] == [start, end] and link.rate:
+            return link.axis, link.in_loops
+        (a, b), (c, d) = self.points[start], self.points[end]
+        unit, x, y = f"axis_{start}{end}", _minus(c, a), _minus(d, b)
+        for axis, of in (("x", x), ("y", y)):
+            head = f"step {unit}_{axis} [1] u_{axis}: Direction from {start} to {end}, {axis}"
+            if head not in self.facts:
+                self.fact(head, f"= ({of}) / magnitude({x}, {y})")
+        if link.rate and f"d_{unit}_x_d_theta = -({link.rate} * {unit}_y)" not in self.facts:
+            self.turning(unit, link.rate)
+        (a, b), (c, d) = self.in_loops[start], self.in_loops[end]
+        # by the angle of the link and that of its two points in it, which are numbers of the design
+        found = (f"{unit}_x", f"{unit}_y")
+        if not link.rate:
+            name = f"slant_{start}{end}"
+            self.once(f"{name} [rad] {name}: Direction from {start} to {end}", f"= atan2({y} + 0.0, {x})")
+            self.unknowns.append(name) if name not in self.unknowns else None
+            row = f"    | sin({name}) * ({_minus(c, a)}) - cos({name}) * ({_minus(d, b)})"
+            self.rows.append(row) if row not in self.rows else None
+            return found, (f"cos({name})", f"sin({name})")
+        name = f"angle_{start}{end}"
+        if name not in self.unknowns:
+            self.add_angle(f"{start}{end}", unit, link.rate)
+            self.rows.append(f"    | sin({name}) * ({_minus(c, a)}) - cos({name}) * ({_minus(d, b)})")
+        return found, (f"cos({name})", f"sin({name})")
+
+    # -- the ground and the crank --------------------------------------------------------------------------------------
+
+    def write_ground(self) -> None:
+        """Write the pivots of the ground."""
+        ground = self.declared.get("ground")
+        if not isinstance(ground, Mapping) or not ground:
+            raise InputError(
+                f"is {short_repr(ground)}", ("ground",), 'write pivots, such as {"O": (0, 0), "D": ("a4", 0)}'
+            )
+        self.links.append(Link("ground", [], "", ("1.0", "0.0"), ("1.0", "0.0"), ""))
+        for name, at in ground.items():
+            with self.within("ground", str(name)):
+                self.new_name((), name)
+                pair = self.pair((), at, "coordinates: names of inputs, or numbers in m")
+                x, y = (
+                    self.value((), one, f"{name}_{axis}", "m", f"{axis} of the pivot {name}")
+                    for one, axis in zip(pair, "xy", strict=True)
+                )
+                self.points[name] = self.in_loops[name] = x, y
+                self.links[0].points.append(name)
+                self.drawn.append(Point(name, *(0.0 if one == "0.0" else one for one in (x, y)), "ground"))
+
+    def new_name(self, where: KeyPath, name: Any) -> None:
+        """Refuse a name that no point could have, or that is one already."""
+        if not isinstance(name, str) or NAME.fullmatch(name) is None:
+            raise InputError(f"{short_repr(name)} is no name of a point", where, "write letters and digits")
+        if name in self.points or any(name == link.name for link in self.links):
+            raise InputError(f"{name} is placed twice", where, "call one of both otherwise")
+
+    def write_crank(self) -> None:
+        """Write the crank, which turns at a constant speed."""
+        crank = self.declared.get("crank")
+        shape = 'write {"A": ("O", "a1")}: its pin, its pivot and its length'
+        if not isinstance(crank, Mapping) or len(crank) != 1:
+            raise InputError(f"is {short_repr(crank)}", ("crank",), shape)
+        ((pin, given),) = crank.items()
+        self.new_name(("crank",), pin)
+        first, second = self.pair(("crank", pin), given, "entries: the pivot and the length")
+        pivot = self.point(("crank", pin), first)
+        if pivot not in self.links[0].points:
+            raise InputError(f"{pivot} is no pivot of the ground", ("crank", pin), shape)
+        name = pivot + pin
+        length = self.value(
+            ("crank", pin), second, f"length_{name}", "m", f"length of the crank {name}", "positive"
+        )
+        self.inputs["omega"] = ["omega [rad s-1] omega: angular velocity of the crank, constant"]
+        axis = ("cos_theta", "sin_theta")
+        radius = f"{length}_or_none"
+        self.fact(
+            f"step {radius} [m] {length}: Length of the crank {name}, which is positive",
+            f"= select({length} > 0.0, {length}, NOT_A_NUMBER)",
+        )
+        self.links.append(
+            Link(name, [pivot, pin], pivot, axis, ("cos(theta)", "sin(theta)"), "crank_rate", "theta")
+        )
+        self.fact("step crank_rate [1] n: Angular velocity of the crank over itself", "= 1.0")
+        self.add_bar(name, pivot, pin, length, (f"{radius} * cos_theta", f"{radius} * sin_theta"))
+
+    def add_bar(self, name: str, start: str, end: str, length: str, at: Pair | None = None) -> None:
+        """Write the end of a bar, whose link is the last."""
+        link = self.links[-1]
+        x, y = self.points[start]
+        to = at or (f"{length} * {link.axis[0]}", f"{length} * {link.axis[1]}")
+        of = self.in_loops[start]
+        loops = (_plus(of[k], f"{length} * {link.in_loops[k]}") for k in range(2))
+        self.add_point(end, (_plus(x, to[0]), _plus(y, to[1])), tuple(loops))  # type: ignore[arg-type]
+        self.bars.append(Bar(f"{start} {end}", {f"{start} {end}": length}))
+
+    # -- dyads ---------------------------------------------------------------------------------------------------------
+
+    def write_dyads(self) -> None:
+        """Write all dyads in their order."""
+        dyads = self.declared.get("dyads")
+        if not isinstance(dyads, Mapping) or not dyads:
+            raise InputError(f"is {short_repr(dyads)}", ("dyads",), f'write such as {{"B": {SHAPES["rrr"]}}}')
+        for name, given in dyads.items():
+            with self.within("dyads", str(name)):
+                self.new_name((), name)
+                words = list(given) if isinstance(given, Mapping) else []
+                kind = next((word for word in words if word in KINDS), "")
+                if not kind:
+                    said = (
+                        f"is {short_repr(given)}"
+                        if not words
+                        else f"has no kind, but {', '.join(map(repr, words))}"
+                    )
+                    raise InputError(said, (), f"write one of {'; '.join(SHAPES.values())}")
+                known = [kind, *KINDS[kind].replace("[", "").replace("]", "").split()]
+                for word in words:
+                    check_choice((word,), word, known) if word not in known else None
+                missing = [word for word in KINDS[kind].split() if word[0] != "[" and word not in words]
+                if missing:
+                    raise InputError(f"has no {missing[0]!r}", (), f"write {SHAPES[kind]}")
+                getattr(self, f"write_{kind}")(name, given)
+            if self.problems.noted:
+                return  # what follows may stand on it
+
+    def write_rrr(self, name: str, given: Mapping[str, Any]) -> None:
+        """Write a dyad of two bars: both outer joints and the inner one are revolute."""
+        outer = self.pair(("rrr",), given["rrr"], "points")
+        a, d = (self.point(("rrr",), one) for one in outer)
+        if a == d or any(a in link.points and d in link.points for link in self.links):
+            raise InputError(
+                f"{a} and {d} are of one link, on which {name} would be fixed",
+                ("rrr",),
+                f"write {SHAPES['on']}",
+            )
+        lengths = self.pair(("lengths",), given["lengths"], "lengths")
+        first, second = a + name, d + name
+        l1, l2 = (
+            self.value(("lengths",), one, f"length_{bar}", "m", f"length of the bar {bar}", "positive")
+            for one, bar in zip(lengths, (first, second), strict=True)
+        )
+        (ax, ay), (dx, dy) = self.points[a], self.points[d]
+        reach, sum_squared, root = f"reach_{name}", f"sum_{name}_squared", f"gap_{name}_root"
+        for axis, of in (("x", _minus(dx, ax)), ("y", _minus(dy, ay))):
+            self.fact(f"step {reach}_{axis} [m] {a}{d}_{axis}: Vector from {a} to {d}, {axis}", f"= {of}")
+        self.fact(
+            f"step {reach}_squared [m2] |{a}{d}|^2: Square of the distance of {a} and {d}",
+            f"= {reach}_x * {reach}_x + {reach}_y * {reach}_y",
+        )
+        self.fact(
+            f"step {sum_squared} [m2] ({first} + {second})^2: Square of the length of both bars",
+            f"= select(({l1} > 0.0) & ({l2} > 0.0), ({l1} + {l2}) * ({l1} + {l2}), NOT_A_NUMBER)",
+        )
+        # divisions are most of what a configuration costs: one of the design, one here, one of the rates
+        self.fact(
+            f"step per_sum_{name} [m-2] 1/({first} + {second})^2: Reciprocal of that square",
+            f"= 1.0 / {sum_squared}",
+        )
+        self.fact(
+            f"step per_reach_{name} [m-2] 1/(2 |{a}{d}|^2): Half the reciprocal of the square of that distance",
+            f"= 0.5 / {reach}_squared",
+        )
+        self.fact(
+            f"step fold_{name} [1] d^2: Square of the difference of both bars over that of their sum",
+            f"ratio = ({l1} - {l2}) / ({l1} + {l2})",
+            "= ratio * ratio",
+        )
+        self.fact(
+            f"step gap_{name} [1] 16 T^2/({first} + {second})^4: Square of the triangle {a}{d}{name}",
+            f"part = {reach}_squared * per_sum_{name}",
+            f"= (1.0 - part) * (part - fold_{name})",
+        )
+        meanings = (f"{name} to the right of {a}{d}", f"{name} to its left")  # in the order of the planar 4R
+        self.add_ways(name, meanings, f"the bars {first} and {second}", "-1.0")
+        across = f"across = sign_{name} * ({sum_squared} * {root})"
+        share = f"share = {reach}_squared + ({l1} - {l2}) * ({l1} + {l2})"
+        for axis, sign, other in (("x", "-", "y"), ("y", "+", "x")):
+            self.fact(
+                f"step {first}_{axis} [m] {first}_{axis}: Vector from {a} to {name}, {axis}",
+                share,
+                across,
+                f"= per_reach_{name} * ({reach}_{axis} * share {sign} {reach}_{other} * across)",
+            )
+            head = f"step {second}_{axis} [m] {second}_{axis}: Vector from {d} to {name}, {axis}"
+            self.fact(head, f"= {first}_{axis} - {reach}_{axis}")
+        self.fact(
+            f"step per_cross_{name} [m-2] 1/({first} x {second}): Reciprocal of the cross product of both bars",
+            f"= 2.0 / (sign_{name} * ({sum_squared} * {root}))",
+        )
+        self.fact(
+            f"step dot_{name} [m2] {first} . {second}: Product of both bars",
+            f"= {first}_x * {second}_x + {first}_y * {second}_y",
+        )
+        rates = f"n_{first}", f"n_{second}"
+        (vax, vay), (vdx, vdy) = self.rate_of(a), self.rate_of(d)
+        for rate, bar, other in zip(rates, (first, second), (second, first), strict=True):
+            self.fact(
+                f"step {rate} [1] n_{bar}: Angular velocity of {bar} over that of the crank",
+                f"= (({_minus(vdx, vax)}) * {other}_x + ({_minus(vdy, vay)}) * {other}_y) * per_cross_{name}",
+            )
+            self.turning(bar, rate)
+        self.slope(
+            f"per_cross_{name}",
+            f"-(per_cross_{name} * per_cross_{name} * (({rates[1]} - {rates[0]}) * dot_{name}))",
+        )
+        loops = []
+        for bar, start, length, rate in zip((first, second), (a, d), (l1, l2), rates, strict=True):
+            angle = self.add_angle(bar, bar, rate)
+            axis = self.unit_of(bar, length)
+            self.links.append(
+                Link(bar, [start, name], start, axis, (f"cos({angle})", f"sin({angle})"), rate, angle)
+            )
+            loops.append(
+                [_plus(self.in_loops[start][k], f"{length} * {self.links[-1].in_loops[k]}") for k in range(2)]
+            )
+        self.rows += [f"    | {_minus(loops[0][k], loops[1][k])}" for k in range(2)]
+        self.add_point(name, (_plus(ax, f"{first}_x"), _plus(ay, f"{first}_y")), tuple(loops[0]))  # type: ignore[arg-type]
+        self.bars += [Bar(f"{start} {name}", {f"{start} {name}": of}) for start, of in ((a, l1), (d, l2))]
+        self.add_transmission(
+            name,
+            f"0.5 * ({sum_squared} * {root})",
+            f"dot_{name}",
+            *rates[::-1],
+            f"the bars {first} and {second}",
+        )
+
+    def add_transmission(self, name: str, sine: str, cosine: str, fast: str, slow: str, between: str) -> None:
+        """Write the transmission angle of a dyad, which grows at the difference of two rates."""
+        angle = f"transmission_angle_{name}"
+        self.fact(
+            f"step sine_{name} [m2] |{name}|: Sine of the transmission angle at {name}, times lengths",
+            f"= {sine}",
+        )
+        self.fact(
+            f"{angle} [rad] mu_{name}: Transmission angle at {name}; between {between}",
+            f"= atan2(sine_{name} + 0.0, {cosine})",
+        )
+        self.slope(angle, f"sign_{name} * ({_minus(fast, slow)})")
+
+    def write_rrp(self, name: str, given: Mapping[str, Any]) -> None:
+        """Write a bar whose end is a slider on a line, which is fixed or of a link."""
+        a = self.point(("rrp",), given["rrp"])
+        bar, slide, root = a + name, f"slide_{name}", f"gap_{name}_root"
+        length = self.value(
+            ("length",), given["length"], f"length_{bar}", "m", f"length of the bar {bar}", "positive"
+        )
+        c, (ux, uy), (lx, ly), turn = self.line((), given["along"])
+        (ax, ay), (cx, cy) = self.points[a], self.points[c]
+        rx, ry = _minus(ax, cx), _minus(ay, cy)
+        self.fact(
+            f"step off_{name} [m] h: Distance of {a} from the line through {c}, to its left",
+            f"= {ux} * ({ry}) - {uy} * ({rx})",
+        )
+        self.fact(
+            f"step gap_{name} [1] 1 - h^2/{bar}^2: Square of the sine of the transmission angle at {name}",
+            f"part = off_{name} / select({length} > 0.0, {length}, NOT_A_NUMBER)",
+            "= (1.0 - part) * (1.0 + part)",
+        )
+        self.add_ways(name, (f"{name} ahead of {a} along the line", f"{name} behind it"), f"the bar {bar}")
+        self.fact(
+            f"step ahead_{name} [m] c: Part of {bar} along the line", f"= sign_{name} * ({length} * {root})"
+        )
+        for axis, of, sign, other in (("x", ux, "+", uy), ("y", uy, "-", ux)):
+            self.fact(
+                f"step {bar}_{axis} [m] {bar}_{axis}: Vector from {a} to {name}, {axis}",
+                f"= ahead_{name} * {of} {sign} off_{name} * {other}",
+            )
+        self.fact(
+            f"{slide} [m] s_{name}: Place of the slider {name} on its line, from {c}",
+            f"= {ux} * ({rx}) + {uy} * ({ry}) + ahead_{name}",
+        )
+        rate, per = f"n_{bar}", f"per_ahead_{name}"
+        self.fact(
+            f"step {per} [m-1] 1/c: Reciprocal of the part of {bar} along the line",
+            f"= 1.0 / (sign_{name} * ({length} * {root}))",
+        )
+        (vax, vay), (vcx, vcy) = self.rate_of(a), self.rate_of(c)
+        wx, wy = _minus(vcx, vax), _minus(vcy, vay)
+        of_line = f" + {slide} * {turn}" if turn else ""
+        self.fact(
+            f"step {rate} [1] n_{bar}: Angular velocity of {bar} over that of the crank",
+            f"= (({wy}) * {ux} - ({wx}) * {uy}{of_line}) * {per}",
+        )
+        self.turning(bar, rate)
+        more = f"({_minus(rate, turn)})" if turn else rate
+        self.slope(per, f"-({per} * {per} * ({more} * off_{name}))")
+        self.slope(f"ahead_{name}", f"{more} * off_{name}")
+        self.slope(slide, f"{rate} * off_{name} - (({wx}) * {ux} + ({wy}) * {uy})")
+        self.add_slide(name, c, slide)
+        angle = self.add_angle(bar, bar, rate)
+        axis = self.unit_of(bar, length)
+        self.links.append(Link(bar, [a, name], a, axis, (f"cos({angle})", f"sin({angle})"), rate, angle))
+        of, to = self.in_loops[a], self.in_loops[c]
+        ends = [_plus(of[k], f"{length} * {self.links[-1].in_loops[k]}") for k in range(2)]
+        self.rows += [f"    | {_minus(ends[k], _plus(to[k], _times(slide, (lx, ly)[k])))}" for k in range(2)]
+        self.add_point(name, (_plus(ax, f"{bar}_x"), _plus(ay, f"{bar}_y")), tuple(ends), "slider")  # type: ignore[arg-type]
+        self.bars.append(Bar(f"{a} {name}", {f"{a} {name}": length}))
+        self.fact(
+            f"step across_{name} [m2] h {bar}: Cosine of the transmission angle at {name}, times lengths",
+            f"= off_{name} * {length}",
+        )
+        between = f"the bar {bar} and the normal of its line"
+        self.add_transmission(
+            name, f"{length} * {length} * {root}", f"across_{name}", rate, turn or "0.0", between
+        )
+
+    def add_slide(self, name: str, start: str, slide: str) -> None:
+        """Write the velocity and acceleration of a slider along its line."""
+        rate, second = f"{slide}_rate", f"{slide}_acceleration"
+        self.fact(f"{rate} [m s-1] v: Velocity of {name} along its line", f"= {self.rate(slide)}")
+        self.fact(f"{second} [m s-2] a: Acceleration of {name} along its line", f"= {self.rate(rate)}")
+        self.unknowns.append(slide)
+        self.rows.append(f"    {slide} by omega: {rate}, {second}")
+
+    def write_rpr(self, name: str, given: Mapping[str, Any]) -> None:
+        """Write a link about a pivot, along whose slot a pin slides."""
+        pin, pivot = self.pair(
+            ("rpr",), given["rpr"], "points: the pin, and the pivot of the link with the slot"
+        )
+        a, d = self.point(("rpr",), pin), self.point(("rpr",), pivot)
+        offset = self.value(
+            ("offset",),
+            given.get("offset", 0),
+            f"offset_{name}",
+            "m",
+            f"distance of the slot of {name} from {d}, to its left",
+        )
+        (ax, ay), (dx, dy) = self.points[a], self.points[d]
+        reach, slide, root, rate = f"reach_{name}", f"slide_{name}", f"gap_{name}_root", f"n_{name}"
+        for axis, of in (("x", _minus(ax, dx)), ("y", _minus(ay, dy))):
+            self.fact(f"step {reach}_{axis} [m] {d}{a}_{axis}: Vector from {d} to {a}, {axis}", f"= {of}")
+        axis_names = (f"axis_{name}_x", f"axis_{name}_y")
+        (vax, vay), (vdx, vdy) = self.rate_of(a), self.rate_of(d)
+        wx, wy = _minus(vax, vdx), _minus(vay, vdy)
+        if offset == "0.0":
+            self.fact(
+                f"{slide} [m] s_{name}: Place of {a} along the slot of {name}, from {d}",
+                f"= magnitude({reach}_x, {reach}_y)",
+            )
+            for axis in "xy":
+                self.fact(
+                    f"step axis_{name}_{axis} [1] u_{axis}: Direction of {name}, {axis}",
+                    f"= {reach}_{axis} / {slide}",
+                )
+        else:
+            scale = next(iter(self.bars[0].lengths.values()))
+            self.fact(
+                f"step {reach}_squared [m2] |{d}{a}|^2: Square of the distance of {d} and {a}",
+                f"= {reach}_x * {reach}_x + {reach}_y * {reach}_y",
+            )
+            self.fact(
+                f"step gap_{name} [1] s^2: Square of the place of {a} along the slot, over that of the crank",
+                f"= ({reach}_squared - {offset} * {offset}) / ({scale} * {scale})",
+            )
+            self.add_ways(name, (f"{a} ahead of {d} along {name}", f"{a} behind it"), f"the slot of {name}")
+            self.fact(
+                f"{slide} [m] s_{name}: Place of {a} along the slot of {name}, from {d}",
+                f"= sign_{name} * ({scale} * {root})",
+            )
+            for axis, sign, other in (("x", "+", "y"), ("y", "-", "x")):
+                self.fact(
+                    f"step axis_{name}_{axis} [1] u_{axis}: Direction of {name}, {axis}",
+                    f"= ({slide} * {reach}_{axis} {sign} {offset} * {reach}_{other}) / {reach}_squared",
+                )
+        per = f"{slide}" if offset == "0.0" else f"(sign_{name} * ({scale} * {root}))"
+        self.fact(
+            f"step {rate} [1] n_{name}: Angular velocity of {name} over that of the crank",
+            f"= (({wy}) * axis_{name}_x - ({wx}) * axis_{name}_y) / {per}",
+        )
+        self.turning(f"axis_{name}", rate)
+        more = "" if offset == "0.0" else f" + {offset} * {rate}"
+        self.slope(slide, f"({wx}) * axis_{name}_x + ({wy}) * axis_{name}_y{more}")
+        self.add_slide(a, d, slide)
+        angle = self.add_angle(name, f"axis_{name}", rate)
+        lx, ly = f"cos({angle})", f"sin({angle})"
+        self.links.append(Link(name, [d], d, axis_names, (lx, ly), rate, angle))
+        (px, py), (qx, qy) = self.in_loops[a], self.in_loops[d]
+        left = ("", "") if offset == "0.0" else (f" - {offset} * {ly}", f" + {offset} * {lx}")
+        self.rows += [
+            f"    | {qx} + {slide} * {lx}{left[0]} - ({px})",
+            f"    | {qy} + {slide} * {ly}{left[1]} - ({py})",
+        ]
+        self.bars.append(Bar(f"{d} {a}", {}))
+
+    def write_rpp(self, name: str, given: Mapping[str, Any]) -> None:
+        """Write a slider on a line, in whose slot a pin slides."""
+        a = self.point(("rpp",), given["rpp"])
+        c, (ux, uy), (lx, ly), turn = self.line((), given["along"])
+        slide, (ax, ay), (cx, cy) = f"slide_{name}", self.points[a], self.points[c]
+        rx, ry = _minus(ax, cx), _minus(ay, cy)
+        angle = (
+            self.value(
+                ("angle",),
+                given["angle"],
+                f"slot_{name}",
+                "rad",
+                f"angle of the slot of {name} from its line",
+            )
+            if "angle" in given
+            else ""
+        )
+        off = f" - ({ux} * ({ry}) - {uy} * ({rx})) * (cosine({angle}) / sine({angle}))" if angle else ""
+        self.fact(
+            f"{slide} [m] s_{name}: Place of the slider {name} on its line, from {c}",
+            f"= {ux} * ({rx}) + {uy} * ({ry}){off}",
+        )
+        self.add_slide(name, c, slide)
+        of, to = self.in_loops[a], self.in_loops[c]
+        ends = [_plus(to[k], _times(slide, (lx, ly)[k])) for k in range(2)]
+        x, y = (_minus(of[k], f"({ends[k]})") for k in range(2))
+        along = f"(({x}) * {lx} + ({y}) * {ly})"
+        self.rows.append(
+            f"    | {along} * sin({angle}) - (({y}) * {lx} - ({x}) * {ly}) * cos({angle})"
+            if angle
+            else f"    | {along}"
+        )
+        self.links.append(Link(f"slider{name}", [name], name, (ux, uy), (lx, ly), turn))
+        self.add_point(
+            name, (_plus(cx, _times(slide, ux)), _plus(cy, _times(slide, uy))), tuple(ends), "slider"
+        )  # type: ignore[arg-type]
+        self.bars.append(Bar(f"{name} {a}", {}))
+
+    def write_prp(self, name: str, given: Mapping[str, Any]) -> None:
+        """Write a pin of two sliders, each on a line of its own."""
+        lines = self.pair(
+            ("prp",), given["prp"], "lines, each of two points of one link, or of a ground pivot and an angle"
+        )
+        (c, (ux, uy), (lx, ly), turn), (g, (wx, wy), (kx, ky), _) = (
+            self.line(("prp",), one) for one in lines
+        )
+        slide, (cx, cy), (gx, gy) = f"slide_{name}", self.points[c], self.points[g]
+        rx, ry = _minus(gx, cx), _minus(gy, cy)
+        self.fact(
+            f"{slide} [m] s_{name}: Place of {name} on its first line, from {c}",
+            f"= (({rx}) * {wy} - ({ry}) * {wx}) / ({ux} * {wy} - {uy} * {wx})",
+        )
+        self.add_slide(name, c, slide)
+        to, of = self.in_loops[c], self.in_loops[g]
+        ends = [_plus(to[k], _times(slide, (lx, ly)[k])) for k in range(2)]
+        x, y = (_minus(f"({ends[k]})", f"({of[k]})") for k in range(2))
+        self.rows.append(f"    | ({x}) * {ky} - ({y}) * {kx}")
+        self.add_point(
+            name, (_plus(cx, _times(slide, ux)), _plus(cy, _times(slide, uy))), tuple(ends), "slider"
+        )  # type: ignore[arg-type]
+
+    def write_on(self, name: str, given: Mapping[str, Any]) -> None:
+        """Write a point of a link, by its place along the axis from one point of it to another, and left of that."""
+        on = given["on"]
+        named = next((link for link in self.links if isinstance(on, str) and link.name == on), None)
+        if named is not None:
+            link, start, (ux, uy), (lx, ly) = named, named.origin, named.axis, named.in_loops
+        else:
+            first, second = self.pair(("on",), on, "points of one link")
+            start, end = (self.point(("on",), one) for one in (first, second))
+            link = self.link_of(("on",), start, end)
+            (ux, uy), (lx, ly) = self.direction(link, start, end)
+        place = self.pair(("at",), given["at"], "coordinates: names of inputs, or numbers in m")
+        about = ("along", "left of")
+        u, v = (
+            self.value(
+                ("at",), one, f"{name}_{axis}", "m", f"place of {name} on {link.name}, {what} its axis"
+            )
+            for one, axis, what in zip(place, "uv", about, strict=True)
+        )
+        (x, y), (px, py) = self.points[start], self.in_loops[start]
+
+        def at(x: str, y: str, ux: str, uy: str) -> Pair:
+            along, left = ("0.0" in (u,)), ("0.0" in (v,))
+            first = x + ("" if along else f" + {u} * ({ux})") + ("" if left else f" - {v} * ({uy})")
+            return first, y + ("" if along else f" + {u} * ({uy})") + ("" if left else f" + {v} * ({ux})")
+
+        link.points.append(name)
+        self.add_point(name, at(x, y, ux, uy), at(px, py, lx, ly), "traced")
+        joined = " ".join(dict.fromkeys([*link.points[:2], name])) if link.rate or link.points else ""
+        self.bars = [bar for bar in self.bars if bar.points != joined]
+        self.bars.append(Bar(joined, {}))
+
+    def write_gear(self, name: str, given: Mapping[str, Any]) -> None:
+        """Write a bar that a gear or a belt of a whole ratio turns with another one; both about pivots of the ground."""
+        first, second = self.pair(("gear",), given["gear"], "points of the bar that drives it")
+        start, end = (self.point(("gear",), one) for one in (first, second))
+        driver = self.link_of(("gear",), start, end)
+        pivot, ratio = self.point(("about",), given["about"]), given["ratio"]
+        if isinstance(ratio, bool) or not isinstance(ratio, int) or not 1 <= abs(ratio) <= MOST_RATIO:
+            what = f"is {short_repr(ratio)}: another ratio goes on for several turns of the crank"
+            raise InputError(
+                what, ("ratio",), f"write a whole number from -{MOST_RATIO} to {MOST_RATIO}, not 0"
+            )
+        bar = pivot + name
+        length = self.value(
+            ("length",), given["length"], f"length_{bar}", "m", f"length of the bar {bar}", "positive"
+        )
+        phase = self.value(
+            ("phase",),
+            given.get("phase", 0),
+            f"phase_{bar}",
+            "rad",
+            f"angle of {bar} beyond that of its drive",
+        )
+        (ux, uy), (lx, ly) = self.direction(driver, start, end)
+        lines = [f"x, y = {ux}, {uy}", "u, v = x, y"] + ["u, v = u * x - v * y, u * y + v * x"] * (
+            abs(ratio) - 1
+        )
+        if phase != "0.0":
+            lines.append(f"c, s = cosine({phase}), sine({phase})")
+        v = "v" if ratio > 0 else "-v"
+        turned = ("u", v) if phase == "0.0" else (f"u * c - {v} * s", f"u * s + {v} * c")
+        for axis, of in zip("xy", turned, strict=True):
+            self.fact(f"step axis_{bar}_{axis} [1] u_{axis}: Direction of {bar}, {axis}", *lines, f"= {of}")
+        rate = f"n_{bar}"
+        self.fact(
+            f"step {rate} [1] n_{bar}: Angular velocity of {bar} over that of the crank",
+            f"= {float(ratio)} * {driver.rate}",
+        )
+        self.turning(f"axis_{bar}", rate)
+        angle = self.add_angle(bar, f"axis_{bar}", rate)
+        of = re.fullmatch(r"cos\((\w+)\)", lx)
+        turns = f"{ratio}.0 * {of[1] if of else driver.angle}" + ("" if phase == "0.0" else f" + {phase}")
+        self.rows.append(f"    | sin({angle} - ({turns}))")
+        axis_pair = (f"axis_{bar}_x", f"axis_{bar}_y")
+        self.links.append(
+            Link(bar, [pivot, name], pivot, axis_pair, (f"cos({angle})", f"sin({angle})"), rate, angle)
+        )
+        self.add_bar(bar, pivot, name, length)
+
+    # -- the sheet -----------------------------------------------------------------------------------------------------
+
+    def write(self) -> str:
+        """Return the sheet, or raise all problems of the declaration."""
+        for write in (self.write_ground, self.write_crank, self.write_dyads):
+            with self.within():
+                write()
+            self.problems.stop()
+        if len(self.ways) > MOST_WAYS:
+            raise InputError(
+                f"{len(self.ways)} dyads have two ways each",
+                ("linkage", "dyads"),
+                f"write at most {MOST_WAYS}",
+            )
+        for k, (name, _, first) in enumerate(self.ways):
+            rest, lines = "branch - 1.0", []
+            for higher in range(len(self.ways) - 1, k, -1):
+                lines.append(f"r{higher} = {rest}")
+                rest = f"r{higher} - select(r{higher} >= {2.0**higher}, {2.0**higher}, 0.0)"
+            self.fact(
+                f"step sign_{name} [1] s_{name}: 1 or -1, the way to assemble the dyad of {name}",
+                *lines,
+                f"= {first} * select({rest} >= {2.0**k}, -1.0, 1.0)",
+            )
+        name, title = (
+            str(self.declared["name"]),
+            str(self.declared.get("title") or f"Linkage {self.declared['name']}"),
+        )
+        branches = []
+        for number in range(2 ** len(self.ways)):
+            words = [ways[number >> k & 1] for k, (_, ways, _) in enumerate(self.ways)]
+            branches.append(f"{number + 1}: {'; '.join(words) or 'the only one'}")
+        inputs = [
+            line
+            for lines in self.inputs.values()
+            for line in (lines[0], *(f"    {one}" for one in lines[1:]))
+        ]
+        parts = ["[mechanism]", f"{name}: {title}", "[position]"]
+        parts += [
+            f"theta [rad] theta: crank angle; direction of {self.links[1].name}",
+            "[branches]",
+            *branches,
+        ]
+        closes = ["[closes]", *(f"{gap}: {what}" for gap, what in self.gaps.items())]
+        parts += [*closes, "[inputs]", *inputs]
+        parts += ["## docs/linkages.md", "[facts]", *self.facts]
+        parts += ["[loops]", f"loops {name}: {', '.join(self.unknowns)}", *self.rows]
+        return "\n".join(parts) + "\n"
+
+    @property
+    def picture(self) -> Picture:
+        """What is drawn of it."""
+        traced = {point.name: point.name for point in self.drawn if point.kind == "traced"}
+        return Picture(
+            points=tuple(self.drawn),
+            bars=tuple(self.bars),
+            guides=tuple(self.guides),
+            traced=traced,
+            title=str(self.declared["name"]),
+        )
+
+
+def sheet_of_linkage(text: str) -> tuple[str, Picture]:
+    """Return the sheet of formulas and the picture of a declaration, which is a text in JSON.
+
+    Raises
+    ------
+    InputError
+        The declaration is none, or places a point of too few or too many bars.
+    """
+    writer = _Writer(json.loads(text))
+    return writer.write(), writer.picture
+
+
+#: What a declaration has.
+PARTS = ("name", "title", "ground", "crank", "dyads", "defaults")
+
+
+@door
+def linkage(
+    name: str = "linkage",
+    *,
+    ground: Mapping[str, Any],
+    crank: Mapping[str, Any],
+    dyads: Mapping[str, Any],
+    title: str = "",
+    defaults: Mapping[str, float] | None = None,
+) -> Mechanism:
+    """Declare a planar linkage by its joints: a crank, then dyads, each of which places a point or a link.
+
+    A declaration is data; the same words stand in the table ``[linkage]`` of a study. Lengths and coordinates are names
+    of inputs, which a design gives, or numbers, which are inputs with a default.
+
+    Parameters
+    ----------
+    name : str, default "linkage"
+        What it is called.
+    ground : mapping
+        The pivots of the ground by name, each with x and y, such as ``{"O": (0, 0), "D": ("a4", 0)}``.
+    crank : mapping
+        The pin of the crank, with its pivot and its length: ``{"A": ("O", "a1")}``. It turns by ``theta`` at the
+        constant speed ``omega``.
+    dyads : mapping
+        What is placed one after the other, by the name of the point (or of the link with a slot):
+
+        - ``{"rrr": ("A", "D"), "lengths": ("a2", "a3")}``: a pin that two bars from A and D join;
+        - ``{"rrp": "A", "length": "l", "along": ("C", "E")}``: the end of a bar from A, a slider on the line through two
+          points of one link, or on a fixed one through a pivot at an angle: ``("C", "beta")``;
+        - ``{"rpr": ("A", "D"), "offset": "e"}``: a link about D, along whose slot the pin A slides, e to its left;
+        - ``{"rpp": "A", "along": ("C", "E"), "angle": "beta"}``: a slider on a line, in whose slot the pin A slides;
+        - ``{"prp": (("C", "E"), ("G", "H"))}``: a pin on two lines;
+        - ``{"on": ("A", "B"), "at": ("u", "v")}``: a point of the link of A and B, u along AB from A, v to the left; of a
+          link with a slot by its name: ``"on": "lever"``;
+        - ``{"gear": ("O", "A"), "about": "D", "ratio": -2, "length": "b"}``: the end of a bar about D that a gear or a
+          belt turns so many times as fast as OA, a whole number, ``"phase"`` ahead.
+    title : str, optional
+        What it is, for pictures and files.
+    defaults : mapping of str to float, optional
+        Numbers for inputs that a design need not give.
+
+    Returns
+    -------
+    str
+        A name that stands for the mechanism wherever the name of one does, see `fastlink.mechanism`. Branches number
+        the ways to assemble its dyads, which ``fl.quantities`` lists.
+
+    Raises
+    ------
+    InputError
+        Something cannot be placed: with the point, the reason and the remedy.
+
+    Notes
+    -----
+    What a point B has: ``B_x``, ``B_y``, ``B_vx``, ``B_vy``, ``B_ax``, ``B_ay``, ``B_speed``, ``B_acceleration``,
+    ``B_curvature``; a bar AB: ``angle_AB``, ``omega_AB``, ``alpha_AB``, ``jerk_AB``; a dyad of two ways:
+    ``transmission_angle_B``.
+
+    Examples
+    --------
+    >>> import fastlink as fl
+    >>> watt = fl.linkage(
+    ...     "watt",
+    ...     ground={"O": (0, 0), "D": ("a4", 0), "G": ("G_x", "G_y")},
+    ...     crank={"A": ("O", "a1")},
+    ...     dyads={
+    ...         "B": {"rrr": ("A", "D"), "lengths": ("a2", "a3")},
+    ...         "P": {"on": ("A", "B"), "at": ("P_u", "P_v")},
+    ...         "F": {"rrr": ("P", "G"), "lengths": ("a5", "a6")},
+    ...     },
+    ... )
+    >>> design = {"a1": 0.1, "a2": 0.3, "a3": 0.35, "a4": 0.4, "P_u": 0.15, "P_v": 0.1}
+    >>> design |= {"G_x": 0.45, "G_y": 0.3, "a5": 0.3, "a6": 0.25, "omega": 10.0}
+    >>> maps = fl.sweep(watt, design, ["F_x_max", "status"], branch=3)
+    >>> float(maps.F_x_max.round(12))
+    0.240003525055
+    """
+    declared = dict(zip(PARTS, (name, title, ground, crank, dyads, dict(defaults or {})), strict=True))
+    if not isinstance(name, str) or re.fullmatch("[A-Za-z](_?[A-Za-z0-9])*", name) is None:
+        raise InputError(f"is {short_repr(name)}", ("linkage", "name"), "write letters, digits and single _")
+    try:
+        text = json.dumps(declared, default=_as_data)
+    except (TypeError, ValueError) as error:
+        raise InputError(str(error), ("linkage",), "write names, numbers, lists and mappings") from None
+    return Mechanism(text, f"linkage {name}")
+
+
+def _as_data(value: Any) -> Any:
+    """Return a number of NumPy as one of Python."""
+    if hasattr(value, "item") and getattr(value, "ndim", None) == 0:
+        return value.item()
+    raise TypeError(f"{short_repr(value)} is no number or name")

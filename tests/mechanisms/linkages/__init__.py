@@ -1,0 +1,1 @@
+"""Linkages that are declared by their joints."""

@@ -1,0 +1,58 @@
+"""Linkages that tests share, and random designs of them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+import fastlink as fl
+
+FOUR_BAR = fl.linkage(
+    "four_bar",
+    ground={"O": (0, 0), "D": ("a4", 0)},
+    crank={"A": ("O", "a1")},
+    dyads={
+        "B": {"rrr": ("A", "D"), "lengths": ("a2", "a3")},
+        "P": {"on": ("A", "B"), "at": ("P_u", "P_v")},
+    },
+)
+WATT = fl.linkage(
+    "watt",
+    ground={"O": (0, 0), "D": ("a4", 0), "G": ("G_x", "G_y")},
+    crank={"A": ("O", "a1")},
+    dyads={
+        "B": {"rrr": ("A", "D"), "lengths": ("a2", "a3")},
+        "P": {"on": ("A", "B"), "at": ("P_u", "P_v")},
+        "F": {"rrr": ("P", "G"), "lengths": ("a5", "a6")},
+    },
+)
+#: A six-bar that turns fully in branch 3.
+TURNING = {"a1": 0.1, "a2": 0.3, "a3": 0.35, "a4": 0.4, "P_u": 0.15, "P_v": 0.1}
+TURNING |= {"G_x": 0.45, "G_y": 0.3, "a5": 0.3, "a6": 0.25}
+
+
+def four_bars(count: int, seed: int) -> dict[str, Any]:
+    """Return four-bars, of which half are next to change points, down to rounding."""
+    rng = np.random.default_rng(seed)
+    designs = {name: rng.uniform(0.1, 1.0, count) for name in ("a1", "a2", "a3", "a4")}
+    designs |= {name: rng.uniform(-1.0, 1.0, count) for name in ("P_u", "P_v")}
+    half = count // 2
+    sum_of = abs(designs["a1"] + designs["a2"] - designs["a3"])[:half]
+    near = 1.0 + 10.0 ** rng.uniform(-14.0, -1.0, half) * rng.choice([-1.0, 1.0], half)
+    designs["a4"][:half] = np.where(sum_of > 1e-3, sum_of * near, designs["a4"][:half])
+    return designs
+
+
+def watts(count: int, seed: int) -> dict[str, Any]:
+    """Return six-bars of all kinds: most of them move over parts of the turn."""
+    rng = np.random.default_rng(seed)
+    spans = {
+        "a1": (0.05, 0.4),
+        "P_u": (-0.3, 0.5),
+        "P_v": (-0.3, 0.3),
+        "G_x": (-0.2, 0.8),
+        "G_y": (-0.5, 0.5),
+    }
+    spans |= dict.fromkeys(("a2", "a3", "a4", "a5", "a6"), (0.1, 0.6))
+    return {name: rng.uniform(*span, count) for name, span in spans.items()}
