@@ -123,14 +123,11 @@ def naming(catalogue: Catalogue) -> str:
     position = catalogue.position
     unit = "" if position.units == "1" else f" in {position.units}"
     every = REDUCTIONS.values()
+    placed = [each.suffix for each in every if each.has_position]
     reductions = [f"`{Reduced(NAME, each.suffix)}` ({each.phrase})" for each in every if not each.of_path]
     paths = [f"`{Reduced(NameOf('POINT'), each.suffix)}` ({each.phrase})" for each in every if each.of_path]
-    positions = [
-        f"`{Reduced(NAME, each.suffix, position.name)}`" for each in REDUCTIONS.values() if each.has_position
-    ]
-    bounds = [
-        f"`{ErrorBound(Reduced(NAME, each.suffix))}`" for each in REDUCTIONS.values() if each.has_position
-    ]
+    positions = [f"`{Reduced(NAME, how, position.name)}`" for how in placed]
+    bounds = [f"`{ErrorBound(Reduced(NAME, how))}`" for how in placed]
     extreme = Reduced(NAME, "max")
     lists = (
         f"`{ListOfExtrema(NAME)}` lists all extremes over the reachable range by growing {position.name}, along "
@@ -693,13 +690,9 @@ def _errors(dataset: xr.Dataset) -> list[tuple[str, str]]:
             figures = _Numbers({str(key).removeprefix(SOURCE): value for key, value in array.attrs.items()})
         if not figures.has("verified_values"):
             continue
-        texts = []
-        if figures.has("error_max_relative"):
-            texts.append(f"{figures['error_max_relative']:.1e} relative")
-        if figures.has("error_max_roundings"):
-            texts.append(f"{figures['error_max_roundings']:.2g} roundings")
-        if figures.has("error_max_of_bound"):
-            texts.append(f"{figures['error_max_of_bound']:.2g} of the bound")
+        forms = (("relative", ".1e", ""), ("roundings", ".2g", ""), ("of_bound", ".2g", "of the bound"))
+        told = [(figures.get(f"error_max_{name}", -1.0), form, of or name) for name, form, of in forms]
+        texts = [f"{most:{form}} {of}" for most, form, of in told if most >= 0.0]
         if figures.get("verify_mismatches"):
             texts.append(f"{counted(int(figures['verify_mismatches']), 'value')} NOT AS WITH 50 DIGITS")
         if texts:

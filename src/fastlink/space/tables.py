@@ -58,22 +58,6 @@ from fastlink.space.design_space import (
 )
 from fastlink.space.units import is_unit, named_with_unit
 
-__all__ = [
-    "CURVES",
-    "FORMAT",
-    "LAYOUTS",
-    "MAPS",
-    "STATUS",
-    "Columns",
-    "as_space",
-    "check_name",
-    "label_of",
-    "or_keep",
-    "refused",
-    "table",
-]
-
-
 T = TypeVar("T")
 
 
@@ -97,12 +81,6 @@ OF_EVERY_MAP = "status"
 def refused(what: str, remedy: Remedy) -> InputError:
     """Return the error of a table as a whole."""
     return InputError(what, where=("table",), remedy=remedy)
-
-
-def or_keep(remedy: str, name: str) -> Remedy:
-    """Return a remedy with another one, at doors that can: to keep the column as a coordinate."""
-    link = " Or" if remedy.endswith("?") else ", or"
-    return (remedy, (f"{link} pass ", Setting("keep", [name]), " to keep it as a coordinate of the result"))
 
 
 def check_name(name: Any, position: int, others: Collection[str], inside: str = "") -> None:
