@@ -227,8 +227,9 @@ class Columns:
             texts = [value[1:-1].lower() for _, value in cells if value.startswith(("'", '"'))]
             is_label = may_label and {*texts} - NO_VALUES and not head_of(name)[1]
             label = (", or, if it is no input, pass ", Setting("keep", [name])) if is_label else ()
-            number = "write a number" if is_label else "write a finite number"
-            found[name] = Problem(what, ("table",), (number, keep, label))
+            found[name] = Problem(
+                what, ("table",), (f"write a {'' if is_label else 'finite '}number", keep, label)
+            )
         return found
 
     def _check_length(self, name: str, values: NDArray[Any]) -> None:
