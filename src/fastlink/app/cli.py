@@ -84,11 +84,7 @@ OTHER_NAMES = {
 
 
 #: What is meant by an argument too many.
-INSTEAD = {
-    "best": "; write objectives as --minimise NAME",
-    "convert": "; write --to OUT",
-    "quantities": "; write words as --find WORD",
-}
+INSTEAD = {"best": "; write objectives as --minimise NAME", "quantities": "; write words as --find WORD"}
 #: Of click, or of typer's own copy of it.
 UsageError: Any = typer.BadParameter.__base__
 
@@ -800,10 +796,7 @@ def tolerance(
 
 def _number_or_text(text: str) -> float | str | None:
     """Return a value that is a number as one."""
-    try:
-        return float(text)
-    except ValueError:
-        return text_of(text)
+    return text_of(text) if (number := _number(text)) is None else number
 
 
 @command

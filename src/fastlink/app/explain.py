@@ -475,9 +475,7 @@ class Explanation:
         if self.search:
             lines.append(_folded("searched for, and nothing else kept", [self.search]))
         if self.scaling_axis:
-            lines.append(
-                f"{self.scaling_axis}: only scales what is asked for; evaluated once, then multiplied"
-            )
+            lines += [f"{self.scaling_axis}: only scales what is asked for; evaluated once, then multiplied"]
         if self.forecast is not None:
             lines += ["before it runs", str(self.forecast)]
         if not (kernels or code or ir or asm):

@@ -85,9 +85,7 @@ def listed(found: xr.Dataset, names: Sequence[str], *, degrees: bool = False) ->
     hidden = len(rows) - 2 - MOST_ROWS
     more = f"\n... and {hidden:,} more" if hidden > 0 else ""
     same = [maps[name] for name in maps.coords if not maps[name].dims and "units" in maps[name].attrs]
-    constants = ", ".join(
-        f"{array.name} = {short_number(array.item())}{_units(array, ' ')}" for array in same
-    )
+    constants = ", ".join(f"{one.name} = {short_number(one.item())}{_units(one, ' ')}" for one in same)
     below = f"\nthe same for all: {constants}" if constants else ""
     return f"{about}\n{aligned(rows[: 2 + MOST_ROWS], right=0)}{more}{below}"
 
@@ -123,14 +121,11 @@ def naming(catalogue: Catalogue) -> str:
     position = catalogue.position
     unit = "" if position.units == "1" else f" in {position.units}"
     every = REDUCTIONS.values()
+    placed = [each.suffix for each in every if each.has_position]
     reductions = [f"`{Reduced(NAME, each.suffix)}` ({each.phrase})" for each in every if not each.of_path]
     paths = [f"`{Reduced(NameOf('POINT'), each.suffix)}` ({each.phrase})" for each in every if each.of_path]
-    positions = [
-        f"`{Reduced(NAME, each.suffix, position.name)}`" for each in REDUCTIONS.values() if each.has_position
-    ]
-    bounds = [
-        f"`{ErrorBound(Reduced(NAME, each.suffix))}`" for each in REDUCTIONS.values() if each.has_position
-    ]
+    positions = [f"`{Reduced(NAME, how, position.name)}`" for how in placed]
+    bounds = [f"`{ErrorBound(Reduced(NAME, how))}`" for how in placed]
     extreme = Reduced(NAME, "max")
     lists = (
         f"`{ListOfExtrema(NAME)}` lists all extremes over the reachable range by growing {position.name}, along "
@@ -242,7 +237,9 @@ def row_of(name: str, catalogue: Catalogue) -> Quantity:
     """Return the row of any name that may be requested."""
     request = parse_request(name, catalogue)
     over_cycle = request.reduction is not None or request.listed
-    axes: tuple[str, ...] = (BRANCH,) if over_cycle else _axes(request.quantity, catalogue)
+    varies = catalogue.varies(request.quantity)
+    inside = (BRANCH, catalogue.position.name) if varies else ()
+    axes: tuple[str, ...] = (BRANCH,) if over_cycle else inside
     if request.listed and request.listed != "count":
         axes += (EXTREMUM,)
     fact, labels = catalogue.public_fact(request.quantity), request_labels(catalogue, request)
@@ -250,8 +247,7 @@ def row_of(name: str, catalogue: Catalogue) -> Quantity:
     meaning = "; ".join(filter(None, (labels["long_name"], labels.get("comment"))))
     texts = units, (DESIGN, *axes), meaning, labels["references"], labels["symbol"]
     needs = _steps_and_needs(request.quantity, catalogue)[1]
-    group = _group(fact, catalogue.varies(request.quantity))
-    return Quantity(name, *texts, needs, catalogue.name, group)
+    return Quantity(name, *texts, needs, catalogue.name, _group(fact, varies))
 
 
 def public_rows(catalogue: Catalogue) -> list[Quantity]:
@@ -272,10 +268,6 @@ def public_rows(catalogue: Catalogue) -> list[Quantity]:
         return GROUPS.index(row.group), effort[vector], vector, row.name
 
     return first + sorted(rows, key=order)
-
-
-def _axes(name: str, catalogue: Catalogue) -> tuple[str, ...]:
-    return (BRANCH, catalogue.position.name) if catalogue.varies(name) else ()
 
 
 def _steps_and_needs(name: str, catalogue: Catalogue) -> tuple[int, tuple[str, ...]]:
@@ -559,9 +551,8 @@ def _header(row: type) -> tuple[str, ...]:
 
 def _text_table(header: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
     """Return a table as aligned text, long cells folded."""
-    return folded(
-        header, rows, [{"meaning": MEANING_WIDTH, "source": SOURCE_WIDTH}.get(name) for name in header]
-    )
+    widths = {"meaning": MEANING_WIDTH, "source": SOURCE_WIDTH}
+    return folded(header, rows, [widths.get(name) for name in header])
 
 
 def _markdown_table(header: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
@@ -617,9 +608,7 @@ def _summary(dataset: xr.Dataset) -> str:
             rows.append(("speed", scaled(figures[f"{unit}_per_second"], units)))
             break
     rows += _errors(dataset)
-    notes = {
-        str(array.attrs["rounding"]) for array in dataset.data_vars.values() if "rounding" in array.attrs
-    }
+    notes = {str(one.attrs["rounding"]) for one in dataset.data_vars.values() if "rounding" in one.attrs}
     rows += [("rounding", note) for note in sorted(notes)]
     files = [path for path in files_of(dataset) if path.is_file()]
     if files:
@@ -693,13 +682,9 @@ def _errors(dataset: xr.Dataset) -> list[tuple[str, str]]:
             figures = _Numbers({str(key).removeprefix(SOURCE): value for key, value in array.attrs.items()})
         if not figures.has("verified_values"):
             continue
-        texts = []
-        if figures.has("error_max_relative"):
-            texts.append(f"{figures['error_max_relative']:.1e} relative")
-        if figures.has("error_max_roundings"):
-            texts.append(f"{figures['error_max_roundings']:.2g} roundings")
-        if figures.has("error_max_of_bound"):
-            texts.append(f"{figures['error_max_of_bound']:.2g} of the bound")
+        forms = (("relative", ".1e", ""), ("roundings", ".2g", ""), ("of_bound", ".2g", "of the bound"))
+        told = [(figures.get(f"error_max_{name}", -1.0), form, of or name) for name, form, of in forms]
+        texts = [f"{most:{form}} {of}" for most, form, of in told if most >= 0.0]
         if figures.get("verify_mismatches"):
             texts.append(f"{counted(int(figures['verify_mismatches']), 'value')} NOT AS WITH 50 DIGITS")
         if texts:
@@ -783,7 +768,8 @@ def changes_listed(found: xr.Dataset) -> str:
     for name in names:
         worst, rss = found[change_name(name)], found[change_name(name, "rss")]
         row = [name, found[name].attrs.get("units", ""), _median(found[name]), _median(worst)]
-        row += [] if one else [short_number(_greatest(worst.values))]
+        finite = np.isfinite(worst.values).any()
+        row += [] if one else [short_number(float(np.nanmax(worst.values)) if finite else math.nan)]
         row.append(_median(rss))
         for of in inputs:
             part = found[f"{name}_{CONTRIBUTION}"].sel({TOLERANCED: of})
@@ -804,11 +790,6 @@ def _median(array: xr.DataArray) -> str:
     values = np.asarray(array.values, dtype=float).ravel()
     values = values[np.isfinite(values)]
     return short_number(float(np.median(values))) if values.size else "nan"
-
-
-def _greatest(values: Any) -> float:
-    """Return the greatest number among some values, NaN if there is none."""
-    return float(np.nanmax(values)) if np.isfinite(values).any() else float("nan")
 
 
 def _flagged(found: xr.Dataset, name: str) -> str:

@@ -94,7 +94,7 @@ def spans_of(catalogue: Catalogue, maps: xr.Dataset, only: Sequence[str] = ()) -
     along a straight line, follow it.
     """
     swept, problems = swept_inputs(catalogue, maps), Problems()
-    only = check_only(only, list(swept), problems)
+    only = check_only(only, list(swept), problems, "refine")
     for name, declared in swept.items():
         problems.attempt(check_units, maps[name], declared.units, ("refine", name))
     problems.stop()
@@ -119,16 +119,14 @@ def spans_of_space(
     given = {**space.axes, **space.columns}
     swept = [name for name in given if not known[name].choices]
     problems = Problems()
-    only = check_only(only, swept, problems)
+    only = check_only(only, swept, problems, "refine")
     check_only(bounds, swept, problems, "bounds")
     problems.stop()
     ends = {name: bounds.get(name) or bounds_of(given[name]) for name in only or swept}
     return _spans(ends, {} if space.kind != "table" else {n: given[n] for n in ends if n in space.columns})
 
 
-def check_only(
-    names: Iterable[str], swept: Sequence[str], problems: Problems, where: str = "refine"
-) -> list[str]:
+def check_only(names: Iterable[str], swept: Sequence[str], problems: Problems, where: str) -> list[str]:
     """Return names of inputs that are swept without their units, and note others."""
     for name in names:
         if split(name, swept)[0] not in swept:

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink._text import short_repr
-from fastlink.errors import InputError, Problem, Problems, Remedy, remark
+from fastlink.errors import InputError, Problem, Problems, Remedy, Setting, remark
 from fastlink.plan.query import Results
 from fastlink.plan.request import ALLOW, unknown_input
 from fastlink.space import units
 from fastlink.space.design_space import BRANCH, EXTREMUM, MODELS, Column, Converted, Links, axis_of, bounds_of
-from fastlink.space.tables import head_of, or_keep
+from fastlink.space.tables import head_of
 
 if TYPE_CHECKING:
     from fastlink.facts.catalogue import Catalogue
@@ -199,7 +199,9 @@ def _no_input(catalogue: Catalogue, name: str) -> Problem | None:
 def _unknown(catalogue: Catalogue, name: str) -> Problem:
     """Return the problem of a column that is neither an input nor a result."""
     problem = unknown_input(catalogue, name, catalogue.inputs)
-    return replace(problem, remedy=or_keep(str(problem.remedy), name))
+    also = f"{' Or' if str(problem.remedy).endswith('?') else ', or'} pass "
+    keep = (also, Setting("keep", [name]), " to keep it as a coordinate of the result")
+    return replace(problem, remedy=(str(problem.remedy), keep))
 
 
 def _each_once(space: DesignSpace) -> DesignSpace:

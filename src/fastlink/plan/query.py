@@ -12,7 +12,7 @@ from string import Formatter
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from fastlink._text import short_repr
-from fastlink.errors import InputError, Problems, Remedy, listed
+from fastlink.errors import InputError, Problems, listed
 from fastlink.facts import find
 from fastlink.facts.derivative import units_per
 from fastlink.facts.find import parts
@@ -686,7 +686,8 @@ def unknown_quantity(name: str, catalogue: Catalogue, over_cycle: bool = True) -
     elsewhere = [other for other in NAMES if find_catalogue(other).is_public(wrong)]
     what += f" is unknown to {catalogue.name}{', known to ' if elsewhere else ''}{' and '.join(elsewhere)}"
     if of_variable:
-        return InputError(what, remedy=input_remedy(wrong, catalogue))
+        near = suggest_input(wrong, catalogue)
+        return InputError(what, remedy=find.did_you_mean(near) if near else listed(list(catalogue.variables)))
     near = suggest_quantity(name, catalogue, over_cycle) or suggest_quantity(wrong, catalogue, over_cycle)
     lists = f"`fastlink quantities {getattr(catalogue, 'first', catalogue).name}` lists all"
     return InputError(what, remedy=find.did_you_mean(near) if near else lists)
@@ -705,12 +706,6 @@ def require_quantity(name: str, catalogue: Catalogue) -> None:
         here = str(ErrorBound(tree.of) if is_error else tree.of)
         raise InputError(what, remedy=f"request it of fl.sweep or fl.function, or write {here!r}")
     raise unknown_quantity(name, catalogue, over_cycle=False)
-
-
-def input_remedy(name: str, catalogue: Catalogue, known: Iterable[str] = ()) -> Remedy:
-    """Return the remedy for an unknown input: what it may mean, or the known ones."""
-    near = suggest_input(name, catalogue)
-    return find.did_you_mean(near) if near else listed(list(known or catalogue.variables))
 
 
 #: Most names in one list; more come from an iterator without end.

@@ -58,22 +58,6 @@ from fastlink.space.design_space import (
 )
 from fastlink.space.units import is_unit, named_with_unit
 
-__all__ = [
-    "CURVES",
-    "FORMAT",
-    "LAYOUTS",
-    "MAPS",
-    "STATUS",
-    "Columns",
-    "as_space",
-    "check_name",
-    "label_of",
-    "or_keep",
-    "refused",
-    "table",
-]
-
-
 T = TypeVar("T")
 
 
@@ -97,12 +81,6 @@ OF_EVERY_MAP = "status"
 def refused(what: str, remedy: Remedy) -> InputError:
     """Return the error of a table as a whole."""
     return InputError(what, where=("table",), remedy=remedy)
-
-
-def or_keep(remedy: str, name: str) -> Remedy:
-    """Return a remedy with another one, at doors that can: to keep the column as a coordinate."""
-    link = " Or" if remedy.endswith("?") else ", or"
-    return (remedy, (f"{link} pass ", Setting("keep", [name]), " to keep it as a coordinate of the result"))
 
 
 def check_name(name: Any, position: int, others: Collection[str], inside: str = "") -> None:
@@ -249,8 +227,9 @@ class Columns:
             texts = [value[1:-1].lower() for _, value in cells if value.startswith(("'", '"'))]
             is_label = may_label and {*texts} - NO_VALUES and not head_of(name)[1]
             label = (", or, if it is no input, pass ", Setting("keep", [name])) if is_label else ()
-            number = "write a number" if is_label else "write a finite number"
-            found[name] = Problem(what, ("table",), (number, keep, label))
+            found[name] = Problem(
+                what, ("table",), (f"write a {'' if is_label else 'finite '}number", keep, label)
+            )
         return found
 
     def _check_length(self, name: str, values: NDArray[Any]) -> None:
