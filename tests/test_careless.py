@@ -34,7 +34,7 @@ CALLS = {
     'fl.best(maps, minimise="swing", n=3)': "did you mean 'top'?",
     'fl.best(maps.isel(a2=[]), minimise="swing")': "there is no row",
     'fl.function("planar_4r", ["a1"], ["swing"], a2="1.2 m", a3=0.8, a4=1.0)': "write a2=1.2",
-    'fl.function("planar_4r", ["a1"], ["swing"], a2=1.2, a3=0.8, a4=1.0)(["400 mm"])': "make the function of a1_mm, and",
+    'fl.function("planar_4r", ["a1"], ["swing"], a2=1.2, a3=0.8, a4=1.0)(["400 mm"])': "make the function of a1_mm",
     'fl.tolerance(maps, {"a1": 1e-4})': "write tolerances by name, such as a1=1e-4",
     'fl.draw(maps, at={"a1": 0.4})': "known: a2",
     'fl.draw("planar_4r", DESIGN | {"a1": [0, 4]})': "write one number, with a point",

@@ -99,7 +99,9 @@ class MapAccessor(Suggesting):
         if counted is None:
             what = f"{short_repr(of)} holds values that are not codes"
             before = "count before averaging or masking"
-            raise InputError(what, ("of",), before if flags_of(self._maps[of]) else "name a code, such as status")
+            raise InputError(
+                what, ("of",), before if flags_of(self._maps[of]) else "name a code, such as status"
+            )
         return counted
 
     @door

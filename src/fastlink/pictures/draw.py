@@ -317,8 +317,12 @@ def request_of(source: Source, strip: Any, curves: Any, show: Any, degrees: Any,
         as_draw(lambda: evaluate(source.mechanism, ["status"], **own, **inputs))
     driving = (catalogue.position.name,)
     for k, one in enumerate(problems.noted):
-        if len(one.where) > 2 and split(str(one.where[1]), driving)[0] not in driving:  # of a list, as of a1=0,4
-            problems.noted[k] = Problem("holds several values", one.where[:2], "write one number, with a point")
+        if (
+            len(one.where) > 2 and split(str(one.where[1]), driving)[0] not in driving
+        ):  # of a list, as of a1=0,4
+            problems.noted[k] = Problem(
+                "holds several values", one.where[:2], "write one number, with a point"
+            )
     numbers, positions, in_degrees = _numbers(catalogue, source, problems)
     if positions is not None and strip is not None:
         problems.add("is given beside strip", ("draw", catalogue.position.name), "leave one of them out")
