@@ -33,7 +33,7 @@ JANSEN = fl.linkage(
         "V": {"on": ("Y", "W"), "lengths": ("l_d", "l_e")},
         "U": {"rrr": ("X", "Y"), "lengths": ("l_k", "l_c")},
         "T": {"rrr": ("V", "U"), "lengths": ("l_f", "l_g")},
-        "S": {"on": ("U", "T"), "lengths": ("l_i", "l_h"), "side": "right"},
+        "S": {"on": ("U", "T"), "lengths": ("l_i", "l_h")},
     },
 )
 DESIGN = {"a1": 0.1, "a2": 0.3, "a3": 0.35, "a4": 0.4, "P_u": 0.15, "P_v": 0.1}
@@ -88,7 +88,7 @@ def times(cases, n, **options):
     """Return the shortest time of each case in s."""
     calls = {}
     for label, (mechanism, design, names) in cases.items():
-        branch = max(1, {WATT: 3}.get(mechanism, 1))
+        branch = 1 if mechanism == "planar_4r" else 3  # which turns fully
         space = designs_of(mechanism, design, n)
         calls[label], _ = bind(names, space, mechanism=mechanism, branch=branch, **options)
     return race(calls)
@@ -101,10 +101,11 @@ def by_pylinkage(steps=3600):
     at, pivots = DESIGN, {"O": (0, 0), "D": (DESIGN["a4"], 0), "G": (DESIGN["G_x"], DESIGN["G_y"])}
     ground = {name: Ground(*place, name=name) for name, place in pivots.items()}
     crank = Crank(ground["O"], at["a1"], 2 * np.pi / 360)
-    coupler = RRRDyad(crank, ground["D"], at["a2"], at["a3"], 0.2, 0.3)
+    start = fl.evaluate(WATT, ["B_x", "B_y", "F_x", "F_y"], theta=0.0, branch=3, **at)
+    coupler = RRRDyad(crank, ground["D"], at["a2"], at["a3"], start["B_x"], start["B_y"])
     far, turned = np.hypot(at["P_u"], at["P_v"]), np.arctan2(at["P_v"], at["P_u"])
     point = FixedDyad(crank, coupler, far, turned)
-    last = RRRDyad(point, ground["G"], at["a5"], at["a6"], 0.3, 0.5)
+    last = RRRDyad(point, ground["G"], at["a5"], at["a6"], start["F_x"], start["F_y"])
     linkage = Linkage([*ground.values(), crank, coupler, point, last])
     started = time.perf_counter()
     for _ in linkage.step(iterations=steps):

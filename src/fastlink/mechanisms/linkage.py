@@ -222,13 +222,14 @@ class _Writer:
         self.slope(f"{vector}_y", f"{rate} * {vector}_x")
 
     def add_point(self, name: str, at: Sequence[str], in_loops: Sequence[str], kind: Kind = "joint") -> None:
-        """Append the place and the motion of a point, by what it is the sum of."""
+        """Append the place and the motion of a point, by what it is the sum of; in the loops also by what vanishes."""
         for k, axis in enumerate("xy"):
             x, v, a = f"{name}_{axis}", f"{name}_v{axis}", f"{name}_a{axis}"
             self.fact(f"{x} [m] {x}: Point {name}, {axis}", f"= {at[k]}")
             self.fact(f"{v} [m s-1] {v}: Velocity of {name}, {axis}", f"= {self.rate(x)}")
             self.fact(f"{a} [m s-2] {a}: Acceleration of {name}, {axis}", f"= {self.rate(v)}")
-            self.rows += [f"    | {_minus(x, in_loops[k])}", f"    {x} by omega: {v}, {a}"]
+            vanishes = in_loops[k] if x in in_loops[k] else _minus(x, in_loops[k])
+            self.rows += [f"    | {vanishes}", f"    {x} by omega: {v}, {a}"]
             self.unknowns.append(x)
         for noun, word, unit in (("speed", "v", "m s-1"), ("acceleration", "a", "m s-2")):
             head = f"{name}_{noun} [{unit}] |{word}_{name}|: {noun.capitalize()} of {name}; its magnitude"
@@ -768,8 +769,18 @@ class _Writer:
             first = x + ("" if along else f" + {u} * ({ux})") + ("" if left else f" - {v} * ({uy})")
             return first, y + ("" if along else f" + {u} * ({uy})") + ("" if left else f" + {v} * ({ux})")
 
+        loops: Sequence[str] = at(px, py, lx, ly)
+        if "lengths" in given:  # in the loops by the triangle itself
+            squares = (
+                (f"({name}_{axis} - ({of[k]}))" for k, axis in enumerate("xy"))
+                for of in (self.in_loops[start], self.in_loops[end])
+            )
+            sides = (self.lengths[frozenset((of, name))] for of in (start, end))
+            loops = tuple(
+                f"{p} * {p} + {q} * {q} - {d} * {d}" for (p, q), d in zip(squares, sides, strict=True)
+            )
         link.points.append(name)
-        self.add_point(name, at(x, y, ux, uy), at(px, py, lx, ly), "traced")
+        self.add_point(name, at(x, y, ux, uy), loops, "traced")
         joined = " ".join(dict.fromkeys([*link.points[:2], name])) if link.rate or link.points else ""
         self.bars = [bar for bar in self.bars if bar.points != joined]
         self.bars.append(Bar(joined, {}))
@@ -800,6 +811,7 @@ class _Writer:
                 self.pair(("lengths",), given["lengths"], "lengths"), (start, end), strict=True
             )
         )
+        self.lengths |= {frozenset((start, name)): d, frozenset((end, name)): e}
         u, v = f"along_{start}{end}_{name}", f"left_{start}{end}_{name}"
         self.fact(
             f"step {u} [m] u: Place of {name} along {start}{end}",
