@@ -49,6 +49,8 @@ SHAPES = {
 MOST_WAYS = 6
 #: The speeds of a gear over that of the bar that drives it.
 MOST_RATIO = 8
+#: How inputs of lengths are called that were given as numbers.
+OF_NUMBER = "length_"
 NAME = re.compile("[A-Za-z][A-Za-z0-9]*")
 
 Pair = tuple[str, str]
@@ -370,7 +372,7 @@ class _Writer:
             raise InputError(f"{pivot} is no pivot of the ground", ("crank", pin), shape)
         name = pivot + pin
         length = self.value(
-            ("crank", pin), second, f"length_{name}", "m", f"length of the crank {name}", "positive"
+            ("crank", pin), second, f"{OF_NUMBER}{name}", "m", f"length of the crank {name}", "positive"
         )
         self.inputs["omega"] = ["omega [rad s-1] omega: angular velocity of the crank, constant"]
         axis = ("cos_theta", "sin_theta")
@@ -438,7 +440,7 @@ class _Writer:
         lengths = self.pair(("lengths",), given["lengths"], "lengths")
         first, second = a + name, d + name
         l1, l2 = (
-            self.value(("lengths",), one, f"length_{bar}", "m", f"length of the bar {bar}", "positive")
+            self.value(("lengths",), one, f"{OF_NUMBER}{bar}", "m", f"length of the bar {bar}", "positive")
             for one, bar in zip(lengths, (first, second), strict=True)
         )
         (ax, ay), (dx, dy) = self.points[a], self.points[d]
@@ -545,7 +547,7 @@ class _Writer:
         a = self.point(("rrp",), given["rrp"])
         bar, slide, root = a + name, f"slide_{name}", f"gap_{name}_root"
         length = self.value(
-            ("length",), given["length"], f"length_{bar}", "m", f"length of the bar {bar}", "positive"
+            ("length",), given["length"], f"{OF_NUMBER}{bar}", "m", f"length of the bar {bar}", "positive"
         )
         c, (ux, uy), (lx, ly), turn = self.line((), given["along"])
         (ax, ay), (cx, cy) = self.points[a], self.points[c]
@@ -805,7 +807,7 @@ class _Writer:
         check_choice(("side",), side := given.get("side", "left"), ("left", "right"))
         d, e = (
             self.value(
-                ("lengths",), one, f"length_{of}{name}", "m", f"distance of {of} and {name}", "positive"
+                ("lengths",), one, f"{OF_NUMBER}{of}{name}", "m", f"distance of {of} and {name}", "positive"
             )
             for one, of in zip(
                 self.pair(("lengths",), given["lengths"], "lengths"), (start, end), strict=True
@@ -837,7 +839,7 @@ class _Writer:
             )
         bar = pivot + name
         length = self.value(
-            ("length",), given["length"], f"length_{bar}", "m", f"length of the bar {bar}", "positive"
+            ("length",), given["length"], f"{OF_NUMBER}{bar}", "m", f"length of the bar {bar}", "positive"
         )
         phase = self.value(
             ("phase",),
@@ -924,10 +926,16 @@ class _Writer:
     @property
     def picture(self) -> Picture:
         """What is drawn of it."""
-        traced = {point.name: point.name for point in self.drawn if point.kind == "traced"}
+        moving = [point.name for point in self.drawn if point.kind != "ground"]
+        shown = [point.name for point in self.drawn if point.kind == "traced"] or moving[-1:]
+        traced = {"path": " ".join(shown)} | {name: name for name in moving}
+        named = (
+            replace(bar, lengths={k: v for k, v in bar.lengths.items() if not v.startswith(OF_NUMBER)})
+            for bar in self.bars
+        )
         return Picture(
             points=tuple(self.drawn),
-            bars=tuple(self.bars),
+            bars=tuple(named),
             guides=tuple(self.guides),
             traced=traced,
             title=str(self.declared["name"]),
