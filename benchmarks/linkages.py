@@ -30,17 +30,17 @@ JANSEN = fl.linkage(
     crank={"X": ("Z", "l_m")},
     dyads={
         "W": {"rrr": ("X", "Y"), "lengths": ("l_j", "l_b")},
-        "V": {"on": ("Y", "W"), "at": ("V_u", "V_v")},
+        "V": {"on": ("Y", "W"), "lengths": ("l_d", "l_e")},
         "U": {"rrr": ("X", "Y"), "lengths": ("l_k", "l_c")},
         "T": {"rrr": ("V", "U"), "lengths": ("l_f", "l_g")},
-        "S": {"on": ("U", "T"), "at": ("S_u", "S_v")},
+        "S": {"on": ("U", "T"), "lengths": ("l_i", "l_h")},
     },
 )
 DESIGN = {"a1": 0.1, "a2": 0.3, "a3": 0.35, "a4": 0.4, "P_u": 0.15, "P_v": 0.1}
 DESIGN |= {"G_x": 0.45, "G_y": 0.3, "a5": 0.3, "a6": 0.25}
-#: Jansen's lengths; those of both plates by the places of their third points.
-LEG = {"Y_x": -38.0, "Y_y": -7.8, "l_m": 15.0, "l_j": 50.0, "l_b": 41.5, "V_u": 2.6096, "V_v": 40.015}
-LEG |= {"l_k": 61.9, "l_c": 39.3, "l_f": 39.4, "l_g": 36.7, "S_u": -7.7466, "S_v": -48.3838}
+#: Jansen's lengths, by his letters.
+LEG = {"Y_x": -38.0, "Y_y": -7.8, "l_m": 15.0, "l_j": 50.0, "l_b": 41.5, "l_e": 55.8, "l_d": 40.1}
+LEG |= {"l_k": 61.9, "l_c": 39.3, "l_f": 39.4, "l_g": 36.7, "l_h": 65.7, "l_i": 49.0}
 #: What is timed: the mechanism, its design, the quantities; at positions, or over the turn.
 POSITIONS = {
     "planar 4R: B, theta4, theta2": ("planar_4r", DESIGN, ("B_x", "B_y", "theta4", "theta2")),
@@ -53,7 +53,11 @@ POSITIONS = {
     "Jansen's leg: foot S": (JANSEN, LEG, ("S_x", "S_y")),
 }
 RATES = {
-    "planar 4R: omega2, omega4, alpha2, alpha4": ("planar_4r", DESIGN, ("omega2", "omega4", "alpha2", "alpha4")),
+    "planar 4R: omega2, omega4, alpha2, alpha4": (
+        "planar_4r",
+        DESIGN,
+        ("omega2", "omega4", "alpha2", "alpha4"),
+    ),
     "Watt six-bar: omega and alpha of its second dyad": (
         WATT,
         DESIGN,
@@ -74,7 +78,9 @@ def designs_of(mechanism, design, n, seed=0):
     rng = np.random.default_rng(seed)
     speed = {"omega1" if mechanism == "planar_4r" else "omega": np.full(n, 10.0)}
     named = {name: value for name, value in design.items() if mechanism != "planar_4r" or name[:1] in "aP"}
-    named = {name: value for name, value in named.items() if mechanism != "planar_4r" or name not in ("a5", "a6")}
+    named = {
+        name: value for name, value in named.items() if mechanism != "planar_4r" or name not in ("a5", "a6")
+    }
     return fl.table({name: value * rng.uniform(0.97, 1.03, n) for name, value in named.items()} | speed)
 
 
@@ -82,7 +88,7 @@ def times(cases, n, **options):
     """Return the shortest time of each case in s."""
     calls = {}
     for label, (mechanism, design, names) in cases.items():
-        branch = max(1, {WATT: 3}.get(mechanism, 1))
+        branch = 1 if mechanism == "planar_4r" else 3  # which turns fully
         space = designs_of(mechanism, design, n)
         calls[label], _ = bind(names, space, mechanism=mechanism, branch=branch, **options)
     return race(calls)
@@ -95,10 +101,11 @@ def by_pylinkage(steps=3600):
     at, pivots = DESIGN, {"O": (0, 0), "D": (DESIGN["a4"], 0), "G": (DESIGN["G_x"], DESIGN["G_y"])}
     ground = {name: Ground(*place, name=name) for name, place in pivots.items()}
     crank = Crank(ground["O"], at["a1"], 2 * np.pi / 360)
-    coupler = RRRDyad(crank, ground["D"], at["a2"], at["a3"], 0.2, 0.3)
+    start = fl.evaluate(WATT, ["B_x", "B_y", "F_x", "F_y"], theta=0.0, branch=3, **at)
+    coupler = RRRDyad(crank, ground["D"], at["a2"], at["a3"], start["B_x"], start["B_y"])
     far, turned = np.hypot(at["P_u"], at["P_v"]), np.arctan2(at["P_v"], at["P_u"])
     point = FixedDyad(crank, coupler, far, turned)
-    last = RRRDyad(point, ground["G"], at["a5"], at["a6"], 0.3, 0.5)
+    last = RRRDyad(point, ground["G"], at["a5"], at["a6"], start["F_x"], start["F_y"])
     linkage = Linkage([*ground.values(), crank, coupler, point, last])
     started = time.perf_counter()
     for _ in linkage.step(iterations=steps):
@@ -116,7 +123,7 @@ def main():
     parser.add_argument("--designs", type=int, default=4096)
     n, K = parser.parse_args().designs, 360
     rows = []
-    for head, cases in (("positions", POSITIONS), ("rates", RATES)):
+    for cases in (POSITIONS, RATES):
         found = times(cases, n, extrema="sampled", angles=K)
         first = next(iter(found.values()))
         rows += [[label, f"{s / n / K * 1e9:.1f} ns", f"{s / first:.2f}"] for label, s in found.items()]
@@ -126,9 +133,14 @@ def main():
     if available("pylinkage"):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            own = times({"watt": POSITIONS["Watt six-bar: F and both angles of its dyad"]}, n, angles=K)["watt"] / n / K
+            own = (
+                times({"watt": POSITIONS["Watt six-bar: F and both angles of its dyad"]}, n, angles=K)["watt"]
+                / n
+                / K
+            )
             for label, seconds in zip(("step", "step_fast"), by_pylinkage(), strict=True):
-                rows.append([f"pylinkage: {label} of the Watt six-bar", f"{seconds * 1e9:.0f} ns", f"{seconds / own:.0f}"])
+                took = f"{seconds * 1e9:.0f} ns", f"{seconds / own:.0f} times ours"
+                rows.append([f"pylinkage: {label} of the Watt six-bar", *took])
     print(markdown(["", "time", "over the first"], *rows))
 
 

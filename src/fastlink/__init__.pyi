@@ -31,6 +31,7 @@ from fastlink.io.convert import convert as convert
 from fastlink.io.reader import check as check
 from fastlink.maps import open as open
 from fastlink.mechanisms import mechanism as mechanism
+from fastlink.mechanisms.linkage import linkage as linkage
 from fastlink.mechanisms.listing import mechanisms as mechanisms
 from fastlink.pictures.designs import plot as plot
 from fastlink.pictures.draw import draw as draw
@@ -84,6 +85,7 @@ __all__ = [
     "hart",
     "join",
     "latin_hypercube",
+    "linkage",
     "mechanism",
     "mechanisms",
     "minkowski",

@@ -17,10 +17,11 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Literal
 
 from fastlink._text import short_repr
 from fastlink.errors import InputError, KeyPath, Problems, check_choice, door, suggest
+from fastlink.facts.names import derivative_name
 from fastlink.facts.own import check_name
 from fastlink.mechanisms import Mechanism
 from fastlink.mechanisms._shared.picture import Bar, Guide, Picture, Point
@@ -32,7 +33,7 @@ KINDS = {
     "rpr": "[offset]",
     "rpp": "along [angle]",
     "prp": "",
-    "on": "at",
+    "on": "[at] [lengths] [side]",
     "gear": "about ratio length [phase]",
 }
 SHAPES = {
@@ -48,9 +49,12 @@ SHAPES = {
 MOST_WAYS = 6
 #: The speeds of a gear over that of the bar that drives it.
 MOST_RATIO = 8
+#: How inputs of lengths are called that were given as numbers.
+OF_NUMBER = "length_"
 NAME = re.compile("[A-Za-z][A-Za-z0-9]*")
 
 Pair = tuple[str, str]
+Kind = Literal["joint", "slider", "traced"]
 
 
 @dataclass(frozen=True)
@@ -68,6 +72,11 @@ class Link:
     angle: str = ""
 
 
+def slope_of(name: str) -> str:
+    """Return the name of the derivative of a fact by the crank angle."""
+    return derivative_name(name, "theta")
+
+
 def _minus(a: str, b: str) -> str:
     """Return a difference as text."""
     if b == "0.0":
@@ -79,6 +88,11 @@ def _minus(a: str, b: str) -> str:
 def _times(a: str, b: str) -> str:
     """Return a product as text."""
     return "0.0" if "0.0" in (a, b) else (a if b == "1.0" else f"{a} * {b}")
+
+
+def _value(text: str) -> str | float:
+    """Return what stands for a coordinate in a picture."""
+    return 0.0 if text == "0.0" else text
 
 
 def _plus(a: str, b: str) -> str:
@@ -95,6 +109,10 @@ class _Writer:
         self.facts: list[str] = []
         #: The facts that change over the turn.
         self.moving = {"theta", "cos_theta", "sin_theta"}
+        #: The lengths of bars by their ends.
+        self.lengths: dict[frozenset[str], str] = {}
+        #: Directions that have derivatives already.
+        self.turned: set[str] = set()
         self.gaps: dict[str, str] = {}
         self.ways: list[tuple[str, Pair, str]] = []
         #: The coordinates of points as facts or inputs, and by the unknowns of the loops.
@@ -177,21 +195,22 @@ class _Writer:
         """Append a fact, and note whether it moves."""
         self.facts += [head, *(f"    {line}" for line in lines)]
         words = set(re.findall(r"\w+", " ".join(lines)))
-        if words & self.moving or any(word.endswith("_d_theta") for word in words):
-            self.moving.add(head.removeprefix("step ").partition(" ")[0])
+        if words & self.moving:
+            name = head.removeprefix("step ").partition(" ")[0]
+            self.moving |= {name, slope_of(name)}
 
     def rate(self, name: str, speed: str = "omega") -> str:
         """Return the derivative of a fact by time as text, 0 times the speed where it does not move."""
-        return f"{speed} * d_{name}_d_theta" if name in self.moving else f"0.0 * {speed}"
+        return f"{speed} * {slope_of(name)}" if name in self.moving else f"0.0 * {speed}"
 
     def slope(self, name: str, slope: str) -> None:
         """Append the derivative of a fact by the crank angle."""
-        self.facts.append(f"d_{name}_d_theta = {slope}")
+        self.facts.append(f"{slope_of(name)} = {slope}")
 
     def rate_of(self, point: str) -> Pair:
         """Return the derivative of a point by the crank angle."""
         moves = (f"{point}_{axis}" in self.moving for axis in "xy")
-        x, y = (f"d_{point}_{axis}_d_theta" if own else "0.0" for axis, own in zip("xy", moves, strict=True))
+        x, y = (slope_of(f"{point}_{axis}") if own else "0.0" for axis, own in zip("xy", moves, strict=True))
         return x, y
 
     def unit_of(self, bar: str, length: str) -> Pair:
@@ -204,14 +223,15 @@ class _Writer:
         self.slope(f"{vector}_x", f"-({rate} * {vector}_y)")
         self.slope(f"{vector}_y", f"{rate} * {vector}_x")
 
-    def add_point(self, name: str, at: Pair, in_loops: Pair, kind: str = "joint") -> None:
-        """Append the place and the motion of a point, by what it is the sum of."""
+    def add_point(self, name: str, at: Sequence[str], in_loops: Sequence[str], kind: Kind = "joint") -> None:
+        """Append the place and the motion of a point, by what it is the sum of; in the loops also by what vanishes."""
         for k, axis in enumerate("xy"):
             x, v, a = f"{name}_{axis}", f"{name}_v{axis}", f"{name}_a{axis}"
             self.fact(f"{x} [m] {x}: Point {name}, {axis}", f"= {at[k]}")
             self.fact(f"{v} [m s-1] {v}: Velocity of {name}, {axis}", f"= {self.rate(x)}")
             self.fact(f"{a} [m s-2] {a}: Acceleration of {name}, {axis}", f"= {self.rate(v)}")
-            self.rows += [f"    | {_minus(x, in_loops[k])}", f"    {x} by omega: {v}, {a}"]
+            vanishes = in_loops[k] if x in in_loops[k] else _minus(x, in_loops[k])
+            self.rows += [f"    | {vanishes}", f"    {x} by omega: {v}, {a}"]
             self.unknowns.append(x)
         for noun, word, unit in (("speed", "v", "m s-1"), ("acceleration", "a", "m s-2")):
             head = f"{name}_{noun} [{unit}] |{word}_{name}|: {noun.capitalize()} of {name}; its magnitude"
@@ -223,7 +243,7 @@ class _Writer:
         )
         self.points[name] = (f"{name}_x", f"{name}_y")
         self.in_loops[name] = self.points[name]
-        self.drawn.append(Point(name, f"{name}_x", f"{name}_y", kind))  # type: ignore[arg-type]
+        self.drawn.append(Point(name, f"{name}_x", f"{name}_y", kind))
 
     def add_angle(self, name: str, vector: str, rate: str) -> str:
         """Append angle, angular velocity, acceleration and jerk of a link by a vector of it; return its angle."""
@@ -290,7 +310,8 @@ class _Writer:
             head = f"step {unit}_{axis} [1] u_{axis}: Direction from {start} to {end}, {axis}"
             if head not in self.facts:
                 self.fact(head, f"= ({of}) / magnitude({x}, {y})")
-        if link.rate and f"d_{unit}_x_d_theta = -({link.rate} * {unit}_y)" not in self.facts:
+        if link.rate and unit not in self.turned:
+            self.turned.add(unit)
             self.turning(unit, link.rate)
         (a, b), (c, d) = self.in_loops[start], self.in_loops[end]
         # by the angle of the link and that of its two points in it, which are numbers of the design
@@ -328,7 +349,7 @@ class _Writer:
                 )
                 self.points[name] = self.in_loops[name] = x, y
                 self.links[0].points.append(name)
-                self.drawn.append(Point(name, *(0.0 if one == "0.0" else one for one in (x, y)), "ground"))
+                self.drawn.append(Point(name, _value(x), _value(y), "ground"))
 
     def new_name(self, where: KeyPath, name: Any) -> None:
         """Refuse a name that no point could have, or that is one already."""
@@ -351,7 +372,7 @@ class _Writer:
             raise InputError(f"{pivot} is no pivot of the ground", ("crank", pin), shape)
         name = pivot + pin
         length = self.value(
-            ("crank", pin), second, f"length_{name}", "m", f"length of the crank {name}", "positive"
+            ("crank", pin), second, f"{OF_NUMBER}{name}", "m", f"length of the crank {name}", "positive"
         )
         self.inputs["omega"] = ["omega [rad s-1] omega: angular velocity of the crank, constant"]
         axis = ("cos_theta", "sin_theta")
@@ -373,8 +394,9 @@ class _Writer:
         to = at or (f"{length} * {link.axis[0]}", f"{length} * {link.axis[1]}")
         of = self.in_loops[start]
         loops = (_plus(of[k], f"{length} * {link.in_loops[k]}") for k in range(2))
-        self.add_point(end, (_plus(x, to[0]), _plus(y, to[1])), tuple(loops))  # type: ignore[arg-type]
+        self.add_point(end, (_plus(x, to[0]), _plus(y, to[1])), tuple(loops))
         self.bars.append(Bar(f"{start} {end}", {f"{start} {end}": length}))
+        self.lengths[frozenset((start, end))] = length
 
     # -- dyads ---------------------------------------------------------------------------------------------------------
 
@@ -418,7 +440,7 @@ class _Writer:
         lengths = self.pair(("lengths",), given["lengths"], "lengths")
         first, second = a + name, d + name
         l1, l2 = (
-            self.value(("lengths",), one, f"length_{bar}", "m", f"length of the bar {bar}", "positive")
+            self.value(("lengths",), one, f"{OF_NUMBER}{bar}", "m", f"length of the bar {bar}", "positive")
             for one, bar in zip(lengths, (first, second), strict=True)
         )
         (ax, ay), (dx, dy) = self.points[a], self.points[d]
@@ -488,16 +510,17 @@ class _Writer:
         loops = []
         for bar, start, length, rate in zip((first, second), (a, d), (l1, l2), rates, strict=True):
             angle = self.add_angle(bar, bar, rate)
-            axis = self.unit_of(bar, length)
+            along = self.unit_of(bar, length)
             self.links.append(
-                Link(bar, [start, name], start, axis, (f"cos({angle})", f"sin({angle})"), rate, angle)
+                Link(bar, [start, name], start, along, (f"cos({angle})", f"sin({angle})"), rate, angle)
             )
             loops.append(
                 [_plus(self.in_loops[start][k], f"{length} * {self.links[-1].in_loops[k]}") for k in range(2)]
             )
         self.rows += [f"    | {_minus(loops[0][k], loops[1][k])}" for k in range(2)]
-        self.add_point(name, (_plus(ax, f"{first}_x"), _plus(ay, f"{first}_y")), tuple(loops[0]))  # type: ignore[arg-type]
+        self.add_point(name, (_plus(ax, f"{first}_x"), _plus(ay, f"{first}_y")), tuple(loops[0]))
         self.bars += [Bar(f"{start} {name}", {f"{start} {name}": of}) for start, of in ((a, l1), (d, l2))]
+        self.lengths |= {frozenset((a, name)): l1, frozenset((d, name)): l2}
         self.add_transmission(
             name,
             f"0.5 * ({sum_squared} * {root})",
@@ -524,7 +547,7 @@ class _Writer:
         a = self.point(("rrp",), given["rrp"])
         bar, slide, root = a + name, f"slide_{name}", f"gap_{name}_root"
         length = self.value(
-            ("length",), given["length"], f"length_{bar}", "m", f"length of the bar {bar}", "positive"
+            ("length",), given["length"], f"{OF_NUMBER}{bar}", "m", f"length of the bar {bar}", "positive"
         )
         c, (ux, uy), (lx, ly), turn = self.line((), given["along"])
         (ax, ay), (cx, cy) = self.points[a], self.points[c]
@@ -570,13 +593,14 @@ class _Writer:
         self.slope(slide, f"{rate} * off_{name} - (({wx}) * {ux} + ({wy}) * {uy})")
         self.add_slide(name, c, slide)
         angle = self.add_angle(bar, bar, rate)
-        axis = self.unit_of(bar, length)
-        self.links.append(Link(bar, [a, name], a, axis, (f"cos({angle})", f"sin({angle})"), rate, angle))
-        of, to = self.in_loops[a], self.in_loops[c]
-        ends = [_plus(of[k], f"{length} * {self.links[-1].in_loops[k]}") for k in range(2)]
+        along = self.unit_of(bar, length)
+        self.links.append(Link(bar, [a, name], a, along, (f"cos({angle})", f"sin({angle})"), rate, angle))
+        at, to = self.in_loops[a], self.in_loops[c]
+        ends = [_plus(at[k], f"{length} * {self.links[-1].in_loops[k]}") for k in range(2)]
         self.rows += [f"    | {_minus(ends[k], _plus(to[k], _times(slide, (lx, ly)[k])))}" for k in range(2)]
-        self.add_point(name, (_plus(ax, f"{bar}_x"), _plus(ay, f"{bar}_y")), tuple(ends), "slider")  # type: ignore[arg-type]
+        self.add_point(name, (_plus(ax, f"{bar}_x"), _plus(ay, f"{bar}_y")), tuple(ends), "slider")
         self.bars.append(Bar(f"{a} {name}", {f"{a} {name}": length}))
+        self.lengths[frozenset((a, name))] = length
         self.fact(
             f"step across_{name} [m2] h {bar}: Cosine of the transmission angle at {name}, times lengths",
             f"= off_{name} * {length}",
@@ -699,7 +723,7 @@ class _Writer:
         self.links.append(Link(f"slider{name}", [name], name, (ux, uy), (lx, ly), turn))
         self.add_point(
             name, (_plus(cx, _times(slide, ux)), _plus(cy, _times(slide, uy))), tuple(ends), "slider"
-        )  # type: ignore[arg-type]
+        )
         self.bars.append(Bar(f"{name} {a}", {}))
 
     def write_prp(self, name: str, given: Mapping[str, Any]) -> None:
@@ -707,7 +731,7 @@ class _Writer:
         lines = self.pair(
             ("prp",), given["prp"], "lines, each of two points of one link, or of a ground pivot and an angle"
         )
-        (c, (ux, uy), (lx, ly), turn), (g, (wx, wy), (kx, ky), _) = (
+        (c, (ux, uy), (lx, ly), _turn), (g, (wx, wy), (kx, ky), _) = (
             self.line(("prp",), one) for one in lines
         )
         slide, (cx, cy), (gx, gy) = f"slide_{name}", self.points[c], self.points[g]
@@ -723,7 +747,7 @@ class _Writer:
         self.rows.append(f"    | ({x}) * {ky} - ({y}) * {kx}")
         self.add_point(
             name, (_plus(cx, _times(slide, ux)), _plus(cy, _times(slide, uy))), tuple(ends), "slider"
-        )  # type: ignore[arg-type]
+        )
 
     def write_on(self, name: str, given: Mapping[str, Any]) -> None:
         """Write a point of a link, by its place along the axis from one point of it to another, and left of that."""
@@ -731,19 +755,15 @@ class _Writer:
         named = next((link for link in self.links if isinstance(on, str) and link.name == on), None)
         if named is not None:
             link, start, (ux, uy), (lx, ly) = named, named.origin, named.axis, named.in_loops
+            end = named.points[-1]
         else:
             first, second = self.pair(("on",), on, "points of one link")
             start, end = (self.point(("on",), one) for one in (first, second))
             link = self.link_of(("on",), start, end)
             (ux, uy), (lx, ly) = self.direction(link, start, end)
-        place = self.pair(("at",), given["at"], "coordinates: names of inputs, or numbers in m")
-        about = ("along", "left of")
-        u, v = (
-            self.value(
-                ("at",), one, f"{name}_{axis}", "m", f"place of {name} on {link.name}, {what} its axis"
-            )
-            for one, axis, what in zip(place, "uv", about, strict=True)
-        )
+        if ("at" in given) == ("lengths" in given):
+            raise InputError("has no place, or two", (), f"write {SHAPES['on']}, or lengths from both points")
+        u, v = self.place_of(name, given, link) if "at" in given else self.third_of(name, given, start, end)
         (x, y), (px, py) = self.points[start], self.in_loops[start]
 
         def at(x: str, y: str, ux: str, uy: str) -> Pair:
@@ -751,14 +771,63 @@ class _Writer:
             first = x + ("" if along else f" + {u} * ({ux})") + ("" if left else f" - {v} * ({uy})")
             return first, y + ("" if along else f" + {u} * ({uy})") + ("" if left else f" + {v} * ({ux})")
 
+        loops: Sequence[str] = at(px, py, lx, ly)
+        if "lengths" in given:  # in the loops by the triangle itself
+            squares = (
+                (f"({name}_{axis} - ({of[k]}))" for k, axis in enumerate("xy"))
+                for of in (self.in_loops[start], self.in_loops[end])
+            )
+            sides = (self.lengths[frozenset((of, name))] for of in (start, end))
+            loops = tuple(
+                f"{p} * {p} + {q} * {q} - {d} * {d}" for (p, q), d in zip(squares, sides, strict=True)
+            )
         link.points.append(name)
-        self.add_point(name, at(x, y, ux, uy), at(px, py, lx, ly), "traced")
+        self.add_point(name, at(x, y, ux, uy), loops, "traced")
         joined = " ".join(dict.fromkeys([*link.points[:2], name])) if link.rate or link.points else ""
         self.bars = [bar for bar in self.bars if bar.points != joined]
         self.bars.append(Bar(joined, {}))
 
+    def place_of(self, name: str, given: Mapping[str, Any], link: Link) -> tuple[str, str]:
+        """Return the place of a point along the axis of its link, and left of that."""
+        place = self.pair(("at",), given["at"], "coordinates: names of inputs, or numbers in m")
+        u, v = (
+            self.value(
+                ("at",), one, f"{name}_{axis}", "m", f"place of {name} on {link.name}, {what} its axis"
+            )
+            for one, axis, what in zip(place, "uv", ("along", "left of"), strict=True)
+        )
+        return u, v
+
+    def third_of(self, name: str, given: Mapping[str, Any], start: str, end: str) -> tuple[str, str]:
+        """Return the place of a point by its distances from both ends of a bar, to the left of that or to the right."""
+        base = self.lengths.get(frozenset((start, end)))
+        if base is None:
+            what = f"{start}{end} is no bar whose length is given"
+            raise InputError(what, ("lengths",), f"write {SHAPES['on']}")
+        check_choice(("side",), side := given.get("side", "left"), ("left", "right"))
+        d, e = (
+            self.value(
+                ("lengths",), one, f"{OF_NUMBER}{of}{name}", "m", f"distance of {of} and {name}", "positive"
+            )
+            for one, of in zip(
+                self.pair(("lengths",), given["lengths"], "lengths"), (start, end), strict=True
+            )
+        )
+        self.lengths |= {frozenset((start, name)): d, frozenset((end, name)): e}
+        u, v = f"along_{start}{end}_{name}", f"left_{start}{end}_{name}"
+        self.fact(
+            f"step {u} [m] u: Place of {name} along {start}{end}",
+            f"= 0.5 * ({base} + (({d} - {e}) * ({d} + {e})) / {base})",
+        )
+        sign = "" if side == "left" else "-"
+        self.fact(
+            f"step {v} [m] v: Place of {name} left of {start}{end}",
+            f"= {sign}sqrt(({d} - {u}) * ({d} + {u}))",
+        )
+        return u, v
+
     def write_gear(self, name: str, given: Mapping[str, Any]) -> None:
-        """Write a bar that a gear or a belt of a whole ratio turns with another one; both about pivots of the ground."""
+        """Write a bar that a gear or a belt of a whole ratio turns with another, about a pivot of the ground."""
         first, second = self.pair(("gear",), given["gear"], "points of the bar that drives it")
         start, end = (self.point(("gear",), one) for one in (first, second))
         driver = self.link_of(("gear",), start, end)
@@ -770,7 +839,7 @@ class _Writer:
             )
         bar = pivot + name
         length = self.value(
-            ("length",), given["length"], f"length_{bar}", "m", f"length of the bar {bar}", "positive"
+            ("length",), given["length"], f"{OF_NUMBER}{bar}", "m", f"length of the bar {bar}", "positive"
         )
         phase = self.value(
             ("phase",),
@@ -779,7 +848,7 @@ class _Writer:
             "rad",
             f"angle of {bar} beyond that of its drive",
         )
-        (ux, uy), (lx, ly) = self.direction(driver, start, end)
+        (ux, uy), (lx, _ly) = self.direction(driver, start, end)
         lines = [f"x, y = {ux}, {uy}", "u, v = x, y"] + ["u, v = u * x - v * y, u * y + v * x"] * (
             abs(ratio) - 1
         )
@@ -796,8 +865,8 @@ class _Writer:
         )
         self.turning(f"axis_{bar}", rate)
         angle = self.add_angle(bar, f"axis_{bar}", rate)
-        of = re.fullmatch(r"cos\((\w+)\)", lx)
-        turns = f"{ratio}.0 * {of[1] if of else driver.angle}" + ("" if phase == "0.0" else f" + {phase}")
+        own = re.fullmatch(r"cos\((\w+)\)", lx)
+        turns = f"{ratio}.0 * {own[1] if own else driver.angle}" + ("" if phase == "0.0" else f" + {phase}")
         self.rows.append(f"    | sin({angle} - ({turns}))")
         axis_pair = (f"axis_{bar}_x", f"axis_{bar}_y")
         self.links.append(
@@ -857,10 +926,16 @@ class _Writer:
     @property
     def picture(self) -> Picture:
         """What is drawn of it."""
-        traced = {point.name: point.name for point in self.drawn if point.kind == "traced"}
+        moving = [point.name for point in self.drawn if point.kind != "ground"]
+        shown = [point.name for point in self.drawn if point.kind == "traced"] or moving[-1:]
+        traced = {"path": " ".join(shown)} | {name: name for name in moving}
+        named = (
+            replace(bar, lengths={k: v for k, v in bar.lengths.items() if not v.startswith(OF_NUMBER)})
+            for bar in self.bars
+        )
         return Picture(
             points=tuple(self.drawn),
-            bars=tuple(self.bars),
+            bars=tuple(named),
             guides=tuple(self.guides),
             traced=traced,
             title=str(self.declared["name"]),
@@ -911,13 +986,14 @@ def linkage(
         What is placed one after the other, by the name of the point (or of the link with a slot):
 
         - ``{"rrr": ("A", "D"), "lengths": ("a2", "a3")}``: a pin that two bars from A and D join;
-        - ``{"rrp": "A", "length": "l", "along": ("C", "E")}``: the end of a bar from A, a slider on the line through two
-          points of one link, or on a fixed one through a pivot at an angle: ``("C", "beta")``;
+        - ``{"rrp": "A", "length": "l", "along": ("C", "E")}``: the end of a bar from A, a slider on the line through
+          two points of one link, or on a fixed one through a pivot at an angle: ``("C", "beta")``;
         - ``{"rpr": ("A", "D"), "offset": "e"}``: a link about D, along whose slot the pin A slides, e to its left;
         - ``{"rpp": "A", "along": ("C", "E"), "angle": "beta"}``: a slider on a line, in whose slot the pin A slides;
         - ``{"prp": (("C", "E"), ("G", "H"))}``: a pin on two lines;
-        - ``{"on": ("A", "B"), "at": ("u", "v")}``: a point of the link of A and B, u along AB from A, v to the left; of a
-          link with a slot by its name: ``"on": "lever"``;
+        - ``{"on": ("A", "B"), "at": ("P_u", "P_v")}``: a point of the link of A and B, so far along AB from A, and to
+          the left; or by its distances from both, ``"lengths": ("d", "e")``, on the ``"side"`` "left" or "right"; of a
+          link with a slot by its name, ``"on": "lever"``;
         - ``{"gear": ("O", "A"), "about": "D", "ratio": -2, "length": "b"}``: the end of a bar about D that a gear or a
           belt turns so many times as fast as OA, a whole number, ``"phase"`` ahead.
     title : str, optional

@@ -314,7 +314,11 @@ def request_of(source: Source, strip: Any, curves: Any, show: Any, degrees: Any,
         problems.add("is an option, not an input", ("draw", name), remedy)
     with problems.at():
         own: dict[str, Any] = {"links": links if isinstance(links, Links) else None, "input": source.input}
-        as_draw(lambda: evaluate(source.mechanism, ["status"], **own, **inputs))
+        of_position = catalogue.varies("status") and not any(
+            split(name, (catalogue.position.name,))[0] == catalogue.position.name for name in inputs
+        )
+        somewhere = {catalogue.position.name: 0.0} if of_position else {}
+        as_draw(lambda: evaluate(source.mechanism, ["status"], **own, **inputs, **somewhere))
     driving = (catalogue.position.name,)
     for k, one in enumerate(problems.noted):
         if (

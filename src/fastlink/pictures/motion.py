@@ -73,7 +73,7 @@ class Motion:
         """Return facts, inputs and constants, each over branches and positions."""
         positions = np.atleast_1d(np.asarray(positions, dtype=float))
         shape = (len(self.branches), positions.size)
-        known: dict[Any, Any] = {**self.design, self.input: positions}
+        known: dict[Any, Any] = {**self._given_by_default, **self.design, self.input: positions}
         facts = [name for name in dict.fromkeys(names) if isinstance(name, str) and name not in known]
         if facts:
             known |= self._evaluated(facts, np.array(self.branches)[:, None], positions)
@@ -81,6 +81,12 @@ class Motion:
             name: np.broadcast_to(known[name] if isinstance(name, str) else float(name), shape)
             for name in names
         }
+
+    @property
+    def _given_by_default(self) -> dict[str, float]:
+        """The inputs that the design leaves at their defaults."""
+        every = self.catalogue.inputs.items()
+        return {name: one.default for name, one in every if one.default is not None and not one.choices}
 
     def number(self, value: Value) -> float:
         """Return a value of the design: what does not depend on branch and position."""

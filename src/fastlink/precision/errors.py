@@ -13,14 +13,13 @@ import numpy as np
 from fastlink.errors import InputError
 from fastlink.facts.arc import ARC
 from fastlink.facts.evaluate import read_facts
-from fastlink.facts.fact import Fact, Input, System
+from fastlink.facts.fact import Fact, Input, System, ranges_of
 from fastlink.facts.names import ErrorBound, error_name, signed
 from fastlink.facts.powers import UNITS, dimensions
 from fastlink.facts.tables import angle_tables
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.precision.independent import TOLERANCE, IndependentValues
 from fastlink.precision.reference import CONTEXT, DIGITS, HighPrecision, error_in_roundings
-from fastlink.facts.fact import ranges_of
 from fastlink.precision.stationary import (
     CLOSES,
     END,

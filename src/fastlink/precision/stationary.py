@@ -526,7 +526,7 @@ class StationaryInPieces(Stationary):
         return 0 if closes.all() else (1 if closes.any() else 2)
 
     def limits_of(self, design: int, side: int) -> list[tuple[Any, int, Any]]:
-        """Return the limits where ranges begin (side 1) or end (-1): the position, the number of the gap, its condition.
+        """Return the limits where ranges begin (side 1) or end (-1): position, number of the gap, condition.
 
         They are in the order of where their ranges begin.
         """
