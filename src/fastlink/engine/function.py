@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -397,7 +398,7 @@ class Function(Suggesting):
             numbers: Any = x if plain else numbers_of("function", "x", x, MOST_DIMS)
         except InputError as error:
             name = self._names[int((*error.where, 0)[2])]  # of a text with its unit, which belongs there
-            remedy = str(error.remedy).replace("write x", f"make the function of {name}")
+            remedy = re.sub("^write x(.*, and)", rf"make the function of {name}\1 write", str(error.remedy))
             raise InputError(error.what, error.where, remedy) from None
         given: NDArray[np.float64] = numbers
         if given.shape[:1] != (len(self.inputs),):
