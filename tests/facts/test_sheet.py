@@ -276,7 +276,7 @@ REFUSED = {
     "text": (HEAD + "    = a + 'b'", 5, "has 'b', which is no number", "write numbers"),
     "truth": (HEAD + "    = select(True, a, b)", 5, "has True, which is no number", "write numbers"),
     "unknown function": (HEAD + "    = sqr(a)", 5, "calls sqr, which is no function", "did you mean 'sqrt'"),
-    "called quantity": (HEAD + "    = a(2.0)", 5, "calls a, which is no function", "did you mean"),
+    "called quantity": (HEAD + "    = a(2.0)", 5, "calls a, which is no function", "known: abs"),
     "called local": (
         HEAD + "    sin = a\n    = sin(a)",
         5,

@@ -27,12 +27,17 @@ ELSEWHERE = {
     "InputWarning": "a warning",
     "table": "see `tables`",
     "synthesise": "see tests/synthesis",
+    "linkage": "see tests/mechanisms/linkages",
 }
 #: Arguments that are not tried, and why.
 UNTRIED = {
     **dict.fromkeys(("table.source", "table.keep", "table.allow_invalid"), "see `tables`"),
     **dict.fromkeys(
         (f"synthesise.{name}" for name in inspect.signature(fl.synthesise).parameters), "see tests/synthesis"
+    ),
+    **dict.fromkeys(
+        (f"linkage.{name}" for name in inspect.signature(fl.linkage).parameters),
+        "see tests/mechanisms/linkages",
     ),
     **dict.fromkeys(("explain.space", "explain.quantities"), "those of fl.sweep"),
     "open.chunks": "an option of xarray",

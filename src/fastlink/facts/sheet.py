@@ -358,6 +358,15 @@ POSITION_{low,high}_by [1] by: What limits the ranges through which it moves whe
 {gaps}
     = select(closes == 1.0, 0.0, 0.0)
 """
+STATUS_WITHOUT_GAPS = """
+status [1] status: How the design assembles over a full turn of the input
+    0: rotates_fully
+    1: assembles_over_part_of_the_turn
+    2: never_assembles
+    3: invalid_input
+    4: beyond_range
+    = select(valid == 1.0, 0.0, 3.0)
+"""
 CLOSES_WHERE = """
 ## where all loops close
 step closes [1] closes: 1 where all loops close, else NaN
@@ -427,12 +436,15 @@ def mechanism_of(text: str, file: str) -> Catalogue:
     shared = {*found.facts, "Z0", "C0", *map(root_of_gap, gaps or ())}
     read_sheet(text, file, found)
     _check_facts(found)
-    given = found.inputs.values() if gaps is None else _given_to(found, gaps)
+    given = [*found.inputs.values()] if gaps is None else _given_to(found, gaps)
+    if gaps == ():
+        given = [one for one in found.inputs.values() if one.rule != "any"]
     conditions = (VALID.get(one.rule, "(abs({0}) < INFINITY)").format(one.name) for one in given)
     default = UNLESS_DECLARED.replace("{valid}", " & ".join(conditions) or "1.0 > 0.0")
     if gaps is not None:
         _declare_gaps(found, gaps, file)
-        default = default[: default.index("step Z0")] + STATUS_OF_GAPS.replace("POSITION", name)
+        status = STATUS_OF_GAPS if gaps else STATUS_WITHOUT_GAPS
+        default = default[: default.index("step Z0")] + status.replace("POSITION", name)
         default = default.replace("{gaps}", "\n".join(f"    {k}: {gap}" for k, gap in enumerate(gaps, 1)))
     head, *rest = re.split(r"\n(?=\w)", default)
     missing = [entry for entry in rest if entry.removeprefix("step ").split(" ")[0] not in found.facts]

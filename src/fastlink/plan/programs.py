@@ -870,7 +870,8 @@ def make_plan(
     planner = Planner(catalogue, tuple(given), tuple(variants), tuple(branches))
     searches: dict[str, ExtremumSearch | None] = {}
     refined: set[str] = set()
-    of_pieces = {ASSEMBLY, *ranges_of(catalogue.position.name)} if planner.is_in_pieces else set()
+    cut = planner.is_in_pieces and bool(planner.graded.gaps)
+    of_pieces = {ASSEMBLY, *ranges_of(catalogue.position.name)} if cut else set()
     assembly = of_pieces.intersection(request.name for request in requests)
     refined |= assembly
     for request in requests:

@@ -1,0 +1,169 @@
+"""Every kind of dyad against the loops of its declaration; what is refused, where, and with what remedy."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import fastlink as fl
+
+O, OD = {"O": (0, 0)}, {"O": (0, 0), "D": ("a4", 0)}
+RRR = {"rrr": ("A", "D"), "lengths": ("a2", "a3")}
+FOUR_BAR = {"a1": 0.1, "a2": 0.3, "a3": 0.35, "a4": 0.4}
+#: Each kind: its declaration, a design, and how many branches there are.
+KINDS: dict[str, tuple[dict[str, Any], dict[str, float], int]] = {
+    "rrp": (
+        {
+            "ground": O | {"C": ("c", 0.1)},
+            "dyads": {"B": {"rrp": "A", "length": "l", "along": ("C", "beta")}},
+        },
+        {"a1": 0.1, "l": 0.3, "c": 0.02, "beta": 0.4},
+        2,
+    ),
+    "rrp on a moving line": (
+        {
+            "ground": OD,
+            "dyads": {
+                "B": RRR,
+                "P": {"on": ("D", "B"), "at": ("p", "q_left")},
+                "S": {"rrp": "A", "length": "l", "along": ("P", "B")},
+            },
+        },
+        FOUR_BAR | {"p": 0.1, "q_left": 0.05, "l": 0.5},
+        4,
+    ),
+    "rpr": (
+        {
+            "ground": O | {"C": (0, "d")},
+            "dyads": {"lever": {"rpr": ("A", "C"), "offset": "e"}, "Q": {"on": "lever", "at": (0.6, 0.01)}},
+        },
+        {"a1": 0.1, "d": -0.3, "e": 0.02},
+        2,
+    ),
+    "rpp": (
+        {"ground": O, "dyads": {"Y": {"rpp": "A", "along": ("O", 0.2), "angle": "slope_of_slot"}}},
+        {"a1": 0.1, "slope_of_slot": 1.2},
+        1,
+    ),
+    "prp": (
+        {"ground": OD, "dyads": {"B": RRR, "X": {"prp": (("A", "B"), ("D", "gamma"))}}},
+        FOUR_BAR | {"gamma": -0.3},
+        2,
+    ),
+    "a plate by its sides": (
+        {"ground": OD, "dyads": {"B": RRR, "P": {"on": ("A", "B"), "lengths": ("d", "e"), "side": "right"}}},
+        FOUR_BAR | {"d": 0.2, "e": 0.25},
+        2,
+    ),
+    "gear": (
+        {
+            "ground": OD,
+            "dyads": {
+                "E": {"gear": ("O", "A"), "about": "D", "ratio": -2, "length": "b", "phase": "f"},
+                "F": {"rrr": ("A", "E"), "lengths": ("a2", "a3")},
+            },
+        },
+        FOUR_BAR | {"b": 0.08, "a2": 0.4, "a4": 0.3, "f": 0.3},
+        2,
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_positions_and_rates_are_those_of_the_loops(kind: str, tmp_path: Any) -> None:
+    declared, design, branches = KINDS[kind]
+    mechanism = fl.linkage(kind.split()[0] + "_1", crank={"A": ("O", "a1")}, **declared)
+    every = [one.name for one in fl.quantities(mechanism) if "theta" not in one.name and one.name != "status"]
+    varied = {name: value * np.array([1.0, 1.03, 0.97]) for name, value in design.items()}
+    maps = fl.sweep(
+        mechanism,
+        varied | {"omega": 3.0},
+        every,
+        branch=tuple(range(1, branches + 1)),
+        positions=24,
+        to=tmp_path / "maps.h5",
+    )
+    assert maps.attrs["verify_mismatches"] == 0
+    told = {name: maps[name].attrs.get("independent_max_difference") for name in every}
+    compared = [name for name, difference in told.items() if difference is not None]
+    # all but sizes, curvatures and transmission angles, which have no loop
+    assert len(compared) > 0.6 * len(every)
+    assert max(told[name] for name in compared) < 1e-40
+
+
+REFUSED = {
+    "one link": (
+        {"dyads": {"B": {"rrr": ("O", "D"), "lengths": ("a", "b")}}},
+        "dyads.B.rrr: O and D are of one link, on which B would be fixed",
+        '"on"',
+    ),
+    "later": (
+        {
+            "dyads": {
+                "B": {"rrr": ("A", "C"), "lengths": ("a", "b")},
+                "C": {"rrr": ("B", "D"), "lengths": ("c", "d")},
+            }
+        },
+        "dyads.B.rrr: C is placed later",
+        "declare C before it",
+    ),
+    "no point": ({"dyads": {"B": {"rrr": ("A", "X"), "lengths": ("a", "b")}}}, "'X' is no point", "known"),
+    "no kind": ({"dyads": {"B": {"lengths": ("a", "b")}}}, "has no kind", "write one of"),
+    "no lengths": ({"dyads": {"B": {"rrr": ("A", "D")}}}, "has no 'lengths'", '"lengths"'),
+    "unknown word": (
+        {"dyads": {"B": {"rrr": ("A", "D"), "length": ("a", "b")}}},
+        "'length' is unknown",
+        "did you mean 'lengths'",
+    ),
+    "a word of ours": ({"dyads": {"B": {"rrr": ("A", "D"), "lengths": ("i", "b")}}}, "'i' is a word", "my_i"),
+    "no number": ({"dyads": {"B": {"rrr": ("A", "D"), "lengths": (True, "b")}}}, "is True", "a number"),
+    "placed twice": ({"dyads": {"A": RRR}}, "A is placed twice", "call one"),
+    "two units": (
+        {"dyads": {"B": {"rrp": "A", "length": "l", "along": ("D", "l")}}},
+        "l is an input in m already, here in rad",
+        "call one",
+    ),
+    "two places": (
+        {"dyads": {"B": RRR, "P": {"on": ("A", "B"), "at": (0, 1), "lengths": ("a", "b")}}},
+        "has no place, or two",
+        "write",
+    ),
+    "broken ratio": (
+        {"dyads": {"E": {"gear": ("O", "A"), "about": "D", "ratio": 1.5, "length": "b"}}},
+        "is 1.5: another ratio goes on for several turns",
+        "a whole number",
+    ),
+    "no crank": ({"crank": {}, "dyads": {"B": RRR}}, "crank is {}", '{"A": ("O", "a1")}'),
+    "no pivot": ({"crank": {"A": ("Q", "a1")}, "dyads": {"B": RRR}}, "'Q' is no point", "known"),
+    "no ground": ({"ground": 3, "dyads": {"B": RRR}}, "ground is 3", "write pivots"),
+    "no dyads": ({"dyads": {}}, "dyads is {}", "write such as"),
+    "no name": ({"name": "4 bar", "dyads": {"B": RRR}}, "name is '4 bar'", "letters"),
+    "an input called as a coordinate": (
+        {"dyads": {"B": {"rrr": ("A", "D"), "lengths": ("A_x", "b")}}},
+        "A_x is declared twice",
+        "call one",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_a_declaration_that_is_none_is_refused(case: str) -> None:
+    given, what, remedy = REFUSED[case]
+    with pytest.raises(fl.InputError) as caught:
+        fl.linkage(**{"ground": OD, "crank": {"A": ("O", "a1")}} | given)
+    assert what in str(caught.value)
+    assert remedy in str(caught.value)
+
+
+def test_impossible_lengths_are_invalid_and_far_plates_never_assemble() -> None:
+    declared, design, _ = KINDS["a plate by its sides"]
+    plate = fl.linkage("plate", crank={"A": ("O", "a1")}, **declared)
+    columns = fl.table(
+        {name: [value, value] for name, value in design.items()} | {"a2": [-0.3, 0.3]}, allow_invalid=True
+    )
+    found = fl.sweep(plate, columns, ["B_x_max", "status"], branch=1, allow_invalid=True)
+    words = found.status.attrs["flag_meanings"].split()
+    assert [words[code] for code in found.status.values.ravel()] == ["invalid_input", "rotates_fully"]
+    assert np.isnan(found.B_x_max.values.ravel()[0])
