@@ -317,8 +317,8 @@ def request_of(source: Source, strip: Any, curves: Any, show: Any, degrees: Any,
         of_position = catalogue.varies("status") and not any(
             split(name, (catalogue.position.name,))[0] == catalogue.position.name for name in inputs
         )
-        somewhere = {catalogue.position.name: 0.0} if of_position else {}
-        as_draw(lambda: evaluate(source.mechanism, ["status"], **own, **inputs, **somewhere))
+        somewhere = inputs | ({catalogue.position.name: 0.0} if of_position else {})
+        as_draw(lambda: evaluate(source.mechanism, ["status"], **own, **somewhere))
     driving = (catalogue.position.name,)
     for k, one in enumerate(problems.noted):
         if (
