@@ -342,9 +342,8 @@ def test_a_study_and_a_command_ask_for_the_same(tmp_path, monkeypatch, capsys):
     from fastlink.app.cli import main
 
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "poses.csv").write_text(
-        "x,y,angle\n" + "\n".join(",".join(map(repr, map(float, row))) for row in POSES)
-    )
+    rows = "\n".join(";".join(map(repr, map(float, row))) for row in POSES)
+    (tmp_path / "poses.csv").write_text(f"x [m];y [m];angle [rad]\n{rows}")
     (tmp_path / "study.toml").write_text(
         'mechanism = "planar_4r"\nquantities = []\n[synthesis]\nmotion = true\nfile = "poses.csv"\ntop = 2\n'
     )

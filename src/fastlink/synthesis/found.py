@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import os
 import time
@@ -410,16 +411,18 @@ def _columns(where: str, given: Any, names: Sequence[str], units: Mapping[str, s
 
 
 def _read(where: str, path: Any, names: Sequence[str]) -> Any:
-    """Return the columns of a CSV file by the names in its first line, or its numbers where it has none."""
+    """Return the columns of a table in a file, as `fastlink.table` reads it, or the numbers of a CSV without names."""
+    remedy = f"give a CSV file whose first line is {','.join(names)}"
     try:
-        with open(path, encoding="utf-8") as file:
-            head = [one.strip() for one in file.readline().split(",")]
-        named = any(one[:1].isalpha() for one in head)
-        numbers = np.loadtxt(path, delimiter=",", skiprows=int(named), ndmin=2, encoding="utf-8")
-    except (OSError, ValueError) as error:
-        remedy = f"give a CSV file whose first line is {','.join(names)}"
-        raise InputError(f"cannot be read ({error})", (where,), remedy) from None
-    return dict(zip(head, numbers.T, strict=False)) if named else numbers
+        _check(os.path.getsize(path), where, "is an empty file", remedy)
+        with contextlib.suppress(ValueError):
+            return np.loadtxt(path, delimiter=",", ndmin=2, encoding="utf-8")
+        space = table(Path(path))
+    except (OSError, InputError) as error:
+        what = error.problems[0].what if isinstance(error, InputError) else error
+        raise InputError(f"cannot be read ({what})", (where,), remedy) from None
+    named = {name: f"{name}_{space.units[name]}" if name in space.units else name for name in space.columns}
+    return {named[name]: np.asarray(values) for name, values in space.columns.items()}
 
 
 # -- The three tasks: from what was given to linkages
