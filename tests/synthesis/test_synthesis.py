@@ -103,6 +103,29 @@ def test_a_whole_curve_is_compared_as_a_whole():
     assert float(found.path_error_max[0]) < 3e-4
 
 
+@pytest.mark.stress
+def test_nothing_is_drawn_beside_a_curve():
+    """An aerofoil, NACA 2412: linkages that pass its points in order and swing far out after its tail come last."""
+    x = (1 - np.cos(np.linspace(0, np.pi, 40))) / 2
+    half = 0.6 * (0.2969 * np.sqrt(x) - 0.1260 * x - 0.3516 * x**2 + 0.2843 * x**3 - 0.1036 * x**4)
+    line = 0.02 * np.where(x < 0.4, x * (0.8 - x) / 0.16, (0.2 + x * (0.8 - x)) / 0.36)
+    path = np.append(x + 1j * (line + half), (x + 1j * (line - half))[-2:0:-1])
+    found = fl.synthesise("planar_4r", path=path, closed=True, top=1)
+    # both ways within a step of the 200 places of a curve that is about 5 long
+    assert float(found.chamfer[0]) < 2 * 5 / 200
+    assert float(found.ordered_distance[0]) < TURN * (5 / 200) ** 2
+
+
+@pytest.mark.stress
+@pytest.mark.parametrize("span", [0.55, 1.0, 2.5])
+def test_a_random_linkage_comes_back_from_points_of_an_arc(span):
+    """Arcs of many linkages are alike: those through nine of the points are among the starts."""
+    rng = np.random.default_rng(8)
+    points = path_of(rng, rng.uniform(0, TURN) + np.sort(rng.uniform(0, span, 12)))
+    found = fl.synthesise("planar_4r", path=points, top=1)
+    assert float(found.path_error[0]) < 1e-10 * np.abs((points - points.mean(axis=0)) @ [1, 1j]).max()
+
+
 def test_five_poses_have_all_their_dyads():
     """Four dyads, one of them with a radius 29 times the other's; residuals are of rounding alone."""
     found = fl.synthesise("planar_4r", motion=POSES, top=20)
@@ -342,9 +365,8 @@ def test_a_study_and_a_command_ask_for_the_same(tmp_path, monkeypatch, capsys):
     from fastlink.app.cli import main
 
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "poses.csv").write_text(
-        "x,y,angle\n" + "\n".join(",".join(map(repr, map(float, row))) for row in POSES)
-    )
+    rows = "\n".join(";".join(map(repr, map(float, row))) for row in POSES)
+    (tmp_path / "poses.csv").write_text(f"x [m];y [m];angle [rad]\n{rows}")
     (tmp_path / "study.toml").write_text(
         'mechanism = "planar_4r"\nquantities = []\n[synthesis]\nmotion = true\nfile = "poses.csv"\ntop = 2\n'
     )

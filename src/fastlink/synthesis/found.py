@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import os
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -410,16 +411,18 @@ def _columns(where: str, given: Any, names: Sequence[str], units: Mapping[str, s
 
 
 def _read(where: str, path: Any, names: Sequence[str]) -> Any:
-    """Return the columns of a CSV file by the names in its first line, or its numbers where it has none."""
+    """Return the columns of a table in a file, as `fastlink.table` reads it, or the numbers of a CSV without names."""
+    remedy = f"give a CSV file whose first line is {','.join(names)}"
     try:
-        with open(path, encoding="utf-8") as file:
-            head = [one.strip() for one in file.readline().split(",")]
-        named = any(one[:1].isalpha() for one in head)
-        numbers = np.loadtxt(path, delimiter=",", skiprows=int(named), ndmin=2, encoding="utf-8")
-    except (OSError, ValueError) as error:
-        remedy = f"give a CSV file whose first line is {','.join(names)}"
-        raise InputError(f"cannot be read ({error})", (where,), remedy) from None
-    return dict(zip(head, numbers.T, strict=False)) if named else numbers
+        _check(os.path.getsize(path), where, "is an empty file", remedy)
+        with contextlib.suppress(ValueError):
+            return np.loadtxt(path, delimiter=",", ndmin=2, encoding="utf-8")
+        space = table(Path(path))
+    except (OSError, InputError) as error:
+        what = error.problems[0].what if isinstance(error, InputError) else error
+        raise InputError(f"cannot be read ({what})", (where,), remedy) from None
+    named = {name: f"{name}_{space.units[name]}" if name in space.units else name for name in space.columns}
+    return {named[name]: np.asarray(values) for name, values in space.columns.items()}
 
 
 # -- The three tasks: from what was given to linkages
@@ -430,6 +433,8 @@ class Solved:
     """What was found for a task, before it is chosen from."""
 
     task: str
+    #: What was asked, with the limits that the task adds.
+    asked: Asked
     found: Linkages
     #: Coordinates along ``point``; attributes.
     target: dict[str, Floats]
@@ -482,8 +487,8 @@ def _solve_path(asked: Asked, path: Any, timing: Any, closed: Any) -> Solved:
     if not asked.exact:
         # lengths without a limit of their own: nearly straight or round paths are met ever better by ever longer links
         longest = np.where(np.arange(10) < 6, (LONGEST if is_closed else LONGEST_OPEN) * size, np.inf)
-        asked.upper = np.where(np.isfinite(asked.upper), asked.upper, longest)
-        asked.lower = np.where(np.isfinite(asked.lower), asked.lower, -longest)
+        upper = np.where(np.isfinite(asked.upper), asked.upper, longest)
+        asked = replace(asked, upper=upper, lower=np.where(np.isfinite(asked.lower), asked.lower, -longest))
     task = paths.PathTask(target, times, is_closed, crank, weights, asked.lower, asked.upper)
     attrs: dict[str, Any] = {"closed": int(is_closed)}
     if asked.exact:
@@ -516,7 +521,7 @@ def _solve_path(asked: Asked, path: Any, timing: Any, closed: Any) -> Solved:
         attrs["timing"] = "crank angles, but for a phase"
     fitted = None if asked.exact else task
     least = "ordered_distance" if task.is_whole else "path_error"
-    return Solved("path", found, coords, attrs, least, with_defects=asked.exact, path=fitted)
+    return Solved("path", asked, found, coords, attrs, least, with_defects=asked.exact, path=fitted)
 
 
 def _come_back(found: Linkages) -> Linkages:
@@ -637,7 +642,7 @@ def _solve_motion(asked: Asked, motion: Any, rotation_length: Any) -> Solved:
         attrs["complete"] = f"all {counted(dyads, 'dyad')} of five poses, {counted(len(found), 'linkage')}"
     coords = {"target_x": rows[:, 0], "target_y": rows[:, 1], "target_angle": angles}
     least, most = ("pose_error", "") if count >= 5 else ("", "least_transmission_angle_used")
-    return Solved("motion", found, coords, attrs, least, most, with_defects=count >= 5)
+    return Solved("motion", asked, found, coords, attrs, least, most, with_defects=count >= 5)
 
 
 def _solve_function(asked: Asked, function: Any, over: Any, turn: Any, turn_deg: Any, points: Any) -> Solved:
@@ -722,7 +727,7 @@ def _solve_function(asked: Asked, function: Any, over: Any, turn: Any, turn_deg:
     found = asked.within(found)
     coords = {"x": x, "turn_in": turn_in, "turn_out": turn_out}
     attrs = {"points_are_precision_points": int(exact)}
-    return Solved("function", found, coords, attrs, "structural_error")
+    return Solved("function", asked, found, coords, attrs, "structural_error")
 
 
 def _greatest(task: Any, one: Any, given: Any, turns: Any) -> float:
@@ -772,12 +777,13 @@ def _turns(turn: Any, turn_deg: Any) -> tuple[float, float] | None:
 CONSTRAINED, MOST_STEPS = 12, 150
 
 
-def within_conditions(solved: Solved, asked: Asked, every: xr.Dataset) -> Linkages | None:
+def within_conditions(solved: Solved, every: xr.Dataset) -> Linkages | None:
     """Return linkages that are refined once more, within the conditions and towards the objective; None without any.
 
     Sequential quadratic programs (SciPy's SLSQP) by the exact derivatives of `fastlink.function` and of the distances.
     """
-    task, minimise, maximise = solved.path, asked.minimise, asked.maximise
+    task, asked = solved.path, solved.asked
+    minimise, maximise = asked.minimise, asked.maximise
     if task is None:
         return None
     if not minimise and not maximise:
@@ -926,13 +932,13 @@ def _rule(function: Any, count: int | None = None, kind: str = "ineq") -> dict[s
 # -- The result
 
 
-def labelled(solved: Solved, asked: Asked) -> xr.Dataset:
+def labelled(solved: Solved) -> xr.Dataset:
     """Return all linkages of a task with their results, errors computed by the facts of the mechanism."""
     found = judged(solved.found, bool(solved.attrs.get("closed")), "time" in solved.target)
     n = found.numbers
     lengths = dict(zip(NUMBERS[:6], n[:, :6].T, strict=True))
     branch = np.where(found.side[:, 0] > 0, 2, 1)
-    wanted = [*dict.fromkeys([*asked.quantities, *asked.others(), "status"])]
+    wanted = [*dict.fromkeys([*solved.asked.quantities, *solved.asked.others(), "status"])]
     columns: dict[str, Any] = dict(lengths)
     if solved.task == "function":
         del columns["P_u"], columns["P_v"]
@@ -971,7 +977,7 @@ def labelled(solved: Solved, asked: Asked) -> xr.Dataset:
     made["defect"] = ((DESIGN,), found.more["defect"], flags)
     text = "Assembly mode: B right (1) or left (2) of the line from A to D"
     coords: dict[str, Any] = {"branch": ((DESIGN,), branch, {"long_name": text})}
-    texts = [joined_limits(one, asked) for one in n]
+    texts = [joined_limits(one, solved.asked) for one in n]
     if any(texts):
         coords["active"] = ((DESIGN,), np.array(texts), {"long_name": "Limits that hold the linkage back"})
     for name, values in solved.target.items():
@@ -1065,9 +1071,9 @@ def curve_distances(found: Linkages, target: NDArray[np.complex128]) -> dict[str
     return {"chamfer": result[0], "ordered_distance": result[1]}
 
 
-def selected(every: xr.Dataset, solved: Solved, asked: Asked) -> xr.Dataset:
+def selected(every: xr.Dataset, solved: Solved) -> xr.Dataset:
     """Return the best linkages that meet all conditions, those without defects first; or none, and the reason."""
-    where = asked.where
+    asked, where = solved.asked, solved.asked.where
     about = {"task": solved.task, "found": every.sizes[DESIGN], "seed": asked.seed}
     attrs = {**every.attrs, **solved.attrs, **about}
     codes = every["defect"].values if every.sizes[DESIGN] else np.empty(0, dtype=int)
@@ -1276,16 +1282,16 @@ def synthesise(
             solved = _solve_function(asked, function, over, turn, turn_deg, precision_points)
         if not len(solved.found):
             solved.found = _one(solved)
-            result = selected(labelled(solved, asked).isel({DESIGN: slice(0, 0)}), solved, asked)
+            result = selected(labelled(solved).isel({DESIGN: slice(0, 0)}), solved)
         else:
-            every = labelled(solved, asked)
-            more = within_conditions(solved, asked, every)
+            every = labelled(solved)
+            more = within_conditions(solved, every)
             if more is not None and len(more):
                 if solved.found.theta.shape[1] > more.theta.shape[1]:
                     more = _come_back(more)
                 solved.found = joined_linkages(more, solved.found)
-                every = labelled(solved, asked)
-            result = selected(every, solved, asked)
+                every = labelled(solved)
+            result = selected(every, solved)
         result.attrs |= {**about, "run_time_s": time.perf_counter() - began}
         return result
 

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import fft, ifft, irfft, rfft
-from scipy.stats import qmc
 
 from fastlink.codegen.kernel import backend_of, load_kernel
 from fastlink.codegen.source import N_ANGLES, Array, Source
@@ -150,6 +149,8 @@ def shapes_of(count: int, seed: int, skip: int = 0) -> NDArray[np.float64]:
 
     a1 and the three sums of Grashof's condition are free positive numbers: each of them times a1 as a power of ten.
     """
+    from scipy.stats import qmc  # 0.3 s, for paths alone
+
     engine = qmc.Sobol(6, scramble=True, seed=seed)
     if skip:
         engine.fast_forward(skip)
