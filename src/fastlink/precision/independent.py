@@ -885,43 +885,77 @@ class _OfSeries:
         return rotation(self.ctx, angle).imag if isinstance(angle, Series) else self.ctx.sin(angle)
 
 
+def _blocks(loops: Loops) -> list[tuple[list[str], Formula]]:
+    """Return the equations of loops in parts, each with the unknowns that it determines after those before it.
+
+    Equations with lines of their own before them are one part.
+    """
+    law, unknowns = loops.formula, set(loops.unknowns)
+    rows = [ast.unparse(row) for row in getattr(law.result, "elts", [])]
+    if len(law.statements) > 1:
+        return [([*loops.unknowns], law)]
+    left, found = {row: unknowns.intersection(re.findall(r"\w+", row)) for row in rows}, []
+    while left:
+        choices = ((own, [row for row, other in left.items() if other <= own]) for own in left.values())
+        fitting = [(own, some) for own, some in choices if len(own) == len(some)]
+        own, some = min(
+            fitting, key=lambda pair: len(pair[0]), default=(set[str]().union(*left.values()), [*left])
+        )
+        parameters = [name for name in law.parameters if any(re.search(rf"\b{name}\b", row) for row in some)]
+        lines = [f"return ({', '.join(some)},)"]
+        ordered = [name for name in loops.unknowns if name in own]
+        found.append((ordered, Formula(law.name, parameters, lines, law.names)))
+        left = {row: other - own for row, other in left.items() if row not in some}
+    return found
+
+
 def _of_loops(catalogue: Catalogue, loops: Loops) -> Model:
     """Return the model of a mechanism whose sheet has the equations of its loops: their root nearest to its facts."""
-    law, position = loops.formula, catalogue.position.name
-    # the names in each equation; where lines of their own come before, all may be in each
-    own = [ast.unparse(row) for row in getattr(law.result, "elts", [])] if len(law.statements) == 1 else []
-    needed = [{*re.findall(r"\w+", row)} for row in own] or [{*law.parameters}] * len(loops.unknowns)
+    position, blocks = catalogue.position.name, _blocks(loops)
 
     @cache
-    def equation_in(ctx: Any) -> Formula:
+    def equations_in(ctx: Any) -> list[Formula]:
         of_series = _OfSeries(ctx)
         functions = dict.fromkeys(("cos", "cosine"), of_series.cos)
         functions |= dict.fromkeys(("sin", "sine"), of_series.sin)
-        constants = {name: ctx.mpf(x) for name, x in law.names.items() if isinstance(x, float)}
         turns = {"PI": ctx.pi, "TWO_PI": 2 * ctx.pi}
-        return Formula(law.name, law.parameters, law.lines, {**constants, **turns, **functions})
+        found = []
+        for _, law in blocks:
+            constants = {name: ctx.mpf(x) for name, x in law.names.items() if isinstance(x, float)}
+            found.append(Formula(law.name, law.parameters, law.lines, {**constants, **turns, **functions}))
+        return found
 
     def configuration(ctx: Any, at: Mapping[str, Any], order: int, _: bool, values: Values) -> None:
-        equation, zero = equation_in(ctx), 0 * ctx.mpf(1)
-        doubles = {name: float(value) for name, value in at.items()}
-        start = read_facts(catalogue, loops.unknowns, doubles)
-        # loops that close by themselves do so where others, which stand on them, are open
-        closed = [name for name in loops.unknowns if math.isfinite(start[name])]
-        rows = [
-            k for k, needs in enumerate(needed) if needs.isdisjoint(set(loops.unknowns).difference(closed))
-        ]
-        if not closed or len(rows) != len(closed):
+        zero, curves = 0 * ctx.mpf(1), dict[str, Series]()
+
+        def known_at(drive: Series) -> dict[str, Any]:
+            """Return what is known along the drive, or held where that is."""
+            count = len(drive.terms)
+            if count == 2 and drive.terms[1] == 0:
+                return {name: Series((curve.terms[0], zero)) for name, curve in curves.items()}
+            return {name: Series(curve.terms[:count]) for name, curve in curves.items()}
+
+        start = read_facts(catalogue, loops.unknowns, {name: float(value) for name, value in at.items()})
+        for (unknowns, _law), equation in zip(blocks, equations_in(ctx), strict=True):
+            needed = set(equation.parameters).intersection(loops.unknowns).difference(curves, unknowns)
+            if needed or not all(math.isfinite(start[name]) for name in unknowns):
+                continue  # open, or it stands on a loop that is
+
+            def equations(
+                found: list[Series],
+                drive: Series,
+                unknowns: list[str] = unknowns,
+                equation: Formula = equation,
+            ) -> list[Series]:
+                known = {**at, **known_at(drive), position: drive, **dict(zip(unknowns, found, strict=True))}
+                rows = equation(*(known[name] for name in equation.parameters))
+                return [Series([zero] * len(drive.terms)) + row for row in rows]
+
+            first = [ctx.mpf(float(start[name])) for name in unknowns]
+            series = solved(ctx, equations, first, drive_of(ctx, at[position], order))
+            curves |= zip(unknowns, series, strict=True)
+        if not curves:
             raise Open("the loop does not close")
-
-        def equations(unknowns: list[Series], drive: Series) -> list[Series]:
-            known = dict.fromkeys(loops.unknowns, Series([zero] * len(drive.terms)))
-            known |= {**at, position: drive, **dict(zip(closed, unknowns, strict=True))}
-            found = equation(*(known[name] for name in law.parameters))
-            return [Series([zero] * len(drive.terms)) + found[k] for k in rows]
-
-        first = [ctx.mpf(float(start[name])) for name in closed]
-        found = solved(ctx, equations, first, drive_of(ctx, at[position], order))
-        curves = dict(zip(closed, found, strict=True))
         values |= {name: curve.terms[0] for name, curve in curves.items()}
         values |= {name: ctx.nan for name in loops.unknowns if name not in curves}
         for name, (unknown, speed, k) in loops.rates.items():
