@@ -36,9 +36,9 @@ def compare(designs: dict[str, Any], shared: dict[str, str]) -> None:
         with np.errstate(invalid="ignore"):
             agree = (a == b) | (np.isnan(a) & np.isnan(b)) | (abs(a - b) <= bound)
         assert agree.all(), (name, np.argwhere(~agree)[:3], a[~agree][:3], b[~agree][:3])
-    # where the planar 4R counts a gap as zero, the declared one sees which side it is on
-    settled = ~np.isin(known.status.values, (2, 3))
-    assert (found.status.values[settled] == known.status.values[settled, None]).all()
+    # where the planar 4R counts a gap as zero, the declared one sees which side it is on, if its bounds are finite
+    decided = np.isfinite(found[own[1]].values).all(axis=1) & ~np.isin(known.status.values, (2, 3, 5))
+    assert (found.status.values[decided] == known.status.values[decided, None]).all()
 
 
 def test_a_declared_four_bar_has_the_extremes_of_the_planar_4r() -> None:
@@ -77,9 +77,9 @@ def check_against_samples(
             assert not (inside < (least - slack)[..., None]).any(), name
             turning = closes.all(axis=-1)
             span = most - least
-            # a sample is within the square of half a step of an extreme: 1e-4 of what sharp quantities change
+            # of a place a sample is within 1e-2 of what it spans of an extreme; rates have sharper peaks
             near = abs(np.max(values[name], axis=-1) - most) <= 1e-2 * span
-        assert near[turning & np.isfinite(span)].all() or name.startswith("angle"), name
+        assert near[turning & np.isfinite(span)].all() or not name.endswith(("_x", "_y")), name
         assert np.isnan(most).sum() <= (~closes.any(axis=-1)).sum()
 
 

@@ -14,6 +14,8 @@ from fastlink.codegen.runtime.cells import AT_LIMIT as AT_LIMIT_OF
 from fastlink.codegen.runtime.cells import (
     BOUND,
     CELLS,
+    FA,
+    FB,
     FC,
     IMAGE,
     LANE,
@@ -70,6 +72,8 @@ SEAM = -0.7390851332151607
 # The first sample beside a limit, over the scale; and the size of a least gap whose root turns within a fraction of a
 # radian.
 NEAR_LIMIT, SHARP = 2.0**-60, 2.0**-6
+# A gap that is no deeper below zero, over that at the samples beside, may be so by rounding.
+UNDECIDED_DEPTH = 2.0**-34
 # Limits that are one place still have a scale.
 TINY = 2.0**-60
 # Within what distance of a limit, in rad, two terms of a gap's power series are nearer to it than its formula, which is
@@ -160,14 +164,19 @@ def place_leasts(s: Any, count: int) -> None:
 
 @outlined
 def keep_leasts(s: Any, count: int, leasts: Any) -> None:
-    """Sort the least values at items into those of their pieces, if the root of the gap turns sharply there."""
+    """Sort the least values at items into those of their pieces, if the root of the gap turns sharply there.
+
+    Below zero there are two zeros, which are found, unless the gap is that deep by rounding alone: then nothing decides
+    whether the loop opens, and as little where the gap is within its error bound.
+    """
     for i in range(count):
-        if (
-            (s[FC, i] > 0.0) & (s[FC, i] < SHARP) & (s[F, i] > 0.0)
-        ):  # else there are two zeros, which are found
-            k = _place(leasts, int(s[LANE, i]), s[THETA, i])
+        lane, least, deepest = int(s[LANE, i]), s[FC, i], max(abs(s[FA, i]), abs(s[FB, i]))
+        flat = (s[F, i] <= 0.0) & (abs(s[F, i]) <= UNDECIDED_DEPTH * deepest)
+        if (least > 0.0) & (least < SHARP) & ((s[F, i] > 0.0) | flat):
+            k = _place(leasts, lane, s[THETA, i])
             if k >= 0:
-                leasts[SLOPE_AT, int(s[LANE, i]), k] = s[FC, i]
+                leasts[SLOPE_AT, lane, k] = least
+                leasts[OFF_AT, lane, k] = INFINITY if flat | (least <= 2.0 * s[BOUND, i]) else 0.0
 
 
 @outlined
@@ -302,10 +311,11 @@ def cut_pieces(
             else:
                 theta, beyond = leasts[AT, i, m], 2.0 * sqrt(leasts[SLOPE_AT, i, m])
                 if inside & (theta - further[LOW, total] > beyond):  # else it is found twice
+                    further[OFF, total] += leasts[OFF_AT, i, m]
                     _limit(further, total, END_HIGH, 0.0, zeros, i, 0)
                     total = _end_piece(pieces, p, further, total, theta, beyond)
                     _limit(further, total, END_LOW, 0.0, zeros, i, 0)
-                    _begin_piece(further, total, theta, beyond, 0.0)
+                    _begin_piece(further, total, theta, beyond, leasts[OFF_AT, i, m])
                 m += 1
         if inside:
             _copy_end(pieces, p, further, total, END_HIGH)
