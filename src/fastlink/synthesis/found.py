@@ -499,7 +499,9 @@ def _solve_path(asked: Asked, path: Any, timing: Any, closed: Any) -> Solved:
             solved = paths.solve_curve(task, asked.seed)
         else:
             rounds = 1 if many else paths.ROUNDS if len(target) <= paths.MANY else 2
-            solved = paths.solve_path(task, asked.seed, rounds)
+            solved = paths.solve_path(
+                task, asked.seed, rounds, all_rounds=bool(asked.minimise or asked.maximise)
+            )
         for attempt in range(THROUGH_NINE if many else 0):
             error = np.sqrt(solved.cost[0] / task.size) if len(solved.cost) else np.inf
             if error < paths.EXACT or (attempt and error > NEARLY):

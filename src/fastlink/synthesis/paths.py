@@ -316,10 +316,11 @@ ROUNDS, EXACT = 4, 1e-11
 SAME = 1e-6
 
 
-def solve_path(task: PathTask, seed: int, rounds: int = ROUNDS, enough: float = EXACT) -> Candidates:
+def solve_path(task: PathTask, seed: int, rounds: int = ROUNDS, *, all_rounds: bool = False) -> Candidates:
     """Return the linkages that come nearest to a path, all different ones that were found, the best first.
 
-    Rounds of starts go on until a linkage passes all points, or the best one was found a second time.
+    Rounds of starts go on until a linkage passes all points, or the best one was found a second time; or all are made,
+    for a choice by other measures.
     """
     open_path = not task.closed and task.times is None
     shapes = SHAPES_OPEN if open_path else SHAPES
@@ -331,11 +332,13 @@ def solve_path(task: PathTask, seed: int, rounds: int = ROUNDS, enough: float = 
         fit_limits(task, starts)
         for most, steps in STAGES:  # fewer of longer ones
             most, steps = max(8, int(most * few)), max(30, int(steps * few))
-            starts = refined(task, starts.at(slice(0, most)), steps)
+            # what passes all points already stays: by other measures it may be the best
+            met = int(np.searchsorted(starts.cost, EXACT**2 * task.size)) if steps > STAGES[0][1] else 0
+            starts = refined(task, starts.at(slice(0, max(most, min(met, 5 * STAGES[-1][0])))), steps)
         found = merged(starts if found is None else joined(found, starts))
         if not len(found.cost):
             continue
-        if found.cost[0] <= enough**2 * task.size or found.starts[0] > 1:
+        if not all_rounds and (found.cost[0] <= EXACT**2 * task.size or found.starts[0] > 1):
             break
     assert found is not None
     return found
