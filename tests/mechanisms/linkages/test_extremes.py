@@ -70,8 +70,8 @@ def check_against_samples(
     for name in names:
         inside = np.where(closes, values[name], np.nan)
         most, least = (maps[f"{name}_{how}"].values for how in ("max", "min"))
-        # rounding of the samples, some of which are next to limits
-        slack = 1e-9 * (1.0 + np.nan_to_num(abs(most), posinf=0.0))
+        # rounding of the samples, some of which are next to limits, and of an arc's end
+        slack = 1e-9 * (1.0 + sum(np.where(np.isfinite(of), abs(of), 0.0) for of in (most, least)))
         with np.errstate(invalid="ignore"):
             assert not (inside > (most + slack)[..., None]).any(), name
             assert not (inside < (least - slack)[..., None]).any(), name
