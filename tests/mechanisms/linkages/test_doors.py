@@ -43,12 +43,17 @@ def test_a_study_and_its_map(tmp_path):
     assert float(best.a1[0]) == 0.15
     found = fl.tolerance(path.with_suffix(".h5"), ["F_x_max"], a1=1e-4)
     assert found.sizes["a1"] == 3
+    fl.draw(path.with_suffix(".h5"), design=1, theta=0.5, to=tmp_path / "drawn.svg")
+    assert "bar P F" in (tmp_path / "drawn.svg").read_text()
+
+
+@pytest.mark.stress
+def test_the_accuracy_of_a_study(tmp_path):
+    path = study_of(tmp_path / "six_bar.toml")
     measured = fl.accuracy(path, designs=2)
     # curves are measured by themselves: ends of ranges are lists, of which a design may have several
     assert measured["quantity"].values.tolist() == ["F_x_max"]
     assert float(measured.error_max.min()) < 1e-12
-    fl.draw(path.with_suffix(".h5"), design=1, theta=0.5, to=tmp_path / "drawn.svg")
-    assert "bar P F" in (tmp_path / "drawn.svg").read_text()
 
 
 def test_bars_whose_lengths_are_numbers_are_drawn(tmp_path):
