@@ -14,8 +14,8 @@ import fastlink as fl
 from benchmarks.cases import bind, markdown, race
 from benchmarks.peers import available
 
-WATT = fl.linkage(
-    "watt",
+SIX_BAR = fl.linkage(
+    "six_bar",
     ground={"O": (0, 0), "D": ("a4", 0), "G": ("G_x", "G_y")},
     crank={"A": ("O", "a1")},
     dyads={
@@ -44,9 +44,9 @@ LEG |= {"l_k": 61.9, "l_c": 39.3, "l_f": 39.4, "l_g": 36.7, "l_h": 65.7, "l_i": 
 #: What is timed: the mechanism, its design, the quantities; at positions, or over the turn.
 POSITIONS = {
     "planar 4R: B, theta4, theta2": ("planar_4r", DESIGN, ("B_x", "B_y", "theta4", "theta2")),
-    "Watt six-bar: F and both angles of its dyad": (WATT, DESIGN, ("F_x", "F_y", "angle_PF", "angle_GF")),
-    "Watt six-bar: B, F and all angles": (
-        WATT,
+    "six-bar: F and both angles of its dyad": (SIX_BAR, DESIGN, ("F_x", "F_y", "angle_PF", "angle_GF")),
+    "six-bar: B, F and all angles": (
+        SIX_BAR,
         DESIGN,
         ("B_x", "B_y", "angle_AB", "angle_DB", "F_x", "F_y", "angle_PF", "angle_GF"),
     ),
@@ -58,17 +58,17 @@ RATES = {
         DESIGN,
         ("omega2", "omega4", "alpha2", "alpha4"),
     ),
-    "Watt six-bar: omega and alpha of its second dyad": (
-        WATT,
+    "six-bar: omega and alpha of its second dyad": (
+        SIX_BAR,
         DESIGN,
         ("omega_PF", "omega_GF", "alpha_PF", "alpha_GF"),
     ),
 }
 EXTREMES = {
     "planar 4R: greatest P_x": ("planar_4r", DESIGN, ("P_x_max",)),
-    "Watt six-bar: greatest F_x": (WATT, DESIGN, ("F_x_max",)),
-    "Watt six-bar: greatest alpha_GF": (WATT, DESIGN, ("alpha_GF_max",)),
-    "Watt six-bar: status": (WATT, DESIGN, ("status",)),
+    "six-bar: greatest F_x": (SIX_BAR, DESIGN, ("F_x_max",)),
+    "six-bar: greatest alpha_GF": (SIX_BAR, DESIGN, ("alpha_GF_max",)),
+    "six-bar: status": (SIX_BAR, DESIGN, ("status",)),
     "Jansen's leg: greatest S_y": (JANSEN, LEG, ("S_y_max",)),
 }
 
@@ -95,13 +95,13 @@ def times(cases, n, **options):
 
 
 def by_pylinkage(steps=3600):
-    """Return the times in s of a configuration of the Watt six-bar by pylinkage: step by step, and compiled."""
+    """Return the times in s of a configuration of the six-bar by pylinkage: step by step, and compiled."""
     from pylinkage import Crank, FixedDyad, Ground, Linkage, RRRDyad
 
     at, pivots = DESIGN, {"O": (0, 0), "D": (DESIGN["a4"], 0), "G": (DESIGN["G_x"], DESIGN["G_y"])}
     ground = {name: Ground(*place, name=name) for name, place in pivots.items()}
     crank = Crank(ground["O"], at["a1"], 2 * np.pi / 360)
-    start = fl.evaluate(WATT, ["B_x", "B_y", "F_x", "F_y"], theta=0.0, branch=3, **at)
+    start = fl.evaluate(SIX_BAR, ["B_x", "B_y", "F_x", "F_y"], theta=0.0, branch=3, **at)
     coupler = RRRDyad(crank, ground["D"], at["a2"], at["a3"], start["B_x"], start["B_y"])
     far, turned = np.hypot(at["P_u"], at["P_v"]), np.arctan2(at["P_v"], at["P_u"])
     point = FixedDyad(crank, coupler, far, turned)
@@ -134,13 +134,15 @@ def main():
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             own = (
-                times({"watt": POSITIONS["Watt six-bar: F and both angles of its dyad"]}, n, angles=K)["watt"]
+                times({"six_bar": POSITIONS["six-bar: F and both angles of its dyad"]}, n, angles=K)[
+                    "six_bar"
+                ]
                 / n
                 / K
             )
             for label, seconds in zip(("step", "step_fast"), by_pylinkage(), strict=True):
                 took = f"{seconds * 1e9:.0f} ns", f"{seconds / own:.0f} times ours"
-                rows.append([f"pylinkage: {label} of the Watt six-bar", *took])
+                rows.append([f"pylinkage: {label} of the six-bar", *took])
     print(markdown(["", "time", "over the first"], *rows))
 
 

@@ -14,7 +14,7 @@ from fastlink.codegen.kernel import MachineCode, load_kernel
 from fastlink.codegen.runtime.cells import LANES
 from fastlink.engine.resolve import resolve
 from fastlink.space.design_space import EXTREMUM
-from tests.mechanisms.linkages.declared import WATT
+from tests.mechanisms.linkages.declared import SIX_BAR
 from tests.support.configurations import draw
 
 
@@ -146,7 +146,7 @@ FAMILIES: dict[str, Family] = {
         "planar_4r", ["omega4_max", "theta4_min"], 9, more={"arc_start": 0.5, "arc_end": 2.0}
     ),
     "extremes in pieces": Family(
-        WATT,
+        SIX_BAR,
         ["F_x_max", "F_x_max_error", "d_F_x_max_d_a1", "F_x_extrema", "theta_low", "theta_low_by", "status"],
         options={"branch": (1, 2, 3, 4)},
     ),

@@ -31,7 +31,7 @@ from fastlink.pictures.picture import check_picture, save
 from fastlink.precision.errors import outermost, read_curves
 from fastlink.precision.reference import CONTEXT, HighPrecision
 from fastlink.precision.stationary import stationary_of
-from fastlink.space.design_space import DesignSpace, sampled
+from fastlink.space.design_space import EXTREMUM, DesignSpace, sampled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -529,7 +529,8 @@ def _measurable(plan: Plan) -> tuple[list[str], list[str]]:
     measurable = []
     for output in plan.outputs:
         request = output.request
-        number = output.dtype == "float64" and "residual" not in request.quantity and not request.listed
+        listed = request.listed or EXTREMUM in output.axes
+        number = output.dtype == "float64" and "residual" not in request.quantity and not listed
         of_value = request.can_be_refined and not (
             request.is_position or request.is_of_gradient or request.is_error
         )

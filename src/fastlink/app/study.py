@@ -1121,8 +1121,10 @@ def _mechanism(path: Path, contents: dict[str, Any], problems: Problems, trusted
                     "is given twice, here and by [linkage]", ("mechanism",), "leave one of both out"
                 )
             contents["mechanism"] = "linkage"
-            parts = check_options({}) if not isinstance(declared, dict) else declared
-            return linkage(**parts)
+            if not isinstance(declared, dict):
+                what = f"is {short_repr(declared)}, which is no table"
+                raise InputError(what, (LINKAGE,), "write [linkage] with ground, crank and dyads")
+            return linkage(**declared)
         problems.stop()
     if isinstance(mechanism, str) and mechanism.endswith(SHEET):
         with problems.at():

@@ -1021,8 +1021,8 @@ def linkage(
     Examples
     --------
     >>> import fastlink as fl
-    >>> watt = fl.linkage(
-    ...     "watt",
+    >>> six_bar = fl.linkage(
+    ...     "six_bar",
     ...     ground={"O": (0, 0), "D": ("a4", 0), "G": ("G_x", "G_y")},
     ...     crank={"A": ("O", "a1")},
     ...     dyads={
@@ -1033,7 +1033,7 @@ def linkage(
     ... )
     >>> design = {"a1": 0.1, "a2": 0.3, "a3": 0.35, "a4": 0.4, "P_u": 0.15, "P_v": 0.1}
     >>> design |= {"G_x": 0.45, "G_y": 0.3, "a5": 0.3, "a6": 0.25, "omega": 10.0}
-    >>> maps = fl.sweep(watt, design, ["F_x_max", "status"], branch=3)
+    >>> maps = fl.sweep(six_bar, design, ["F_x_max", "status"], branch=3)
     >>> float(maps.F_x_max.round(12))
     0.240003525055
     """

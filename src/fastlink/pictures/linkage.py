@@ -708,6 +708,8 @@ class Sheet:
     ) -> None:
         """Draw a bar: thick along lengths, hollow in the second branch; thin round the rest of a plate."""
         thick = [tuple(pair.split()) for pair in bar.lengths]
+        if len(names) == 2:
+            thick = thick or [(names[0], names[1])]  # whose length is a number, or changes
         edges = list(zip(names, [*names[1:], names[0]], strict=True)) if len(names) > 2 else []
         thin = [pair for pair in edges if pair not in thick and pair[::-1] not in thick]
         width, style = self.style.bar, {"solid_capstyle": "round", "zorder": 4.0}

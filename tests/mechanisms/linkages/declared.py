@@ -17,8 +17,8 @@ FOUR_BAR = fl.linkage(
         "P": {"on": ("A", "B"), "at": ("P_u", "P_v")},
     },
 )
-WATT = fl.linkage(
-    "watt",
+SIX_BAR = fl.linkage(
+    "six_bar",
     ground={"O": (0, 0), "D": ("a4", 0), "G": ("G_x", "G_y")},
     crank={"A": ("O", "a1")},
     dyads={
@@ -44,7 +44,7 @@ def four_bars(count: int, seed: int) -> dict[str, Any]:
     return designs
 
 
-def watts(count: int, seed: int) -> dict[str, Any]:
+def six_bars(count: int, seed: int) -> dict[str, Any]:
     """Return six-bars of all kinds: most of them move over parts of the turn."""
     rng = np.random.default_rng(seed)
     spans = {

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from tests.support.commands import code_blocks
 
 import fastlink as fl
 
@@ -157,23 +155,6 @@ def test_a_declaration_that_is_none_is_refused(case: str) -> None:
         fl.linkage(**{"ground": OD, "crank": {"A": ("O", "a1")}} | given)
     assert what in str(caught.value)
     assert remedy in str(caught.value)
-
-
-def test_the_study_of_the_page_runs_and_is_drawn(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    (study,) = code_blocks((Path(__file__).parents[3] / "docs" / "linkages.md").read_text(), "toml")
-    Path("six.toml").write_text(study)
-    maps = fl.run("six.toml", progress=False)
-    assert maps.attrs["verify_mismatches"] == 0
-    assert {"watt"} == {maps.attrs["mechanism"].partition("@")[0]}
-    again = fl.open("six.h5")
-    best = fl.best(again, maximise="F_x_max", where="rotates_fully", top=1, refine=True)
-    assert best.F_x_max[0] >= again.F_x_max.max()
-    fl.draw(again, at={"a1": 0.1}, to="six.png")
-    for part, where in (("crank =", "linkage"), ('lengths = ["a2", "a3"]', "linkage.dyads.B")):
-        Path("bad.toml").write_text(study.replace(part, "colour = 1" if "[" in part else "colour ="))
-        with pytest.raises(fl.InputError, match=f"bad.toml: {where}"):
-            fl.run("bad.toml")
 
 
 def test_impossible_lengths_are_invalid_and_far_plates_never_assemble() -> None:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.mechanisms.linkages.declared import FOUR_BAR, TURNING, WATT, four_bars, watts
+from tests.mechanisms.linkages.declared import FOUR_BAR, SIX_BAR, TURNING, four_bars, six_bars
 
 import fastlink as fl
 from fastlink.codegen.kernel import llvm_text
@@ -55,16 +55,16 @@ def check_against_samples(
     count: int, seed: int, names: tuple[str, ...], arc: tuple[float, float] | None
 ) -> None:
     """Check that no sample is beyond an extreme, and that there are none where nothing closes."""
-    designs, (low, high) = watts(count, seed), arc or (0.0, 2.0 * np.pi)
+    designs, (low, high) = six_bars(count, seed), arc or (0.0, 2.0 * np.pi)
     ends = {} if arc is None else {"arc_start": low, "arc_end": high}
     wanted = [f"{name}_{how}" for name in names for how in ("max", "min")]
-    maps = fl.sweep(WATT, designs | ends | {"omega": 10.0}, wanted, branch=(1, 2, 3, 4))
+    maps = fl.sweep(SIX_BAR, designs | ends | {"omega": 10.0}, wanted, branch=(1, 2, 3, 4))
     positions = np.linspace(low, high, 2001)
     given = {name: of[:, None, None] for name, of in designs.items()}
     branches = np.arange(1, 5)[:, None]
     with np.errstate(all="ignore"):
         values = fl.evaluate(
-            WATT, list({*names, "F_x"}), branch=branches, theta=positions, omega=10.0, **given
+            SIX_BAR, list({*names, "F_x"}), branch=branches, theta=positions, omega=10.0, **given
         )
     closes = np.isfinite(values["F_x"])
     for name in names:
@@ -106,8 +106,8 @@ def test_ranges_and_what_limits_them_are_verified(tmp_path: Any) -> None:
         "omega_GF_min",
     ]
     maps = fl.sweep(
-        WATT,
-        watts(40, 4) | {"omega": 3.0},
+        SIX_BAR,
+        six_bars(40, 4) | {"omega": 3.0},
         names,
         branch=(1, 2, 3, 4),
         to=tmp_path / "maps.h5",
@@ -122,12 +122,12 @@ def test_ranges_and_what_limits_them_are_verified(tmp_path: Any) -> None:
 def test_kernels_need_no_other_compiler() -> None:
     # numba, which compiles what the translator refuses, takes half a minute for one
     wanted = ["F_x_max", "d_F_x_max_d_a1", "F_x_max_error", "F_x_extrema", "theta_low", "theta_low_by"]
-    for kernel in resolve(WATT, TURNING | {"omega": 1.0}, wanted, branch=3).kernels:
+    for kernel in resolve(SIX_BAR, TURNING | {"omega": 1.0}, wanted, branch=3).kernels:
         assert llvm_text(kernel.source)
 
 
 def test_gradients_of_extremes_and_their_status_at_limits() -> None:
-    number = fl.function(WATT, ["a1", "a5"], ["F_x_max"], branch=3, omega=1.0, **_without("a1", "a5"))
+    number = fl.function(SIX_BAR, ["a1", "a5"], ["F_x_max"], branch=3, omega=1.0, **_without("a1", "a5"))
     start, step = np.array([0.1, 0.3]), 1e-6
     slope = [(number(start + step * e) - number(start - step * e))[0] / (2 * step) for e in np.eye(2)]
     # differences are off by the square of their step, and by a rounding over it
