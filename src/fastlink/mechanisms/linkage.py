@@ -17,6 +17,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from numbers import Real
 from typing import Any, Literal
 
 from fastlink._text import short_repr
@@ -882,6 +883,12 @@ class _Writer:
             with self.within():
                 write()
             self.problems.stop()
+        for name in self.declared["defaults"]:
+            if name not in self.inputs:
+                self.problems.add(
+                    "is no input of it", ("linkage", "defaults", name), suggest(name, [*self.inputs])
+                )
+        self.problems.stop()
         if len(self.ways) > MOST_WAYS:
             raise InputError(
                 f"{len(self.ways)} dyads have two ways each",
@@ -1037,6 +1044,16 @@ def linkage(
     >>> float(maps.F_x_max.round(12))
     0.240003525055
     """
+    where = ("linkage", "defaults")
+    if defaults is not None and not isinstance(defaults, Mapping):
+        raise InputError(
+            f"is {short_repr(defaults)}", where, 'write numbers by the names of inputs, such as {"a1": 0.1}'
+        )
+    for key, value in (defaults or {}).items():
+        if isinstance(value, bool) or not isinstance(value, Real) or float(value) - float(value) != 0.0:
+            raise InputError(f"is {short_repr(value)}", (*where, str(key)), "write a number")
+    if not isinstance(title, str) or not title.isprintable():
+        raise InputError(f"is {short_repr(title)}", ("linkage", "title"), "write a text of one line")
     declared = dict(zip(PARTS, (name, title, ground, crank, dyads, dict(defaults or {})), strict=True))
     if not isinstance(name, str) or re.fullmatch("[A-Za-z](_?[A-Za-z0-9])*", name) is None:
         raise InputError(f"is {short_repr(name)}", ("linkage", "name"), "write letters, digits and single _")

@@ -140,6 +140,10 @@ REFUSED = {
     "no ground": ({"ground": 3, "dyads": {"B": RRR}}, "ground is 3", "write pivots"),
     "no dyads": ({"dyads": {}}, "dyads is {}", "write such as"),
     "no name": ({"name": "4 bar", "dyads": {"B": RRR}}, "name is '4 bar'", "letters"),
+    "no default": ({"dyads": {"B": RRR}, "defaults": {"a1": "x"}}, "defaults.a1 is 'x'", "write a number"),
+    "no defaults": ({"dyads": {"B": RRR}, "defaults": 3}, "defaults is 3", "write numbers"),
+    "default of nothing": ({"dyads": {"B": RRR}, "defaults": {"b1": 1.0}}, "b1 is no input", "a1"),
+    "no title": ({"dyads": {"B": RRR}, "title": 3}, "title is 3", "a text"),
     "an input called as a coordinate": (
         {"dyads": {"B": {"rrr": ("A", "D"), "lengths": ("A_x", "b")}}},
         "A_x is declared twice",
