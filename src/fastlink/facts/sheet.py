@@ -323,8 +323,17 @@ def _number(entry: Entry, text: str, names: Mapping[str, Any]) -> float:
 #: What the sheet of a mechanism gets with it, in terms of its input angle.
 TURN = Path(__file__).with_name("turn.facts")
 CLOSES = Path(__file__).with_name("closes.facts")
+#: The codes of how a design assembles.
+STATUS = """status [1] status: How the design assembles over a full turn of the input
+    0: rotates_fully
+    1: assembles_over_part_of_the_turn
+    2: never_assembles
+    3: invalid_input
+    4: beyond_range
+"""
 #: What it gets unless it has a fact of that name.
-UNLESS_DECLARED = """
+UNLESS_DECLARED = (
+    """
 ## the input angle turns
 [facts]
 step valid [1] valid: 1 where all inputs are as they have to be, else NaN
@@ -333,24 +342,16 @@ step Z0 [1] Z_0: Least Z of the range: negative, as the input angle is not limit
     = -valid
 step C0 [1] C_0: Least C of the range: negative, as the input angle is not limited there
     = -valid
-status [1] status: How the design assembles over a full turn of the input
-    0: rotates_fully
-    1: assembles_over_part_of_the_turn
-    2: never_assembles
-    3: invalid_input
-    4: beyond_range
-    part = select((Z0 > 0.0) | (C0 > 0.0), 1.0, 0.0)
+"""
+    + STATUS
+    + """    part = select((Z0 > 0.0) | (C0 > 0.0), 1.0, 0.0)
     = select(valid == 1.0, select(range_width > 0.0, part, 2.0), 3.0)
 """
+)
 #: The status of a sheet with gaps, which kernels find by the pieces of its range; and what each gap gets.
-STATUS_OF_GAPS = """
-status [1] status: How the design assembles over a full turn of the input
-    0: rotates_fully
-    1: assembles_over_part_of_the_turn
-    2: never_assembles
-    3: invalid_input
-    4: beyond_range
-    = select(valid == 1.0, select(closes == 1.0, 0.0, 2.0), 3.0)
+STATUS_OF_GAPS = (
+    STATUS
+    + """    = select(valid == 1.0, select(closes == 1.0, 0.0, 2.0), 3.0)
 POSITION_{low,high} [rad] x_{low,high}: Input angles where ranges {begin,end} through which it moves; NaN without limits
     = select(closes == 1.0, 0.0, NOT_A_NUMBER)
 POSITION_{low,high}_by [1] by: What limits the ranges through which it moves where they {begin,end}
@@ -358,15 +359,12 @@ POSITION_{low,high}_by [1] by: What limits the ranges through which it moves whe
 {gaps}
     = select(closes == 1.0, 0.0, 0.0)
 """
-STATUS_WITHOUT_GAPS = """
-status [1] status: How the design assembles over a full turn of the input
-    0: rotates_fully
-    1: assembles_over_part_of_the_turn
-    2: never_assembles
-    3: invalid_input
-    4: beyond_range
-    = select(valid == 1.0, 0.0, 3.0)
+)
+STATUS_WITHOUT_GAPS = (
+    STATUS
+    + """    = select(valid == 1.0, 0.0, 3.0)
 """
+)
 CLOSES_WHERE = """
 ## where all loops close
 step closes [1] closes: 1 where all loops close, else NaN

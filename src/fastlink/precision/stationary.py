@@ -456,11 +456,8 @@ class Stationary:
         farther = self._at(base, candidate.end, FARTHER * x)[self.quantity]
         base = self._at(base, candidate.end, x)
         value, position = base[self.quantity], base[self.position]
-        changes = max(abs(value), abs(farther)) > GROWS * min(abs(value), abs(farther))
-        if changes and abs(value) > size:
-            return Extreme(CONTEXT.inf if value > 0 else -CONTEXT.inf, CONTEXT.zero, position, CONTEXT.zero)
-        if changes:
-            return Extreme(CONTEXT.zero, CONTEXT.mpf(size), position, CONTEXT.zero)
+        if (limit := _without_limit(value, farther, size, position)) is not None:
+            return limit
         condition = self.facts.condition(base, self.movable)
         return Extreme(value, condition[self.quantity], position, condition[self.position])
 
@@ -635,11 +632,8 @@ class StationaryInPieces(Stationary):
         farther = self._at(base, 0, x + FARTHER * aside)[self.quantity]
         base = self._at(base, 0, x + aside)
         value, position = base[self.quantity], base[self.position]
-        changes = max(abs(value), abs(farther)) > GROWS * min(abs(value), abs(farther))
-        if changes and abs(value) > size:
-            return Extreme(CONTEXT.inf if value > 0 else -CONTEXT.inf, CONTEXT.zero, position, CONTEXT.zero)
-        if changes:
-            return Extreme(CONTEXT.zero, CONTEXT.mpf(size), position, CONTEXT.zero)
+        if (limit := _without_limit(value, farther, size, position)) is not None:
+            return limit
         # a limit moves with the inputs, and the value with it
         condition = CONTEXT.zero
         for name in self.movable:
@@ -654,6 +648,15 @@ def stationary_of(catalogue: Catalogue, *arguments: Any, **options: Any) -> Stat
     """Return the extremes of a quantity, see `Stationary`."""
     in_pieces = catalogue.graded is not None and catalogue.graded.gaps is not None
     return (StationaryInPieces if in_pieces else Stationary)(catalogue, *arguments, **options)
+
+
+def _without_limit(value: Any, farther: Any, size: float, position: Any) -> Extreme | None:
+    """Return what a quantity comes to at an end towards which it grows or vanishes; None where it has a limit."""
+    if not max(abs(value), abs(farther)) > GROWS * min(abs(value), abs(farther)):
+        return None
+    if abs(value) > size:
+        return Extreme(CONTEXT.inf if value > 0 else -CONTEXT.inf, CONTEXT.zero, position, CONTEXT.zero)
+    return Extreme(CONTEXT.zero, CONTEXT.mpf(size), position, CONTEXT.zero)
 
 
 def _leaves(x: NDArray[Any], high: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
