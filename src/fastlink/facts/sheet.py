@@ -51,8 +51,10 @@ from fastlink.errors import InputError, suggest
 from fastlink.facts.catalogue import Catalogue, plain_and_above
 from fastlink.facts.expression import (
     OPERATORS,
+    GraphAsWritten,
     beneath,
     divisors,
+    generate_formula,
     value_of,
     winding,
 )
@@ -660,6 +662,7 @@ def _with_poles(known: Catalogue, shared: Collection[str]) -> dict[str, tuple[st
     What every sheet shares is divided by nothing that vanishes within the range.
     """
     found: dict[str, dict[str, None]] = {}
+    made: dict[tuple[str, ...], str] = {}
     for step in _steps_of(known):
         if not isinstance(step, Fact) or step.name in shared:
             continue
@@ -673,9 +676,13 @@ def _with_poles(known: Catalogue, shared: Collection[str]) -> dict[str, tuple[st
             of = f"{root_of(known.parse(step.name))}_rate" if known.is_derivative(step.name) else step.name
             name = next(free for n in count(k) if not known.declares(free := f"{of}_pole{n}"))
             labels = {"units": "1", "symbol": name, "meaning": name, "source": step.source}
-            poles[zero.value if zero.kind == "name" else declared_step(known, name, zero, labels)] = None
+            text = generate_formula("", GraphAsWritten(()), zero, {}).lines
+            if text not in made:  # a quotient and its derivative are divided by the same
+                made[text] = zero.value if zero.kind == "name" else declared_step(known, name, zero, labels)
+            poles[made[text]] = None
         for need in step.depends_on:
-            poles |= found.get(root_of(known.parse(need)), {})
+            # a derivative is divided by what it is made of, and where its quantity is infinite it is, too
+            poles |= found.get(need, {}) | found.get(root_of(known.parse(need)), {})
         found.update(dict.fromkeys(step.names, poles))
     return {name: tuple(found[name]) for name in known.public if found.get(name)}
 

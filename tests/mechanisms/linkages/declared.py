@@ -27,6 +27,12 @@ SIX_BAR = fl.linkage(
         "F": {"rrr": ("P", "G"), "lengths": ("a5", "a6")},
     },
 )
+SLIDER_CRANK = fl.linkage(
+    "declared_slider_crank",
+    ground={"O": (0, 0), "C": (0, "e")},
+    crank={"A": ("O", "r")},
+    dyads={"B": {"rrp": "A", "length": "l", "along": ("C", 0)}},
+)
 #: A six-bar that turns fully in branch 3.
 TURNING = {"a1": 0.1, "a2": 0.3, "a3": 0.35, "a4": 0.4, "P_u": 0.15, "P_v": 0.1}
 TURNING |= {"G_x": 0.45, "G_y": 0.3, "a5": 0.3, "a6": 0.25}
@@ -41,6 +47,18 @@ def four_bars(count: int, seed: int) -> dict[str, Any]:
     sum_of = abs(designs["a1"] + designs["a2"] - designs["a3"])[:half]
     near = 1.0 + 10.0 ** rng.uniform(-14.0, -1.0, half) * rng.choice([-1.0, 1.0], half)
     designs["a4"][:half] = np.where(sum_of > 1e-3, sum_of * near, designs["a4"][:half])
+    return designs
+
+
+def slider_cranks(count: int, seed: int) -> dict[str, Any]:
+    """Return slider-cranks, of which half are next to change points, down to rounding."""
+    rng = np.random.default_rng(seed)
+    designs = {"r": rng.uniform(0.1, 1.0, count), "l": rng.uniform(0.1, 1.0, count)}
+    designs["e"] = rng.uniform(-0.6, 0.6, count)
+    half = count // 2
+    sum_of = abs(designs["r"] + rng.choice([-1.0, 1.0], count) * designs["e"])[:half]
+    near = 1.0 + 10.0 ** rng.uniform(-14.0, -1.0, half) * rng.choice([-1.0, 1.0], half)
+    designs["l"][:half] = np.where(sum_of > 1e-2, sum_of * near, designs["l"][:half])
     return designs
 
 

@@ -6,49 +6,91 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.mechanisms.linkages.declared import FOUR_BAR, SIX_BAR, TURNING, four_bars, six_bars
+from tests.mechanisms.linkages.declared import (
+    FOUR_BAR,
+    SIX_BAR,
+    SLIDER_CRANK,
+    TURNING,
+    four_bars,
+    six_bars,
+    slider_cranks,
+)
+from tests.mechanisms.linkages.test_dyads import KINDS
 
 import fastlink as fl
 from fastlink.codegen.kernel import llvm_text
 from fastlink.engine.resolve import resolve
+from fastlink.mechanisms import catalogue
 
-#: Quantities of the planar 4R, and what the declared one calls them.
-SHARED = {
-    "theta4": "angle_DB",
-    "omega2": "omega_AB",
-    "alpha4": "alpha_DB",
-    "P_x": "P_x",
-    "P_speed": "P_speed",
-    "transmission_angle": "transmission_angle_B",
+#: By the name of a mechanism: the declared one, what its speed is called, its designs, its quantities by their names.
+DECLARED = {
+    "planar_4r": (
+        FOUR_BAR,
+        "omega1",
+        four_bars,
+        {
+            "theta4": "angle_DB",
+            "omega2": "omega_AB",
+            "alpha4": "alpha_DB",
+            "P_x": "P_x",
+            "P_speed": "P_speed",
+            "transmission_angle": "transmission_angle_B",
+        },
+    ),
+    "slider_crank": (
+        SLIDER_CRANK,
+        "omega",
+        slider_cranks,
+        {
+            "slider_position": "slide_B",
+            "slider_acceleration": "slide_B_acceleration",
+            "theta2": "angle_AB",
+            "omega2": "omega_AB",
+            "transmission_angle": "transmission_angle_B",
+        },
+    ),
 }
 
 
-def compare(designs: dict[str, Any], shared: dict[str, str]) -> None:
-    """Compare extremes with those of the planar 4R, which is exact next to change points."""
-    names = [f"{name}_{how}{of}" for name in shared for how in ("max", "min") for of in ("", "_error")]
-    own = [name.replace(of, shared[of], 1) for of in shared for name in names if name.startswith(f"{of}_m")]
-    known = fl.sweep("planar_4r", designs | {"omega1": 10.0}, names, branch=(1, 2))
-    found = fl.sweep(FOUR_BAR, designs | {"omega": 10.0}, own, branch=(1, 2))
-    for name, other in zip(names[::2], own[::2], strict=True):
+def compare(mechanism: str, count: int, seed: int, names: tuple[str, ...] = ()) -> None:
+    """Compare extremes with those of a mechanism that is exact next to change points."""
+    declared, speed, designs_of, shared = DECLARED[mechanism]
+    shared, designs = {name: shared[name] for name in names or shared}, designs_of(count, seed)
+    ends = [(how, of) for how in ("max", "min") for of in ("", "_error")]
+    theirs = [f"{name}_{how}{of}" for name in shared for how, of in ends]
+    ours = [f"{name}_{how}{of}" for name in shared.values() for how, of in ends]
+    known = fl.sweep(mechanism, designs | {speed: 10.0}, theirs, branch=(1, 2))
+    found = fl.sweep(declared, designs | {"omega": 10.0}, ours, branch=(1, 2))
+    for name, other in zip(theirs[::2], ours[::2], strict=True):
         a, b = known[name].values, found[other].values
         # each is within its own bound of the exact one
         bound = known[f"{name}_error"].values + found[f"{other}_error"].values
         with np.errstate(invalid="ignore"):
             agree = (a == b) | (np.isnan(a) & np.isnan(b)) | (abs(a - b) <= bound)
         assert agree.all(), (name, np.argwhere(~agree)[:3], a[~agree][:3], b[~agree][:3])
-    # where the planar 4R counts a gap as zero, the declared one sees which side it is on, if its bounds are finite
-    decided = np.isfinite(found[own[1]].values).all(axis=1) & ~np.isin(known.status.values, (2, 3, 5))
+    # where the other counts a gap as zero, the declared one sees which side it is on, if its bounds are finite
+    words = np.array(["change_point", "assembles_in_one_position", "never_assembles"])
+    flags = known.status.attrs["flag_meanings"].split()
+    unsure = [flags.index(word) for word in words if word in flags]
+    decided = np.isfinite(found[ours[1]].values).all(axis=1) & ~np.isin(known.status.values, unsure)
     assert (found.status.values[decided] == known.status.values[decided, None]).all()
 
 
-def test_a_declared_four_bar_has_the_extremes_of_the_planar_4r() -> None:
-    compare(four_bars(600, seed=1), {"theta4": "angle_DB", "P_x": "P_x"})
+@pytest.mark.parametrize(
+    ("mechanism", "names"),
+    [("planar_4r", ("theta4", "P_x")), ("slider_crank", ("slider_position", "theta2"))],
+)
+def test_a_declared_mechanism_has_the_extremes_of_the_one_by_hand(
+    mechanism: str, names: tuple[str, ...]
+) -> None:
+    compare(mechanism, 600, 1, names)
 
 
 @pytest.mark.stress
+@pytest.mark.parametrize("mechanism", DECLARED)
 @pytest.mark.parametrize("seed", range(5))
-def test_all_shared_quantities_of_many_four_bars(seed: int) -> None:
-    compare(four_bars(20_000, seed=seed), SHARED)
+def test_all_shared_quantities_of_many_designs(mechanism: str, seed: int) -> None:
+    compare(mechanism, 20_000, seed)
 
 
 def check_against_samples(
@@ -93,6 +135,34 @@ def test_no_sample_of_a_six_bar_is_beyond_its_extremes() -> None:
 def test_no_sample_of_many_six_bars(seed: int) -> None:
     names = ("F_x", "F_y", "angle_GF", "transmission_angle_F", "omega_GF", "F_speed", "alpha_PF")
     check_against_samples(1000, seed, names, None if seed % 2 else (1.0, 5.0))
+
+
+@pytest.mark.stress
+@pytest.mark.parametrize("kind", KINDS)
+def test_no_sample_of_any_kind_of_dyad_is_beyond_its_extremes(kind: str) -> None:
+    declared, design, branches = KINDS[kind]
+    mechanism, rng = fl.linkage("any", crank={"A": ("O", "a1")}, **declared), np.random.default_rng(len(kind))
+    designs = {name: value * rng.uniform(0.5, 1.6, 600) for name, value in design.items()} | {"omega": 2.0}
+    names = [
+        one.name for one in fl.quantities(mechanism) if one.name.endswith(("_x", "_y", "_speed", "_rate"))
+    ]
+    names = [name for name in names if catalogue(mechanism).varies(name)]
+    wanted = [f"{name}_{how}" for name in names for how in ("max", "min")]
+    every = tuple(range(1, branches + 1))
+    maps = fl.sweep(mechanism, designs, [*wanted, "status"], branch=every)
+    given = {name: np.reshape(of, (-1, 1, 1)) for name, of in designs.items()}
+    positions, branch = np.linspace(0.0, 2.0 * np.pi, 1001), np.array(every)[:, None]
+    with np.errstate(all="ignore"):
+        values = fl.evaluate(mechanism, names, branch=branch, theta=positions, **given)
+    closes = np.logical_and.reduce([np.isfinite(of) for of in values.values()])
+    for name in names:
+        most, least = (maps[f"{name}_{how}"].values for how in ("max", "min"))
+        slack = 1e-9 * (1.0 + sum(np.where(np.isfinite(of), abs(of), 0.0) for of in (most, least)))
+        inside = np.where(closes, values[name], np.nan)
+        with np.errstate(invalid="ignore"):
+            assert not (inside > (most + slack)[..., None]).any(), name
+            assert not (inside < (least - slack)[..., None]).any(), name
+        assert not (np.isnan(most) & closes.any(axis=-1)).any()
 
 
 def test_ranges_and_what_limits_them_are_verified(tmp_path: Any) -> None:
