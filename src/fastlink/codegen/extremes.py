@@ -153,7 +153,7 @@ class ExtremaWriter:
             Array("vectors", "int64", (LANES // MOST_LANES,)),
             Array("counts", "int64", (cells.COUNTS,)),
             self.best(columns),
-            self.lists("lists", columns),
+            self.lists(columns),
             *self.places(columns),
             *(self.of_all() if self.program.in_pieces else ()),
         )
@@ -172,7 +172,7 @@ class ExtremaWriter:
             Array(name, "float64", (pieces.ZERO_ROWS, LANES, pieces.MOST_ZEROS))
             for name in ("zeros", "leasts")
         ]
-        joined = [self.best(columns), self.lists("lists", columns), *self.places(columns)]
+        joined = [self.best(columns), self.lists(columns), *self.places(columns)]
         return [*both, found, ranges, *zeros, *(replace(array, name=f"all_{array.name}") for array in joined)]
 
     @property
@@ -189,9 +189,9 @@ class ExtremaWriter:
         """Return the array of greatest and least values."""
         return Array("best", "float64", (results.BEST_ROWS + 3 * self.program.has_bounds, columns))
 
-    def lists(self, name: str, columns: int) -> Array:
+    def lists(self, columns: int) -> Array:
         """Return the array of lists of extremes."""
-        return Array(name, "float64", (results.LIST_ROWS + self.program.has_bounds, columns, self.kept))
+        return Array("lists", "float64", (results.LIST_ROWS + self.program.has_bounds, columns, self.kept))
 
     @property
     def n_splits(self) -> int:
@@ -513,6 +513,13 @@ class ExtremaWriter:
         """Whether lists of extremes have error bounds, which tell where a list is undecided."""
         return bool(self.kept) and self.program.has_bounds
 
+    @contextmanager
+    def gathered(self, number: int, items: str, last: str, first: int = 0) -> Iterator[None]:
+        """Write a loop over items of a search, as many at a time as there are lanes."""
+        with self.text.block(f"for start in range({first}, {last}, {LANES}):"):
+            self.text.call(cells.gather, f"{items}, start, {last}, w, rows_{number}, state", "filled")
+            yield
+
     def write_value(self, number: int) -> None:
         """Write the quantity's evaluation at items of a search."""
         self.text.call(cells.every_vector, "vectors, filled", "n_open")
@@ -521,8 +528,7 @@ class ExtremaWriter:
     def write_splits(self, number: int) -> None:
         """Write the function on both sides of the places at which its cells are split."""
         text, last = self.text, f"int(splits[{beside.NEXT}, 0])"
-        with text.block(f"for start in range({LANES}, {last}, {LANES}):"):
-            text.call(cells.gather, f"splits, start, {last}, w, rows_{number}, state", "filled")
+        with self.gathered(number, "splits", last, LANES):
             text.call(cells.every_vector, "vectors, filled", "n_open")
             with text.block("for k in range(2):"):
                 text.call(beside.place_split, "state, filled, k")
@@ -533,8 +539,7 @@ class ExtremaWriter:
         """Write the function beside toggles at which it vanishes, whose sign counts there."""
         text = self.text
         text.call(beside.collect_toggles, f"w, table, {part}, samples, n_here, ends", "n_ends")
-        with text.block(f"for start in range(0, n_ends, {LANES}):"):
-            text.call(cells.gather, f"ends, start, n_ends, w, rows_{number}, state", "filled")
+        with self.gathered(number, "ends", "n_ends"):
             text.call(cells.every_vector, "vectors, filled", "n_open")
             text.call(beside.place_ends, f"state, filled, {beside.AWAY}")
             text.add(f"slope_{number}(state, vectors, n_open)")
@@ -571,8 +576,7 @@ class ExtremaWriter:
         """Write the samples of cells next to a fold, where the function is small or far greater between."""
         text, search = self.text, self.program.searches[number]
         text.call(beside.collect_folds, f"w, table, {part}, samples, n_here, ends", "n_ends")
-        with text.block(f"for start in range(0, n_ends, {LANES}):"):
-            text.call(cells.gather, f"ends, start, n_ends, w, rows_{number}, state", "filled")
+        with self.gathered(number, "ends", "n_ends"):
             text.call(cells.every_vector, "vectors, filled", "n_open")
             text.call(beside.begin_octaves, "state, filled")
             with text.block(f"for k in range({beside.FEW}):"):
@@ -865,8 +869,7 @@ class ExtremaWriter:
         if search.cuts:
             self.write_leasts(number, parts[0])
         for items, count in (("valleys", cells.VALLEYS), ("roots", cells.ROOTS)):
-            with text.block(f"for start in range(0, counts[{count}], {LANES}):"):
-                text.call(cells.gather, f"{items}, start, counts[{count}], w, rows_{number}, state", "filled")
+            with self.gathered(number, items, f"counts[{count}]"):
                 if items == "valleys":
                     text.call(cells.begin_valleys, "state, filled, vectors", "n_open")
                     self.write_steps(number, cells.advance_valleys)
@@ -891,8 +894,7 @@ class ExtremaWriter:
         """Write the small least values of a gap, next to which its root may turn sharply."""
         text = self.text
         text.call(pieces.collect_leasts, f"samples, {part}, n_here, ends", "n_leasts")
-        with text.block(f"for start in range(0, n_leasts, {LANES}):"):
-            text.call(cells.gather, f"ends, start, n_leasts, w, rows_{number}, state", "filled")
+        with self.gathered(number, "ends", "n_leasts"):
             text.call(cells.begin_valleys, "state, filled, vectors", "n_open")
             self.write_steps(number, cells.advance_valleys)
             text.call(pieces.place_leasts, "state, filled")
@@ -979,8 +981,7 @@ class ExtremaWriter:
         text.call(collect, f"w, n_here, table, search_{number}, best, ends", "n_ends")
         for part in self.parts_that_may_rest(number):
             text.call(results.collect_rest, f"samples, {part}, n_here, ends, n_ends", "n_ends")
-        with text.block(f"for start in range(0, n_ends, {LANES}):"):
-            text.call(cells.gather, f"ends, start, n_ends, w, rows_{number}, state", "filled")
+        with self.gathered(number, "ends", "n_ends"):
             if search.order > 0:
                 text.call(beside.tries, "state, filled, w, table", "n_tries")
                 with text.block("for k in range(n_tries):"):

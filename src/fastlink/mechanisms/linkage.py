@@ -25,7 +25,7 @@ from fastlink.errors import InputError, KeyPath, Problems, check_choice, door, s
 from fastlink.facts.names import derivative_name
 from fastlink.facts.own import check_name
 from fastlink.mechanisms import Mechanism
-from fastlink.mechanisms._shared.picture import Bar, Guide, Picture, Point
+from fastlink.mechanisms._shared.picture import Bar, Picture, Point
 
 #: What each kind of dyad is given besides the points that it joins; what may be left out stands in brackets.
 KINDS = {
@@ -101,6 +101,11 @@ def _plus(a: str, b: str) -> str:
     return b if a == "0.0" else (a if b == "0.0" else f"{a} + {b}")
 
 
+def _along(point: Pair, distance: str, unit: Pair) -> Pair:
+    """Return the place that is so far from a point along a unit vector, as text."""
+    return _plus(point[0], _times(distance, unit[0])), _plus(point[1], _times(distance, unit[1]))
+
+
 class _Writer:
     """The sheet of a declaration while it is written, and its picture."""
 
@@ -124,7 +129,6 @@ class _Writer:
         self.links: list[Link] = []
         self.drawn: list[Point] = []
         self.bars: list[Bar] = []
-        self.guides: list[Guide] = []
 
     @contextmanager
     def within(self, *place: str) -> Iterator[None]:
@@ -161,10 +165,14 @@ class _Writer:
             raise InputError(what, where, "call one of both otherwise")
         if rule != "any" and f"rule: {rule}" not in lines:
             lines.append(f"rule: {rule}")
-        default = self.declared.get("defaults", {}).get(name) if isinstance(given, str) else float(given)
+        default = self.declared["defaults"].get(name) if isinstance(given, str) else float(given)
         if default is not None and not any(line.startswith("default") for line in lines):
             lines.append(f"default: {float(default)!r}")
         return name
+
+    def length(self, where: KeyPath, given: Any, ends: str, meaning: str) -> str:
+        """Return the name of an input that is the distance of two points of a link."""
+        return self.value(where, given, f"{OF_NUMBER}{ends}", "m", f"{meaning} {ends}", "positive")
 
     def point(self, where: KeyPath, name: Any) -> str:
         """Return the name of a point that is placed already."""
@@ -200,9 +208,9 @@ class _Writer:
             name = head.removeprefix("step ").partition(" ")[0]
             self.moving |= {name, slope_of(name)}
 
-    def rate(self, name: str, speed: str = "omega") -> str:
+    def rate(self, name: str) -> str:
         """Return the derivative of a fact by time as text, 0 times the speed where it does not move."""
-        return f"{speed} * {slope_of(name)}" if name in self.moving else f"0.0 * {speed}"
+        return f"omega * {slope_of(name)}" if name in self.moving else "0.0 * omega"
 
     def slope(self, name: str, slope: str) -> None:
         """Append the derivative of a fact by the crank angle."""
@@ -309,32 +317,27 @@ class _Writer:
         unit, x, y = f"axis_{start}{end}", _minus(c, a), _minus(d, b)
         for axis, of in (("x", x), ("y", y)):
             head = f"step {unit}_{axis} [1] u_{axis}: Direction from {start} to {end}, {axis}"
-            if head not in self.facts:
-                self.fact(head, f"= ({of}) / magnitude({x}, {y})")
+            self.once(head, f"= ({of}) / magnitude({x}, {y})")
         if link.rate and unit not in self.turned:
             self.turned.add(unit)
             self.turning(unit, link.rate)
         (a, b), (c, d) = self.in_loops[start], self.in_loops[end]
         # by the angle of the link and that of its two points in it, which are numbers of the design
-        found = (f"{unit}_x", f"{unit}_y")
-        if not link.rate:
-            name = f"slant_{start}{end}"
-            self.once(f"{name} [rad] {name}: Direction from {start} to {end}", f"= atan2({y} + 0.0, {x})")
-            self.unknowns.append(name) if name not in self.unknowns else None
-            row = f"    | sin({name}) * ({_minus(c, a)}) - cos({name}) * ({_minus(d, b)})"
-            self.rows.append(row) if row not in self.rows else None
-            return found, (f"cos({name})", f"sin({name})")
-        name = f"angle_{start}{end}"
+        name = f"angle_{start}{end}" if link.rate else f"slant_{start}{end}"
         if name not in self.unknowns:
-            self.add_angle(f"{start}{end}", unit, link.rate)
+            if link.rate:
+                self.add_angle(f"{start}{end}", unit, link.rate)
+            else:
+                self.fact(f"{name} [rad] {name}: Direction from {start} to {end}", f"= atan2({y} + 0.0, {x})")
+                self.unknowns.append(name)
             self.rows.append(f"    | sin({name}) * ({_minus(c, a)}) - cos({name}) * ({_minus(d, b)})")
-        return found, (f"cos({name})", f"sin({name})")
+        return (f"{unit}_x", f"{unit}_y"), (f"cos({name})", f"sin({name})")
 
     # -- the ground and the crank --------------------------------------------------------------------------------------
 
     def write_ground(self) -> None:
         """Write the pivots of the ground."""
-        ground = self.declared.get("ground")
+        ground = self.declared["ground"]
         if not isinstance(ground, Mapping) or not ground:
             raise InputError(
                 f"is {short_repr(ground)}", ("ground",), 'write pivots, such as {"O": (0, 0), "D": ("a4", 0)}'
@@ -361,7 +364,7 @@ class _Writer:
 
     def write_crank(self) -> None:
         """Write the crank, which turns at a constant speed."""
-        crank = self.declared.get("crank")
+        crank = self.declared["crank"]
         shape = 'write {"A": ("O", "a1")}: its pin, its pivot and its length'
         if not isinstance(crank, Mapping) or len(crank) != 1:
             raise InputError(f"is {short_repr(crank)}", ("crank",), shape)
@@ -372,9 +375,7 @@ class _Writer:
         if pivot not in self.links[0].points:
             raise InputError(f"{pivot} is no pivot of the ground", ("crank", pin), shape)
         name = pivot + pin
-        length = self.value(
-            ("crank", pin), second, f"{OF_NUMBER}{name}", "m", f"length of the crank {name}", "positive"
-        )
+        length = self.length(("crank", pin), second, name, "length of the crank")
         self.inputs["omega"] = ["omega [rad s-1] omega: angular velocity of the crank, constant"]
         axis = ("cos_theta", "sin_theta")
         radius = f"{length}_or_none"
@@ -393,17 +394,43 @@ class _Writer:
         link = self.links[-1]
         x, y = self.points[start]
         to = at or (f"{length} * {link.axis[0]}", f"{length} * {link.axis[1]}")
-        of = self.in_loops[start]
-        loops = (_plus(of[k], f"{length} * {link.in_loops[k]}") for k in range(2))
-        self.add_point(end, (_plus(x, to[0]), _plus(y, to[1])), tuple(loops))
+        loops = _along(self.in_loops[start], length, link.in_loops)
+        self.add_point(end, (_plus(x, to[0]), _plus(y, to[1])), loops)
+        self.draw_bar(start, end, length)
+
+    def draw_bar(self, start: str, end: str, length: str) -> None:
+        """Note a bar of two points for the picture, and its length."""
         self.bars.append(Bar(f"{start} {end}", {f"{start} {end}": length}))
         self.lengths[frozenset((start, end))] = length
+
+    def add_link(self, name: str, points: list[str], vector: str, rate: str, length: str = "") -> Link:
+        """Append the angle and the rates of a link by a vector of it, of that length unless it is a unit vector."""
+        angle = self.add_angle(name, vector, rate)
+        axis = self.unit_of(name, length) if length else (f"{vector}_x", f"{vector}_y")
+        link = Link(name, points, points[0], axis, (f"cos({angle})", f"sin({angle})"), rate, angle)
+        self.links.append(link)
+        return link
+
+    def add_reach(self, name: str, start: str, end: str) -> None:
+        """Append the vector between the outer joints of a dyad."""
+        (ax, ay), (dx, dy) = self.points[start], self.points[end]
+        for axis, of in (("x", _minus(dx, ax)), ("y", _minus(dy, ay))):
+            head = f"step reach_{name}_{axis} [m] {start}{end}_{axis}: Vector from {start} to {end}, {axis}"
+            self.fact(head, f"= {of}")
+
+    def add_reach_squared(self, name: str, start: str, end: str) -> None:
+        """Append the square of that."""
+        reach = f"reach_{name}"
+        self.fact(
+            f"step {reach}_squared [m2] |{start}{end}|^2: Square of the distance of {start} and {end}",
+            f"= {reach}_x * {reach}_x + {reach}_y * {reach}_y",
+        )
 
     # -- dyads ---------------------------------------------------------------------------------------------------------
 
     def write_dyads(self) -> None:
         """Write all dyads in their order."""
-        dyads = self.declared.get("dyads")
+        dyads = self.declared["dyads"]
         if not isinstance(dyads, Mapping) or not dyads:
             raise InputError(f"is {short_repr(dyads)}", ("dyads",), f'write such as {{"B": {SHAPES["rrr"]}}}')
         for name, given in dyads.items():
@@ -420,7 +447,7 @@ class _Writer:
                     raise InputError(said, (), f"write one of {'; '.join(SHAPES.values())}")
                 known = [kind, *KINDS[kind].replace("[", "").replace("]", "").split()]
                 for word in words:
-                    check_choice((word,), word, known) if word not in known else None
+                    check_choice((word,), word, known)
                 missing = [word for word in KINDS[kind].split() if word[0] != "[" and word not in words]
                 if missing:
                     raise InputError(f"has no {missing[0]!r}", (), f"write {SHAPES[kind]}")
@@ -441,17 +468,12 @@ class _Writer:
         lengths = self.pair(("lengths",), given["lengths"], "lengths")
         first, second = a + name, d + name
         l1, l2 = (
-            self.value(("lengths",), one, f"{OF_NUMBER}{bar}", "m", f"length of the bar {bar}", "positive")
+            self.length(("lengths",), one, bar, "length of the bar")
             for one, bar in zip(lengths, (first, second), strict=True)
         )
-        (ax, ay), (dx, dy) = self.points[a], self.points[d]
         reach, sum_squared, root = f"reach_{name}", f"sum_{name}_squared", f"gap_{name}_root"
-        for axis, of in (("x", _minus(dx, ax)), ("y", _minus(dy, ay))):
-            self.fact(f"step {reach}_{axis} [m] {a}{d}_{axis}: Vector from {a} to {d}, {axis}", f"= {of}")
-        self.fact(
-            f"step {reach}_squared [m2] |{a}{d}|^2: Square of the distance of {a} and {d}",
-            f"= {reach}_x * {reach}_x + {reach}_y * {reach}_y",
-        )
+        self.add_reach(name, a, d)
+        self.add_reach_squared(name, a, d)
         self.fact(
             f"step {sum_squared} [m2] ({first} + {second})^2: Square of the length of both bars",
             f"= select(({l1} > 0.0) & ({l2} > 0.0), ({l1} + {l2}) * ({l1} + {l2}), NOT_A_NUMBER)",
@@ -510,18 +532,12 @@ class _Writer:
         )
         loops = []
         for bar, start, length, rate in zip((first, second), (a, d), (l1, l2), rates, strict=True):
-            angle = self.add_angle(bar, bar, rate)
-            along = self.unit_of(bar, length)
-            self.links.append(
-                Link(bar, [start, name], start, along, (f"cos({angle})", f"sin({angle})"), rate, angle)
-            )
-            loops.append(
-                [_plus(self.in_loops[start][k], f"{length} * {self.links[-1].in_loops[k]}") for k in range(2)]
-            )
+            link = self.add_link(bar, [start, name], bar, rate, length)
+            loops.append(_along(self.in_loops[start], length, link.in_loops))
+            self.draw_bar(start, name, length)
         self.rows += [f"    | {_minus(loops[0][k], loops[1][k])}" for k in range(2)]
-        self.add_point(name, (_plus(ax, f"{first}_x"), _plus(ay, f"{first}_y")), tuple(loops[0]))
-        self.bars += [Bar(f"{start} {name}", {f"{start} {name}": of}) for start, of in ((a, l1), (d, l2))]
-        self.lengths |= {frozenset((a, name)): l1, frozenset((d, name)): l2}
+        ax, ay = self.points[a]
+        self.add_point(name, (_plus(ax, f"{first}_x"), _plus(ay, f"{first}_y")), loops[0])
         self.add_transmission(
             name,
             f"0.5 * ({sum_squared} * {root})",
@@ -547,10 +563,8 @@ class _Writer:
         """Write a bar whose end is a slider on a line, which is fixed or of a link."""
         a = self.point(("rrp",), given["rrp"])
         bar, slide, root = a + name, f"slide_{name}", f"gap_{name}_root"
-        length = self.value(
-            ("length",), given["length"], f"{OF_NUMBER}{bar}", "m", f"length of the bar {bar}", "positive"
-        )
-        c, (ux, uy), (lx, ly), turn = self.line((), given["along"])
+        length = self.length(("length",), given["length"], bar, "length of the bar")
+        c, (ux, uy), in_loops, turn = self.line((), given["along"])
         (ax, ay), (cx, cy) = self.points[a], self.points[c]
         rx, ry = _minus(ax, cx), _minus(ay, cy)
         self.fact(
@@ -592,16 +606,13 @@ class _Writer:
         self.slope(per, f"-({per} * {per} * ({more} * off_{name}))")
         self.slope(f"ahead_{name}", f"{more} * off_{name}")
         self.slope(slide, f"{rate} * off_{name} - (({wx}) * {ux} + ({wy}) * {uy})")
-        self.add_slide(name, c, slide)
-        angle = self.add_angle(bar, bar, rate)
-        along = self.unit_of(bar, length)
-        self.links.append(Link(bar, [a, name], a, along, (f"cos({angle})", f"sin({angle})"), rate, angle))
-        at, to = self.in_loops[a], self.in_loops[c]
-        ends = [_plus(at[k], f"{length} * {self.links[-1].in_loops[k]}") for k in range(2)]
-        self.rows += [f"    | {_minus(ends[k], _plus(to[k], _times(slide, (lx, ly)[k])))}" for k in range(2)]
-        self.add_point(name, (_plus(ax, f"{bar}_x"), _plus(ay, f"{bar}_y")), tuple(ends), "slider")
-        self.bars.append(Bar(f"{a} {name}", {f"{a} {name}": length}))
-        self.lengths[frozenset((a, name))] = length
+        self.add_slide(name, slide)
+        link = self.add_link(bar, [a, name], bar, rate, length)
+        ends = _along(self.in_loops[a], length, link.in_loops)
+        slid = _along(self.in_loops[c], slide, in_loops)
+        self.rows += [f"    | {_minus(ends[k], slid[k])}" for k in range(2)]
+        self.add_point(name, (_plus(ax, f"{bar}_x"), _plus(ay, f"{bar}_y")), ends, "slider")
+        self.draw_bar(a, name, length)
         self.fact(
             f"step across_{name} [m2] h {bar}: Cosine of the transmission angle at {name}, times lengths",
             f"= off_{name} * {length}",
@@ -611,7 +622,7 @@ class _Writer:
             name, f"{length} * {length} * {root}", f"across_{name}", rate, turn or "0.0", between
         )
 
-    def add_slide(self, name: str, start: str, slide: str) -> None:
+    def add_slide(self, name: str, slide: str) -> None:
         """Write the velocity and acceleration of a slider along its line."""
         rate, second = f"{slide}_rate", f"{slide}_acceleration"
         self.fact(f"{rate} [m s-1] v: Velocity of {name} along its line", f"= {self.rate(slide)}")
@@ -632,11 +643,8 @@ class _Writer:
             "m",
             f"distance of the slot of {name} from {d}, to its left",
         )
-        (ax, ay), (dx, dy) = self.points[a], self.points[d]
         reach, slide, root, rate = f"reach_{name}", f"slide_{name}", f"gap_{name}_root", f"n_{name}"
-        for axis, of in (("x", _minus(ax, dx)), ("y", _minus(ay, dy))):
-            self.fact(f"step {reach}_{axis} [m] {d}{a}_{axis}: Vector from {d} to {a}, {axis}", f"= {of}")
-        axis_names = (f"axis_{name}_x", f"axis_{name}_y")
+        self.add_reach(name, d, a)
         (vax, vay), (vdx, vdy) = self.rate_of(a), self.rate_of(d)
         wx, wy = _minus(vax, vdx), _minus(vay, vdy)
         if offset == "0.0":
@@ -651,10 +659,7 @@ class _Writer:
                 )
         else:
             scale = next(iter(self.bars[0].lengths.values()))
-            self.fact(
-                f"step {reach}_squared [m2] |{d}{a}|^2: Square of the distance of {d} and {a}",
-                f"= {reach}_x * {reach}_x + {reach}_y * {reach}_y",
-            )
+            self.add_reach_squared(name, d, a)
             self.fact(
                 f"step gap_{name} [1] s^2: Square of the place of {a} along the slot, over that of the crank",
                 f"= ({reach}_squared - {offset} * {offset}) / ({scale} * {scale})",
@@ -669,7 +674,7 @@ class _Writer:
                     f"step axis_{name}_{axis} [1] u_{axis}: Direction of {name}, {axis}",
                     f"= ({slide} * {reach}_{axis} {sign} {offset} * {reach}_{other}) / {reach}_squared",
                 )
-        per = f"{slide}" if offset == "0.0" else f"(sign_{name} * ({scale} * {root}))"
+        per = slide if offset == "0.0" else f"(sign_{name} * ({scale} * {root}))"
         self.fact(
             f"step {rate} [1] n_{name}: Angular velocity of {name} over that of the crank",
             f"= (({wy}) * axis_{name}_x - ({wx}) * axis_{name}_y) / {per}",
@@ -677,10 +682,8 @@ class _Writer:
         self.turning(f"axis_{name}", rate)
         more = "" if offset == "0.0" else f" + {offset} * {rate}"
         self.slope(slide, f"({wx}) * axis_{name}_x + ({wy}) * axis_{name}_y{more}")
-        self.add_slide(a, d, slide)
-        angle = self.add_angle(name, f"axis_{name}", rate)
-        lx, ly = f"cos({angle})", f"sin({angle})"
-        self.links.append(Link(name, [d], d, axis_names, (lx, ly), rate, angle))
+        self.add_slide(a, slide)
+        lx, ly = self.add_link(name, [d], f"axis_{name}", rate).in_loops
         (px, py), (qx, qy) = self.in_loops[a], self.in_loops[d]
         left = ("", "") if offset == "0.0" else (f" - {offset} * {ly}", f" + {offset} * {lx}")
         self.rows += [
@@ -711,9 +714,8 @@ class _Writer:
             f"{slide} [m] s_{name}: Place of the slider {name} on its line, from {c}",
             f"= {ux} * ({rx}) + {uy} * ({ry}){off}",
         )
-        self.add_slide(name, c, slide)
-        of, to = self.in_loops[a], self.in_loops[c]
-        ends = [_plus(to[k], _times(slide, (lx, ly)[k])) for k in range(2)]
+        self.add_slide(name, slide)
+        of, ends = self.in_loops[a], _along(self.in_loops[c], slide, (lx, ly))
         x, y = (_minus(of[k], f"({ends[k]})") for k in range(2))
         along = f"(({x}) * {lx} + ({y}) * {ly})"
         self.rows.append(
@@ -722,9 +724,7 @@ class _Writer:
             else f"    | {along}"
         )
         self.links.append(Link(f"slider{name}", [name], name, (ux, uy), (lx, ly), turn))
-        self.add_point(
-            name, (_plus(cx, _times(slide, ux)), _plus(cy, _times(slide, uy))), tuple(ends), "slider"
-        )
+        self.add_point(name, _along((cx, cy), slide, (ux, uy)), ends, "slider")
         self.bars.append(Bar(f"{name} {a}", {}))
 
     def write_prp(self, name: str, given: Mapping[str, Any]) -> None:
@@ -741,14 +741,11 @@ class _Writer:
             f"{slide} [m] s_{name}: Place of {name} on its first line, from {c}",
             f"= (({rx}) * {wy} - ({ry}) * {wx}) / ({ux} * {wy} - {uy} * {wx})",
         )
-        self.add_slide(name, c, slide)
-        to, of = self.in_loops[c], self.in_loops[g]
-        ends = [_plus(to[k], _times(slide, (lx, ly)[k])) for k in range(2)]
+        self.add_slide(name, slide)
+        of, ends = self.in_loops[g], _along(self.in_loops[c], slide, (lx, ly))
         x, y = (_minus(f"({ends[k]})", f"({of[k]})") for k in range(2))
         self.rows.append(f"    | ({x}) * {ky} - ({y}) * {kx}")
-        self.add_point(
-            name, (_plus(cx, _times(slide, ux)), _plus(cy, _times(slide, uy))), tuple(ends), "slider"
-        )
+        self.add_point(name, _along((cx, cy), slide, (ux, uy)), ends, "slider")
 
     def write_on(self, name: str, given: Mapping[str, Any]) -> None:
         """Write a point of a link, by its place along the axis from one point of it to another, and left of that."""
@@ -768,7 +765,7 @@ class _Writer:
         (x, y), (px, py) = self.points[start], self.in_loops[start]
 
         def at(x: str, y: str, ux: str, uy: str) -> Pair:
-            along, left = ("0.0" in (u,)), ("0.0" in (v,))
+            along, left = u == "0.0", v == "0.0"
             first = x + ("" if along else f" + {u} * ({ux})") + ("" if left else f" - {v} * ({uy})")
             return first, y + ("" if along else f" + {u} * ({uy})") + ("" if left else f" + {v} * ({ux})")
 
@@ -784,7 +781,7 @@ class _Writer:
             )
         link.points.append(name)
         self.add_point(name, at(x, y, ux, uy), loops, "traced")
-        joined = " ".join(dict.fromkeys([*link.points[:2], name])) if link.rate or link.points else ""
+        joined = " ".join(dict.fromkeys([*link.points[:2], name]))
         self.bars = [bar for bar in self.bars if bar.points != joined]
         self.bars.append(Bar(joined, {}))
 
@@ -839,9 +836,7 @@ class _Writer:
                 what, ("ratio",), f"write a whole number from -{MOST_RATIO} to {MOST_RATIO}, not 0"
             )
         bar = pivot + name
-        length = self.value(
-            ("length",), given["length"], f"{OF_NUMBER}{bar}", "m", f"length of the bar {bar}", "positive"
-        )
+        length = self.length(("length",), given["length"], bar, "length of the bar")
         phase = self.value(
             ("phase",),
             given.get("phase", 0),
@@ -865,14 +860,10 @@ class _Writer:
             f"= {float(ratio)} * {driver.rate}",
         )
         self.turning(f"axis_{bar}", rate)
-        angle = self.add_angle(bar, f"axis_{bar}", rate)
+        angle = self.add_link(bar, [pivot, name], f"axis_{bar}", rate).angle
         own = re.fullmatch(r"cos\((\w+)\)", lx)
         turns = f"{ratio}.0 * {own[1] if own else driver.angle}" + ("" if phase == "0.0" else f" + {phase}")
         self.rows.append(f"    | sin({angle} - ({turns}))")
-        axis_pair = (f"axis_{bar}_x", f"axis_{bar}_y")
-        self.links.append(
-            Link(bar, [pivot, name], pivot, axis_pair, (f"cos({angle})", f"sin({angle})"), rate, angle)
-        )
         self.add_bar(bar, pivot, name, length)
 
     # -- the sheet -----------------------------------------------------------------------------------------------------
@@ -907,7 +898,7 @@ class _Writer:
             )
         name, title = (
             str(self.declared["name"]),
-            str(self.declared.get("title") or f"Linkage {self.declared['name']}"),
+            str(self.declared["title"] or f"Linkage {self.declared['name']}"),
         )
         branches = []
         for number in range(2 ** len(self.ways)):
@@ -943,7 +934,6 @@ class _Writer:
         return Picture(
             points=tuple(self.drawn),
             bars=tuple(named),
-            guides=tuple(self.guides),
             traced=traced,
             title=str(self.declared["name"]),
         )

@@ -363,9 +363,9 @@ def is_of_known(output: Output, searches: Iterable[ExtremumSearch]) -> bool:
 # once per position; a fact that does not depend on the branch, once for both branches.
 
 
-#: The order of the searches for breakpoints, by their kinds.
 #: The fact that is 1 where all inputs are as they have to be, and the code by which a mechanism assembles.
 VALID, ASSEMBLY = "valid", "status"
+#: The order of the searches for breakpoints, by their kinds.
 ORDER: dict[Breaking, int] = {"wrap": 0, "jump": 1, "pole": 2, "end": 3, "kink": 4, "piece": 4}
 # Fewer angles than this leave vector lanes idle when lanes are angles.
 ANGLES_FOR_LANES = 32
