@@ -178,7 +178,8 @@ class _Writer:
         """Return the name of a point that is placed already."""
         if isinstance(name, str) and name in self.points:
             return name
-        later = isinstance(name, str) and name in self.declared.get("dyads", {})
+        dyads = self.declared["dyads"]
+        later = isinstance(name, str) and isinstance(dyads, Mapping) and name in dyads
         remedy = f"declare {name} before it" if later else suggest(str(name), list(self.points))
         what = f"{name} is placed later" if later else f"{short_repr(name)} is no point"
         raise InputError(what, where, remedy)
@@ -191,6 +192,8 @@ class _Writer:
 
     def link_of(self, where: KeyPath, first: str, second: str) -> Link:
         """Return the link that two points are of."""
+        if first == second:
+            raise InputError(f"is {first} twice", where, "write two points of one link")
         for link in self.links:
             if first in link.points and second in link.points:
                 return link
@@ -280,18 +283,14 @@ class _Writer:
 
     def line(self, where: KeyPath, given: Any) -> tuple[str, Pair, Pair, str]:
         """Return a line: a point, the unit vector along it as facts and in the loops, the rate at which that turns."""
-        first, second = self.pair(
-            (*where, "along"), given, "points of one link, or a ground pivot and an angle"
-        )
-        start = self.point((*where, "along"), first)
-        if second not in self.points:
+        first, second = self.pair(where, given, "points of one link, or a ground pivot and an angle")
+        start = self.point(where, first)
+        if not isinstance(second, str) or second not in self.points:
             if start not in self.links[0].points:
                 what = f"{short_repr(second)} is no point, and an angle is that of a fixed line"
-                raise InputError(what, (*where, "along"), suggest(str(second), list(self.points)))
+                raise InputError(what, where, suggest(str(second), list(self.points)))
             name = f"{start}_angle"
-            angle = self.value(
-                (*where, "along"), second, name, "rad", f"direction of the line through {start}"
-            )
+            angle = self.value(where, second, name, "rad", f"direction of the line through {start}")
             unit = "axis_" + "_".join((start, "at", angle)) if angle != "0.0" else ""
             if not unit:
                 return start, ("1.0", "0.0"), ("1.0", "0.0"), ""
@@ -301,7 +300,7 @@ class _Writer:
                     f"= {of}({angle})",
                 )
             return start, (f"{unit}_x", f"{unit}_y"), (f"cos({angle})", f"sin({angle})"), ""
-        link = self.link_of((*where, "along"), start, second)
+        link = self.link_of(where, start, second)
         return start, *self.direction(link, start, second), link.rate
 
     def once(self, head: str, *lines: str) -> None:
@@ -564,7 +563,7 @@ class _Writer:
         a = self.point(("rrp",), given["rrp"])
         bar, slide, root = a + name, f"slide_{name}", f"gap_{name}_root"
         length = self.length(("length",), given["length"], bar, "length of the bar")
-        c, (ux, uy), in_loops, turn = self.line((), given["along"])
+        c, (ux, uy), in_loops, turn = self.line(("along",), given["along"])
         (ax, ay), (cx, cy) = self.points[a], self.points[c]
         rx, ry = _minus(ax, cx), _minus(ay, cy)
         self.fact(
@@ -636,6 +635,8 @@ class _Writer:
             ("rpr",), given["rpr"], "points: the pin, and the pivot of the link with the slot"
         )
         a, d = self.point(("rpr",), pin), self.point(("rpr",), pivot)
+        if a == d:
+            raise InputError(f"is {a} twice", ("rpr",), f"write {SHAPES['rpr']}")
         offset = self.value(
             ("offset",),
             given.get("offset", 0),
@@ -695,7 +696,7 @@ class _Writer:
     def write_rpp(self, name: str, given: Mapping[str, Any]) -> None:
         """Write a slider on a line, in whose slot a pin slides."""
         a = self.point(("rpp",), given["rpp"])
-        c, (ux, uy), (lx, ly), turn = self.line((), given["along"])
+        c, (ux, uy), (lx, ly), turn = self.line(("along",), given["along"])
         slide, (ax, ay), (cx, cy) = f"slide_{name}", self.points[a], self.points[c]
         rx, ry = _minus(ax, cx), _minus(ay, cy)
         angle = (
@@ -829,6 +830,9 @@ class _Writer:
         first, second = self.pair(("gear",), given["gear"], "points of the bar that drives it")
         start, end = (self.point(("gear",), one) for one in (first, second))
         driver = self.link_of(("gear",), start, end)
+        if not driver.rate:
+            what = f"{start} and {end} are of the ground, which turns nothing"
+            raise InputError(what, ("gear",), f"write {SHAPES['gear']}")
         pivot, ratio = self.point(("about",), given["about"]), given["ratio"]
         if isinstance(ratio, bool) or not isinstance(ratio, int) or not 1 <= abs(ratio) <= MOST_RATIO:
             what = f"is {short_repr(ratio)}: another ratio goes on for several turns of the crank"

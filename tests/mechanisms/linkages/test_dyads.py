@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -139,6 +140,24 @@ REFUSED = {
     "no pivot": ({"crank": {"A": ("Q", "a1")}, "dyads": {"B": RRR}}, "'Q' is no point", "known"),
     "no ground": ({"ground": 3, "dyads": {"B": RRR}}, "ground is 3", "write pivots"),
     "no dyads": ({"dyads": {}}, "dyads is {}", "write such as"),
+    "no pivot and no dyads": ({"crank": {"A": ("Q", "a1")}, "dyads": 3}, "'Q' is no point", "known"),
+    "driven by the ground": (
+        {"dyads": {"E": {"gear": ("O", "D"), "about": "D", "ratio": 2, "length": "b"}}},
+        "dyads.E.gear: O and D are of the ground",
+        '"gear"',
+    ),
+    "no direction": (
+        {"dyads": {"B": {"rpp": "A", "along": ("O", "O")}}},
+        "dyads.B.along is O twice",
+        "two points",
+    ),
+    "no slot": ({"dyads": {"B": {"rpr": ("A", "A")}}}, "dyads.B.rpr is A twice", '"rpr"'),
+    "no angle": ({"dyads": {"B": {"rpp": "A", "along": ("O", ["D"])}}}, "dyads.B.along is ['D']", "a number"),
+    "no pivot of a line": (
+        {"dyads": {"B": RRR, "X": {"prp": (("A", "B"), ("Q", 0))}}},
+        "dyads.X.prp: 'Q' is no point",
+        "known",
+    ),
     "no name": ({"name": "4 bar", "dyads": {"B": RRR}}, "name is '4 bar'", "letters"),
     "no default": ({"dyads": {"B": RRR}, "defaults": {"a1": "x"}}, "defaults.a1 is 'x'", "write a number"),
     "no defaults": ({"dyads": {"B": RRR}, "defaults": 3}, "defaults is 3", "write numbers"),
@@ -171,3 +190,34 @@ def test_impossible_lengths_are_invalid_and_far_plates_never_assemble() -> None:
     words = found.status.attrs["flag_meanings"].split()
     assert [words[code] for code in found.status.values.ravel()] == ["invalid_input", "rotates_fully"]
     assert np.isnan(found.B_x_max.values.ravel()[0])
+
+
+def with_one_changed(declared: Any, to: Any) -> Iterator[Any]:
+    """Yield declarations of which one part, of any depth, is another."""
+    yield to
+    if isinstance(declared, dict):
+        for key, part in declared.items():
+            yield from (declared | {key: one} for one in with_one_changed(part, to))
+    elif isinstance(declared, tuple):
+        for k, part in enumerate(declared):
+            yield from ((*declared[:k], one, *declared[k + 1 :]) for one in with_one_changed(part, to))
+
+
+OF_STRESS = [3, 0.5, None, True, "", "no name", [], ["O", "A"], {}, {"O": 1}]
+
+
+@pytest.mark.parametrize(
+    "to", ["O", *(pytest.param(one, marks=pytest.mark.stress) for one in OF_STRESS)], ids=repr
+)
+@pytest.mark.parametrize("kind", KINDS)
+def test_whatever_part_is_another_it_is_refused_with_a_remedy_or_means_something(kind: str, to: Any) -> None:
+    declared = {"crank": {"A": ("O", "a1")}} | KINDS[kind][0]
+    for changed in with_one_changed(declared, to):
+        if not isinstance(changed, dict) or not {"ground", "crank", "dyads"} <= changed.keys():
+            continue
+        problems: list[Any] = []
+        try:
+            fl.linkage("changed", **changed)
+        except fl.InputError as error:
+            problems = error.problems
+        assert all(one.remedy for one in problems), changed
