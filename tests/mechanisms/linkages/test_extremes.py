@@ -35,6 +35,13 @@ DECLARED = {
             "P_x": "P_x",
             "P_speed": "P_speed",
             "transmission_angle": "transmission_angle_B",
+            "T41": "torque",
+            "F21": "force_AB_A",
+            "F32_x": "force_AB_B_x",
+            "F43": "force_DB_D",
+            "F41_y": "force_OA_O_y",
+            "shaking_force": "shaking_force",
+            "shaking_moment": "shaking_moment",
         },
     ),
     "slider_crank": (
@@ -47,6 +54,12 @@ DECLARED = {
             "theta2": "angle_AB",
             "omega2": "omega_AB",
             "transmission_angle": "transmission_angle_B",
+            "T41": "torque",
+            "side_force": "normal_force_B",
+            "F32": "force_AB_B",
+            "F21_x": "force_AB_A_x",
+            "shaking_force_x": "shaking_force_x",
+            "shaking_moment": "shaking_moment",
         },
     ),
 }
@@ -78,7 +91,10 @@ def compare(mechanism: str, count: int, seed: int, names: tuple[str, ...] = ()) 
 
 @pytest.mark.parametrize(
     ("mechanism", "names"),
-    [("planar_4r", ("theta4", "P_x")), ("slider_crank", ("slider_position", "theta2"))],
+    [
+        ("planar_4r", ("theta4", "P_x", "T41", "F43")),
+        ("slider_crank", ("slider_position", "theta2", "side_force")),
+    ],
 )
 def test_a_declared_mechanism_has_the_extremes_of_the_one_by_hand(
     mechanism: str, names: tuple[str, ...]
