@@ -57,7 +57,7 @@ DECLARED = {
             "T41": "torque",
             "side_force": "normal_force_B",
             "F32": "force_AB_B",
-            "F21_x": "force_AB_A_x",
+            "F21": "force_AB_A",
             "shaking_force_x": "shaking_force_x",
             "shaking_moment": "shaking_moment",
         },

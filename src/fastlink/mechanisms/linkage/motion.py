@@ -197,6 +197,13 @@ class Writer:
         if rule != "any" and f"rule: {rule}" not in lines:
             lines.append(f"rule: {rule}")
         default = self.declared["defaults"].get(name) if isinstance(given, str) else float(given)
+        if (
+            default is not None
+            and (default < 0.0 or (default == 0.0 and rule == "positive"))
+            and rule != "any"
+        ):
+            whose = f", the default of {name}" if isinstance(given, str) else ""
+            raise InputError(f"is {float(default)!r}{whose}, not {rule}", where, "write another number")
         if default is not None and not any(line.startswith("default") for line in lines):
             lines.append(f"default: {float(default)!r}")
         return name
