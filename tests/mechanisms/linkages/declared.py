@@ -46,6 +46,17 @@ SLIDER_CRANK = fl.linkage(
     dyads={"B": {"rrp": "A", "length": "l", "along": ("C", 0)}},
     masses={**numbered(OA=1, AB=2), "B": "m3"},
 )
+HART = fl.linkage(
+    "declared_hart",
+    ground={"M": (0, 0), "N": ("d", 0)},
+    crank={"A": ("M", "ma")},
+    dyads={
+        "B": {"rrr": ("A", "N"), "lengths": ("ab", "nb")},
+        "P": {"on": ("M", "A"), "at": ("mp", 0)},
+        "Q": {"on": ("N", "B"), "at": ("nq", 0)},
+        "F": {"rrr": ("P", "Q"), "lengths": ("pf", "qf")},
+    },
+)
 #: A six-bar that turns fully in branch 3.
 TURNING = {"a1": 0.1, "a2": 0.3, "a3": 0.35, "a4": 0.4, "P_u": 0.15, "P_v": 0.1}
 TURNING |= {"G_x": 0.45, "G_y": 0.3, "a5": 0.3, "a6": 0.25}
