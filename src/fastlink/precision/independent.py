@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from functools import cache, cached_property, partial
 from typing import TYPE_CHECKING, Any
 
-from fastlink.facts.evaluate import evaluate_step, read_facts, steps_of
+from fastlink.facts.evaluate import read_facts, steps_of
 from fastlink.facts.fact import Loops, System
 from fastlink.facts.formula import Formula
 from fastlink.facts.names import Derivative, Quantity, Size
@@ -42,7 +42,7 @@ from fastlink.precision.loops import (
     unit_vector,
     wrapped,
 )
-from fastlink.precision.reference import CONTEXT, DIGITS, exact_turns
+from fastlink.precision.reference import CONTEXT, DIGITS, exact_turns, take
 
 if TYPE_CHECKING:
     from fastlink.facts.catalogue import Catalogue
@@ -968,7 +968,7 @@ def _of_loops(catalogue: Catalogue, loops: Loops) -> Model:
             known = {**at, **values}
             for step in made:
                 if all(ctx.isfinite(known.get(need, ctx.nan)) for need in step.depends_on):
-                    evaluate_step(step, known)
+                    take(step, known)
             values |= {name: known.get(name, ctx.nan) for name in of_these}
 
     orders = {**dict.fromkeys(loops.unknowns, 0), **{name: k for name, (_, _, k) in loops.rates.items()}}

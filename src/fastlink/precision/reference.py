@@ -102,7 +102,7 @@ class HighPrecision:
             if changed == self.position:
                 known |= tables_at(self.catalogue, known[changed], self.tables)
             for step in steps:
-                _take(step, known)
+                take(step, known)
         return known
 
     def _bits_of_small(self, known: Mapping[str, Any]) -> int:
@@ -140,7 +140,8 @@ def exact_turns(step: Fact | System) -> Fact | System:
     return replace(step, formula=ExactFormula(law.name, law.parameters, law.lines, law.names))
 
 
-def _take(step: Fact | System, known: dict[str, Any]) -> None:
+def take(step: Fact | System, known: dict[str, Any]) -> None:
+    """Add the values of a step: those of doubles where a quotient by zero has no value in mpmath."""
     try:
         evaluate_step(step, known)
     except (ZeroDivisionError, ValueError, OverflowError):

@@ -60,6 +60,14 @@ KINDS: dict[str, tuple[dict[str, Any], dict[str, float], int]] = {
         FOUR_BAR | {"slope_of_slot": 1.1},
         2,
     ),
+    "rpp on lines of two pivots": (
+        {
+            "ground": OD | {"E": (0, 0.2)},
+            "dyads": {"Y": {"rpp": "A", "along": ("O", "D")}, "Z": {"rpp": "A", "along": ("E", "O")}},
+        },
+        {"a1": 0.1, "a4": 0.4},
+        1,
+    ),
     "prp of two links": (
         {"ground": OD, "dyads": {"B": RRR, "X": {"prp": (("A", "B"), ("O", "A"))}}},
         FOUR_BAR,
@@ -86,6 +94,18 @@ KINDS: dict[str, tuple[dict[str, Any], dict[str, float], int]] = {
         FOUR_BAR | {"b": 0.08, "a2": 0.4, "a4": 0.3, "f": 0.3},
         2,
     ),
+    "gear on a crank": (
+        {
+            "ground": OD,
+            "dyads": {
+                "E": {"gear": ("O", "D"), "about": "A", "ratio": -3, "length": "b", "phase": "f"},
+                "F": {"rrr": ("E", "D"), "lengths": ("a2", "a3")},
+                "H": {"gear": ("E", "F"), "about": "A", "ratio": 2, "length": "b"},
+            },
+        },
+        FOUR_BAR | {"b": 0.08, "a2": 0.4, "a3": 0.45, "f": 0.3},
+        2,
+    ),
     "all of them": (
         {
             "ground": OD | {"C": (0.1, -0.3)},
@@ -96,7 +116,7 @@ KINDS: dict[str, tuple[dict[str, Any], dict[str, float], int]] = {
                 "Q": {"on": "lever", "at": (0.5, 0.02)},
                 "second": {"rpr": ("B", "Q"), "offset": 0.01},
                 "R": {"rrr": ("Q", "D"), "lengths": (0.6, 0.7)},
-                "E": {"gear": ("P", "B"), "about": "C", "ratio": 2, "length": 0.1},
+                "E": {"gear": ("D", "B"), "about": "C", "ratio": 2, "length": 0.1},
                 "H": {"rrr": ("E", "R"), "lengths": (0.7, 0.8)},
             },
         },
@@ -125,9 +145,14 @@ LOADED: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
         {"Y": (1.0, 2.0), "sliderY": 3.0},
     ),
     "prp": ({"AB": body(1), "DB": body(2), "X": 2.0}, {"X": (3.0, -2.0)}),
+    "rpp on lines of two pivots": ({"Y": 2.0, "sliderZ": body(1)}, {"Z": (3.0, -2.0)}),
     "prp of two links": ({"AB": body(1), "DB": body(2), "X": 1.0}, {"X": (1.0, 2.0)}),
     "a plate by its sides": ({"AB": body(1), "DB": body(2), "P": 2.0}, {"P": (3.0, -2.0)}),
     "gear": ({"DE": body(1), "AF": body(2), "EF": "round_bar"}, {"F": (3.0, -2.0), "DE": 0.3}),
+    "gear on a crank": (
+        {"AE": body(1), "EF": body(2), "DF": body(1), "AH": body(3)},
+        {"F": (3.0, -2.0), "AH": 0.3, "AE": 0.2},
+    ),
     "all of them": (
         {
             "AB": body(1),
@@ -271,8 +296,13 @@ REFUSED = {
     "no pivot and no dyads": ({"crank": {"A": ("Q", "a1")}, "dyads": 3}, "'Q' is no point", "known"),
     "driven by the ground": (
         {"dyads": {"E": {"gear": ("O", "D"), "about": "D", "ratio": 2, "length": "b"}}},
-        "dyads.E.gear: O and D are of the ground",
+        "dyads.E.gear: O, D and D are of one link, on which nothing turns",
         '"gear"',
+    ),
+    "two pivots in one place": (
+        {"ground": OD | {"E": (0, 0)}, "dyads": {"Y": {"rpp": "A", "along": ("O", "E")}}},
+        "dyads.Y: O and E are in one place",
+        "that are apart",
     ),
     "no direction": (
         {"dyads": {"B": {"rpp": "A", "along": ("O", "O")}}},

@@ -487,17 +487,18 @@ class Forces:
 
     def solve_gear(self, placed: Placed) -> None:
         """Write the force and the torque on a bar that a gear or a belt turns."""
-        (bar, driver), (pivot,), ratio = (
-            (self.bodies[link.name] for link in placed.links),
-            placed.points,
-            placed.by,
-        )
-        force, about = self.needs(bar)
-        self.pin(bar, pivot, self.owner(pivot), force)
+        (bar, driver, arm), (pivot,), ratio = placed.links, placed.points, float(placed.by)
+        body = self.bodies[bar.name]
+        force, about = self.needs(body)
+        self.pin(body, pivot, self.owner(pivot), force)
         name = f"torque_{bar.name}"
         self.writer.fact(f"{name} [N m] T_{bar.name}: Torque of the gear or belt on {bar.name}", f"= {about}")
-        driver.turned.append(f"{ratio} * {name}")
-        self.turn(name, (bar, "1.0"), (driver, negative(ratio)), (None, f"{float(ratio) - 1.0}"))
+        given: list[tuple[Body | None, str]] = [(body, "1.0")]
+        for link, factor in ((driver, ratio), (arm, 1.0 - ratio)):
+            if (by := self.bodies.get(link.name)) is not None:
+                by.turned.append(f"{factor} * {name}")
+            given.append((by, f"{-factor}"))
+        self.turn(name, *given)
 
     def solve_crank(self, placed: Placed) -> None:
         """Write the force on the crank; its torque is that of the power."""

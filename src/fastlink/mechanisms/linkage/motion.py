@@ -129,6 +129,11 @@ def plus(a: str, b: str) -> str:
     return b if a == "0.0" else (a if b == "0.0" else f"{a} + {b}")
 
 
+def _angle_of(unit: Pair) -> str:
+    """Return the angle of a unit vector in the loops."""
+    return unit[0].removeprefix("cos(").removesuffix(")")
+
+
 def _along(point: Pair, distance: str, unit: Pair) -> Pair:
     """Return the place that is so far from a point along a unit vector, as text."""
     return plus(point[0], times(distance, unit[0])), plus(point[1], times(distance, unit[1]))
@@ -352,6 +357,10 @@ class Writer:
             return link.axis, link.in_loops
         (a, b), (c, d) = self.points[start], self.points[end]
         unit, x, y = f"axis_{start}{end}", minus(c, a), minus(d, b)
+        if (x, y) == ("0.0", "0.0"):
+            raise InputError(f"{start} and {end} are in one place", (), "write two points that are apart")
+        # of a zero without units nobody could tell that it is a length
+        x, y = (f"{y} - ({y})" if x == "0.0" else x), (f"{x} - ({x})" if y == "0.0" else y)
         for axis, of in (("x", x), ("y", y)):
             head = f"step {unit}_{axis} [1] u_{axis}: Direction from {start} to {end}, {axis}"
             self.once(head, f"= ({of}) / magnitude({x}, {y})")
@@ -884,14 +893,15 @@ class Writer:
         return u, v
 
     def write_gear(self, name: str, given: Mapping[str, Any]) -> None:
-        """Write a bar that a gear or a belt of a whole ratio turns with another, about a pivot of the ground."""
+        """Write a bar that a gear or a belt of a whole ratio turns with another, both about pivots of one link."""
         first, second = self.pair(("gear",), given["gear"], "points of the bar that drives it")
         start, end = (self.point(("gear",), one) for one in (first, second))
         driver = self.link_of(("gear",), start, end)
-        if not driver.rate:
-            what = f"{start} and {end} are of the ground, which turns nothing"
-            raise InputError(what, ("gear",), f"write {SHAPES['gear']}")
         pivot, ratio = self.point(("about",), given["about"]), given["ratio"]
+        arm = self.link_of(("about",), start, pivot)
+        if arm is driver:
+            what = f"{start}, {end} and {pivot} are of one link, on which nothing turns"
+            raise InputError(what, ("gear",), f"write {SHAPES['gear']}")
         if isinstance(ratio, bool) or not isinstance(ratio, int) or not 1 <= abs(ratio) <= MOST_RATIO:
             what = f"is {short_repr(ratio)}: another ratio goes on for several turns of the crank"
             raise InputError(
@@ -906,28 +916,30 @@ class Writer:
             "rad",
             f"angle of {bar} beyond that of its drive",
         )
-        (ux, uy), (lx, _ly) = self.direction(driver, start, end)
-        lines = [f"x, y = {ux}, {uy}", "u, v = x, y"] + ["u, v = u * x - v * y, u * y + v * x"] * (
-            abs(ratio) - 1
-        )
+        (ux, uy), in_loops = self.direction(driver, start, end)
+        (ax, ay), of_arm = self.direction(arm, start, pivot) if arm.rate else (("1.0", "0.0"), ("", ""))
+        seen = f"{ux} * {ax} + {uy} * {ay}, {uy} * {ax} - {ux} * {ay}" if arm.rate else f"{ux}, {uy}"
+        lines = [f"x, y = {seen}", "u, v = x, y"] + ["u, v = u * x - v * y, u * y + v * x"] * (abs(ratio) - 1)
         if phase != "0.0":
             lines.append(f"c, s = cosine({phase}), sine({phase})")
         v = "v" if ratio > 0 else "-v"
         turned = ("u", v) if phase == "0.0" else (f"u * c - {v} * s", f"u * s + {v} * c")
+        if arm.rate:
+            lines.append(f"p, q = {turned[0]}, {turned[1]}")
+            turned = (f"p * {ax} - q * {ay}", f"p * {ay} + q * {ax}")
         for axis, of in zip("xy", turned, strict=True):
             self.fact(f"step axis_{bar}_{axis} [1] u_{axis}: Direction of {bar}, {axis}", *lines, f"= {of}")
         rate = f"n_{bar}"
         self.fact(
             f"step {rate} [1] n_{bar}: Angular velocity of {bar} over that of the crank",
-            f"= {float(ratio)} * {driver.rate}",
+            f"= {plus(times(f'{float(ratio)}', driver.rate or '0.0'), times(f'{1.0 - ratio}', arm.rate or '0.0'))}",
         )
         self.turning(f"axis_{bar}", rate)
         link = self.add_link(bar, [pivot, name], f"axis_{bar}", rate)
-        self.placed.append(Placed("gear", bar, (link, driver), (pivot,), by=f"{ratio}.0"))
-        angle = link.angle
-        own = re.fullmatch(r"cos\((\w+)\)", lx)
-        turns = f"{ratio}.0 * {own[1] if own else driver.angle}" + ("" if phase == "0.0" else f" + {phase}")
-        self.rows.append(f"    | sin({angle} - ({turns}))")
+        self.placed.append(Placed("gear", bar, (link, driver, arm), (pivot,), by=f"{ratio}.0"))
+        turns = f"{ratio}.0 * {_angle_of(in_loops)}" + ("" if phase == "0.0" else f" + {phase}")
+        turns += f" + {1.0 - ratio} * {_angle_of(of_arm)}" if arm.rate else ""
+        self.rows.append(f"    | sin({link.angle} - ({turns}))")
         self.add_bar(bar, pivot, name, length)
 
     # -- the sheet -----------------------------------------------------------------------------------------------------
