@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from functools import cache, cached_property, partial
 from typing import TYPE_CHECKING, Any
 
+from fastlink.facts.derivative import NoDependence
 from fastlink.facts.evaluate import read_facts, steps_of
 from fastlink.facts.fact import Loops, System
 from fastlink.facts.formula import Formula
@@ -988,7 +989,10 @@ def _made_of(catalogue: Catalogue, orders: Mapping[str, int]) -> dict[str, int]:
     (given, variant), varies = _given(catalogue, orders), catalogue.varies
     found: dict[str, int] = {}
     for name in catalogue.public:
-        steps = () if name in orders else tuple(catalogue.dependencies([name], {*given, *found}, variant))
+        try:
+            steps = () if name in orders else tuple(catalogue.dependencies([name], {*given, *found}, variant))
+        except NoDependence:  # of the derivative of a curve, which is given here
+            continue
         own = {each for step in steps for each in step.names}
         known = (
             isinstance(step, System) or step.name in catalogue.public or not varies(step.name)

@@ -12,6 +12,7 @@ import fastlink as fl
 
 O, OD = {"O": (0, 0)}, {"O": (0, 0), "D": ("a4", 0)}
 RRR = {"rrr": ("A", "D"), "lengths": ("a2", "a3")}
+CRANK = {"crank": {"A": ("O", "a1")}}
 FOUR_BAR = {"a1": 0.1, "a2": 0.3, "a3": 0.35, "a4": 0.4}
 #: Each kind: its declaration, a design, and how many branches there are.
 KINDS: dict[str, tuple[dict[str, Any], dict[str, float], int]] = {
@@ -106,6 +107,18 @@ KINDS: dict[str, tuple[dict[str, Any], dict[str, float], int]] = {
         FOUR_BAR | {"b": 0.08, "a2": 0.4, "a3": 0.45, "f": 0.3},
         2,
     ),
+    "slider that drives": (
+        {
+            "slider": {"A": {"along": ("O", 0.3), "stroke": ("s1", "s2")}},
+            "ground": O | {"D": (0.3, 0.4)},
+            "dyads": {
+                "B": {"rrr": ("A", "D"), "lengths": (0.35, 0.3)},
+                "lever": {"rpr": ("B", "O"), "offset": 0.02},
+            },
+        },
+        {"s1": 0.1, "s2": 0.25},
+        4,
+    ),
     "all of them": (
         {
             "ground": OD | {"C": (0.1, -0.3)},
@@ -153,6 +166,10 @@ LOADED: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
         {"AE": body(1), "EF": body(2), "DF": body(1), "AH": body(3)},
         {"F": (3.0, -2.0), "AH": 0.3, "AE": 0.2},
     ),
+    "slider that drives": (
+        {"A": 1.5, "AB": body(1), "DB": body(2), "lever": body(3)},
+        {"B": (3.0, -2.0), "lever": 0.3},
+    ),
     "all of them": (
         {
             "AB": body(1),
@@ -175,10 +192,10 @@ def loaded(kind: str) -> tuple[str, dict[str, Any], list[str]]:
     masses, loads = LOADED[kind]
     mechanism = fl.linkage(
         kind.split()[0] + "_1",
-        crank={"A": ("O", "a1")},
-        masses={"OA": body(0)} | masses,
+        masses=masses if "slider" in declared else {"OA": body(0)} | masses,
         loads=loads,
         gravity=(0.5, -9.81),
+        **({} if "slider" in declared else CRANK),
         **declared,
     )
     varied = {name: value * np.array([1.0, 1.03, 0.97]) for name, value in design.items()} | {"omega": 3.0}
@@ -290,6 +307,13 @@ REFUSED = {
         "did you mean",
     ),
     "gravity of one number": ({"dyads": {"B": RRR}, "gravity": 9.81}, "gravity is 9.81", "two components"),
+    "no drive": ({"crank": None, "dyads": {"B": RRR}}, "linkage has no drive", "slider="),
+    "two drives": ({"slider": {"A": {}}, "dyads": {"B": RRR}}, "linkage has two drives", "or slider="),
+    "no stroke": (
+        {"crank": None, "slider": {"A": ("O", 0)}, "dyads": {"B": RRR}},
+        "slider.A is ['O', 0]",
+        '"stroke"',
+    ),
     "no pivot": ({"crank": {"A": ("Q", "a1")}, "dyads": {"B": RRR}}, "'Q' is no point", "known"),
     "no ground": ({"ground": 3, "dyads": {"B": RRR}}, "ground is 3", "write pivots"),
     "no dyads": ({"dyads": {}}, "dyads is {}", "write such as"),
@@ -362,7 +386,7 @@ def with_one_changed(declared: Any, to: Any) -> Iterator[Any]:
 
 
 OF_STRESS = [3, 0.5, None, True, "", "no name", [], ["O", "A"], {}, {"O": 1}]
-CHANGED = [(kind, "O") for kind in ("rrp", "rpr", "rpp")]
+CHANGED = [(kind, "O") for kind in ("rrp", "rpr", "rpp", "slider that drives")]
 CHANGED += [
     pytest.param(kind, to, marks=pytest.mark.stress)
     for kind in KINDS
@@ -374,11 +398,11 @@ CHANGED += [
 @pytest.mark.parametrize(("kind", "to"), CHANGED)
 def test_whatever_part_is_another_it_is_refused_with_a_remedy_or_means_something(kind: str, to: Any) -> None:
     masses, loads = LOADED[kind]
-    forces = {"masses": {"OA": body(0)} | masses, "loads": loads, "gravity": (0, "g")}
-    declared = {"crank": {"A": ("O", "a1")}} | KINDS[kind][0]
+    forces = {"masses": masses, "loads": loads, "gravity": (0, "g")}
+    declared = ({} if "slider" in KINDS[kind][0] else CRANK) | KINDS[kind][0]
     declared |= forces if to in (3, 0.5, None, True, "", [], {}) or kind in ("rpr", "gear") else {}
     for changed in with_one_changed(declared, to):
-        if not isinstance(changed, dict) or not {"ground", "crank", "dyads"} <= changed.keys():
+        if not isinstance(changed, dict) or not {"ground", "dyads"} < changed.keys():
             continue
         problems: list[Any] = []
         try:

@@ -16,7 +16,7 @@ from tests.mechanisms.linkages.declared import (
     six_bars,
     slider_cranks,
 )
-from tests.mechanisms.linkages.test_dyads import KINDS
+from tests.mechanisms.linkages.test_dyads import CRANK, KINDS
 
 import fastlink as fl
 from fastlink.codegen.kernel import llvm_text
@@ -203,7 +203,8 @@ def test_no_sample_of_many_six_bars(seed: int) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_no_sample_of_any_kind_of_dyad_is_beyond_its_extremes(kind: str) -> None:
     declared, design, branches = KINDS[kind]
-    mechanism, rng = fl.linkage("any", crank={"A": ("O", "a1")}, **declared), np.random.default_rng(len(kind))
+    drive = {} if "slider" in declared else CRANK
+    mechanism, rng = fl.linkage("any", **drive, **declared), np.random.default_rng(len(kind))
     designs = {name: value * rng.uniform(0.5, 1.6, 600) for name, value in design.items()} | {"omega": 2.0}
     names = [
         one.name for one in fl.quantities(mechanism) if one.name.endswith(("_x", "_y", "_speed", "_rate"))

@@ -42,7 +42,8 @@ def linkage(
     name: str = "linkage",
     *,
     ground: Mapping[str, Any],
-    crank: Mapping[str, Any],
+    crank: Mapping[str, Any] | None = None,
+    slider: Mapping[str, Any] | None = None,
     dyads: Mapping[str, Any],
     title: str = "",
     defaults: Mapping[str, float] | None = None,
@@ -64,6 +65,10 @@ def linkage(
     crank : mapping
         The pin of the crank, with its pivot and its length: ``{"A": ("O", "a1")}``. It turns by ``theta`` at the
         constant speed ``omega``.
+    slider : mapping
+        What drives in place of a crank: the pin of a slider, its fixed line, and the ends of its stroke,
+        ``{"A": {"along": ("O", "beta"), "stroke": ("s_1", "s_2")}}``. It goes to and fro as ``theta`` turns, by a
+        cosine; ``slide_A`` is its place.
     dyads : mapping
         What is placed one after the other, by the name of the point (or of the link with a slot):
 
@@ -138,14 +143,14 @@ def linkage(
             raise InputError(f"is {short_repr(value)}", (*where, str(key)), "write a number")
     if not isinstance(title, str) or not title.isprintable():
         raise InputError(f"is {short_repr(title)}", ("linkage", "title"), "write a text of one line")
-    declared: dict[str, Any] = {
-        "name": name,
-        "title": title,
-        "ground": ground,
-        "crank": crank,
-        "dyads": dyads,
-    }
-    declared |= {"defaults": dict(defaults or {})}
+    if (crank is None) == (slider is None):
+        remedy = (
+            'write crank={"A": ("O", "a1")}, or slider={"A": {"along": ("O", 0), "stroke": ("s_1", "s_2")}}'
+        )
+        raise InputError("has no drive" if crank is None else "has two drives", ("linkage",), remedy)
+    declared: dict[str, Any] = {"name": name, "title": title, "ground": ground}
+    declared |= {"slider": slider} if crank is None else {"crank": crank}
+    declared |= {"dyads": dyads, "defaults": dict(defaults or {})}
     of_forces = {"masses": masses, "loads": loads, "gravity": gravity}
     declared |= {part: given for part, given in of_forces.items() if given is not None}
     if not isinstance(name, str) or re.fullmatch("[A-Za-z](_?[A-Za-z0-9])*", name) is None:

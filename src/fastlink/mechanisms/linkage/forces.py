@@ -26,6 +26,7 @@ BAR = "round_bar"
 NONE: Pair = ("0.0", "0.0")
 #: What a link needs: parts of a force and a moment, with their units.
 PARTS = (("x", "N"), ("y", "N"), ("moment", "N m"))
+POWER = "input_power [W] P_in: Power of what drives"
 #: What vanishes, in whatever units.
 NOTHING = "0.0 * omega"
 
@@ -285,12 +286,13 @@ class Forces:
             x.append(force[0])
             y.append(force[1])
             about += [turning, moment(self.writer.points[body.at], force)]
-        crank = self.writer.links[1]
-        self.writer.fact(
-            f"torque [N m] T: Driving torque of the ground on the crank {crank.name}", f"= {total(power)}"
-        )
-        self.writer.fact("input_power [W] P_in: Power of the driving torque", "= torque * omega")
-        self.drawn.append(Torque("torque", crank.origin))
+        if self.writer.placed[0].kind == "crank":
+            crank = self.writer.links[1]
+            head = f"torque [N m] T: Driving torque of the ground on the crank {crank.name}"
+            self.writer.fact(head, f"= {total(power)}")
+            self.drawn.append(Torque("torque", crank.origin))
+            power = ["torque"]
+        self.writer.fact(POWER, f"= omega * ({total(power)})")
         for line in self.shaking(*(list(map(negative, terms)) for terms in (x, y, about))):
             self.writer.facts.append(line)
         self.size("shaking_force", "F", "Shaking force of all links on the ground")
@@ -507,6 +509,22 @@ class Forces:
         self.pin(crank, placed.points[0], None, force)
         self.turn("torque", (crank, "1.0"), (None, "-1.0"))
 
+    def solve_slider(self, placed: Placed) -> None:
+        """Write the forces on the slider that drives."""
+        slider, (line,), name = self.bodies[placed.name], placed.lines, placed.name
+        force, _ = self.needs(slider)
+        for unknown, of, text, unit in (
+            (f"driving_force_{name}", "what drives, along its line", line.in_loops, line.unit),
+            (
+                f"normal_force_{name}",
+                "the guide, to the left of its line",
+                left(line.in_loops),
+                left(line.unit),
+            ),
+        ):
+            along = total(times(*pair) for pair in zip(force, scaled("1.0", unit), strict=True))
+            self.guide(unknown, f"Force on {name} of {of}", along, text, name, slider, None)
+
     def turn(self, unknown: str, *on: tuple[Body | None, str]) -> None:
         """Note on what an unknown moment acts."""
         self.columns[unknown] = [
@@ -531,4 +549,7 @@ class Forces:
                         sign, factor = ("-", factor[1:]) if factor[0] == "-" else ("", factor)
                         terms.append("0.0" if factor == "0.0" else f"{sign}{times(unknown, factor)}")
         head = f"system reactions: {', '.join(self.columns)}"
-        return ["[variant dense]", head, *rows, *self.shaking(*shaking)]
+        lines = ["[variant dense]", head, *rows, *self.shaking(*shaking)]
+        if (drive := self.writer.placed[0]).kind == "slider":
+            lines += [POWER, f"    = driving_force_{drive.name} * slide_{drive.name}_rate"]
+        return lines

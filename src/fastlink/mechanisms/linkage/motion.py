@@ -160,6 +160,8 @@ class Writer:
         self.unknowns: list[str] = []
         self.rows: list[str] = []
         self.links: list[Link] = []
+        #: A length that is positive, of what drives.
+        self.scale = ""
         self.placed: list[Placed] = []
         #: What pins are of: a link, or a slider by its own name, where they join links.
         self.owners: dict[str, Link | str] = {}
@@ -424,7 +426,7 @@ class Writer:
         length = self.length(("crank", pin), second, name, "length of the crank")
         self.inputs["omega"] = ["omega [rad s-1] omega: angular velocity of the crank, constant"]
         axis = ("cos_theta", "sin_theta")
-        radius = f"{length}_or_none"
+        radius, self.scale = f"{length}_or_none", length
         self.fact(
             f"step {radius} [m] {length}: Length of the crank {name}, which is positive",
             f"= select({length} > 0.0, {length}, NOT_A_NUMBER)",
@@ -434,6 +436,50 @@ class Writer:
         self.placed.append(Placed("crank", pin, (self.links[-1],), (pivot,)))
         self.fact("step crank_rate [1] n: Angular velocity of the crank over itself", "= 1.0")
         self.add_bar(name, pivot, pin, length, (f"{radius} * cos_theta", f"{radius} * sin_theta"))
+
+    def write_slider(self) -> None:
+        """Write the slider that drives to and fro: at one end of its stroke at 0, at the other half a turn later."""
+        slider = self.declared["slider"]
+        shape = 'write {"A": {"along": ("O", "beta"), "stroke": ("s_1", "s_2")}}'
+        if not isinstance(slider, Mapping) or len(slider) != 1:
+            raise InputError(f"is {short_repr(slider)}", ("slider",), shape)
+        ((pin, given),) = slider.items()
+        where: KeyPath = ("slider", pin)
+        self.new_name(("slider",), pin)
+        if not isinstance(given, Mapping) or given.keys() != {"along", "stroke"}:
+            raise InputError(f"is {short_repr(given)}", where, shape)
+        line = self.line((*where, "along"), given["along"])
+        ends = self.pair((*where, "stroke"), given["stroke"], "places on the line")
+        one, other = (
+            self.value(
+                (*where, "stroke"), end, f"stroke_{pin}_{k}", "m", f"end of the stroke of {pin}, number {k}"
+            )
+            for k, end in enumerate(ends, 1)
+        )
+        self.inputs["omega"] = [
+            "omega [rad s-1] omega: rate of theta, a turn of which is a stroke to and fro; constant"
+        ]
+        self.scale, slide = f"stroke_{pin}", f"slide_{pin}"
+        length = minus(other, one)
+        self.fact(
+            f"step {self.scale} [m] h: Stroke of {pin}, which is positive",
+            f"= select({length} > 0.0, {length}, NOT_A_NUMBER)",
+        )
+        at = f"0.5 * ({plus(one, other)}"
+        self.fact(
+            f"{slide} [m] s_{pin}: Place of the slider {pin} on its line, from {line.start}",
+            f"= {at} - {self.scale} * cos_theta)",
+        )
+        self.add_slide(pin, slide)
+        self.rows.append(f"    | {slide} - {at} - ({length}) * cos(theta))")
+        self.placed.append(Placed("slider", pin, lines=(line,)))
+        self.owners[pin] = pin
+        self.add_point(
+            pin,
+            _along(self.points[line.start], slide, line.unit),
+            _along(self.in_loops[line.start], slide, line.in_loops),
+            "slider",
+        )
 
     def add_bar(self, name: str, start: str, end: str, length: str, at: Pair | None = None) -> None:
         """Write the end of a bar, whose link is the last."""
@@ -714,7 +760,7 @@ class Writer:
                     f"= {reach}_{axis} / {slide}",
                 )
         else:
-            scale = next(iter(self.bars[0].lengths.values()))
+            scale = self.scale
             self.add_reach_squared(name, d, a)
             self.fact(
                 f"step gap_{name} [1] s^2: Square of the place of {a} along the slot, over that of the crank",
@@ -946,7 +992,8 @@ class Writer:
 
     def place(self) -> None:
         """Write the motion of all points and links, or raise all problems of the declaration."""
-        for write in (self.write_ground, self.write_crank, self.write_dyads):
+        drives = self.write_slider if "slider" in self.declared else self.write_crank
+        for write in (self.write_ground, drives, self.write_dyads):
             with self.within():
                 write()
             self.problems.stop()
@@ -988,9 +1035,12 @@ class Writer:
             for lines in self.inputs.values()
             for line in (lines[0], *(f"    {one}" for one in lines[1:]))
         ]
+        drive = f"crank angle; direction of {self.links[1].name}"
+        if "slider" in self.declared:
+            drive = f"place of {self.placed[0].name} in its stroke; at the ends at 0 and pi"
         parts = ["[mechanism]", f"{name}: {title}", "[position]"]
         parts += [
-            f"theta [rad] theta: crank angle; direction of {self.links[1].name}",
+            f"theta [rad] theta: {drive}",
             "[branches]",
             *branches,
         ]
