@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from fastlink.facts.derivative import NoDependence
 from fastlink.facts.evaluate import read_facts, steps_of
-from fastlink.facts.fact import Loops, System
+from fastlink.facts.fact import Fact, Loops, System
 from fastlink.facts.formula import Formula
 from fastlink.facts.names import Derivative, Quantity, Size
 from fastlink.precision.loops import (
@@ -967,14 +967,22 @@ def _of_loops(catalogue: Catalogue, loops: Loops) -> Model:
 
         if further:
             known = {**at, **values}
-            for step in made:
+            models = (name for name, inputs in catalogue.variant_inputs.items() if inputs.keys() <= at.keys())
+            for step in made_by(tuple(models)):
                 if all(ctx.isfinite(known.get(need, ctx.nan)) for need in step.depends_on):
                     take(step, known)
             values |= {name: known.get(name, ctx.nan) for name in of_these}
 
     orders = {**dict.fromkeys(loops.unknowns, 0), **{name: k for name, (_, _, k) in loops.rates.items()}}
     of_these = _made_of(catalogue, orders)
-    made = [exact_turns(step) for step in steps_of(catalogue, of_these, *_given(catalogue, orders))]
+
+    @cache
+    def made_by(models: tuple[str, ...]) -> list[Fact | System]:
+        """Return the steps of further quantities, where models of the links stand for inputs."""
+        given, variants = _given(catalogue, orders)
+        given -= {name for model in models for name in catalogue.variants.get(model, {})}
+        return [exact_turns(step) for step in steps_of(catalogue, of_these, given, (*variants, *models))]
+
     return Model(orders | of_these, (), configuration, lambda ctx, at, values: None, tuple(of_these))
 
 

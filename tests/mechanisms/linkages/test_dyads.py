@@ -186,8 +186,8 @@ LOADED: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
 }
 
 
-def loaded(kind: str) -> tuple[str, dict[str, Any], list[str]]:
-    """Return the mechanism of a kind with masses, loads and gravity, three designs, and its quantities."""
+def loaded(kind: str) -> tuple[str, dict[str, Any], list[str], dict[str, Any]]:
+    """Return the mechanism of a kind with masses, loads and gravity, three designs, its quantities, a model of bars."""
     declared, design, _ = KINDS[kind]
     masses, loads = LOADED[kind]
     mechanism = fl.linkage(
@@ -199,17 +199,16 @@ def loaded(kind: str) -> tuple[str, dict[str, Any], list[str]]:
         **declared,
     )
     varied = {name: value * np.array([1.0, 1.03, 0.97]) for name, value in design.items()} | {"omega": 3.0}
-    if "round_bar" in masses.values():
-        varied |= {"density": 7800.0, "radius": 0.01}
+    of_bars = {"links": fl.round_bar(density=7800.0, radius=0.01)} if "round_bar" in masses.values() else {}
     every = [one.name for one in fl.quantities(mechanism) if "theta" not in one.name and one.name != "status"]
-    return mechanism, varied, every
+    return mechanism, varied, every, of_bars
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_motion_and_forces_are_those_of_the_loops_and_of_all_links_at_once(kind: str, tmp_path: Any) -> None:
-    mechanism, varied, every = loaded(kind)
+    mechanism, varied, every, of_bars = loaded(kind)
     branch = tuple({1, min(2, KINDS[kind][2]), KINDS[kind][2]})
-    maps = fl.sweep(mechanism, varied, every, branch=branch, positions=12, to=tmp_path / "maps.h5")
+    maps = fl.sweep(mechanism, varied, every, branch=branch, positions=12, to=tmp_path / "maps.h5", **of_bars)
     assert maps.attrs["verify_mismatches"] == 0
     told = {name: maps[name].attrs.get("independent_max_difference") for name in every}
     # the angles of transmission alone have no loop, and are in no equation of forces
@@ -220,11 +219,11 @@ def test_motion_and_forces_are_those_of_the_loops_and_of_all_links_at_once(kind:
 
 @pytest.mark.parametrize("kind", [pytest.param(one, marks=pytest.mark.stress) for one in KINDS])
 def test_the_equations_of_all_links_by_kernels_are_solved_by_the_dyads(kind: str) -> None:
-    mechanism, varied, every = loaded(kind)
+    mechanism, varied, every, of_bars = loaded(kind)
     forces = [name for name in every if any(word in name for word in ("force", "torque", "moment"))]
     branch = tuple({1, min(2, KINDS[kind][2]), KINDS[kind][2]})
     by_dyads, at_once = (
-        fl.sweep(mechanism, varied, forces, branch=branch, positions=24, solver=one, verify=2)
+        fl.sweep(mechanism, varied, forces, branch=branch, positions=24, solver=one, verify=2, **of_bars)
         for one in ("eliminated", "dense")
     )
     assert at_once.attrs["verify_mismatches"] == 0

@@ -26,6 +26,13 @@ BAR = "round_bar"
 NONE: Pair = ("0.0", "0.0")
 #: What a link needs: parts of a force and a moment, with their units.
 PARTS = (("x", "N"), ("y", "N"), ("moment", "N m"))
+ROUND_BARS = (
+    "[variant round_bar]",
+    "density [kg m-3] rho: density of the round bars",
+    "    rule: non-negative",
+    "radius [m] r_b: radius of the round bars",
+    "    rule: non-negative",
+)
 POWER = "input_power [W] P_in: Power of what drives"
 #: What vanishes, in whatever units.
 NOTHING = "0.0 * omega"
@@ -102,14 +109,15 @@ class Forces:
         #: By unknown the links on which it acts: the parts along x and y of a force of 1, and its moment.
         self.columns: dict[str, list[tuple[str, str, str, str]]] = {}
         self.drawn: list[Force | Torque] = []
+        self.round_bars: list[str] = []
 
     def write(self) -> list[str]:
-        """Write all facts of force; return the lines of the variant."""
+        """Write all facts of force; return the lines of the variants."""
         self.read()
         self.write_sums()
         for placed in reversed(self.writer.placed):
             getattr(self, f"solve_{placed.kind}")(placed)
-        return self.variant()
+        return self.variants()
 
     # -- what is declared ----------------------------------------------------------------------------------------------
 
@@ -184,15 +192,18 @@ class Forces:
         self.add_mass(body, mass, inertia, (u, v))
 
     def round_bar(self, link: Link) -> Pair:
-        """Return mass and moment of inertia of a round bar."""
+        """Return mass and moment of inertia of a round bar: inputs, in whose place the variant has formulas."""
         value, length, name = self.writer.value, link.length, link.name
-        density = value((), "density", "", "kg m-3", "density of the round bars", "non-negative")
-        radius = value((), "radius", "", "m", "radius of the round bars", "non-negative")
-        head = f"step mass_{name} [kg] m_{name}: Mass of the round bar {name}"
-        self.writer.fact(head, f"= {density} * PI * ({radius} * {radius}) * {length}")
-        head = f"step inertia_{name} [kg m2] I_{name}: Moment of inertia of the round bar {name}"
-        self.writer.fact(head, f"= mass_{name} * ({length} * {length} / 12.0 + 0.25 * ({radius} * {radius}))")
-        return f"mass_{name}", f"inertia_{name}"
+        mass = value((), f"mass_{name}", "", "kg", f"mass of the bar {name}", "non-negative")
+        about = f"moment of inertia of the bar {name}; about its middle"
+        inertia = value((), f"inertia_{name}", "", "kg m2", about, "non-negative")
+        self.round_bars += [
+            f"{mass} [kg] m_{name}: mass of the bar {name}",
+            f"    = density * PI * (radius * radius) * {length}",
+            f"{inertia} [kg m2] I_{name}: {about}",
+            f"    = {mass} * ({length} * {length} / 12.0 + 0.25 * (radius * radius))",
+        ]
+        return mass, inertia
 
     def read_load(self, name: str, given: Any) -> None:
         """Read a force on a point, or a torque on a link."""
@@ -533,8 +544,8 @@ class Forces:
 
     # -- all links at once ---------------------------------------------------------------------------------------------
 
-    def variant(self) -> list[str]:
-        """Return the lines of the variant that solves the equations of all links."""
+    def variants(self) -> list[str]:
+        """Return the lines of the variants: round bars, and the one that solves the equations of all links."""
         rows = []
         for body in self.bodies.values():
             for k, value in enumerate(body.dense[: 3 if body.link else 2], 1):
@@ -549,7 +560,8 @@ class Forces:
                         sign, factor = ("-", factor[1:]) if factor[0] == "-" else ("", factor)
                         terms.append("0.0" if factor == "0.0" else f"{sign}{times(unknown, factor)}")
         head = f"system reactions: {', '.join(self.columns)}"
-        lines = ["[variant dense]", head, *rows, *self.shaking(*shaking)]
+        lines = [*ROUND_BARS, *self.round_bars] if self.round_bars else []
+        lines += ["[variant dense]", head, *rows, *self.shaking(*shaking)]
         if (drive := self.writer.placed[0]).kind == "slider":
             lines += [POWER, f"    = driving_force_{drive.name} * slide_{drive.name}_rate"]
         return lines
