@@ -162,6 +162,8 @@ class Writer:
         self.links: list[Link] = []
         #: A length that is positive, of what drives.
         self.scale = ""
+        #: The dyad under way.
+        self.current = ""
         self.placed: list[Placed] = []
         #: What pins are of: a link, or a slider by its own name, where they join links.
         self.owners: dict[str, Link | str] = {}
@@ -224,10 +226,20 @@ class Writer:
         if isinstance(name, str) and name in self.points:
             return name
         dyads = self.declared["dyads"]
-        later = isinstance(name, str) and isinstance(dyads, Mapping) and name in dyads
-        remedy = f"declare {name} before it" if later else suggest(str(name), list(self.points))
-        what = f"{name} is placed later" if later else f"{short_repr(name)} is no point"
-        raise InputError(what, where, remedy)
+        if not isinstance(name, str) or not isinstance(dyads, Mapping) or name not in dyads:
+            raise InputError(f"{short_repr(name)} is no point", where, suggest(str(name), list(self.points)))
+        needed, found = {name}, [name]
+        while found:
+            further = set(re.findall(r"\w+", str(dyads[found.pop()]))).intersection(dyads) - needed
+            needed |= further
+            found += further
+        group = sorted(needed - self.points.keys())
+        if self.current not in group:
+            raise InputError(f"{name} is placed later", where, f"declare {name} before it")
+        what = (
+            f"{name} stands on {self.current} itself: {', '.join(group)} are an Assur group of higher class"
+        )
+        raise InputError(what, where, "write dyads, each of which stands on points before it")
 
     def pair(self, where: KeyPath, given: Any, noun: str) -> tuple[Any, Any]:
         """Return two entries of a list."""
@@ -529,6 +541,7 @@ class Writer:
         if not isinstance(dyads, Mapping) or not dyads:
             raise InputError(f"is {short_repr(dyads)}", ("dyads",), f'write such as {{"B": {SHAPES["rrr"]}}}')
         for name, given in dyads.items():
+            self.current = name
             with self.within("dyads", str(name)):
                 self.new_name((), name)
                 words = list(given) if isinstance(given, Mapping) else []
