@@ -398,19 +398,19 @@ def test_random_closed_paths(seed):
 
 
 @pytest.mark.parametrize("compiler", ["llvm", pytest.param("numba", marks=pytest.mark.stress)])
-@pytest.mark.parametrize("timed", [False, True])
-def test_the_kernel_has_the_bits_of_its_text(compiler, timed):
+@pytest.mark.parametrize(("timed", "slider"), [(False, False), (True, False), (False, True)])
+def test_the_kernel_has_the_bits_of_its_text(compiler, timed, slider):
     """Nine linkages with limits, eight abreast and one alone: the text run as Python, and compiled."""
     source, rng = paths.refinement(), np.random.default_rng(1)
     angle = TURN * np.arange(7) / 7
     target = np.stack([np.cos(angle), 0.4 * np.sin(angle) + 0.1 * np.cos(2 * angle)], axis=1)
-    task = paths.PathTask(target @ [1, 1j], angle if timed else None, closed=True)
+    task = paths.PathTask(target @ [1, 1j], angle if timed else None, closed=True, slider=slider)
     starts = paths.starts_of(task, 64, 9, 0).at(slice(0, 9))
     upper = np.array([3.0, 3, 3, 3, 1, 1, *[np.inf] * 4])
     scratch = [np.zeros(one.lengths(2 * 7 + 10)) for one in source.scratch]
-    options = np.array([timed, True, True], dtype=np.int64)
-    rest = (target, np.ones(7), angle, options, np.ones(10) - (np.arange(10) == 9) * (not timed), -upper, upper,
-            np.zeros(1), 4)  # fmt: skip
+    options = np.array([timed, True, True, slider], dtype=np.int64)
+    free = np.array([1.0, 1, 1, not slider, 1, 1, 1, 1, 1, timed])
+    rest = (target, np.ones(7), angle, options, free, -upper, upper, np.zeros(1), 4)
     made = []
     for code in (kernels.kernel, load_kernel(source, compiler)):
         given = [part.copy() for part in (starts.numbers, starts.signs, starts.theta, starts.cost)]

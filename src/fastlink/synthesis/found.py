@@ -6,7 +6,7 @@ import contextlib
 import hashlib
 import os
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from pathlib import Path
@@ -38,7 +38,7 @@ from fastlink.space.units import PI, in_si, scaled, split
 from fastlink.synthesis import functions, nine_points, paths, poses
 from fastlink.synthesis.paths import NUMBERS, wrapped
 
-__all__ = ["DEFECTS", "Linkages", "from_pins", "synthesise"]
+__all__ = ["DEFECTS", "Linkages", "synthesise"]
 
 Floats = NDArray[np.float64]
 
@@ -65,11 +65,17 @@ THROUGH_NINE, NEARLY = 4, 1e-4
 # -- Linkages, and what is wrong with them
 
 
+#: The arrays of linkages.
+ARRAYS = ("numbers", "theta", "side", "starts")
+
+
 @dataclass(eq=False)
 class Linkages:
     """Linkages that were found, as arrays along the first axis: what `paths`, `poses` and `functions` have in common.
 
-    The numbers are those of `paths.NUMBERS`: lengths a1 to a4, the coupler point, O, the direction of OD, the phase.
+    The numbers are those of `paths.NUMBERS`: lengths a1 to a4, the coupler point, O, the direction of OD, the phase;
+    or of `paths.SLIDER`, with the direction of the slider's line. D is infinitely far across that, and told by its
+    direction.
     """
 
     #: Their numbers; crank angles from OD at the points of the task; +1 where B is left of the line from A to D.
@@ -80,38 +86,20 @@ class Linkages:
     starts: NDArray[np.int64]
     #: Further results by name, along the first axis.
     more: dict[str, Any] = field(default_factory=dict)
+    #: Whether they are slider-cranks.
+    slider: bool = False
 
     def __len__(self) -> int:
         return len(self.numbers)
 
     def at(self, rows: Any) -> Linkages:
         """Return some of them."""
-        own = (part[rows] for part in (self.numbers, self.theta, self.side, self.starts))
-        numbers, theta, side, starts = own
-        return Linkages(numbers, theta, side, starts, {name: of[rows] for name, of in self.more.items()})
+        more = {name: of[rows] for name, of in self.more.items()}
+        return replace(self, **{name: getattr(self, name)[rows] for name in ARRAYS}, more=more)
 
     def pins(self) -> tuple[Any, ...]:
         """Return O and D, and A, B and P at the points of the task, in its frame."""
-        return paths.pins(self.numbers, self.theta, self.side)
-
-
-def from_pins(o: Any, d: Any, a: Any, b: Any, point: Any) -> Linkages:
-    """Return the linkages with the fixed pivots O, D (linkages) and the pins A, B and point P (linkages, points)."""
-    ground, bar = d - o, b - a
-    with np.errstate(all="ignore"):
-        place = ((point - a) / (bar / np.abs(bar))).mean(axis=1)
-        theta = np.angle((a - o[:, None]) / ground[:, None])
-    lengths = [
-        np.abs(a - o[:, None]).mean(axis=1),
-        np.abs(bar).mean(axis=1),
-        np.abs(b - d[:, None]).mean(axis=1),
-        np.abs(ground),
-    ]
-    numbers = np.stack(
-        [*lengths, place.real, place.imag, o.real, o.imag, np.angle(ground), np.zeros(len(o))], axis=1
-    )
-    side = np.sign((np.conj(d[:, None] - a) * bar).imag)
-    return Linkages(numbers, theta, side, np.ones(len(o), dtype=np.int64))
+        return paths.pins(self.numbers, self.theta, self.side, self.slider)
 
 
 def in_order(theta: Floats, closed: bool) -> tuple[NDArray[np.int64], Floats]:
@@ -133,92 +121,80 @@ def in_order(theta: Floats, closed: bool) -> tuple[NDArray[np.int64], Floats]:
     return sense, np.asarray(np.where(sense[:, None] == 0, np.unwrap(theta, axis=1), ordered))
 
 
-def used_range(numbers: Floats, theta: Floats, whole: bool) -> tuple[Floats, Floats]:
-    """Return the least and the greatest distance of A and D between the first and the last crank angle, exactly."""
-    low, high = theta.min(axis=1), theta.max(axis=1)
-    turn = 2.0 * np.pi
-    on = np.floor(high / turn) > np.floor(low / turn) - (np.remainder(low, turn) == 0.0)
-    back = np.floor((high - np.pi) / turn) > np.floor((low - np.pi) / turn) - (
-        np.remainder(low - np.pi, turn) == 0.0
-    )
-    ends = np.cos(low), np.cos(high)
-    most = np.where(on | whole, 1.0, np.maximum(*ends))
-    least = np.where(back | whole, -1.0, np.minimum(*ends))
-    a1, a4 = numbers[:, 0], numbers[:, 3]
-    far = [np.sqrt(np.maximum(a1**2 + a4**2 - 2.0 * a1 * a4 * c, 0.0)) for c in (most, least)]
-    return far[0], far[1]
-
-
 def judged(found: Linkages, closed: bool, timed: bool) -> Linkages:
     """Return linkages with their order, circuit and defect, and the least transmission angle of what is used."""
-    n = found.numbers
+    n, slider = found.numbers, found.slider
     a1, a2, a3, a4 = n[:, :4].T
-    grashof = n[:, :4].max(axis=1) + n[:, :4].min(axis=1) < n[:, :4].sum(axis=1) / 2.0
-    turns = grashof & (np.minimum(a1, a4) <= np.minimum(a2, a3))
+    if slider:
+        grashof, turns = np.abs(a2 - a1) > np.abs(a3), a2 > a1 + np.abs(a3)
+        by_side = a1 <= a2
+    else:
+        grashof = n[:, :4].max(axis=1) + n[:, :4].min(axis=1) < n[:, :4].sum(axis=1) / 2.0
+        by_side = np.minimum(a1, a4) <= np.minimum(a2, a3)
+        turns = grashof & by_side
     # the triangle without the shortest link never folds: its side tells the circuit
     with np.errstate(invalid="ignore"):
-        circuits = np.where(
-            np.minimum(a1, a4)[:, None] <= np.minimum(a2, a3)[:, None],
-            found.side,
-            np.sign(np.sin(found.theta)),
-        )
+        beside = -np.cos(found.theta) if slider else np.sin(found.theta)
+        circuits = np.where(by_side[:, None], found.side, np.sign(beside))
     first = circuits[:, :1]
     circuit_defect = grashof & (circuits != first).any(axis=1)
     branch_defect = (found.side != found.side[:, :1]).any(axis=1)
     order, theta = in_order(found.theta, closed)
     if timed:
         order, theta = np.ones(len(n), dtype=np.int64), found.theta
-    near, far = used_range(n, theta, closed)
-    dead = (far >= a2 + a3) | (near <= np.abs(a2 - a3))
+    least, most = paths.cosines(theta - (0.5 * np.pi if slider else 0.0), closed)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        if slider:  # cosines of the transmission angle, the least and the greatest of what is used
+            cosines = (a1 * least - a3) / a2, (a1 * most - a3) / a2
+            dead = (cosines[0] <= -1.0) | (cosines[1] >= 1.0)
+        else:
+            near, far = (np.sqrt(np.maximum(a1**2 + a4**2 - 2.0 * a1 * a4 * c, 0.0)) for c in (most, least))
+            dead = (far >= a2 + a3) | (near <= np.abs(a2 - a3))
+            cosines = tuple((a2**2 + a3**2 - one**2) / (2.0 * a2 * a3) for one in (near, far))
+        transmission = np.arccos(np.minimum(np.maximum(*np.abs(cosines)), 1.0))
     code = np.zeros(len(n), dtype=np.int8)
-    for number, wrong in (
-        (5, closed & ~turns),
-        (4, dead),
-        (3, order == 0),
-        (2, branch_defect),
-        (1, circuit_defect),
-    ):
-        code[wrong] = number
-    with np.errstate(invalid="ignore"):
-        angles = [np.abs((a2**2 + a3**2 - one**2) / (2.0 * a2 * a3)) for one in (near, far)]
-        transmission = np.where(dead, 0.0, np.arccos(np.minimum(np.maximum(*angles), 1.0)))
-    circuit = np.where(grashof & (first[:, 0] > 0), 2, 1).astype(np.int8)
+    wrong = ((5, closed & ~turns), (4, dead), (3, order == 0), (2, branch_defect), (1, circuit_defect))
+    for number, rows in wrong:
+        code[rows] = number
     own = {
         "defect": code,
         "order": order.astype(np.int8),
-        "circuit": circuit,
-        "least_transmission_angle_used": transmission,
+        "circuit": np.where(grashof & (first[:, 0] > 0), 2, 1).astype(np.int8),
+        "least_transmission_angle_used": np.where(dead, 0.0, transmission),
     }
-    return Linkages(n, theta, found.side, found.starts, {**found.more, **own})
+    return replace(found, theta=theta, more={**found.more, **own})
 
 
 def cognates_of(found: Linkages) -> Linkages:
     """Return each linkage with all others that draw the same curve: three cognates, each driven at either pivot.
 
-    Roberts 1875; see `fastlink.planar.cognates`. They stand linkage by linkage, the given one first.
+    Roberts 1875; see `fastlink.planar.cognates`. They stand linkage by linkage, the given one first. A slider-crank has
+    one cognate, and one crank.
     """
     o, d, a, b, point = found.pins()
     with np.errstate(invalid="ignore"):  # at a dead point bars may miss each other by rounding
         ratio = (point - a) / (b - a)
-    third = o + (d - o) * ratio[:, 0]
-    one, two = o[:, None] + (point - a), third[:, None] + ratio * (b - d[:, None])
-    three, four = d[:, None] + (point - b), third[:, None] + (1.0 - ratio) * (a - o[:, None])
-    forms = [(o, d, a, b, 1), (d, o, b, a, 1), (o, third, one, two, 2), (third, o, two, one, 2),
-             (d, third, three, four, 3), (third, d, four, three, 3)]  # fmt: skip
-    made = [from_pins(*form[:4], point) for form in forms]
-    count = len(found)
-
-    def along(parts: Sequence[Any]) -> Any:
-        return np.stack(parts, axis=1).reshape(6 * count, *np.shape(parts[0])[1:])
-
-    numbers = along([one.numbers for one in made])
-    theta, side = along([one.theta for one in made]), along([one.side for one in made])
-    first = 6 * np.arange(count)
+    one, slider = o[:, None] + (point - a), found.slider
+    if slider:
+        third, two = d * ratio[:, 0] / np.abs(ratio[:, 0]), o[:, None] + ratio * (b - o[:, None])
+        forms = [(o, d, a, b, 1), (o, third, one, two, 2)]
+    else:
+        third = o + (d - o) * ratio[:, 0]
+        two = third[:, None] + ratio * (b - d[:, None])
+        three, four = d[:, None] + (point - b), third[:, None] + (1.0 - ratio) * (a - o[:, None])
+        forms = [(o, d, a, b, 1), (d, o, b, a, 1), (o, third, one, two, 2), (third, o, two, one, 2),
+                 (d, third, three, four, 3), (third, d, four, three, 3)]  # fmt: skip
+    made = [paths.from_pins(*form[:4], point, slider) for form in forms]
+    count, each = len(found), len(forms)
+    numbers, theta, side = (
+        np.stack(parts, axis=1).reshape(each * count, -1) for parts in zip(*made, strict=True)
+    )
+    first = each * np.arange(count)
     numbers[first], theta[first], side[first] = found.numbers, found.theta, found.side
-    more = {name: np.repeat(values, 6, axis=0) for name, values in found.more.items()}
+    more = {name: np.repeat(values, each, axis=0) for name, values in found.more.items()}
     more["cognate"] = np.tile(np.array([form[4] for form in forms], dtype=np.int8), count)
-    more["curve"] = np.repeat(np.arange(count), 6)
-    return Linkages(numbers, theta, side, np.repeat(found.starts, 6), more)
+    more["curve"] = np.repeat(np.arange(count), each)
+    return Linkages(numbers, theta, side, np.repeat(found.starts, each), more, slider)
 
 
 # -- What a caller asks for
@@ -241,9 +217,9 @@ LABELS: dict[str, tuple[str, str]] = {
     "path_error_sum": ("m2", "Sum of the squared distances from the points"),
     "pose_error": ("m", "Root mean square of distances and rotation_length times errors of direction"),
     "pose_error_max": ("m", "Greatest of these over the poses"),
-    "structural_error": ("rad", "Greatest error of the output angle over the range"),
-    "structural_error_rms": ("rad", "Root mean square error of the output angle at the points"),
-    "output_error": ("rad", "Error of the output angle at each point of the task"),
+    "structural_error": ("rad", "Greatest error of the output over the range"),
+    "structural_error_rms": ("rad", "Root mean square error of the output at the points"),
+    "output_error": ("rad", "Error of the output at each point of the task"),
     "theta4": ("rad", "Output angle that is wanted at each point of the task, from OD"),
     "peak_error": ("rad", "Greatest errors of either sign, in turn"),
     "peak_theta1": ("rad", "Where these are"),
@@ -262,7 +238,19 @@ LABELS: dict[str, tuple[str, str]] = {
     "cognate": ("1", "Which of the three linkages of one curve, the one that was found being the first"),
     "cognate_of": ("1", "The first design of the same curve"),
     "sense": ("1", "Sense of the output against that of the input"),
+    "function_error": ("1", "Greatest error as a share of the output's range"),
+    "input_turn": ("rad", "By how much the crank turns over the range"),
+    "output_turn": ("rad", "By how much the output link turns over the range"),
 }
+#: Names of a slider-crank's results that are others, and those of lengths in place of angles.
+OF_SLIDER = {"theta1": "theta", "peak_theta1": "peak_theta", "theta4": "slider_position"}
+LABELS |= {OF_SLIDER[name]: LABELS[name] for name in ("theta1", "peak_theta1")}
+LABELS["slider_position"] = (
+    "m",
+    "Place of the slider that is wanted at each point of the task, from the foot of O",
+)
+POINT = {"P_u": ("m", "Point of the rod, along AB from A"), "P_v": ("m", "Point of the rod, left of AB")}
+OUTPUTS = ("structural_error", "structural_error_rms", "output_error", "peak_error")
 TARGETS = {"target_x": "m", "target_y": "m", "target_angle": "rad", "target_theta4": "rad", "time": "rad"}
 
 
@@ -282,6 +270,21 @@ class Asked:
     exact: bool
 
     @property
+    def slider(self) -> bool:
+        """Whether slider-cranks are asked for."""
+        return self.catalogue.name == "slider_crank"
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the numbers of a linkage."""
+        return paths.SLIDER if self.slider else NUMBERS
+
+    @property
+    def labels(self) -> dict[str, tuple[str, str]]:
+        """Units of the names of a result, and what they mean."""
+        return LABELS | {name: ("m", LABELS[name][1]) for name in OUTPUTS} | POINT if self.slider else LABELS
+
+    @property
     def crank(self) -> bool:
         """Whether the conditions say that the crank is to turn fully."""
         wanted = self.where.get("status") if isinstance(self.where, Mapping) else self.where
@@ -289,7 +292,7 @@ class Asked:
 
     def others(self) -> list[str]:
         """Return the quantities of the mechanism that objectives and conditions name, or refuse unknown ones."""
-        own, problems = {*LABELS, "defect", "branch"}, Problems()
+        own, problems = {*self.labels, "defect", "branch"}, Problems()
         where = self.where if isinstance(self.where, Mapping) else {}
         asked: dict[str, Any] = {}
         asked["where"] = {k: v for k, v in where.items() if split(str(k), own)[0] not in own}
@@ -303,7 +306,7 @@ class Asked:
         """Return the lower limit of a condition on a name of a result, 0 where there is none."""
         if not isinstance(self.where, Mapping):
             return 0.0
-        units = {one: unit for one, (unit, _) in LABELS.items()}
+        units = {one: unit for one, (unit, _) in self.labels.items()}
         own = {k: v for k, v in self.where.items() if split(k, units)[0] == name}
         given = in_si("where", own, units).get(name)
         try:
@@ -314,6 +317,21 @@ class Asked:
 
     def within(self, found: Linkages) -> Linkages:
         """Return the linkages within the limits of their numbers."""
+        fits = self._fit(found)
+        if found.slider and self.lower[9] != self.upper[9] and "theta4" not in found.more:
+            # turned by half a turn it is the same, in the other branch: in the first one if that fits
+            other = replace(found, numbers=found.numbers * np.where(np.arange(10) == 2, -1.0, 1.0),
+                            theta=found.theta + np.pi, side=-found.side)  # fmt: skip
+            other.numbers[:, 8:] = wrapped(other.numbers[:, 8:] + np.pi)
+            swap = self._fit(other)
+            swap &= ~fits | (found.side[:, 0] > 0.0)
+            fits |= swap
+            for name in ("numbers", "theta", "side"):
+                getattr(found, name)[swap] = getattr(other, name)[swap]
+        return found.at(fits)
+
+    def _fit(self, found: Linkages) -> NDArray[np.bool_]:
+        """Tell which linkages are within the limits, with their direction turned into these."""
         low, high = self.lower.copy(), self.upper.copy()
         slack = 1e-9 * (1.0 + np.abs(found.numbers))
         turned = found.numbers.copy()
@@ -321,20 +339,21 @@ class Asked:
         turned[:, 8] = start + np.remainder(turned[:, 8] - start + 1e-9, 2.0 * np.pi) - 1e-9
         fits = ((turned >= low - slack) & (turned <= high + slack))[:, :9].all(axis=1)
         found.numbers[:, 8] = np.where(fits, turned[:, 8], found.numbers[:, 8])
-        return found.at(fits)
+        return np.asarray(fits)
 
 
-def _limits(bounds: Any, fixed: Any, problems: Problems) -> tuple[Floats, Floats]:
+def _limits(bounds: Any, fixed: Any, slider: bool, problems: Problems) -> tuple[Floats, Floats]:
     """Return the limits of the numbers of a linkage, in SI."""
     low, high = np.full(10, -np.inf), np.full(10, np.inf)
-    low[:4] = 0.0
-    units = {name: "rad" if name in ("ground_angle", "phase") else "m" for name in (*NUMBERS, "D_x", "D_y")}
+    low[: 2 if slider else 4] = 0.0
+    known = [name for name in paths.SLIDER if name] if slider else [*NUMBERS, "D_x", "D_y"]
+    units = {name: "rad" if name in ("ground_angle", "phase") else "m" for name in known}
     given: dict[str, tuple[float, float]] = {}
     for where, values in (("bounds", bounds), ("fixed", fixed)):
         if values is None:
             continue
         if not isinstance(values, Mapping):
-            example = "{'a1': (0.1, 1.0)}" if where == "bounds" else "{'O_x': 0.0}"
+            example = f"{{'{known[0]}': (0.1, 1.0)}}" if where == "bounds" else "{'O_x': 0.0}"
             problems.add("is not a mapping", (where,), f"write such as {example}")
             continue
         for name, value in (problems.attempt(in_si, where, dict(values), units) or {}).items():
@@ -350,7 +369,7 @@ def _limits(bounds: Any, fixed: Any, problems: Problems) -> tuple[Floats, Floats
             if not ends[0] <= ends[1]:
                 remedy = "write a number" if where == "fixed" else "write (lo, hi), None for no limit"
                 problems.add(f"is {short_repr(value)}", (where, name), remedy)
-            elif name in NUMBERS[:4] and ends[1] <= 0.0:
+            elif name in known[: 2 if slider else 4] and ends[1] <= 0.0:
                 what = f"is {short_repr(value)}, and a length is positive"
                 problems.add(what, (where, name), "write positive numbers")
             else:
@@ -363,10 +382,9 @@ def _limits(bounds: Any, fixed: Any, problems: Problems) -> tuple[Floats, Floats
         else:
             remedy = "fix O_x, O_y, D_x and D_y together, or write where={'D_x': (lo, hi)}"
             problems.add("D has its place by O, a4 and ground_angle", ("fixed",), remedy)
-    for name, ends in given.items():
-        if name in NUMBERS:
-            k = NUMBERS.index(name)
-            low[k], high[k] = max(ends[0], 1e-12 if k < 4 else -np.inf), ends[1]
+    for k, name in enumerate(paths.SLIDER if slider else NUMBERS):
+        if name in given:
+            low[k], high[k] = max(given[name][0], 1e-12 if low[k] == 0.0 else -np.inf), given[name][1]
     return low, high
 
 
@@ -489,12 +507,13 @@ def _solve_path(asked: Asked, path: Any, timing: Any, closed: Any) -> Solved:
         longest = np.where(np.arange(10) < 6, (LONGEST if is_closed else LONGEST_OPEN) * size, np.inf)
         upper = np.where(np.isfinite(asked.upper), asked.upper, longest)
         asked = replace(asked, upper=upper, lower=np.where(np.isfinite(asked.lower), asked.lower, -longest))
-    task = paths.PathTask(target, times, is_closed, crank, weights, asked.lower, asked.upper)
+    slider = asked.slider
+    task = paths.PathTask(target, times, is_closed, crank, weights, slider, asked.lower, asked.upper)
     attrs: dict[str, Any] = {"closed": int(is_closed)}
     if asked.exact:
         found, attrs["complete"] = _all_exact(asked, task)
     else:
-        many = times is None and not task.is_whole and 9 <= len(target) <= paths.MANY
+        many = times is None and not task.is_whole and not slider and 9 <= len(target) <= paths.MANY
         if task.is_whole:
             solved = paths.solve_curve(task, asked.seed)
         else:
@@ -508,14 +527,14 @@ def _solve_path(asked: Asked, path: Any, timing: Any, closed: Any) -> Solved:
                 break
             solved = paths.merged(paths.joined(solved, _through_nine(task, attempt)))
         side = np.repeat(solved.signs[:, :1], len(target), axis=1)
-        found = Linkages(solved.numbers, solved.theta, side, solved.starts)
+        found = Linkages(solved.numbers, solved.theta, side, solved.starts, slider=slider)
     if times is None:
         # both drivers of all three linkages draw the curve; those that cannot are left out later
         found = cognates_of(found.at(slice(0, MOST_FOUND // 2)))
         if not asked.exact:
             keep = judged(found, is_closed, False).more["defect"] == 0
-            found = found.at(keep | (np.arange(len(found)) % 6 == 0))
-        found = asked.within(_different(found))
+            found = found.at(keep | (np.arange(len(found)) % (2 if slider else 6) == 0))
+    found = _different(asked.within(found))
     if is_closed and comes_back and times is None:
         found = _come_back(found)
     coords = {"target_x": rows[:, 0], "target_y": rows[:, 1]} | ({} if times is None else {"time": times})
@@ -531,7 +550,7 @@ def _come_back(found: Linkages) -> Linkages:
     sense, theta = in_order(found.theta, True)
     last = theta[:, :1] + np.where(sense == 0, 1, sense)[:, None] * 2.0 * np.pi
     side = np.append(found.side, found.side[:, :1], axis=1)
-    return Linkages(found.numbers, np.append(theta, last, axis=1), side, found.starts, found.more)
+    return replace(found, theta=np.append(theta, last, axis=1), side=side)
 
 
 def joined_linkages(one: Linkages, other: Linkages) -> Linkages:
@@ -543,17 +562,17 @@ def joined_linkages(one: Linkages, other: Linkages) -> Linkages:
     if "curve" in more:
         more["curve"][: len(one)] = more["curve"].max(initial=0) + 1 + np.arange(len(one))
         more["cognate"][: len(one)] = 1
-    parts = (
-        np.concatenate([getattr(one, n), getattr(other, n)]) for n in ("numbers", "theta", "side", "starts")
-    )
-    numbers, theta, side, starts = parts
-    return Linkages(numbers, theta, side, starts, more)
+    own: dict[str, Any] = {
+        name: np.concatenate([getattr(one, name), getattr(other, name)]) for name in ARRAYS
+    }
+    return replace(one, **own, more=more)
 
 
 def _all_exact(asked: Asked, task: paths.PathTask) -> tuple[Linkages, str]:
     """Return all linkages that pass points exactly, where algebra gives them, and how many that are."""
     count = len(task.target)
     best = "leave it out: least squares find the best"
+    _check(not task.slider, "exact", "is for planar_4r", best)
     if task.times is not None:
         _check(count == 5, "exact", f"is for five points with timing, and there are {count}", best)
         numbers, sides = poses.timed_by_cognate(task.target, task.times - task.times[0])
@@ -571,7 +590,9 @@ def _of_nine(points: NDArray[np.complex128], **options: int) -> tuple[Linkages, 
     turns = np.concatenate([np.ones((len(real), 1)), real[:, 8:]], axis=1)
     x, a, y, b = (real[:, k, None] for k in range(4))
     place, start = np.broadcast_to(points, turns.shape), points[0]
-    found = from_pins((start + a)[:, 0], (start + b)[:, 0], points + x * turns, points + y * turns, place)
+    pins = (start + a)[:, 0], (start + b)[:, 0], points + x * turns, points + y * turns, place
+    numbers, theta, side = paths.from_pins(*pins)
+    found = Linkages(numbers, theta, side, np.ones(len(real), dtype=np.int64))
     complete = f"all {len(real)} real of {len(triples.unknowns):,} triples of cognates"
     return found, complete + (f"; {len(triples.lost)} paths did not arrive" if len(triples.lost) else "")
 
@@ -600,7 +621,7 @@ def _through_nine(task: paths.PathTask, attempt: int) -> paths.Candidates:
 
 def _different(found: Linkages) -> Linkages:
     """Return linkages without those that are the same as one before, or have no size."""
-    lengths = found.numbers[:, :4]
+    lengths = found.numbers[:, : 2 if found.slider else 4]
     built = np.isfinite(found.numbers).all(axis=1) & (
         lengths > 1e-9 * lengths.max(axis=1, keepdims=True)
     ).all(axis=1)
@@ -619,17 +640,19 @@ def _solve_motion(asked: Asked, motion: Any, rotation_length: Any) -> Solved:
         same &= np.abs(wrapped(angles[:k] - angles[k])) <= 1e-12
         what = f"has the same pose in rows {int(np.argmax(same)) if k else 0} and {k}"
         _check(not same.any(), "motion", what, "leave one of them out")
+    most = 4 if asked.slider else 5
     own = Setting("rotation_length", float(f"{size or 1.0:.2g}"))
-    what = "is missing: over five poses are met nearly, in places and in directions"
+    what = f"is missing: over {'four' if most == 4 else 'five'} poses are met nearly, in places and in directions"
     remedy = ("write ", own, ", the length at which an angle counts")
-    _check(rotation_length is not None or count <= 5, "rotation_length", what, remedy)
+    _check(rotation_length is not None or count <= most, "rotation_length", what, remedy)
     length = float(rotation_length or size or 1.0)
     what = f"is {short_repr(rotation_length)}"
     _check(0.0 < length < np.inf, "rotation_length", what, "write a positive length in m")
-    task = poses.MotionTask(points, angles, length)
-    made, dyads = poses.solve_motion(task, asked.seed)
-    found = Linkages(made["numbers"], made["theta"], made["side"], np.ones(len(made["numbers"]), dtype=np.int64),
-                     {"body_angle": made["body_angle"]})  # fmt: skip
+    task = poses.MotionTask(points, angles, length, asked.slider)
+    numbers, theta, side, body, dyads = poses.solve_motion(task, asked.seed)
+    found = Linkages(
+        numbers, theta, side, np.ones(len(numbers), dtype=np.int64), {"body_angle": body}, asked.slider
+    )
     attrs: dict[str, Any] = {"dyads": dyads, "rotation_length": length}
     found = asked.within(found)
     if count < 5:
@@ -640,103 +663,120 @@ def _solve_motion(asked: Asked, motion: Any, rotation_length: Any) -> Solved:
         attrs["found_linkages"] = len(found)
         attrs["found_without_defect"] = len(rows_of)
         found = found.at(rows_of[best])
-    elif count == 5:
+    elif count == most:
         attrs["complete"] = f"all {counted(dyads, 'dyad')} of five poses, {counted(len(found), 'linkage')}"
     coords = {"target_x": rows[:, 0], "target_y": rows[:, 1], "target_angle": angles}
-    least, most = ("pose_error", "") if count >= 5 else ("", "least_transmission_angle_used")
-    return Solved("motion", asked, found, coords, attrs, least, most, with_defects=count >= 5)
+    objectives = ("pose_error", "") if count >= 5 else ("", "least_transmission_angle_used")
+    return Solved("motion", asked, found, coords, attrs, *objectives, with_defects=count >= 5)
 
 
-def _solve_function(asked: Asked, function: Any, over: Any, turn: Any, turn_deg: Any, points: Any) -> Solved:
-    turns = _turns(turn, turn_deg)
-    given: Callable[[Floats], Floats] | None = None
-    low = high = 0.0
+def _solve_function(
+    asked: Asked, function: Any, over: Any, turn: Any, turn_deg: Any, points: Any, travel: Any
+) -> Solved:
+    slider, given = asked.slider, None
+    turns, unit = _turns(turn, turn_deg, slider), 1.0
+    both = "write both turns, such as turn_deg=(60, 90)"
+    _check(slider or travel is None, "travel", "is for slider_crank", both)
+    goes = travel is None or (isinstance(travel, (int, float)) and 0.0 < abs(travel) < np.inf)
+    _check(goes, "travel", f"is {short_repr(travel)}", "write how far the slider moves in m, such as 0.1")
     if callable(function):
         try:
             low, high = (float(end) for end in over)
         except (TypeError, ValueError):
             low = high = np.nan
-        _check(
-            low < high < np.inf, "over", f"is {short_repr(over)}", "write the range of x, such as over=(1, 2)"
-        )
-        _check(turns, "turn_deg", "is missing", "write the turns of both shafts, such as turn_deg=(60, 90)")
-        assert turns is not None
-        ends = _values(function, np.array([low, high]))
-        differ = ends[0] != ends[1] and np.isfinite(ends).all()
-        what = f"has the values {ends[0]:g} and {ends[1]:g} at the ends"
-        _check(differ, "function", what, "give a range whose ends differ in value")
-        t_in, t_out = turns
-
-        def given_turn(angle: Floats) -> Floats:
-            values = _values(function, low + (high - low) * angle / t_in)
-            return np.asarray((values - ends[0]) / (ends[1] - ends[0]) * t_out)
-
-        given = given_turn
+        what = f"is {short_repr(over)}"
+        _check(low < high < np.inf, "over", what, "write the range of x, such as over=(1, 2)")
+        own = ("", 60) if slider else ("s of both shafts", (60, 90))
+        _check(turns, "turn_deg", "is missing", f"write the turn{own[0]}, such as turn_deg={own[1]}")
         if points is not None:
             check_whole(("precision_points",), points, 3, 5)
-            x = functions.chebyshev(low, high, points)
-            turn_in = t_in * (x - low) / (high - low)
-        else:
-            x = np.linspace(low, high, functions.FINE)
-            turn_in = np.linspace(0.0, t_in, functions.FINE)
-        turn_out, exact = given(turn_in), points is not None
-        finite = np.isfinite(turn_out).all()
-        _check(finite, "function", "is not finite over its range", "choose the range by over=(lo, hi)")
+        x = (
+            np.linspace(low, high, functions.FINE)
+            if points is None
+            else functions.chebyshev(low, high, points)
+        )
+        exact, (first, last) = points is not None, _values(function, np.array([low, high]))
+        y = _values(function, x)
     else:
         rows = _columns("function", function, ("x", "y"), {"x": "1", "y": "1"})
-        _check(
-            len(rows) >= 3, "function", f"has {counted(len(rows), 'pair')}", "give at least 3 pairs (x, y)"
-        )
+        few = f"has {counted(len(rows), 'pair')}"
+        _check(len(rows) >= 3, "function", few, "give at least 3 pairs (x, y)")
         x, y = rows.T
+        grow = (np.diff(x) > 0.0).all()
+        _check(grow, "function", "has inputs that do not grow", "sort the pairs by x, each once")
+        exact, low, high, first, last = len(rows) <= 5, x[0], x[-1], y[0], y[-1]
+    fine = np.isfinite([first, last, *y]).all()
+    _check(fine, "function", "is not finite over its range", "choose the range by over=(lo, hi)")
+    # the middle of the range of a turn, of which the others are multiples
+    ends = [sum(one) / 2.0 for one in turns or ()]
+    rate = ends[0] / (high - low) if ends else 1.0
+    if travel is not None or len(ends) > 1:
+        what = f"has the values {first:g} and {last:g} at the ends"
         _check(
-            (np.diff(x) > 0.0).all(),
-            "function",
-            "has inputs that do not grow",
-            "sort the pairs by x, each once",
+            first != last, "function", what, "give a range whose ends differ in value, or y as angles in rad"
         )
-        if turns is None:  # the pairs are angles
-            turn_in, turn_out = x - x[0], y - y[0]
-        else:
-            as_angles = "leave turn out, and give y as angles in rad"
-            _check(y[0] != y[-1], "function", "begins and ends with one value", as_angles)
-            turn_in, turn_out = turns[0] * (x - x[0]) / (x[-1] - x[0]), turns[1] * (y - y[0]) / (y[-1] - y[0])
-        exact = len(rows) <= 5
-    senses = (1,) if turns is None or turns[1] < 0.0 else (1, -1)
+        unit = abs(travel) if slider else 1.0
+        factor = (np.sign(travel) if slider else ends[1]) / (last - first)
+    else:
+        unit = float(np.abs(y - first).max()) if slider else 1.0
+        _check(unit > 0.0, "function", "has one value alone", "give one that changes")
+        factor = 1.0 / unit
+    if callable(function):
+
+        def given(angle: Floats) -> Floats:
+            return np.asarray((_values(function, low + angle / rate) - first) * factor)
+
+    turn_in, turn_out = (x - low) * rate, (y - first) * factor
+    pairs = zip(turns or (), ends, strict=True)
+    scales = [(min(one / of, other / of), max(one / of, other / of)) for (one, other), of in pairs]
+    scales += [(1.0, 1.0)] * (2 - len(scales))
+    senses = (1,) if len(ends) < 2 or ends[1] < 0.0 else (1, -1)
     least = asked.least("least_transmission_angle_used")
-    task = functions.FunctionTask(turn_in, turn_out, given, least, exact, senses)
+    task = functions.FunctionTask(
+        turn_in, turn_out, given, least, exact, senses, slider, (scales[0], scales[1])
+    )
     made = functions.solve_function(task)
-    count, most = len(turn_in), max((len(one.peaks) for one in made), default=0)
-    numbers, theta = np.zeros((len(made), 10)), np.zeros((len(made), count))
-    side = np.zeros_like(theta)
-    peaks, places = np.full((len(made), most), np.nan), np.full((len(made), most), np.nan)
-    theta4 = np.zeros((len(made), count))
-    scale = float(asked.lower[3]) if asked.lower[3] == asked.upper[3] else 1.0
+    count, most = len(x), max((len(one.peaks) for one in made), default=0)
+    numbers, (theta, side, wanted) = np.zeros((len(made), 10)), np.zeros((3, len(made), count))
+    peaks, places = np.full((2, len(made), most), np.nan)
+    if not slider and asked.lower[3] == asked.upper[3]:
+        unit = float(asked.lower[3])
     for k, one in enumerate(made):
-        numbers[k, :4] = scale * np.array(one.lengths())
-        theta[k] = one.crank(turn_in)
-        flip = np.pi if one.numbers[1] < 0.0 else 0.0
-        theta4[k] = one.numbers[4] + one.sense * turn_out + flip
-        crank = numbers[k, 0] * np.exp(1j * theta[k])
-        b = numbers[k, 3] + numbers[k, 2] * np.exp(1j * theta4[k])
-        side[k] = np.sign((np.conj(numbers[k, 3] - crank) * (b - crank)).imag)
+        crank, square, other = task.lengths(one.numbers)
+        numbers[k, :4] = unit * np.array(
+            [abs(crank), np.sqrt(square), other if slider else abs(other), not slider]
+        )
+        theta[k], out = one.crank(turn_in), one.numbers[4] + one.sense * one.numbers[6] * turn_out
+        pin = numbers[k, 0] * np.exp(1j * theta[k])
+        if slider:
+            wanted[k] = unit * out
+            far, b = 1j, wanted[k] + 1j * numbers[k, 2]
+        else:
+            wanted[k] = out + (np.pi if one.numbers[1] < 0.0 else 0.0)
+            far, b = numbers[k, 3] - pin, numbers[k, 3] + numbers[k, 2] * np.exp(1j * wanted[k])
+        side[k] = np.sign((np.conj(far) * (b - pin)).imag)
         peaks[k, : len(one.errors)], places[k, : len(one.peaks)] = one.errors, one.crank(one.peaks)
-    found = Linkages(numbers, theta, side, np.ones(len(made), dtype=np.int64))
-    found.more = {"theta4": theta4, "sense": np.array([one.sense for one in made], dtype=np.int8),
-                  "structural_error": np.array([one.error for one in made]),
-                  "peak_error": peaks, "peak_theta1": places}  # fmt: skip
-    if exact and given is not None and turns is not None:
-        found.more["structural_error"] = np.array([_greatest(task, one, given, turns) for one in made])
-    found = asked.within(found)
-    coords = {"x": x, "turn_in": turn_in, "turn_out": turn_out}
-    attrs = {"points_are_precision_points": int(exact)}
-    return Solved("function", asked, found, coords, attrs, "structural_error")
-
-
-def _greatest(task: Any, one: Any, given: Any, turns: Any) -> float:
-    """Return the greatest error between precision points."""
-    whole = functions.FunctionTask(np.linspace(0.0, turns[0], functions.FINE), np.empty(0), given)
-    _, errors = functions.peaks_of(whole, one.numbers, one.sign, one.sense)
-    return float(np.max(np.abs(errors)))
+    errors = np.array([one.error for one in made])
+    if exact and given is not None:
+        whole = replace(task, turn_in=np.array([0.0, (high - low) * rate]), exact=False)
+        found_peaks = [functions.peaks_of(whole, one.numbers, one.sign, one.sense)[1] for one in made]
+        errors = np.array([np.abs(one).max() for one in found_peaks]) * [one.numbers[6] for one in made]
+    multiples = np.array([one.numbers[5:] for one in made]).reshape(-1, 2)
+    found = Linkages(numbers, theta, side, np.ones(len(made), dtype=np.int64), slider=slider)
+    length = unit if slider else 1.0
+    span = multiples[:, 1] * float(np.ptp(turn_out))
+    found.more = {"theta4": wanted, "sense": np.array([one.sense for one in made], dtype=np.int8),
+                  "structural_error": length * errors, "function_error": errors / span,
+                  "peak_error": length * peaks, "peak_theta1": places}  # fmt: skip
+    coords = {"x": x, "turn_in": turn_in, "turn_out": length * turn_out}
+    if len(task.free) > 5:  # the turns differ by linkage
+        coords = {"x": x}
+        found.more |= {"input_turn": multiples[:, 0] * rate * (high - low)} | (
+            {} if slider else {"output_turn": span}
+        )
+    found, attrs = asked.within(found), {"points_are_precision_points": int(exact)}
+    by = "function_error" if len(task.free) > 5 else "structural_error"
+    return Solved("function", asked, found, coords, attrs, by)
 
 
 def _values(function: Any, x: Floats) -> Floats:
@@ -754,22 +794,29 @@ def _values(function: Any, x: Floats) -> Floats:
         raise InputError(f"cannot be called ({error})", ("function",), remedy) from None
 
 
-def _turns(turn: Any, turn_deg: Any) -> tuple[float, float] | None:
+#: The range of a turn that is free.
+FREE = (np.radians(30.0), np.radians(150.0))
+
+
+def _turns(turn: Any, turn_deg: Any, slider: bool) -> list[tuple[float, float]] | None:
+    """Return the range of the crank's turn and, of four bars, of that of the output link."""
     _check(turn is None or turn_deg is None, "turn", "is given, and so is turn_deg", "write one of them")
-    name, given = ("turn", turn) if turn_deg is None else ("turn_deg", turn_deg)
+    name, given, unit = ("turn", turn, Fraction(1)) if turn_deg is None else ("turn_deg", turn_deg, PI / 180)
     if given is None:
         return None
+    own = ("a turn", 60) if slider else ("two turns", (60, 90))
+    what, remedy = f"is {short_repr(given)}", f"write {own[0]} up to 360 degrees, such as turn_deg={own[1]}"
+    remedy, made = f"{remedy}; (lo, hi) for a range of one, None if it is free", list[tuple[float, float]]()
     try:
-        one, other = (
-            float(scaled(float(part), PI / 180 if name == "turn_deg" else Fraction(1))) for part in given
-        )
+        for part in [given] if slider else given:
+            ends = [float(scaled(float(one), unit)) for one in np.ravel(part)] if part is not None else FREE
+            made.append((min(ends), max(ends)))
+            _check(len(ends) <= 2, name, what, remedy)
     except (TypeError, ValueError):
-        one = other = np.nan
-    fine = 0.0 < one <= 2.0 * np.pi and 0.0 < abs(other) <= 2.0 * np.pi
-    _check(
-        fine, name, f"is {short_repr(given)}", "write two turns up to 360 degrees, such as turn_deg=(60, 90)"
-    )
-    return one, other
+        made = []
+    fine = [low * high > 0.0 and max(-low, high) <= 2.0 * np.pi for low, high in made]
+    _check(len(fine) == 2 - slider and all(fine) and made[0][0] > 0.0, name, what, remedy)
+    return made
 
 
 # -- Conditions on what fastlink computes, and other objectives, of paths
@@ -920,10 +967,10 @@ def within_conditions(solved: Solved, every: xr.Dataset) -> Linkages | None:
     if not made:
         return None
     every_n, theta, side_of = (np.array(part) for part in zip(*made, strict=True))
-    found = Linkages(
-        every_n, theta, np.repeat(side_of[:, None], count, axis=1), np.ones(len(made), dtype=np.int64)
+    sides = np.repeat(side_of[:, None], count, axis=1)
+    return asked.within(
+        Linkages(every_n, theta, sides, np.ones(len(made), dtype=np.int64), slider=task.slider)
     )
-    return asked.within(found)
 
 
 def _rule(function: Any, count: int | None = None, kind: str = "ineq") -> dict[str, Any]:
@@ -937,53 +984,56 @@ def _rule(function: Any, count: int | None = None, kind: str = "ineq") -> dict[s
 def labelled(solved: Solved) -> xr.Dataset:
     """Return all linkages of a task with their results, errors computed by the facts of the mechanism."""
     found = judged(solved.found, bool(solved.attrs.get("closed")), "time" in solved.target)
-    n = found.numbers
-    lengths = dict(zip(NUMBERS[:6], n[:, :6].T, strict=True))
+    asked, n, slider = solved.asked, found.numbers, found.slider
+    inputs = dict(zip(asked.names[:6], n[:, :6].T, strict=True))
+    inputs.pop("", None)
+    beside = {name: inputs.pop(name) for name in ("P_u", "P_v") if slider or solved.task == "function"}
     branch = np.where(found.side[:, 0] > 0, 2, 1)
-    wanted = [*dict.fromkeys([*solved.asked.quantities, *solved.asked.others(), "status"])]
-    columns: dict[str, Any] = dict(lengths)
-    if solved.task == "function":
-        del columns["P_u"], columns["P_v"]
-    space = table(columns)
-    swept = sweep("planar_4r", space, wanted, branch=(1, 2), verify=0, progress=False)
+    wanted = [*dict.fromkeys([*asked.quantities, *asked.others(), "status"])]
+    swept = sweep(asked.catalogue.name, table(inputs), wanted, branch=(1, 2), verify=0, progress=False)
     index: dict[str, Any] = {DESIGN: xr.DataArray(np.arange(len(n)), dims=DESIGN)}
     if "branch" in swept.dims:
         index["branch"] = xr.DataArray(branch - 1, dims=DESIGN)
     result = swept.isel(index).drop_vars("branch", errors="ignore").load()
-    data: dict[str, Any] = {}
-    for name, values in zip(("O_x", "O_y", "ground_angle"), n[:, 6:9].T, strict=True):
-        data[name] = values
-    data["D_x"] = n[:, 6] + n[:, 3] * np.cos(n[:, 8])
-    data["D_y"] = n[:, 7] + n[:, 3] * np.sin(n[:, 8])
+    data: dict[str, Any] = (
+        {} if solved.task == "function" else dict(zip(NUMBERS[6:9], n[:, 6:9].T, strict=True))
+    )
+    if data and slider:
+        data |= beside
+    elif data:
+        data["D_x"] = n[:, 6] + n[:, 3] * np.cos(n[:, 8])
+        data["D_y"] = n[:, 7] + n[:, 3] * np.sin(n[:, 8])
     data |= {name: found.more[name] for name in ("order", "circuit", "least_transmission_angle_used")}
-    data["starts"] = found.starts
-    data["theta1"] = found.theta
-    data |= _errors(solved, found, branch)
-    for name in ("cognate", "body_angle", "sense", "structural_error", "peak_error", "peak_theta1", "theta4"):
+    data |= {"starts": found.starts, "theta1": found.theta} | _errors(solved, found, branch)
+    for name in ("cognate", "body_angle", "sense", "structural_error", "function_error", "peak_error", "peak_theta1",
+                 "theta4", "input_turn", "output_turn"):  # fmt: skip
         if name in found.more:
             data[name] = found.more[name]
     if "time" in solved.target:
         data["phase"] = n[:, 9]
-    if solved.task == "function":
-        for name in ("O_x", "O_y", "D_x", "D_y", "ground_angle"):
-            del data[name]
     if "curve" in found.more:
         data["cognate_of"] = found.more["curve"]
     made: dict[str, Any] = {}
     for name, values in data.items():
-        units, text = LABELS[name]
+        name = OF_SLIDER.get(name, name) if slider else name
         dims = (DESIGN, "peak" if name.startswith("peak_") else "point")[: np.ndim(values)]
-        made[name] = (dims, values, {"units": units, "long_name": text})
+        made[name] = (dims, values, dict(zip(("units", "long_name"), asked.labels[name], strict=True)))
     flags = {"flag_values": np.array(list(DEFECTS), dtype=np.int8), "flag_meanings": " ".join(DEFECTS.values()),
              "long_name": "What keeps the linkage from the task", "units": "1"}  # fmt: skip
     made["defect"] = ((DESIGN,), found.more["defect"], flags)
-    text = "Assembly mode: B right (1) or left (2) of the line from A to D"
+    text = (
+        "slider to the right (1) or left (2) of A"
+        if slider
+        else "B right (1) or left (2) of the line from A to D"
+    )
+    text = f"Assembly mode: {text}"
     coords: dict[str, Any] = {"branch": ((DESIGN,), branch, {"long_name": text})}
     texts = [joined_limits(one, solved.asked) for one in n]
     if any(texts):
         coords["active"] = ((DESIGN,), np.array(texts), {"long_name": "Limits that hold the linkage back"})
     for name, values in solved.target.items():
-        about = {"units": TARGETS.get(name, "1"), "long_name": f"{name} of the task"}
+        units = "m" if slider and name == "turn_out" else TARGETS.get(name, "1")
+        about = {"units": units, "long_name": f"{name} of the task"}
         coords[name] = (("point",), values, about)
     return result.assign(made).assign_coords(coords)
 
@@ -991,28 +1041,41 @@ def labelled(solved: Solved) -> xr.Dataset:
 def joined_limits(numbers: Floats, asked: Asked) -> str:
     """Return which limits of its numbers a linkage has reached, as a text."""
     found = []
-    for name, number, low, high in zip(NUMBERS, numbers, asked.lower, asked.upper, strict=True):
+    for name, number, low, high in zip(asked.names, numbers, asked.lower, asked.upper, strict=True):
         for sign, end in ((">=", low), ("<=", high)):
-            if low < high and np.isfinite(end) and abs(number - end) <= 1e-9 * max(abs(end), 1e-6):
+            if name and low < high and np.isfinite(end) and abs(number - end) <= 1e-9 * max(abs(end), 1e-6):
                 units = "rad" if name in ("ground_angle", "phase") else "m"
                 found.append(f"{name} {sign} {short_number(end)} {units}")
     return ", ".join(found)
 
 
+def _evaluated(solved: Solved, names: list[str], branch: Any, given: dict[str, Any]) -> Any:
+    return evaluate(solved.asked.catalogue.name, names, branch=branch, allow_invalid=True, **given)
+
+
 def _errors(solved: Solved, found: Linkages, branch: NDArray[np.int64]) -> dict[str, Any]:
     """Return the errors at the points of a task, from the facts of the mechanism at the crank angles."""
-    n, target = found.numbers, solved.target
-    inputs = dict(zip(NUMBERS[:6], (column[:, None] for column in n[:, :6].T), strict=True))
-    sides = np.where(found.side > 0, 2, 1)
+    n, target, slider = found.numbers, solved.target, found.slider
+    names = solved.asked.names[: 3 if slider else 4 if solved.task == "function" else 6]
+    given = {name: n[:, k, None] for k, name in enumerate(names)} | {
+        "theta" if slider else "theta1": found.theta
+    }
     if solved.task == "function":
-        at = evaluate("planar_4r", ["theta4"], branch=branch[:, None], allow_invalid=True, theta1=found.theta,
-                      **{name: inputs[name] for name in NUMBERS[:4]})["theta4"]  # fmt: skip
-        off = wrapped(at - found.more["theta4"])
+        name = "slider_position" if slider else "theta4"
+        off = _evaluated(solved, [name], branch[:, None], given)[name] - found.more["theta4"]
+        off = off if slider else wrapped(off)
         return {"output_error": off, "structural_error_rms": np.sqrt(np.mean(off**2, axis=1))}
-    at = evaluate(
-        "planar_4r", ["P_x", "P_y", "theta2"], branch=sides, allow_invalid=True, theta1=found.theta, **inputs
+    at = _evaluated(
+        solved,
+        ["theta2", *(("A_x", "A_y") if slider else ("P_x", "P_y"))],
+        np.where(found.side > 0, 2, 1),
+        given,
     )
-    place = n[:, 6:7] + 1j * n[:, 7:8] + np.exp(1j * n[:, 8:9]) * (at["P_x"] + 1j * at["P_y"])
+    if slider:
+        place = at["A_x"] + 1j * at["A_y"] + (n[:, 4:5] + 1j * n[:, 5:6]) * np.exp(1j * at["theta2"])
+    else:
+        place = at["P_x"] + 1j * at["P_y"]
+    place = n[:, 6:7] + 1j * n[:, 7:8] + np.exp(1j * n[:, 8:9]) * place
     off = np.abs(place - (target["target_x"] + 1j * target["target_y"]))
     if solved.task == "path":
         square, whole = off**2, {}
@@ -1147,8 +1210,9 @@ def synthesise(
     exact: bool = False,
     rotation_length: float | None = None,
     over: tuple[float, float] | None = None,
-    turn: tuple[float, float] | None = None,
-    turn_deg: tuple[float, float] | None = None,
+    turn: Any = None,
+    turn_deg: Any = None,
+    travel: float | None = None,
     precision_points: int | None = None,
     where: Any = None,
     bounds: Mapping[str, Any] | None = None,
@@ -1168,14 +1232,16 @@ def synthesise(
 
     Parameters
     ----------
-    mechanism : {"planar_4r"}
-        The mechanism.
+    mechanism : {"planar_4r", "slider_crank"}
+        The mechanism. Of a slider-crank ``r``, ``l``, ``e`` take the place of ``a1`` to ``a4``, ``theta`` that of
+        ``theta1``, the direction of the slider's line that of OD; ``P_u``, ``P_v`` is a point of the rod.
     quantities : sequence of str
         What else is computed of each linkage, as `fastlink.sweep` takes it.
     path : array_like, table or path of a CSV file
         Points (x, y) [m] that the coupler point passes in this order, or a whole curve as up to 2,000 of them.
     motion : array_like, table or path of a CSV file
-        Poses (x, y, angle) [m, m, rad] of a body on the coupler; ``angle_deg`` in a table. Two to five are met exactly.
+        Poses (x, y, angle) [m, m, rad] of a body on the coupler; ``angle_deg`` in a table. Two to five are met exactly,
+        by slider-cranks two to four.
     function : callable, array_like or table
         The output as a function of x, or pairs (x, y); up to five pairs are met exactly.
     timing : array_like or "even", optional
@@ -1186,12 +1252,16 @@ def synthesise(
     exact : bool, default False
         Find all linkages through five points with timing, or through nine without, and tell those with defects too.
     rotation_length : float, optional
-        The length [m] at which an error of direction counts as one of place; needed for more than five poses.
+        The length [m] at which an error of direction counts as one of place; needed for more poses than are exact.
     over : (float, float)
         The range of x of a function.
-    turn, turn_deg : (float, float)
-        By how much crank and output link turn over the range. A positive output turn may have either sense, see
-        ``sense`` in the result; a negative one is against the crank. Without it pairs are angles in rad.
+    turn, turn_deg : (turn, turn); of a slider-crank turn
+        By how much crank and output link turn over the range: numbers, ranges (lo, hi), or None for 30 to 150 degrees;
+        of turns that are free the error is the least as a share of the output's. A positive output turn may have either
+        sense, see ``sense`` in the result; a negative one is against the crank. Without it pairs are angles in rad.
+    travel : float, optional
+        By how much the slider of a slider-crank moves from the first to the last value [m]. Without it the values of
+        the function are places in m.
     precision_points : int, optional
         Meet a function exactly at 3 to 5 points in Chebyshev's spacing, instead of with the least greatest error.
     where : mapping, optional
@@ -1246,32 +1316,25 @@ def synthesise(
     if len(tasks) != 1:
         what = f"has {joined(tasks)}" if tasks else "has no task"
         problems.add(what, ("synthesise",), "write one of path=..., motion=..., function=...")
-    if mechanism != "planar_4r":
-        problems.add(f"{short_repr(mechanism)} is not synthesised", ("mechanism",), "write 'planar_4r'")
+    slider = mechanism == "slider_crank"
+    if not slider and mechanism != "planar_4r":
+        remedy = "write 'planar_4r' or 'slider_crank'"
+        problems.add(f"{short_repr(mechanism)} is not synthesised", ("mechanism",), remedy)
     problems.attempt(check_whole, ("top",), top, 1)
     problems.attempt(check_whole, ("seed",), seed, 0)
     problems.attempt(check_switch, ("exact",), exact)
     names = problems.attempt(check_names, "quantities", quantities) if quantities else ()
-    limits = _limits(bounds, fixed, problems)
+    limits = _limits(bounds, fixed, slider, problems)
     only = {"path": {"timing": timing, "closed": closed}, "motion": {"rotation_length": rotation_length},
-            "function": {"over": over, "turn": turn, "turn_deg": turn_deg,
+            "function": {"over": over, "turn": turn, "turn_deg": turn_deg, "travel": travel,
                          "precision_points": precision_points}}  # fmt: skip
     for task, options in only.items():
         for name, value in options.items():
             if value is not None and tasks != [task]:
                 problems.add(f"is for {task}=...", (name,), "leave it out")
     problems.stop()
-    asked = Asked(
-        find_catalogue("planar_4r", None),
-        tuple(names or ()),
-        where,
-        minimise,
-        maximise,
-        top,
-        *limits,
-        seed,
-        exact,
-    )
+    known = find_catalogue("slider_crank" if slider else "planar_4r", None)
+    asked = Asked(known, tuple(names or ()), where, minimise, maximise, top, *limits, seed, exact)
     asked.others()  # unknown names are refused before anything is computed
     about = {"mechanism": mechanism, "synthesis": tasks[0], **dict(attrs or {})}
 
@@ -1281,7 +1344,7 @@ def synthesise(
         elif tasks[0] == "motion":
             solved = _solve_motion(asked, motion, rotation_length)
         else:
-            solved = _solve_function(asked, function, over, turn, turn_deg, precision_points)
+            solved = _solve_function(asked, function, over, turn, turn_deg, precision_points, travel)
         if not len(solved.found):
             solved.found = _one(solved)
             result = selected(labelled(solved).isel({DESIGN: slice(0, 0)}), solved)
@@ -1355,5 +1418,6 @@ def _one(solved: Solved) -> Linkages:
         name: np.zeros((1, *np.shape(values)[1:]), dtype=values.dtype)
         for name, values in solved.found.more.items()
     }
-    numbers = np.array([[1.0, 2.0, 2.0, 2.5, 0, 0, 0, 0, 0, 0]])
-    return Linkages(numbers, np.zeros((1, count)), np.ones((1, count)), np.ones(1, dtype=np.int64), more)
+    numbers = np.array([[1.0, 4.0, 2.0, 3.5, 0, 0, 0, 0, 0, 0]])
+    ones = np.ones((1, count))
+    return Linkages(numbers, 0.0 * ones, ones, np.ones(1, dtype=np.int64), more, solved.asked.slider)

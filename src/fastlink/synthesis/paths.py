@@ -46,7 +46,7 @@ class _Refinement(Source):
             (None, 2),
             (None,),
             (None,),
-            (3,),
+            (4,),
             *[(10,)] * 3,
             (1,),
         ]
@@ -76,6 +76,8 @@ def refinement() -> Source:
 
 #: Numbers of a linkage in kernels.
 NUMBERS = ("a1", "a2", "a3", "a4", "P_u", "P_v", "O_x", "O_y", "ground_angle", "phase")
+#: Those of a slider-crank: D is infinitely far across its line; the offset takes the place of a3, and a4 is none.
+SLIDER = ("r", "l", "e", "", *NUMBERS[4:])
 #: Places of a swept curve.
 PLACES = 64
 #: Closed paths of so many points are followed as whole curves.
@@ -100,6 +102,8 @@ class PathTask:
     crank: bool = True
     #: How often each point counts.
     weights: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
+    #: Whether a slider-crank is to pass it.
+    slider: bool = False
     #: Limits of the numbers of a linkage.
     lower: NDArray[np.float64] = field(default_factory=lambda: np.full(10, -np.inf))
     upper: NDArray[np.float64] = field(default_factory=lambda: np.full(10, np.inf))
@@ -116,7 +120,7 @@ class PathTask:
     @property
     def is_whole(self) -> bool:
         """Whether the path counts as a curve that is followed as a whole."""
-        return self.closed and self.times is None and len(self.target) >= WHOLE
+        return self.closed and self.times is None and len(self.target) >= WHOLE and not self.slider
 
     @property
     def share(self) -> NDArray[np.float64]:
@@ -144,10 +148,11 @@ class Candidates:
                             (self.numbers, self.signs, self.theta, self.cost, self.starts)))  # fmt: skip
 
 
-def shapes_of(count: int, seed: int, skip: int = 0) -> NDArray[np.float64]:
+def shapes_of(count: int, seed: int, skip: int = 0, slider: bool = False) -> Floats:
     """Return shapes (a2, a3, a4, P_u, P_v by a1) of cranks that turn fully, from a Sobol sequence.
 
-    a1 and the three sums of Grashof's condition are free positive numbers: each of them times a1 as a power of ten.
+    a1 and the three sums of Grashof's condition are free positive numbers: each of them times a1 as a power of ten; of
+    slider-cranks the offset, and what the rod is longer than it and the crank.
     """
     from scipy.stats import qmc  # 0.3 s, for paths alone
 
@@ -164,24 +169,49 @@ def shapes_of(count: int, seed: int, skip: int = 0) -> NDArray[np.float64]:
     a1 = np.where(double, big, a1)
     short = np.minimum(a1, a4)
     a2, a3 = short + (p + r) / 2.0, short + (p + q) / 2.0
+    if slider:
+        a1, a2, a3, a4 = np.ones(count), 1.0 + p + q, p, np.zeros(count)
     radius, turn = 2.5 * np.sqrt(x[:, 3]), 2.0 * np.pi * x[:, 4]
     u, v = a2 * (0.5 + radius * np.cos(turn)), a2 * radius * np.sin(turn)
     return np.ascontiguousarray(np.stack([a2, a3, a4, u, v], axis=1) / a1[:, None])
 
 
-def pins(numbers: Floats, theta: Any, side: Any) -> tuple[Complex, ...]:
+def pins(numbers: Floats, theta: Any, side: Any, slider: bool = False) -> tuple[Complex, ...]:
     """Return O and D of linkages, then A, B and P (linkages, angles), in the frame of the task.
 
-    NaN where the bars do not meet.
+    NaN where the bars do not meet. Of slider-cranks D is the direction across the line of the slider.
     """
     n = numbers[:, :, None]
     a1, a2, a3, a4, u, v = (n[:, k] for k in range(6))
     turn, o = np.exp(1j * n[:, 8]), n[:, 6] + 1j * n[:, 7]
     with np.errstate(all="ignore"):
-        ax, ay, bx, by, *_, x, y = assembled(a1, a2, a3, a4, u, v, side, np.cos(theta), np.sin(theta))
+        ax, ay, bx, by, *_, x, y = assembled(
+            a1, a2, a3, a4, u, v, side, np.cos(theta), np.sin(theta), int(slider)
+        )
         a = ax + 1j * ay
         moving = (o + turn * of for of in (a, a + a2 * (bx + 1j * by), x + 1j * y))
-        return o[:, 0], (o + turn * a4)[:, 0], *moving
+        return o[:, 0], (1j * turn if slider else o + turn * a4)[:, 0], *moving
+
+
+def from_pins(
+    o: Any, d: Any, a: Any, b: Any, point: Any, slider: bool = False
+) -> tuple[Floats, Floats, Floats]:
+    """Return numbers, crank angles and sides of linkages of O, D (linkages) and A, B, P (linkages, points).
+
+    The inverse of `pins`.
+    """
+    o, d = o[:, None], d[:, None]
+    ground, bar = d if slider else d - o, b - a
+    with np.errstate(all="ignore"):
+        place = ((point - a) / (bar / np.abs(bar))).mean(axis=1)
+        turn = ground[:, 0] * (-1j if slider else 1.0)
+        theta = np.angle((a - o) / turn[:, None])
+        side = np.sign((np.conj(ground if slider else d - a) * bar).imag)
+    last = (np.conj(d) * (b - o)).real if slider else np.abs(b - d)
+    numbers = [np.abs(a - o).mean(axis=1), np.abs(bar).mean(axis=1), last.mean(axis=1),
+               np.abs(ground[:, 0]) * (not slider), place.real, place.imag, o[:, 0].real, o[:, 0].imag,
+               np.angle(turn), np.zeros(len(o))]  # fmt: skip
+    return np.stack(numbers, axis=1), theta, side
 
 
 def at_shares(values: Any, points: Complex, share: Floats) -> Any:
@@ -199,11 +229,11 @@ def starts_of(task: PathTask, count: int, keep: int, seed: int, skip: int = 0) -
     Each curve has equal places, by its length or with times by the crank angle. What the best turn, size and place of
     it leave of the squares, for all first places at once, is made of circular correlations with the path.
     """
-    shapes = np.repeat(shapes_of(count, seed, skip), 2, axis=0)
+    shapes = np.repeat(shapes_of(count, seed, skip, task.slider), 2, axis=0)
     side = np.tile([[-1.0], [1.0]], (count, 1))
     numbers = np.concatenate([np.ones((2 * count, 1)), shapes, np.zeros((2 * count, 4))], axis=1)
     turns = np.arange(PLACES + 1) / PLACES
-    z = pins(numbers, 2.0 * np.pi * turns, side)[-1]
+    z = pins(numbers, 2.0 * np.pi * turns, side, task.slider)[-1]
     at = np.broadcast_to(turns, z.shape)
     timed = task.times is not None
     if not timed:
@@ -268,7 +298,7 @@ def starts_of(task: PathTask, count: int, keep: int, seed: int, skip: int = 0) -
         np.take_along_axis(at, (below + k).astype(int) % PLACES, 1) + (below + k) // PLACES for k in (0, 1)
     )
     theta = 2.0 * np.pi * (one + (where - below) * (other - one))
-    points = pins(numbers, theta, side[rows])[-1]
+    points = pins(numbers, theta, side[rows], task.slider)[-1]
     middle = points.mean(axis=1, keepdims=True)
     factor = (np.conj(points - middle) @ (task.target - centre)) / (np.abs(points - middle) ** 2).sum(axis=1)
     numbers[:, :6] *= np.abs(factor)[:, None]
@@ -286,9 +316,9 @@ def refined(task: PathTask, found: Candidates, most: int, *, angles_only: bool =
     n = len(task.target)
     target = np.stack([task.target.real, task.target.imag], axis=1)
     times = np.zeros(n) if task.times is None else task.times
-    options = np.array([task.times is not None, task.crank, task.closed], dtype=np.int64)
+    options = np.array([task.times is not None, task.crank, task.closed, task.slider], dtype=np.int64)
     free = (task.lower < task.upper).astype(float) * (not angles_only)
-    free[9] *= task.times is not None
+    free[[3, 9]] *= not task.slider, task.times is not None
     enough = np.array([1e-31 * float(np.sum(np.abs(task.target - task.target[0]) ** 2))])
     fixed = (target, np.sqrt(task.weights), times, options, free, task.lower, task.upper, enough, most)
     made: dict[int, Candidates] = {}
@@ -428,7 +458,7 @@ def by_length(task: PathTask, found: Candidates) -> Candidates:
 def fit_limits(task: PathTask, found: Candidates) -> None:
     """Move starts into the limits of their numbers: given lengths size all, angles turn by whole turns."""
     numbers = found.numbers
-    for k in range(4):
+    for k in range(2 if task.slider else 4):
         if task.lower[k] == task.upper[k]:
             numbers[:, :6] *= (task.lower[k] / numbers[:, k])[:, None]
             break
@@ -448,6 +478,18 @@ def joined(*several: Candidates) -> Candidates:
 def wrapped(angles: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return angles within half a turn."""
     return np.asarray(np.remainder(angles + np.pi, 2.0 * np.pi) - np.pi)
+
+
+def cosines(theta: Floats, whole: Any) -> tuple[Floats, Floats]:
+    """Return the least and the greatest cosine between the ends of angles (linkages, angles), exactly; or of a turn."""
+    low, high, turn = theta.min(axis=1), theta.max(axis=1), 2.0 * np.pi
+    on, back = (
+        np.floor((high - of) / turn) > np.floor((low - of) / turn) - (np.remainder(low - of, turn) == 0.0)
+        for of in (0.0, np.pi)
+    )
+    ends = np.cos(low), np.cos(high)
+    least = np.where(back | whole, -1.0, np.minimum(*ends))
+    return least, np.where(on | whole, 1.0, np.maximum(*ends))
 
 
 def solved(matrices: Floats, right: Floats) -> Floats:
@@ -484,15 +526,15 @@ def different(
     return kept, counts
 
 
-def curve_of(n: NDArray[np.float64], theta: NDArray[np.float64], side: float) -> tuple[Any, ...]:
+@np.errstate(all="ignore")
+def curve_of(n: Floats, theta: Floats, side: float, slider: bool = False) -> tuple[Any, ...]:
     """Return coupler points of one linkage, and their derivatives by its numbers and (last) the crank angle.
 
     Then the direction of AB as a complex number, the derivatives of its angle, and whether the bars meet.
     """
     (a1, a2, a3, a4, u, v), c, s = n[:6], np.cos(theta), np.sin(theta)
-    with np.errstate(all="ignore"):
-        ax, ay, bx, by, fx, fy, x, y = assembled(a1, a2, a3, a4, u, v, side, c, s)
-        turns = rates(a2, ax, ay, bx, by, fx, fy, c, s)
+    ax, ay, bx, by, fx, fy, x, y = assembled(a1, a2, a3, a4, u, v, side, c, s, int(slider))
+    turns = rates(a2, ax, ay, bx, by, fx, fy, c, s, int(slider))
     turn, b = np.exp(1j * n[8]), bx + 1j * by
     rate, along = np.zeros((len(theta), 10)), np.zeros((len(theta), 10), dtype=complex)
     for k, one in zip((0, 1, 2, 3, 9), turns, strict=True):
@@ -520,7 +562,7 @@ class Fit:
         """Return the distances across the curve (with times: both coordinates) and their derivatives; or whole."""
         task = self.task
         if task.times is not None:
-            point, by, *_, meets = curve_of(n, n[9] + task.times, self.side)
+            point, by, *_, meets = curve_of(n, n[9] + task.times, self.side, task.slider)
             off = (
                 (point - task.target) * self.root if meets else np.full(len(point), 1e3 * np.sqrt(task.size))
             )
@@ -530,7 +572,7 @@ class Fit:
                 return size, (np.conj(off / size)[:, None] * by).real
             return np.concatenate([off.real, off.imag]), np.concatenate([by.real, by.imag])
         for _ in range(4):
-            point, by, *_, meets = curve_of(n, self.theta, self.side)
+            point, by, *_, meets = curve_of(n, self.theta, self.side, task.slider)
             off, along = point - task.target, by[:, 9]
             turn = -(np.conj(along) * off).real / (np.abs(along) ** 2 + 1e-300)
             if not meets or np.abs(turn).max() < 1e-12:

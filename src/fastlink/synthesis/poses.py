@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import combinations, permutations
+from itertools import permutations
 from typing import Any
 
 import numpy as np
 from scipy.optimize import least_squares
 
-from fastlink.synthesis.paths import Complex, Floats, curve_of, solved
+from fastlink.synthesis.paths import Complex, Floats, curve_of, from_pins, solved
 
 __all__ = ["Dyad", "MotionTask", "dyads_of", "dyads_of_five", "pairs_of", "solve_motion", "timed_by_cognate"]
 
@@ -17,6 +17,8 @@ __all__ = ["Dyad", "MotionTask", "dyads_of", "dyads_of_five", "pairs_of", "solve
 DRAWN = 1500
 #: Of the dyads of a family so many are paired; longer links than so many times the size of the task are left out.
 PAIRED, LONGEST = 260, 15.0
+#: Directions of a slider's line that are tried where two or three poses leave it free.
+DIRECTIONS = 90
 
 
 @dataclass(frozen=True)
@@ -26,6 +28,8 @@ class MotionTask:
     points: Complex
     angles: Floats
     rotation_length: float
+    #: Whether a slider-crank is to carry the body.
+    slider: bool = False
 
     @property
     def size(self) -> float:
@@ -195,44 +199,54 @@ def family_of(task: MotionTask, seed: int) -> list[Dyad]:
     return _listed(*dyads_of_five(poses[..., 0] + 1j * poses[..., 1], poses[..., 2]))
 
 
-def pairs_of(task: MotionTask, dyads: list[Dyad], both: bool = True) -> dict[str, Any]:
-    """Return the linkages of pairs of dyads, driven by the first of each: arrays by name.
+def sliders_of(task: MotionTask) -> tuple[Complex, Complex]:
+    """Return directions across a line, and the body points that move along it: of four poses the one there is.
 
-    Besides the crank angles at each pose come the signs of B beside the line from A to D, and the angle of the body
-    from AB.
+    Re(conj(n) (d + e w)) = k is linear in conj(n) w and k for each direction n. Of more poses it is the one whose
+    squares are least, besides one where they are stationary; of three there is one point for each n, of two a line.
     """
-    choose = permutations if both else combinations
-    pairs = np.array(list(choose(range(len(dyads)), 2)), dtype=int).reshape(-1, 2)
-    c, w = np.array([one[0] for one in dyads]), np.array([one[1] for one in dyads])
-    c1, w1, c2, w2 = c[pairs[:, 0]], w[pairs[:, 0]], c[pairs[:, 1]], w[pairs[:, 1]]
-    e = np.exp(1j * task.angles)
-    a, b = task.points + e * w1[:, None], task.points + e * w2[:, None]
-    ground, bar = c2 - c1, w2 - w1
-    with np.errstate(all="ignore"):
-        place = -w1 / (bar / np.abs(bar))
-        crank = np.abs(a - c1[:, None]).mean(axis=1)
-        output = np.abs(b - c2[:, None]).mean(axis=1)
-        theta = np.angle((a - c1[:, None]) / ground[:, None])
-        side = np.sign((np.conj(c2[:, None] - a) * (b - a)).imag)
-    numbers = np.stack([crank, np.abs(bar), output, np.abs(ground), place.real, place.imag, c1.real, c1.imag,
-                        np.angle(ground), np.zeros(len(pairs))], axis=1)  # fmt: skip
-    return {
-        "numbers": numbers,
-        "theta": np.unwrap(theta, axis=1),
-        "side": side,
-        "body_angle": -np.angle(bar),
-        "pairs": pairs,
-    }
+    origin, count = task.points.mean(), len(task.points)
+    d, e = (task.points - origin) / task.size, np.exp(1j * task.angles)
+    rows, right = np.stack([e.real, -e.imag, -np.ones(count)], axis=1), np.stack([d.real, d.imag], axis=1)
+    if count > 3:
+        n = np.linalg.svd(right - rows @ np.linalg.lstsq(rows, right)[0])[2][::-1].T
+        n = n[:, :1] if count == 4 else n
+    else:
+        angle = np.pi * (np.arange(DIRECTIONS) + 0.5) / DIRECTIONS
+        n = np.stack([np.cos(angle), np.sin(angle)])
+    found = np.linalg.lstsq(rows, -right @ n)[0]
+    if count == 2:  # what the poses leave free
+        found += (
+            np.linalg.svd(rows)[2][2][:, None] * np.tan(1.4 * np.linspace(-1, 1, n.shape[1]) ** 3)[:, None].T
+        )
+    across = n[0] + 1j * n[1]
+    return across, task.size * (found[0] + 1j * found[1]) / np.conj(across)
 
 
-def solve_motion(task: MotionTask, seed: int) -> tuple[dict[str, Any], int]:
-    """Return the linkages of a motion, and how many dyads they are made of."""
+def pairs_of(task: MotionTask, dyads: list[Dyad]) -> tuple[Floats, Floats, Floats, Floats]:
+    """Return the linkages of pairs of dyads, driven by the first of each.
+
+    As numbers, crank angles at each pose, signs of B beside the line from A to D, and angles of the body from AB.
+    """
+    c, w = np.array(dyads, dtype=complex).reshape(-1, 2).T
+    if task.slider:
+        d, pins = sliders_of(task)
+        first, other = (of.ravel() for of in np.indices((len(c), len(d))))
+    else:
+        d, pins = c, w
+        first, other = np.array(list(permutations(range(len(c)), 2)), dtype=int).reshape(-1, 2).T
+    points, e = np.broadcast_to(task.points, (len(first), len(task.points))), np.exp(1j * task.angles)
+    a, b = (points + e * of[:, None] for of in (w[first], pins[other]))
+    numbers, theta, side = from_pins(c[first], d[other], a, b, points, task.slider)
+    return numbers, np.unwrap(theta, axis=1), side, -np.angle(pins[other] - w[first])
+
+
+def solve_motion(task: MotionTask, seed: int) -> tuple[Floats, Floats, Floats, Floats, int]:
+    """Return the linkages of a motion as `pairs_of` does, and how many dyads with a crank they are made of."""
     if len(task.points) >= 5:
         dyads = dyads_of(task.points, task.angles)
         found = pairs_of(task, dyads)
-        if len(task.points) > 5:
-            found = _on_poses(task, found)
-        return found, len(dyads)
+        return *(_on_poses(task, *found) if len(task.points) > 5 or task.slider else found), len(dyads)
     dyads = family_of(task, seed)
     size, origin = task.size, task.points.mean()
     kept = [
@@ -240,30 +254,31 @@ def solve_motion(task: MotionTask, seed: int) -> tuple[dict[str, Any], int]:
         for one in dyads
         if abs(one[0] - origin) < LONGEST * size and 1e-3 * size < _radius(task, one) < LONGEST * size
     ]
-    rng = np.random.default_rng(seed)
-    some = [kept[k] for k in rng.permutation(len(kept))[:PAIRED]]
-    return pairs_of(task, some), len(kept)
+    rng, most = np.random.default_rng(seed), PAIRED * (8 if task.slider and len(task.points) == 4 else 1)
+    return *pairs_of(task, [kept[k] for k in rng.permutation(len(kept))[:most]]), len(kept)
 
 
 def _radius(task: MotionTask, dyad: Dyad) -> float:
     return float(np.abs(task.points[0] + np.exp(1j * task.angles[0]) * dyad[1] - dyad[0]))
 
 
-def _on_poses(task: MotionTask, found: dict[str, Any]) -> dict[str, Any]:
+@np.errstate(all="ignore")  # at a dead point rates are infinite
+def _on_poses(
+    task: MotionTask, numbers: Floats, theta: Floats, sides: Floats, bodies: Floats
+) -> tuple[Floats, Floats, Floats, Floats]:
     """Refine linkages on what they are to do: the body's places, and its directions times the length that weighs them.
 
     A direction is a second point of the body, so that both are distances; the crank angles are unknowns besides.
     """
     length, n = task.rotation_length, len(task.points)
-    e = np.exp(1j * task.angles)
+    e, lengths = np.exp(1j * task.angles), 2 if task.slider else 4
     kept = []
-    for row in range(len(found["numbers"])):
-        x = found["numbers"][row][:9]
-        side = float(np.sign(found["side"][row].sum()) or 1.0)
-        start = np.concatenate([x, [found["body_angle"][row]], found["theta"][row]])
+    for row, x in enumerate(numbers[:, :9]):
+        side = float(np.sign(sides[row].sum()) or 1.0)
+        start = np.concatenate([x, [bodies[row]], theta[row]])
 
         def at(v: Floats, side: float = side) -> tuple[Any, ...]:
-            return curve_of(np.append(v[:9], 0.0), v[10:], side)
+            return curve_of(np.append(v[:9], 0.0), v[10:], side, task.slider)
 
         def off(v: Floats, at: Any = at) -> Floats:
             point, _, along, *_ = at(v)
@@ -285,16 +300,12 @@ def _on_poses(task: MotionTask, found: dict[str, Any]) -> dict[str, Any]:
             continue
         best = least_squares(off, start, slopes, method="trf", x_scale="jac", xtol=1e-15, ftol=1e-15, gtol=1e-15,
                              max_nfev=300)  # fmt: skip
-        if (best.x[:4] <= 0.0).any() or not at(best.x)[-1]:
-            continue
-        kept.append((np.append(best.x[:9], 0.0), best.x[10:], side, best.x[9], row))
-    names = ("numbers", "theta", "side", "body_angle")
+        if (best.x[:lengths] > 0.0).all() and at(best.x)[-1]:
+            kept.append((np.append(best.x[:9], 0.0), best.x[10:], np.full(n, side), best.x[9]))
     if not kept:
-        return {name: found[name][:0] for name in (*names, "pairs")}
-    numbers, theta, sides, body, rows = (np.array(part) for part in zip(*kept, strict=True))
-    sides = np.repeat(sides[:, None], n, axis=1)
-    parts = (numbers, theta, sides, body, found["pairs"][rows])
-    return dict(zip((*names, "pairs"), parts, strict=True))
+        return numbers[:0], theta[:0], sides[:0], bodies[:0]
+    found, angles, signs, body = (np.array(part) for part in zip(*kept, strict=True))
+    return found, angles, signs, body
 
 
 def timed_by_cognate(points: Complex, times: Floats) -> tuple[Floats, Floats]:
