@@ -6,7 +6,7 @@ import xarray as xr
 
 import fastlink as fl
 from fastlink.codegen.kernel import load_kernel
-from fastlink.synthesis import kernels, paths
+from fastlink.synthesis import functions, kernels, paths
 from fastlink.synthesis.found import DEFECTS, Linkages, cognates_of, judged
 from fastlink.synthesis.poses import dyads_of_five
 
@@ -359,6 +359,34 @@ def test_a_result_is_a_map(tmp_path):
         assert any(line.get_marker() == "x" and len(line.get_xdata()) == 5 for line in figure.axes[0].lines)
         best = fl.best(found, maximise="least_transmission_angle_used", top=1)
         assert float(best.a2[0]) == pytest.approx(1.7, abs=1e-5)
+
+
+def test_a_stopped_run_goes_on(tmp_path, monkeypatch):
+    """Each linear program's end is a step: those that were done are not done again, and the bits are the same."""
+    x = np.linspace(0, 1, 7)
+    monkeypatch.setattr(functions, "STARTS", 30)
+    ask = {"function": np.c_[x, x**2], "turn_deg": (60, -60), "to": tmp_path / "found.h5"}
+    wanted = fl.synthesise("planar_4r", **{**ask, "to": None})
+    made, minimax = [], functions._minimax
+
+    def stops(*of):
+        made.append(of)
+        if len(made) == 4:
+            raise KeyboardInterrupt
+        return minimax(*of)
+
+    monkeypatch.setattr(functions, "_minimax", stops)
+    with pytest.raises(KeyboardInterrupt) as caught:
+        fl.synthesise("planar_4r", **ask)
+    assert "4 steps of it are kept" in caught.value.__notes__[0]  # the scan, and three programs
+    assert [one.name for one in tmp_path.iterdir()] == ["found.h5.search"]
+    with pytest.raises(fl.InputError, match="another search"):
+        fl.synthesise("planar_4r", **ask, seed=1)
+    with fl.synthesise("planar_4r", **ask) as found:
+        assert len(made) == 4 + functions.FEW - 3
+        for name in wanted.variables:
+            np.testing.assert_array_equal(found[name], wanted[name])
+    assert [one.name for one in tmp_path.iterdir()] == ["found.h5"]
 
 
 def test_a_study_and_a_command_ask_for_the_same(tmp_path, monkeypatch, capsys):

@@ -708,6 +708,7 @@ def synthesise(
     seed: int = 0,
     to: Path | None = None,
     overwrite: bool = False,
+    restart: bool = False,
 ) -> None:
     """Find four-bar linkages or slider-cranks for the points of a path, the poses of a body, or pairs of a function.
 
@@ -731,6 +732,7 @@ def synthesise(
     --seed N  Of the starts.
     --to FILE.h5  Write them too, as a map.
     --overwrite
+    --restart  Throw away what a stopped run has left.
     """
     from fastlink.app.report import listed
     from fastlink.synthesis.found import synthesise as find
@@ -755,7 +757,7 @@ def synthesise(
     given["fixed"] = by_name(fixed or [], "fixed", "NAME=NUMBER", {"O_x": "0"}, numbers_of) or None
     given |= {"minimise": minimise or (), "maximise": maximise or (), "top": top, "seed": seed}
     names = [] if quantities is None else _parts(quantities)
-    found = find(mechanism, names, to=to, overwrite=overwrite, **given).load()
+    found = find(mechanism, names, to=to, overwrite=overwrite, restart=restart, **given).load()
     if not found.sizes["design"]:
         raise InputError(str(found.attrs["reason"]), (), "widen the limits, or try other seeds")
     columns = [str(name) for name, one in found.data_vars.items() if one.dims == ("design",)]

@@ -6,10 +6,12 @@ import contextlib
 import hashlib
 import os
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -19,16 +21,12 @@ from scipy.optimize import minimize
 
 from fastlink._text import counted, joined, short_number, short_repr
 from fastlink.codegen.cache import environment
-from fastlink.design.search import names_searched, write
+from fastlink.design.search import Unfinished, names_searched, to_file
 from fastlink.engine.evaluate import evaluate
 from fastlink.engine.function import function
 from fastlink.engine.sweep import sweep
 from fastlink.errors import InputError, Problems, Setting, check_switch, check_whole, door
 from fastlink.facts.catalogue import Catalogue
-from fastlink.io.finished import finished_map
-from fastlink.io.layout import history, plain_attrs
-from fastlink.io.partial_file import check_target
-from fastlink.maps import open as open_map
 from fastlink.maps.best import choice_of, chosen, with_missed
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.query import check_names
@@ -466,7 +464,7 @@ class Solved:
     path: paths.PathTask | None = None
 
 
-def _solve_path(asked: Asked, path: Any, timing: Any, closed: Any) -> Solved:
+def _solve_path(asked: Asked, steps: Steps, path: Any, timing: Any, closed: Any) -> Solved:
     rows = _columns("path", path, ("x", "y"), {"x": "m", "y": "m"})
     points = rows[:, 0] + 1j * rows[:, 1]
     count = len(points)
@@ -511,21 +509,22 @@ def _solve_path(asked: Asked, path: Any, timing: Any, closed: Any) -> Solved:
     task = paths.PathTask(target, times, is_closed, crank, weights, slider, asked.lower, asked.upper)
     attrs: dict[str, Any] = {"closed": int(is_closed)}
     if asked.exact:
-        found, attrs["complete"] = _all_exact(asked, task)
+        found, attrs["complete"] = _all_exact(asked, task, steps)
     else:
         many = times is None and not task.is_whole and not slider and 9 <= len(target) <= paths.MANY
         if task.is_whole:
-            solved = paths.solve_curve(task, asked.seed)
+            solved = paths.Candidates(*steps(lambda: paths.solve_curve(task, asked.seed).parts()))
         else:
             rounds = 1 if many else paths.ROUNDS if len(target) <= paths.MANY else 2
             solved = paths.solve_path(
-                task, asked.seed, rounds, all_rounds=bool(asked.minimise or asked.maximise)
+                task, asked.seed, rounds, all_rounds=bool(asked.minimise or asked.maximise), steps=steps
             )
         for attempt in range(THROUGH_NINE if many else 0):
             error = np.sqrt(solved.cost[0] / task.size) if len(solved.cost) else np.inf
             if error < paths.EXACT or (attempt and error > NEARLY):
                 break
-            solved = paths.merged(paths.joined(solved, _through_nine(task, attempt)))
+            more = steps(lambda k: _through_nine(task, k).parts(), attempt)
+            solved = paths.merged(paths.joined(solved, paths.Candidates(*more)))
         side = np.repeat(solved.signs[:, :1], len(target), axis=1)
         found = Linkages(solved.numbers, solved.theta, side, solved.starts, slider=slider)
     if times is None:
@@ -568,7 +567,7 @@ def joined_linkages(one: Linkages, other: Linkages) -> Linkages:
     return replace(one, **own, more=more)
 
 
-def _all_exact(asked: Asked, task: paths.PathTask) -> tuple[Linkages, str]:
+def _all_exact(asked: Asked, task: paths.PathTask, steps: Steps) -> tuple[Linkages, str]:
     """Return all linkages that pass points exactly, where algebra gives them, and how many that are."""
     count = len(task.target)
     best = "leave it out: least squares find the best"
@@ -580,7 +579,13 @@ def _all_exact(asked: Asked, task: paths.PathTask) -> tuple[Linkages, str]:
         found = Linkages(numbers, numbers[:, 9:] + task.times, sides, np.ones(len(numbers), dtype=np.int64))
         return asked.within(found), f"all {counted(len(numbers), 'linkage')} of five timed points"
     _check(count == 9, "exact", f"is for nine points, or five with timing, and there are {count}", best)
-    return _of_nine(task.target)
+
+    def every() -> list[Any]:
+        found, complete = _of_nine(task.target)
+        return [found.numbers, found.theta, found.side, found.starts, complete]
+
+    *parts, complete = steps(every)
+    return Linkages(*parts), str(complete)
 
 
 def _of_nine(points: NDArray[np.complex128], **options: int) -> tuple[Linkages, str]:
@@ -629,7 +634,7 @@ def _different(found: Linkages) -> Linkages:
     return found.at(paths.different(found.numbers, found.side[:, 0], found.starts, len(found))[0])
 
 
-def _solve_motion(asked: Asked, motion: Any, rotation_length: Any) -> Solved:
+def _solve_motion(asked: Asked, steps: Steps, motion: Any, rotation_length: Any) -> Solved:
     rows = _columns("motion", motion, ("x", "y", "angle"), {"x": "m", "y": "m", "angle": "rad"})
     points, angles = rows[:, 0] + 1j * rows[:, 1], np.unwrap(rows[:, 2])
     count = len(points)
@@ -649,10 +654,11 @@ def _solve_motion(asked: Asked, motion: Any, rotation_length: Any) -> Solved:
     what = f"is {short_repr(rotation_length)}"
     _check(0.0 < length < np.inf, "rotation_length", what, "write a positive length in m")
     task = poses.MotionTask(points, angles, length, asked.slider)
-    numbers, theta, side, body, dyads = poses.solve_motion(task, asked.seed)
+    numbers, theta, side, body, dyads = steps(poses.solve_motion, task, asked.seed)
     found = Linkages(
         numbers, theta, side, np.ones(len(numbers), dtype=np.int64), {"body_angle": body}, asked.slider
     )
+    dyads = int(dyads)
     attrs: dict[str, Any] = {"dyads": dyads, "rotation_length": length}
     found = asked.within(found)
     if count < 5:
@@ -671,7 +677,7 @@ def _solve_motion(asked: Asked, motion: Any, rotation_length: Any) -> Solved:
 
 
 def _solve_function(
-    asked: Asked, function: Any, over: Any, turn: Any, turn_deg: Any, points: Any, travel: Any
+    asked: Asked, steps: Steps, function: Any, over: Any, turn: Any, turn_deg: Any, points: Any, travel: Any
 ) -> Solved:
     slider, given = asked.slider, None
     turns, unit = _turns(turn, turn_deg, slider), 1.0
@@ -735,7 +741,7 @@ def _solve_function(
     task = functions.FunctionTask(
         turn_in, turn_out, given, least, exact, senses, slider, (scales[0], scales[1])
     )
-    made = functions.solve_function(task)
+    made = functions.solve_function(task, steps)
     count, most = len(x), max((len(one.peaks) for one in made), default=0)
     numbers, (theta, side, wanted) = np.zeros((len(made), 10)), np.zeros((3, len(made), count))
     peaks, places = np.full((2, len(made), most), np.nan)
@@ -826,7 +832,7 @@ def _turns(turn: Any, turn_deg: Any, slider: bool) -> list[tuple[float, float]] 
 CONSTRAINED, MOST_STEPS = 12, 150
 
 
-def within_conditions(solved: Solved, every: xr.Dataset) -> Linkages | None:
+def within_conditions(solved: Solved, every: xr.Dataset, steps: Steps) -> Linkages | None:
     """Return linkages that are refined once more, within the conditions and towards the objective; None without any.
 
     Sequential quadratic programs (SciPy's SLSQP) by the exact derivatives of `fastlink.function` and of the distances.
@@ -849,7 +855,7 @@ def within_conditions(solved: Solved, every: xr.Dataset) -> Linkages | None:
     near = [one.high for one in choice.wanted if one.name in ("path_error", "path_error_max")]
     names = [*dict.fromkeys([*(one.name for one in limits), *([] if by_path else [aim_name])])]
     error, codes = every["path_error"].values, every["defect"].values
-    count, made = len(task.target), list[Any]()
+    count = len(task.target)
     size = float(np.sqrt(task.size / count))
     # of those that pass all points those come first that miss the conditions least
     missing = np.zeros_like(error)
@@ -866,7 +872,8 @@ def within_conditions(solved: Solved, every: xr.Dataset) -> Linkages | None:
     bounds = [
         (low, high) for low, high in zip(task.lower[free] / scale, task.upper[free] / scale, strict=True)
     ]
-    for row in rows:
+
+    def ended(row: int) -> tuple[Any, ...]:
         start = solved.found.numbers[row]
         side = float(solved.found.side[row, 0])
         fit = paths.Fit(task, solved.found.theta[row, :count], side)
@@ -963,7 +970,10 @@ def within_conditions(solved: Solved, every: xr.Dataset) -> Linkages | None:
                 )
                 exact = paths.refined(task, exact, 100)
                 n, fit.theta = (exact.numbers[0], exact.theta[0]) if len(exact.cost) else (n, fit.theta)
-            made.append((n, n[9] + task.times if task.times is not None else fit.theta, side))
+            return n, n[9] + task.times if task.times is not None else fit.theta, side
+        return ()
+
+    made = [part for row in rows if (part := steps(ended, row))]
     if not made:
         return None
     every_n, theta, side_of = (np.array(part) for part in zip(*made, strict=True))
@@ -1028,6 +1038,8 @@ def labelled(solved: Solved) -> xr.Dataset:
     )
     text = f"Assembly mode: {text}"
     coords: dict[str, Any] = {"branch": ((DESIGN,), branch, {"long_name": text})}
+    if "peak_error" in data:
+        coords["peak"] = ("peak", np.arange(data["peak_error"].shape[1]), {"long_name": "Number of a peak"})
     texts = [joined_limits(one, solved.asked) for one in n]
     if any(texts):
         coords["active"] = ((DESIGN,), np.array(texts), {"long_name": "Limits that hold the linkage back"})
@@ -1223,6 +1235,7 @@ def synthesise(
     seed: int = 0,
     to: str | Path | None = None,
     overwrite: bool = False,
+    restart: bool = False,
     attrs: Mapping[str, Any] | None = None,
 ) -> xr.Dataset:
     """Find linkages for a task: a path, a motion or a function.
@@ -1281,6 +1294,9 @@ def synthesise(
         An HDF5 file to write the result to.
     overwrite : bool, default False
         Replace an existing file.
+    restart : bool, default False
+        Throw away what a stopped run has left in ``FILE.search``. Without it, the same run goes on there, to the same
+        bits, and another one is refused.
     attrs : mapping, optional
         Further attributes.
 
@@ -1338,19 +1354,20 @@ def synthesise(
     asked.others()  # unknown names are refused before anything is computed
     about = {"mechanism": mechanism, "synthesis": tasks[0], **dict(attrs or {})}
 
-    def solve() -> xr.Dataset:
+    def solve(steps: Steps) -> xr.Dataset:
         if tasks[0] == "path":
-            solved = _solve_path(asked, path, timing, closed)
+            solved = _solve_path(asked, steps, path, timing, closed)
         elif tasks[0] == "motion":
-            solved = _solve_motion(asked, motion, rotation_length)
+            solved = _solve_motion(asked, steps, motion, rotation_length)
         else:
-            solved = _solve_function(asked, function, over, turn, turn_deg, precision_points, travel)
+            ask = function, over, turn, turn_deg, precision_points, travel
+            solved = _solve_function(asked, steps, *ask)
         if not len(solved.found):
             solved.found = _one(solved)
             result = selected(labelled(solved).isel({DESIGN: slice(0, 0)}), solved)
         else:
             every = labelled(solved)
-            more = within_conditions(solved, every)
+            more = within_conditions(solved, every, steps)
             if more is not None and len(more):
                 if solved.found.theta.shape[1] > more.theta.shape[1]:
                     more = _come_back(more)
@@ -1361,54 +1378,78 @@ def synthesise(
         return result
 
     if to is None:
-        return solve()
-    shown = {
-        name: _as_text(value)
-        for name, value in {**given, **only["path"], **only["motion"], **only["function"]}.items()
-    }
-    words = (
+        return solve(Steps())
+    options = {**given, **only["path"], **only["motion"], **only["function"]}
+    words: list[Any] = [
         environment(),
-        shown,
+        mechanism,
+        *(_as_text(value, over) for value in options.values()),
         names,
-        repr(where),
-        repr(bounds),
-        repr(fixed),
-        repr(minimise),
-        repr(maximise),
-        top,
-        seed,
-        exact,
-    )
+    ]
+    words += [*map(repr, (where, bounds, fixed, minimise, maximise)), top, seed, exact]
     fingerprint = hashlib.sha256(repr(words).encode()).hexdigest()
-    if not overwrite and not callable(function):
-        finished = finished_map(to, fingerprint, verified=0, attrs=about)
-        if finished is not None:
-            return finished
-    target = check_target(to, 0, overwrite)
-    result = solve()
-    if not result.sizes[DESIGN]:
-        raise InputError(f"{result.attrs['reason']}; nothing is written", ("where",), "widen the limits")
-    result.attrs = plain_attrs(result.attrs)
-    write(
-        target,
-        result,
-        fingerprint,
-        history(f"synthesise {mechanism} to {target.name}"),
-        overwrite=overwrite,
-        restart=False,
-    )
-    return open_map(target)
+
+    def found(target: Path) -> tuple[xr.Dataset, None]:
+        with Steps(Unfinished(target, fingerprint, dict), restart) as steps:
+            result = solve(steps)
+        if not result.sizes[DESIGN]:
+            raise InputError(f"{result.attrs['reason']}; nothing is written", ("where",), "widen the limits")
+        return result, None
+
+    request: Any = SimpleNamespace(about=lambda: about, fingerprint=fingerprint)
+    made = f"synthesise {mechanism}"
+    return to_file(Path(to), request, found, made=made, overwrite=overwrite, restart=restart)
 
 
-def _as_text(value: Any) -> str:
-    try:
-        return (
-            np.asarray(value, dtype=float).tobytes().hex()
-            if value is not None and not callable(value)
-            else repr(value)
-        )
-    except (TypeError, ValueError):
-        return repr(value)
+class Steps(AbstractContextManager["Steps"]):
+    """Steps of a run in turn: those of an earlier one, which was stopped, have their arrays beside its file."""
+
+    def __init__(self, unfinished: Unfinished | None = None, restart: bool = False) -> None:
+        self.unfinished, self.number = unfinished, 0
+        if unfinished is not None and restart:
+            unfinished.remove()
+        earlier = None if unfinished is None else unfinished.read()
+        self.made: dict[str, Any] = earlier[0] if earlier else {}
+        self.made.pop("about", None)
+        self.done = earlier[1][0][1] if earlier else 0
+
+    def __call__(self, step: Callable[..., Sequence[Any]], *of: Any) -> list[Any]:
+        """Return the arrays that a step makes, or has made."""
+        name, self.number = f"{self.number}.", self.number + 1
+        if self.number > self.done:
+            self.made |= {f"{name}{k}": np.asarray(one) for k, one in enumerate(step(*of))}
+            self.done = self.number
+            if self.unfinished is not None and time.monotonic() >= self.unfinished.due:
+                self.unfinished.write(self, [(0, self.done)])
+        count = sum(key.startswith(name) for key in self.made)
+        return [self.made[f"{name}{k}"].copy() for k in range(count)]
+
+    def arrays(self) -> dict[str, Any]:
+        """Return all arrays by name, as a file keeps them."""
+        return self.made
+
+    def __exit__(self, kind: Any, error: BaseException | None, traceback: Any) -> None:
+        """Keep what a run that was stopped has done; else nothing."""
+        if self.unfinished is None:
+            return
+        if error is None:
+            self.unfinished.remove()
+        elif self.done:
+            with contextlib.suppress(InputError):
+                self.unfinished.write(self, [(0, self.done)])
+                kept = f"{counted(self.done, 'step')} of it are kept in {self.unfinished.path}"
+                error.add_note(f"{kept}; run the same again to go on")
+
+
+def _as_text(value: Any, over: Any) -> str:
+    """Return what tells a task from others: its numbers, also those of a file, or of a function over its range."""
+    with contextlib.suppress(TypeError, ValueError, OSError), np.printoptions(threshold=10**9):
+        if callable(value):
+            value = _values(value, np.linspace(over[0], over[1], 1001))
+        elif isinstance(value, (str, os.PathLike)) and value != "even":
+            return Path(value).read_bytes().hex()
+        return repr(value) if value is None else np.asarray(value, dtype=float).tobytes().hex()
+    return repr(value)
 
 
 def _one(solved: Solved) -> Linkages:

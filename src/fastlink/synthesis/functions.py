@@ -297,8 +297,10 @@ def peaks_of(task: FunctionTask, numbers: Floats, sign: float, sense: int) -> tu
     return found, error(found)
 
 
-def _minimax(task: FunctionTask, numbers: Floats, sign: float, sense: int, aim: float) -> Generator | None:
+def _minimax(task: FunctionTask, numbers: Floats, sign: float, sense: int, aim: float) -> tuple[Any, ...]:
     """Return the linkage with the least greatest error near a start: linear programs on the peaks of its error.
+
+    As its numbers, the error, where its peaks are and they; nothing where there is none.
 
     What gains little and stays above twice the aim is given up.
     """
@@ -306,7 +308,7 @@ def _minimax(task: FunctionTask, numbers: Floats, sign: float, sense: int, aim: 
     peaks, errors = peaks_of(task, numbers, sign, sense)
     best, trust = float(np.max(np.abs(errors))), TRUST
     if not np.isfinite(best):
-        return None
+        return ()
     low = task.transmission
 
     def short(of: Floats) -> float:
@@ -367,23 +369,30 @@ def _minimax(task: FunctionTask, numbers: Floats, sign: float, sense: int, aim: 
             if trust < 1e-11:
                 break
     if low and short(numbers) > 1e-9:
-        return None
+        return ()
     keep, scale = np.abs(errors) > 0.2 * best, float(numbers[6])
-    return Generator(numbers, sign, sense, scale * best, peaks[keep], scale * errors[keep])
+    return numbers, scale * best, peaks[keep], scale * errors[keep]
 
 
-def solve_function(task: FunctionTask, few: int = FEW) -> list[Generator]:
+def _started(task: FunctionTask, sense: int) -> tuple[Floats, Floats, Floats]:
+    """Return linkages of the scan after least sums of powers, their signs and greatest errors."""
+    numbers, sign = _scanned(task, sense)
+    if len(numbers):
+        numbers = _by_powers(task, numbers, sign, sense)
+    with np.errstate(invalid="ignore"):
+        worst = np.max(np.abs(task.off(numbers, sign[:, None], *task.fine(sense))), axis=1)
+    if task.transmission:
+        worst = worst + 0.2 * np.maximum(0.0, task.transmission - task.transmissions(numbers))
+    return numbers, sign, worst
+
+
+def solve_function(
+    task: FunctionTask, steps: Any = lambda step, *of: step(*of), few: int = FEW
+) -> list[Generator]:
     """Return linkages that generate a function, all different ones that were found, the best first."""
     starts: list[tuple[float, Floats, float, int]] = []
     for sense in task.senses:
-        numbers, sign = _scanned(task, sense)
-        if not len(numbers):
-            continue
-        numbers = _by_powers(task, numbers, sign, sense)
-        with np.errstate(invalid="ignore"):
-            worst = np.max(np.abs(task.off(numbers, sign[:, None], *task.fine(sense))), axis=1)
-        if task.transmission:
-            worst = worst + 0.2 * np.maximum(0.0, task.transmission - task.transmissions(numbers))
+        numbers, sign, worst = steps(_started, task, sense)
         rows = np.flatnonzero(np.isfinite(worst))
         starts += [(float(worst[k]), numbers[k], float(sign[k]), sense) for k in rows]
     found: list[Generator] = []
@@ -397,7 +406,8 @@ def solve_function(task: FunctionTask, few: int = FEW) -> list[Generator]:
             off = task.off(one[None], side, task.turn_in, sense * task.turn_out)[0]
             if worst_of < 1e-9:
                 found.append(Generator(one, side, sense, worst_of, task.turn_in, off))
-        elif (best := _minimax(task, one, side, sense, aim)) is not None:
+        elif made := steps(_minimax, task, one, side, sense, aim):
+            best = Generator(made[0], side, sense, float(made[1]), *made[2:])
             found.append(best)
             aim = min(aim, best.error / best.numbers[6])
         if len(tried) == few and not task.exact:

@@ -142,10 +142,13 @@ class Candidates:
     #: From how many starts each was reached.
     starts: NDArray[np.int64]
 
+    def parts(self) -> tuple[Any, ...]:
+        """Return the arrays."""
+        return self.numbers, self.signs, self.theta, self.cost, self.starts
+
     def at(self, rows: Any) -> Candidates:
         """Return a copy of some rows."""
-        return Candidates(*(np.array(part[rows], order="C") for part in
-                            (self.numbers, self.signs, self.theta, self.cost, self.starts)))  # fmt: skip
+        return Candidates(*(np.array(part[rows], order="C") for part in self.parts()))
 
 
 def shapes_of(count: int, seed: int, skip: int = 0, slider: bool = False) -> Floats:
@@ -346,7 +349,14 @@ ROUNDS, EXACT = 4, 1e-11
 SAME = 1e-6
 
 
-def solve_path(task: PathTask, seed: int, rounds: int = ROUNDS, *, all_rounds: bool = False) -> Candidates:
+def solve_path(
+    task: PathTask,
+    seed: int,
+    rounds: int = ROUNDS,
+    *,
+    all_rounds: bool = False,
+    steps: Any = lambda step, *of: step(*of),
+) -> Candidates:
     """Return the linkages that come nearest to a path, all different ones that were found, the best first.
 
     Rounds of starts go on until a linkage passes all points, or the best one was found a second time; or all are made,
@@ -357,14 +367,19 @@ def solve_path(task: PathTask, seed: int, rounds: int = ROUNDS, *, all_rounds: b
     few = min(1.0, MANY / len(task.target))
     shapes, kept = (shapes, KEPT) if few == 1.0 else (shapes // 2, max(100, int(KEPT * few)))
     found: Candidates | None = None
-    for number in range(rounds):
+
+    def refined_starts(number: int) -> tuple[Any, ...]:
         starts = starts_of(task, shapes, min(kept, shapes), seed, number * shapes)
         fit_limits(task, starts)
-        for most, steps in STAGES:  # fewer of longer ones
-            most, steps = max(8, int(most * few)), max(30, int(steps * few))
+        for most, count in STAGES:  # fewer of longer ones
+            most, count = max(8, int(most * few)), max(30, int(count * few))
             # what passes all points already stays: by other measures it may be the best
-            met = int(np.searchsorted(starts.cost, EXACT**2 * task.size)) if steps > STAGES[0][1] else 0
-            starts = refined(task, starts.at(slice(0, max(most, min(met, 5 * STAGES[-1][0])))), steps)
+            met = int(np.searchsorted(starts.cost, EXACT**2 * task.size)) if count > STAGES[0][1] else 0
+            starts = refined(task, starts.at(slice(0, max(most, min(met, 5 * STAGES[-1][0])))), count)
+        return starts.parts()
+
+    for number in range(rounds):
+        starts = Candidates(*steps(refined_starts, number))
         found = merged(starts if found is None else joined(found, starts))
         if not len(found.cost):
             continue
@@ -470,8 +485,7 @@ def fit_limits(task: PathTask, found: Candidates) -> None:
 
 def joined(*several: Candidates) -> Candidates:
     """Return the linkages of several, the best first."""
-    names = ("numbers", "signs", "theta", "cost", "starts")
-    both = Candidates(*(np.concatenate([getattr(one, name) for one in several]) for name in names))
+    both = Candidates(*map(np.concatenate, zip(*(one.parts() for one in several), strict=True)))
     return both.at(np.argsort(both.cost, kind="stable"))
 
 
