@@ -27,7 +27,7 @@ from fastlink.engine.function import function
 from fastlink.engine.sweep import sweep
 from fastlink.errors import InputError, Problems, Setting, check_switch, check_whole, door
 from fastlink.facts.catalogue import Catalogue
-from fastlink.maps.best import choice_of, chosen, with_missed
+from fastlink.maps.best import Choice, choice_of, chosen, with_missed
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.query import check_names
 from fastlink.space.design_space import DESIGN
@@ -460,8 +460,14 @@ class Solved:
     maximise: str = ""
     #: Whether linkages with defects are told too, after the others.
     with_defects: bool = False
-    #: The path that least squares have fitted.
-    path: paths.PathTask | None = None
+    #: Of paths and motions: their size; how far a linkage is off, by its row; how many numbers are free; whether the
+    #: crank is to turn; linkages of arrays; others that do the task exactly, from changed ones.
+    size: float = 1.0
+    fit: Any = None
+    unknowns: int = 9
+    crank: bool = False
+    linkages: Callable[..., Linkages] = Linkages
+    varied: Any = None
 
 
 def _solve_path(asked: Asked, steps: Steps, path: Any, timing: Any, closed: Any) -> Solved:
@@ -539,9 +545,30 @@ def _solve_path(asked: Asked, steps: Steps, path: Any, timing: Any, closed: Any)
     coords = {"target_x": rows[:, 0], "target_y": rows[:, 1]} | ({} if times is None else {"time": times})
     if times is not None:
         attrs["timing"] = "crank angles, but for a phase"
-    fitted = None if asked.exact else task
     least = "ordered_distance" if task.is_whole else "path_error"
-    return Solved("path", asked, found, coords, attrs, least, with_defects=asked.exact, path=fitted)
+    solved_path = Solved("path", asked, found, coords, attrs, least, with_defects=asked.exact)
+    if asked.exact:
+        return solved_path
+    count = len(target)
+
+    def linkages(numbers: Floats, theta: Floats, side: Floats) -> Linkages:
+        ones = np.ones(len(numbers), dtype=np.int64)
+        theta = theta if times is None else numbers[:, 9:] + times
+        more = (
+            {} if times is not None else {"cognate": ones.astype(np.int8), "curve": np.arange(len(numbers))}
+        )
+        made = asked.within(Linkages(numbers, theta, side, ones, more, slider))
+        return _come_back(made) if found.theta.shape[1] > count else made
+
+    def varied(some: Linkages, change: float, rng: Any) -> Linkages:
+        made = paths.varied(task, some.numbers, some.theta[:, :count], some.side[:, 0], change, rng)
+        return linkages(made.numbers, made.theta, np.repeat(made.signs[:, :1], count, axis=1))
+
+    def fit(row: int) -> paths.Fit:
+        return paths.Fit(task, found.theta[row, :count], float(found.side[row, 0]))
+
+    return replace(solved_path, size=float(np.sqrt(task.size / count)), fit=fit, unknowns=9 + (times is not None),
+                   crank=crank, linkages=linkages, varied=varied)  # fmt: skip
 
 
 def _come_back(found: Linkages) -> Linkages:
@@ -555,7 +582,7 @@ def _come_back(found: Linkages) -> Linkages:
 def joined_linkages(one: Linkages, other: Linkages) -> Linkages:
     """Return the linkages of both; those of the first are curves of their own."""
     more = {
-        name: np.concatenate([values[:1].repeat(len(one), axis=0), values])
+        name: np.concatenate([one.more.get(name, values[:1].repeat(len(one), axis=0)), values])
         for name, values in other.more.items()
     }
     if "curve" in more:
@@ -574,10 +601,14 @@ def _all_exact(asked: Asked, task: paths.PathTask, steps: Steps) -> tuple[Linkag
     _check(not task.slider, "exact", "is for planar_4r", best)
     if task.times is not None:
         _check(count == 5, "exact", f"is for five points with timing, and there are {count}", best)
-        numbers, sides = poses.timed_by_cognate(task.target, task.times - task.times[0])
-        numbers[:, 9] -= task.times[0]
-        found = Linkages(numbers, numbers[:, 9:] + task.times, sides, np.ones(len(numbers), dtype=np.int64))
-        return asked.within(found), f"all {counted(len(numbers), 'linkage')} of five timed points"
+        # the crank of a linkage turns as the coupler of a cognate does: points with times are poses of that
+        timed = poses.MotionTask(task.target, task.times, 1.0)
+        numbers, theta, side, _ = poses.pairs_of(timed, poses.dyads_of(task.target, task.times))
+        of_poses = Linkages(numbers, theta, side, np.ones(len(numbers), dtype=np.int64))
+        found = cognates_of(of_poses).at(slice(2, None, 6))
+        found.numbers[:, 9] = wrapped(found.theta[:, 0] - task.times[0])
+        found.theta, found.more = found.numbers[:, 9:] + task.times, {}
+        return asked.within(found), f"all {counted(len(found), 'linkage')} of five timed points"
     _check(count == 9, "exact", f"is for nine points, or five with timing, and there are {count}", best)
 
     def every() -> list[Any]:
@@ -673,7 +704,22 @@ def _solve_motion(asked: Asked, steps: Steps, motion: Any, rotation_length: Any)
         attrs["complete"] = f"all {counted(dyads, 'dyad')} of five poses, {counted(len(found), 'linkage')}"
     coords = {"target_x": rows[:, 0], "target_y": rows[:, 1], "target_angle": angles}
     objectives = ("pose_error", "") if count >= 5 else ("", "least_transmission_angle_used")
-    return Solved("motion", asked, found, coords, attrs, *objectives, with_defects=count >= 5)
+
+    def linkages(numbers: Floats, theta: Floats, side: Floats, body: Any = None) -> Linkages:
+        ones = np.ones(len(numbers), dtype=np.int64)
+        body = numbers[:, 9].copy() if body is None else body
+        numbers[:, 9] = 0.0
+        return asked.within(Linkages(numbers, theta, side, ones, {"body_angle": body}, asked.slider))
+
+    def varied(some: Linkages, change: float, rng: Any) -> Linkages:
+        return linkages(*poses.varied(task, some.pins(), change, rng))
+
+    def fit(row: int) -> paths.Fit:
+        found.numbers[row, 9] = found.more["body_angle"][row]
+        return paths.Fit(task.path, found.theta[row], float(found.side[row, 0]))
+
+    return Solved("motion", asked, found, coords, attrs, *objectives, with_defects=count >= 5, size=task.size, fit=fit,
+                  unknowns=10, linkages=linkages, varied=varied if count <= most else None)  # fmt: skip
 
 
 def _solve_function(
@@ -825,167 +871,180 @@ def _turns(turn: Any, turn_deg: Any, slider: bool) -> list[tuple[float, float]] 
     return made
 
 
-# -- Conditions on what fastlink computes, and other objectives, of paths
+# -- Conditions on what fastlink computes, and other objectives, of paths and motions
 
 
 #: Linkages that are refined within conditions, and steps of each.
 CONSTRAINED, MOST_STEPS = 12, 150
+#: Of a family so many linkages stay, each with so many that are changed at random, by ever less.
+FAMILY, CHANGED, CHANGES = 12, 24, 0.4 * 0.8 ** np.arange(36)
 
 
-def within_conditions(solved: Solved, every: xr.Dataset, steps: Steps) -> Linkages | None:
-    """Return linkages that are refined once more, within the conditions and towards the objective; None without any.
+def within_conditions(solved: Solved, steps: Steps) -> Linkages | None:
+    """Return linkages that are refined once more, within the conditions and towards the objective; None without any."""
+    asked, error = solved.asked, "pose_error" if solved.task == "motion" else "path_error"
+    if solved.fit is None or not (asked.where or asked.minimise or asked.maximise):
+        return None
+    every, least, most = labelled(solved), asked.minimise, asked.maximise
+    if not least and not most:
+        least, most = (error if solved.minimise else ()), solved.maximise or ()
+    choice = choice_of(every, least, most, asked.where, top=None)
+    if len(choice.objectives) != 1:
+        return None
+    aim_name = str(choice.objectives[0].array.name)
 
-    Sequential quadratic programs (SciPy's SLSQP) by the exact derivatives of `fastlink.function` and of the distances.
-    """
-    task, asked = solved.path, solved.asked
-    minimise, maximise = asked.minimise, asked.maximise
-    if task is None:
+    def worth(found: xr.Dataset) -> Floats:
+        missed, of = np.zeros(found.sizes[DESIGN]), choice_of(found, least, most, asked.where, top=None)
+        for one in of.wanted:
+            values = one.array.values
+            missed += one.miss(values) if one.is_limit else ~one.holds(values)
+        score = np.where(
+            missed > 0.0, 1e9 * (1.0 + missed), of.objectives[0].sign * of.objectives[0].array.values
+        )
+        return np.asarray(np.where((found["defect"] == 0) & ~np.isnan(score), score, np.inf))
+
+    score = worth(every)
+    exact = (every[error].values <= paths.EXACT * solved.size) & np.isfinite(score)
+    if (
+        exact.any()
+        and solved.varied is not None
+        and not (aim_name == error and score.min() < 1e-9 * solved.size)
+    ):
+        found, score = solved.found.at(exact), score[exact]
+        *parts, missed = steps(_in_family, solved, found, score, worth)
+        if missed < 1e9 or aim_name != error:
+            own: dict[str, Any] = dict(zip(ARRAYS, parts[:4], strict=True))
+            return replace(found, **own, more=dict(zip(found.more, parts[4:], strict=True)))
+    limits = [one for one in choice.limits if one.name not in asked.labels and one.name in every.data_vars]
+    by_error = aim_name.startswith(error)
+    if not (limits or aim_name == f"{error}_max" or not by_error) or (
+        not by_error and aim_name in asked.labels
+    ):
         return None
-    if not minimise and not maximise:
-        minimise = "path_error"
-    choice = choice_of(every, minimise, maximise, asked.where, top=None)
-    limits = [one for one in choice.wanted if one.is_limit and one.name not in LABELS]
-    aim = choice.objectives[0]
-    aim_name = str(aim.array.name)
-    by_path = aim_name in ("path_error", "path_error_max", "path_error_sum")
-    if len(choice.objectives) != 1 or not (limits or aim_name == "path_error_max" or not by_path):
-        return None
-    if not by_path and aim_name in LABELS:
-        return None
-    near = [one.high for one in choice.wanted if one.name in ("path_error", "path_error_max")]
-    names = [*dict.fromkeys([*(one.name for one in limits), *([] if by_path else [aim_name])])]
-    error, codes = every["path_error"].values, every["defect"].values
-    count = len(task.target)
-    size = float(np.sqrt(task.size / count))
-    # of those that pass all points those come first that miss the conditions least
-    missing = np.zeros_like(error)
-    for one in limits:
-        at, unit = every[one.name].values, max(abs(one.low if np.isfinite(one.low) else one.high), 1e-6)
-        missing += np.maximum(0.0, np.maximum(one.low - at, at - one.high)) / unit
-    key = np.maximum(error, 1e-9 * size)
-    if not by_path:
-        key = aim.sign * every[aim_name].values + np.where(error <= min(near, default=np.inf), 0, 1e9)
-    best_first = [k for k in np.lexsort((missing, key)) if codes[k] == 0]
-    rows = best_first[: CONSTRAINED if by_path else CONSTRAINED // 3]
-    free = np.flatnonzero((task.lower < task.upper) & (np.arange(10) < (10 if task.times is not None else 9)))
-    scale = np.where(np.isin(free, (8, 9)), 1.0, size)
-    bounds = [
-        (low, high) for low, high in zip(task.lower[free] / scale, task.upper[free] / scale, strict=True)
+    near = min((one.high for one in choice.wanted if one.name in (error, f"{error}_max")), default=np.inf)
+    names = [*dict.fromkeys([*(one.name for one in limits), *([] if by_error else [aim_name])])]
+    key = every[error].values
+    if not by_error:
+        key = np.where(key <= near, score, np.inf)
+    rows = [k for k in np.argsort(key, kind="stable") if every["defect"].values[k] == 0]
+    rows = rows[: CONSTRAINED if by_error else CONSTRAINED // 3]
+    made = [
+        part for row in rows if (part := steps(_refined_within, solved, row, choice, limits, names, near))
     ]
-
-    def ended(row: int) -> tuple[Any, ...]:
-        start = solved.found.numbers[row]
-        side = float(solved.found.side[row, 0])
-        fit = paths.Fit(task, solved.found.theta[row, :count], side)
-        of = function("planar_4r", NUMBERS[:6], names, branch=2 if side > 0 else 1) if names else None
-
-        def numbers(x: Floats, start: Floats = start) -> Floats:
-            n = start.copy()
-            n[free] = x[: len(free)] * scale
-            return n
-
-        def values(x: Floats, name: str, of: Any = of, numbers: Any = numbers) -> tuple[float, Floats]:
-            n = numbers(x)
-            k, slopes = names.index(name), np.zeros(10)
-            slopes[:6] = np.asarray(of.gradient(n[:6]))[k]
-            one = np.append(slopes[free] * scale, np.zeros(len(x) - len(free)))
-            return float(np.asarray(of(n[:6]))[k]), np.nan_to_num(one)
-
-        # the last unknown is the greatest distance, where that is minimised or limited
-        met = bool(near) and min(near) < 1e-6 * size  # points that are to be met are equations
-        greatest = aim_name == "path_error_max" or bool(near and not met)
-        x = np.append(start[free] / scale, [np.abs(fit(start, True)[0]).max() / size] * greatest)
-
-        def distances(
-            x: Floats, sign: float, fit: Any = fit, numbers: Any = numbers
-        ) -> tuple[Floats, Floats]:
-            off, slopes = fit(numbers(x), True)
-            wide = np.hstack([sign * slopes[:, free] * scale / size, np.ones((len(off), 1))])
-            return x[-1] + sign * off / size, wide
-
-        def objective(
-            x: Floats, fit: Any = fit, values: Any = values, numbers: Any = numbers
-        ) -> tuple[float, Floats]:
-            if aim_name == "path_error_max":
-                return float(x[-1]), np.append(np.zeros(len(free)), 1.0)
-            if not by_path:
-                value, slopes = values(x, aim_name)
-                return aim.sign * value, aim.sign * slopes
-            off, slopes = fit(numbers(x))
-            by = 2.0 * (off @ slopes)[free] * scale / size**2
-            return float(off @ off) / size**2, np.append(by, np.zeros(len(x) - len(free)))
-
-        rules: list[dict[str, Any]] = []
-        for one in limits:
-            for sign, end in ((1.0, one.low), (-1.0, one.high)):
-                if np.isfinite(end):
-                    unit = max(abs(end), 1e-6)
-                    rules.append(_rule(lambda x, one=one, sign=sign, end=end, unit=unit, values=values:
-                                       (sign * (values(x, one.name)[0] - end) / unit - 1e-9,
-                                        sign * values(x, one.name)[1] / unit)))  # fmt: skip
-        if met:
-            rules.append(
-                _rule(lambda x, distances=distances: distances(np.append(x, 0.0), 1.0), len(x), "eq")
-            )
-        if greatest:
-            rules += [
-                _rule(lambda x, sign=sign, distances=distances: distances(x, sign)) for sign in (1.0, -1.0)
-            ]
-        if task.crank:
-            longer = 1.0 if start[3] >= start[0] else -1.0
-            folds = np.array(
-                [[-longer, -1, 1, longer], [-longer, 1, -1, longer], [-1, 1, 1, -1]], dtype=float
-            )
-            wide = np.zeros((3, 10))
-            wide[:, :4] = folds
-            wide = np.hstack([wide[:, free] * scale, np.zeros((3, len(x) - len(free)))]) / size
-            rules.append(_rule(lambda x, wide=wide, folds=folds, numbers=numbers:
-                               (folds @ numbers(x)[:4] / size - 1e-6, wide)))  # fmt: skip
-        ends = [*bounds, *([(0.0, min(near) / size if near else None)] * greatest)]
-        low, high = (np.array([other if end is None else end for end in one]) for one, other in
-                     zip(zip(*ends, strict=True), (-np.inf, np.inf), strict=True))  # fmt: skip
-        # far from a least-squares objective the first step knows no curvature: it is kept short, and others follow
-        for _ in range(1 if by_path else 10):
-            reach = np.inf if by_path else 0.2 * (1.0 + np.abs(x))
-            box = [*zip(np.maximum(low, x - reach), np.minimum(high, x + reach), strict=True)]
-            with np.errstate(all="ignore"):  # where limits cannot be met it may step to no number
-                best = minimize(objective, np.clip(x, low, high), jac=True, bounds=box, constraints=rules,
-                                method="SLSQP",
-                                options={"maxiter": MOST_STEPS if by_path else 30, "ftol": 1e-14})  # fmt: skip
-            if (
-                not np.isfinite(best.x).all()
-                or np.abs(best.x - x).max() < 1e-9
-                or best.status not in (0, 8, 9)
-            ):
-                break
-            x = best.x
-        if by_path:
-            x = best.x
-        if np.isfinite(x).all() and (n := numbers(x))[:4].min() > 0.0:
-            fit(n)
-            if met and task.times is None:  # to the rounding, which programs do not reach
-                signs = np.array([[side, np.sign(fit.theta[-1] - fit.theta[0])]])
-                exact = paths.Candidates(
-                    n[None], signs, fit.theta[None], np.zeros(1), np.ones(1, dtype=np.int64)
-                )
-                exact = paths.refined(task, exact, 100)
-                n, fit.theta = (exact.numbers[0], exact.theta[0]) if len(exact.cost) else (n, fit.theta)
-            return n, n[9] + task.times if task.times is not None else fit.theta, side
-        return ()
-
-    made = [part for row in rows if (part := steps(ended, row))]
     if not made:
         return None
-    every_n, theta, side_of = (np.array(part) for part in zip(*made, strict=True))
-    sides = np.repeat(side_of[:, None], count, axis=1)
-    return asked.within(
-        Linkages(every_n, theta, sides, np.ones(len(made), dtype=np.int64), slider=task.slider)
-    )
+    numbers, theta, side = (np.array(part) for part in zip(*made, strict=True))
+    sides = np.repeat(side[:, None], theta.shape[1], axis=1)
+    return solved.linkages(numbers, theta, sides)
 
 
-def _rule(function: Any, count: int | None = None, kind: str = "ineq") -> dict[str, Any]:
-    """Return a constraint of SLSQP from a function that returns values and derivatives, by the first unknowns."""
-    return {"type": kind, "fun": lambda x: function(x)[0], "jac": lambda x: function(x)[1][..., :count]}
+def _in_family(solved: Solved, found: Linkages, score: Floats, worth: Any) -> list[Any]:
+    """Return the best of a family of linkages that do a task exactly, as arrays, and the least score.
+
+    What is best is changed at random and made exact again, by ever less; those that stay differ by such a change.
+    """
+    rng = np.random.default_rng(solved.asked.seed)
+    for change in CHANGES:
+        order = np.argsort(score, kind="stable")[: int(np.isfinite(score).sum())]
+        some = found.at(order)
+        apart = paths.different(some.numbers, some.side[:, 0], some.starts, FAMILY, 0.1 * change)[0]
+        found, score = some.at(apart), score[order][apart]
+        made = solved.varied(found.at(np.repeat(np.arange(len(found)), CHANGED)), change, rng)
+        if len(made):
+            score = np.append(score, worth(labelled(replace(solved, found=made))))
+            found = joined_linkages(found, made)
+    found = found.at(np.argsort(score, kind="stable")[:FAMILY])
+    return [*(getattr(found, name) for name in ARRAYS), *found.more.values(), score.min()]
+
+
+def _refined_within(
+    solved: Solved, row: int, choice: Choice, limits: list[Any], names: list[str], near: float
+) -> tuple[Any, ...]:
+    """Return numbers, crank angles and side of a linkage refined within conditions towards the objective.
+
+    By a sequential quadratic program (SciPy's SLSQP) with the exact derivatives of `fastlink.function` and of errors.
+    """
+    asked, size, aim = solved.asked, solved.size, choice.objectives[0]
+    by_error = not names or str(aim.array.name) not in names
+    fit, side = solved.fit(row), float(solved.found.side[row, 0])
+    start: Floats = solved.found.numbers[row]
+    free = np.flatnonzero((asked.lower < asked.upper) & (np.arange(10) < solved.unknowns))
+    free = free[free != 3] if asked.slider else free
+    scale = np.where(np.isin(free, (8, 9)), 1.0, size)
+    inputs = 3 if asked.slider else 6
+    of: Any = None
+    if names:
+        of = function(asked.catalogue.name, asked.names[:inputs], names, branch=2 if side > 0 else 1)
+    # the last unknown is the greatest distance, where that is minimised or limited
+    greatest = str(aim.array.name).endswith("_max") or near < np.inf
+    x = np.append(start[free] / scale, [np.abs(fit(start, True)[0]).max() / size] * greatest)
+
+    def numbers(x: Floats) -> Floats:
+        n = start.copy()
+        n[free] = x[: len(free)] * scale
+        return n
+
+    def values(x: Floats, name: str) -> tuple[float, Floats]:
+        n, k, slopes = numbers(x), names.index(name), np.zeros(10)
+        slopes[:inputs] = np.asarray(of.gradient(n[:inputs]))[k]
+        one = np.append(slopes[free] * scale, np.zeros(len(x) - len(free)))
+        return float(np.asarray(of(n[:inputs]))[k]), np.nan_to_num(one)
+
+    def distances(x: Floats) -> tuple[Floats, Floats]:
+        off, slopes = fit(numbers(x), True)
+        return np.asarray(x[-1] - off / size), np.hstack(
+            [-slopes[:, free] * scale / size, np.ones((len(off), 1))]
+        )
+
+    def objective(x: Floats) -> tuple[float, Floats]:
+        if not by_error:
+            value, slopes = values(x, str(aim.array.name))
+            return aim.sign * value, aim.sign * slopes
+        if str(aim.array.name).endswith("_max"):
+            return float(x[-1]), np.append(np.zeros(len(free)), 1.0)
+        off, slopes = fit(numbers(x))
+        by = 2.0 * (off @ slopes)[free] * scale / size**2
+        return float(off @ off) / size**2, np.append(by, np.zeros(len(x) - len(free)))
+
+    def limit(x: Floats, name: str, sign: float, end: float) -> tuple[float, Floats]:
+        (value, slopes), unit = values(x, name), max(abs(end), 1e-6)
+        return sign * (value - end) / unit - 1e-9, sign * slopes / unit
+
+    rules = [_rule(limit, one.name, sign, end) for one in limits
+             for sign, end in ((1.0, one.low), (-1.0, one.high)) if np.isfinite(end)]  # fmt: skip
+    rules += [_rule(distances)] * greatest
+    if solved.crank:
+        longer = 1.0 if asked.slider or start[3] >= start[0] else -1.0
+        folds = np.array([[-longer, -1, 1, longer], [-longer, 1, -1, longer], [-1, 1, 1, -1]], dtype=float)
+        if asked.slider:
+            folds = np.array([[-1.0, 1, -1, 0], [-1, 1, 1, 0]])
+        wide = np.hstack([folds, np.zeros((len(folds), 6))])[:, free] * scale
+        wide = np.hstack([wide, np.zeros((len(folds), len(x) - len(free)))]) / size
+        rules.append(_rule(lambda x: (folds @ numbers(x)[:4] / size - 1e-6, wide)))
+    low = np.append(asked.lower[free] / scale, [0.0] * greatest)
+    high = np.append(asked.upper[free] / scale, [near / size] * greatest)
+    # far from a least-squares objective the first step knows no curvature: it is kept short, and others follow
+    for _ in range(1 if by_error else 10):
+        reach = np.inf if by_error else 0.2 * (1.0 + np.abs(x))
+        box = [*zip(np.maximum(low, x - reach), np.minimum(high, x + reach), strict=True)]
+        with np.errstate(all="ignore"):  # where limits cannot be met it may step to no number
+            best = minimize(objective, np.clip(x, low, high), jac=True, bounds=box, constraints=rules, method="SLSQP",
+                            options={"maxiter": MOST_STEPS if by_error else 30, "ftol": 1e-14})  # fmt: skip
+        stuck = (
+            not np.isfinite(best.x).all() or np.abs(best.x - x).max() < 1e-9 or best.status not in (0, 8, 9)
+        )
+        x = best.x if by_error or not stuck else x
+        if stuck:
+            break
+    if not np.isfinite(x).all() or (n := numbers(x))[: 2 if asked.slider else 4].min() <= 0.0:
+        return ()
+    fit(n)
+    return n, fit.theta, side
+
+
+def _rule(function: Any, *of: Any) -> dict[str, Any]:
+    """Return a constraint of SLSQP from a function that returns values and derivatives."""
+    return {"type": "ineq", "fun": lambda x: function(x, *of)[0], "jac": lambda x: function(x, *of)[1]}
 
 
 # -- The result
@@ -1116,11 +1175,9 @@ def curve_distances(found: Linkages, target: NDArray[np.complex128]) -> dict[str
     summed; and the least mean squared distance over all first places and both senses, times 2 pi.
     """
 
-    def uniform(z: NDArray[np.complex128]) -> NDArray[np.complex128]:
-        around = np.append(z, z[0])
-        behind = np.append(0.0, np.cumsum(np.abs(np.diff(around))))
-        at = behind[-1] * np.arange(UNIFORM) / UNIFORM
-        return np.asarray(np.interp(at, behind, around.real) + 1j * np.interp(at, behind, around.imag))
+    def uniform(z: NDArray[np.complex128]) -> Any:
+        around = np.append(z, z[0])[None]
+        return paths.at_shares(around, around, np.arange(UNIFORM) / UNIFORM)[0]
 
     wanted = uniform(target)
     centre = wanted.mean()
@@ -1362,18 +1419,12 @@ def synthesise(
         else:
             ask = function, over, turn, turn_deg, precision_points, travel
             solved = _solve_function(asked, steps, *ask)
-        if not len(solved.found):
+        none = not len(solved.found)
+        if none:
             solved.found = _one(solved)
-            result = selected(labelled(solved).isel({DESIGN: slice(0, 0)}), solved)
-        else:
-            every = labelled(solved)
-            more = within_conditions(solved, every, steps)
-            if more is not None and len(more):
-                if solved.found.theta.shape[1] > more.theta.shape[1]:
-                    more = _come_back(more)
-                solved.found = joined_linkages(more, solved.found)
-                every = labelled(solved)
-            result = selected(every, solved)
+        elif (more := within_conditions(solved, steps)) is not None and len(more):
+            solved.found = joined_linkages(more, solved.found)
+        result = selected(labelled(solved).isel({DESIGN: slice(0, 0 if none else None)}), solved)
         result.attrs |= {**about, "run_time_s": time.perf_counter() - began}
         return result
 

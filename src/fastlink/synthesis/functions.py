@@ -426,14 +426,10 @@ def _is_known(
 ) -> bool:
     """Tell whether a linkage is one of some."""
     return any(
-        (np.abs(_wrapped(one[0] - other[0])) < tolerance * (1.0 + np.abs(one[0]))).all()
+        (
+            np.abs(np.append(one[0][:3] - other[0][:3], wrapped(one[0][3:] - other[0][3:])))
+            < tolerance * (1.0 + np.abs(one[0]))
+        ).all()
         and one[1:] == other[1:]
         for other in known
     )
-
-
-def _wrapped(numbers: Floats) -> Floats:
-    """Return differences of numbers, those of angles within half a turn."""
-    turned = numbers.copy()
-    turned[..., 3:] = wrapped(turned[..., 3:])
-    return turned

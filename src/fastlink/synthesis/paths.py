@@ -107,6 +107,9 @@ class PathTask:
     #: Limits of the numbers of a linkage.
     lower: NDArray[np.float64] = field(default_factory=lambda: np.full(10, -np.inf))
     upper: NDArray[np.float64] = field(default_factory=lambda: np.full(10, np.inf))
+    #: Of poses the directions, and the length that weighs them.
+    angles: NDArray[np.float64] | None = None
+    length: float = 1.0
 
     def __post_init__(self) -> None:
         if not self.weights.size:
@@ -383,7 +386,8 @@ def solve_path(
         found = merged(starts if found is None else joined(found, starts))
         if not len(found.cost):
             continue
-        if not all_rounds and (found.cost[0] <= EXACT**2 * task.size or found.starts[0] > 1):
+        again = 20 if task.slider else 1  # of fewer shapes many have the same end
+        if not all_rounds and (found.cost[0] <= EXACT**2 * task.size or found.starts[0] > again):
             break
     assert found is not None
     return found
@@ -470,6 +474,26 @@ def by_length(task: PathTask, found: Candidates) -> Candidates:
     return made
 
 
+def varied(
+    task: PathTask, numbers: Floats, theta: Floats, side: Floats, change: float, rng: Any
+) -> Candidates:
+    """Return linkages that pass a path to its rounding, near others: these are changed at random and refined."""
+    n, by = numbers.copy(), change * rng.normal(size=numbers.shape)
+    lengths = [0, 1] if task.slider else [0, 1, 2, 3]
+    n[:, lengths] *= np.exp(by[:, lengths])
+    size = np.sqrt(task.size / len(task.target)) + np.abs(n)
+    rest = [k for k in range(8) if k not in lengths]
+    n[:, rest] += by[:, rest] * size[:, rest]
+    n[:, 8:] += by[:, 8:] * [1.0, task.times is not None]
+    sense = np.ones(len(n)) if task.times is not None else np.sign(theta[:, -1] - theta[:, 0])
+    starts = Candidates(
+        n, np.stack([side, sense], axis=1), theta, 0.0 * side, np.ones(len(n), dtype=np.int64)
+    )
+    fit_limits(task, starts)
+    made = refined(task, starts, 100)
+    return made.at(made.cost <= EXACT**2 * task.size)
+
+
 def fit_limits(task: PathTask, found: Candidates) -> None:
     """Move starts into the limits of their numbers: given lengths size all, angles turn by whole turns."""
     numbers = found.numbers
@@ -524,14 +548,14 @@ def merged(found: Candidates, most: int = 400) -> Candidates:
 
 
 def different(
-    numbers: NDArray[np.float64], signs: NDArray[np.float64], starts: NDArray[np.int64], most: int
+    numbers: Floats, signs: Floats, starts: NDArray[np.int64], most: int, least: float = SAME
 ) -> tuple[list[int], list[int]]:
     """Return the rows of the first of linkages that are the same, and from how many starts each was reached."""
     kept, counts = list[int](), list[int]()
     for k, one in enumerate(numbers):
         off = np.abs(numbers[kept, :8] - one[:8]).max(axis=1, initial=0.0) / one[:4].max()
         turn = np.abs(wrapped(numbers[kept, 8] - one[8]))
-        same = (off < SAME) & (turn < SAME) & (signs[kept] == signs[k])
+        same = (off < least) & (turn < least) & (signs[kept] == signs[k])
         if same.any():
             counts[int(np.argmax(same))] += int(starts[k])
         elif len(kept) < most:
@@ -564,37 +588,47 @@ def curve_of(n: Floats, theta: Floats, side: float, slider: bool = False) -> tup
 
 
 class Fit:
-    """How far the curve of a linkage is from a path, as a function of its numbers: the angles follow these."""
+    """How far a linkage is from a task, as a function of its numbers; crank angles without times follow these.
 
-    def __init__(self, task: PathTask, theta: NDArray[np.float64], side: float) -> None:
+    From points; or from poses, in places and in directions times a length: the last number is the body's angle from AB.
+    """
+
+    def __init__(self, task: PathTask, theta: Floats, side: float) -> None:
         self.task, self.theta, self.side = task, theta.copy(), side
-        self.root = np.sqrt(task.weights)
 
-    def __call__(
-        self, n: NDArray[np.float64], whole: bool = False
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return the distances across the curve (with times: both coordinates) and their derivatives; or whole."""
-        task = self.task
-        if task.times is not None:
-            point, by, *_, meets = curve_of(n, n[9] + task.times, self.side, task.slider)
-            off = (
-                (point - task.target) * self.root if meets else np.full(len(point), 1e3 * np.sqrt(task.size))
+    @np.errstate(all="ignore")  # at a dead point rates are infinite
+    def __call__(self, n: Floats, whole: bool = False) -> tuple[Floats, Floats]:
+        """Return the errors and their derivatives; or of each point the root of the sum of its squares."""
+        task, roots = self.task, np.sqrt(self.task.weights)
+        for _ in range(6):
+            if task.times is not None:
+                self.theta = n[9] + task.times
+            point, by, along, rate, meets = curve_of(
+                np.append(n[:9], 0.0), self.theta, self.side, task.slider
             )
-            by = by * self.root[:, None]
-            if whole:
-                size = np.abs(off) + 1e-300
-                return size, (np.conj(off / size)[:, None] * by).real
-            return np.concatenate([off.real, off.imag]), np.concatenate([by.real, by.imag])
-        for _ in range(4):
-            point, by, *_, meets = curve_of(n, self.theta, self.side, task.slider)
-            off, along = point - task.target, by[:, 9]
-            turn = -(np.conj(along) * off).real / (np.abs(along) ** 2 + 1e-300)
-            if not meets or np.abs(turn).max() < 1e-12:
+            away, slopes = point - task.target, np.stack([by.real, by.imag, task.length * rate])
+            off = np.stack([away.real, away.imag, 0.0 * away.real])
+            if task.angles is None:
+                slopes[2] = 0.0
+            else:
+                off[2] = task.length * wrapped(np.angle(along) + n[9] - task.angles)
+            off, slopes = off * roots, slopes * roots[:, None]
+            crank = slopes[:, :, 9:].copy()
+            square = (crank**2).sum(axis=0) + 1e-300
+            turn = -(crank[..., 0] * off).sum(axis=0) / square[:, 0]
+            if not meets or task.times is not None or np.abs(turn).max() < 1e-13:
                 break
             self.theta = self.theta + np.clip(turn, -0.3, 0.3)
         if not meets:
-            return np.full(len(off), 1e3 * np.sqrt(task.size)), np.zeros((len(off), 10))
-        across = np.conj(1j * along / (np.abs(along) + 1e-300)) * self.root
-        slopes = (across[:, None] * by).real
-        slopes[:, 9] = 0.0
-        return (across * off).real, slopes
+            off, slopes = (
+                np.full_like(off, 1e3 * (np.sqrt(task.size) + task.length)),
+                0.0 * np.nan_to_num(slopes),
+            )
+        elif task.times is None:
+            slopes[:, :, 9] = 0.0
+            slopes[2, :, 9] = task.length * (task.angles is not None)
+            slopes -= crank * (crank * slopes).sum(axis=0) / square
+        if whole:
+            size = np.sqrt((off**2).sum(axis=0)) + 1e-300
+            return size, (off[..., None] * slopes).sum(axis=0) / size[:, None]
+        return off.ravel(), slopes.reshape(-1, 10)
