@@ -243,10 +243,7 @@ LABELS: dict[str, tuple[str, str]] = {
 #: Names of a slider-crank's results that are others, and those of lengths in place of angles.
 OF_SLIDER = {"theta1": "theta", "peak_theta1": "peak_theta", "theta4": "slider_position"}
 LABELS |= {OF_SLIDER[name]: LABELS[name] for name in ("theta1", "peak_theta1")}
-LABELS["slider_position"] = (
-    "m",
-    "Place of the slider that is wanted at each point of the task, from the foot of O",
-)
+LABELS["slider_position"] = "m", "Place of the slider that is wanted at each point of the task"
 POINT = {"P_u": ("m", "Point of the rod, along AB from A"), "P_v": ("m", "Point of the rod, left of AB")}
 OUTPUTS = ("structural_error", "structural_error_rms", "output_error", "peak_error")
 TARGETS = {"target_x": "m", "target_y": "m", "target_angle": "rad", "target_theta4": "rad", "time": "rad"}
@@ -581,10 +578,15 @@ def _come_back(found: Linkages) -> Linkages:
 
 def joined_linkages(one: Linkages, other: Linkages) -> Linkages:
     """Return the linkages of both; those of the first are curves of their own."""
-    more = {
-        name: np.concatenate([one.more.get(name, values[:1].repeat(len(one), axis=0)), values])
-        for name, values in other.more.items()
-    }
+    more = {}
+    for name, values in other.more.items():
+        parts = [one.more.get(name, values[:1].repeat(len(one), axis=0)), values]
+        if name.startswith("peak_"):  # there may be more of them
+            most = max(part.shape[1] for part in parts)
+            parts = [
+                np.pad(part, ((0, 0), (0, most - part.shape[1])), constant_values=np.nan) for part in parts
+            ]
+        more[name] = np.concatenate(parts)
     if "curve" in more:
         more["curve"][: len(one)] = more["curve"].max(initial=0) + 1 + np.arange(len(one))
         more["cognate"][: len(one)] = 1
@@ -787,48 +789,54 @@ def _solve_function(
     task = functions.FunctionTask(
         turn_in, turn_out, given, least, exact, senses, slider, (scales[0], scales[1])
     )
-    made = functions.solve_function(task, steps)
-    count, most = len(x), max((len(one.peaks) for one in made), default=0)
-    numbers, (theta, side, wanted) = np.zeros((len(made), 10)), np.zeros((3, len(made), count))
-    peaks, places = np.full((2, len(made), most), np.nan)
+    length = unit if slider else 1.0
     if not slider and asked.lower[3] == asked.upper[3]:
         unit = float(asked.lower[3])
-    for k, one in enumerate(made):
-        crank, square, other = task.lengths(one.numbers)
-        numbers[k, :4] = unit * np.array(
-            [abs(crank), np.sqrt(square), other if slider else abs(other), not slider]
-        )
-        theta[k], out = one.crank(turn_in), one.numbers[4] + one.sense * one.numbers[6] * turn_out
-        pin = numbers[k, 0] * np.exp(1j * theta[k])
-        if slider:
-            wanted[k] = unit * out
-            far, b = 1j, wanted[k] + 1j * numbers[k, 2]
-        else:
-            wanted[k] = out + (np.pi if one.numbers[1] < 0.0 else 0.0)
-            far, b = numbers[k, 3] - pin, numbers[k, 3] + numbers[k, 2] * np.exp(1j * wanted[k])
-        side[k] = np.sign((np.conj(far) * (b - pin)).imag)
-        peaks[k, : len(one.errors)], places[k, : len(one.peaks)] = one.errors, one.crank(one.peaks)
-    errors = np.array([one.error for one in made])
-    if exact and given is not None:
-        whole = replace(task, turn_in=np.array([0.0, (high - low) * rate]), exact=False)
-        found_peaks = [functions.peaks_of(whole, one.numbers, one.sign, one.sense)[1] for one in made]
-        errors = np.array([np.abs(one).max() for one in found_peaks]) * [one.numbers[6] for one in made]
-    multiples = np.array([one.numbers[5:] for one in made]).reshape(-1, 2)
-    found = Linkages(numbers, theta, side, np.ones(len(made), dtype=np.int64), slider=slider)
-    length = unit if slider else 1.0
-    span = multiples[:, 1] * float(np.ptp(turn_out))
-    found.more = {"theta4": wanted, "sense": np.array([one.sense for one in made], dtype=np.int8),
-                  "structural_error": length * errors, "function_error": errors / span,
-                  "peak_error": length * peaks, "peak_theta1": places}  # fmt: skip
-    coords = {"x": x, "turn_in": turn_in, "turn_out": length * turn_out}
-    if len(task.free) > 5:  # the turns differ by linkage
-        coords = {"x": x}
-        found.more |= {"input_turn": multiples[:, 0] * rate * (high - low)} | (
-            {} if slider else {"output_turn": span}
-        )
-    found, attrs = asked.within(found), {"points_are_precision_points": int(exact)}
-    by = "function_error" if len(task.free) > 5 else "structural_error"
-    return Solved("function", asked, found, coords, attrs, by)
+    free = len(task.free) > 5  # the turns differ by linkage then
+
+    def generated(task: functions.FunctionTask) -> Linkages:
+        made = functions.solve_function(task, steps)
+        peaks, places = np.full((2, len(made), max((len(one.peaks) for one in made), default=0)), np.nan)
+        n = np.array([one.numbers for one in made]).reshape(-1, 7)
+        senses = np.array([one.sense for one in made], dtype=np.int8)
+        lengths, theta, wanted, side = task.built(n, senses, np.stack([turn_in, turn_out]))
+        errors = np.array([one.error for one in made])
+        for k, one in enumerate(made):
+            peaks[k, : len(one.errors)] = one.errors
+            places[k, : len(one.peaks)] = theta[k, 0] + n[k, 5] * (one.peaks - turn_in[0])
+            if exact and given is not None:
+                whole = replace(task, turn_in=np.array([0.0, (high - low) * rate]), exact=False)
+                errors[k] = n[k, 6] * np.abs(functions.peaks_of(whole, n[k], one.sign, one.sense)[1]).max()
+        span = n[:, 6] * float(np.ptp(turn_out))
+        more = {"theta4": length * wanted, "sense": senses, "structural_error": length * errors,
+                "peak_error": length * peaks, "function_error": errors / span, "peak_theta1": places}  # fmt: skip
+        if free:
+            more |= {"input_turn": n[:, 5] * rate * (high - low)} | ({} if slider else {"output_turn": span})
+        numbers = np.hstack([unit * lengths, np.zeros((len(made), 6))])
+        return asked.within(Linkages(numbers, theta, side, np.ones(len(made), dtype=np.int64), more, slider))
+
+    def again(limits: list[Any]) -> Linkages:
+        names = [one.name for one in limits if one.name not in asked.names]
+
+        def slack(n: Floats, sense: int) -> Floats:
+            turn = np.stack([turn_in, turn_out])[:, :1]
+            lengths, _, _, side = task.built(n, sense, turn)
+            at: dict[str, Any] = {
+                one: unit * lengths[:, k] for k, one in enumerate(asked.names[: 3 if slider else 4])
+            }
+            branch = np.where(side[:, 0] > 0.0, 2, 1)
+            if names:
+                at |= evaluate(asked.catalogue.name, names, branch=branch, allow_invalid=True, **at)
+            ends = [(sign * (at[one.name] - end) / max(abs(end), 1e-6)) for one in limits
+                    for sign, end in ((1.0, one.low), (-1.0, one.high)) if np.isfinite(end)]  # fmt: skip
+            return np.stack(ends, axis=1) - 1e-9
+
+        return generated(replace(task, limits=slack))
+
+    coords = {"x": x} | ({} if free else {"turn_in": turn_in, "turn_out": length * turn_out})
+    attrs = {"points_are_precision_points": int(exact)}
+    by = "function_error" if free else "structural_error"
+    return Solved("function", asked, generated(task), coords, attrs, by, fit=again)
 
 
 def _values(function: Any, x: Floats) -> Floats:
@@ -877,7 +885,7 @@ def _turns(turn: Any, turn_deg: Any, slider: bool) -> list[tuple[float, float]] 
 #: Linkages that are refined within conditions, and steps of each.
 CONSTRAINED, MOST_STEPS = 12, 150
 #: Of a family so many linkages stay, each with so many that are changed at random, by ever less.
-FAMILY, CHANGED, CHANGES = 12, 24, 0.4 * 0.8 ** np.arange(36)
+FAMILY, CHANGED, CHANGES = 12, 24, 0.4 * 0.75 ** np.arange(28)
 
 
 def within_conditions(solved: Solved, steps: Steps) -> Linkages | None:
@@ -887,8 +895,12 @@ def within_conditions(solved: Solved, steps: Steps) -> Linkages | None:
         return None
     every, least, most = labelled(solved), asked.minimise, asked.maximise
     if not least and not most:
-        least, most = (error if solved.minimise else ()), solved.maximise or ()
+        least = (solved.minimise if solved.task == "function" else error) if solved.minimise else ()
+        most = solved.maximise or ()
     choice = choice_of(every, least, most, asked.where, top=None)
+    limits = [one for one in choice.limits if one.name not in asked.labels and one.name in every.variables]
+    if solved.task == "function":
+        return solved.fit(limits) if limits else None
     if len(choice.objectives) != 1:
         return None
     aim_name = str(choice.objectives[0].array.name)
@@ -915,7 +927,7 @@ def within_conditions(solved: Solved, steps: Steps) -> Linkages | None:
         if missed < 1e9 or aim_name != error:
             own: dict[str, Any] = dict(zip(ARRAYS, parts[:4], strict=True))
             return replace(found, **own, more=dict(zip(found.more, parts[4:], strict=True)))
-    limits = [one for one in choice.limits if one.name not in asked.labels and one.name in every.data_vars]
+    limits = [one for one in limits if one.name in every.data_vars]
     by_error = aim_name.startswith(error)
     if not (limits or aim_name == f"{error}_max" or not by_error) or (
         not by_error and aim_name in asked.labels
@@ -1064,14 +1076,14 @@ def labelled(solved: Solved) -> xr.Dataset:
     if "branch" in swept.dims:
         index["branch"] = xr.DataArray(branch - 1, dims=DESIGN)
     result = swept.isel(index).drop_vars("branch", errors="ignore").load()
-    data: dict[str, Any] = (
-        {} if solved.task == "function" else dict(zip(NUMBERS[6:9], n[:, 6:9].T, strict=True))
-    )
-    if data and slider:
-        data |= beside
-    elif data:
-        data["D_x"] = n[:, 6] + n[:, 3] * np.cos(n[:, 8])
-        data["D_y"] = n[:, 7] + n[:, 3] * np.sin(n[:, 8])
+    data: dict[str, Any] = {}
+    if solved.task != "function":
+        data = dict(zip(NUMBERS[6:9], n[:, 6:9].T, strict=True))
+        ends = {
+            f"D_{k}": n[:, 6 + i] + n[:, 3] * of(n[:, 8])
+            for i, (k, of) in enumerate({"x": np.cos, "y": np.sin}.items())
+        }
+        data |= beside if slider else ends
     data |= {name: found.more[name] for name in ("order", "circuit", "least_transmission_angle_used")}
     data |= {"starts": found.starts, "theta1": found.theta} | _errors(solved, found, branch)
     for name in ("cognate", "body_angle", "sense", "structural_error", "function_error", "peak_error", "peak_theta1",
@@ -1099,7 +1111,7 @@ def labelled(solved: Solved) -> xr.Dataset:
     coords: dict[str, Any] = {"branch": ((DESIGN,), branch, {"long_name": text})}
     if "peak_error" in data:
         coords["peak"] = ("peak", np.arange(data["peak_error"].shape[1]), {"long_name": "Number of a peak"})
-    texts = [joined_limits(one, solved.asked) for one in n]
+    texts = active_limits(n, asked)
     if any(texts):
         coords["active"] = ((DESIGN,), np.array(texts), {"long_name": "Limits that hold the linkage back"})
     for name, values in solved.target.items():
@@ -1109,15 +1121,16 @@ def labelled(solved: Solved) -> xr.Dataset:
     return result.assign(made).assign_coords(coords)
 
 
-def joined_limits(numbers: Floats, asked: Asked) -> str:
-    """Return which limits of its numbers a linkage has reached, as a text."""
-    found = []
-    for name, number, low, high in zip(asked.names, numbers, asked.lower, asked.upper, strict=True):
+def active_limits(numbers: Floats, asked: Asked) -> list[str]:
+    """Return which limits of their numbers linkages have reached, as texts."""
+    found: list[list[str]] = [[] for _ in numbers]
+    for k, (name, low, high) in enumerate(zip(asked.names, asked.lower, asked.upper, strict=True)):
+        units = "rad" if name in ("ground_angle", "phase") else "m"
         for sign, end in ((">=", low), ("<=", high)):
-            if name and low < high and np.isfinite(end) and abs(number - end) <= 1e-9 * max(abs(end), 1e-6):
-                units = "rad" if name in ("ground_angle", "phase") else "m"
-                found.append(f"{name} {sign} {short_number(end)} {units}")
-    return ", ".join(found)
+            if name and low < high and np.isfinite(end):
+                for row in np.flatnonzero(np.abs(numbers[:, k] - end) <= 1e-9 * max(abs(end), 1e-6)):
+                    found[row].append(f"{name} {sign} {short_number(end)} {units}")
+    return [", ".join(one) for one in found]
 
 
 def _evaluated(solved: Solved, names: list[str], branch: Any, given: dict[str, Any]) -> Any:

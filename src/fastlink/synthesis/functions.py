@@ -63,6 +63,8 @@ class FunctionTask:
     slider: bool = False
     #: By how much both turns may be multiplied.
     scales: tuple[tuple[float, float], tuple[float, float]] = ((1.0, 1.0), (1.0, 1.0))
+    #: By how much linkages (linkages, numbers) of a sense meet further conditions (linkages, conditions).
+    limits: Callable[[Floats, int], Floats] | None = None
 
     @property
     def free(self) -> NDArray[np.int64]:
@@ -156,6 +158,33 @@ class FunctionTask:
                 at = [(rest + 2.0 * crank * c) / (2.0 * np.sqrt(square) * abs(last)) for c in (most, least)]
             return np.asarray(np.arccos(np.minimum(np.maximum(abs(at[0]), abs(at[1])), 1.0)))
 
+    def short(self, numbers: Floats, sense: int) -> Floats:
+        """Return by how much linkages (linkages, numbers) miss their conditions."""
+        return np.asarray(np.maximum(0.0, -self.slack(numbers, sense)).sum(axis=1))
+
+    def slack(self, numbers: Floats, sense: int) -> Floats:
+        """Return by how much linkages (linkages, numbers) meet their conditions (linkages, conditions)."""
+        low = self.transmission
+        parts = [self.transmissions(numbers)[:, None] / low - 1.0] if low else []
+        parts += [self.limits(numbers, sense)] if self.limits else []
+        return np.nan_to_num(np.hstack(parts), nan=-1.0) if parts else np.zeros((len(numbers), 0))
+
+    def built(self, numbers: Floats, sense: Any, turn: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+        """Return lengths (linkages, 4), crank angles and outputs wanted at places (linkages, places), sides of B."""
+        crank, square, last = self.lengths(numbers)
+        lengths = [np.abs(crank), np.sqrt(square), last if self.slider else np.abs(last), 0.0 * crank]
+        lengths[3] += not self.slider
+        # a negative length means that a link points the other way
+        theta = numbers[:, 3:4] + numbers[:, 5:6] * turn[0] + np.pi * (numbers[:, :1] < 0.0)
+        out = numbers[:, 4:5] + np.reshape(sense, (-1, 1)) * numbers[:, 6:7] * turn[1]
+        pin, far = lengths[0][:, None] * np.exp(1j * theta), 1j
+        if self.slider:
+            b = out + 1j * last[:, None]
+        else:
+            out = out + np.pi * (numbers[:, 1:2] < 0.0)
+            far, b = 1.0 - pin, 1.0 + lengths[2][:, None] * np.exp(1j * out)
+        return np.stack(lengths, axis=1), theta, out, np.sign((np.conj(far) * (b - pin)).imag)
+
     @np.errstate(all="ignore")
     def ratios(self, phi: Floats, out: Floats) -> tuple[Floats, Floats]:
         """Return for all pairs of starts (pairs, places) the greatest error to first order, and the best K1, K2, K3.
@@ -189,12 +218,6 @@ class Generator:
     peaks: Floats
     errors: Floats
 
-    def crank(self, turn: Floats) -> Floats:
-        """Return the crank angle; a negative length means that the crank points the other way."""
-        return np.asarray(
-            self.numbers[3] + self.numbers[5] * turn + (np.pi if self.numbers[0] < 0.0 else 0.0)
-        )
-
 
 def _scanned(task: FunctionTask, sense: int) -> tuple[Floats, Floats]:
     """Return start values and their signs: the best places of the scan, each better than its neighbours."""
@@ -216,16 +239,18 @@ def _scanned(task: FunctionTask, sense: int) -> tuple[Floats, Floats]:
             for side in (1, -1):
                 least &= error <= np.roll(error, (side * shift[0], side * shift[1]), (0, 1))
         rows = np.flatnonzero(least & np.isfinite(error))
-        if task.transmission or task.exact:  # the least errors may have bad angles: all places count
+        if (
+            task.transmission or task.limits or task.exact
+        ):  # the least errors may have bad angles: all places count
             rows = np.union1d(rows, np.flatnonzero(np.isfinite(error))[::37])
         i, k = np.unravel_index(rows, error.shape)
         parts.append(np.column_stack([ratios[i, k], starts[i], outs[k], np.tile(scales, (len(rows), 1))]))
         errors.append(error[i, k] / scales[1])
     numbers, found = np.concatenate(parts), np.concatenate(errors)
-    fine = task.is_built(numbers)
-    if task.transmission:
-        fine &= task.transmissions(numbers) > 0.6 * task.transmission
-    numbers = numbers[fine][np.argsort(found[fine], kind="stable")[:MANY]]
+    fine, short = task.is_built(numbers), task.short(numbers, sense)
+    if task.transmission and not task.limits:
+        fine &= short < 0.4
+    numbers = numbers[fine][np.argsort((found + 0.2 * short)[fine], kind="stable")[:MANY]]
     off = [
         np.nanmax(np.abs(np.nan_to_num(task.off(numbers, s, turn, wanted), nan=9.0)), axis=1)
         for s in (1.0, -1.0)
@@ -261,6 +286,8 @@ def _by_powers(task: FunctionTask, numbers: Floats, sign: Floats, sense: int) ->
             with np.errstate(all="ignore"):
                 other = task.off(moved, side, turn, wanted)
                 other[~task.is_built(moved)] = np.nan
+                if task.limits:  # conditions that are met stay so
+                    other[task.short(moved, sense) > task.short(numbers, sense)] = np.nan
                 better = norm(other, power, scale) < norm(off, power, scale)
             numbers = np.where(better[:, None], moved, numbers)
             off = np.where(better[:, None], other, off)
@@ -309,12 +336,7 @@ def _minimax(task: FunctionTask, numbers: Floats, sign: float, sense: int, aim: 
     best, trust = float(np.max(np.abs(errors))), TRUST
     if not np.isfinite(best):
         return ()
-    low = task.transmission
-
-    def short(of: Floats) -> float:
-        return max(0.0, low - float(task.transmissions(of[None])[0]))
-
-    merit = best + short(numbers)
+    merit = best + float(task.short(numbers[None], sense)[0])
     for _ in range(30):
         places, aims, now = turn, wanted, errors
         if task.output is not None:  # between the peaks, too
@@ -325,15 +347,14 @@ def _minimax(task: FunctionTask, numbers: Floats, sign: float, sense: int, aim: 
         j = task.slopes(numbers[None], sign, places, aims)[0]
         one = np.ones((len(places), 1))
         rows, right = [np.hstack([j, -one]), np.hstack([-j, -one])], [-now, now]
-        if low:
-            at = float(task.transmissions(numbers[None])[0])
-            h = 1e-7 * (1.0 + np.abs(numbers))
-            ends = [task.transmissions(numbers + np.diag(side * h)) for side in (1.0, -1.0)]
-            by = ((ends[0] - ends[1]) / (2.0 * h))[free]
-            if np.isfinite(by).all():
-                rows.append(np.append(-by, 0.0)[None])
-                right.append(np.array([at - low if at >= low or trust < 1e-3 else 0.5 * (at - low)]))
-        reach = trust * (1.0 + np.abs(numbers))
+        reach, h = trust * (1.0 + np.abs(numbers)), 1e-7 * (1.0 + np.abs(numbers))
+        if len(slack := task.slack(numbers[None], sense)[0]):
+            ends = [task.slack(numbers + np.diag(side * h), sense) for side in (1.0, -1.0)]
+            by = ((ends[0] - ends[1]) / (2.0 * h[:, None]))[free].T
+            # what is missed is to be missed by half, or by half of what a step can do
+            nearer = np.minimum(-slack * (1.0 if trust < 1e-3 else 0.5), 0.5 * np.abs(by) @ reach[free])
+            rows.append(np.hstack([-by, 0.0 * by[:, :1]]))
+            right.append(np.where(slack >= 0.0, slack, -nearer))
         lower, upper, kept = -reach, reach, {5 + k: np.array(ends) for k, ends in enumerate(task.scales)}
         # K1 keeps its sign and size, and so does K2 of four bars
         for k, least in ((0, 2.0),) if task.slider else ((0, 1.0), (1, 1.0)):
@@ -353,7 +374,7 @@ def _minimax(task: FunctionTask, numbers: Floats, sign: float, sense: int, aim: 
         moved = numbers.copy()
         moved[free] += program.x[:-1]
         where, there = peaks_of(task, moved, sign, sense)
-        other = float(np.max(np.abs(there))) + (short(moved) if low else 0.0)
+        other = float(np.max(np.abs(there))) + float(task.short(moved[None], sense)[0])
         other = other if task.is_built(moved[None])[0] else np.inf
         if other < merit:
             gain = (merit - other) / merit
@@ -368,7 +389,7 @@ def _minimax(task: FunctionTask, numbers: Floats, sign: float, sense: int, aim: 
             trust *= 0.25
             if trust < 1e-11:
                 break
-    if low and short(numbers) > 1e-9:
+    if task.short(numbers[None], sense)[0] > 1e-9:
         return ()
     keep, scale = np.abs(errors) > 0.2 * best, float(numbers[6])
     return numbers, scale * best, peaks[keep], scale * errors[keep]
@@ -381,9 +402,7 @@ def _started(task: FunctionTask, sense: int) -> tuple[Floats, Floats, Floats]:
         numbers = _by_powers(task, numbers, sign, sense)
     with np.errstate(invalid="ignore"):
         worst = np.max(np.abs(task.off(numbers, sign[:, None], *task.fine(sense))), axis=1)
-    if task.transmission:
-        worst = worst + 0.2 * np.maximum(0.0, task.transmission - task.transmissions(numbers))
-    return numbers, sign, worst
+    return numbers, sign, worst + 0.2 * task.short(numbers, sense)
 
 
 def solve_function(
@@ -396,12 +415,12 @@ def solve_function(
         rows = np.flatnonzero(np.isfinite(worst))
         starts += [(float(worst[k]), numbers[k], float(sign[k]), sense) for k in rows]
     found: list[Generator] = []
-    tried: list[tuple[Floats, float, int]] = []
+    tried: list[Floats] = []
     aim = np.inf
     for worst_of, one, side, sense in sorted(starts, key=lambda start: start[0]):
-        if _is_known(tried, (one, side, sense), 1e-3):
+        if _is_known(tried, row := np.append(one, [side, sense]), 1e-3):
             continue
-        tried.append((one, side, sense))
+        tried.append(row)
         if task.exact:
             off = task.off(one[None], side, task.turn_in, sense * task.turn_out)[0]
             if worst_of < 1e-9:
@@ -414,22 +433,16 @@ def solve_function(
             break
     found.sort(key=lambda one: one.error / one.numbers[6])
     distinct: list[Generator] = []
+    known: list[Floats] = []
     for made in found:
-        known = [(k.numbers, k.sign, k.sense) for k in distinct]
-        if not _is_known(known, (made.numbers, made.sign, made.sense), 1e-5):
+        if not _is_known(known, row := np.append(made.numbers, [made.sign, made.sense]), 1e-5):
             distinct.append(made)
+            known.append(row)
     return distinct
 
 
-def _is_known(
-    known: list[tuple[Floats, float, int]], one: tuple[Floats, float, int], tolerance: float
-) -> bool:
-    """Tell whether a linkage is one of some."""
-    return any(
-        (
-            np.abs(np.append(one[0][:3] - other[0][:3], wrapped(one[0][3:] - other[0][3:])))
-            < tolerance * (1.0 + np.abs(one[0]))
-        ).all()
-        and one[1:] == other[1:]
-        for other in known
-    )
+def _is_known(known: list[Floats], one: Floats, tolerance: float) -> bool:
+    """Tell whether a row of a linkage is one of some."""
+    off = np.array(known).reshape(-1, len(one)) - one
+    off[:, 3:5] = wrapped(off[:, 3:5])
+    return bool((np.abs(off) < tolerance * (1.0 + np.abs(one))).all(axis=1).any())

@@ -38,18 +38,8 @@ class _Refinement(Source):
     def arguments(self) -> list[tuple[str, tuple[int | None, ...]]]:
         """The dtype of each argument, and its axes."""
         given = ["float64"] * 7 + ["int64", *["float64"] * 4]
-        shapes = [
-            (None, 10),
-            (None, 2),
-            (None, None),
-            (None,),
-            (None, 2),
-            (None,),
-            (None,),
-            (4,),
-            *[(10,)] * 3,
-            (1,),
-        ]
+        linkages, points = ((None, 10), (None, 2), (None, None), (None,)), ((None, 2), (None,), (None,))
+        shapes = [*linkages, *points, (4,), *[(10,)] * 3, (1,)]
         return [*zip(given, shapes, strict=True), ("int64", ()), *super().arguments[4:]]
 
 

@@ -11,7 +11,7 @@ from scipy.optimize import least_squares
 
 from fastlink.synthesis.paths import Complex, Fit, Floats, PathTask, from_pins, solved
 
-__all__ = ["Dyad", "MotionTask", "dyads_of", "dyads_of_five", "pairs_of", "solve_motion"]
+__all__ = ["MotionTask", "dyads_of", "dyads_of_five", "pairs_of", "solve_motion"]
 
 #: Further poses that are drawn where fewer than five are given, each with up to four dyads.
 DRAWN = 1500
@@ -40,10 +40,6 @@ class MotionTask:
     def size(self) -> float:
         """The greatest distance from the mean, or the length that weighs angles where all points are one."""
         return float(np.abs(self.points - self.points.mean()).max()) or self.rotation_length
-
-
-#: Centre and body point of a dyad.
-Dyad = tuple[complex, complex]
 
 
 #: Tasks that are solved at once.
@@ -156,7 +152,7 @@ def _on_circles(d: Complex, e: Complex, centre: Complex, pin: Complex, steps: in
     return centre, pin
 
 
-def dyads_of(points: Complex, angles: Floats) -> list[Dyad]:
+def dyads_of(points: Complex, angles: Floats) -> Complex:
     """Return all RR dyads of five poses; of more, those of the linear form's least squares, then nearest to circles."""
     if len(points) == 5:
         return _listed(*dyads_of_five(points[None], angles[None]))
@@ -170,12 +166,13 @@ def dyads_of(points: Complex, angles: Floats) -> list[Dyad]:
     return _listed(origin + size * c, size * w)
 
 
-def _listed(centres: Complex, pins: Complex) -> list[Dyad]:
+def _listed(centres: Complex, pins: Complex) -> Complex:
+    """Return the centres and body points there are (2, dyads)."""
     fine = np.isfinite(centres) & np.isfinite(pins)
-    return [(complex(c), complex(w)) for c, w in zip(centres[fine], pins[fine], strict=True)]
+    return np.stack([centres[fine], pins[fine]])
 
 
-def family_of(task: MotionTask, seed: int) -> list[Dyad]:
+def family_of(task: MotionTask, seed: int) -> Complex:
     """Return dyads of two to four poses: those of the poses with further ones that are drawn about them."""
     rng = np.random.default_rng(seed)
     count = len(task.points)
@@ -226,9 +223,9 @@ def linkages_of(task: MotionTask, c: Any, w: Any, d: Any, v: Any) -> tuple[Float
     return numbers, np.unwrap(theta, axis=1), side, -np.angle(v - w)
 
 
-def pairs_of(task: MotionTask, dyads: list[Dyad]) -> tuple[Floats, Floats, Floats, Floats]:
+def pairs_of(task: MotionTask, dyads: Complex) -> tuple[Floats, Floats, Floats, Floats]:
     """Return the linkages of all pairs of dyads, driven by the first of each, or of all with the sliders there are."""
-    c, w = np.array(dyads, dtype=complex).reshape(-1, 2).T
+    c, w = dyads
     if task.slider:
         turns = (np.arange(DIRECTIONS) + 0.5) / DIRECTIONS
         d, v = sliders_of(task, np.pi * turns, np.tan(1.4 * (2.0 * turns - 1.0) ** 3))
@@ -269,20 +266,14 @@ def solve_motion(task: MotionTask, seed: int) -> tuple[Floats, Floats, Floats, F
     if len(task.points) >= 5:
         dyads = dyads_of(task.points, task.angles)
         found = pairs_of(task, dyads)
-        return *(_on_poses(task, *found) if len(task.points) > 5 or task.slider else found), len(dyads)
+        return *(_on_poses(task, *found) if len(task.points) > 5 or task.slider else found), dyads.shape[1]
     dyads = family_of(task, seed)
     size, origin = task.size, task.points.mean()
-    kept = [
-        one
-        for one in dyads
-        if abs(one[0] - origin) < LONGEST * size and 1e-3 * size < _radius(task, one) < LONGEST * size
-    ]
+    crank = np.abs(task.points[0] + np.exp(1j * task.angles[0]) * dyads[1] - dyads[0])
+    fine = (np.abs(dyads[0] - origin) < LONGEST * size) & (1e-3 * size < crank) & (crank < LONGEST * size)
+    kept = dyads[:, fine]
     rng, most = np.random.default_rng(seed), PAIRED * (8 if task.slider and len(task.points) == 4 else 1)
-    return *pairs_of(task, [kept[k] for k in rng.permutation(len(kept))[:most]]), len(kept)
-
-
-def _radius(task: MotionTask, dyad: Dyad) -> float:
-    return float(np.abs(task.points[0] + np.exp(1j * task.angles[0]) * dyad[1] - dyad[0]))
+    return *pairs_of(task, kept[:, rng.permutation(kept.shape[1])[:most]]), kept.shape[1]
 
 
 def _on_poses(
