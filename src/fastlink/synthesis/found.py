@@ -63,6 +63,8 @@ THROUGH_NINE, NEARLY = 4, 1e-4
 # -- Linkages, and what is wrong with them
 
 
+#: A result that is limited often.
+USED = "least_transmission_angle_used"
 #: The arrays of linkages.
 ARRAYS = ("numbers", "theta", "side", "starts")
 
@@ -296,19 +298,6 @@ class Asked:
         found = names_searched(self.catalogue, asked, problems)
         problems.stop()
         return found
-
-    def least(self, name: str) -> float:
-        """Return the lower limit of a condition on a name of a result, 0 where there is none."""
-        if not isinstance(self.where, Mapping):
-            return 0.0
-        units = {one: unit for one, (unit, _) in self.labels.items()}
-        own = {k: v for k, v in self.where.items() if split(k, units)[0] == name}
-        given = in_si("where", own, units).get(name)
-        try:
-            low = float(given[0])  # type: ignore[index]
-        except (TypeError, ValueError, IndexError):
-            return 0.0
-        return low if np.isfinite(low) else 0.0
 
     def within(self, found: Linkages) -> Linkages:
         """Return the linkages within the limits of their numbers."""
@@ -785,17 +774,14 @@ def _solve_function(
     scales = [(min(one / of, other / of), max(one / of, other / of)) for (one, other), of in pairs]
     scales += [(1.0, 1.0)] * (2 - len(scales))
     senses = (1,) if len(ends) < 2 or ends[1] < 0.0 else (1, -1)
-    least = asked.least("least_transmission_angle_used")
-    task = functions.FunctionTask(
-        turn_in, turn_out, given, least, exact, senses, slider, (scales[0], scales[1])
-    )
+    task = functions.FunctionTask(turn_in, turn_out, given, exact, senses, slider, (scales[0], scales[1]))
     length = unit if slider else 1.0
     if not slider and asked.lower[3] == asked.upper[3]:
         unit = float(asked.lower[3])
     free = len(task.free) > 5  # the turns differ by linkage then
 
-    def generated(task: functions.FunctionTask) -> Linkages:
-        made = functions.solve_function(task, steps)
+    def generated(task: functions.FunctionTask, few: int = functions.FEW) -> Linkages:
+        made = functions.solve_function(task, steps, few)
         peaks, places = np.full((2, len(made), max((len(one.peaks) for one in made), default=0)), np.nan)
         n = np.array([one.numbers for one in made]).reshape(-1, 7)
         senses = np.array([one.sense for one in made], dtype=np.int8)
@@ -816,7 +802,7 @@ def _solve_function(
         return asked.within(Linkages(numbers, theta, side, np.ones(len(made), dtype=np.int64), more, slider))
 
     def again(limits: list[Any]) -> Linkages:
-        names = [one.name for one in limits if one.name not in asked.names]
+        names = [one.name for one in limits if one.name not in (*asked.names, USED)]
 
         def slack(n: Floats, sense: int) -> Floats:
             turn = np.stack([turn_in, turn_out])[:, :1]
@@ -827,16 +813,19 @@ def _solve_function(
             branch = np.where(side[:, 0] > 0.0, 2, 1)
             if names:
                 at |= evaluate(asked.catalogue.name, names, branch=branch, allow_invalid=True, **at)
+            at[USED] = task.transmissions(n)
             ends = [(sign * (at[one.name] - end) / max(abs(end), 1e-6)) for one in limits
                     for sign, end in ((1.0, one.low), (-1.0, one.high)) if np.isfinite(end)]  # fmt: skip
             return np.stack(ends, axis=1) - 1e-9
 
-        return generated(replace(task, limits=slack))
+        return generated(replace(task, limits=slack) if limits else task)
 
     coords = {"x": x} | ({} if free else {"turn_in": turn_in, "turn_out": length * turn_out})
     attrs = {"points_are_precision_points": int(exact)}
     by = "function_error" if free else "structural_error"
-    return Solved("function", asked, generated(task), coords, attrs, by, fit=again)
+    # with conditions one linkage tells their names and limits
+    found = generated(task, 1 if isinstance(asked.where, Mapping) and not exact else functions.FEW)
+    return Solved("function", asked, found, coords, attrs, by, fit=again)
 
 
 def _values(function: Any, x: Floats) -> Floats:
@@ -900,7 +889,8 @@ def within_conditions(solved: Solved, steps: Steps) -> Linkages | None:
     choice = choice_of(every, least, most, asked.where, top=None)
     limits = [one for one in choice.limits if one.name not in asked.labels and one.name in every.variables]
     if solved.task == "function":
-        return solved.fit(limits) if limits else None
+        again: Linkages = solved.fit([*limits, *(one for one in choice.limits if one.name == USED)])
+        return again
     if len(choice.objectives) != 1:
         return None
     aim_name = str(choice.objectives[0].array.name)

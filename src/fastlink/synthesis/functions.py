@@ -53,8 +53,6 @@ class FunctionTask:
     turn_out: Floats
     #: The output turn of any input turn; None of a table.
     output: Callable[[Floats], Floats] | None = None
-    #: The least acute transmission angle that is wanted between the first and the last place.
-    transmission: float = 0.0
     #: Whether the places are precision points: no error there.
     exact: bool = False
     #: The senses of the output that are tried.
@@ -164,10 +162,11 @@ class FunctionTask:
 
     def slack(self, numbers: Floats, sense: int) -> Floats:
         """Return by how much linkages (linkages, numbers) meet their conditions (linkages, conditions)."""
-        low = self.transmission
-        parts = [self.transmissions(numbers)[:, None] / low - 1.0] if low else []
-        parts += [self.limits(numbers, sense)] if self.limits else []
-        return np.nan_to_num(np.hstack(parts), nan=-1.0) if parts else np.zeros((len(numbers), 0))
+        return (
+            np.nan_to_num(self.limits(numbers, sense), nan=-1.0)
+            if self.limits
+            else np.zeros((len(numbers), 0))
+        )
 
     def built(self, numbers: Floats, sense: Any, turn: Floats) -> tuple[Floats, Floats, Floats, Floats]:
         """Return lengths (linkages, 4), crank angles and outputs wanted at places (linkages, places), sides of B."""
@@ -239,17 +238,13 @@ def _scanned(task: FunctionTask, sense: int) -> tuple[Floats, Floats]:
             for side in (1, -1):
                 least &= error <= np.roll(error, (side * shift[0], side * shift[1]), (0, 1))
         rows = np.flatnonzero(least & np.isfinite(error))
-        if (
-            task.transmission or task.limits or task.exact
-        ):  # the least errors may have bad angles: all places count
+        if task.limits or task.exact:  # the least errors may have bad angles: all places count
             rows = np.union1d(rows, np.flatnonzero(np.isfinite(error))[::37])
         i, k = np.unravel_index(rows, error.shape)
         parts.append(np.column_stack([ratios[i, k], starts[i], outs[k], np.tile(scales, (len(rows), 1))]))
         errors.append(error[i, k] / scales[1])
     numbers, found = np.concatenate(parts), np.concatenate(errors)
     fine, short = task.is_built(numbers), task.short(numbers, sense)
-    if task.transmission and not task.limits:
-        fine &= short < 0.4
     numbers = numbers[fine][np.argsort((found + 0.2 * short)[fine], kind="stable")[:MANY]]
     off = [
         np.nanmax(np.abs(np.nan_to_num(task.off(numbers, s, turn, wanted), nan=9.0)), axis=1)
@@ -261,7 +256,11 @@ def _scanned(task: FunctionTask, sense: int) -> tuple[Floats, Floats]:
 def _by_powers(task: FunctionTask, numbers: Floats, sign: Floats, sense: int) -> Floats:
     """Return linkages after damped least squares towards the least sum of powers of the errors, all at once."""
     side, damping, free = sign[:, None], np.full(len(numbers), 1e-3), task.free
-    (turn, wanted), (low, high) = task.fine(sense), np.transpose(task.scales)
+    (turn, wanted), (low, high), short = (
+        task.fine(sense),
+        np.transpose(task.scales),
+        task.short(numbers, sense),
+    )
 
     def norm(of: Floats, power: int, scale: Floats) -> Floats:
         return np.asarray(np.nan_to_num(np.sum((np.abs(of) / scale) ** power, axis=1), nan=np.inf))
@@ -286,11 +285,11 @@ def _by_powers(task: FunctionTask, numbers: Floats, sign: Floats, sense: int) ->
             with np.errstate(all="ignore"):
                 other = task.off(moved, side, turn, wanted)
                 other[~task.is_built(moved)] = np.nan
-                if task.limits:  # conditions that are met stay so
-                    other[task.short(moved, sense) > task.short(numbers, sense)] = np.nan
+                missed = task.short(moved, sense)
+                other[missed > short] = np.nan  # conditions that are met stay so
                 better = norm(other, power, scale) < norm(off, power, scale)
             numbers = np.where(better[:, None], moved, numbers)
-            off = np.where(better[:, None], other, off)
+            off, short = np.where(better[:, None], other, off), np.where(better, missed, short)
             damping = np.where(better, damping * 0.2, damping * 5.0).clip(1e-14, 1e8)
     return numbers
 
