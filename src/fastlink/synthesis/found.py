@@ -917,11 +917,18 @@ def within_conditions(solved: Solved, steps: Steps) -> Linkages | None:
         if missed < 1e9 or aim_name != error:
             own: dict[str, Any] = dict(zip(ARRAYS, parts[:4], strict=True))
             return replace(found, **own, more=dict(zip(found.more, parts[4:], strict=True)))
+    # numbers of linkages have limits of their own there, where the nearest linkage does not meet them
+    lower, upper, first = asked.lower.copy(), asked.upper.copy(), int(np.argmin(every[error].values))
+    for one in choice.limits:
+        if one.name in asked.names and one.miss(one.array.values)[first] > 0.0:
+            k = asked.names.index(one.name)
+            lower[k], upper[k] = max(lower[k], one.low), min(upper[k], one.high)
+    tighter = bool((lower > asked.lower).any() or (upper < asked.upper).any())
+    solved = replace(solved, asked=replace(asked, lower=lower, upper=upper))
     limits = [one for one in limits if one.name in every.data_vars]
     by_error = aim_name.startswith(error)
-    if not (limits or aim_name == f"{error}_max" or not by_error) or (
-        not by_error and aim_name in asked.labels
-    ):
+    asks = limits or tighter or aim_name == f"{error}_max" or not by_error
+    if not asks or (lower > upper).any() or (not by_error and aim_name in asked.labels):
         return None
     near = min((one.high for one in choice.wanted if one.name in (error, f"{error}_max")), default=np.inf)
     names = [*dict.fromkeys([*(one.name for one in limits), *([] if by_error else [aim_name])])]
