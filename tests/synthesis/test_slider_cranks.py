@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import fastlink as fl
+from fastlink.synthesis import paths
 from fastlink.synthesis.found import DEFECTS, Linkages, cognates_of, judged
 
 #: A slider-crank in its place: its body is turned by 0.1 from AB.
@@ -32,6 +33,7 @@ def poses(theta):
     return np.stack([z.real, z.imag, rod + BODY], axis=1)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("count", [2, 3, 4])
 def test_poses_are_met_exactly_by_the_best_of_a_family(count):
     """Links are up to 15 times the size: each pose is met to 100 roundings of that."""
@@ -51,7 +53,7 @@ def test_more_poses_are_met_by_the_slider_crank_that_made_them(count):
     """Least squares end where steps are 1e-15; the numbers are known but for the condition, which is about 1e3."""
     wanted = poses(np.linspace(0.2, 3.0, count))
     near = {name: (0.98 * value, 1.02 * value) for name, value in KNOWN.items()} if count == 4 else {}
-    found = fl.synthesise("slider_crank", motion=wanted, rotation_length=1.0, top=1, where=near)
+    found = fl.synthesise("slider_crank", motion=wanted, rotation_length=1.0, top=1, bounds=near)
     assert float(found.pose_error[0]) < 1e-13
     if count > 4:
         np.testing.assert_allclose([found[name].item() for name in KNOWN], [*KNOWN.values()], atol=1e-11)
@@ -70,6 +72,7 @@ def test_four_poses_have_one_point_that_moves_along_a_line():
     assert np.ptp(b[:, 0].real) < 1e-12 > np.ptp(b[:, 0].imag)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("points", [3, 4, 5])
 def test_precision_points_are_met_by_the_closed_form(points):
     """x K1 cos + K2 sin + K3 = x^2 through three of the points gives the lengths, as far as its condition goes."""
@@ -121,7 +124,9 @@ def test_a_free_turn_of_the_crank_is_chosen():
     assert float(free.function_error[0]) * 0.05 == pytest.approx(float(free.structural_error[0]), rel=1e-12)
 
 
-def test_timed_points_are_passed():
+def test_timed_points_are_passed(monkeypatch):
+    """A sample of 256 shapes has its nearest one close enough."""
+    monkeypatch.setattr(paths, "SHAPES", 256)
     theta = np.array([0.2, 0.9, 1.7, 2.8, 4.0, 5.1])
     z, _ = moved(theta)
     found = fl.synthesise("slider_crank", path=np.c_[z.real, z.imag], timing=theta - 0.4, top=1)
@@ -188,11 +193,11 @@ def test_the_cognate_draws_the_same_curve():
 def test_an_orientation_that_is_asked_for_is_kept():
     """A slider-crank turned by half a turn is the same in the other branch: limits choose."""
     wanted = poses([0.3, 1.1, 2.0])
-    for middle in (GROUND, GROUND + np.pi):
-        bounds = {"ground_angle": (middle - 0.5, middle + 0.5)}
-        found = fl.synthesise("slider_crank", motion=wanted, top=5, bounds=bounds)
-        assert (np.abs(found.ground_angle - middle) <= 0.5).all()
-        assert found.pose_error.max() < 1e-12
+    bounds = {"ground_angle": (GROUND + np.pi - 0.5, GROUND + np.pi + 0.5)}
+    found = fl.synthesise("slider_crank", motion=wanted, top=20, bounds=bounds)
+    assert (np.abs(found.ground_angle - GROUND - np.pi) <= 0.5).all()
+    assert found.pose_error.max() < 1e-12
+    assert 2 in found.branch.values
     assert set(fl.synthesise("slider_crank", motion=wanted, top=20).branch.values) == {1}
 
 
@@ -227,7 +232,8 @@ def test_a_result_is_a_map(tmp_path):
     with fl.synthesise("slider_crank", to=tmp_path / "found.h5", **ask) as found:
         figure = fl.draw(found, design=1)
         assert any(line.get_marker() == "x" and len(line.get_xdata()) == 3 for line in figure.axes[0].lines)
-        assert float(fl.best(found, maximise="stroke", top=1).stroke[0]) == float(found.stroke.max())
+        best = fl.best(found, maximise="stroke", top=1, refine=False)
+        assert float(best.stroke[0]) == float(found.stroke.max())
     none = fl.synthesise("slider_crank", where={"status": "never_assembles"}, **ask)
     assert none.sizes["design"] == 0
     assert "fail" in none.attrs["reason"]
