@@ -101,7 +101,7 @@ def functions():
 
 
 def sliders():
-    """Return a row for each function of a slider-crank with a travel of 1: the greatest error of the best, and times."""
+    """Return a row for functions of a slider-crank with a travel of 1: the greatest error of the best, and seconds."""
     rows = []
     for name, (function, over, turns, where, _) in FUNCTIONS.items():
         ask = {
