@@ -315,13 +315,17 @@ class Asked:
         return found.at(fits)
 
     def _fit(self, found: Linkages) -> NDArray[np.bool_]:
-        """Tell which linkages are within the limits, with their direction turned into these."""
+        """Tell which linkages have a size and are within the limits, with their direction turned into these."""
         low, high = self.lower.copy(), self.upper.copy()
         slack = 1e-9 * (1.0 + np.abs(found.numbers))
         turned = found.numbers.copy()
         start = low[8] if np.isfinite(low[8]) else -np.pi
         turned[:, 8] = start + np.remainder(turned[:, 8] - start + 1e-9, 2.0 * np.pi) - 1e-9
         fits = ((turned >= low - slack) & (turned <= high + slack))[:, :9].all(axis=1)
+        lengths = np.abs(turned[:, : 2 if found.slider else 4])
+        fits &= np.isfinite(turned).all(axis=1) & (lengths > 1e-9 * lengths.max(axis=1, keepdims=True)).all(
+            axis=1
+        )
         found.numbers[:, 8] = np.where(fits, turned[:, 8], found.numbers[:, 8])
         return np.asarray(fits)
 
@@ -647,12 +651,7 @@ def _through_nine(task: paths.PathTask, attempt: int) -> paths.Candidates:
 
 
 def _different(found: Linkages) -> Linkages:
-    """Return linkages without those that are the same as one before, or have no size."""
-    lengths = found.numbers[:, : 2 if found.slider else 4]
-    built = np.isfinite(found.numbers).all(axis=1) & (
-        lengths > 1e-9 * lengths.max(axis=1, keepdims=True)
-    ).all(axis=1)
-    found = found.at(built)
+    """Return linkages without those that are the same as one before."""
     return found.at(paths.different(found.numbers, found.side[:, 0], found.starts, len(found))[0])
 
 
@@ -710,7 +709,7 @@ def _solve_motion(asked: Asked, steps: Steps, motion: Any, rotation_length: Any)
         return paths.Fit(task.path, found.theta[row], float(found.side[row, 0]))
 
     return Solved("motion", asked, found, coords, attrs, *objectives, with_defects=count >= 5, size=task.size, fit=fit,
-                  unknowns=10, linkages=linkages, varied=varied if count <= most else None)  # fmt: skip
+                  unknowns=10, linkages=linkages, varied=varied if count < 5 else None)  # fmt: skip
 
 
 def _solve_function(
@@ -720,8 +719,11 @@ def _solve_function(
     turns, unit = _turns(turn, turn_deg, slider), 1.0
     both = "write both turns, such as turn_deg=(60, 90)"
     _check(slider or travel is None, "travel", "is for slider_crank", both)
-    goes = travel is None or (isinstance(travel, (int, float)) and 0.0 < abs(travel) < np.inf)
-    _check(goes, "travel", f"is {short_repr(travel)}", "write how far the slider moves in m, such as 0.1")
+    far = np.nan
+    with contextlib.suppress(TypeError, ValueError):
+        far = 1.0 if travel is None else float(travel)
+    what = f"is {short_repr(travel)}"
+    _check(0.0 < abs(far) < np.inf, "travel", what, "write how far the slider moves in m, such as 0.1")
     if callable(function):
         try:
             low, high = (float(end) for end in over)
@@ -758,8 +760,8 @@ def _solve_function(
         _check(
             first != last, "function", what, "give a range whose ends differ in value, or y as angles in rad"
         )
-        unit = abs(travel) if slider else 1.0
-        factor = (np.sign(travel) if slider else ends[1]) / (last - first)
+        unit = abs(far) if slider else 1.0
+        factor = (np.sign(far) if slider else ends[1]) / (last - first)
     else:
         unit = float(np.abs(y - first).max()) if slider else 1.0
         _check(unit > 0.0, "function", "has one value alone", "give one that changes")
@@ -935,8 +937,10 @@ def within_conditions(solved: Solved, steps: Steps) -> Linkages | None:
     key = every[error].values
     if not by_error:
         key = np.where(key <= near, score, np.inf)
-    rows = [k for k in np.argsort(key, kind="stable") if every["defect"].values[k] == 0]
-    rows = rows[: CONSTRAINED if by_error else CONSTRAINED // 3]
+    most = CONSTRAINED if by_error else CONSTRAINED // 3
+    orders = [[k for k in np.argsort(of, kind="stable") if np.isfinite(score[k])] for of in (key, score)]
+    # half of them those of the least errors, half those that miss conditions least
+    rows = [*dict.fromkeys([*orders[0][: most // 2], *orders[1][: most // 2], *orders[0]])][:most]
     made = [
         part for row in rows if (part := steps(_refined_within, solved, row, choice, limits, names, near))
     ]
@@ -976,7 +980,9 @@ def _refined_within(
     asked, size, aim = solved.asked, solved.size, choice.objectives[0]
     by_error = not names or str(aim.array.name) not in names
     fit, side = solved.fit(row), float(solved.found.side[row, 0])
-    start: Floats = solved.found.numbers[row]
+    start: Floats = solved.found.numbers[row].copy()
+    if solved.crank and names:  # off a change point, where rates are infinite
+        start[3 if start[3] < start[0] and not asked.slider else 0] *= 0.97
     free = np.flatnonzero((asked.lower < asked.upper) & (np.arange(10) < solved.unknowns))
     free = free[free != 3] if asked.slider else free
     scale = np.where(np.isin(free, (8, 9)), 1.0, size)
