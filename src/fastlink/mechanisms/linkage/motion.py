@@ -162,6 +162,8 @@ class Writer:
         self.links: list[Link] = []
         #: A length that is positive, of what drives.
         self.scale = ""
+        #: The least transmission angle of the dyads so far.
+        self.least = ""
         #: The dyad under way.
         self.current = ""
         self.placed: list[Placed] = []
@@ -668,6 +670,15 @@ class Writer:
             f"= atan2(sine_{name} + 0.0, {cosine})",
         )
         self.slope(angle, f"sign_{name} * ({minus(fast, slow)})")
+        # |x| by the size of a vector, whose kinks are known to the search of extremes
+        acute = f"acute_{angle}"
+        head = f"{acute} [rad] mu_{name}: Acute transmission angle at {name}; that or its supplement"
+        self.fact(head, f"= atan2(sine_{name} + 0.0, magnitude({cosine}, {cosine} - {cosine}))")
+        least, self.least = self.least, acute
+        if least:
+            self.least = f"least_{name}"
+            head = f"step {self.least} [rad] mu: Least acute transmission angle up to {name}"
+            self.fact(head, f"d = {least} - {acute}", f"= 0.5 * ({least} + {acute} - magnitude(d, d - d))")
 
     def write_rrp(self, name: str, given: Mapping[str, Any]) -> None:
         """Write a bar whose end is a slider on a line, which is fixed or of a link."""
@@ -1025,6 +1036,9 @@ class Writer:
                 ("linkage", "dyads"),
                 f"write at most {MOST_WAYS}",
             )
+        if self.least:
+            head = "least_transmission_angle [rad] mu: Least acute transmission angle of all dyads"
+            self.fact(head, f"= {self.least}")
         for k, (name, _, first) in enumerate(self.ways):
             rest, lines = "branch - 1.0", []
             for higher in range(len(self.ways) - 1, k, -1):
