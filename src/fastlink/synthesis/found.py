@@ -248,7 +248,7 @@ LABELS |= {OF_SLIDER[name]: LABELS[name] for name in ("theta1", "peak_theta1")}
 LABELS["slider_position"] = "m", "Place of the slider that is wanted at each point of the task"
 POINT = {"P_u": ("m", "Point of the rod, along AB from A"), "P_v": ("m", "Point of the rod, left of AB")}
 OUTPUTS = ("structural_error", "structural_error_rms", "output_error", "peak_error")
-TARGETS = {"target_x": "m", "target_y": "m", "target_angle": "rad", "target_theta4": "rad", "time": "rad"}
+TARGETS = {"target_x": "m", "target_y": "m", "target_angle": "rad", "time": "rad"}
 
 
 @dataclass
@@ -679,19 +679,17 @@ def _solve_motion(asked: Asked, steps: Steps, motion: Any, rotation_length: Any)
     found = Linkages(
         numbers, theta, side, np.ones(len(numbers), dtype=np.int64), {"body_angle": body}, asked.slider
     )
-    dyads = int(dyads)
-    attrs: dict[str, Any] = {"dyads": dyads, "rotation_length": length}
+    attrs: dict[str, Any] = {"dyads": int(dyads), "rotation_length": length}
     found = asked.within(found)
     if count < 5:
         # a family: those without defects, the best angles first, go on
-        known = judged(found, False, False)
-        rows_of = np.flatnonzero(known.more["defect"] == 0)
-        best = np.argsort(-known.more["least_transmission_angle_used"][rows_of], kind="stable")[:MOST_FOUND]
+        more = judged(found, False, False).more
         attrs["found_linkages"] = len(found)
-        attrs["found_without_defect"] = len(rows_of)
-        found = found.at(rows_of[best])
+        rows_of = np.flatnonzero(more["defect"] == 0)
+        found = found.at(rows_of[np.argsort(-more[USED][rows_of], kind="stable")[:MOST_FOUND]])
     elif count == most:
-        attrs["complete"] = f"all {counted(dyads, 'dyad')} of five poses, {counted(len(found), 'linkage')}"
+        made = counted(attrs["dyads"], "dyad"), counted(len(found), "linkage")
+        attrs["complete"] = f"all {made[0]} of five poses, {made[1]}"
     coords = {"target_x": rows[:, 0], "target_y": rows[:, 1], "target_angle": angles}
     objectives = ("pose_error", "") if count >= 5 else ("", "least_transmission_angle_used")
 
@@ -1105,12 +1103,7 @@ def labelled(solved: Solved) -> xr.Dataset:
     flags = {"flag_values": np.array(list(DEFECTS), dtype=np.int8), "flag_meanings": " ".join(DEFECTS.values()),
              "long_name": "What keeps the linkage from the task", "units": "1"}  # fmt: skip
     made["defect"] = ((DESIGN,), found.more["defect"], flags)
-    text = (
-        "slider to the right (1) or left (2) of A"
-        if slider
-        else "B right (1) or left (2) of the line from A to D"
-    )
-    text = f"Assembly mode: {text}"
+    text = f"Assembly mode: B right (1) or left (2) of {'A' if slider else 'the line from A to D'}"
     coords: dict[str, Any] = {"branch": ((DESIGN,), branch, {"long_name": text})}
     if "peak_error" in data:
         coords["peak"] = ("peak", np.arange(data["peak_error"].shape[1]), {"long_name": "Number of a peak"})
