@@ -478,8 +478,7 @@ class ExtremaWriter:
             for k, gradient in enumerate(search.gradients):
                 held = " / ".join(gradient.held) or "0.0"
                 held = f"-({held})" if gradient.is_position and gradient.held else held
-                # nothing follows how the limit of a piece moves
-                moving = "nan" if self.program.in_pieces else gradient.moving or "0.0"
+                moving = gradient.moving or "0.0"
                 text.add(f"slope__{k} = {moving} if where__of == {results.ALONG} else {held}")
                 if gradient.is_position or search.parity < 0:
                     text.add(f"slope__{k} = -slope__{k} if mirrored__of else slope__{k}")

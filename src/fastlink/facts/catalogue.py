@@ -350,8 +350,8 @@ class Catalogue:
         """
         tree = self.parse(name)
         of = str(tree.of) if isinstance(tree, Derivative) else ""
-        fact = self.facts.get(of) or self.tables.get(of)
-        if fact is None or not isinstance(tree, Derivative):
+        fact = self.facts.get(of) or self.tables.get(of) or self.variants.get(variant or "", {}).get(of)
+        if not isinstance(fact, Fact) or not isinstance(tree, Derivative):
             what = f"{name} is no derivative of a fact by an input"
             raise CatalogueError(f"{self.name}: {what}; write NAME [units] symbol: meaning, as of a fact")
         labels = labelled(fact, tree, self.variables)

@@ -373,6 +373,8 @@ CLOSES_WHERE = """
 step closes [1] closes: 1 where all loops close, else NaN
     = select({conditions}, 1.0, NOT_A_NUMBER)
 """
+#: The part of the width of a piece within which a place is its limit.
+AT_LIMIT = "7.9e-31"
 OF_GAP = """
 ## docs/own_mechanisms.md#several-loops
 step ROOT [1] r: Root of GAP
@@ -494,6 +496,36 @@ def _declare_gaps(known: Catalogue, gaps: Sequence[str], file: str) -> None:
         read_sheet(text, place, known)
     conditions = " & ".join(f"({gap} >= 0.0)" for gap in gaps) or f"cos_{position} < 2.0"
     read_sheet(CLOSES_WHERE.replace("{conditions}", conditions), place, known)
+    read_sheet("\n".join(_moving_limits(known, gaps)), place, known)
+
+
+def _moving_limits(known: Catalogue, gaps: Sequence[str]) -> Iterator[str]:
+    """Yield the derivatives of the position and of roots of gaps by inputs, at limits that move as the inputs do.
+
+    At a limit its gap stays zero, and the position changes by -(d gap/d input)/(d gap/d position).
+    """
+    position, slopes = known.position.name, [slope_of_gap(gap) for gap in gaps]
+    given = {*known.inputs, *known.tables, *known.table_low_parts, position, "branch"}
+    changes = [
+        {need for step in known.dependencies([gap], given) for need in step.depends_on} for gap in gaps
+    ]
+    # a search takes the place 2^-120 of the width from a limit for that
+    at = [
+        f"((piece_by_low == {k}.0) & (from_low < {AT_LIMIT})) | ((piece_by_high == {k}.0) & (from_high < {AT_LIMIT}))"
+        for k in range(1, len(gaps) + 1)
+    ]
+    yield "[variant graded]"
+    for name in known.inputs:
+        of = [f"d_{gap}_d_{name}" if name in needs else "" for gap, needs in zip(gaps, changes, strict=True)]
+        moves = "0.0"
+        for here, change, slope in zip(at, of, slopes, strict=True):
+            moves = f"select({here}, -{change} / {slope}, {moves})" if change else moves
+        if any(of):
+            yield f"d_{position}_d_{name} = {moves}"
+            for gap, here, change, slope in zip(gaps, at, of, slopes, strict=True):
+                root = root_of_gap(gap)
+                whole = f"{change or '0.0'} + {slope} * moves"
+                yield f"d_{root}_d_{name} = select({here}, 0.0, 0.5 * ({whole.replace('moves', moves)}) / {root})"
 
 
 #: Functions of formulas that tables alone may call, and what facts have in their place.

@@ -287,15 +287,42 @@ def test_kernels_need_no_other_compiler() -> None:
         assert llvm_text(kernel.source)
 
 
-def test_gradients_of_extremes_and_their_status_at_limits() -> None:
+def test_gradients_of_extremes() -> None:
     number = fl.function(SIX_BAR, ["a1", "a5"], ["F_x_max"], branch=3, omega=1.0, **_without("a1", "a5"))
     start, step = np.array([0.1, 0.3]), 1e-6
     slope = [(number(start + step * e) - number(start - step * e))[0] / (2 * step) for e in np.eye(2)]
     # differences are off by the square of their step, and by a rounding over it
     assert np.allclose(number.gradient(start)[0], slope, rtol=0, atol=1e-8)
-    maps = fl.sweep(FOUR_BAR, {"a1": 0.5, "a2": 0.4, "a3": 0.35, "a4": 0.6}, ["B_y_max", "d_B_y_max_d_a2"])
-    assert int(maps.status) == 1
-    assert np.isfinite(maps.B_y_max)
+
+
+def test_derivatives_at_limits_follow_these() -> None:
+    designs = {
+        name: of[200:] for name, of in four_bars(400, 4).items()
+    }  # without those next to change points
+    by = ("a1", "a2", "a3", "a4", "P_u")
+    wanted = [f"d_P_{axis}_{how}_d_{of}" for axis in "xy" for how in ("max", "min") for of in by]
+    known = fl.sweep("planar_4r", designs, [*wanted, "P_y_max_gradient_status"], branch=(1, 2))
+    found = fl.sweep(FOUR_BAR, designs, wanted, branch=(1, 2))
+    at_limits = known.P_y_max_gradient_status.fastlink.status_is("at a limit of motion that moves")
+    assert int(at_limits.sum()) > 20
+    for name in wanted:
+        a, b = known[name].values, found[name].values
+        moves = np.isfinite(a) & (known.status.values != 0)[:, None]
+        # a place next to a limit, where quantities change with its root, loses half its digits: 2^-26 at most
+        assert (abs(a - b) <= 2.0**-26 * (1.0 + abs(a)))[moves].all(), name
+
+
+def test_derivatives_where_the_second_dyad_limits() -> None:
+    at = TURNING | {"a1": 0.3, "omega": 1.0}
+    names = [f"{name}_{how}" for name in ("F_x", "F_y", "B_x", "angle_AB") for how in ("max", "min")]
+    of = [name for name in TURNING if name not in ("P_u", "P_v")]
+    found = fl.sweep(SIX_BAR, at, [f"d_{name}_d_{by}" for name in names for by in of], branch=3)
+    for by in of:
+        ends = [fl.sweep(SIX_BAR, at | {by: at[by] + step}, names, branch=3) for step in (-1e-6, 1e-6)]
+        for name in names:
+            slope = float(ends[1][name] - ends[0][name]) / 2e-6
+            # differences are off by the square of their step, and by a rounding over it
+            assert abs(float(found[f"d_{name}_d_{by}"]) - slope) < 1e-8 * (1.0 + abs(slope)), (name, by)
 
 
 def _without(*names: str) -> dict[str, float]:
