@@ -71,7 +71,7 @@ from fastlink.facts.fact import (
     slope_of_gap,
 )
 from fastlink.facts.formula import NAMESPACE, WORD, CatalogueError, Formula, SheetError
-from fastlink.facts.names import root_of
+from fastlink.facts.names import derivative_name, root_of
 from fastlink.facts.own import check_units, declared_step, is_reserved
 from fastlink.facts.powers import Powers, UnlikePowers
 from fastlink.numerics.elementary import atan2, sqrt
@@ -516,16 +516,19 @@ def _moving_limits(known: Catalogue, gaps: Sequence[str]) -> Iterator[str]:
     ]
     yield "[variant graded]"
     for name in known.inputs:
-        of = [f"d_{gap}_d_{name}" if name in needs else "" for gap, needs in zip(gaps, changes, strict=True)]
+        of = [
+            derivative_name(gap, name) if name in needs else ""
+            for gap, needs in zip(gaps, changes, strict=True)
+        ]
         moves = "0.0"
         for here, change, slope in zip(at, of, slopes, strict=True):
             moves = f"select({here}, -{change} / {slope}, {moves})" if change else moves
         if any(of):
-            yield f"d_{position}_d_{name} = {moves}"
+            yield f"{derivative_name(position, name)} = {moves}"
             for gap, here, change, slope in zip(gaps, at, of, slopes, strict=True):
-                root = root_of_gap(gap)
-                whole = f"{change or '0.0'} + {slope} * moves"
-                yield f"d_{root}_d_{name} = select({here}, 0.0, 0.5 * ({whole.replace('moves', moves)}) / {root})"
+                root, whole = root_of_gap(gap), f"{change or '0.0'} + {slope} * ({moves})"
+                of_root = derivative_name(root, name)
+                yield f"{of_root} = select({here}, 0.0, 0.5 * ({whole}) / {root})"
 
 
 #: Functions of formulas that tables alone may call, and what facts have in their place.

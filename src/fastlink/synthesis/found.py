@@ -247,6 +247,8 @@ OF_SLIDER = {"theta1": "theta", "peak_theta1": "peak_theta", "theta4": "slider_p
 LABELS |= {OF_SLIDER[name]: LABELS[name] for name in ("theta1", "peak_theta1")}
 LABELS["slider_position"] = "m", "Place of the slider that is wanted at each point of the task"
 POINT = {"P_u": ("m", "Point of the rod, along AB from A"), "P_v": ("m", "Point of the rod, left of AB")}
+#: Root mean square errors, and what the greatest of the same are called.
+GREATEST = {"path_error": "path_error_max", "pose_error": "pose_error_max"}
 OUTPUTS = ("structural_error", "structural_error_rms", "output_error", "peak_error")
 TARGETS = {"target_x": "m", "target_y": "m", "target_angle": "rad", "time": "rad"}
 
@@ -927,10 +929,12 @@ def within_conditions(solved: Solved, steps: Steps) -> Linkages | None:
     solved = replace(solved, asked=replace(asked, lower=lower, upper=upper))
     limits = [one for one in limits if one.name in every.data_vars]
     by_error = aim_name.startswith(error)
-    asks = limits or tighter or aim_name == f"{error}_max" or not by_error
+    asks = limits or tighter or aim_name == GREATEST.get(error) or not by_error
     if not asks or (lower > upper).any() or (not by_error and aim_name in asked.labels):
         return None
-    near = min((one.high for one in choice.wanted if one.name in (error, f"{error}_max")), default=np.inf)
+    near = min(
+        (one.high for one in choice.wanted if one.name in (error, GREATEST.get(error))), default=np.inf
+    )
     names = [*dict.fromkeys([*(one.name for one in limits), *([] if by_error else [aim_name])])]
     key = every[error].values
     if not by_error:
@@ -989,7 +993,7 @@ def _refined_within(
     if names:
         of = function(asked.catalogue.name, asked.names[:inputs], names, branch=2 if side > 0 else 1)
     # the last unknown is the greatest distance, where that is minimised or limited
-    greatest = str(aim.array.name).endswith("_max") or near < np.inf
+    greatest = aim.array.name in GREATEST.values() or near < np.inf
     x = np.append(start[free] / scale, [np.abs(fit(start, True)[0]).max() / size] * greatest)
 
     def numbers(x: Floats) -> Floats:
@@ -1013,7 +1017,7 @@ def _refined_within(
         if not by_error:
             value, slopes = values(x, str(aim.array.name))
             return aim.sign * value, aim.sign * slopes
-        if str(aim.array.name).endswith("_max"):
+        if aim.array.name in GREATEST.values():
             return float(x[-1]), np.append(np.zeros(len(free)), 1.0)
         off, slopes = fit(numbers(x))
         by = 2.0 * (off @ slopes)[free] * scale / size**2
