@@ -12,8 +12,9 @@ from tests.support.commands import code_blocks, run_commands
 ROOT = Path(__file__).parents[1]
 #: Its sections are run where their libraries are installed.
 OTHERS = ROOT / "docs" / "how_to" / "search_with_other_libraries.md"
-#: Their examples take some seconds each: maps of a million values, mechanisms of one's own.
-LONG = ("start.md", "maps.md", "mechanisms.md", "own_mechanisms.md")
+#: Their examples take some seconds each: maps of a million values, mechanisms and quantities of one's own, searches.
+LONG = ("start.md", "maps.md", "mechanisms.md", "own_mechanisms.md", "own_quantities.md", "synthesis.md")
+LONG += ("performance.md",)
 DOCUMENTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 
 

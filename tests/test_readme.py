@@ -1,6 +1,5 @@
 """README, CONTRIBUTING and the notebook are true: what they show runs."""
 
-import os
 import re
 import shutil
 import subprocess
@@ -12,7 +11,7 @@ import pytest
 from nbclient import NotebookClient
 
 import fastlink as fl
-from tests.support.commands import code_blocks, run_commands
+from tests.support.commands import code_blocks, run_command, run_commands
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text()
@@ -27,35 +26,22 @@ def test_the_python_example_of_the_readme(tmp_path, monkeypatch, capsys):
     fl.open(tmp_path / "maps.h5").close()
 
 
-def command(line, folder):
-    """Run a command line of the README with the fastlink that is installed here."""
-    scripts = str(Path(sys.executable).parent)
-    environment = os.environ | {"PATH": f"{scripts}{os.pathsep}{os.environ['PATH']}"}
-    done = subprocess.run(
-        line, shell=True, cwd=folder, env=environment, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stderr
-    assert "Traceback" not in done.stderr
-    return done.stdout
-
-
 @pytest.mark.parametrize("count", [9, pytest.param(101, marks=pytest.mark.stress)])
-def test_the_main_job_of_the_readme(tmp_path, count):
-    shutil.copytree(ROOT / "data", tmp_path / "data")
-    study = tmp_path / "data" / "studies" / "crank_rocker_map.toml"
+def test_the_main_job_of_the_readme(folder, count):
+    shutil.copytree(ROOT / "data", "data")
+    study = folder / "data" / "studies" / "crank_rocker_map.toml"
     assert study.read_text().count(", 101]}") == 3
     study.write_text(study.read_text().replace(", 101]}", f", {count}]}}"))
     (first, *_) = code_blocks(README, "sh")
     install, run = first.strip().split(" && ")
     assert install == "python -m pip install ."
-    fewer = (
-        "" if count == 101 else " --verify 2"
-    )  # of designs with 50 digits, which take as long as all the rest
-    assert f"{count**3:,}" in command(run + fewer, tmp_path)
+    # of designs with 50 digits, which take as long as all the rest
+    fewer = "" if count == 101 else " --verify 2"
+    assert f"{count**3:,}" in run_command(run + fewer)[1].stdout
     plot = re.search(r"`(fastlink plot [^`]*)`", README)
     assert plot is not None
-    command(plot.group(1), tmp_path)
-    assert list(tmp_path.glob("*.png"))
+    run_command(plot.group(1))
+    assert list(folder.glob("*.png"))
 
 
 @pytest.mark.stress

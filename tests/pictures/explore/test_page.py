@@ -449,7 +449,7 @@ def maps_of(kind, coupler):
     return fl.sweep("planar_4r", space, ["omega4"], theta1=36, verify=0, branch=(1, 2))
 
 
-#: Widths of a window with the kinds of pictures in it; of each width the second is in the default run, each kind once.
+#: Widths of a window with the kinds of pictures in it.
 VIEWS = {
     390: ("cells", "points", "line"),
     900: ("line", "cells", "points"),
@@ -457,7 +457,7 @@ VIEWS = {
 }
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("width", "kind"), [(width, kind) for width in VIEWS for kind in VIEWS[width]])
 def test_no_text_lies_on_another_and_nothing_is_beyond_the_side(browser, coupler, kind, width):
     with fl.explore(maps_of(kind, coupler), browser=False) as page:
@@ -566,7 +566,7 @@ def test_an_input_is_typed_off_the_grid_and_back(browser, coupler, show, coupler
     assert state(tab, "design.row.omega4_max") == float(own)
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("name", "changed"), [("A", {"a1"}), ("B", {"a2", "a3"}), ("D", {"a4"}), ("P", {"P_u", "P_v"})]
 )
