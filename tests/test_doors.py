@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 import fastlink as fl
 from fastlink.app.cli import app
 from fastlink.errors import CallError, door
+from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
 from tests.support.study_files import GOOD, written
 
@@ -59,7 +60,7 @@ def search_of(where):
 
 def swept(space, **options):
     names = options.pop("quantities", ["theta4"])
-    return fl.sweep("planar_4r", space, names, **{"branch": (1, 2)} | options)
+    return sweep_4r(space, names, **options)
 
 
 @pytest.mark.parametrize(
@@ -88,11 +89,7 @@ def swept(space, **options):
             "quantities in place of outputs",
         ),
         (lambda: fl.explain(study="study.toml"), "subject", "subject in place of study"),
-        (
-            lambda: fl.plot("maps.h5", maximise=[]),
-            "names",
-            "or objectives by ",
-        ),
+        (lambda: fl.plot("maps.h5", maximise=[]), "names", "or objectives by "),
         (lambda: fl.mechanisms(3), "mechanisms", "mechanisms()"),
         (lambda: fl.open(), "path", "open(path"),
         (
@@ -207,9 +204,7 @@ LINES = (
 def swept_maps(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(tmp_path_factory.mktemp("words"))
-        with fl.sweep(
-            "planar_4r", DESIGN | {"a1": [0.3, 0.4]}, ["omega4_max"], to="maps.h5", branch=(1, 2)
-        ) as maps:
+        with sweep_4r(DESIGN | {"a1": [0.3, 0.4]}, ["omega4_max"], to="maps.h5") as maps:
             yield maps
 
 
@@ -334,7 +329,7 @@ def test_a_branch_that_a_result_lacks_is_no_condition_to_be_missed():
     """A map of branch 1 gave its own designs as the nearest, and a search ended in a KeyError."""
     space = fl.grid(DESIGN | {"a2": [1.1, 1.2]})
     maps = fl.sweep("planar_4r", space, ["omega4_max"])
-    both = fl.sweep("planar_4r", space, ["omega4_max"], branch=(1, 2))
+    both = sweep_4r(space, ["omega4_max"])
     with refused("where: branch: here is branch 1 alone", "compute both branches"):
         fl.best(maps, minimise="omega4_max", where={"branch": 2})
     with refused("where: branch: here is branch 1 alone", "compute both branches"):

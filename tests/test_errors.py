@@ -7,15 +7,10 @@ import pytest
 import fastlink as fl
 from fastlink._text import short_repr
 from fastlink.errors import InputError, Pair, Problem, Problems, Samples, Setting, Wording
+from tests.support.four_bar import sweep_4r
 from tests.support.study_files import GOOD, written
 
-REMEDY = (
-    "write ",
-    Pair(),
-    " or ",
-    Samples(-4.0, 4.0, 401),
-    (", or ", Setting("solver", "dense"), " too"),
-)
+REMEDY = ("write ", Pair(), " or ", Samples(-4.0, 4.0, 401), (", or ", Setting("solver", "dense"), " too"))
 
 
 class Terse(Wording):
@@ -94,14 +89,7 @@ def message_of(door):
     """Return the message of each door about refined extremes over given angles."""
     if door == "python":
         with pytest.raises(InputError) as caught:
-            fl.sweep(
-                "planar_4r",
-                fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0),
-                ["theta4_max"],
-                theta1=[0.0],
-                extrema="refined",
-                branch=(1, 2),
-            )
+            sweep_4r(fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0), ["theta4_max"], theta1=[0.0], extrema="refined")
         return str(caught.value)
     text = GOOD.replace("theta1 = 8", 'theta1 = {values = [0.0]}\nextrema = "refined"')
     with pytest.raises(InputError) as caught:

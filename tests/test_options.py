@@ -12,6 +12,7 @@ from fastlink import machine
 from fastlink.app.cli import app
 from fastlink.engine.options import MOST_THREADS, is_reserved
 from fastlink.errors import LONGEST_FILE_NAME
+from tests.support.four_bar import sweep_4r
 from tests.support.refusals import assert_refusal, refused
 from tests.support.study_files import GOOD, written
 
@@ -35,7 +36,7 @@ PATHS += ["d/" * 3000 + "m.h5"]
 
 
 def sweep(**options):
-    return fl.sweep("planar_4r", SPACE, ["omega4_max"], **{"branch": (1, 2)} | options)
+    return sweep_4r(SPACE, ["omega4_max"], **options)
 
 
 def function(**options):
@@ -244,9 +245,7 @@ def test_other_attributes_are_kept_in_memory_and_in_files(folder):
 def test_no_attribute_of_a_map_can_be_overwritten(folder):
     maps = [
         sweep(to="maps.h5", verify=1),
-        fl.sweep(
-            "planar_4r", fl.sobol(4, a1=(0.1, 0.2), a2=1.1, a3=0.8, a4=1.0), ["theta4_max"], branch=(1, 2)
-        ),
+        sweep_4r(fl.sobol(4, a1=(0.1, 0.2), a2=1.1, a3=0.8, a4=1.0), ["theta4_max"]),
         fl.sweep("hart", fl.grid(m=4.0, n=8.0, d=6.0, kappa=0.5), ["F_x"], branch=(1, 2)),
         study(verify=1),
     ]
@@ -277,8 +276,8 @@ def test_a_system_that_starts_few_threads_computes_all_the_same(monkeypatch, sta
         return usual(pool, work)
 
     space = fl.grid(a1=0.4, a2=np.linspace(1.1, 1.3, 64), a3=0.8, a4=1.0, omega1=25.0)
-    expected = fl.sweep("planar_4r", space, ["omega4_max"], threads=1, branch=(1, 2))
+    expected = sweep_4r(space, ["omega4_max"], threads=1)
     monkeypatch.setattr(machine.ThreadPoolExecutor, "submit", limited)
-    maps = fl.sweep("planar_4r", space, ["omega4_max"], threads=4, block=4, branch=(1, 2))
+    maps = sweep_4r(space, ["omega4_max"], threads=4, block=4)
     assert count > started
     assert maps.omega4_max.equals(expected.omega4_max)

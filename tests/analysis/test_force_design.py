@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from tests.support.configurations import LENGTHS, PLANAR, condition_sums, masses_and_points, random_lengths
+from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
 from tests.support.registry import MULTIPLE
 
@@ -70,13 +71,7 @@ def test_the_free_radius_or_mass_is_kept_and_the_link_itself_is_the_default_radi
 
 
 def test_the_flywheel_takes_up_the_fluctuation():
-    maps = fl.sweep(
-        "planar_4r",
-        fl.grid(**{**HAYES, "omega1": [5.0, 25.0]}),
-        ["T41_fluctuation"],
-        links=BARS,
-        branch=(1, 2),
-    )
+    maps = sweep_4r(fl.grid(**{**HAYES, "omega1": [5.0, 25.0]}), ["T41_fluctuation"], links=BARS)
     inertia = fl.planar.flywheel_inertia(maps, C_s=0.02)
     assert inertia.dims == maps.T41_fluctuation.dims
     assert inertia.attrs["units"] == "kg m2"

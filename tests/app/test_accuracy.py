@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
+from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
 
 import fastlink as fl
@@ -134,12 +135,7 @@ def test_dense_and_eliminated_reactions(folder_of_study):
     [
         ({}, {"designs": 0}, "designs", "a whole number from 1 to"),
         ({}, {"seed": -1}, "seed", "a whole number from 0 to"),
-        (
-            {'"omega4_max", "transmission_angle", ': ""},
-            {},
-            "quantities",
-            "one of these",
-        ),
+        ({'"omega4_max", "transmission_angle", ': ""}, {}, "quantities", "one of these"),
         ({"omega1": "omega"}, {}, "design.omega", ""),
     ],
 )
@@ -180,5 +176,5 @@ def test_change_points_are_counted_in_a_line_of_their_own(tmp_path):
     assert (int(refined.change_points), int(refined["values"]), int(refined.missed)) == (6, 3, 0)
     assert float(refined.error_max) < 1e-14
     assert "6 designs left out: change points" in measured.fastlink.summary()
-    maps = fl.sweep("planar_4r", fl.table(columns), ["transmission_angle_min"], verify=9, branch=(1, 2))
+    maps = sweep_4r(fl.table(columns), ["transmission_angle_min"], verify=9)
     assert maps.attrs["verify_mismatches"] == 0

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
 from tests.support.study_files import GOOD, written
 from typer.testing import CliRunner
@@ -80,9 +81,7 @@ def test_the_file_is_as_large_as_was_said(names, space, options, tmp_path):
     said = fl.explain(
         "planar_4r", space, names, to=tmp_path / "maps.h5", measure=False, **{"branch": (1, 2)} | options
     ).forecast
-    fl.sweep(
-        "planar_4r", space, names, to=tmp_path / "maps.h5", verify=1, **{"branch": (1, 2)} | options
-    ).close()
+    sweep_4r(space, names, to=tmp_path / "maps.h5", verify=1, **options).close()
     # values and coordinates are counted; the labels, of which there are 10 to 50 kB, are estimated
     assert abs(os.path.getsize(tmp_path / "maps.h5") - said.file) < 50_000
     assert said.folder == tmp_path
@@ -99,7 +98,7 @@ def test_the_memory_is_that_which_a_sweep_is_refused_by(monkeypatch):
     )
     monkeypatch.setattr(machine, "available_memory", lambda: said.memory - 1)
     with refused("the result", "to='maps.h5'"):
-        fl.sweep("planar_4r", space, ["theta4"], threads=2, **{"branch": (1, 2)} | angles)
+        sweep_4r(space, ["theta4"], threads=2, **angles)
     monkeypatch.setattr("fastlink.app.explain.available_memory", lambda: said.memory - 1)
     assert "which is refused" in str(
         fl.explain("planar_4r", space, ["theta4"], threads=2, **{"branch": (1, 2)} | angles, measure=False)

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import h5py
 import pytest
+from tests.support.four_bar import sweep_4r
 from tests.support.study_files import BARE, GOOD, LENGTHS, written
 from typer.testing import CliRunner
 
@@ -158,9 +159,7 @@ def test_very_many_problems_are_counted(folder):
 
 
 def test_what_is_no_study_is_told_so(folder):
-    fl.sweep(
-        "planar_4r", fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0), ["grashof_class"], to="map.h5", branch=(1, 2)
-    ).close()
+    sweep_4r(fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0), ["grashof_class"], to="map.h5").close()
     written(GOOD.replace("a1 = 0.4", "a1 = "), "value.toml")
     written(GOOD + "a1\n", "key.toml")
     for path, message in (

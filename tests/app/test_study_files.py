@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.support.four_bar import sweep_4r
 
 import fastlink as fl
 from fastlink.app.study import read_study
@@ -75,7 +76,7 @@ def test_the_map_of_counterweights(folder):
     force = maps.shaking_force_max.values
     angles = np.linspace(0.0, TURN * 23 / 24, 24)
     options = {"links": bars, "theta1": angles, "extrema": "sampled"}
-    without = fl.sweep("planar_4r", fl.grid(**design), ["shaking_force_max"], **{"branch": (1, 2)} | options)
+    without = sweep_4r(fl.grid(**design), ["shaking_force_max"], **options)
     # Masses of zero change no bit.
     np.testing.assert_array_equal(force[0, 0], without.shaking_force_max)
     # The middle is the balance of Berkof and Lowen: the masses are products of a dozen roundings at most.

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
 
 import fastlink as fl
@@ -12,7 +13,7 @@ from fastlink.app.report import contents
 def path(tmp_path_factory):
     path = tmp_path_factory.mktemp("maps") / "maps.h5"
     space = fl.grid(a1=[0.4, 0.6, 3.0], a2=[1.1, 1.2], a3=0.8, a4=1.0, omega1=25.0)
-    fl.sweep("planar_4r", space, ["omega4_max", "theta4"], theta1=4, to=path, verify=2, branch=(1, 2)).close()
+    sweep_4r(space, ["omega4_max", "theta4"], theta1=4, to=path, verify=2).close()
     return path
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
 from typer.testing import CliRunner
 
@@ -32,7 +33,7 @@ PLAIN = STUDY.partition("[tolerances]")[0].replace(', "omega4_max_worst_change"'
 
 @pytest.fixture(scope="module")
 def maps():
-    return fl.sweep("planar_4r", fl.grid(DESIGN), NAMES, progress=False, branch=(1, 2))
+    return sweep_4r(fl.grid(DESIGN), NAMES, progress=False)
 
 
 def written(folder, text=STUDY):
@@ -45,21 +46,13 @@ def test_a_map_is_swept_again_with_tolerances(maps):
     found = fl.tolerance(maps, contributions=True, **GIVEN)
     space = fl.grid(DESIGN | {"a1_tolerance": 1e-4, "a3_relative_tolerance": 1e-3})
     for name in NAMES[:3]:
-        swept = fl.sweep(
-            "planar_4r",
-            space,
-            [name, f"{name}_worst_change", f"{name}_rss_change"],
-            progress=False,
-            branch=(1, 2),
-        )
+        swept = sweep_4r(space, [name, f"{name}_worst_change", f"{name}_rss_change"], progress=False)
         for of in swept.data_vars:
             assert found[of].equals(swept[of])
         parts = found[f"{name}_contribution"]
         assert parts.dims == (*found[name].dims, "toleranced")
         np.testing.assert_array_equal(abs(parts).sum("toleranced"), swept[f"{name}_worst_change"])
-    slope = fl.sweep(
-        "planar_4r", fl.grid(DESIGN), ["d_omega4_max_d_a3"], progress=False, branch=(1, 2)
-    ).d_omega4_max_d_a3
+    slope = sweep_4r(fl.grid(DESIGN), ["d_omega4_max_d_a3"], progress=False).d_omega4_max_d_a3
     np.testing.assert_array_equal(found.omega4_max_contribution.sel(toleranced="a3"), slope * (0.8 * 1e-3))
     assert "grashof_class" not in found
     assert not any(name.startswith("d_") for name in found.data_vars)
@@ -85,7 +78,7 @@ def test_links_angles_and_modes_of_a_map_stay(tmp_path):
         "to": tmp_path / "maps.h5",
         "progress": False,
     }
-    fl.sweep("planar_4r", fl.grid(DESIGN), ["F21_x", "omega4_max"], **{"branch": (1, 2)} | options).close()
+    sweep_4r(fl.grid(DESIGN), ["F21_x", "omega4_max"], **options).close()
     found = fl.tolerance(tmp_path / "maps.h5", density="1 %", a1=1e-4)
     assert found.F21_x_worst_change.dims == ("a2", "theta1")
     assert int(found.branch) == 2

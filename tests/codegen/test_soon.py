@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.support.four_bar import sweep_4r
 
 import fastlink as fl
 from fastlink.codegen import kernel
@@ -34,28 +35,28 @@ def space(size):
 def test_few_designs_come_soon_and_many_fast(compiled, names):
     most = FEW // (SEARCHED if names == ("swing",) else 36)
     assert most > 1000
-    first = fl.sweep("planar_4r", space(9), names, angles=36, branch=(1, 2))
+    first = sweep_4r(space(9), names, angles=36)
     assert compiled == [True]
     kernel_of.cache_clear()  # as another process, which finds it in the cache
     kernel._loaded.clear()
-    second = fl.sweep("planar_4r", space(9), names, angles=36, branch=(1, 2))
-    fl.sweep("planar_4r", space(most - 9), names, angles=36, branch=(1, 2))
+    second = sweep_4r(space(9), names, angles=36)
+    sweep_4r(space(most - 9), names, angles=36)
     assert compiled == [True]
-    third = fl.sweep("planar_4r", space(9), names, angles=36, branch=(1, 2))  # too many, all told
+    third = sweep_4r(space(9), names, angles=36)  # too many, all told
     assert compiled == [True, False]
-    fl.sweep("planar_4r", space(most + 1), names, angles=36, branch=(1, 2))
+    sweep_4r(space(most + 1), names, angles=36)
     assert compiled == [True, False]
     for found in (second, third):
         np.testing.assert_array_equal(found[names[0]], first[names[0]], strict=True)
 
 
 def test_code_that_runs_fast_is_taken_wherever_it_is(compiled):
-    fl.sweep("planar_4r", space(FEW), ["swing"], branch=(1, 2))
+    sweep_4r(space(FEW), ["swing"])
     kernel_of.cache_clear()
-    fl.sweep("planar_4r", space(9), ["swing"], branch=(1, 2))
+    sweep_4r(space(9), ["swing"])
     kernel._loaded.clear()
     kernel_of.cache_clear()
-    fl.sweep("planar_4r", space(9), ["swing"], branch=(1, 2))
+    sweep_4r(space(9), ["swing"])
     assert compiled == [False]
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 from scipy.optimize import minimize
+from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
 
 import fastlink as fl
@@ -158,14 +159,7 @@ def test_counterweights_of_berkof_and_lowen():
 def test_a_position_is_found_too(rockers):
     """Of a quantity at each position a row has one: the best is at the greatest value over the cycle."""
     inputs, _ = MECHANISMS["planar_4r"]
-    maps = fl.sweep(
-        "planar_4r",
-        fl.sobol(16, inputs, seed=2),
-        ["omega4", "omega4_max"],
-        theta1=16,
-        progress=False,
-        branch=(1, 2),
-    )
+    maps = sweep_4r(fl.sobol(16, inputs, seed=2), ["omega4", "omega4_max"], theta1=16, progress=False)
     where = {"status": "rotates_fully", "branch": (1, 1)}
     found = fl.best(maps, maximise="omega4", where=where, top=2, refine=["a1"])
     np.testing.assert_allclose(found.omega4, found.omega4_max, rtol=1e-9)
@@ -247,9 +241,7 @@ def refused_cases(maps):
     yield maps, {"where": mask}, "where", "ranges"
     yield cost, {"minimise": "cost"}, "minimise", "leave refine out"
     yield maps.fastlink.degrees(), {"minimise": "swing"}, "swing", "before it was converted"
-    single = fl.sweep(
-        "planar_4r", fl.grid(a1=[0.4], a2=1.2, a3=0.8, a4=1.0), ["swing"], progress=False, branch=(1, 2)
-    )
+    single = sweep_4r(fl.grid(a1=[0.4], a2=1.2, a3=0.8, a4=1.0), ["swing"], progress=False)
     yield single, {"minimise": "swing"}, "refine", "sweep the inputs"
 
 

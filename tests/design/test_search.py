@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from distributed import Client, LocalCluster
 from numpy.testing import assert_array_equal
+from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
 from typer.testing import CliRunner
 
@@ -400,9 +401,7 @@ def test_a_part_is_no_whole_search(tmp_path):
     with refused("do not belong together", "of one map"):
         fl.join([first, second, other], to=tmp_path / "found.h5")
     with refused("mechanism", "leave it out"):
-        maps = fl.sweep(
-            "planar_4r", space, ["swing"], part=(1, 1), to=tmp_path / "maps.h5", verify=0, branch=(1, 2)
-        )
+        maps = sweep_4r(space, ["swing"], part=(1, 1), to=tmp_path / "maps.h5", verify=0)
         maps.close()
         fl.join(tmp_path / "maps.h5", to=tmp_path / "found.h5", mechanism=fl.extend("planar_4r"))
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.support.configurations import PLANAR
+from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
 from tests.support.toys import add, toy
 
@@ -105,9 +106,7 @@ def test_a_changed_plan_has_a_text_of_its_own():
 def test_threads_may_ask_at_once():
     def ask(k):
         lengths = LENGTHS | {"a2": 1.2 + 0.001 * (k % 7)}
-        maps = fl.sweep(
-            "planar_4r", fl.grid(**lengths, omega1=25.0), ["omega4_max"], threads=1, branch=(1, 2)
-        )
+        maps = sweep_4r(fl.grid(**lengths, omega1=25.0), ["omega4_max"], threads=1)
         return k % 7, maps.omega4_max.values.tolist()
 
     with ThreadPoolExecutor(8) as pool:
@@ -120,12 +119,8 @@ def test_one_design_is_labelled_like_one_of_many():
     names = ["omega4_max", "omega4", "omega4_extrema", "status"]
     given = {"a1": 0.4, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
     for k, a2 in enumerate((1.2, 1.25)):
-        one = fl.sweep(
-            "planar_4r", fl.grid(a2=a2, **given), names, theta1=40, attrs={"run": k}, branch=(1, 2)
-        )
-        many = fl.sweep(
-            "planar_4r", fl.grid(a2=[a2, 1.3], **given), names, theta1=40, attrs={"run": k}, branch=(1, 2)
-        )
+        one = sweep_4r(fl.grid(a2=a2, **given), names, theta1=40, attrs={"run": k})
+        many = sweep_4r(fl.grid(a2=[a2, 1.3], **given), names, theta1=40, attrs={"run": k})
         expected = many.isel(a2=0)
         assert one.identical(expected.assign_attrs(one.attrs))
         assert set(one.attrs) == set(many.attrs)
@@ -137,8 +132,8 @@ def test_one_design_is_labelled_like_one_of_many():
 
 def test_what_users_do_to_a_result_stays_there():
     space = fl.grid(**LENGTHS, omega1=25.0)
-    first = fl.sweep("planar_4r", space, ["omega4_max"], branch=(1, 2))
-    expected = fl.sweep("planar_4r", space, ["omega4_max"], branch=(1, 2))
+    first = sweep_4r(space, ["omega4_max"])
+    expected = sweep_4r(space, ["omega4_max"])
     first.omega4_max.values[:] = 0.0
     first.omega4_max.attrs["units"] = "none"
     first.a2.attrs["units"] = "none"
@@ -147,7 +142,7 @@ def test_what_users_do_to_a_result_stays_there():
     for array in (first.status.attrs["flag_values"], first.branch.values):
         with pytest.raises(ValueError, match="read-only"):
             array[:] = 7
-    again = fl.sweep("planar_4r", space, ["omega4_max"], branch=(1, 2))
+    again = sweep_4r(space, ["omega4_max"])
     assert again.identical(expected.assign_attrs(again.attrs))
     assert again.title == expected.title
 
@@ -155,12 +150,12 @@ def test_what_users_do_to_a_result_stays_there():
 @pytest.mark.parametrize("backend", ["llvm", "numba"])
 def test_a_map_says_what_compiled_it(backend, monkeypatch):
     space = fl.grid(**LENGTHS, omega1=25.0)
-    maps = fl.sweep("planar_4r", space, ["status"], backend=backend, branch=(1, 2))
+    maps = sweep_4r(space, ["status"], backend=backend)
     assert maps.backend == backend
     assert ("numba " in maps.source) == (backend == "numba")
     assert "llvmlite " in maps.source
     monkeypatch.setenv("FASTLINK_BACKEND", backend)
-    assert fl.sweep("planar_4r", space, ["status"], branch=(1, 2)).backend == backend
+    assert sweep_4r(space, ["status"]).backend == backend
 
 
 def test_a_closure_is_found_anew_when_facts_change():
@@ -181,13 +176,10 @@ def test_a_closure_is_found_anew_when_facts_change():
 def test_positions_is_another_name_of_the_option_for_them():
     linkage = fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=2.0)
     names = ["omega4_rms", "omega4_max"]
-    first, second = (
-        fl.sweep("planar_4r", linkage, names, **{key: 24}, verify=0, branch=(1, 2))
-        for key in ("theta1", "positions")
-    )
+    first, second = (sweep_4r(linkage, names, **{key: 24}, verify=0) for key in ("theta1", "positions"))
     assert first.omega4_rms.identical(second.omega4_rms)
     with refused("theta1 is given too", "write one of them"):
-        fl.sweep("planar_4r", linkage, names, theta1=24, positions=24, branch=(1, 2))
+        sweep_4r(linkage, names, theta1=24, positions=24)
 
 
 def test_extremes_of_given_positions_say_so():
@@ -195,9 +187,9 @@ def test_extremes_of_given_positions_say_so():
     with pytest.warns(
         fl.InputWarning, match=r"those of the 3 positions given, not of the turn; write extrema='sampled'"
     ):
-        some = fl.sweep("planar_4r", linkage, ["omega4_max"], theta1=[0.1, 0.2, 0.3], verify=0, branch=(1, 2))
+        some = sweep_4r(linkage, ["omega4_max"], theta1=[0.1, 0.2, 0.3], verify=0)
     assert (
         some.omega4_max.attrs["long_name"] == "Angular velocity of the output link, greatest of 3 positions"
     )
-    every = fl.sweep("planar_4r", linkage, ["omega4_max"], theta1=3, verify=0, branch=(1, 2))
+    every = sweep_4r(linkage, ["omega4_max"], theta1=3, verify=0)
     assert every.omega4_max.attrs["long_name"].endswith("greatest over the cycle")

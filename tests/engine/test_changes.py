@@ -4,6 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
+from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
 
 import fastlink as fl
@@ -38,14 +39,11 @@ FIRST = ("slider_crank", "minkowski_4r")
 
 
 def swept(names, tolerances=TOLERANCES, **options):
-    return fl.sweep(
-        "planar_4r", fl.grid(DESIGN | tolerances), names, progress=False, **{"branch": (1, 2)} | options
-    )
+    return sweep_4r(fl.grid(DESIGN | tolerances), names, progress=False, **options)
 
 
 @pytest.mark.parametrize(
-    "mechanism",
-    [pytest.param(name, marks=() if name in FIRST else pytest.mark.stress) for name in CASES],
+    "mechanism", [pytest.param(name, marks=() if name in FIRST else pytest.mark.stress) for name in CASES]
 )
 def test_changes_are_those_of_designs_at_all_corners_of_the_tolerances(mechanism):
     ranges, names = CASES[mechanism]
@@ -102,10 +100,8 @@ def test_the_status_of_the_derivatives_comes_along():
     assert list(found.data_vars)[:3] == [
         "B_y_min_rss_change", "B_y_min_gradient_status", "theta1_at_B_y_min_worst_change",
     ]  # fmt: skip
-    infinite = fl.sweep(
-        "planar_4r", fl.grid(a1=1.0, a2=0.6, a3=0.7, a4=1.2, omega1=1.0, a2_tolerance=1e-4),
-        ["omega4_max_worst_change"], progress=False, branch=(1, 2),
-    )  # fmt: skip
+    stopped = fl.grid(a1=1.0, a2=0.6, a3=0.7, a4=1.2, omega1=1.0, a2_tolerance=1e-4)
+    infinite = sweep_4r(stopped, ["omega4_max_worst_change"], progress=False)
     assert np.isnan(infinite.omega4_max_worst_change).all()
     assert (infinite.omega4_max_gradient_status == 3).all()
 
@@ -113,7 +109,7 @@ def test_the_status_of_the_derivatives_comes_along():
 def test_an_axis_of_tolerances_only_scales_the_changes():
     space = fl.grid(DESIGN | {"a2": [1.1, 1.2], "a2_tolerance": [1e-5, 1e-4, 1e-3]})
     names = ["omega4_max_worst_change", "omega4_rms_rss_change", "omega4_rss_change"]
-    found = fl.sweep("planar_4r", space, names, angles=4, progress=False, branch=(1, 2))
+    found = sweep_4r(space, names, angles=4, progress=False)
     assert found.attrs["scaling_axis"] == "a2_tolerance"
     for k, size in enumerate((1e-5, 1e-4, 1e-3)):
         one = swept(names, {"a2_tolerance": size}, angles=4)
@@ -121,10 +117,7 @@ def test_an_axis_of_tolerances_only_scales_the_changes():
             np.testing.assert_allclose(found[name][0, k], one[name], rtol=4 * 2.0**-52)
     # with a second tolerance that stays it does not; the speed still does
     both = fl.grid(DESIGN | {"omega1": [1.0, 2.0], "a1_tolerance": 1e-4, "a2_tolerance": [1e-5, 1e-4]})
-    assert (
-        fl.sweep("planar_4r", both, names[:1], progress=False, branch=(1, 2)).attrs["scaling_axis"]
-        == "omega1"
-    )
+    assert sweep_4r(both, names[:1], progress=False).attrs["scaling_axis"] == "omega1"
 
 
 def test_a_change_over_the_cycle_has_its_extremes():

@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 from mpmath import mp
 from numpy.testing import assert_array_equal
+from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
 
 import fastlink as fl
@@ -42,23 +43,14 @@ def test_degrees_are_rounded_once():
 
 def test_input_positions_in_degrees():
     names = ["theta4", "omega4"]
-    got = fl.sweep("planar_4r", fl.grid(**DESIGN), names, theta1_deg=ANGLES, branch=(1, 2))
-    expected = fl.sweep(
-        "planar_4r", fl.grid(**DESIGN), names, theta1=[exact(value) for value in ANGLES], branch=(1, 2)
-    )
+    got = sweep_4r(fl.grid(**DESIGN), names, theta1_deg=ANGLES)
+    expected = sweep_4r(fl.grid(**DESIGN), names, theta1=[exact(value) for value in ANGLES])
     xr.testing.assert_equal(got, expected)
     assert got.theta1.attrs["units"] == "rad"
     assert got.theta1.attrs["comment"] == "given in degrees"
     assert expected.theta1.attrs["comment"] == "direction of OA in the ground frame"
     lengths = fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0)
-    one = fl.sweep(
-        "planar_4r",
-        lengths,
-        ["joint_angle_3"],
-        input="joint_angle_2",
-        joint_angle_2_deg=[100.0],
-        branch=(1, 2),
-    )
+    one = sweep_4r(lengths, ["joint_angle_3"], input="joint_angle_2", joint_angle_2_deg=[100.0])
     assert one.joint_angle_2.item() == exact(100.0)
 
 
@@ -95,9 +87,7 @@ def test_positions_in_another_unit_are_refused(name):
     remedy = "convert it to degrees" if name.endswith("_deg") else "convert it to rad"
     unit = "turn" if name.endswith("_deg") else "mm"
     for call in (
-        lambda: fl.sweep(
-            "planar_4r", DESIGN, ["omega4"], **{name: labelled([0.1, 0.2], unit)}, branch=(1, 2)
-        ),
+        lambda: sweep_4r(DESIGN, ["omega4"], **{name: labelled([0.1, 0.2], unit)}),
         lambda: fl.evaluate("planar_4r", ["omega4"], **DESIGN, **{name: labelled(0.1, unit)}),
         lambda: fl.function("planar_4r", ["a4"], ["omega4"], **FIXED, **{name: labelled([0.1], unit)}),
     ):
@@ -146,7 +136,7 @@ SWEEPS = {
 @pytest.mark.parametrize(("options", "key", "remedy"), SWEEPS.values(), ids=SWEEPS)
 def test_what_is_no_array_of_degrees(options, key, remedy):
     with refused(key, remedy):
-        fl.sweep("planar_4r", fl.grid(**DESIGN), ["omega4"], **{"branch": (1, 2)} | options)
+        sweep_4r(fl.grid(**DESIGN), ["omega4"], **options)
 
 
 def test_only_angles_have_degrees():
@@ -154,10 +144,10 @@ def test_only_angles_have_degrees():
     with refused("F_y_deg", "write F_y"):
         fl.sweep("hart", fl.grid(**hart), ["phi"], input="F_y", F_y_deg=[0.1, 0.2], branch=(1, 2))
     with refused("a2_deg", "write a2"):
-        fl.sweep("planar_4r", {**DESIGN, "a2_deg": 1.0}, ["omega4"], theta1=8, branch=(1, 2))
+        sweep_4r({**DESIGN, "a2_deg": 1.0}, ["omega4"], theta1=8)
     both = {"counterweight1_direction_deg": 40.0, "counterweight1_direction": 0.5, **WEIGHT, **DESIGN}
     with refused("counterweight1_direction_deg", "write one of them"):
-        fl.sweep("planar_4r", fl.grid(**both), ["omega4"], theta1=8, branch=(1, 2))
+        sweep_4r(fl.grid(**both), ["omega4"], theta1=8)
     with refused("theta1_deg", "write one of them"):
         fl.evaluate("planar_4r", ["omega4"], theta1=1.0, theta1_deg=40.0, **DESIGN)
     with refused("a2_deg", "write a2"):
@@ -177,18 +167,13 @@ def test_what_can_hardly_be_radians_gets_a_remark(values):
     assert looks_like_degrees(values)
     if np.ndim(values):
         with pytest.warns(fl.InputWarning, match="theta1_deg"):
-            fl.sweep("planar_4r", fl.grid(**DESIGN), ["omega4"], theta1=values, branch=(1, 2))
+            sweep_4r(fl.grid(**DESIGN), ["omega4"], theta1=values)
         with pytest.warns(fl.InputWarning, match="theta1_deg"):
-            fl.sweep("planar_4r", fl.grid(**DESIGN), ["omega4"], angles=values, branch=(1, 2))
+            sweep_4r(fl.grid(**DESIGN), ["omega4"], angles=values)
     with pytest.warns(fl.InputWarning, match="theta1_deg"):
         fl.evaluate("planar_4r", ["omega4"], theta1=values, **DESIGN)
     with pytest.warns(fl.InputWarning, match="counterweight1_direction_deg"):
-        fl.sweep(
-            "planar_4r",
-            fl.grid(counterweight1_direction=values, **WEIGHT, **DESIGN),
-            ["omega4_max"],
-            branch=(1, 2),
-        )
+        sweep_4r(fl.grid(counterweight1_direction=values, **WEIGHT, **DESIGN), ["omega4_max"])
 
 
 @pytest.mark.parametrize("values", IN_RADIANS)

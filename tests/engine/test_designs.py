@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 from numpy.testing import assert_array_equal
+from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
 
 import fastlink as fl
@@ -19,7 +20,7 @@ IGNORED = pytest.warns(fl.InputWarning, match="omega4_max, status")
 
 
 def sweep(space, names=NAMES, **options):
-    return fl.sweep("planar_4r", space, names, **{"branch": (1, 2)} | options)
+    return sweep_4r(space, names, **options)
 
 
 @pytest.fixture(scope="module")

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
+from tests.support.four_bar import sweep_4r
 from tests.support.registry import ENTRIES
 
 import fastlink as fl
@@ -76,7 +77,7 @@ def test_what_is_of_the_design_needs_no_position():
 def test_results_of_evaluate_are_labelled_as_in_a_map(name):
     angles = xr.DataArray([0.5, 1.0], dims="theta1")
     found = fl.evaluate("planar_4r", [name], **DESIGN, theta1=angles)[name]
-    swept = fl.sweep("planar_4r", DESIGN, [name], theta1=angles, branch=(1, 2))[name]
+    swept = sweep_4r(DESIGN, [name], theta1=angles)[name]
     for label in ("units", "long_name", "symbol", "references"):
         assert found.attrs.get(label) == swept.attrs.get(label), label
     twice = fl.evaluate("planar_4r", [name], **DESIGN, theta1=angles)[name]

@@ -4,6 +4,7 @@ import tracemalloc
 
 import numpy as np
 import pytest
+from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
 
 import fastlink as fl
@@ -29,36 +30,24 @@ def test_a_result_that_does_not_fit_names_the_file_before_anything_is_compiled(s
     monkeypatch.setattr(Kernel, "compiled", lambda *_: pytest.fail("compiled"))
     # theta4 in two modes at 360 angles: 5.8 kB a design
     with refused("the result", "write it to a file with to='maps.h5'"):
-        fl.sweep("planar_4r", wide(a2=200, a3=200), ["theta4"], branch=(1, 2))
+        sweep_4r(wide(a2=200, a3=200), ["theta4"])
     with refused("the result", "to='maps.h5'"):  # far more than any address: nothing overflows
-        fl.sweep("planar_4r", wide(a1=2**15, a2=2**15, a3=2**15, a4=2**10), ["theta4"], branch=(1, 2))
+        sweep_4r(wide(a1=2**15, a2=2**15, a3=2**15, a4=2**10), ["theta4"])
 
 
 def test_what_fits_is_not_refused(small_machine, tmp_path):
-    assert fl.sweep("planar_4r", wide(a2=20, a3=20), ["theta4"], branch=(1, 2)).theta4.shape == (
-        20,
-        20,
-        2,
-        360,
-    )
+    assert sweep_4r(wide(a2=20, a3=20), ["theta4"]).theta4.shape == (20, 20, 2, 360)
     space = wide(a2=400, a3=400)
-    with fl.sweep("planar_4r", space, ["swing"], to=tmp_path / "maps.h5", verify=0, branch=(1, 2)) as maps:
+    with sweep_4r(space, ["swing"], to=tmp_path / "maps.h5", verify=0) as maps:
         assert maps.swing.shape == (400, 400)
 
 
 def test_positions_and_verified_designs_beyond_memory_are_refused_with_a_file_too(small_machine, tmp_path):
     many = {"to": tmp_path / "maps.h5", "theta1": np.linspace(0.0, 6.0, 3_000_000)}
     with refused("a sweep of so many input positions", "ask for fewer"):
-        fl.sweep("planar_4r", wide(), ["theta4"], **{"branch": (1, 2)} | many)
+        sweep_4r(wide(), ["theta4"], **many)
     with refused("a sweep of so many input positions", "ask for fewer"):
-        fl.sweep(
-            "planar_4r",
-            wide(a2=2000, a3=2000),
-            ["theta4"],
-            to=tmp_path / "maps.h5",
-            verify=10**5,
-            branch=(1, 2),
-        )
+        sweep_4r(wide(a2=2000, a3=2000), ["theta4"], to=tmp_path / "maps.h5", verify=10**5)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -68,7 +57,7 @@ def test_samples_need_no_memory_until_they_are_looked_at(small_machine):
         with refused("an array of 1,073,741,824 values", "read a part of it"):
             np.asarray(space.columns["a1"])
         with refused("the result", "to='maps.h5'"):
-            fl.sweep("planar_4r", space, ["swing"], branch=(1, 2))
+            sweep_4r(space, ["swing"])
 
 
 def test_a_function_of_too_many_designs_is_refused(small_machine):
@@ -89,10 +78,10 @@ def test_no_sweep_takes_more_than_it_needs(names, axes, options):
     """A count of bytes at their peak: arrays are allocated once, so it is not above the count by more than labels."""
     space = wide(**axes).with_constants({"omega1": 2.0})
     resolved = resolve("planar_4r", space, names, angles=options.get("theta1"), branch=(1, 2))
-    fl.sweep("planar_4r", wide(), ["swing"], branch=(1, 2))  # what the first sweep of a process loads
-    fl.sweep("planar_4r", space, names, threads=2, **{"branch": (1, 2)} | options)
+    sweep_4r(wide(), ["swing"])  # what the first sweep of a process loads
+    sweep_4r(space, names, threads=2, **options)
     tracemalloc.start()
-    fl.sweep("planar_4r", space, names, threads=2, **{"branch": (1, 2)} | options)
+    sweep_4r(space, names, threads=2, **options)
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     needs = needs_of(resolved, threads=2)
@@ -104,20 +93,15 @@ def test_a_long_axis_that_scales_takes_no_second_copy_of_the_result():
     space = fl.grid(**LENGTHS, omega1=np.linspace(1.0, 2.0, 300_000))
     resolved = resolve("planar_4r", space, ["omega4_max", "alpha4_max"], branch=(1, 2))
     assert resolved.scaling_axis is not None
-    fl.sweep("planar_4r", space, ["omega4_max", "alpha4_max"], threads=1, branch=(1, 2))
+    sweep_4r(space, ["omega4_max", "alpha4_max"], threads=1)
     tracemalloc.start()
-    maps = fl.sweep("planar_4r", space, ["omega4_max", "alpha4_max"], threads=1, branch=(1, 2))
+    maps = sweep_4r(space, ["omega4_max", "alpha4_max"], threads=1)
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     needs = needs_of(resolved, threads=1)
     assert needs.values > 2 * BLOCK_BYTES
     assert peak < needs.in_memory + 2**20
-    one = fl.sweep(
-        "planar_4r",
-        fl.grid(**LENGTHS, omega1=float(space.axes["omega1"][123_456])),
-        ["alpha4_max"],
-        branch=(1, 2),
-    )
+    one = sweep_4r(fl.grid(**LENGTHS, omega1=float(space.axes["omega1"][123_456])), ["alpha4_max"])
     # one product more than the design alone, of a power of the speed that numpy rounds to 1 ulp
     np.testing.assert_allclose(maps.alpha4_max[123_456], one.alpha4_max, rtol=8 * 2.0**-53)
 

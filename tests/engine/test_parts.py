@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.testing import assert_array_equal
+from tests.support.four_bar import sweep_4r
 from tests.support.part_requests import AXES, REQUESTS, sweep
 from tests.support.refusals import refused
 
@@ -100,9 +101,7 @@ def kinds(tmp_path_factory):
         ).close()
     sweep("numbered table", part="1/3", to=folder / "other 1 of 3.h5").close()
     space = fl.sobol(7, seed=1, a1=(0.3, 0.5), a2=(1.0, 1.4), a3=0.8, a4=1.0)
-    fl.sweep(
-        "planar_4r", space, ["theta4"], theta1=6, verify=0, to=folder / "sobol.h5", branch=(1, 2)
-    ).close()
+    sweep_4r(space, ["theta4"], theta1=6, verify=0, to=folder / "sobol.h5").close()
     return folder
 
 
@@ -129,17 +128,7 @@ def test_a_file_of_another_part_or_of_the_whole_is_refused_with_what_it_is(kinds
     assert path.read_bytes() == before
 
 
-@pytest.mark.parametrize(
-    "part",
-    [
-        (0, 3),
-        "4/3",
-        "1/2/3",
-        (True, 2),
-        3,
-        (1, 2, 3),
-    ],
-)
+@pytest.mark.parametrize("part", [(0, 3), "4/3", "1/2/3", (True, 2), 3, (1, 2, 3)])
 def test_what_is_no_part_is_refused(part):
     with refused("part", "k from 1 to n"):
         sweep("grid", part=part)

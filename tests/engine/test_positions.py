@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 from tests.support.configurations import draw
+from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
 from tests.support.study_files import written
 
@@ -81,4 +82,4 @@ def test_the_name_of_another_input_is_refused_with_the_right_one(folder, mechani
 def test_a_range_of_more_positions_than_can_be_read_is_refused_at_once(name):
     design = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
     with refused(name, "at most"):
-        fl.sweep("planar_4r", design, ["theta4"], **{name: range(10**12)}, branch=(1, 2))
+        sweep_4r(design, ["theta4"], **{name: range(10**12)})

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
+from tests.support.four_bar import sweep_4r
 
 import fastlink as fl
 from fastlink.app.report import contents
@@ -14,7 +15,7 @@ NAMES = ["omega4", "omega4_max", "omega4_extrema", "grashof_class"]
 
 @pytest.fixture(scope="module")
 def both():
-    return fl.sweep("planar_4r", SPACE, NAMES, theta1=24, branch=(1, 2))
+    return sweep_4r(SPACE, NAMES, theta1=24)
 
 
 @pytest.mark.parametrize(
@@ -31,7 +32,7 @@ def test_a_scalar_is_a_coordinate_and_a_list_a_dimension(both, branch):
 
 def test_the_file_has_the_same_labels(tmp_path, both):
     options = {"theta1": 24, "branch": 2, "to": tmp_path / "map.h5", "verify": 2}
-    with fl.sweep("planar_4r", SPACE, NAMES, **{"branch": (1, 2)} | options) as one:
+    with sweep_4r(SPACE, NAMES, **options) as one:
         xr.testing.assert_equal(one, both.sel(branch=2))
         assert one.attrs["verify_mismatches"] == 0
         assert int(one.branch) == 2
@@ -47,7 +48,7 @@ def test_functions_of_maps_take_one_assembly_mode():
     bars = fl.round_bar(density=7750.0, radius=0.01)
     names = ["T41_fluctuation"]
     one = fl.sweep("planar_4r", SPACE, names, links=bars, branch=1)
-    several = fl.sweep("planar_4r", SPACE, names, links=bars, branch=(1, 2))
+    several = sweep_4r(SPACE, names, links=bars)
     xr.testing.assert_equal(
         fl.planar.flywheel_inertia(one, C_s=0.02), fl.planar.flywheel_inertia(several, C_s=0.02).sel(branch=1)
     )

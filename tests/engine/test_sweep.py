@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from tests.support.configurations import PLANAR
+from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
 
 import fastlink as fl
@@ -28,7 +29,7 @@ def small_map(**options):
         "theta4",
         "T41",
     ]
-    return fl.sweep("planar_4r", MIXED, asked, links=BARS, **{"branch": (1, 2)} | {"theta1": 45} | options)
+    return sweep_4r(MIXED, asked, links=BARS, **{"theta1": 45} | options)
 
 
 def test_dimensions_are_the_swept_ones_then_branch_then_theta1():
@@ -53,7 +54,7 @@ def test_a_single_design_has_no_swept_dimension():
 
 
 def test_a_map_of_design_facts_touches_no_angle():
-    result = fl.sweep("planar_4r", fl.grid(a1=[0.1, 0.4], a2=1.2, a3=0.8, a4=1.0), ["status"], branch=(1, 2))
+    result = sweep_4r(fl.grid(a1=[0.1, 0.4], a2=1.2, a3=0.8, a4=1.0), ["status"])
     assert set(result.dims) == {"a1"}
     assert "theta1_count" not in result.attrs
 
@@ -74,9 +75,7 @@ def test_a_map_of_design_facts_touches_no_angle():
     ],
 )
 def test_status(lengths, meaning):
-    result = fl.sweep(
-        "planar_4r", fl.grid(**dict(zip(TABLE_1, lengths, strict=True))), ["status"], branch=(1, 2)
-    )
+    result = sweep_4r(fl.grid(**dict(zip(TABLE_1, lengths, strict=True))), ["status"])
     meanings = result.status.attrs["flag_meanings"].split()
     assert meanings[list(result.status.attrs["flag_values"]).index(int(result.status))] == meaning
     assert result.attrs[f"designs_{meaning}"] == 1
@@ -86,7 +85,7 @@ def test_at_a_change_point_the_last_bit_of_a_length_decides_nothing():
     """Along a2 = a3 + a1 + a4 the gap is zero or a rounding; rates vary smoothly, not by 1e8."""
     a3 = np.linspace(0.4, 0.9, 51)
     line = fl.table({"a1": 0.2, "a2": a3 + 0.4, "a3": a3, "a4": 0.6, "omega1": 25.0})
-    result = fl.sweep("planar_4r", line, ["alpha4_max", "omega4_max", "B_x"], theta1=360, branch=(1, 2))
+    result = sweep_4r(line, ["alpha4_max", "omega4_max", "B_x"], theta1=360)
     assert (result.status == 3).all()
     assert np.isfinite(result.B_x).all()
     neighbours = result.alpha4_max.values[1:] / result.alpha4_max.values[:-1]
@@ -104,14 +103,7 @@ def test_what_does_not_assemble_is_nan_and_alters_no_extreme():
     folded = (result.status == 3) & (result.theta1 == 0.0)
     assert bool(folded.any())
     np.testing.assert_array_equal(np.isfinite(result.T41), closes & ~folded)
-    curves = fl.sweep(
-        "planar_4r",
-        MIXED,
-        ["omega4", "transmission_angle", "shaking_force"],
-        links=BARS,
-        theta1=45,
-        branch=(1, 2),
-    )
+    curves = sweep_4r(MIXED, ["omega4", "transmission_angle", "shaking_force"], links=BARS, theta1=45)
     for name, expected in {
         "omega4_max": curves.omega4.max("theta1"),
         "transmission_angle_min": curves.transmission_angle.min("theta1"),
@@ -146,13 +138,13 @@ def test_bits_depend_neither_on_threads_nor_on_blocks(options):
 def test_bits_depend_neither_on_what_else_is_asked_nor_on_the_lanes(step):
     everything = [name for name in PLANAR.public if name not in AT_P]
     # Curves alone: lanes are angles. With an extreme: lanes are designs. With few angles too.
-    curves = fl.sweep("planar_4r", MIXED, everything, links=BARS, theta1=45, branch=(1, 2))
-    mixed = fl.sweep("planar_4r", MIXED, [*everything, "alpha4_max"], links=BARS, theta1=45, branch=(1, 2))
+    curves = sweep_4r(MIXED, everything, links=BARS, theta1=45)
+    mixed = sweep_4r(MIXED, [*everything, "alpha4_max"], links=BARS, theta1=45)
     assert_same_bits(curves, mixed)
     for name in everything[::step]:
-        alone = fl.sweep("planar_4r", MIXED, [name], links=BARS, theta1=45, branch=(1, 2))
+        alone = sweep_4r(MIXED, [name], links=BARS, theta1=45)
         assert_same_bits(alone, curves)
-    few = fl.sweep("planar_4r", MIXED, everything, links=BARS, theta1=curves.theta1.values[:9], branch=(1, 2))
+    few = sweep_4r(MIXED, everything, links=BARS, theta1=curves.theta1.values[:9])
     assert_same_bits(few, curves.isel(theta1=slice(0, 9)))
     one_branch = fl.sweep("planar_4r", MIXED, everything, links=BARS, theta1=45, branch=[2])
     assert_same_bits(one_branch, curves.isel(branch=[1]))
@@ -161,7 +153,7 @@ def test_bits_depend_neither_on_what_else_is_asked_nor_on_the_lanes(step):
 def test_the_plain_facts_have_the_bits_of_the_compiled_ones():
     names = [name for name in PLANAR.public if PLANAR.varies(name) and name not in AT_P]
     space = fl.grid(a1=0.4, a2=np.linspace(0.7, 1.6, 13), a3=0.5, a4=1.0, omega1=25.0)
-    swept = fl.sweep("planar_4r", space, names, links=BARS, theta1=30, branch=(1, 2))
+    swept = sweep_4r(space, names, links=BARS, theta1=30)
     plain = fl.evaluate(
         "planar_4r",
         names,
@@ -181,16 +173,8 @@ def test_the_plain_facts_have_the_bits_of_the_compiled_ones():
 
 
 def test_mass_data_of_the_design_replace_those_of_the_model():
-    ours = fl.sweep(
-        "planar_4r",
-        fl.grid(**TABLE_1, omega1=25.0, m3=0.0, I3=0.0),
-        ["shaking_force_max"],
-        links=BARS,
-        branch=(1, 2),
-    )
-    bars = fl.sweep(
-        "planar_4r", fl.grid(**TABLE_1, omega1=25.0), ["shaking_force_max"], links=BARS, branch=(1, 2)
-    )
+    ours = sweep_4r(fl.grid(**TABLE_1, omega1=25.0, m3=0.0, I3=0.0), ["shaking_force_max"], links=BARS)
+    bars = sweep_4r(fl.grid(**TABLE_1, omega1=25.0), ["shaking_force_max"], links=BARS)
     assert float(ours.shaking_force_max[0]) < float(bars.shaking_force_max[0])
 
 
@@ -198,9 +182,7 @@ def test_invalid_designs_can_be_flagged_instead_of_refused():
     bad = fl.table(
         {"a1": [0.4, -0.4, np.nan, np.inf, 0.0], "a2": [1.2] * 5, "a3": 0.8, "a4": 1.0}, allow_invalid=True
     )
-    result = fl.sweep(
-        "planar_4r", bad, ["B_x", "transmission_angle_min"], theta1=8, allow_invalid=True, branch=(1, 2)
-    )
+    result = sweep_4r(bad, ["B_x", "transmission_angle_min"], theta1=8, allow_invalid=True)
     assert list(result.status.values) == [0, 4, 4, 4, 4]
     assert np.isfinite(result.B_x[0]).all()
     assert np.isnan(result.B_x[1:]).all()
@@ -227,36 +209,16 @@ def test_file_and_memory_hold_the_same(tmp_path):
         ({"quantities": ["status_max"]}, "quantity 'status_max'", ""),
         ({"quantities": []}, "quantities", "at least one name"),
         ({"quantities": ["omega4", "omega4"]}, "quantities[1]", "name it once"),
-        (
-            {"space": {"a1": 0.4, "a2": 1.2, "a3": 0.8, "omega1": 1.0}},
-            "design: a4",
-            "",
-        ),
-        (
-            {"space": {**TABLE_1, "omega1": 1.0, "a5": 1.0}},
-            "design: a5",
-            "did you mean 'a4'",
-        ),
+        ({"space": {"a1": 0.4, "a2": 1.2, "a3": 0.8, "omega1": 1.0}}, "design: a4", ""),
+        ({"space": {**TABLE_1, "omega1": 1.0, "a5": 1.0}}, "design: a5", "did you mean 'a4'"),
         (
             {"quantities": ["T41"], "space": {**TABLE_1, "omega1": 1.0}, "links": fl.round_bar(7750.0)},
             "links: radius",
             "",
         ),
-        (
-            {"space": {**TABLE_1, "omega1": 1.0, "a3": 0.0}},
-            "design: a3",
-            "greater than 0",
-        ),
-        (
-            {"space": {**TABLE_1, "omega1": 1.0, "a3": [0.8, -0.1]}},
-            "design: a3[1]",
-            "",
-        ),
-        (
-            {"space": {**TABLE_1, "omega1": 1.0, "m2": -1.0}},
-            "design: m2",
-            "at least 0",
-        ),
+        ({"space": {**TABLE_1, "omega1": 1.0, "a3": 0.0}}, "design: a3", "greater than 0"),
+        ({"space": {**TABLE_1, "omega1": 1.0, "a3": [0.8, -0.1]}}, "design: a3[1]", ""),
+        ({"space": {**TABLE_1, "omega1": 1.0, "m2": -1.0}}, "design: m2", "at least 0"),
         ({"theta1": 0}, "theta1", "a number from 1 to 100000000, or an array in rad"),
         ({"theta1": [0.0, 1.0, 0.0]}, "theta1", "each position once"),
         ({"theta1": [0.0, np.nan]}, "theta1[1]", "finite angles in rad"),
@@ -282,5 +244,5 @@ def test_bad_input_gets_one_clear_line(change, key, remedy):
 def test_a_map_that_does_not_fit_the_disk_is_refused_before_anything_is_computed(tmp_path):
     huge = fl.grid(a1=0.4, a2=np.linspace(1, 1.4, 10**5), a3=np.linspace(0.6, 1, 10**4), a4=1.0)
     with pytest.raises(fl.InputError, match=r"needs 11\.5 TB but .* are free"):
-        fl.sweep("planar_4r", huge, ["theta4"], theta1=720, to=tmp_path / "huge.h5", branch=(1, 2))
+        sweep_4r(huge, ["theta4"], theta1=720, to=tmp_path / "huge.h5")
     assert not list(tmp_path.iterdir())

@@ -13,6 +13,7 @@ import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
+from tests.support.four_bar import sweep_4r
 from tests.support.refusals import assert_refusal, refused
 from typer.testing import CliRunner
 
@@ -45,10 +46,7 @@ PAIRS = [("mm", "m"), ("in", "m"), ("lb", "kg"), ("g_cm3", "kg m-3"), ("kg_mm2",
 OTHERS = [("rpm", "s-1"), ("mm", "m2"), ("g cm3", "kg m-3"), ("N", "N m"), ("furlong", "m")]
 
 
-@given(
-    st.floats(1e-290, 1e290) | st.integers(1, 10**6).map(float),
-    st.sampled_from(PAIRS),
-)
+@given(st.floats(1e-290, 1e290) | st.integers(1, 10**6).map(float), st.sampled_from(PAIRS))
 def test_values_are_rounded_once(value, pair):
     factor = factor_of(*pair)
     assert scaled(value, factor) == float(Fraction(value) * factor)
@@ -259,7 +257,7 @@ def test_positions_that_are_lengths_and_turns():
         xr.testing.assert_equal(found, expected)
     with refused("F_y_kg", "F_y_mm"):
         fl.sweep("hart", fl.grid(**hart), names, input="F_y", F_y_kg=values, branch=(1, 2))
-    turned = fl.sweep("planar_4r", {"a1": 0.4, **REST}, ["theta4"], theta1_turn=[0.25, 0.5], branch=(1, 2))
+    turned = sweep_4r({"a1": 0.4, **REST}, ["theta4"], theta1_turn=[0.25, 0.5])
     assert_array_equal(turned.theta1, [math.pi / 2, math.pi])
     assert turned.theta1.attrs["comment"] == "given in turn"
 

@@ -8,11 +8,8 @@ import mpmath as mp
 import numpy as np
 import pytest
 from tests.support import configurations
-from tests.support.configurations import (
-    LENGTHS,
-    PLANAR,
-    lengths_and_angles,
-)
+from tests.support.configurations import LENGTHS, PLANAR, lengths_and_angles
+from tests.support.four_bar import sweep_4r
 from tests.support.precision import Truth, in_every_mode, plain
 from tests.support.registry import ENTRIES
 from tests.support.toys import toy
@@ -43,10 +40,7 @@ LAWS = {
     "product": (lambda x, y, e, f: bounds.of_product(abs(x), abs(y), e, f), lambda x, y: x * y),
     "quotient": (lambda x, y, e, f: bounds.of_quotient(abs(x / y), abs(y), e, f), lambda x, y: x / y),
     "root": (lambda x, y, e, f: bounds.of_root(abs(x), np.sqrt(abs(x)), e), lambda x, y: mp.sqrt(abs(x))),
-    "direction": (
-        lambda x, y, e, f: bounds.of_direction(abs(y), abs(x), f, e),
-        lambda x, y: mp.atan2(y, x),
-    ),
+    "direction": (lambda x, y, e, f: bounds.of_direction(abs(y), abs(x), f, e), lambda x, y: mp.atan2(y, x)),
     "logarithm": (lambda x, y, e, f: bounds.of_logarithm(abs(x), e), lambda x, y: mp.log(abs(x))),
 }
 
@@ -296,13 +290,7 @@ def test_what_has_no_bound_is_refused_in_one_line():
         ("Z0_error", "'Z0' is unknown"),
     ):
         with pytest.raises(InputError, match=about):
-            fl.sweep(
-                "planar_4r",
-                fl.grid(a1=0.3, a2=1.2, a3=0.8, a4=1.0, omega1=25.0),
-                [name],
-                angles=8,
-                branch=(1, 2),
-            )
+            sweep_4r(fl.grid(a1=0.3, a2=1.2, a3=0.8, a4=1.0, omega1=25.0), [name], angles=8)
     with pytest.raises(InputError, match="a linear system determines"):
         fl.evaluate("planar_4r", ["T41_error"], theta1=1.0, solver="dense", a1=0.3)
 

@@ -26,6 +26,7 @@ from tests.hostile.lines import command_lines
 from tests.hostile.studies import ROOT, SMALL, studies
 from tests.hostile.tables import tables
 from tests.hostile.values import EITHER, REFUSED, TAKEN, Value
+from tests.support.four_bar import sweep_4r
 
 
 class Case(NamedTuple):
@@ -103,10 +104,8 @@ def namespace() -> dict[str, Any]:
     bars = fl.round_bar(density=7750.0, radius=0.01)
     options: dict[str, Any] = {"angles": 8, "threads": 1}
     to_file = options | {"overwrite": True, "verify": 0}
-    fl.sweep("planar_4r", space, ["omega4_max"], to="maps.h5", **{"branch": (1, 2)} | to_file).close()
-    fl.sweep(
-        "planar_4r", space, ["omega4_max"], to="part.h5", part=(1, 1), **{"branch": (1, 2)} | to_file
-    ).close()
+    sweep_4r(space, ["omega4_max"], to="maps.h5", **to_file).close()
+    sweep_4r(space, ["omega4_max"], to="part.h5", part=(1, 1), **to_file).close()
     focal = fl.grid(a=5.0, b=5.0, c=2.0, d=4.0, rho=1.0, completion=1)
     rates = [f"{name}_{end}" for name in ("shaking_force", "omega4") for end in ("max", "min")]
     rates += [f"theta1_at_{name}" for name in rates]
@@ -117,7 +116,7 @@ def namespace() -> dict[str, Any]:
         **dict(np=np, pd=pd, xr=xr, fl=fl, array=array.array, Decimal=Decimal, Fraction=Fraction, Path=Path),
         "SPACE": space,
         "BARS": bars,
-        "MAPS": fl.sweep("planar_4r", space, ["omega4_max"], **{"branch": (1, 2)} | options),
+        "MAPS": sweep_4r(space, ["omega4_max"], **options),
         "TORQUE": fl.sweep("planar_4r", space, ["T41_fluctuation"], links=bars, branch=1, **options),
         "RATES": fl.sweep("planar_4r", space, rates, links=bars, branch=1, threads=1),
         "LINKAGES": fl.sweep("minkowski_4r", linkages, of_linkages, threads=1, branch=(1, 2)),

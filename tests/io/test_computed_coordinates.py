@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.testing import assert_array_equal
+from tests.support.four_bar import sweep_4r
 
 import fastlink as fl
 from fastlink.engine.resolve import resolve
@@ -30,9 +31,7 @@ SPACES = {
 
 
 def sweep(space, **options):
-    return fl.sweep(
-        "planar_4r", space, NAMES, **{"branch": (1, 2)} | {"verify": 1, "block": 16, "threads": 2, **options}
-    )
+    return sweep_4r(space, NAMES, **{"verify": 1, "block": 16, "threads": 2, **options})
 
 
 def without_times(maps):

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from tests.io.test_faults import failing_after, sweep
+from tests.support.four_bar import sweep_4r
 from tests.support.map_files import left_in
 from tests.support.refusals import refused
 
@@ -185,10 +186,10 @@ def sealed(tmp_path_factory):
     space = fl.grid(a1=0.4, a2=np.linspace(1.0, 1.4, 7), a3=[0.6, 0.8], a4=1.0, omega1=25.0)
     quantities = ["omega4_max", "omega4_extrema"]
     found = {name: folder / f"{name}.h5" for name in ("map", "joined", "shown", "compressed")}
-    fl.sweep("planar_4r", space, quantities, to=found["map"], branch=(1, 2)).close()
+    sweep_4r(space, quantities, to=found["map"]).close()
     parts = [folder / f"part-{k}.h5" for k in (1, 2)]
     for k, part in enumerate(parts, 1):
-        fl.sweep("planar_4r", space, quantities, to=part, part=(k, 2), branch=(1, 2)).close()
+        sweep_4r(space, quantities, to=part, part=(k, 2)).close()
     fl.join(parts, to=found["joined"], copy=True).close()
     fl.join(parts, to=found["shown"]).close()
     fl.convert(found["map"], to=found["compressed"], compress="gzip")
@@ -264,7 +265,7 @@ def test_no_door_lets_hdf5_read_changed_labels(sealed, tmp_path):
             door()
     # what stands where a sweep is to write is no map, and is not replaced
     with pytest.raises(fl.InputError, match="and is not a map"):
-        fl.sweep("planar_4r", space, ["omega4_max"], to=path, branch=(1, 2))
+        sweep_4r(space, ["omega4_max"], to=path)
 
 
 @pytest.mark.parametrize("engine", ["h5netcdf", "netcdf4"])

@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 from tests.support.faults import CODES, FAULTS, Outcome, Trials, library
+from tests.support.four_bar import sweep_4r
 from tests.support.map_files import Sample, digest, left_in, raising
 from tests.support.refusals import refused
 
@@ -32,12 +33,10 @@ COUPLERS = np.linspace(1.0, 1.4, 64)
 
 
 def sweep(to, **options):
-    return fl.sweep(
-        "planar_4r",
+    return sweep_4r(
         fl.grid(a1=0.4, a2=COUPLERS, a3=0.8, a4=1.0, omega1=2.0),
         ["omega4_max", "theta4"],
         **{"theta1": 8, "block": 8, "threads": 1, "verify": 1, "to": to, **options},
-        branch=(1, 2),
     )
 
 

@@ -10,6 +10,7 @@ import netCDF4
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
+from tests.support.four_bar import sweep_4r
 
 import fastlink as fl
 
@@ -29,15 +30,13 @@ def folder(tmp_path_factory):
 @pytest.fixture(scope="module")
 def grid(folder):
     path, options = folder / "grid.nc", {"angles": 12, "verify": 1}
-    fl.sweep("planar_4r", fl.grid(**LINKS), CURVES, to=path, **{"branch": (1, 2)} | options).close()
+    sweep_4r(fl.grid(**LINKS), CURVES, to=path, **options).close()
     return path
 
 
 def by_positions(folder, grid):
     path = folder / "by_positions.nc"
-    fl.sweep(
-        "planar_4r", fl.grid(**LINKS), CURVES, angles=12, verify=0, layout="maps", to=path, branch=(1, 2)
-    ).close()
+    sweep_4r(fl.grid(**LINKS), CURVES, angles=12, verify=0, layout="maps", to=path).close()
     return path
 
 
@@ -50,7 +49,7 @@ def sampled(folder, grid):
 
 def named(folder, grid):
     path, table = folder / "named.nc", {"name": ["x", "y"], **LINKS, "a1": [0.4, 0.5], "a2": 1.1}
-    fl.sweep("planar_4r", fl.table(table), ["theta4_max"], verify=0, to=path, branch=(1, 2)).close()
+    sweep_4r(fl.table(table), ["theta4_max"], verify=0, to=path).close()
     return path
 
 

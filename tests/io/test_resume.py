@@ -10,6 +10,7 @@ import h5py
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
+from tests.support.four_bar import sweep_4r
 from tests.support.map_files import left_in, raising
 from tests.support.refusals import refused
 
@@ -51,7 +52,7 @@ RUNS = {
 def sweep(to, run="grid", **options):
     space, of_run = RUNS[run]
     given = {"theta1": 8, "block": 16, "threads": 1, "verify": 1, "branch": (1, 2), "to": to}
-    return fl.sweep("planar_4r", space, NAMES, **{"branch": (1, 2)} | given | of_run | options)
+    return sweep_4r(space, NAMES, **given | of_run | options)
 
 
 def interrupted(monkeypatch, path, records, **options):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
+from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
 
 import fastlink as fl
@@ -21,7 +22,7 @@ def folder(tmp_path_factory):
 def path(folder):
     """A map with designs of several statuses, and infinite extremes."""
     space = fl.grid(a1=[0.2, 0.5, 1.0, 3.0], a2=np.linspace(0.3, 1.5, 5), a3=0.8, a4=[0.9, 1.0], omega1=25.0)
-    fl.sweep("planar_4r", space, NAMES, theta1=8, to=folder / "maps.h5", verify=2, branch=(1, 2)).close()
+    sweep_4r(space, NAMES, theta1=8, to=folder / "maps.h5", verify=2).close()
     return folder / "maps.h5"
 
 

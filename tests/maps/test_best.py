@@ -8,6 +8,7 @@ import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
+from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
 
 import fastlink as fl
@@ -20,12 +21,7 @@ def maps():
     space = fl.grid(
         a1=np.linspace(0.1, 1.5, 6), a2=np.linspace(0.65, 1.65, 7), a3=0.8, a4=[0.9, 1.0, 1.1], omega1=25.0
     )
-    return fl.sweep(
-        "planar_4r",
-        space,
-        ["omega4_max", "transmission_angle_min", "theta4_max", "grashof_class"],
-        branch=(1, 2),
-    )
+    return sweep_4r(space, ["omega4_max", "transmission_angle_min", "theta4_max", "grashof_class"])
 
 
 @pytest.fixture(scope="module")
@@ -146,9 +142,7 @@ def test_what_is_found_is_swept_again_to_the_same_bits(maps):
 
 
 def test_of_one_design_there_is_no_best():
-    one = fl.sweep(
-        "planar_4r", {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}, ["swing"], verify=0, branch=(1, 2)
-    )
+    one = sweep_4r({"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}, ["swing"], verify=0)
     with refused("one alone", "sweep several"):
         fl.best(one, minimise="swing")
     with refused("swng", "'swing'"):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
 
 import fastlink as fl
@@ -86,15 +87,12 @@ def test_an_axis_of_arcs_scales_nothing():
 def test_derivatives_hold_the_ends_of_the_arc():
     names = ["omega4_max", "d_omega4_max_d_a1", "d_omega4_max_d_a2", "omega4_max_gradient_status"]
     arc = {"arc_start": 0.5, "arc_end": 1.5}
-    maps = fl.sweep("planar_4r", FOUR_BAR | arc, names, branch=(1, 2))
+    maps = sweep_4r(FOUR_BAR | arc, names)
     assert (maps.omega4_max_gradient_status == 0).all()
     for by in ("a1", "a2"):
         # central differences over h: off by h^2 and by the rounding of the value over h, 1e-9 together
         h = 1e-5
-        ends = [
-            fl.sweep("planar_4r", FOUR_BAR | arc | {by: FOUR_BAR[by] + k * h}, ["omega4_max"], branch=(1, 2))
-            for k in (-1, 1)
-        ]
+        ends = [sweep_4r(FOUR_BAR | arc | {by: FOUR_BAR[by] + k * h}, ["omega4_max"]) for k in (-1, 1)]
         slope = (ends[1] - ends[0]).omega4_max / (2 * h)
         np.testing.assert_allclose(maps[f"d_omega4_max_d_{by}"], slope, rtol=1e-6)
 
@@ -140,7 +138,7 @@ def test_the_same_at_every_door(tmp_path):
 def test_what_is_no_arc_is_refused(more, names, options, what, remedy):
     start = {"arc_start": 0.5} if more else {}
     with refused(what, remedy):
-        fl.sweep("planar_4r", FOUR_BAR | start | more, names, **{"branch": (1, 2)} | options)
+        sweep_4r(FOUR_BAR | start | more, names, **options)
 
 
 def test_arcs_that_end_before_they_start_are_told_or_allowed():
@@ -173,9 +171,7 @@ def test_arcs_that_end_before_they_start_are_told_or_allowed():
 
 def test_travel_tells_how_far_a_link_moves_over_an_arc():
     names = ["theta4_travel", "d_theta4_travel_d_a1", "theta4", "theta4_max", "theta4_min"]
-    maps = fl.sweep(
-        "planar_4r", FOUR_BAR | {"arc_start": 0.5, "arc_end": 1.5}, names, branch=(1, 2), verify=1
-    )
+    maps = sweep_4r(FOUR_BAR | {"arc_start": 0.5, "arc_end": 1.5}, names, verify=1)
     assert maps.attrs["verify_mismatches"] == 0
     curve = maps.theta4
     assert (maps.theta4_travel == curve.max("theta1") - curve.min("theta1")).all()
@@ -184,13 +180,7 @@ def test_travel_tells_how_far_a_link_moves_over_an_arc():
     np.testing.assert_allclose(exact, maps.theta4_travel, rtol=1e-14)
     h = 1e-6
     ends = [
-        fl.sweep(
-            "planar_4r",
-            FOUR_BAR | {"arc_start": 0.5, "arc_end": 1.5, "a1": 0.4 + k * h},
-            names[:1],
-            branch=(1, 2),
-        )
-        for k in (-1, 1)
+        sweep_4r(FOUR_BAR | {"arc_start": 0.5, "arc_end": 1.5, "a1": 0.4 + k * h}, names[:1]) for k in (-1, 1)
     ]
     # central differences: the square of h and a rounding over h
     np.testing.assert_allclose(

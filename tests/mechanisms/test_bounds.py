@@ -10,6 +10,7 @@ import contextlib
 import numpy as np
 import pytest
 from tests.support.extremes import SEARCHED, bounded_extremes
+from tests.support.four_bar import sweep_4r
 from tests.support.neighbourhoods import DRAWN
 
 import fastlink as fl
@@ -223,7 +224,7 @@ def test_a_gap_that_counts_as_zero_is_in_the_bound():
 def test_of_extremes_at_a_gap_that_counts_as_zero_nothing_is_known():
     names = ["omega4_max", "omega4_max_error", "omega4_extrema", "omega4_extrema_error", "theta4_max_error"]
     lengths = {"a1": 0.6, "a2": 0.3, "a3": 0.4, "a4": 0.1}  # 0.6 + 0.1 is not 0.3 + 0.4 in binary
-    found = fl.sweep("planar_4r", fl.grid(**lengths, omega1=1.0), names, branch=(1, 2))
+    found = sweep_4r(fl.grid(**lengths, omega1=1.0), names)
     assert np.isfinite(found["omega4_max"]).all()
     for name in ("omega4_max", "theta4_max"):
         assert (found[f"{name}_error"] == np.inf).all()

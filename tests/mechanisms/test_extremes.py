@@ -19,6 +19,7 @@ from tests.support.extremes import (
     searched,
     swept_4r,
 )
+from tests.support.four_bar import sweep_4r
 from tests.support.neighbourhoods import folded_planar_4r
 from tests.support.refusals import refused
 
@@ -118,7 +119,7 @@ def test_forces_are_infinite_where_a_change_point_folds_under_a_load():
     links, lengths = fl.round_bar(density=7750.0, radius=0.01), (2.0, 3.0, 2.5, 2.5)
     names = ["F21_max", "F21_max_error", "F21_min", "F21_min_error"]
     space = fl.grid(**dict(zip(LENGTHS, lengths, strict=True)), omega1=1.0, gravity_y=[-9.81])
-    loaded = fl.sweep("planar_4r", space, names, links=links, progress=False, branch=(1, 2))
+    loaded = sweep_4r(space, names, links=links, progress=False)
     assert np.isinf(loaded["F21_max"]).all()
     assert np.isinf(loaded["F21_max_error"]).all()
     assert (loaded["F21_min_error"] < 1e-9 * loaded["F21_min"]).all()
@@ -191,7 +192,7 @@ def test_an_axis_that_would_scale_results_leaves_bounds_right():
     """Left out as a product, its rounding would be missing."""
     one = swept_4r(["omega4_max_error"])
     axis = fl.grid(**dict(zip(LENGTHS, CRANK, strict=True)), omega1=[1.0, 3.0])
-    found = fl.sweep("planar_4r", axis, ["omega4_max", "omega4_max_error"], progress=False, branch=(1, 2))
+    found = sweep_4r(axis, ["omega4_max", "omega4_max_error"], progress=False)
     assert "scaling_axis" not in found.attrs
     np.testing.assert_array_equal(found["omega4_max_error"][0], one["omega4_max_error"])
 
@@ -333,7 +334,7 @@ def test_designs_in_a_sweep_leave_each_other_alone():
         columns = by_name(*((constant, narrow)[k] for k in rows))
         columns |= {name: np.array([of[k] for k in rows]) for name, of in points.items()}
         columns["omega1"] = np.array([(1.0, -1.0)[k] for k in rows])
-        return fl.sweep("planar_4r", fl.table(columns), ["P_speed_min"], branch=(1, 2)).P_speed_min.values[-1]
+        return sweep_4r(fl.table(columns), ["P_speed_min"]).P_speed_min.values[-1]
 
     np.testing.assert_array_equal(least(40), least(0))
 
@@ -539,9 +540,7 @@ def test_rounding_errors_beside_the_fold_of_a_kite_are_no_extremes():
     )
     space = fl.table({"a1": a, "a2": b, "a3": b, "a4": a, "omega1": np.full(2, 25.0)})
     bars = fl.round_bar(density=7750.0, radius=0.01)
-    counts = fl.sweep(
-        "planar_4r", space, ["F32_extrema_count"], links=bars, verify=0, branch=(1, 2)
-    ).F32_extrema_count
+    counts = sweep_4r(space, ["F32_extrema_count"], links=bars, verify=0).F32_extrema_count
     assert np.all(counts == 0)
 
 

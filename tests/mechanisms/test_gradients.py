@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from tests.support.extremes import SEARCHED, designs_of, searched, slopes_of_extremes, swept_4r
+from tests.support.four_bar import sweep_4r
 
 import fastlink as fl
 from fastlink.facts.derivative import NoDerivative
@@ -194,9 +195,7 @@ def test_an_extreme_at_a_limit_of_motion_changes_with_what_moves_the_limit_alone
     # where the crank turns fully, nothing moves
     assert (swept_4r(["d_A_y_max_d_a3"])["d_A_y_max_d_a3"] == 0.0).all()
     tolerances = {"a1": 1.0, "a2": 0.6, "a3": 0.7, "a4": 1.2, "a3_tolerance": 1e-4}
-    changed = fl.sweep(
-        "planar_4r", fl.grid(tolerances), ["A_y_max_worst_change"], progress=False, branch=(1, 2)
-    )
+    changed = sweep_4r(fl.grid(tolerances), ["A_y_max_worst_change"], progress=False)
     assert (changed["A_y_max_worst_change"] > 1e-5).all()
 
 

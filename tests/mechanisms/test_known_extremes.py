@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.support.extremes import SEARCHED, designs_of
+from tests.support.four_bar import sweep_4r
 from tests.support.registry import Entry
 
 import fastlink as fl
@@ -97,9 +98,9 @@ def test_places_are_those_of_a_search_and_hold_the_extreme():
     designs = dict(zip(LENGTHS, np.random.default_rng(1).uniform(0.2, 2.0, (4, 400)), strict=True))
     names = [f"{name}_{end}" for name in ("theta4", "B_x") for end in ("max", "min")]
     places = [f"theta1_at_{name}" for name in names]
-    known = fl.sweep("planar_4r", fl.table(designs), [*names, *places], branch=(1, 2))
+    known = sweep_4r(fl.table(designs), [*names, *places])
     with searched(catalogue("planar_4r")):
-        found = fl.sweep("planar_4r", fl.table(designs), places, branch=(1, 2))
+        found = sweep_4r(fl.table(designs), places)
     for name, place in zip(names, places, strict=True):
         apart = abs(known[place] - found[place]).values
         # a place where the slope is 0 to a rounding is known to its root
@@ -118,9 +119,9 @@ def test_derivatives_of_known_extremes_are_those_that_a_search_finds(quantity):
     ends = [f"{quantity}_{end}" for end in ("max", "min")]
     slopes = [f"d_{of}_d_{by}" for end in ends for of in (end, f"theta1_at_{end}") for by in LENGTHS]
     names = [*slopes, *(f"{end}_gradient_status" for end in ends)]
-    known = fl.sweep("planar_4r", fl.table(designs), names, branch=(1, 2))
+    known = sweep_4r(fl.table(designs), names)
     with searched(catalogue("planar_4r")):
-        found = fl.sweep("planar_4r", fl.table(designs), names, branch=(1, 2))
+        found = sweep_4r(fl.table(designs), names)
     for end in ends:
         assert np.array_equal(known[f"{end}_gradient_status"], found[f"{end}_gradient_status"])
     for name in slopes:

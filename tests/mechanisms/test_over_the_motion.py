@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from tests.support.configurations import draw
+from tests.support.four_bar import sweep_4r
 
 import fastlink as fl
 from fastlink.mechanisms import NAMES, catalogue, inputs_of
@@ -79,9 +80,7 @@ def test_a_mean_over_the_motion_is_an_integral() -> None:
 
 def test_what_never_assembles_has_no_mean() -> None:
     names = ["A_x_mean", "A_x_rms", "A_x_max", "status"]
-    maps = fl.sweep(
-        "planar_4r", fl.grid(a1=1.0, a2=0.1, a3=0.2, a4=5.0), names, theta1=36, verify=0, branch=(1, 2)
-    )
+    maps = sweep_4r(fl.grid(a1=1.0, a2=0.1, a3=0.2, a4=5.0), names, theta1=36, verify=0)
     assert all(np.isnan(maps[name]).all() for name in names[:3])
 
 
@@ -99,16 +98,7 @@ def test_derivatives_of_means_count_the_same_positions() -> None:
 def test_the_verification_counts_the_same_positions(tmp_path: Any) -> None:
     names = ["A_x_mean", "A_y_rms", "G1_x_max", "v1_dot_min", "A_x_min"]
     space = fl.grid(a1=np.linspace(0.5, 1.5, 8), a2=0.6, a3=0.7, a4=1.2, G1_u=0.3, G1_v=0.1, omega1=2.0)
-    maps = fl.sweep(
-        "planar_4r",
-        space,
-        names,
-        theta1=60,
-        extrema="sampled",
-        to=tmp_path / "map.h5",
-        verify=8,
-        branch=(1, 2),
-    )
+    maps = sweep_4r(space, names, theta1=60, extrema="sampled", to=tmp_path / "map.h5", verify=8)
     assert all(maps[name].attrs["verify_mismatches"] == 0 for name in names)
     assert all(maps[name].attrs["error_max_relative"] < 1e-14 for name in names)
 
@@ -148,7 +138,7 @@ def test_a_peak_is_the_greatest_magnitude(mechanism: str, part: int) -> None:
 def test_a_peak_has_an_error_bound_and_is_verified() -> None:
     names = ["alpha4_peak", "alpha4_peak_error", "alpha4_max_error", "alpha4_min_error", "theta4_peak"]
     space = fl.grid(a1=0.3, a2=np.linspace(0.6, 1.2, 7), a3=0.8, a4=1.0, omega1=2.0)
-    maps = fl.sweep("planar_4r", space, names, verify=7, branch=(1, 2))
+    maps = sweep_4r(space, names, verify=7)
     assert maps.alpha4_peak.attrs["long_name"].endswith("greatest magnitude over the cycle")
     assert maps.attrs["verify_mismatches"] == 0
     assert maps.alpha4_peak.attrs["independent_max_difference"] < 1e-30  # of 50 digits

@@ -16,6 +16,7 @@ import pytest
 from numpy.testing import assert_allclose
 from PIL import Image
 from scipy.spatial import cKDTree
+from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
 
 import fastlink as fl
@@ -384,9 +385,7 @@ SINGLE = STUDY.replace("{linspace = [1.0, 1.2, 3]}", "1.1").replace("{values = [
 def place(tmp_path_factory):
     place = tmp_path_factory.mktemp("maps") / "maps.h5"
     space = fl.grid(a1=0.4, a2=[1.0, 1.1, 1.2], a3=[0.7, 0.8], a4=1.0)
-    fl.sweep(
-        "planar_4r", space, ["transmission_angle"], theta1=[1.0, 2.0], to=place, verify=0, branch=(1, 2)
-    ).close()
+    sweep_4r(space, ["transmission_angle"], theta1=[1.0, 2.0], to=place, verify=0).close()
     return place
 
 

@@ -10,6 +10,7 @@ import pytest
 from matplotlib.collections import PathCollection, QuadMesh
 from matplotlib.contour import ContourSet
 from numpy.testing import assert_allclose, assert_array_equal
+from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
 
 import fastlink as fl
@@ -25,9 +26,7 @@ NAMES = ["omega4_max", "transmission_angle_min"]
 def maps():
     """Designs of every status, in three dimensions."""
     space = fl.grid(a1=A1, a2=np.linspace(0.3, 1.5, 5), a3=0.8, a4=[0.9, 1.0], omega1=25.0)
-    return fl.sweep(
-        "planar_4r", space, [*NAMES, "theta1_at_omega4_max", "grashof_class", "time_ratio"], branch=(1, 2)
-    )
+    return sweep_4r(space, [*NAMES, "theta1_at_omega4_max", "grashof_class", "time_ratio"])
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +34,7 @@ def path(tmp_path_factory):
     """The file of a map with curves, of which it has one value along the ground link."""
     path = tmp_path_factory.mktemp("maps") / "maps.h5"
     space = fl.grid(a1=A1, a2=np.linspace(0.3, 1.5, 5), a3=0.8, a4=1.0, omega1=25.0)
-    fl.sweep("planar_4r", space, ["omega4_max", "theta4"], theta1=8, to=path, verify=0, branch=(1, 2)).close()
+    sweep_4r(space, ["omega4_max", "theta4"], theta1=8, to=path, verify=0).close()
     return path
 
 
@@ -49,7 +48,7 @@ def flat(path):
 def curves():
     """One design that assembles over part of the turn."""
     space = fl.grid(a1=1.2, a2=1.3, a3=0.8, a4=1.0, omega1=25.0)
-    return fl.sweep("planar_4r", space, ["omega4", "theta4", "omega4_max"], theta1=90, branch=(1, 2))
+    return sweep_4r(space, ["omega4", "theta4", "omega4_max"], theta1=90)
 
 
 @pytest.fixture(scope="module")
@@ -203,7 +202,7 @@ def test_codes_and_counts(types):
 
 def test_very_large_maps_are_thinned():
     space = fl.grid(a1=np.linspace(0.1, 0.3, 4000), a2=[1.1, 1.2], a3=0.8, a4=1.0)
-    figure = fl.plot(fl.sweep("planar_4r", space, ["status"], branch=(1, 2)), "status")
+    figure = fl.plot(sweep_4r(space, ["status"]), "status")
     assert cells(panels(figure)[0]).shape == (2, 1334)
 
 
@@ -224,9 +223,7 @@ def solid():
     space = fl.grid(
         a1=np.linspace(0.2, 0.9, 8), a2=np.linspace(0.6, 1.4, 5), a3=[0.7, 0.8, 0.9], a4=1.0, omega1=25.0
     )
-    return fl.sweep(
-        "planar_4r", space, ["omega4_max", "theta1_at_omega4_max", "grashof_class"], verify=0, branch=(1, 2)
-    )
+    return sweep_4r(space, ["omega4_max", "theta1_at_omega4_max", "grashof_class"], verify=0)
 
 
 def test_a_grid_has_a_map_for_values_over_the_whole_input(solid):
@@ -310,13 +307,7 @@ def test_a_change_point_is_a_dot_and_what_grows_without_bound_a_bar_of_its_line(
 
 
 def test_change_points_along_a_line_of_cells_are_dots_and_contours_have_room():
-    space = fl.grid(
-        a1=0.4,
-        a2=np.linspace(1.0, 1.4, 41),
-        a3=np.linspace(0.6, 1.0, 41),
-        a4=1.0,
-        omega1=25.0,
-    )
+    space = fl.grid(a1=0.4, a2=np.linspace(1.0, 1.4, 41), a3=np.linspace(0.6, 1.0, 41), a4=1.0, omega1=25.0)
     maps = fl.sweep(
         "planar_4r",
         space,
@@ -356,7 +347,7 @@ def test_angles_in_degrees_along_axes_and_in_colours(flat):
 
 def test_an_angle_that_passes_half_a_turn_is_cut_and_has_cyclic_colours():
     space = fl.grid(a1=1.2, a2=np.linspace(1.0, 2.0, 6), a3=0.8, a4=1.0)
-    wide, lines = fl.sweep("planar_4r", space, ["theta4"], theta1=40, branch=(1, 2)), []
+    wide, lines = sweep_4r(space, ["theta4"], theta1=40), []
     for degrees, half in ((False, np.pi), (True, 180.0)):
         (axes,) = panels(drawn(wide, "theta4", branch=2, degrees=degrees))
         assert axes.get_ylabel().endswith(rf"$\theta_{{1}}$ [{'°' if degrees else 'rad'}]")

@@ -4,6 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from tests.support.four_bar import sweep_4r
 from tests.support.texts import flaws_of
 
 import fastlink as fl
@@ -40,7 +41,7 @@ def maps():
         a4=[0.8, 0.9, 1.0, 1.1, 1.2],
         omega1=25.0,
     )
-    return fl.sweep("planar_4r", space, QUANTITIES, links=LINKS, verify=0, branch=(1, 2))
+    return sweep_4r(space, QUANTITIES, links=LINKS, verify=0)
 
 
 @cache

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from tests.support.four_bar import sweep_4r
 from tests.support.study_files import written
 
 import fastlink as fl
@@ -70,9 +71,7 @@ def offered():
 
 def swept(names, space=None, **options):
     space = fl.grid(**CRANK, omega1=25.0) if space is None else space
-    return fl.sweep(
-        "planar_4r", space, names, **{"branch": (1, 2)} | {"angles": POSITIONS, "verify": 0} | options
-    )
+    return sweep_4r(space, names, **{"angles": POSITIONS, "verify": 0} | options)
 
 
 def by_numpy(curve):

@@ -4,6 +4,7 @@ import re
 import time
 
 import pytest
+from tests.support.four_bar import sweep_4r
 from tests.support.phrases import INPUTS, MECHANISMS, QUANTITIES, pairs
 from tests.support.refusals import refused
 
@@ -126,7 +127,7 @@ def test_a_study_without_quantities_is_given_one_of_its_mechanism(mechanism, lin
 
 def test_a_quantity_of_other_mechanisms_is_called_so():
     with refused("known to focal and hart"):
-        fl.sweep("planar_4r", fl.grid(**DESIGN), ["F_x"], branch=(1, 2))
+        sweep_4r(fl.grid(**DESIGN), ["F_x"])
 
 
 @pytest.mark.parametrize(
@@ -146,7 +147,7 @@ def test_evaluate_answers_in_the_same_words(name, remedy):
 @pytest.mark.parametrize("name", ["F32", "shaking_force", "T41_max"])
 def test_missing_masses_name_the_links(name):
     with pytest.raises(fl.InputError) as caught:
-        fl.sweep("planar_4r", fl.grid(**DESIGN), [name], branch=(1, 2))
+        sweep_4r(fl.grid(**DESIGN), [name])
     (line,) = str(caught.value).splitlines()
     assert "links=fl.round_bar(density=..., radius=...)" in line
     assert all(mass in line for mass in ("m2", "m3", "G2_u"))
@@ -154,14 +155,14 @@ def test_missing_masses_name_the_links(name):
 
 def test_masses_that_several_quantities_need_are_one_line():
     with refused("m1", "T41_max and shaking_force_max depend on them"):
-        fl.sweep("planar_4r", fl.grid(**DESIGN), ["T41_max", "shaking_force_max"], branch=(1, 2))
+        sweep_4r(fl.grid(**DESIGN), ["T41_max", "shaking_force_max"])
     with refused("m2", "links=fl.round_bar(density=..., radius=...)"):
         fl.evaluate("planar_4r", ["T41", "F32"], **DESIGN, theta1=1.0)
 
 
 def test_an_input_of_links_names_the_links():
     for line in (
-        lambda: fl.sweep("planar_4r", fl.grid(**DESIGN, density=1.0), ["omega4"], branch=(1, 2)),
+        lambda: sweep_4r(fl.grid(**DESIGN, density=1.0), ["omega4"]),
         lambda: fl.evaluate("planar_4r", ["omega4"], **DESIGN, density=1.0, theta1=1.0),
     ):
         with refused("density", "links=fl.round_bar(density=..., radius=...)"):
@@ -173,4 +174,4 @@ def test_an_input_of_links_names_the_links():
 )
 def test_the_joint_of_an_input_is_the_number_in_its_name(given, name):
     with refused(repr(given), repr(name)):
-        fl.sweep("planar_4r", fl.grid(**DESIGN), ["theta4"], input=given, branch=(1, 2))
+        sweep_4r(fl.grid(**DESIGN), ["theta4"], input=given)

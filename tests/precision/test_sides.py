@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from tests.support.configurations import masses_and_points
+from tests.support.four_bar import sweep_4r
 
 import fastlink as fl
 from fastlink.mechanisms import catalogue
@@ -61,9 +62,7 @@ def test_noise_of_a_slope_at_a_fold_is_no_extreme():
     bars = {"density": np.array([7750.0]), "radius": np.array([0.01]), "omega1": np.ones(1)}
     for branch in (1, 2):
         assert inner("F32", designs | bars, branch, ("round_bar",))[0] == [[]]
-    listed = fl.sweep(
-        "planar_4r", fl.grid(**designs, omega1=1.0), ["F32_extrema"], links=BARS, verify=1, branch=(1, 2)
-    )
+    listed = sweep_4r(fl.grid(**designs, omega1=1.0), ["F32_extrema"], links=BARS, verify=1)
     assert np.isnan(listed["F32_extrema"]).all()
     assert listed.attrs["verify_mismatches"] == 0
 
@@ -75,7 +74,7 @@ def test_lists_leave_out_rounding_errors_where_a_kite_or_parallelogram_rests():
     lengths = np.array([(9, 9, 7, 7), (2, 4, 2, 4)], float)
     designs = dict(zip(LENGTHS, lengths.T, strict=True)) | masses_and_points(rng, 2)
     names = ["T41_extrema_count", "T41_extrema", "shaking_force_extrema_count"]
-    found = fl.sweep("planar_4r", fl.table(designs), names, branch=(1, 2))
+    found = sweep_4r(fl.table(designs), names)
     for branch in (1, 2):
         for name in ("T41", "shaking_force"):
             exact = inner(name, designs, branch)[0]

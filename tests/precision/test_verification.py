@@ -6,6 +6,7 @@ from importlib import import_module
 import numpy as np
 import pytest
 from tests.support.configurations import PLANAR
+from tests.support.four_bar import sweep_4r
 from typer.testing import CliRunner
 
 import fastlink as fl
@@ -41,9 +42,7 @@ def assert_right(maps, names):
 def test_every_kind_of_result_is_measured():
     space = fl.sobol(40, seed=3, **LENGTHS, omega1=25.0)
     names = ["theta4", "theta1_low", "omega4_max", "theta1_at_omega4_max", "omega4_extrema"]
-    maps = fl.sweep(
-        "planar_4r", space, [*names, "omega4_rms", "loop_residual"], theta1=24, verify=12, branch=(1, 2)
-    )
+    maps = sweep_4r(space, [*names, "omega4_rms", "loop_residual"], theta1=24, verify=12)
     assert_right(maps, [*names, "theta1_at_omega4_extrema", "omega4_rms"])
     assert maps.verified_designs == 12
     assert maps.attrs["verify_left_out"] == "loop_residual"  # it is an error itself
@@ -58,9 +57,7 @@ def test_every_kind_of_result_is_measured():
 def test_forces_by_every_solver(options):
     space = fl.sobol(16, seed=4, **LENGTHS, omega1=25.0)
     names = ["T41_max", "T41_mean"]
-    maps = fl.sweep(
-        "planar_4r", space, names, links=BARS, theta1=12, verify=8, **{"branch": (1, 2)} | options
-    )
+    maps = sweep_4r(space, names, links=BARS, theta1=12, verify=8, **options)
     # LU of the 9x9 has 4 times the error (tests/mechanisms/test_precision.py)
     assert maps.attrs["verify_mismatches"] == 0
     assert set(names) <= set(errors(maps))
@@ -69,16 +66,12 @@ def test_forces_by_every_solver(options):
 
 def test_a_file_states_its_errors_and_the_summary_shows_them(tmp_path):
     """All designs of a small sweep, those in memory on request; without a warning where a bound divides by zero."""
-    maps = fl.sweep("planar_4r", fl.grid(**CRANK), ["theta4"], theta1=8, branch=(1, 2))
+    maps = sweep_4r(fl.grid(**CRANK), ["theta4"], theta1=8)
     assert not [name for name in {**maps.attrs, **maps.theta4.attrs} if "verif" in name or "error" in name]
-    maps = fl.sweep(
-        "planar_4r", fl.grid(**CRANK | {"a2": 1.4}), ["theta4", "swing"], theta1=8, verify=64, branch=(1, 2)
-    )
+    maps = sweep_4r(fl.grid(**CRANK | {"a2": 1.4}), ["theta4", "swing"], theta1=8, verify=64)
     assert (maps.verified_designs, maps.theta4.attrs["verified_values"]) == (1, 4)
     assert maps.attrs["verify_mismatches"] == 0
-    with fl.sweep(
-        "planar_4r", fl.grid(**CRANK), ["theta4"], theta1=8, to=tmp_path / "m.h5", branch=(1, 2)
-    ) as maps:
+    with sweep_4r(fl.grid(**CRANK), ["theta4"], theta1=8, to=tmp_path / "m.h5") as maps:
         assert maps.theta4.attrs["error_max_roundings"] <= ROUNDINGS
         assert maps.attrs["verify_seed"] == 0
         assert maps.attrs["verify_time_s"] > 0.0
@@ -86,19 +79,15 @@ def test_a_file_states_its_errors_and_the_summary_shows_them(tmp_path):
     assert len(lines) == 1
     assert "theta4" in lines[0]
     assert "roundings, of 4" in lines[0]
-    with fl.sweep(
-        "planar_4r", fl.grid(**CRANK), ["theta4"], theta1=8, verify=0, to=tmp_path / "n.h5", branch=(1, 2)
-    ) as maps:
+    with sweep_4r(fl.grid(**CRANK), ["theta4"], theta1=8, verify=0, to=tmp_path / "n.h5") as maps:
         assert "verified_designs" not in maps.attrs
 
 
 def test_the_same_designs_give_the_same_errors_and_bits_do_not_depend_on_them():
     space = fl.sobol(64, seed=5, **LENGTHS, omega1=25.0)
-    first, second = (
-        fl.sweep("planar_4r", space, ["omega4_max"], verify=10, block=b, branch=(1, 2)) for b in (None, 7)
-    )
+    first, second = (sweep_4r(space, ["omega4_max"], verify=10, block=b) for b in (None, 7))
     assert errors(first) == errors(second)
-    without = fl.sweep("planar_4r", space, ["omega4_max"], branch=(1, 2))
+    without = sweep_4r(space, ["omega4_max"])
     np.testing.assert_array_equal(first.omega4_max, without.omega4_max)
 
 
@@ -118,12 +107,12 @@ def test_a_wrong_digit_is_seen_and_a_missing_value_is_a_mismatch(monkeypatch, na
     space = fl.grid(**CRANK, omega1=25.0)
     spoil(monkeypatch, lambda array: array * (1.0 + 1e-9))
     with pytest.warns(fl.InputWarning, match=rf"{name} is wrong in \d of \d+ values, by .* NAME_error"):
-        maps = fl.sweep("planar_4r", space, [name], theta1=12, verify=4, branch=(1, 2))
+        maps = sweep_4r(space, [name], theta1=12, verify=4)
     assert maps[name].attrs["error_max_relative"] == pytest.approx(1e-9, rel=1e-5)
     assert maps.status.attrs["verify_mismatches"] > 0  # the code is another
     spoil(monkeypatch, lambda array: np.full_like(array, np.nan))
     with pytest.warns(fl.InputWarning, match=f"{name} is wrong"):
-        maps = fl.sweep("planar_4r", space, [name], theta1=12, verify=4, branch=(1, 2))
+        maps = sweep_4r(space, [name], theta1=12, verify=4)
     assert maps[name].attrs["verify_mismatches"] > 0
     assert "NOT AS WITH 50 DIGITS" in maps.fastlink.summary()
 
@@ -131,14 +120,7 @@ def test_a_wrong_digit_is_seen_and_a_missing_value_is_a_mismatch(monkeypatch, na
 def test_a_value_that_is_wrong_by_more_than_its_bound_is_a_mismatch(monkeypatch):
     spoil(monkeypatch, lambda array: array * (1.0 + 1e-12))
     with pytest.warns(fl.InputWarning, match="is wrong in"):
-        maps = fl.sweep(
-            "planar_4r",
-            fl.grid(**CRANK, omega1=25.0),
-            ["theta4", "omega4"],
-            theta1=12,
-            verify=4,
-            branch=(1, 2),
-        )
+        maps = sweep_4r(fl.grid(**CRANK, omega1=25.0), ["theta4", "omega4"], theta1=12, verify=4)
     for name in ("theta4", "omega4"):
         assert maps[name].attrs["verify_mismatches"] == maps[name].attrs["verified_values"]
 
@@ -178,9 +160,7 @@ def test_what_fails_or_is_interrupted_leaves_the_file(monkeypatch, tmp_path):
 
     monkeypatch.setattr(Verification, "_measured", fail)
     with pytest.warns(fl.InputWarning, match="not known: .* ZeroDivisionError"):
-        maps = fl.sweep(
-            "planar_4r", fl.grid(**CRANK), ["theta4"], theta1=8, to=tmp_path / "m.h5", branch=(1, 2)
-        )
+        maps = sweep_4r(fl.grid(**CRANK), ["theta4"], theta1=8, to=tmp_path / "m.h5")
     with maps:
         assert maps.attrs["verify_failed"] == "ZeroDivisionError: of all things"
         assert "errors" in maps.fastlink.summary()
@@ -190,12 +170,10 @@ def test_what_fails_or_is_interrupted_leaves_the_file(monkeypatch, tmp_path):
 
     monkeypatch.setattr(Verification, "_measured", interrupt)
     with pytest.raises(KeyboardInterrupt) as caught:
-        fl.sweep("planar_4r", fl.grid(**CRANK), ["theta4"], theta1=8, to=tmp_path / "n.h5", branch=(1, 2))
+        sweep_4r(fl.grid(**CRANK), ["theta4"], theta1=8, to=tmp_path / "n.h5")
     assert "100% of the designs are kept" in caught.value.__notes__[0]
     monkeypatch.undo()
-    with fl.sweep(
-        "planar_4r", fl.grid(**CRANK), ["theta4"], theta1=8, to=tmp_path / "n.h5", branch=(1, 2)
-    ) as maps:
+    with sweep_4r(fl.grid(**CRANK), ["theta4"], theta1=8, to=tmp_path / "n.h5") as maps:
         assert maps.attrs["designs_of_earlier_runs"] == maps.attrs["designs"]
         assert "error_max_relative" in maps.theta4.attrs
 
@@ -234,10 +212,7 @@ def test_division_by_zero_and_choices_are_as_in_doubles():
     found = HighPrecision(PLANAR, ["omega4", "status"], folded).at(folded)
     assert CONTEXT.isnan(found["omega4"])
     assert (
-        found["status"]
-        == fl.sweep(
-            "planar_4r", fl.grid(**CRANK | {"a1": 0.5, "a2": 1.0, "a3": 0.5}), ["status"], branch=(1, 2)
-        ).status
+        found["status"] == sweep_4r(fl.grid(**CRANK | {"a1": 0.5, "a2": 1.0, "a3": 0.5}), ["status"]).status
     )
 
 

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
+from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
 
 import fastlink as fl
@@ -90,8 +91,8 @@ def test_designs_that_are_not_there_are_refused(start, stop):
 def test_a_sweep_of_consecutive_designs_gives_the_bits_of_the_whole():
     space = fl.grid(a2=np.linspace(1.0, 1.4, 7), a3=np.linspace(0.6, 1.0, 11), **FIXED)
     names = ["omega4_max", "transmission_angle_min"]
-    maps = fl.sweep("planar_4r", space, names, branch=(1, 2))
-    part = fl.sweep("planar_4r", space.consecutive(20, 60), names, threads=2, block=7, branch=(1, 2))
+    maps = sweep_4r(space, names)
+    part = sweep_4r(space.consecutive(20, 60), names, threads=2, block=7)
     assert part.design.values.tolist() == list(range(20, 60))
     for name in names:
         assert_array_equal(part[name], maps[name].values.reshape(77, 2)[20:60])
@@ -100,8 +101,8 @@ def test_a_sweep_of_consecutive_designs_gives_the_bits_of_the_whole():
 def test_angles_in_degrees_are_converted_block_by_block():
     degrees = np.linspace(10.0, 80.0, 6)
     space = fl.grid(a2=[1.1, 1.2], a3=0.8, counterweight1_direction_deg=degrees, **FIXED)
-    whole_map = fl.sweep("planar_4r", space, ["transmission_angle_min"], branch=(1, 2))
-    part = fl.sweep("planar_4r", space.consecutive(3, 9), ["transmission_angle_min"], branch=(1, 2))
+    whole_map = sweep_4r(space, ["transmission_angle_min"])
+    part = sweep_4r(space.consecutive(3, 9), ["transmission_angle_min"])
     radians = whole_map.counterweight1_direction.values
     assert_array_equal(radians, np.deg2rad(degrees))
     assert_array_equal(part.counterweight1_direction, np.tile(radians, 2)[3:9])
@@ -109,9 +110,9 @@ def test_angles_in_degrees_are_converted_block_by_block():
 
 def test_values_that_an_input_cannot_have_are_named_with_their_number():
     space = fl.grid(a2=np.linspace(1.0, -0.5, 4), a3=[0.7, 0.8], **FIXED)
-    fl.sweep("planar_4r", space.consecutive(0, 4), ["omega4_max"], branch=(1, 2))  # none among these
+    sweep_4r(space.consecutive(0, 4), ["omega4_max"])  # none among these
     with refused("a2[3]", "a finite number greater than 0"):
-        fl.sweep("planar_4r", space.consecutive(1, 8), ["omega4_max"], branch=(1, 2))
+        sweep_4r(space.consecutive(1, 8), ["omega4_max"])
 
 
 def test_the_fingerprint_is_that_of_the_designs():
@@ -130,17 +131,10 @@ def test_a_part_of_ten_thousand_million_designs_needs_little_memory():
     axis = np.linspace(1.0, 1.2, 2155)  # 2155^3 > 10^10
     space = fl.grid(a2=axis, a3=axis - 0.3, a4=axis, a1=0.4)
     assert space.size > 10**10
-    fl.sweep(
-        "planar_4r", space.consecutive(0, 1000), ["transmission_angle_min"], branch=(1, 2)
-    )  # imports, kernel
+    sweep_4r(space.consecutive(0, 1000), ["transmission_angle_min"])  # imports, kernel
     count = 100_000
     tracemalloc.start()
-    maps = fl.sweep(
-        "planar_4r",
-        space.consecutive(5 * 10**9, 5 * 10**9 + count),
-        ["transmission_angle_min"],
-        branch=(1, 2),
-    )
+    maps = sweep_4r(space.consecutive(5 * 10**9, 5 * 10**9 + count), ["transmission_angle_min"])
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     # per design 2 x 8 bytes of results, 1 of status, 4 x 8 of coordinates: 4.9 MB, once more while they are labelled;

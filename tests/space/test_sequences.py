@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 from scipy.stats import chi2, qmc
+from tests.support.four_bar import sweep_4r
 
 import fastlink as fl
 from fastlink.engine.resolve import resolve
@@ -156,8 +157,8 @@ def test_the_fingerprint_is_that_of_the_definition(sample):
 def test_a_part_of_ten_thousand_million_designs_is_swept(tmp_path, sample):
     part = sample(10**10, RANGES, seed=1).consecutive(5 * 10**9, 5 * 10**9 + 3000)
     names = ["transmission_angle_min"]
-    expected = fl.sweep("planar_4r", part, names, threads=1, block=64, branch=(1, 2))
-    with fl.sweep("planar_4r", part, names, to=tmp_path / "m.h5", verify=2, threads=2, branch=(1, 2)) as maps:
+    expected = sweep_4r(part, names, threads=1, block=64)
+    with sweep_4r(part, names, to=tmp_path / "m.h5", verify=2, threads=2) as maps:
         for name in ("a2", "a3", "a4", "design", *names):
             assert_array_equal(maps[name], expected[name])
     whole = sample(10**10, RANGES, seed=1)

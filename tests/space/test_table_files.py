@@ -15,6 +15,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 from pyarrow import parquet
+from tests.support.four_bar import sweep_4r
 from tests.support.refusals import assert_refusal, refused
 
 import fastlink as fl
@@ -117,13 +118,11 @@ def test_a_sweep_of_a_large_file_has_the_bits_of_one_in_memory(tmp_path, every_f
     path, names = tmp_path / "designs", ["omega4_max", "transmission_angle_min"]
     write(FRAME, path)
     space = fl.table(path).with_constants(FIXED)
-    expected = fl.sweep("planar_4r", fl.table(FRAME).with_constants(FIXED), names, branch=(1, 2))
-    with fl.sweep(
-        "planar_4r", space, names, to=tmp_path / "m.h5", verify=2, block=8, threads=2, branch=(1, 2)
-    ) as maps:
+    expected = sweep_4r(fl.table(FRAME).with_constants(FIXED), names)
+    with sweep_4r(space, names, to=tmp_path / "m.h5", verify=2, block=8, threads=2) as maps:
         for name in expected.variables:
             assert_array_equal(maps[name], expected[name])
-    part = fl.sweep("planar_4r", space.consecutive(11, 30), names, branch=(1, 2))
+    part = sweep_4r(space.consecutive(11, 30), names)
     assert_array_equal(part.omega4_max, expected.omega4_max[11:30])
     assert_array_equal(part.maker, expected.maker[11:30])
 
@@ -257,11 +256,11 @@ def test_all_bad_rows_are_named_at_once_and_may_be_kept(tmp_path):
     lines = ["a1,a2,a3,a4", *(",".join(map(str, row)) for row in rows)]
     (tmp_path / "d.csv").write_text("\n".join(lines))
     with pytest.raises(fl.InputError) as caught:
-        fl.sweep("planar_4r", tmp_path / "d.csv", ["swing"], branch=(1, 2))
+        sweep_4r(tmp_path / "d.csv", ["swing"])
     cells, numbers = str(caught.value).splitlines()
     assert "row 17 (line 19) of column a2 in d.csv is empty, row 333 (line 335) is 'n/a'; write" in cells
     assert "a1[200] is -0.4, 0.0 at 400 (" in numbers
-    kept = fl.sweep("planar_4r", tmp_path / "d.csv", ["swing"], allow_invalid=True, verify=0, branch=(1, 2))
+    kept = sweep_4r(tmp_path / "d.csv", ["swing"], allow_invalid=True, verify=0)
     assert np.flatnonzero(np.isnan(kept.swing)).tolist() == [17, 200, 333, 400]
     study = 'mechanism = "planar_4r"\nquantities = ["swing"]\n[design]\ntable = "d.csv"\n'
     (tmp_path / "s.toml").write_text(study)

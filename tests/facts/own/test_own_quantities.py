@@ -7,6 +7,7 @@ import re
 import numpy as np
 import pytest
 from tests.facts.own.declared import LENGTHS, LINKS, mine
+from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
 
 import fastlink as fl
@@ -179,9 +180,7 @@ def test_the_best_design_is_refined_by_the_extension_of_its_map():
 
 def test_inputs_that_nothing_depends_on_stay_out():
     maps = fl.sweep(mine, LENGTHS, ["omega4_max"], branch=(1, 2))
-    assert maps.identical(
-        fl.sweep("planar_4r", LENGTHS, ["omega4_max"], branch=(1, 2)).assign_attrs(maps.attrs)
-    )
+    assert maps.identical(sweep_4r(LENGTHS, ["omega4_max"]).assign_attrs(maps.attrs))
     assert "weight" in fl.sweep(mine, LENGTHS, ["cost_max"], branch=(1, 2)).coords
 
 
@@ -196,7 +195,7 @@ def test_built_in_kernels_stay_as_they_are():
     assert texts[0] == texts[1]
     assert not catalogue("planar_4r").is_quantity("cost")
     with refused("cost"):
-        fl.sweep("planar_4r", LENGTHS, ["cost"], branch=(1, 2))
+        sweep_4r(LENGTHS, ["cost"])
 
 
 def test_a_run_of_another_definition_is_refused(tmp_path):

@@ -4,6 +4,7 @@ from math import tan
 
 import numpy as np
 import pytest
+from tests.support.four_bar import sweep_4r
 
 import fastlink as fl
 
@@ -142,9 +143,7 @@ def test_poles_of_the_slider_crank_and_where_the_centre_is():
 def test_centres_of_the_planar_4r_are_where_the_links_meet():
     design = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
     names = ["instant_centre_x", "instant_centre_y", "relative_centre_x", "A_x", "A_y", "B_x", "B_y"]
-    at = fl.sweep(
-        "planar_4r", design, [*names, "mechanical_advantage", "omega4"], branch=(1, 2), positions=50
-    )
+    at = sweep_4r(design, [*names, "mechanical_advantage", "omega4"], positions=50)
     x, y = at.instant_centre_x, at.instant_centre_y
     scale = abs(x) + abs(y) + 1.0
     # lines through A and O, and through B and D, meet there: roundings times how far it is

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from tests.support.configurations import LENGTHS, random_lengths
 from tests.support.curve_designs import apart_from_change_points
+from tests.support.four_bar import sweep_4r
 
 import fastlink as fl
 from fastlink.mechanisms import catalogue
@@ -19,9 +20,7 @@ def test_a_circuit_is_a_branch_of_a_full_turn_or_both_over_one_range_of_the_angl
     lengths = lengths[:, apart_from_change_points(lengths)]
     space = fl.table(dict(zip(LENGTHS, lengths, strict=True)))
     names = ["grashof_class", "circuit_count", "circuit", "theta2"]
-    got = fl.sweep(
-        "planar_4r", space, names, theta1=np.linspace(-np.pi, np.pi, 721)[:-1] + 0.003, branch=(1, 2)
-    )
+    got = sweep_4r(space, names, theta1=np.linspace(-np.pi, np.pi, 721)[:-1] + 0.003)
     circuit, closes = got.circuit.values, np.isfinite(got.theta2.values)
     np.testing.assert_array_equal(np.isfinite(circuit), closes)
     turns = closes.all(axis=(1, 2))

@@ -6,6 +6,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 from tests.support.configurations import DIGITS, LENGTHS, designs, reference
+from tests.support.four_bar import sweep_4r
 
 import fastlink as fl
 from fastlink.mechanisms import catalogue
@@ -25,7 +26,7 @@ def facts(*lengths):
     columns = dict(zip(LENGTHS, np.array(lengths, dtype=float).T, strict=True))
     names = [*FACTS, "status"]
     space = fl.table(columns, allow_invalid=True)
-    found = fl.sweep("planar_4r", space, names, theta1=[0.0], allow_invalid=True, branch=(1, 2))
+    found = sweep_4r(space, names, theta1=[0.0], allow_invalid=True)
     classes = np.array([CLASS_FLAGS[int(code)] for code in found["grashof_class"].values])
     return {name: found[name].values for name in names} | {"grashof_class": classes}
 

@@ -10,6 +10,7 @@ import pytest
 from tests.mechanisms.test_extremes import near_cusps
 from tests.support.configurations import LENGTHS
 from tests.support.exact_extrema import LISTED, exact_extrema
+from tests.support.four_bar import sweep_4r
 from tests.support.neighbourhoods import folded_planar_4r
 
 import fastlink as fl
@@ -57,7 +58,7 @@ def differing(designs, name):
     """Return how many lists differ from the exact ones, how many of these do not tell so by their bounds, and all."""
     asked = [f"{name}_extrema{part}" for part in ("_kind", "", "_error", "_count")]
     asked.append(f"theta1_at_{name}_extrema")
-    maps = fl.sweep("planar_4r", fl.table(designs), asked, verify=0, allow_invalid=True, branch=(1, 2))
+    maps = sweep_4r(fl.table(designs), asked, verify=0, allow_invalid=True)
     found = [maps[one].transpose("design", "branch", ...).values for one in asked]
     differ = silent = 0
     for k in range(len(found[0])):
@@ -242,11 +243,7 @@ def test_lists_beside_folds_hold_the_exact_extremes_or_have_no_bound():
 #: Of designs beside folds, by how many are drawn: a quantity, those whose lists doubles do not decide, and how many of
 #: these are wrong at least, as entries are lost in rounding beside the fold (F41, one list of them empty). Others were:
 #: an extreme may be on the other side of the fold (omega2), or rounding beside a toggle that is almost a fold.
-UNDECIDED = {
-    ("F41", 60): ((3, 15, 54), 3),
-    ("omega2", 150): ((75,), 0),
-    ("curvature", 1000): ((29,), 0),
-}
+UNDECIDED = {("F41", 60): ((3, 15, 54), 3), ("omega2", 150): ((75,), 0), ("curvature", 1000): ((29,), 0)}
 
 
 @pytest.mark.sample(1)
@@ -258,9 +255,7 @@ def test_lists_that_rounding_hides_extremes_of_have_no_bound(name, drawn):
     differ, silent, _ = differing(designs, name)
     assert differ >= wrong
     assert silent == 0
-    maps = fl.sweep(
-        "planar_4r", fl.table(designs), [f"{name}_extrema{part}" for part in ("", "_error")], branch=(1, 2)
-    )
+    maps = sweep_4r(fl.table(designs), [f"{name}_extrema{part}" for part in ("", "_error")])
     values, bounds = maps[f"{name}_extrema"], maps[f"{name}_extrema_error"]
     undecided = np.isinf(bounds).all("extremum")
     # of places without an extreme, too, as nothing else of an empty list could tell
@@ -322,15 +317,12 @@ def test_many_lists_hold_the_exact_extremes_or_have_no_bound(kind, name):
 def listed(designs, names, **options):
     """Return value, theta1, count and kind of the lists of quantities, by name."""
     parts = ("{}_extrema", "theta1_at_{}_extrema", "{}_extrema_count", "{}_extrema_kind")
-    maps = fl.sweep(
-        "planar_4r", fl.table(designs), [f"{name}_extrema" for name in names], **{"branch": (1, 2)} | options
-    )
+    maps = sweep_4r(fl.table(designs), [f"{name}_extrema" for name in names], **options)
     return {name: [maps[part.format(name)] for part in parts] for name in names}
 
 
 @pytest.mark.parametrize(
-    ("lengths", "omega1", "most"),
-    [((0.4, 1.2, 0.8, 1.0), 0.0, 0.0), ((1.0, 1.0, 1.0, 5.0), 1.0, np.nan)],
+    ("lengths", "omega1", "most"), [((0.4, 1.2, 0.8, 1.0), 0.0, 0.0), ((1.0, 1.0, 1.0, 5.0), 1.0, np.nan)]
 )
 def test_what_is_constant_or_never_assembles_has_no_extremum(lengths, omega1, most):
     designs = by_lengths(np.array([lengths]).T, omega1)
@@ -341,16 +333,14 @@ def test_what_is_constant_or_never_assembles_has_no_extremum(lengths, omega1, mo
         assert value.dims == theta1.dims == kind.dims == (*count.dims, "extremum")
         assert count.dtype == kind.dtype == np.int8
     ends = [f"{rate}_{end}" for rate in RATES for end in ("max", "min")]
-    maps = fl.sweep("planar_4r", fl.table(designs), ends, branch=(1, 2))
+    maps = sweep_4r(fl.table(designs), ends)
     assert all(np.array_equal(maps[end], [[most, most]], equal_nan=True) for end in ends)
 
 
 def test_angles_of_a_kite_come_to_their_limits_at_the_fold():
     """At theta1 = 0 the pins A and D of a kite coincide: its angles have limits there, and no values."""
     space = fl.grid(a1=0.3, a2=1.0, a3=1.0, a4=0.3)
-    found = fl.sweep(
-        "planar_4r", space, ["theta4_max", "theta4_min", "theta2_max", "theta2_min"], branch=(1, 2)
-    )
+    found = sweep_4r(space, ["theta4_max", "theta4_min", "theta2_max", "theta2_min"])
     for name in ("theta4", "theta2"):
         # half-turns to the last bit: pi is rounded, and so is the angle next to it
         np.testing.assert_allclose(found[f"{name}_max"], [0.0, np.pi], atol=2.0**-51)

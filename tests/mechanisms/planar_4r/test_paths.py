@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from tests.support.configurations import draw
+from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
 
 import fastlink as fl
@@ -19,7 +20,7 @@ def paths():
     columns = {name: columns[name] for name in ("a1", "a2", "a3", "a4", "P_u", "P_v")}
     columns["a1"] *= np.where(np.arange(400) % 3, 0.2, 1.0)
     names = ["P_straightness", "P_roundness"]
-    maps = fl.sweep("planar_4r", fl.table(columns), names, theta1=ARC, verify=0, branch=(1, 2))
+    maps = sweep_4r(fl.table(columns), names, theta1=ARC, verify=0)
     wide = {name: values[:, None, None] for name, values in columns.items()}
     found = fl.evaluate("planar_4r", ["P_x", "P_y"], theta1=ARC, branch=np.array([[1], [2]]), **wide)
     return maps, np.stack([found["P_x"], found["P_y"]], axis=-1)
@@ -43,9 +44,7 @@ def test_a_path_that_is_nearly_straight_has_the_narrowest_strip(paths):
 
 def test_a_circle_is_round(paths):
     """A coupler point in A runs on the circle of the crank; others are off the circle of the same fit by NumPy."""
-    crank = fl.sweep(
-        "planar_4r", fl.grid(**HOEKEN | {"P_u": 0.0}), ["P_roundness"], theta1=72, verify=0, branch=(1, 2)
-    )
+    crank = sweep_4r(fl.grid(**HOEKEN | {"P_u": 0.0}), ["P_roundness"], theta1=72, verify=0)
     assert (crank.P_roundness < 20 * 2.0**-52).all()
     maps, points = paths
     for design, branch in np.argwhere(np.isfinite(points).all(axis=(-1, -2)))[::40].tolist():
@@ -80,5 +79,5 @@ def test_what_has_no_path_is_refused():
         ("P_straightness_error", "error bound", "P_straightness"),
     ):
         with refused(key, remedy):
-            fl.sweep("planar_4r", fl.grid(**HOEKEN), [name], branch=(1, 2))
+            sweep_4r(fl.grid(**HOEKEN), [name])
     assert "P_straightness" in [row.name for row in fl.quantities("planar_4r", find="straight line of P")]

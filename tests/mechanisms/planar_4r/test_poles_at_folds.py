@@ -1,6 +1,7 @@
 """Forces at the folded position of a change point: infinite or not, however small the factor of the pole is."""
 
 import numpy as np
+from tests.support.four_bar import sweep_4r
 
 import fastlink as fl
 
@@ -28,7 +29,7 @@ def assert_infinite_where_they_grow(design):
     """Return how many of the greatest forces of designs are infinite, and how many there are."""
     n = design["a1"].size
     asked = [f"{name}_{end}" for name in FORCES for end in ("max", "max_error")]
-    maps = fl.sweep("planar_4r", fl.table(design), asked, verify=0, branch=(1, 2))
+    maps = sweep_4r(fl.table(design), asked, verify=0)
     infinite = 0
     for branch in (1.0, 2.0):
         near, nearer = (

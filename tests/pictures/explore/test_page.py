@@ -8,6 +8,7 @@ import warnings
 import numpy as np
 import pytest
 from tests.support.browser import PATIENCE, new_tab, opened
+from tests.support.four_bar import sweep_4r
 
 import fastlink as fl
 from fastlink.maps.units import flags_of
@@ -301,10 +302,7 @@ def test_chosen_designs_are_a_study_that_gives_the_same_values(tab, path, tmp_pa
     tab.evaluate("async places => { for (const at of places) await lock(at); }", places)
     for name, text in state(tab, "studyOf(state.locks)").items():
         (tmp_path / name).write_text(text)
-    with (
-        fl.run(tmp_path / "study.toml", to=tmp_path / "again.h5", verify=0) as again,
-        fl.open(path) as maps,
-    ):
+    with fl.run(tmp_path / "study.toml", to=tmp_path / "again.h5", verify=0) as again, fl.open(path) as maps:
         for k, at in enumerate(places):
             one = again.isel(branch=0, **({"design": k} if count > 1 else {}))
             for name in maps.data_vars:
@@ -368,7 +366,7 @@ def test_a_map_of_sampled_designs_is_points(browser, tmp_path):
 @pytest.mark.stress
 def test_a_cell_of_many_designs_shows_their_mean_once_a_slider_rests(browser, show, tmp_path):
     space = fl.grid(a1=np.linspace(0.2, 1.9, 1500), a2=[0.8, 1.1], a3=[0.7, 0.9], a4=1.0)
-    maps = fl.sweep("planar_4r", space, ["least_transmission_angle"], verify=0, branch=(1, 2))
+    maps = sweep_4r(space, ["least_transmission_angle"], verify=0)
     values, file = maps.least_transmission_angle.values[:, :, 0], tmp_path / "page.html"
     count = -(-1500 // 720)
     cells = values.reshape(1500 // count, count, 2)
@@ -446,7 +444,7 @@ def maps_of(kind, coupler):
         space = fl.sobol(64, seed=1, a1=(0.2, 0.5), a2=(0.9, 1.4), a3=(0.6, 1.2), a4=1.0, omega1=10.0)
         return fl.sweep("planar_4r", space, ["omega4_max", "swing"], branch=1, verify=0)
     space = fl.grid(a1=0.4, a2=1.1, a3=0.8, a4=1.0, omega1=10.0)
-    return fl.sweep("planar_4r", space, ["omega4"], theta1=36, verify=0, branch=(1, 2))
+    return sweep_4r(space, ["omega4"], theta1=36, verify=0)
 
 
 #: Widths of a window with the kinds of pictures in it.
@@ -599,13 +597,8 @@ def test_a_linkage_that_is_dragged_apart_stops_there(show, coupler_page):
 
 @pytest.mark.stress
 def test_a_map_over_positions_is_evaluated_at_the_position_that_is_chosen(show):
-    maps = fl.sweep(
-        "planar_4r",
-        fl.grid(a1=[0.3, 0.4], a2=1.1, a3=0.8, a4=1.0, omega1=10.0),
-        ["omega4"],
-        theta1_deg=[10, 50],
-        verify=0,
-        branch=(1, 2),
+    maps = sweep_4r(
+        fl.grid(a1=[0.3, 0.4], a2=1.1, a3=0.8, a4=1.0, omega1=10.0), ["omega4"], theta1_deg=[10, 50], verify=0
     )
     with fl.explore(maps, browser=False) as page:
         tab = show(page.url)
