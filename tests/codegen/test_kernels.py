@@ -1,16 +1,29 @@
 """The text of kernels: what is computed, what it is called, that it can be read."""
 
 import ast
+import importlib
+import pkgutil
+import re
 
+import llvmlite.binding as llvm
 import numpy as np
 import pytest
+from tests.support.assembly import called, fused, inner_loops
+from tests.support.compiled import assert_same_bits
 from tests.support.configurations import PLANAR
+from tests.support.four_bar import sweep_4r
+from tests.support.plan_families import FAMILIES, few, kernels, run_as_python, run_code, run_compiled
 from tests.support.toys import toy
 
 import fastlink as fl
-from fastlink.codegen.kernel import kernel_of, llvm_text
+import fastlink.codegen.runtime
+from fastlink.codegen import kernel as loader
+from fastlink.codegen.kernel import BACKENDS, FEW, SEARCHED, SOON, kernel_of, llvm_text, load_kernel
+from fastlink.codegen.machine import assembly, compile_object, host, lanes_of_host
 from fastlink.engine.evaluate import evaluate
+from fastlink.engine.resolve import resolve
 from fastlink.mechanisms import NAMES, catalogue
+from fastlink.numerics.compiler import OUTLINED
 from fastlink.plan.programs import make_plan, make_program
 
 GIVEN = tuple(PLANAR.inputs)
@@ -129,3 +142,260 @@ def test_kernels_of_extremes_are_translated(names):
     """By our own translator: numba takes a minute for one, and makes it several times slower."""
     for program in make_plan(PLANAR, names, given=list(PLANAR.inputs)).programs:
         llvm_text(kernel_of(program).source)  # or `Refused`
+
+
+# == Every kind of kernel: the text run as Python, our machine code and numba's give the same bits ===========
+
+
+@pytest.mark.sample(4)
+@pytest.mark.parametrize("name", FAMILIES)
+def test_machine_code_has_the_bits_of_the_text(name):
+    for kernel, arguments in kernels(FAMILIES[name].request()):
+        text = llvm_text(kernel.source)
+        llvm.parse_assembly(text).verify()
+        expected = run_as_python(kernel, arguments)  # first: Python looks whether indices are within arrays
+        found = run_compiled(kernel, arguments)
+        assert_same_bits(found, expected)
+        assert_same_bits(run_code(kernel, arguments, compile_object(text, soon=True)), found)
+        assert_written(kernel, arguments, found)
+
+
+@pytest.mark.parametrize("name", few("few angles"))
+def test_both_compilers_give_the_same_bits(name):
+    for kernel, arguments in kernels(FAMILIES[name].request()):
+        first, *others = (run_compiled(kernel, arguments, backend) for backend in BACKENDS)
+        for other in others:
+            assert_same_bits(first, other)
+
+
+LEVELS = {
+    "x86-64-v2": {"sse4.2"},
+    "x86-64-v3": {"avx2", "bmi2", "fma"},
+    "x86-64-v4": {"avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"},
+}
+
+
+def levels():
+    """Return the instruction sets that this processor has, from the first on."""
+    has = {feature[1:] for feature in host()[1].split(",") if feature.startswith("+")}
+    return [level for level, needed in LEVELS.items() if needed <= has]
+
+
+@pytest.mark.parametrize("name", few("systems", "extremes of one branch"))
+def test_any_width_and_instruction_set_gives_the_same_bits(name):
+    """Wider vectors than a register holds are several registers."""
+    for kernel, arguments in kernels(FAMILIES[name].request()):
+        expected = run_compiled(kernel, arguments)
+        # Other widths by the processor's own instructions, and each by those that have registers of it.
+        others = [(None, lanes) for lanes in (2, 4, 8) if lanes != lanes_of_host()]
+        for cpu, lanes in [*others, *zip(levels(), (2, 4, 8), strict=False)]:
+            code = compile_object(llvm_text(kernel.source, lanes=lanes), cpu=cpu, check=True)
+            assert_same_bits(run_code(kernel, arguments, code), expected)
+
+
+def assert_written(kernel, arguments, found):
+    """Every result was stored, and there is more in it than what does not assemble."""
+    for output, before, after in zip(kernel.program.outputs, arguments[-len(found) :], found, strict=True):
+        assert not (after == before).any(), output.name
+        assert np.isfinite(after).any() or kernel.program.catalogue.name == "focal", output.name
+
+
+def test_the_families_call_every_function_that_kernels_call():
+    modules = [
+        importlib.import_module(f"fastlink.codegen.runtime.{module.name}")
+        for module in pkgutil.iter_modules(fastlink.codegen.runtime.__path__)
+    ]
+    functions = {function for function in OUTLINED if function.__module__ in {m.__name__ for m in modules}}
+    written = {function.__name__ for function in functions if not function.__name__.startswith("_")}
+    texts = [kernel.text for family in FAMILIES.values() for kernel, _ in kernels(family.request())]
+    imports = [line for text in texts for line in re.findall(r"^from fastlink.codegen.runtime.*", text, re.M)]
+    called = {name for line in imports for name in re.findall(r"\w+", line.partition(" import ")[2])}
+    helpers = {
+        *("append_item", "append_of_lane", "append_unresolved", "is_unresolved", "next_split"),
+        *("insert", "position_of", "set_bracket"),
+    }  # other functions call them
+    assert written - called <= helpers
+    for word in ("entries(min(", "w2[", "turn in range(2)", "silenced(", "store_list(", "for step in range("):
+        assert any(word in text for text in texts), word
+
+
+# == Kernels with little to do are compiled in less time; `test_differential` compares their bits ============
+
+LENGTHS = {"a1": 0.4, "a3": 0.8, "a4": 1.0}
+NAMES_SOON = ("swing",), ("B_x",)
+
+
+@pytest.fixture
+def compiled(monkeypatch, tmp_path):
+    """An empty cache, and a list of how each kernel was compiled: in the shortest time or not."""
+    monkeypatch.setenv("FASTLINK_CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(loader, "_loaded", {})
+    kernel_of.cache_clear()
+    compile, found = loader.compile_object, []
+    monkeypatch.setattr(
+        loader, "compile_object", lambda text, soon: found.append(soon) or compile(text, soon=soon)
+    )
+    yield found
+    kernel_of.cache_clear()
+
+
+def space(size):
+    return fl.grid(a2=np.linspace(1.0, 1.2, size), **LENGTHS)
+
+
+@pytest.mark.parametrize("names", NAMES_SOON)
+def test_few_designs_come_soon_and_many_fast(compiled, names):
+    most = FEW // (SEARCHED if names == ("swing",) else 36)
+    assert most > 1000
+    first = sweep_4r(space(9), names, angles=36)
+    assert compiled == [True]
+    kernel_of.cache_clear()  # as another process, which finds it in the cache
+    loader._loaded.clear()
+    second = sweep_4r(space(9), names, angles=36)
+    sweep_4r(space(most - 9), names, angles=36)
+    assert compiled == [True]
+    third = sweep_4r(space(9), names, angles=36)  # too many, all told
+    assert compiled == [True, False]
+    sweep_4r(space(most + 1), names, angles=36)
+    assert compiled == [True, False]
+    for found in (second, third):
+        np.testing.assert_array_equal(found[names[0]], first[names[0]], strict=True)
+
+
+def test_code_that_runs_fast_is_taken_wherever_it_is(compiled):
+    sweep_4r(space(FEW), ["swing"])
+    kernel_of.cache_clear()
+    sweep_4r(space(9), ["swing"])
+    loader._loaded.clear()
+    kernel_of.cache_clear()
+    sweep_4r(space(9), ["swing"])
+    assert compiled == [False]
+
+
+def test_what_is_called_again_and_again_is_compiled_well(compiled):
+    fl.function("planar_4r", ["a2"], ["swing"], **LENGTHS)
+    assert compiled == [False]
+
+
+def test_a_forecast_tells_them_apart(compiled):
+    small, large = (("planar_4r", space(size), ["swing"]) for size in (9, FEW))
+    times = [fl.explain(*request).forecast.compile_time for request in (small, large)]
+    assert 0.0 < times[0] < times[1]
+    fl.sweep(*small, branch=(1, 2))
+    assert [fl.explain(*request).forecast.compiled for request in (small, large)] == [1, 0]
+    assert fl.explain(*large, measure=True).forecast.timing is not None  # of the code that will run
+    assert compiled == [True, False]
+
+
+def test_what_numba_compiles_is_compiled_once(compiled, monkeypatch):
+    def refuse(*_):
+        raise loader.Refused("no")
+
+    monkeypatch.setattr(loader, "llvm_text", refuse)
+    keys = []
+    monkeypatch.setattr(
+        "fastlink.codegen.numba_backend.compile_by_numba", lambda source, key: keys.append(key)
+    )
+    (of,) = resolve("planar_4r", space(9), ["swing"], branch=(1, 2)).kernels
+    for compiler in (SOON, "llvm"):
+        load_kernel(of.source, compiler)
+    assert len(keys) == 2
+    assert len(set(keys)) == 1
+
+
+# == Machine code of every target: whole vectors in the loops over lanes, no call of a library, nothing fused
+
+#: Processor, platform, and how many doubles a register holds.
+TARGETS = {
+    "v2": ("x86-64-v2", "x86_64-unknown-linux-gnu", 2),
+    "v3": ("x86-64-v3", "x86_64-unknown-linux-gnu", 4),
+    "v4": ("x86-64-v4", "x86_64-unknown-linux-gnu", 8),
+    "aarch64": ("generic", "aarch64-unknown-linux-gnu", 2),
+}
+#: What LLVM makes of loops that copy; libc has them, and they know no arithmetic.
+COPIES = {"memset", "memcpy", "memmove"}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def all_targets():
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+
+
+def assembly_for(kernel, target, **options):
+    cpu, triple, lanes = TARGETS[target]
+    text = llvm_text(kernel.source, **{"lanes": lanes} | options)
+    return assembly(text, cpu=cpu, triple=triple)
+
+
+def loops_over_lanes(kernel):
+    """Return how many loops of the text over lanes have products in them."""
+    loops = [node for node in ast.walk(ast.parse(kernel.text)) if isinstance(node, ast.For)]
+    abreast = [loop for loop in loops if ast.unparse(loop.iter).startswith(("lanes(", "entries("))]
+    return sum(any(isinstance(node, ast.Mult) for node in ast.walk(loop)) for loop in abreast)
+
+
+@pytest.mark.sample(3)
+@pytest.mark.parametrize("target", TARGETS)
+@pytest.mark.parametrize("name", few("curves of rapidity", "reductions", "systems", "extremes of forces"))
+def test_lanes_are_whole_vectors_and_nothing_is_called_or_fused(name, target):
+    for kernel, _ in kernels(FAMILIES[name].request()):
+        text = assembly_for(kernel, target)
+        loops = inner_loops(text)
+        vector = [loop for loop in loops if loop.packed]
+        assert len(vector) >= loops_over_lanes(kernel) > 0
+        assert max(loop.packed for loop in vector) > 40
+        assert [loop for loop in vector if loop.single] == []
+        # Loops over cells, of bounds and ends, are of one lane: that of bounds of extremes has 16 operations.
+        assert max((loop.single for loop in loops if not loop.packed), default=0) <= 16
+        assert called(text) <= COPIES
+        assert fused(text) == []
+        assert "vmaskmov" not in text  # AVX2 stores lane by lane under a mask
+
+
+#: The most instructions for each operation in the loop over angles.
+@pytest.mark.parametrize(("name", "most"), [("curves", 2.2), ("curves of forces", 1.55)])
+def test_with_16_registers_little_stands_in_memory(name, most):
+    """Half as many instructions again for loads, stores and what registers cannot hold; addresses are known before."""
+    kernel, _ = kernels(FAMILIES[name].request())[0]
+    hot = [loop for loop in inner_loops(assembly_for(kernel, "v3")) if loop.packed > 40][-1]
+    assert len(hot.lines) < most * hot.packed
+
+
+@pytest.mark.parametrize("target", ["v3", "v4"])
+def test_vectors_on_the_stack_lie_in_one_cache_line(target):
+    *_, (kernel, _) = kernels(FAMILIES["extremes of forces"].request())
+    long = [loop for loop in inner_loops(assembly_for(kernel, target)) if loop.packed > 40]
+    stack = [line for loop in long for line in loop.lines if re.search(r"mm\d+, \d*\(%rsp\)", line)]
+    assert stack
+    assert [line for line in stack if "movup" in line] == []
+
+
+def test_entries_for_lanes_are_loaded_without_vectors_of_addresses():
+    """AVX2 has instructions for neither conversion, and LLVM takes the addresses apart again."""
+    *_, (kernel, _) = kernels(FAMILIES["extremes"].request())
+    assert "vpextrq" not in assembly_for(kernel, "v3")
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_single_lanes_and_fused_products_would_be_noticed(target):
+    kernel, _ = kernels(FAMILIES["curves of forces"].request())[0]
+    loops = inner_loops(assembly_for(kernel, target, lanes=1))
+    assert sum(loop.packed for loop in loops) == 0
+    assert max(loop.single for loop in loops) > 40
+    # The second level has no instructions that fuse.
+    assert bool(fused(assembly_for(kernel, target, fast_math=("contract",)))) == (target != "v2")
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_a_call_would_be_noticed(target):
+    text = """
+    declare double @llvm.sin.f64(double)
+    define void @kernel(ptr %x) {
+      %v = load double, ptr %x
+      %y = call double @llvm.sin.f64(double %v)
+      store double %y, ptr %x
+      ret void
+    }"""
+    cpu, triple, _ = TARGETS[target]
+    assert called(assembly(text, cpu=cpu, triple=triple)) == {"sin"}

@@ -1,6 +1,7 @@
 """Refined designs: better, within the conditions, to the bits of a sweep, and nowhere near is a better one."""
 
 import itertools
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
 
 import fastlink as fl
+from fastlink.design.refine import FIRST_REACH, Descent, Outcome, Starts, Task, descend, is_one_design
 from fastlink.maps.units import flags_of
 
 #: Of each mechanism: its inputs, and what is asked for.
@@ -263,3 +265,190 @@ def test_extremes_over_positions_that_a_map_does_not_hold_are_refused():
     asked = {name: value for name, value in given.items() if name != "branch"}
     searched = fl.search("hart", space, minimise="A_y_max", top=1, **asked)
     assert float(searched.A_y_max[0]) == float(found.A_y_max[0])
+
+
+# == Descents of numbers alone: kinks, bent limits, places without numbers, several objectives ===============
+
+NONE = np.inf
+
+
+def task(f, slopes, *, signs=(1.0,), low=(-NONE,), high=(NONE,), counts=None):
+    """Return the task of results of single points, f(x) and its slopes."""
+
+    def values(points):
+        found = np.array([f(x) for x in points], dtype=float)
+        return found, np.ones(len(points), bool) if counts is None else np.array([counts(x) for x in points])
+
+    return Task(
+        values, lambda p: np.array([slopes(x) for x in p], dtype=float), *map(np.array, (signs, low, high))
+    )
+
+
+def test_a_least_greatest_value_is_at_the_vertex_of_its_pieces():
+    """max of three planes and a paraboloid: where the planes 3x - 1, 1 - x - y, 2y - 1 meet, x = 0.4, y = 0.5."""
+    normals, offsets = np.array([[3.0, 0.0], [-1.0, -1.0], [0.0, 2.0]]), np.array([-1.0, 1.1, -0.8])
+
+    def pieces(x):
+        return normals @ x + offsets
+
+    found = descend(
+        task(lambda x: [pieces(x).max()], lambda x: [normals[pieces(x).argmax()]]), np.array([0.9, 0.05])
+    )
+    # 3x - 1 = 1.1 - x - y = 2y - 0.8
+    vertex = np.linalg.solve([[4.0, 1.0], [3.0, -2.0]], [2.1, 0.2])
+    assert found.outcome is Outcome.CONVERGED
+    # SLSQP's precision is 1e-12 of the objective, the linear programs are exact on planes: 1e-9 of the ranges
+    np.testing.assert_allclose(found.point, vertex, atol=1e-9)
+
+
+def test_a_bent_limit_is_kept_and_named():
+    """The greatest x + y within the quarter circle of radius 0.7: at 45 degrees."""
+    found = descend(
+        task(
+            lambda x: [x.sum(), x @ x], lambda x: [np.ones(2), 2.0 * x],
+            signs=(-1.0, 0.0), low=(-NONE, -NONE), high=(NONE, 0.49),
+        ),
+        np.array([0.1, 0.3]),
+    )  # fmt: skip
+    assert found.values[1] <= 0.49
+    # limits are kept by 1e-9 of their size, and sqrt(2 * 0.49) changes by no more than that relatively
+    assert found.values[0] == pytest.approx(np.sqrt(2.0 * 0.49), rel=3e-9)
+    assert (found.limits, found.ends) == ({(1, 1)}, set())
+
+
+def test_ends_of_inputs_are_named_and_where_nothing_can_be_gained_the_start_stays():
+    found = descend(task(lambda x: [x[0] - x[1]], lambda x: [[1.0, -1.0]]), np.array([0.5, 0.5]))
+    np.testing.assert_array_equal(found.point, [0.0, 1.0])
+    assert found.ends == {(0, -1), (1, 1)}
+    start = np.array([0.5, 0.25])
+    found = descend(task(lambda x: [abs(x - start).sum()], lambda x: [np.sign(x - start + 1e-300)]), start)
+    assert found.outcome is Outcome.NOTHING_TO_GAIN
+    np.testing.assert_array_equal(found.point, start)
+    found = descend(task(lambda x: [x[0]], lambda x: [[np.nan]]), np.array([0.5]))
+    assert found.outcome is Outcome.NO_DERIVATIVE_AT_THE_START
+
+
+@pytest.mark.parametrize("blocked_by", ["a code", "no number"])
+def test_what_does_not_count_is_not_entered(blocked_by):
+    def f(x):
+        return [np.nan if blocked_by == "no number" and x[0] < 0.2 else x[0]]
+
+    counts = (lambda x: x[0] >= 0.2) if blocked_by == "a code" else None
+    found = descend(task(f, lambda x: [[1.0, 0.0]], counts=counts), np.array([0.9, 0.5]))
+    assert found.outcome is Outcome.BLOCKED_BY_A_CODE_OR_WHERE_THERE_IS_NO_VALUE
+    # steps shrink tenfold as long as they lead across the border
+    assert 0.2 <= found.point[0] < 0.2 + 1e-6
+
+
+def test_several_objectives_fall_together():
+    """Least distances from two points: better in both until between them."""
+    a, b = np.array([0.2, 0.2]), np.array([0.8, 0.2])
+    found = descend(
+        task(
+            lambda x: [(x - a) @ (x - a), (x - b) @ (x - b)], lambda x: [2.0 * (x - a), 2.0 * (x - b)],
+            signs=(1.0, 1.0), low=(-NONE, -NONE), high=(NONE, NONE),
+        ),
+        np.array([0.4, 0.9]),
+    )  # fmt: skip
+    assert (found.values < [0.2**2 + 0.7**2, 0.4**2 + 0.7**2]).all()
+    assert found.point[1] == pytest.approx(0.2, abs=1e-5)  # values are quadratic there: 1e-10 of them
+    assert 0.2 <= found.point[0] <= 0.8
+
+
+# == Starts that end in one design are told once, with their number, and the next different designs follow ===
+
+mine = fl.extend("planar_4r")
+
+
+@mine.quantity(units="1")
+def wells(a1, a4):
+    """Two wells of unlike depth over the crank, at 0.2 and 0.45 of the ground but for the slope."""
+    x = a1 / a4
+    return 400 * (x - 0.2) ** 2 * (x - 0.45) ** 2 + x / 10
+
+
+#: The bottoms: where d/dx of 400 (x - 0.2)^2 (x - 0.45)^2 + x / 10 is 0, but for the hill between them.
+BOTTOMS = np.polyder(400.0 * np.poly1d([0.2, 0.2, 0.45, 0.45], r=True) + np.poly1d([0.1, 0.0])).roots.real
+BOTTOMS = np.sort(BOTTOMS)[[0, 2]]
+RANGES = {"a1": (0.1, 0.55), "a2": 1.2, "a3": 0.8, "a4": 1.0}
+#: The descent ends where less than 1e-10 is to be gained, so about the root of that over the curvature from the bottom.
+NEAR = 1e-5
+
+
+def check_wells(found):
+    np.testing.assert_allclose(np.sort(found.a1), BOTTOMS, atol=NEAR)
+    assert float(found.a1[0]) < float(found.a1[1])  # the deeper one first
+    assert int(found.starts.sum()) > 2
+    assert f"from {int(found.starts.sum())} of these to 2 different designs" in found.attrs["selection"]
+
+
+def test_of_a_map_and_of_a_search():
+    space = fl.sobol(200, RANGES, seed=1)
+    maps = fl.sweep(mine, space, ["wells"], branch=1, progress=False)
+    asked = {"minimise": "wells", "top": 4}
+    found = fl.best(maps, **asked, refine=True, mechanism=mine)
+    check_wells(found)
+    searched = fl.search(mine, space, **asked, progress=False)
+    np.testing.assert_array_equal(searched.a1, found.a1)
+    np.testing.assert_array_equal(searched.starts, found.starts)
+
+
+def test_designs_of_a_front_that_are_the_same_are_told_once():
+    """Copies of a design, off by less than the refinement leaves undone, are one design of the front."""
+    a1 = np.concatenate([np.linspace(0.2, 0.4, 5)] * 2) + np.repeat([0.0, 1e-12], 5)
+    space = fl.table({"a1": a1, "a2": np.tile(np.linspace(1.0, 1.2, 5), 2), "a3": 0.8, "a4": 1.0})
+    asked = {"minimise": "a1", "maximise": "swing"}
+    maps = fl.sweep("planar_4r", space, ["swing"], branch=1, progress=False)
+    assert fl.best(maps, **asked).sizes["design"] == 10
+    found = fl.best(maps, **asked, refine="a2")
+    # nothing but a2 may change: each start keeps its own a1, so that all ten differ
+    assert found.sizes["design"] == 10
+    found = fl.best(maps, **asked, refine=True)
+    assert found.sizes["design"] <= 5
+    assert int(found.starts.sum()) > found.sizes["design"]
+
+
+@dataclass
+class Line:
+    """Points of a line, with one result that is to be least: what `is_one_design` asks of points."""
+
+    curve: object
+
+    limits = np.array([[-np.inf], [np.inf], [1.0]])
+
+    def values(self, points):
+        return self.curve(points), np.ones(len(points), dtype=bool)
+
+    def place_of(self, design):
+        return design
+
+
+@pytest.mark.parametrize(
+    ("hill", "apart", "same"),
+    [
+        (0.0, 1e-4, True),
+        (1e-9, 1e-4, True),  # less than limits are kept by
+        (1e-7, 1e-4, False),  # a hill
+        (0.0, 2.0 * FIRST_REACH, False),  # farther than the refinement looks: a valley of equal designs
+    ],
+)
+def test_what_lies_between_tells_whether_designs_are_one(hill, apart, same):
+    line = Line(lambda points: 1.0 + hill * np.sin(np.pi * points / apart) ** 2)
+    end = Descent(np.zeros(1), np.ones(1), Outcome.CONVERGED, np.ones(1))
+    assert is_one_design(line, end, np.array([apart])) == same
+
+
+def test_starts_are_the_best_of_each_neighbourhood():
+    rng = np.random.default_rng(0)
+    clusters = np.concatenate([centre + rng.uniform(-0.02, 0.02, (50, 2)) for centre in (0.2, 0.8)])
+    starts = Starts(clusters, [()] * 100, 1000, top=10)
+    order = []
+    for row in starts:
+        order.append(row)
+        starts.ended(row, clusters[row])
+    assert order == [0, 50]
+    # of other assembly modes, or with other inputs that stay, they are no neighbours
+    starts = Starts(clusters, [(k % 2,) for k in range(100)], 1000, top=10)
+    assert [*starts] == [0, 1, 50, 51]
+    # the number of starts is limited
+    assert len([*Starts(rng.uniform(size=(2000, 6)), [()] * 2000, 10**9, top=3)]) == 10

@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
+from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.configurations import PLANAR
 from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
 
 import fastlink as fl
+from fastlink.app.report import contents
+from fastlink.engine.resolve import resolve
+from fastlink.engine.scaling import ScalingAxis, homogeneity_degrees
+from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
 
 TABLE_1 = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
@@ -246,3 +254,290 @@ def test_a_map_that_does_not_fit_the_disk_is_refused_before_anything_is_computed
     with pytest.raises(fl.InputError, match=r"needs 11\.5 TB but .* are free"):
         sweep_4r(huge, ["theta4"], theta1=720, to=tmp_path / "huge.h5")
     assert not list(tmp_path.iterdir())
+
+
+# == Designs of every kind through a sweep: tables, maps fed back, labels, units, angles in degrees ==========
+
+FIXED = {"a1": 0.4, "a4": 1.0, "omega1": 25.0}
+GRID = fl.grid(a2=[1.1, 1.2, 5.0], a3=[0.7, 0.8], **FIXED)
+NAMES = ["omega4_max"]
+IGNORED = pytest.warns(fl.InputWarning, match="omega4_max, status")
+
+
+def sweep(space, names=NAMES, **options):
+    return sweep_4r(space, names, **options)
+
+
+@pytest.fixture(scope="module")
+def maps():
+    return sweep(GRID)
+
+
+FED_BACK = {
+    "whole": lambda maps: maps,
+    "one assembly mode": lambda maps: maps.sel(branch=1),
+    "some couplers": lambda maps: maps.isel(a2=[2, 0]),
+    "one design": lambda maps: maps.isel(a2=1, a3=1),
+    "in another order": lambda maps: maps.transpose("branch", "a3", "a2"),
+    "those that assemble": lambda maps: maps.where(maps.status < 2, drop=True),
+}
+
+
+@pytest.mark.parametrize("select", FED_BACK.values(), ids=FED_BACK)
+def test_a_map_stands_for_its_designs_in_their_dimensions(maps, select):
+    chosen = select(maps)
+    with IGNORED:
+        again = sweep(chosen)
+    wanted = chosen.drop_vars("branch") if chosen.branch.ndim == 0 else chosen
+    expected = maps.omega4_max.sel({name: wanted[name] for name in ("a2", "a3")})
+    xr.testing.assert_equal(again.omega4_max, expected.transpose(*again.omega4_max.dims))
+    assert again.attrs["design_ignored"] == "omega4_max, status"
+
+
+FLAT = {
+    "stacked": lambda maps: maps.stack(design=("a2", "a3")),
+    "rows": lambda maps: maps.to_dataframe(),
+    "rows of one assembly mode": lambda maps: maps.sel(branch=2).to_dataframe().reset_index(),
+    "table of rows": lambda maps: fl.table(maps.to_dataframe().reset_index()),
+}
+
+
+@pytest.mark.parametrize("select", FLAT.values(), ids=FLAT)
+def test_rows_of_a_map_are_its_designs_each_once(maps, select):
+    with IGNORED:
+        again = sweep(select(maps))
+    assert again.omega4_max.dims == ("design", "branch")
+    assert_array_equal(again.omega4_max.values.reshape(3, 2, 2), maps.omega4_max)
+    assert_array_equal(again.a2, np.repeat(maps.a2, 2))
+
+
+def test_a_file_of_the_rows_of_a_map(maps, tmp_path):
+    maps.to_dataframe().to_csv(tmp_path / "rows.csv")
+    with IGNORED:
+        again = sweep(tmp_path / "rows.csv")
+    assert_array_equal(again.omega4_max.values.reshape(3, 2, 2), maps.omega4_max)
+
+
+def test_selected_designs_keep_their_numbers_and_may_get_other_inputs(maps):
+    sample = fl.sobol(8, a2=(1.0, 1.4), a3=0.8, **FIXED)
+    whole = sweep(sample)
+    with IGNORED:
+        chosen = sweep(whole.isel(design=[5, 3]).assign(omega1=50.0))
+    assert chosen.design.values.tolist() == [5, 3]
+    # twice the speed of the crank is twice every rate, a power of two without rounding
+    assert_array_equal(chosen.omega4_max, 2.0 * whole.omega4_max.sel(design=[5, 3]))
+
+
+def test_a_map_without_results_is_taken_in_silence(maps):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        again = sweep(maps.drop_vars(maps.data_vars))
+    xr.testing.assert_equal(again.omega4_max, maps.omega4_max)
+    assert "design_ignored" not in again.attrs
+
+
+def test_choices_that_a_map_made_come_back():
+    space = fl.table({"a": [5.0, 5.5], "b": 5.0, "c": 2.0, "d": 4.0, "rho": 1.0})
+    whole = fl.sweep("focal", space, ["crank_type"], branch=(1, 2))
+    with pytest.warns(fl.InputWarning, match="crank_type"):
+        again = fl.sweep("focal", whole, ["crank_type"], branch=(1, 2))
+    assert again.crank_type.dims == ("design", "completion")
+    xr.testing.assert_equal(again.crank_type, whole.crank_type)
+
+
+def test_links_count_before_those_of_a_map():
+    light, heavy = fl.round_bar(density=2700.0, radius=0.01), fl.round_bar(density=7750.0, radius=0.01)
+    whole = sweep(GRID, ["T41_max"], links=heavy)
+    with pytest.warns(fl.InputWarning, match="density, radius"):
+        again = sweep(whole, ["T41_max"], links=light)
+    xr.testing.assert_equal(again.T41_max, sweep(GRID, ["T41_max"], links=light).T41_max)
+    with pytest.warns(fl.InputWarning, match="density, radius"):
+        assert "density" not in sweep(whole).coords
+    with pytest.warns(fl.InputWarning, match="T41_max, status"):
+        again = sweep(whole, ["T41_max"], links=fl.round_bar())
+    xr.testing.assert_equal(again.T41_max, whole.T41_max)
+
+
+def test_only_results_are_ignored():
+    table = {"a2": [1.1, 1.2], "a3": 0.8, **FIXED}
+    with pytest.warns(fl.InputWarning, match="omega4_rms"):
+        assert sweep({**table, "omega4_rms": [1.0, 2.0]}).attrs["design_ignored"] == "omega4_rms"
+    with refused("omgea1", "did you mean 'omega1'? Or pass keep=['omgea1']"):
+        sweep({**table, "omgea1": [1.0, 2.0]})
+    with refused("omega4", "did you mean"):  # a grid is written by hand
+        sweep(fl.grid(a2=1.1, a3=0.8, omega4=[1.0, 2.0], **FIXED))
+    for name in ("branch", "theta1", "theta1_deg"):
+        for space in ({**table, name: [1.0, 2.0]}, fl.grid(a2=1.1, a3=0.8, **{name: [1.0, 2.0]}, **FIXED)):
+            with refused(name, "as an option of the sweep"):
+                sweep(space)
+
+
+LABELS = pd.DataFrame(
+    {"a2": [1.1, 1.2, 5.0], "a3": 0.8, **FIXED, "maker": ["Müller", "", "B & C"]},
+    index=pd.Index(["P1", "P2", "P3"], name="part"),
+)
+
+
+def test_labels_are_coordinates_in_memory_and_in_files(tmp_path):
+    plain = sweep(LABELS.reset_index(drop=True).drop(columns="maker"))
+    memory = sweep(LABELS)
+    with sweep(LABELS, to=tmp_path / "map.h5", block=2, verify=2) as file:
+        for result in (memory, file):
+            assert result.part.values.tolist() == ["P1", "P2", "P3"]
+            assert result.maker.values.tolist() == ["Müller", "", "B & C"]
+            assert (
+                result.omega4_max.set_index(design="part").sel(design="P2", branch=1)
+                == plain.omega4_max[1, 0]
+            )
+            assert_array_equal(result.omega4_max, plain.omega4_max)
+            assert "P1" in contents(result)
+            assert result.omega4_max.to_dataframe().maker.iloc[0] == "Müller"
+        xr.testing.assert_equal(memory, file)
+    with xr.open_dataset(tmp_path / "map.h5", engine="netcdf4") as other:
+        assert other.part.values.tolist() == ["P1", "P2", "P3"]
+        assert other.omega4_max.dims == ("design", "branch")
+    with sweep(LABELS, to=tmp_path / "map.h5", verify=2) as again:  # up to date
+        assert again.attrs["written_time_ns"] == file.attrs["written_time_ns"]
+    with refused("map.h5"):
+        sweep(LABELS.assign(maker="x"), to=tmp_path / "map.h5")
+
+
+def test_names_of_designs_as_their_dimension():
+    dataset = xr.Dataset({"a2": ("design", [1.1, 1.2])}, coords={"design": ["P1", "P2"], "a3": 0.8, **FIXED})
+    result = sweep(dataset)
+    assert float(result.omega4_max.sel(design="P2", branch=1)) > 0.0
+    picture = fl.plot(result, "omega4_max")
+    assert [text.get_text() for text in picture.axes[0].get_xticklabels()] == ["P1", "P2"]
+
+
+def test_a_map_is_swept_again_by_its_path(tmp_path):
+    path = tmp_path / "maps.h5"
+    sweep(GRID, to=path).close()
+    with IGNORED:
+        again = sweep(path, ["transmission_angle_min"])
+    assert again.transmission_angle_min.dims == ("a2", "a3", "branch")
+    with refused("maps.h5", "fastlink.open"):
+        fl.table(path)
+    (tmp_path / "other.csv").write_bytes(path.read_bytes()[:100])
+    with refused("other.csv", "a map that a sweep has written"):
+        sweep(tmp_path / "other.csv")
+
+
+# == An axis that only scales results is multiplied, not evaluated again =====================================
+
+PLANAR_SCALED = catalogue("planar_4r")
+BAR = fl.round_bar(density=7750.0, radius=0.01)
+NAMES_SCALED = [
+    "omega4",
+    "T41_rms",
+    "omega4_max",
+    "alpha4_extrema",
+    "theta1_at_shaking_force_max",
+    "shaking_force_max",
+]
+COUPLERS, OUTPUTS = np.linspace(1.0, 1.4, 9), np.linspace(0.6, 1.0, 11)
+# Powers of two scale without rounding: rates by omega1, forces by its square.
+SPEEDS = np.array([0.5, 1.0, 8.0])
+
+
+def sweep_scaled(quantities=NAMES_SCALED, mechanism="planar_4r", links=BAR, **given):
+    options = {
+        key: given.pop(key)
+        for key in ("to", "block", "threads", "overwrite", "solver", "verify")
+        if key in given
+    }
+    return fl.sweep(
+        mechanism, fl.grid(**given), quantities, links=links, theta1=12, **{"branch": (1, 2)} | options
+    )
+
+
+@pytest.mark.sample(3)
+@pytest.mark.parametrize("order", [("omega1", "a2", "a3"), ("a2", "omega1", "a3"), ("a2", "a3", "omega1")])
+@pytest.mark.parametrize("block", [None, 1, 7, 64])
+def test_a_speed_axis_has_the_bits_of_its_speeds(order, block, tmp_path):
+    axes = {"omega1": SPEEDS, "a2": COUPLERS, "a3": OUTPUTS}
+    options = {} if block is None else {"to": tmp_path / "speeds.h5", "verify": 0}
+    together = sweep_scaled(a1=0.4, a4=1.0, **{name: axes[name] for name in order}, block=block, **options)
+    assert together.attrs["scaling_axis"] == "omega1"
+    assert together.attrs["designs"] == 3 * 9 * 11
+    meanings = together.status.attrs["flag_meanings"].split()
+    counts = [together.attrs[f"designs_{meaning}"] for meaning in meanings]
+    assert counts == np.bincount(together.status.values.ravel(), minlength=len(meanings)).tolist()
+    for speed in SPEEDS:
+        alone = sweep_scaled(a1=0.4, a4=1.0, **(axes | {"omega1": float(speed)}))
+        assert "scaling_axis" not in alone.attrs
+        for name in alone:
+            expected = alone[name].transpose(*(dim for dim in together[name].dims if dim != "omega1"))
+            assert_array_equal(together[name].sel(omega1=speed), expected, err_msg=name)
+    together.close()
+
+
+def test_any_speed_is_within_rounding():
+    together = sweep_scaled(
+        ["shaking_force_max", "omega4_max"], a1=0.4, a2=COUPLERS, a3=0.8, a4=1.0, omega1=[3.0, 7.0, 25.0]
+    )
+    for speed in together.omega1.values:
+        alone = sweep_scaled(
+            ["shaking_force_max", "omega4_max"], a1=0.4, a2=COUPLERS, a3=0.8, a4=1.0, omega1=float(speed)
+        )
+        for name in ("shaking_force_max", "omega4_max"):
+            # Extremes of size do not cancel: both ways are within 4 (1 + 2) roundings, by the power of omega1.
+            assert_allclose(together[name].sel(omega1=speed), alone[name], rtol=2 * 12 * UNIT_ROUNDING)
+
+
+@pytest.mark.parametrize(
+    ("given", "names"),
+    [
+        ({"omega1": [-1.0, 2.0]}, ["omega4_max"]),
+        ({"omega1": [0.0, 2.0]}, ["omega4_max"]),
+        ({"omega1": [1.0, 2.0], "gravity_y": -9.81}, ["T41_max"]),
+        ({"omega1": 2.0, "a2": [1.1, 1.2]}, ["omega4_max"]),
+        ({"omega1": [1.0, 2.0]}, ["omega4", "omega4_error"]),
+        ({"omega1": 2.0, "P_u": [0.1, 0.2], "P_v": 0.1}, ["P_x_max"]),
+    ],
+)
+def test_no_axis_is_used_that_does_more_than_scale(given, names):
+    space = fl.grid(**{"a1": 0.4, "a2": 1.1, "a3": 0.8, "a4": 1.0, **given})
+    assert resolve("planar_4r", space, names, links=BAR, branch=(1, 2)).scaling_axis is None
+
+
+@pytest.mark.parametrize(
+    ("name", "chosen", "expected"),
+    [
+        (
+            "omega1",
+            (),
+            {"omega2": 1, "jerk4": 3, "F32": 2, "input_power": 3, "theta2": 0, "status": 0, "curvature": 0},
+        ),
+        ("density", ("gravity", "round_bar"), {"omega2": 0, "F32": 1, "T41": 1, "shaking_moment": 1}),
+        ("omega1", ("gravity",), {"T41": None, "F32": None, "omega4": 1}),
+        ("a1", (), {"A_x": 1, "omega4": None, "status": None}),
+    ],
+)
+def test_degrees(name, chosen, expected):
+    of_bars = PLANAR_SCALED.variants["round_bar"] if "round_bar" in chosen else {}
+    inputs = [key for key in PLANAR_SCALED.known_inputs(chosen) if key not in of_bars]
+    leaves = (*inputs, *PLANAR_SCALED.tables, *PLANAR_SCALED.table_low_parts, "branch", "theta1")
+    result = homogeneity_degrees(PLANAR_SCALED.dependencies(expected, leaves, chosen), name)
+    assert {key: result[key] for key in expected} == expected
+
+
+@pytest.mark.parametrize("inner", [1, 4])
+def test_every_cut_delivers_each_design_once(inner):
+    length, slabs = 3, 5
+    space = fl.grid(a1=np.arange(1.0, slabs + 1), a2=np.arange(1.0, inner + 1))
+    axis = ScalingAxis("omega1", space, inner, (None,), length)
+    numbers = np.arange(float(slabs * inner))
+    whole = np.repeat(numbers.reshape(slabs, 1, inner), length, axis=1).ravel()
+    for block in range(1, slabs * inner + 1):
+        result = np.full(whole.size, np.nan)
+
+        def take(start, stop, arrays, result=result):
+            assert np.isnan(result[start:stop]).all()
+            result[start:stop] = arrays[0]
+
+        sink = axis.over(take)
+        for start in range(0, numbers.size, block):
+            stop = min(start + block, numbers.size)
+            sink(start, stop, [numbers[start:stop]])
+        assert_array_equal(result, whole)

@@ -1,7 +1,9 @@
 """Quantities of one's own have all that built-in ones have: values, extremes, derivatives, error bounds, labels."""
 
 import ast
+import math
 import pickle
+import random
 import re
 
 import numpy as np
@@ -11,12 +13,14 @@ from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
 
 import fastlink as fl
+from fastlink.app.study import load_extension
 from fastlink.codegen.kernel import kernel_of
 from fastlink.engine.resolve import resolve
 from fastlink.errors import InputError
 from fastlink.facts.formula import NAMESPACE
-from fastlink.facts.own import TAKEN, is_reserved
+from fastlink.facts.own import TAKEN, TOO_LONG, is_reserved
 from fastlink.mechanisms import catalogue
+from fastlink.pictures.content import script_of
 
 DESIGNS = fl.sobol(64, a1=(0.2, 0.5), a2=(0.9, 1.4), a3=(0.6, 1.1), a4=(0.9, 1.2), omega1=25.0, seed=3)
 #: Numbers of angles of a grid that is compared with extremes.
@@ -270,3 +274,169 @@ def test_names_of_kernels_are_taken():
 
 #: What facts call: no name of a quantity, since `extend` lets no declaration have a name that NAMESPACE has.
 FUNCTIONS_OF_FACTS = set(NAMESPACE)
+
+
+# == Texts of any length: each long chain of operations is computed in pieces, or refused in a line ==========
+
+HEAD = """from math import *
+import fastlink as fl
+mine = fl.extend("planar_4r")
+@mine.quantity(units="1")
+def long(theta4, a1, a2):
+    x = theta4
+"""
+DESIGN = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
+FACTORS = [round(random.Random(k).uniform(0.5, 1.5), 3) for k in range(1000)]
+TEXTS = {
+    "sum": " + ".join(f"{k} * x" for k in FACTORS),
+    "difference": " - ".join(f"{k} / x" for k in FACTORS),
+    "product": " * ".join(f"({k} + 0.001 * x)" for k in FACTORS),
+    "quotient": " / ".join(f"({k} + 0.001 * x)" for k in FACTORS),
+    "signs": f"{'-' * 1001}x",
+    "choices": f"{''.join(f'{k} if x < {k / 1000} else ' for k in range(1000))}x",
+    "conditions": f"1.0 if {' & '.join(f'(x < {k + 5})' for k in range(1000))} else 0.0",
+    "all": f"1.0 if {' and '.join(f'x < {k + 5}' for k in range(1000))} else 0.0",
+    "comparisons": f"1.0 if x < {' < '.join(f'{k} + x' for k in range(1000))} else 0.0",
+    "greatest": f"max({', '.join(f'{k} * x' for k in FACTORS)})",
+    "magnitudes": " + ".join(f"abs({k} - x)" for k in FACTORS),
+}
+
+
+@pytest.fixture
+def declared(tmp_path):
+    """Return a function that declares a text, and returns the extension and the text as a function of Python."""
+
+    def declare(text):
+        (tmp_path / "mine.py").write_text(HEAD + text + "\n")
+        extension = load_extension(tmp_path / "study.toml", "mine.py", "planar_4r", True)
+        names = {}
+        exec(
+            compile(f"from math import *\ndef long{HEAD.rpartition('def long')[2]}{text}\n", "", "exec"),
+            names,
+        )
+        return extension, names["long"]
+
+    return declare
+
+
+@pytest.mark.sample(1)
+@pytest.mark.parametrize("kind", TEXTS)
+def test_a_long_chain_has_the_value_that_python_gives_it(declared, kind):
+    mine, function = declared(f"    return {TEXTS[kind]}")
+    found = fl.evaluate(mine, ["theta4", "long"], theta1=1.0, branch=1, **DESIGN)
+    assert found["long"] == function(found["theta4"], 0.4, 1.2)
+    catalogue = mine.catalogue()
+    assert script_of(catalogue, ["long"], list(DESIGN), ())[1] == ("long",)
+    assert catalogue.resolve("long_error").depends_on
+    if kind not in (
+        "conditions",
+        "all",
+        "comparisons",
+    ):  # they choose between numbers, which depend on nothing
+        assert catalogue.resolve("d_long_d_a2").depends_on
+
+
+@pytest.mark.sample(1)
+@pytest.mark.parametrize("kind", ["sum", "conditions"])
+def test_a_long_chain_is_taken_by_every_reader(declared, kind):
+    text = TEXTS[kind] if kind == "conditions" else " + ".join(f"{k} * x" for k in FACTORS[:100])
+    mine, function = declared(f"    return {text} + a2 / a1 * x")
+    space = fl.grid(**DESIGN | {"a1": [0.3, 0.4]})
+    smooth = ["d_long_d_a2", "long_max_error"] if kind == "sum" else []
+    maps = fl.sweep(
+        mine, space, ["theta4", "long", "long_error", "long_max", *smooth], branch=1, theta1=7, verify=1
+    )
+    expected = [
+        [function(x, a1, 1.2) for x in row]
+        for a1, row in zip((0.3, 0.4), maps.theta4.squeeze().values, strict=True)
+    ]
+    assert np.abs(maps.long.squeeze() - expected).max() <= 1e-13 * np.abs(expected).max()
+    assert (maps.long_max.squeeze() >= maps.long.squeeze().max("theta1") * (1 - 1e-13)).all()
+    assert float(maps.long_error.max()) < 1e-9
+
+
+@pytest.mark.stress
+def test_ten_thousand_terms(declared):
+    lines = [f"    y = {'y + ' if k else ''}{TEXTS['sum']}" for k in range(10)]
+    mine, function = declared("\n".join([*lines, "    return y"]))
+    found = fl.evaluate(mine, ["theta4", "long"], theta1=1.0, branch=1, **DESIGN)
+    assert math.isclose(found["long"], function(found["theta4"], 0.4, 1.2), rel_tol=1e-11)
+
+
+def test_what_python_has_no_room_for_is_refused_in_a_line(declared):
+    for text in (" + ".join(["x"] * 100_000), "-" * 100_000 + "x"):
+        with refused("quantities_file", TOO_LONG[1]):
+            declared(f"    return {text}")
+    for text in ("x" + "**2" * 900, "x" + "[0]" * 900, f"1.0 if {'not ' * 900}x < 1.0 else 0.0"):
+        with pytest.raises(InputError) as caught:
+            declared(f"    return {text}")
+        assert len(str(caught.value)) < 400
+
+
+def test_more_kinks_than_are_searched_make_extremes_those_of_samples(declared):
+    for count, sampled in ((3, False), (100, True)):
+        mine, _ = declared(f"    return {' + '.join(f'abs({k} - x)' for k in FACTORS[:count])}")
+        catalogue = mine.catalogue()
+        assert ("long" in catalogue.graded.not_differentiable) is sampled
+        assert ("long" in catalogue.graded.kinks) is not sampled
+
+
+# == A quantity of one's own of every mechanism: values, extremes, derivatives ===============================
+
+slider = fl.extend("slider_crank")
+hart = fl.extend("hart")
+focal = fl.extend("focal")
+minkowski = fl.extend("minkowski_4r")
+
+
+@slider.quantity(units="m s-1", description="Greater of the speeds of slider and pin")
+def of_slider_crank(slider_velocity, omega, r):
+    return max(abs(slider_velocity), omega * r / 2)
+
+
+@hart.quantity(units="m2", description="Squared distance of Q from the origin")
+def of_hart(Q_x, Q_y):
+    return Q_x**2 + Q_y**2
+
+
+@focal.quantity(units="m", description="Distance of A and B")
+def of_focal(A_x, A_y, B_x, B_y):
+    return ((A_x - B_x) ** 2 + (A_y - B_y) ** 2) ** 0.5
+
+
+@minkowski.quantity(units="m2", description="Product of the coordinates of A")
+def of_minkowski_4r(A_x, A_y):
+    return A_x * A_y
+
+
+CASES = {
+    "slider_crank": (slider, {"r": 0.1, "l": 0.3, "e": 0.02, "omega": 20.0}),
+    "hart": (hart, {"m": 4.0, "n": 8.0, "d": 6.0, "kappa": 0.5}),
+    "focal": (focal, {"a": 5.0, "b": 5.0, "c": 2.0, "d": 4.0, "rho": 1.0, "completion": 1}),
+    "minkowski_4r": (minkowski, {"a": 1.0, "b": 7.0, "g": 4.0, "h": 1.0}),
+}
+
+
+LATER = ("focal", "hart")
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.stress if name in LATER else ()) for name in CASES]
+)
+def test_it_is_compiled_searched_and_differentiated(name):
+    mechanism, design = CASES[name]
+    own, first = f"of_{name}", next(iter(design))
+    wanted = [own, f"{own}_max", f"{own}_min", f"d_{own}_d_{first}", f"{own}_error"]
+    maps = fl.sweep(
+        mechanism, design, wanted, angles=None if mechanism is minkowski else 90, branch=1, verify=1
+    )
+    curve = maps[own]
+    assert curve.notnull().any()
+    size = float(abs(curve).max())
+    # a sample is no better than the extreme; the extreme is off a sample by a step times the slope at most
+    assert float(curve.max()) <= float(maps[f"{own}_max"]) + 1e-12 * size
+    assert float(maps[f"{own}_min"]) <= float(curve.min()) + 1e-12 * size
+    assert maps.attrs["verify_mismatches"] == 0
+    for each in (own, f"d_{own}_d_{first}"):
+        assert maps[each].attrs["error_max_roundings"] < 64.0
+    assert np.isfinite(maps[f"{own}_error"].where(curve.notnull())).any()
