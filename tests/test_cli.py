@@ -21,8 +21,8 @@ from fastlink.app import study
 from fastlink.app.cli import OTHER_NAMES, app
 from fastlink.io.output_path import progress_bar
 from fastlink.mechanisms import NAMES
-from tests.support.four_bar import sweep_4r
 from tests.support.refusals import assert_refusal
+from tests.support.sweeps import sweep_4r
 
 HEAVY = [
     "numba",

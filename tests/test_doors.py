@@ -12,9 +12,9 @@ from typer.testing import CliRunner
 import fastlink as fl
 from fastlink.app.cli import app
 from fastlink.errors import CallError, door
-from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
 from tests.support.study_files import GOOD, written
+from tests.support.sweeps import sweep_4r
 
 NAMESPACES = (fl, fl.planar, fl.focal, fl.minkowski, fl.hart)
 

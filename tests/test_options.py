@@ -14,9 +14,9 @@ from fastlink._text import short_repr
 from fastlink.app.cli import app
 from fastlink.engine.options import MOST_THREADS, is_reserved
 from fastlink.errors import LONGEST_FILE_NAME, InputError, Pair, Problem, Problems, Samples, Setting, Wording
-from tests.support.four_bar import sweep_4r
 from tests.support.refusals import assert_refusal, refused
 from tests.support.study_files import GOOD, written
+from tests.support.sweeps import sweep_4r, sweep_both
 
 SPACE = fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0, omega1=25.0)
 
@@ -248,7 +248,7 @@ def test_no_attribute_of_a_map_can_be_overwritten(folder):
     maps = [
         sweep(to="maps.h5", verify=1),
         sweep_4r(fl.sobol(4, a1=(0.1, 0.2), a2=1.1, a3=0.8, a4=1.0), ["theta4_max"]),
-        fl.sweep("hart", fl.grid(m=4.0, n=8.0, d=6.0, kappa=0.5), ["F_x"], branch=(1, 2)),
+        sweep_both("hart", fl.grid(m=4.0, n=8.0, d=6.0, kappa=0.5), ["F_x"]),
         study(verify=1),
     ]
     for one in maps:

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from tests.support.configurations import LENGTHS, PLANAR, condition_sums, masses_and_points, random_lengths
-from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
 from tests.support.registry import MULTIPLE
+from tests.support.sweeps import sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.numerics.compensated import UNIT_ROUNDING
@@ -84,9 +84,7 @@ def test_the_flywheel_takes_up_the_fluctuation():
 
 def test_the_flywheel_of_a_map_in_a_file(tmp_path):
     crank = fl.grid(r=0.1, l=0.4, e=0.0, omega=[5.0, 25.0], m3=1.0)
-    maps = fl.sweep(
-        "slider_crank", crank, ["T41_fluctuation"], links=BARS, to=tmp_path / "m.h5", verify=0, branch=(1, 2)
-    )
+    maps = sweep_both("slider_crank", crank, ["T41_fluctuation"], links=BARS, to=tmp_path / "m.h5", verify=0)
     expected = fl.planar.flywheel_inertia(maps, C_s=0.02)
     maps.close()
     np.testing.assert_array_equal(fl.planar.flywheel_inertia(tmp_path / "m.h5", C_s=0.02), expected)

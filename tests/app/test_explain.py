@@ -13,9 +13,9 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
-from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
 from tests.support.study_files import GOOD, written
+from tests.support.sweeps import sweep_4r
 from typer.testing import CliRunner
 
 import fastlink as fl

@@ -4,9 +4,9 @@ import re
 from importlib.resources import files
 
 import pytest
-from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
 from tests.support.registry import ENTRIES
+from tests.support.sweeps import sweep_4r
 from typer.testing import CliRunner
 
 import fastlink as fl

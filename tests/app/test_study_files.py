@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.testing import assert_array_equal
-from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
 from tests.support.study_files import BARE, GOOD, LENGTHS, written
+from tests.support.sweeps import sweep_4r
 from typer.testing import CliRunner
 
 import fastlink as fl

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_4r
 from typer.testing import CliRunner
 
 import fastlink as fl

@@ -11,8 +11,8 @@ import pytest
 from tests.support.assembly import called, fused, inner_loops
 from tests.support.compiled import assert_same_bits
 from tests.support.configurations import PLANAR
-from tests.support.four_bar import sweep_4r
 from tests.support.plan_families import FAMILIES, few, kernels, run_as_python, run_code, run_compiled
+from tests.support.sweeps import sweep_4r, sweep_both
 from tests.support.toys import toy
 
 import fastlink as fl
@@ -111,7 +111,7 @@ def test_no_value_of_a_mechanism_has_a_name_that_kernels_use(name):
 def test_designs_beyond_the_first_lanes_are_computed_too():
     """Of lengths that are called m and n."""
     n, design = np.linspace(0.8, 1.2, 130), {"m": 1.0, "d": 1.2, "kappa": 0.5}
-    found = fl.sweep("hart", fl.grid(n=n, **design), ["stroke"], branch=(1, 2))["stroke"]
+    found = sweep_both("hart", fl.grid(n=n, **design), ["stroke"])["stroke"]
     np.testing.assert_array_equal(found, evaluate("hart", ["stroke"], n=n, phi=0.0, **design)["stroke"])
 
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 from scipy.optimize import minimize
-from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.design.refine import FIRST_REACH, Descent, Outcome, Starts, Task, descend, is_one_design
@@ -256,10 +256,10 @@ def test_what_cannot_be_refined_is_refused(rockers):
 def test_extremes_over_positions_that_a_map_does_not_hold_are_refused():
     space = fl.sobol(16, {"m": (3.0, 5.0), "n": (7.0, 9.0), "d": 6.0, "kappa": (0.3, 0.6)})
     given = {"input": "F_y", "F_y": np.linspace(-1.0, 1.0, 9), "branch": 1, "progress": False}
-    maps = fl.sweep("hart", space, ["A_y_max"], **{"branch": (1, 2)} | given)
+    maps = sweep_both("hart", space, ["A_y_max"], **given)
     with refused("minimise", "along F_y"):
         fl.best(maps, minimise="A_y_max", refine=True)
-    both = fl.sweep("hart", space, ["A_y_max", "A_y"], **{"branch": (1, 2)} | given)
+    both = sweep_both("hart", space, ["A_y_max", "A_y"], **given)
     found = fl.best(both, minimise="A_y_max", top=1, refine=True)
     assert float(found.A_y_max_gain[0]) > 0.0
     asked = {name: value for name, value in given.items() if name != "branch"}

@@ -4,8 +4,8 @@ import itertools
 
 import numpy as np
 import pytest
-from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.mechanisms import catalogue
@@ -55,7 +55,7 @@ def test_changes_are_those_of_designs_at_all_corners_of_the_tolerances(mechanism
     }
     given = designs | {f"{name}_relative_tolerance": np.full(n, SHARE) for name in designs}
     changes = [f"{name}_{how}_change" for name in names for how in ("worst", "rss")]
-    found = fl.sweep(mechanism, fl.table(given), changes, **{"branch": (1, 2)} | options)
+    found = sweep_both(mechanism, fl.table(given), changes, **options)
     signs = np.array(list(itertools.product((-1.0, 1.0), repeat=len(designs))))
 
     def at_corners(share):
@@ -63,7 +63,7 @@ def test_changes_are_those_of_designs_at_all_corners_of_the_tolerances(mechanism
             name: (column[:, None] * (1.0 + share * signs[:, k])).ravel()
             for k, (name, column) in enumerate(designs.items())
         }
-        return fl.sweep(mechanism, fl.table(moved), names, **{"branch": (1, 2)} | options)
+        return sweep_both(mechanism, fl.table(moved), names, **options)
 
     whole, half = at_corners(SHARE), at_corners(SHARE / 2)
     compared = 0

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import xarray as xr
 from tests.support.configurations import draw
-from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
 from tests.support.registry import ENTRIES
 from tests.support.study_files import written
+from tests.support.sweeps import sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.app.report import contents
@@ -33,9 +33,7 @@ def request_of(mechanism, input):
         if any(other in columns for other in result.mutually_exclusive_inputs(name)):
             del columns[name]
     quantity = next(name for name, fact in result.public.items() if result.varies(name) and not fact.flags)
-    values = fl.sweep(mechanism, fl.table(columns), [quantity], input=input, angles=VALUES, branch=(1, 2))[
-        quantity
-    ].values
+    values = sweep_both(mechanism, fl.table(columns), [quantity], input=input, angles=VALUES)[quantity].values
     first = int(np.flatnonzero(np.isfinite(values.reshape(64, -1)).any(axis=1))[0])
     return {name: float(column[first]) for name, column in columns.items()}, quantity
 
@@ -76,7 +74,7 @@ def test_the_name_of_another_input_is_refused_with_the_right_one(folder, mechani
     for wrong in [*sorted(others), f"{input}_"]:
         message = rf"{re.escape(wrong)}\b.*\b{re.escape(input)}\b"
         with pytest.raises(fl.InputError, match=message):
-            fl.sweep(mechanism, fl.grid(**design), [quantity], input=input, **{wrong: VALUES}, branch=(1, 2))
+            sweep_both(mechanism, fl.grid(**design), [quantity], input=input, **{wrong: VALUES})
         with pytest.raises(fl.InputError, match=message):
             fl.function(mechanism, list(design), [quantity], input=input, **{wrong: VALUES})
         with pytest.raises(fl.InputError, match=rf"cycle\.{message}"):
@@ -284,5 +282,5 @@ def test_functions_of_maps_take_one_assembly_mode():
     chebyshev = fl.grid(a=[5.0, 5.5], b=5.0, c=2.0, d=4.0, rho=1.0, completion=1)
     options = {"input": "sigma", "sigma": np.linspace(3.3, 6.0, 9)}
     one = fl.sweep("focal", chebyshev, ["T_x", "T_y"], branch=1, **options)
-    several = fl.sweep("focal", chebyshev, ["T_x", "T_y"], **{"branch": (1, 2)} | options)
+    several = sweep_both("focal", chebyshev, ["T_x", "T_y"], **options)
     xr.testing.assert_equal(fl.focal.T_deviation(one), fl.focal.T_deviation(several).sel(branch=1))

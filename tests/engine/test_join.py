@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.testing import assert_array_equal
-from tests.support.four_bar import sweep_4r
 from tests.support.map_files import digest, left_in
 from tests.support.part_requests import AXES, GRID, REQUESTS, sweep
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 from fastlink.errors import InputWarning

@@ -3,8 +3,8 @@
 from importlib import import_module
 
 import pytest
-from tests.support.four_bar import sweep_4r
 from tests.support.study_files import written
+from tests.support.sweeps import sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.engine.resolve import resolve
@@ -40,7 +40,7 @@ def doors(mechanism, drives):
     options = {"input": drives, "solver": "dense"}
     study = written(STUDY.format(mechanism=mechanism, input=drives))
     return {
-        "sweep": lambda: fl.sweep(mechanism, fl.grid(), ["status"], **{"branch": (1, 2)} | options),
+        "sweep": lambda: sweep_both(mechanism, fl.grid(), ["status"], **options),
         "evaluate": lambda: fl.evaluate(mechanism, ["status"], **options),
         "function": lambda: fl.function(mechanism, ["x"], ["status"], **options),
         "study": lambda: fl.run(study),

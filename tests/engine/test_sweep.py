@@ -10,8 +10,8 @@ import pytest
 import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.configurations import PLANAR
-from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.app.report import contents
@@ -241,11 +241,8 @@ def test_bad_input_gets_one_clear_line(change, key, remedy):
         "quantities": ["omega4"],
     } | change
     with refused(key, remedy):
-        fl.sweep(
-            options.pop("mechanism"),
-            fl.grid(**options.pop("space")),
-            options.pop("quantities"),
-            **{"branch": (1, 2)} | options,
+        sweep_both(
+            options.pop("mechanism"), fl.grid(**options.pop("space")), options.pop("quantities"), **options
         )
 
 
@@ -338,9 +335,9 @@ def test_a_map_without_results_is_taken_in_silence(maps):
 
 def test_choices_that_a_map_made_come_back():
     space = fl.table({"a": [5.0, 5.5], "b": 5.0, "c": 2.0, "d": 4.0, "rho": 1.0})
-    whole = fl.sweep("focal", space, ["crank_type"], branch=(1, 2))
+    whole = sweep_both("focal", space, ["crank_type"])
     with pytest.warns(fl.InputWarning, match="crank_type"):
-        again = fl.sweep("focal", whole, ["crank_type"], branch=(1, 2))
+        again = sweep_both("focal", whole, ["crank_type"])
     assert again.crank_type.dims == ("design", "completion")
     xr.testing.assert_equal(again.crank_type, whole.crank_type)
 
@@ -446,9 +443,7 @@ def sweep_scaled(quantities=NAMES_SCALED, mechanism="planar_4r", links=BAR, **gi
         for key in ("to", "block", "threads", "overwrite", "solver", "verify")
         if key in given
     }
-    return fl.sweep(
-        mechanism, fl.grid(**given), quantities, links=links, theta1=12, **{"branch": (1, 2)} | options
-    )
+    return sweep_both(mechanism, fl.grid(**given), quantities, links=links, theta1=12, **options)
 
 
 @pytest.mark.sample(3)

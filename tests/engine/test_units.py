@@ -14,8 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mp
 from numpy.testing import assert_allclose, assert_array_equal
-from tests.support.four_bar import sweep_4r
 from tests.support.refusals import assert_refusal, refused
+from tests.support.sweeps import sweep_4r, sweep_both
 from typer.testing import CliRunner
 
 import fastlink as fl
@@ -251,15 +251,15 @@ def test_samples_are_drawn_in_their_unit():
 def test_positions_that_are_lengths_and_turns():
     hart = {"m": 1.0, "n": 1.4, "d": 2.5, "kappa": 0.6}
     names, values = ["phi"], np.array([0.1, 0.2])
-    expected = fl.sweep("hart", fl.grid(**hart), names, input="F_y", F_y=values, branch=(1, 2))
+    expected = sweep_both("hart", fl.grid(**hart), names, input="F_y", F_y=values)
     for positions in (
         {"F_y_mm": 1000 * values},
         {"F_y": xr.DataArray(100 * values, dims="k", attrs={"units": "cm"})},
     ):
-        found = fl.sweep("hart", fl.grid(**hart), names, input="F_y", **{"branch": (1, 2)} | positions)
+        found = sweep_both("hart", fl.grid(**hart), names, input="F_y", **positions)
         xr.testing.assert_equal(found, expected)
     with refused("F_y_kg", "F_y_mm"):
-        fl.sweep("hart", fl.grid(**hart), names, input="F_y", F_y_kg=values, branch=(1, 2))
+        sweep_both("hart", fl.grid(**hart), names, input="F_y", F_y_kg=values)
     turned = sweep_4r({"a1": 0.4, **REST}, ["theta4"], theta1_turn=[0.25, 0.5])
     assert_array_equal(turned.theta1, [math.pi / 2, math.pi])
     assert turned.theta1.attrs["comment"] == "given in turn"
@@ -662,7 +662,7 @@ def test_what_is_no_array_of_degrees(options, key, remedy):
 def test_only_angles_have_degrees():
     hart = {"m": 1.0, "n": 1.4, "d": 2.5, "kappa": 0.6}
     with refused("F_y_deg", "write F_y"):
-        fl.sweep("hart", fl.grid(**hart), ["phi"], input="F_y", F_y_deg=[0.1, 0.2], branch=(1, 2))
+        sweep_both("hart", fl.grid(**hart), ["phi"], input="F_y", F_y_deg=[0.1, 0.2])
     with refused("a2_deg", "write a2"):
         sweep_4r({**DESIGN, "a2_deg": 1.0}, ["omega4"], theta1=8)
     both = {"counterweight1_direction_deg": 40.0, "counterweight1_direction": 0.5, **WEIGHT, **DESIGN}

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from tests.support.configurations import DIGITS, LENGTHS, PLANAR, masses_and_points, random_lengths, reference
-from tests.support.four_bar import sweep_4r
+from tests.support.sweeps import sweep_4r
 from tests.support.toys import toy
 
 import fastlink as fl

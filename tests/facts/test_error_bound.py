@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from tests.support import configurations
 from tests.support.configurations import LENGTHS, PLANAR, lengths_and_angles
-from tests.support.four_bar import sweep_4r
 from tests.support.precision import Truth, in_every_mode, plain
 from tests.support.registry import ENTRIES
+from tests.support.sweeps import sweep_4r, sweep_both
 from tests.support.toys import toy
 
 import fastlink as fl
@@ -212,7 +212,7 @@ def swept():
     for name, (inputs, options, names) in SWEPT.items():
         asked = [x for quantity in names for x in (quantity, f"{quantity}_error", f"{quantity}_trust")]
         asked += [f"{names[0]}_error_max", f"{MECHANISMS[name].position.name}_at_{names[0]}_error_max"]
-        found[name] = fl.sweep(name, fl.grid(**inputs), asked, **{"branch": (1, 2)} | options)
+        found[name] = sweep_both(name, fl.grid(**inputs), asked, **options)
     return found
 
 

@@ -26,7 +26,7 @@ from tests.hostile.lines import command_lines
 from tests.hostile.studies import ROOT, SMALL, studies
 from tests.hostile.tables import tables
 from tests.hostile.values import EITHER, REFUSED, TAKEN, Value
-from tests.support.four_bar import sweep_4r
+from tests.support.sweeps import sweep_4r, sweep_both
 
 
 class Case(NamedTuple):
@@ -119,9 +119,9 @@ def namespace() -> dict[str, Any]:
         "MAPS": sweep_4r(space, ["omega4_max"], **options),
         "TORQUE": fl.sweep("planar_4r", space, ["T41_fluctuation"], links=bars, branch=1, **options),
         "RATES": fl.sweep("planar_4r", space, rates, links=bars, branch=1, threads=1),
-        "LINKAGES": fl.sweep("minkowski_4r", linkages, of_linkages, threads=1, branch=(1, 2)),
+        "LINKAGES": sweep_both("minkowski_4r", linkages, of_linkages, threads=1),
         "RAYS": fl.focal.involution(5.0, 5.0, 2.0, 4.0, 1.369, branch=2, x=2.0, y=0.4495),
-        "PATH": fl.sweep("focal", focal, ["T_x", "T_y"], phi=8, branch=(1, 2)),
+        "PATH": sweep_both("focal", focal, ["T_x", "T_y"], phi=8),
         "SPEED": fl.function(
             "planar_4r", ["a2", "a3"], ["omega4_max"], a1=0.4, a4=1.0, omega1=25.0, angles=8
         ),

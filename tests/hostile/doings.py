@@ -16,7 +16,7 @@ from fastlink.app.study import read_study
 from fastlink.errors import InputError
 from tests.hostile.judge import complaint_about
 from tests.hostile.studies import meant
-from tests.support.four_bar import sweep_4r
+from tests.support.sweeps import sweep_4r
 
 USAGE = 2
 

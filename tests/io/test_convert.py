@@ -17,9 +17,9 @@ import pytest
 import xarray as xr
 from numpy.testing import assert_array_equal
 from pyarrow import parquet
-from tests.support.four_bar import sweep_4r
 from tests.support.map_files import digest, left_in, raising
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 from fastlink.io import checksums, convert, partial_file, where

@@ -16,9 +16,9 @@ import numpy as np
 import pytest
 import xarray as xr
 from tests.io.test_faults import failing_after, sweep
-from tests.support.four_bar import sweep_4r
 from tests.support.map_files import SPACES, Sample, left_in
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 from fastlink.io import checksums, partial_file

@@ -18,9 +18,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 from tests.support.faults import CODES, FAULTS, Outcome, Trials, library
-from tests.support.four_bar import sweep_4r
 from tests.support.map_files import Sample, digest, left_in, raising
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 from fastlink import machine

@@ -14,9 +14,9 @@ import warnings
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
-from tests.support.four_bar import sweep_4r
 from tests.support.map_files import left_in
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 from fastlink.io.convert import Source

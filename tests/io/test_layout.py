@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.testing import assert_array_equal
-from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
 from tests.support.study_files import BARE
+from tests.support.sweeps import sweep_4r, sweep_both
 from typer.testing import CliRunner
 
 import fastlink as fl
@@ -130,21 +130,16 @@ def test_a_study_and_the_command_line_choose_the_layout(tmp_path):
 def test_functions_of_maps_read_both_layouts(tmp_path):
     space = fl.grid(a=np.linspace(4.5, 5.5, 3), b=5.0, c=2.0, d=4.0, rho=1.0, completion=1)
     given = {"input": "sigma", "sigma": np.linspace(3.3, 6.0, 9), "verify": 0, "to": tmp_path / "curves.h5"}
-    curves = fl.sweep("focal", space, ["T_x", "T_y"], **{"branch": (1, 2)} | given)
-    maps = fl.sweep(
-        "focal",
-        space,
-        ["T_x", "T_y"],
-        **{"branch": (1, 2)} | given | {"layout": "maps", "to": tmp_path / "maps.h5"},
+    curves = sweep_both("focal", space, ["T_x", "T_y"], **given)
+    maps = sweep_both(
+        "focal", space, ["T_x", "T_y"], **given | {"layout": "maps", "to": tmp_path / "maps.h5"}
     )
     with curves, maps:
         deviations = [fl.focal.T_deviation(one) for one in (maps, curves)]
         assert_array_equal(deviations[0].transpose(*deviations[1].dims), deviations[1])
         best = [one.fastlink.top(4, "T_x").drop_attrs() for one in (maps, curves)]
         assert best[0].equals(best[1])
-        again = fl.sweep(
-            "focal", maps.fastlink.designs, ["T_x"], input="sigma", sigma=given["sigma"], branch=(1, 2)
-        )
+        again = sweep_both("focal", maps.fastlink.designs, ["T_x"], input="sigma", sigma=given["sigma"])
         assert_array_equal(again.T_x, curves.T_x)
         drawn = [select(one, "T_x", 1, {"sigma": 4.0}).variable for one in (maps, curves)]
         assert_array_equal(drawn[0].transpose(*drawn[1].dims), drawn[1])

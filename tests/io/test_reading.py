@@ -10,7 +10,7 @@ import netCDF4
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
-from tests.support.four_bar import sweep_4r
+from tests.support.sweeps import sweep_4r, sweep_both
 
 import fastlink as fl
 
@@ -43,7 +43,7 @@ def by_positions(folder, grid):
 def sampled(folder, grid):
     path = folder / "sampled.nc"
     space = fl.sobol(8, a=(4.0, 5.0), b=5.0, c=2.0, d=4.0, rho=1.0, completion=1)
-    fl.sweep("focal", space, ["T_x", "F_y"], angles=8, verify=0, to=path, branch=(1, 2)).close()
+    sweep_both("focal", space, ["T_x", "F_y"], angles=8, verify=0, to=path).close()
     return path
 
 

@@ -13,9 +13,9 @@ import h5py
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
-from tests.support.four_bar import sweep_4r
 from tests.support.map_files import left_in, raising
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 from fastlink.codegen.kernel import Kernel

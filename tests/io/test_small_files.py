@@ -5,8 +5,8 @@ import os
 
 import numpy as np
 import pytest
-from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_4r, sweep_both
 
 import fastlink as fl
 
@@ -34,11 +34,11 @@ def test_extremes_over_an_arc_are_those_of_its_dense_samples(case):
     start, length = np.array(ARCS).T
     designs = fl.table({"arc_start": start, "arc_end": start + length}).with_constants(design)
     wanted = [f"{name}_{end}{more}" for name in names for end in ("min", "max") for more in ("", "_error")]
-    found = fl.sweep(mechanism, designs, wanted, branch=(1, 2))
+    found = sweep_both(mechanism, designs, wanted)
     for k, (first, span) in enumerate(ARCS):
         # the ends of a whole turn are one position
         angles = np.linspace(first, first + span, SAMPLES)[: None if span < 6.28 else -1]
-        curves = fl.sweep(mechanism, design, names, branch=(1, 2), angles=angles)
+        curves = sweep_both(mechanism, design, names, angles=angles)
         for name in names:
             # a crank pin has a place where the linkage cannot be assembled, too, which is no part of the motion
             curve = curves[name].where(curves[names[0]].notnull())

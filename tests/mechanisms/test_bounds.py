@@ -10,8 +10,8 @@ import contextlib
 import numpy as np
 import pytest
 from tests.support.extremes import SEARCHED, bounded_extremes
-from tests.support.four_bar import sweep_4r
 from tests.support.neighbourhoods import DRAWN
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 from fastlink.facts.bounds import SMALL_ANGLE

@@ -19,9 +19,9 @@ from tests.support.extremes import (
     searched,
     swept_4r,
 )
-from tests.support.four_bar import sweep_4r
 from tests.support.neighbourhoods import folded_planar_4r
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.codegen.kernel import kernel_of
@@ -142,9 +142,7 @@ def test_extremes_of_derivatives_are_those_at_one_input_position(entry):
     name = next(one for one in names if search_of(entry, one, designs))
     ends = [f"{name}_max", f"{name}_min"]
     found, sampled = (
-        fl.sweep(
-            entry.mechanism, fl.table(designs), ends, input=entry.input, **{"branch": (1, 2)} | QUIET, **at
-        )
+        sweep_both(entry.mechanism, fl.table(designs), ends, input=entry.input, **QUIET, **at)
         for at in ({}, {"angles": 500, "extrema": "sampled"})
     )
     for end, sign in zip(ends, (1.0, -1.0), strict=True):
@@ -269,9 +267,7 @@ def differing(entry, designs, requests):
     """Return the results that are not the same together and in requests of their own, by name."""
 
     def found(names):
-        maps = fl.sweep(
-            entry.mechanism, fl.table(designs), names, input=entry.input, **{"branch": (1, 2)} | QUIET
-        )
+        maps = sweep_both(entry.mechanism, fl.table(designs), names, input=entry.input, **QUIET)
         return {name: maps[name].values for name in names}
 
     together = found(list(dict.fromkeys(name for names in requests for name in names)))
@@ -496,9 +492,7 @@ def counted(entry, designs, names, monkeypatch=None):
         monkeypatch.setattr(entry.catalogue, "graded", replace(entry.catalogue.graded, cells_otherwise=FINE))
     _plan.cache_clear()
     asked = [f"{name}_extrema_count" for name in names]
-    maps = fl.sweep(
-        entry.mechanism, fl.table(designs), asked, input=entry.input, **{"branch": (1, 2)} | QUIET
-    )
+    maps = sweep_both(entry.mechanism, fl.table(designs), asked, input=entry.input, **QUIET)
     _plan.cache_clear()
     return np.stack([maps[name].transpose("design", ...).values for name in asked])
 

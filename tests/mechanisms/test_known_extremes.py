@@ -9,8 +9,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.support.extremes import SEARCHED, designs_of
-from tests.support.four_bar import sweep_4r
 from tests.support.registry import Entry
+from tests.support.sweeps import sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.facts.catalogue import Catalogue
@@ -48,9 +48,9 @@ def assert_alike(mechanism: str, input: str | None, designs: dict[str, np.ndarra
     assert of.graded is not None
     ends = [f"{name}_{end}" for name in of.graded.known for end in ("max", "min")]
     names = [name + part for name in ends for part in ("", "_error")]
-    known = fl.sweep(mechanism, fl.table(designs), names, input=input, branch=(1, 2))
+    known = sweep_both(mechanism, fl.table(designs), names, input=input)
     with searched(of):
-        found = fl.sweep(mechanism, fl.table(designs), names, input=input, branch=(1, 2))
+        found = sweep_both(mechanism, fl.table(designs), names, input=input)
     for name in ends:
         one, other = known[name].values, found[name].values
         bound, other_bound = known[f"{name}_error"].values, found[f"{name}_error"].values

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from tests.support.configurations import draw
-from tests.support.four_bar import sweep_4r
+from tests.support.sweeps import sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.mechanisms import NAMES, catalogue, inputs_of
@@ -56,7 +56,7 @@ def test_reductions_run_over_positions_that_assemble(mechanism: str, drive: str)
     assert part.sum() > 5
     asked = [*(f"{name}_{how}" for how in REDUCED), f"{drive}_at_{name}_max"]
     options = {"input": drive, "branch": 1, "verify": 0, drive: positions, "extrema": "sampled"}
-    maps = fl.sweep(mechanism, fl.table(design), asked, **{"branch": (1, 2)} | options)
+    maps = sweep_both(mechanism, fl.table(design), asked, **options)
     for k in np.flatnonzero(part):
         values = np.broadcast_to(found[name], closes.shape)[k][closes[k]]
         for how, reduce in REDUCED.items():
@@ -122,7 +122,7 @@ def test_a_peak_is_the_greatest_magnitude(mechanism: str, part: int) -> None:
     for extrema in ("refined", "sampled"):
         has_slope = extrema == "refined" and part == SLOPED
         asked += [f"d_{names[0]}_{how}_d_{first}" for how in EXTREMES if has_slope]
-        maps = fl.sweep(mechanism, fl.table(design), asked, extrema=extrema, verify=0, branch=(1, 2))
+        maps = sweep_both(mechanism, fl.table(design), asked, extrema=extrema, verify=0)
         for name in names:
             high, low, peak = (maps[f"{name}_{how}"].values for how in EXTREMES)
             np.testing.assert_array_equal(peak, np.maximum(high, -low), err_msg=name)

@@ -4,8 +4,8 @@ import subprocess
 import sys
 
 import pytest
-from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.mechanisms import NAMES, catalogue, inputs_of
@@ -38,12 +38,7 @@ def test_every_mechanism_refuses_in_the_same_words(mechanism, drive):
         (moving, {}, {"angles": 5, drive: [0.1]}, f"{drive}: angles are given too", "one of them"),
     ):
         with refused(key, remedy):
-            fl.sweep(
-                mechanism,
-                fl.grid(**design | changes),
-                [asked],
-                **{"branch": (1, 2)} | {"input": drive} | options,
-            )
+            sweep_both(mechanism, fl.grid(**design | changes), [asked], **{"input": drive} | options)
 
 
 @pytest.mark.parametrize(
@@ -88,7 +83,7 @@ def test_every_mechanism_refuses_in_the_same_words(mechanism, drive):
 )
 def test_what_a_mechanism_has_not_is_told(mechanism, design, name, options, key, remedy):
     with refused(key, remedy):
-        fl.sweep(mechanism, fl.grid(**design), [name], **{"branch": (1, 2)} | options)
+        sweep_both(mechanism, fl.grid(**design), [name], **options)
 
 
 # == The list of mechanisms ==================================================================================

@@ -17,8 +17,8 @@ import pytest
 from numpy.testing import assert_allclose
 from PIL import Image
 from scipy.spatial import cKDTree
-from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 from fastlink.mechanisms import NAMES, catalogue, inputs_of

@@ -10,8 +10,8 @@ import pytest
 from matplotlib.collections import PathCollection, QuadMesh
 from matplotlib.contour import ContourSet
 from numpy.testing import assert_allclose, assert_array_equal
-from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.pictures import charts
@@ -56,7 +56,7 @@ def types():
     """Minkowskian linkages of many types."""
     lengths = np.linspace(0.125, 4.0, 32)
     names = ["linkage_type", "assembly_count_future", "theta_max"]
-    return fl.sweep("minkowski_4r", fl.grid(a=lengths, b=lengths, g=1.0, h=1.0), names, branch=(1, 2))
+    return sweep_both("minkowski_4r", fl.grid(a=lengths, b=lengths, g=1.0, h=1.0), names)
 
 
 def drawn(maps, name, **options):
@@ -186,9 +186,7 @@ def test_a_code_of_many_values_has_a_legend_beside_the_axes(types):
 
 def test_codes_and_counts(types):
     space = fl.grid(a=1.0, b=1.0, g=np.linspace(1.0, 4.0, 5), h=1.0)
-    figure = fl.plot(
-        fl.sweep("minkowski_4r", space, ["CB_orientation"], branch=(1, 2)), "CB_orientation", branch=1
-    )
+    figure = fl.plot(sweep_both("minkowski_4r", space, ["CB_orientation"]), "CB_orientation", branch=1)
     assert set(legend(figure)) <= {"past pointing", "none", "future pointing"}
     assert set(np.unique(panels(figure)[0].collections[0].get_array().compressed())) <= {0.0, 1.0, 2.0}
     figure = fl.plot(types, "assembly_count_future")

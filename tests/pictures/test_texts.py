@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.support.commands import code_blocks, run_command
-from tests.support.four_bar import sweep_4r
+from tests.support.sweeps import sweep_4r, sweep_both
 from tests.support.texts import flaws_of
 
 import fastlink as fl
@@ -55,7 +55,7 @@ def maps():
 def types():
     lengths = np.linspace(0.125, 4.0, 32)
     space = fl.grid(a=lengths, b=lengths, g=1.0, h=[0.1, 0.8, 1.6, 2.4, 3.2, 4.0])
-    return fl.sweep("minkowski_4r", space, ["linkage_type", "assembly_count_future"], verify=0, branch=(1, 2))
+    return sweep_both("minkowski_4r", space, ["linkage_type", "assembly_count_future"], verify=0)
 
 
 def plot(*given, of=maps, **options):

@@ -4,9 +4,9 @@ import re
 import time
 
 import pytest
-from tests.support.four_bar import sweep_4r
 from tests.support.phrases import INPUTS, MECHANISMS, QUANTITIES, pairs
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.facts.names import innermost
@@ -99,7 +99,7 @@ def test_a_suggestion_is_quick():
 )
 def test_the_message_about_a_quantity(mechanism, name, remedy):
     with refused(repr(name), remedy):
-        fl.sweep(mechanism, fl.grid(), [name], branch=(1, 2))
+        sweep_both(mechanism, fl.grid(), [name])
 
 
 def test_the_mechanism_that_a_phrase_means_is_suggested():

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from tests.support.four_bar import sweep_4r
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 from fastlink.errors import InputError

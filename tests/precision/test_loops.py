@@ -10,18 +10,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.support.against_loops import (
-    UNKNOWN,
-    Tally,
-    campaign,
-    compare,
-    count,
-    errors_of,
-    references,
-)
+from tests.support.against_loops import UNKNOWN, Tally, campaign, compare, count, errors_of, references
 from tests.support.neighbourhoods import DRAWN, ULP
 from tests.support.precision import in_every_mode
 from tests.support.registry import ENTRIES
+from tests.support.sweeps import sweep_both
 
 import fastlink as fl
 from fastlink.facts.formula import Formula
@@ -227,9 +220,7 @@ def test_a_wrong_formula_is_a_mismatch_in_the_file(
     options = options | {known.position.name: np.linspace(0.9, 1.1, 5), "verify": 1}
 
     def swept(name):
-        with fl.sweep(
-            mechanism, fl.grid(**design), [quantity], **{"branch": (1, 2)} | options, to=tmp_path / name
-        ) as maps:
+        with sweep_both(mechanism, fl.grid(**design), [quantity], **options, to=tmp_path / name) as maps:
             return dict(maps[quantity].attrs), maps.attrs["verify_mismatches"], maps.fastlink.summary()
 
     attrs, mismatches, summary = swept("right.h5")

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from tests.support.configurations import masses_and_points
-from tests.support.four_bar import sweep_4r
 from tests.support.precision import in_every_mode, plain, wrong
 from tests.support.registry import ENTRIES
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 from fastlink.mechanisms import catalogue

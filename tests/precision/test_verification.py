@@ -6,7 +6,7 @@ from importlib import import_module
 import numpy as np
 import pytest
 from tests.support.configurations import PLANAR
-from tests.support.four_bar import sweep_4r
+from tests.support.sweeps import sweep_4r
 from typer.testing import CliRunner
 
 import fastlink as fl

@@ -14,8 +14,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 from scipy.stats import chi2, qmc
-from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 from fastlink.engine.resolve import resolve
@@ -103,11 +103,7 @@ GRID_ERRORS = {
     "empty": ([], "grid: a2", "at least one value"),
     "inf in axis": ([1.0, -np.inf], "grid: a2[1]", "a finite number"),
     "repeat": ([1.0, 2.0, 3.0, 2.0], "grid: a2", "each value once"),
-    "two dimensions": (
-        np.ones((2, 2)),
-        "grid: a2",
-        "a flat list of numbers",
-    ),
+    "two dimensions": (np.ones((2, 2)), "grid: a2", "a flat list of numbers"),
     "text in list": ([1.0, "x"], "grid: a2[1]", "a number"),
     "durations": (np.array([1], "m8[ns]"), "grid: a2", "numbers"),
     "too large": (10**400, "grid: a2", "a smaller one"),

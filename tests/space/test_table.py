@@ -16,8 +16,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 from pyarrow import parquet
-from tests.support.four_bar import sweep_4r
 from tests.support.refusals import assert_refusal, refused
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 from fastlink.engine.resolve import resolve
@@ -88,11 +88,7 @@ def test_invalid_designs_are_kept_when_allowed(tmp_path):
 
 KEEP = "a finite number, or pass allow_invalid=True to keep such designs"
 TABLE_ERRORS = {
-    "unequal": (
-        {"a1": [1, 2, 3], "a2": [1, 2]},
-        "column a2",
-        "one per design",
-    ),
+    "unequal": ({"a1": [1, 2, 3], "a2": [1, 2]}, "column a2", "one per design"),
     "inf": ({"a1": [np.inf, 2]}, "row 0 (counted from 0) of column a1", KEEP),
     "nan constant": ({"a1": [1, 2], "a2": np.nan}, "a2", "a finite number"),
     "no rows": ({"a1": []}, "column a1", "at least one row"),
@@ -128,41 +124,17 @@ def test_a_bad_table_is_refused_in_one_line(source, key, remedy):
 
 
 CSV_ERRORS = {
-    "no text": (
-        "",
-        "d.csv",
-        "the names of the columns in line 1, then one line per design",
-    ),
-    "no header": (
-        "0.4,1.0\n0.5,1.0\n",
-        "d.csv line 1",
-        "the names of the columns in line 1",
-    ),
+    "no text": ("", "d.csv", "the names of the columns in line 1, then one line per design"),
+    "no header": ("0.4,1.0\n0.5,1.0\n", "d.csv line 1", "the names of the columns in line 1"),
     "no rows": ("a1,a2\n", "d.csv", "one line per design"),
     "unnamed": ("a1,\n0.4,0\n", "d.csv line 1", "name it by the input it holds"),
-    "twins": (
-        "a1,a1\n1,2\n",
-        "d.csv line 1",
-        "name each by the input it holds",
-    ),
+    "twins": ("a1,a1\n1,2\n", "d.csv line 1", "name each by the input it holds"),
     "decimal commas": ("a1;a2\n1;2\n0,5;2\n", "row 1 (line 3) of column a1", "decimal=','"),
     "decimal commas alone": ("a1;a2\n1,5;2\n0,5;2\n", "row 0 (line 2) of column a1", "with a point"),
     "commas of both kinds": ("a1,a2\n0,4,1,2\n", "line 2", "numbers with a point"),
-    "comment": (
-        "# a1,a2\n1,2\n",
-        "d.csv line 1",
-        "the names of the columns alone in line 1",
-    ),
-    "short row": (
-        "a1,a2\n1,2\n\n3\n",
-        "d.csv line 4",
-        "one cell per column",
-    ),
-    "text": (
-        "a1,a2\n1,2\n3,four\n",
-        "row 1 (line 3) of column a2",
-        "a number",
-    ),
+    "comment": ("# a1,a2\n1,2\n", "d.csv line 1", "the names of the columns alone in line 1"),
+    "short row": ("a1,a2\n1,2\n\n3\n", "d.csv line 4", "one cell per column"),
+    "text": ("a1,a2\n1,2\n3,four\n", "row 1 (line 3) of column a2", "a number"),
     "empty cell": ("a1,a2\n1,\n", "row 0 (line 2) of column a2", KEEP),
     "a quote in a number": ('a1,a2\n0.4,"1.2"5\n', "CSV text", "UTF-8"),
     "digits of another script": ("a1,a2\n0.3,1.0\n0.4,١\n", "row 1 (line 3) of column a2", "a number"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from tests.support.four_bar import sweep_4r
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 from fastlink.typing import MechanismName, Planar4rResult

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tests.support.four_bar import sweep_4r
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 from fastlink.typing import Planar4rResult

@@ -4,7 +4,7 @@ from math import tan
 
 import numpy as np
 import pytest
-from tests.support.four_bar import sweep_4r
+from tests.support.sweeps import sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.facts.expression import GraphAsWritten, beneath, generate_formula, winding
@@ -51,10 +51,10 @@ def check(names, count, samples, bounds=True):
     designs = fl.table(columns).with_constants({"a4": 1.0, "omega1": 25.0})
     given = {"links": BARS, "progress": False}
     errors = [f"{name}_error" for name in names] if bounds else []
-    maps = fl.sweep(mine, designs, [*names, *errors], **{"branch": (1, 2)} | given)
+    maps = sweep_both(mine, designs, [*names, *errors], **given)
     angles = np.linspace(-np.pi, np.pi, samples)
     quantities = list(dict.fromkeys(name.rpartition("_")[0] for name in names))
-    curves = fl.sweep(mine, designs, quantities, **{"branch": (1, 2)} | given, theta1=angles)
+    curves = sweep_both(mine, designs, quantities, **given, theta1=angles)
     for name in names:
         quantity, _, how = name.rpartition("_")
         sign = 1.0 if how == "max" else -1.0
@@ -100,17 +100,13 @@ def test_lists_hold_the_extremes_beside_kinks(name):
     columns = {length: rng.uniform(*ends, 12) for length, ends in columns.items()}
     columns |= {"a4": np.ones(12), "omega1": np.full(12, 2.5)}
     given = {"branch": 1, "progress": False}
-    maps = fl.sweep(
-        mine, fl.table(columns), [f"{name}_extrema", "theta4_extrema"], **{"branch": (1, 2)} | given
-    )
+    maps = sweep_both(mine, fl.table(columns), [f"{name}_extrema", "theta4_extrema"], **given)
     beside = np.geomspace(1e-9, 1e-2, 81)
     for k, dead in enumerate(maps["theta1_at_theta4_extrema"].values[:, :2]):
         near = (dead[:, None] + np.concatenate([-beside, [0.0], beside])).ravel()
         angles = np.unique(np.concatenate([np.linspace(0.0, 2.0 * np.pi, 4000, endpoint=False), near]))
         design = fl.table({length: values[k : k + 1] for length, values in columns.items()})
-        values = fl.sweep(mine, design, [name], **{"branch": (1, 2)} | given, theta1=angles)[
-            name
-        ].values.ravel()
+        values = sweep_both(mine, design, [name], **given, theta1=angles)[name].values.ravel()
         rises = np.sign(np.diff(values, append=values[0]))
         rises = rises[rises != 0.0]
         assert maps[f"{name}_extrema_count"][k] == (rises != np.roll(rises, 1)).sum(), k
@@ -217,9 +213,9 @@ def test_no_dense_sample_is_beyond_an_extreme_of_what_jumps(case):
     mechanism, designs, names = CASES[case]
     links = {"links": fl.round_bar(density=7750.0, radius=0.01)} if mechanism is planar else {}
     given = {"branch": (1, 2), "progress": False, **links}
-    curves = fl.sweep(mechanism, designs, names, **{"branch": (1, 2)} | given, positions=ANGLES)
+    curves = sweep_both(mechanism, designs, names, **given, positions=ANGLES)
     wanted = [f"{name}_{end}{more}" for name in names for end in ("min", "max") for more in ("", "_error")]
-    maps = fl.sweep(mechanism, designs, wanted, **{"branch": (1, 2)} | given)
+    maps = sweep_both(mechanism, designs, wanted, **given)
     for name in names:
         assert maps[f"{name}_max"].attrs["extrema"] == "refined"
         curve = curves[name]
@@ -238,7 +234,7 @@ def test_no_dense_sample_is_beyond_an_extreme_of_what_jumps(case):
 def test_the_greater_of_values_that_change_sign_is_not_mirrored():
     """Once the least of branch 2 was the greatest of branch 1 with its sign changed, as of each of both."""
     design = {"a1": 2.0, "a2": 2.5, "a3": 2.2, "a4": 0.8, "omega1": 1.0}
-    maps = fl.sweep(planar, design, ["larger_min", "larger_max"], branch=(1, 2), verify=2)
+    maps = sweep_both(planar, design, ["larger_min", "larger_max"], verify=2)
     assert float(maps.larger_min[1]) != -float(maps.larger_max[0])
     assert maps.attrs["verify_mismatches"] == 0
 
@@ -253,13 +249,13 @@ def test_sides_of_jumps_are_verified_with_50_digits():
         "larger_max",
         "larger_min_error",
     ]
-    maps = fl.sweep(planar, design, names, branch=(1, 2), verify=2)
+    maps = sweep_both(planar, design, names, verify=2)
     assert maps.attrs["verify_mismatches"] == 0
     for name in names[:5]:
         # the place of a jump is known to 2^-46 of the range, 64 roundings of the value's change over the turn
         assert maps[name].attrs["error_max_relative"] < 64 * 2.0**-52 * 20.0
     # a jump is no extreme of a list: only what the curve itself turns at
-    curve = fl.sweep(planar, design, ["unrolled"], positions=20000, branch=(1, 2)).unrolled.values
+    curve = sweep_both(planar, design, ["unrolled"], positions=20000).unrolled.values
     steps = np.roll(curve, -1, axis=-1) - curve
     after = np.roll(steps, -1, axis=-1)
     turns = (steps * after < 0) & (abs(steps) < 0.1) & (abs(after) < 0.1)
@@ -269,8 +265,8 @@ def test_sides_of_jumps_are_verified_with_50_digits():
 def test_what_reads_the_position_as_a_number_is_sampled():
     """The position jumps at the end of the turn, wherever that is: `ahead` once had other extremes than its curve."""
     design = {"a1": 0.5, "a2": 3.0, "a3": 2.5, "a4": 2.2, "omega1": 1.0}
-    maps = fl.sweep(planar, design, ["ahead_min", "ahead_max", "periodic_min"], positions=360, branch=(1, 2))
-    curve = fl.sweep(planar, design, ["ahead"], positions=360, branch=(1, 2))
+    maps = sweep_both(planar, design, ["ahead_min", "ahead_max", "periodic_min"], positions=360)
+    curve = sweep_both(planar, design, ["ahead"], positions=360)
     assert maps.ahead_min.attrs["extrema"] == "sampled"
     assert maps.periodic_min.attrs["extrema"] == "refined"
     assert (maps.ahead_min == curve.ahead.min("theta1")).all()
@@ -352,11 +348,11 @@ def test_extremes_are_infinite_where_the_divisor_changes_its_sign(name):
         {"a4": 1.0, "omega1": 10.0}
     )
     wanted = [f"{name}_max", f"{name}_min", f"{name}_peak"]
-    found = fl.sweep(planar, space, wanted, branch=(1, 2), verify=20)
+    found = sweep_both(planar, space, wanted, verify=20)
     assert found.attrs["verify_mismatches"] == 0
     divisor, even_pole = POLES[name]
     angles = np.linspace(0.001, 2.0 * np.pi, 720, endpoint=False)
-    dense = fl.sweep(planar, space, [divisor, name, "theta4"], branch=(1, 2), angles=angles)
+    dense = sweep_both(planar, space, [divisor, name, "theta4"], angles=angles)
     dense = dense.where(dense.theta4.notnull())  # where the linkage assembles
     sign = np.sign(dense[divisor])
     turns = ((sign * sign.roll(theta1=1)) < 0).any("theta1") & sign.notnull().all("theta1")
@@ -381,7 +377,7 @@ def test_places_bounds_and_lists_beside_poles():
         "even_min",
     ]
     names += ["with_limit_max", "undone_max", "omega4_max", "d_torque_ratio_max_d_a1", "slope_of_output_peak"]
-    found = fl.sweep(planar, design, names, branch=(1, 2), verify=1)
+    found = sweep_both(planar, design, names, verify=1)
     assert found.attrs["verify_mismatches"] == 0
     assert np.isposinf(found.torque_ratio_max_error).all()
     assert np.isnan(found.d_torque_ratio_max_d_a1).all()
@@ -396,10 +392,8 @@ def test_places_bounds_and_lists_beside_poles():
     for name in ("with_limit_max", "undone_max"):
         np.testing.assert_allclose(found[name], found.omega4_max, rtol=1e-14)
     assert np.isposinf(found.slope_of_output_peak).all()
-    arc = fl.sweep(
-        planar, design | {"arc_start": 0.5, "arc_end": 1.5}, names[:1], branch=(1, 2)
-    ).torque_ratio_max
-    dense = fl.sweep(planar, design, ["torque_ratio"], branch=(1, 2), angles=np.linspace(0.5, 1.5, 4001))
+    arc = sweep_both(planar, design | {"arc_start": 0.5, "arc_end": 1.5}, names[:1]).torque_ratio_max
+    dense = sweep_both(planar, design, ["torque_ratio"], angles=np.linspace(0.5, 1.5, 4001))
     np.testing.assert_allclose(arc, dense.torque_ratio.max("theta1"), rtol=1e-5)
 
 
@@ -408,7 +402,7 @@ def test_poles_of_the_slider_crank_and_where_the_centre_is():
     names = [
         f"{name}_{end}" for name in ("mechanical_advantage", "instant_centre_x") for end in ("max", "min")
     ]
-    found = fl.sweep("slider_crank", space, names, branch=(1, 2), verify=20)
+    found = sweep_both("slider_crank", space, names, verify=20)
     assert found.attrs["verify_mismatches"] == 0
     turning = found.where(found.status == 0)
     assert all(np.isinf(turning[name].where(turning.status == 0, np.inf)).all() for name in names[:2])

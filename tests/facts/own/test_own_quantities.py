@@ -9,8 +9,8 @@ import re
 import numpy as np
 import pytest
 from tests.facts.own.declared import LENGTHS, LINKS, mine
-from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.app.study import load_extension
@@ -29,13 +29,8 @@ ANGLES = 1000
 
 def test_values_are_those_of_the_formula():
     names = ["cost", "bearing_load", "smaller_load", "overload", "off_right_angle", "is_poor"]
-    maps = fl.sweep(
-        mine,
-        DESIGNS,
-        [*names, "transmission_angle", "omega4", "F21", "F41"],
-        links=LINKS,
-        angles=60,
-        branch=(1, 2),
+    maps = sweep_both(
+        mine, DESIGNS, [*names, "transmission_angle", "omega4", "F21", "F41"], links=LINKS, angles=60
     )
     mu, load = maps.transmission_angle, np.maximum(maps.F21, maps.F41)
     expected = {
@@ -68,14 +63,9 @@ def test_evaluate_and_function_and_sweep_agree():
 @pytest.mark.parametrize("name", ["cost", "bearing_load", "off_right_angle", "smaller_load"])
 def test_extremes_are_those_of_a_dense_grid(name):
     wanted = [f"{name}{ending}" for ending in ("_max", "_min", "_max_error", "_min_error")]
-    maps = fl.sweep(mine, DESIGNS, wanted, links=LINKS, branch=(1, 2))
-    grid = fl.sweep(
-        mine,
-        DESIGNS,
-        [name],
-        links=LINKS,
-        theta1=np.linspace(0.0, 2 * np.pi, ANGLES, endpoint=False),
-        branch=(1, 2),
+    maps = sweep_both(mine, DESIGNS, wanted, links=LINKS)
+    grid = sweep_both(
+        mine, DESIGNS, [name], links=LINKS, theta1=np.linspace(0.0, 2 * np.pi, ANGLES, endpoint=False)
     )
     rotates = (maps.status == 0).values
     curves = grid[name].values[rotates]
@@ -99,9 +89,7 @@ def test_verification_with_50_digits_finds_roundings_alone():
         "d_overload_d_F_allowed",
         "cost_error",
     ]
-    maps = fl.sweep(
-        mine, DESIGNS, [*names, "bearing_load_error"], links=LINKS, angles=24, verify=3, branch=(1, 2)
-    )
+    maps = sweep_both(mine, DESIGNS, [*names, "bearing_load_error"], links=LINKS, angles=24, verify=3)
     assert maps.attrs["verify_mismatches"] == 0
     for name in ("cost_max", "d_cost_d_a1", "bearing_load_max"):
         # in units of the rounding of the inputs: the bound of `test_precision` for built-in ones
@@ -122,9 +110,7 @@ def test_derivatives_are_those_of_differences():
 
 def test_error_bounds_cover_a_choice_that_rounding_makes():
     # where both forces are within their errors of each other, the bound is at least the greater of both errors
-    maps = fl.sweep(
-        mine, DESIGNS, ["bearing_load_error", "F21_error", "F41_error"], links=LINKS, angles=60, branch=(1, 2)
-    )
+    maps = sweep_both(mine, DESIGNS, ["bearing_load_error", "F21_error", "F41_error"], links=LINKS, angles=60)
     least = np.minimum(maps.F21_error, maps.F41_error)
     assert (maps.bearing_load_error >= least).where(least.notnull(), True).all()
 
@@ -132,7 +118,7 @@ def test_error_bounds_cover_a_choice_that_rounding_makes():
 def test_extremes_at_kinks_have_no_derivative():
     names = ["d_off_right_angle_max_d_a2", "d_off_right_angle_min_d_a2"]
     names += [f"off_right_angle_{end}{more}" for end in ("max", "min") for more in ("", "_gradient_status")]
-    maps = fl.sweep(mine, DESIGNS, names, branch=(1, 2)).isel(design=slice(0, 16))
+    maps = sweep_both(mine, DESIGNS, names).isel(design=slice(0, 16))
     rotates = (maps.status == 0).values
     kink = (maps.off_right_angle_min_gradient_status.values == 6)[rotates]
     # a least value of |x| is either 0, at a kink, or that of a place where the slope of x is 0
@@ -143,7 +129,7 @@ def test_extremes_at_kinks_have_no_derivative():
 
 
 def test_labels_tell_what_it_is():
-    maps = fl.sweep(mine, LENGTHS, ["cost_max", "bearing_load_rms"], links=LINKS, branch=(1, 2))
+    maps = sweep_both(mine, LENGTHS, ["cost_max", "bearing_load_rms"], links=LINKS)
     assert maps.cost_max.attrs["long_name"].startswith("Poor transmission, and speed of the output")
     assert maps.cost_max.attrs["symbol"] == "max C"
     assert maps.bearing_load_rms.attrs["units"] == "N"
@@ -154,7 +140,7 @@ def test_labels_tell_what_it_is():
 
 
 def test_a_map_holds_the_text_that_makes_it_again(tmp_path):
-    maps = fl.sweep(mine, LENGTHS, ["overload_max"], links=LINKS, branch=(1, 2))
+    maps = sweep_both(mine, LENGTHS, ["overload_max"], links=LINKS)
     text = maps.attrs["own_quantities"]
     names = [node.name for node in ast.parse(text).body if isinstance(node, ast.FunctionDef)]
     assert names == ["bearing_load", "overload"]
@@ -162,9 +148,9 @@ def test_a_map_holds_the_text_that_makes_it_again(tmp_path):
     file.write_text(text)
     scope = {}
     exec(compile(text, str(file), "exec"), scope)
-    again = fl.sweep(scope["mine"], LENGTHS, ["overload_max"], links=LINKS, branch=(1, 2))
+    again = sweep_both(scope["mine"], LENGTHS, ["overload_max"], links=LINKS)
     assert again.overload_max.identical(maps.overload_max.assign_attrs(references="declared in again.py"))
-    assert "own_quantities" not in fl.sweep(mine, LENGTHS, ["omega4_max"], branch=(1, 2)).attrs
+    assert "own_quantities" not in sweep_both(mine, LENGTHS, ["omega4_max"]).attrs
 
 
 def test_the_best_design_is_refined_by_the_extension_of_its_map():
@@ -183,9 +169,9 @@ def test_the_best_design_is_refined_by_the_extension_of_its_map():
 
 
 def test_inputs_that_nothing_depends_on_stay_out():
-    maps = fl.sweep(mine, LENGTHS, ["omega4_max"], branch=(1, 2))
+    maps = sweep_both(mine, LENGTHS, ["omega4_max"])
     assert maps.identical(sweep_4r(LENGTHS, ["omega4_max"]).assign_attrs(maps.attrs))
-    assert "weight" in fl.sweep(mine, LENGTHS, ["cost_max"], branch=(1, 2)).coords
+    assert "weight" in sweep_both(mine, LENGTHS, ["cost_max"]).coords
 
 
 def test_built_in_kernels_stay_as_they_are():
@@ -205,8 +191,8 @@ def test_built_in_kernels_stay_as_they_are():
 def test_a_run_of_another_definition_is_refused(tmp_path):
     other = fl.extend(mine)
     path = tmp_path / "maps.h5"
-    fl.sweep(mine, LENGTHS, ["cost_max"], to=path, verify=0, branch=(1, 2)).close()
-    fl.sweep(mine, LENGTHS, ["cost_max"], to=path, verify=0, branch=(1, 2)).close()  # the same: opened
+    sweep_both(mine, LENGTHS, ["cost_max"], to=path, verify=0).close()
+    sweep_both(mine, LENGTHS, ["cost_max"], to=path, verify=0).close()  # the same: opened
 
     @other.quantity(units="1", symbol="C")
     def cost(transmission_angle, omega4, omega1, weight):
@@ -214,7 +200,7 @@ def test_a_run_of_another_definition_is_refused(tmp_path):
         return weight * (1.0 - transmission_angle) + (omega4 / omega1) ** 2
 
     with pytest.raises(InputError, match="own_quantities"):
-        fl.sweep(other, LENGTHS, ["cost_max"], to=path, verify=0, branch=(1, 2))
+        sweep_both(other, LENGTHS, ["cost_max"], to=path, verify=0)
     one, another = (resolve(of, LENGTHS, ["cost_max"], branch=(1, 2)).fingerprint for of in (mine, other))
     assert one != another
     further = fl.extend(mine)
@@ -233,14 +219,14 @@ def test_it_goes_to_other_processes_as_text():
 
 def test_other_inputs_have_what_is_defined_there():
     lengths = {name: value for name, value in LENGTHS.items() if name != "omega1"}
-    maps = fl.sweep(mine, lengths, ["off_right_angle_max"], input="joint_angle_4", branch=(1, 2))
+    maps = sweep_both(mine, lengths, ["off_right_angle_max"], input="joint_angle_4")
     assert np.isfinite(maps.off_right_angle_max).any()
     with refused("bearing_load_max", "leave input out"):
-        fl.sweep(mine, lengths, ["bearing_load_max"], input="joint_angle_4", branch=(1, 2))
+        sweep_both(mine, lengths, ["bearing_load_max"], input="joint_angle_4")
 
 
 def test_extremes_of_what_may_jump_are_those_of_samples():
-    maps = fl.sweep(mine, LENGTHS, ["is_poor_max", "is_poor_mean"], branch=(1, 2))
+    maps = sweep_both(mine, LENGTHS, ["is_poor_max", "is_poor_mean"])
     assert maps.is_poor_max.attrs["extrema"] == "sampled"
 
 

@@ -18,6 +18,7 @@ from tests.support.minkowski_designs import (
     random_lengths,
     reducible,
 )
+from tests.support.sweeps import sweep_both
 
 import fastlink as fl
 from fastlink.errors import InputError
@@ -307,7 +308,7 @@ def test_a_tolerance_widens_each_distinction(lengths, fact, plain, wide):
     assert facts(lengths, tolerance=0.0011 / total)[fact] == wide
     assert facts(lengths, tolerance=0.0011 / total)["T1"] == facts(lengths)["T1"]
     with pytest.raises(InputError, match="tolerance"):
-        fl.sweep("minkowski_4r", fl.grid(a=1.0, b=1.0, g=1.0, h=1.0, tolerance=-1e-9), [fact], branch=(1, 2))
+        sweep_both("minkowski_4r", fl.grid(a=1.0, b=1.0, g=1.0, h=1.0, tolerance=-1e-9), [fact])
 
 
 def test_impossible_lengths_are_flagged():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.support.configurations import LENGTHS, random_lengths
 from tests.support.curve_designs import apart_from_change_points
-from tests.support.four_bar import sweep_4r
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 from fastlink.mechanisms import catalogue

@@ -6,7 +6,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 from tests.support.configurations import DIGITS, LENGTHS, designs, reference
-from tests.support.four_bar import sweep_4r
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 from fastlink.mechanisms import catalogue

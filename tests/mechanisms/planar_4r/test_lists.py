@@ -10,8 +10,8 @@ import pytest
 from tests.mechanisms.test_extremes import near_cusps
 from tests.support.configurations import LENGTHS
 from tests.support.exact_extrema import LISTED, exact_extrema
-from tests.support.four_bar import sweep_4r
 from tests.support.neighbourhoods import folded_planar_4r
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from tests.support.configurations import draw
-from tests.support.four_bar import sweep_4r
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 from fastlink.mechanisms import catalogue

@@ -1,7 +1,7 @@
 """Forces at the folded position of a change point: infinite or not, however small the factor of the pole is."""
 
 import numpy as np
-from tests.support.four_bar import sweep_4r
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 

@@ -8,7 +8,7 @@ import warnings
 import numpy as np
 import pytest
 from tests.support.browser import PATIENCE, new_tab, opened
-from tests.support.four_bar import sweep_4r
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 from fastlink.maps.units import flags_of
