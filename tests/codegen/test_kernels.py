@@ -1,30 +1,321 @@
 """The text of kernels: what is computed, what it is called, that it can be read."""
 
+from __future__ import annotations
+
 import ast
 import importlib
 import pkgutil
 import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
 
 import llvmlite.binding as llvm
 import numpy as np
 import pytest
-from tests.support.assembly import called, fused, inner_loops
+from tests.mechanisms.linkages.declared import SIX_BAR
 from tests.support.compiled import assert_same_bits
-from tests.support.configurations import PLANAR
-from tests.support.plan_families import FAMILIES, few, kernels, run_as_python, run_code, run_compiled
+from tests.support.configurations import PLANAR, draw
 from tests.support.sweeps import sweep_4r, sweep_both
 from tests.support.toys import toy
 
 import fastlink as fl
 import fastlink.codegen.runtime
 from fastlink.codegen import kernel as loader
-from fastlink.codegen.kernel import BACKENDS, FEW, SEARCHED, SOON, kernel_of, llvm_text, load_kernel
+from fastlink.codegen.kernel import (
+    BACKENDS,
+    FEW,
+    SEARCHED,
+    SOON,
+    MachineCode,
+    kernel_of,
+    llvm_text,
+    load_kernel,
+)
 from fastlink.codegen.machine import assembly, compile_object, host, lanes_of_host
+from fastlink.codegen.runtime.cells import LANES
 from fastlink.engine.evaluate import evaluate
 from fastlink.engine.resolve import resolve
 from fastlink.mechanisms import NAMES, catalogue
 from fastlink.numerics.compiler import OUTLINED
 from fastlink.plan.programs import make_plan, make_program
+from fastlink.space.design_space import EXTREMUM
+
+# == Every kind of kernel there is, on a few designs: what the compilers are compared on =====================
+
+
+@dataclass(frozen=True)
+class Family:
+    """A request that has kernels of one kind.
+
+    Designs are random, of all classes: some assemble nowhere. There are more of them than the lanes of a vector, and no
+    whole number of vectors.
+    """
+
+    mechanism: Any
+    names: Sequence[str]
+    angles: int = 9
+    options: Mapping[str, Any] = field(default_factory=dict)
+    designs: int = 11
+    more: Mapping[str, float] = field(default_factory=dict)
+
+    def request(self) -> Any:
+        """Return the request, resolved."""
+        from fastlink.mechanisms import catalogue
+
+        found = catalogue(self.mechanism, self.options.get("input"))
+        rng = np.random.default_rng(len(self.names) + self.designs)
+        columns = draw(found.inputs, rng, self.designs)
+        # Twice in three a crank that is short enough to turn.
+        first = next(iter(found.inputs))
+        columns[first] = np.where(np.arange(self.designs) % 3, 0.3, 1.0) * columns[first]
+        if "completion" in columns:
+            columns["completion"] = 1.0 + np.arange(self.designs) % 2
+        columns |= {name: np.full(self.designs, value) for name, value in self.more.items()}
+        # Only angles have a turn that a number of them can share.
+        angles = self.angles if found.position.units == "rad" else np.linspace(-2.0, 2.0, self.angles)
+        return resolve(
+            self.mechanism, fl.table(columns), self.names, angles=angles, **{"branch": (1, 2)} | self.options
+        )
+
+
+OWN = fl.extend("planar_4r")
+
+
+@OWN.quantity(units="N")
+def load(F21, F41):
+    """Greater force on the bearings of the crank."""
+    return max(F21, F41)
+
+
+@OWN.quantity(units="rad s-1")
+def lower(omega2, omega4):
+    """Rate of the coupler, or a thousand times the size of the output link's, which is less."""
+    return min(omega2, 1e3 * abs(omega4))
+
+
+@OWN.quantity(units="rad")
+def between(theta4, theta2):
+    """Angle between the coupler and the output link as the difference of two, which jump."""
+    return theta4 - theta2
+
+
+SAMPLED = {"extrema": "sampled"}
+MOTION = ["A_x", "theta4", "omega4", "alpha2"]
+REDUCED = ["omega4_max", "omega4_min", "theta1_at_omega4_max", "T41_mean", "alpha4_rms", "T41_fluctuation"]
+FORCES = ["F32_x", "T41", "shaking_moment"]
+GRADIENTS = ["d_omega4_max_d_a2", "d_theta4_min_d_a1", "d_theta1_at_omega4_max_d_a3"]
+DRIVEN = {"input": "joint_angle_2"}
+TOLERANCES = {"a1_tolerance": 1e-3, "a3_relative_tolerance": 1e-2, "m2_tolerance": 1e-2}
+FAMILIES: dict[str, Family] = {
+    # Lanes are angles: the last vector of angles overlaps the one before.
+    "curves": Family("planar_4r", MOTION, 37),
+    "curves of forces": Family("planar_4r", FORCES, 41),
+    "curves of one branch": Family("planar_4r", MOTION, 37, {"branch": 2}),
+    "curves by another joint": Family("planar_4r", ["joint_angle_1", "joint_omega_4"], 37, DRIVEN),
+    "curves of rapidity": Family("minkowski_4r", ["psi"], 37),
+    "curves in pieces": Family("minkowski_4r", ["psi", "A_x"], 517, designs=2),
+    "curves of the focal mechanism": Family("focal", ["T_x", "S_x", "psi_rate"], 37, {"input": "sigma"}),
+    "curves by the rocker": Family("focal", ["T_x", "T_y"], 37),
+    "curves of Hart's linkage": Family("hart", ["F_x", "F_y", "P_x"], 37),
+    "curves by the line": Family("hart", ["phi", "P_x"], 37, {"input": "F_y"}),
+    # Lanes are designs.
+    "few angles": Family("planar_4r", MOTION, 5),
+    "reductions": Family("planar_4r", REDUCED, 9, SAMPLED),
+    "fluctuation over two angles": Family("planar_4r", ["T41_fluctuation", "omega4_rms"], 2, SAMPLED),
+    "paths of points": Family("planar_4r", ["P_straightness", "A_roundness"], 7),
+    "curves and reductions": Family("planar_4r", ["omega4", "omega4_max"], 37, SAMPLED),
+    "systems": Family("planar_4r", ["F32_x", "T41", "T41_max"], 5, {"solver": "dense"} | SAMPLED),
+    "designs": Family("planar_4r", ["swing", "grashof_class", "time_ratio", "status"], 4),
+    "flags": Family("minkowski_4r", ["linkage_type", "configuration_status", "status"], 37),
+    "designs of the focal mechanism": Family("focal", ["status"], 4),
+    "designs of Hart's linkage": Family("hart", ["stroke", "status"], 4),
+    "derivatives": Family("planar_4r", ["d_omega4_d_a1", "d_T41_d_m2", "d_omega4_d_theta1"], 37),
+    "error bounds of extremes": Family(
+        "planar_4r", ["omega4_max_error", "theta4_min_error", "F41_min_error", "omega4_extrema_error"], 5
+    ),
+    "derivatives of extremes": Family("planar_4r", [*GRADIENTS, "omega4_min_gradient_status"]),
+    "changes by tolerances": Family(
+        "planar_4r",
+        ["omega4_worst_change", "theta4_min_worst_change", "transmission_angle_min_worst_change"],
+        9,
+        more=TOLERANCES,
+    ),
+    "derivatives of extremes by another joint": Family(
+        "planar_4r", ["d_joint_angle_4_max_d_a1", "joint_angle_4_min_gradient_status"], options=DRIVEN
+    ),
+    "derivatives of extremes with kinks": Family(OWN, ["d_load_min_d_a2", "load_min_gradient_status"]),
+    "derivatives of reductions": Family(
+        "planar_4r", ["d_omega4_rms_d_a2", GRADIENTS[0], "omega4_mean_gradient_status"], 9, SAMPLED
+    ),
+    "error bounds": Family("planar_4r", ["omega4_error", "omega4_trust", "T41_error"], 5),
+    "reduced rapidity": Family("minkowski_4r", ["psi_max", "psi_rms"], 9, SAMPLED),
+    # Every extreme: a search by samples, and roots.
+    "extremes": Family("planar_4r", ["omega4_max", "theta1_at_omega4_max", "transmission_angle_min"]),
+    "extremes of forces": Family("planar_4r", ["T41_max", "F32_max"]),
+    "extremes of one branch": Family("planar_4r", ["omega4_min"], 9, {"branch": 1}),
+    "lists of extremes": Family("planar_4r", ["alpha4_extrema", "T41_extrema"]),
+    # A list, and in its kernel a quantity with more extremes than that has room for.
+    "a list beside other extremes": Family("planar_4r", ["alpha4_extrema", "joint_omega_2_max"]),
+    "lists of extremes with toggles": Family("planar_4r", ["curvature_extrema_error", "P_x_max_error"]),
+    "lists of extremes with folds": Family(
+        "planar_4r", ["F41_extrema_error"], more={"a1": 1.0, "a2": 2.0, "a3": 3.0, "a4": 2.0}
+    ),
+    "lists of extremes with kinks": Family(
+        OWN, ["lower_extrema", "T41_extrema"], more={"T_load_quadratic": 1e6}
+    ),
+    "angles that jump": Family("planar_4r", ["theta4_max", "theta4_min", "theta2_extrema"]),
+    "what is made of angles that jump": Family(
+        OWN, ["between_max_error", "between_extrema"], more={"a1": 2.0, "a2": 2.5, "a3": 2.2, "a4": 0.8}
+    ),
+    "extremes over an arc": Family(
+        "planar_4r", ["omega4_max", "theta4_min"], 9, more={"arc_start": 0.5, "arc_end": 2.0}
+    ),
+    "extremes in pieces": Family(
+        SIX_BAR,
+        ["F_x_max", "F_x_max_error", "d_F_x_max_d_a1", "F_x_extrema", "theta_low", "theta_low_by", "status"],
+        options={"branch": (1, 2, 3, 4)},
+    ),
+    "extremes with poles": Family("planar_4r", ["mechanical_advantage_max", "mechanical_advantage_extrema"]),
+    "extremes by another joint": Family("planar_4r", ["joint_omega_4_max"], 9, DRIVEN),
+    "extremes of the focal mechanism": Family("focal", ["psi_rate_max"], 9, {"input": "sigma"}),
+}
+
+
+def few(*names):
+    """Parameters of a test: these families, all others in the long tests."""
+    assert set(names) <= set(FAMILIES)
+    return [name if name in names else pytest.param(name, marks=pytest.mark.stress) for name in FAMILIES]
+
+
+def kernels(request: Any) -> list[tuple[Any, list[Any]]]:
+    """Return the kernels of a request, each with its arguments: designs, angles, their numbers, fresh arrays."""
+    found = []
+    space = request.evaluated
+    size = space.size
+    for kernel in request.kernels:
+        program = kernel.program
+        designs = np.empty((len(program.inputs), -(-size // LANES) * LANES))
+        space.fill(program.inputs, 0, size, designs)
+        designs[:, size:] = designs[:, size - 1 : size]
+        angles = program.angle_tables(request.positions)
+        n_angles = angles.shape[1]
+        lengths = {
+            "branch": len(program.branches),
+            request.catalogue.position.name: n_angles,
+            EXTREMUM: request.plan.extrema_kept,
+        }
+        # What scratch holds from before, and what results hold, is nothing that a kernel may read.
+        scratch = [np.full(a.lengths(n_angles), 77, a.dtype) for a in kernel.source.scratch]
+        results = [np.full((size, *(lengths[axis] for axis in o.axes)), 55, o.dtype) for o in program.outputs]
+        found.append((kernel, [designs, np.ascontiguousarray(angles), size, n_angles, *scratch, *results]))
+    return found
+
+
+def run_as_python(kernel: Any, arguments: Sequence[Any]) -> list[np.ndarray]:
+    """Return the results of the text as it is."""
+    namespace: dict[str, Any] = {}
+    exec(compile(kernel.text, "<kernel>", "exec"), namespace)
+    with np.errstate(all="ignore"):
+        return _run(namespace["kernel"], kernel, arguments)
+
+
+def run_compiled(kernel: Any, arguments: Sequence[Any], backend: str = "llvm") -> list[np.ndarray]:
+    """Return the results of machine code."""
+    return _run(load_kernel(kernel.source, backend), kernel, arguments)
+
+
+def run_code(kernel: Any, arguments: Sequence[Any], code: bytes) -> list[np.ndarray]:
+    """Return the results of object code."""
+    return _run(MachineCode(kernel.source, code), kernel, arguments)
+
+
+def _run(function: Any, kernel: Any, arguments: Sequence[Any]) -> list[np.ndarray]:
+    own = [a.copy() if isinstance(a, np.ndarray) else a for a in arguments]
+    function(*own)
+    return own[len(own) - len(kernel.program.outputs) :]
+
+
+# == Assembly language of x86-64 (AT&T) and aarch64, read: loops, and which arithmetic is in them ============
+
+LABEL = re.compile(r"^([\w.$]+):")
+JUMP = re.compile(r"^\s+(?:j\w+|b|b\.\w+|cbn?z\s+\w+,|tbn?z\s+\w+,\s*#\w+,)\s+(\.?L\w+)\b")
+CALL = re.compile(r"^\s+(?:callq?|bl|jmpq?|b)\s+(?!\.?L)(\*?[A-Za-z_][\w.$]*)")
+#: Arithmetic of doubles; on x86 a plain .2d is an xmm register.
+PACKED = re.compile(r"^\s+(?:v?(?:add|sub|mul|div|sqrt)pd\b|f(?:add|sub|mul|div|sqrt)\s+v\d+\.2d)")
+SINGLE = re.compile(r"^\s+(?:v?(?:add|sub|mul|div|sqrt)sd\b|f(?:add|sub|mul|div|sqrt)\s+d\d+)")
+#: A number is copied to all lanes.
+SPREAD = re.compile(r"^\s+(?:v?(?:broadcastsd|movddup|unpcklpd|movlhps)\b|dup\s|.*\.d\[0\])")
+REGISTER = re.compile(r"%[xyz]mm(\d+)|\b[dvq](\d+)\b")
+#: Products fused with sums, which round once.
+FUSED = re.compile(r"^\s+(?:vfn?m(?:add|sub)\w*|fn?m(?:add|sub|la|ls))\b")
+
+
+@dataclass
+class Loop:
+    """Lines from the label of a loop to the last jump back to it."""
+
+    lines: list[str] = field(repr=False)
+
+    @property
+    def packed(self) -> int:
+        return sum(bool(PACKED.match(line)) for line in self.lines)
+
+    @property
+    def single(self) -> int:
+        """Operations of one lane, but for those of numbers from outside, whose result goes to all lanes at once.
+
+        LLVM makes one such operation of a packed one between numbers that stand in all lanes.
+        """
+        spread: dict[int, bool] = {}
+        for k in reversed(range(len(self.lines))):
+            if SINGLE.match(self.lines[k]):
+                spread[k] = self._is_spread(k, spread)
+        return sum(not done for done in spread.values())
+
+    def _is_spread(self, k: int, spread: dict[int, bool]) -> bool:
+        """Tell whether the next line that reads what line k makes copies it to all lanes, or is of that kind itself."""
+        made = _registers(self.lines[k])
+        made = made[0] if re.match(r"\s+f", self.lines[k]) else made[-1]
+        for later in range(k + 1, len(self.lines)):
+            if made in _registers(self.lines[later]):
+                return spread.get(later, bool(SPREAD.match(self.lines[later])))
+        return False
+
+
+def _registers(line: str) -> list[str]:
+    return [x86 or arm for x86, arm in REGISTER.findall(line)]
+
+
+def inner_loops(text: str) -> list[Loop]:
+    """Return the loops that hold no other one."""
+    lines = text.splitlines()
+    labels = {found[1]: k for k, line in enumerate(lines) if (found := LABEL.match(line))}
+    ends: dict[int, int] = {}
+    for k, line in enumerate(lines):
+        if (found := JUMP.match(line)) and labels.get(found[1], k) < k:
+            ends[labels[found[1]]] = k
+    inner = [
+        (a, b)
+        for a, b in ends.items()
+        if not any(a <= c and d <= b and (a, b) != (c, d) for c, d in ends.items())
+    ]
+    return [Loop(lines[a : b + 1]) for a, b in sorted(inner)]
+
+
+def called(text: str) -> set[str]:
+    """Return the functions that are called, or gone on to, and are not part of the text."""
+    lines = text.splitlines()
+    own = {found[1] for line in lines if (found := LABEL.match(line))}
+    return {found[1] for line in lines if (found := CALL.match(line))} - own
+
+
+def fused(text: str) -> list[str]:
+    """Return the lines that fuse a product with a sum."""
+    return [line for line in text.splitlines() if FUSED.match(line)]
+
+
+# == Texts of kernels ==
 
 GIVEN = tuple(PLANAR.inputs)
 #: The plans of the benchmarks, and what the lanes are in each.
