@@ -238,7 +238,17 @@ ROWS[:, :4] = [[1.0, np.nan, -1.0, 0.0], [0.4, 1.0, 1.0, 1.0]]
 FAR = ROWS * np.where(np.arange(150) == 9, 2.0**100, 1.0)
 
 
-@pytest.mark.sample(1)
+def assert_jitted_has_the_bits(function):
+    jitted, together = function.jitted, function(ROWS)
+    np.testing.assert_array_equal(jitted(ROWS), together)
+    np.testing.assert_array_equal(jitted(ROWS[:, 7]), together[:, 7])
+    np.testing.assert_array_equal(jitted(FAR), function(FAR))
+    with ThreadPoolExecutor(4) as pool:
+        for result in pool.map(lambda _: jitted(ROWS), range(40)):
+            np.testing.assert_array_equal(result, together)
+
+
+@pytest.mark.stress
 @pytest.mark.parametrize(
     ("names", "options"),
     [
@@ -247,15 +257,8 @@ FAR = ROWS * np.where(np.arange(150) == 9, 2.0**100, 1.0)
     ],
 )
 def test_a_jitted_function_has_the_bits_of_the_function(names, options):
-    function = fl.function("planar_4r", ["a2", "a3"], names, **FIXED, **options)
-    jitted = function.jitted
-    together = function(ROWS)
-    np.testing.assert_array_equal(jitted(ROWS), together)
-    np.testing.assert_array_equal(jitted(ROWS[:, 7]), together[:, 7])
-    np.testing.assert_array_equal(jitted(FAR), function(FAR))
-    with ThreadPoolExecutor(4) as pool:
-        for result in pool.map(lambda _: jitted(ROWS), range(40)):
-            np.testing.assert_array_equal(result, together)
+    """Of values and codes; of rates by default, in the loop below, whose compilation takes most of the time."""
+    assert_jitted_has_the_bits(fl.function("planar_4r", ["a2", "a3"], names, **FIXED, **options))
 
 
 def test_choices_are_checked():
@@ -269,6 +272,7 @@ def test_choices_are_checked():
 
 def test_a_design_loop_in_numba_and_rows_that_it_has_not():
     function = fl.function("planar_4r", ["a2", "a3"], ["omega4_max", "transmission_angle_min"], **FIXED)
+    assert_jitted_has_the_bits(function)
     evaluate = function.jitted
     with pytest.raises(ValueError, match="as many rows"):
         evaluate(np.ones(3))
