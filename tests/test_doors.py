@@ -312,7 +312,7 @@ def test_every_door_takes_branch_1_unless_it_is_told(tmp_path):
     text = 'mechanism = "planar_4r"\nquantities = ["omega4_max"]\n[design]\na2 = {values = [1.1, 1.2]}\n'
     study.write_text(text + "a1 = 0.4\na3 = 0.8\na4 = 1.0\nomega1 = 25.0\n")
     maps = fl.sweep("planar_4r", space, ["omega4_max"])
-    with fl.run(study, to=tmp_path / "maps.h5", progress=False) as run:
+    with fl.run(study, to=tmp_path / "maps.h5") as run:
         assert (maps.branch, run.branch) == (1, 1)
         assert maps.omega4_max.dims == run.omega4_max.dims == ("a2",)
     assert fl.search("planar_4r", space, minimise="omega4_max").branch == 1

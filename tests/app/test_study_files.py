@@ -221,7 +221,7 @@ fil = "x.h5"
 [run]
 backend = "nmba"
 """
-KEYS = (
+KEYS = [
     "quantities[0]",
     "quantities[1]",
     "design.omga1",
@@ -234,7 +234,7 @@ KEYS = (
     "cycle.teta1",
     "output.fil",
     "run.backend",
-)
+]
 
 
 def lines_of(text, door=read_study):

@@ -33,7 +33,7 @@ PLAIN = STUDY.partition("[tolerances]")[0].replace(', "omega4_max_worst_change"'
 
 @pytest.fixture(scope="module")
 def maps():
-    return sweep_4r(fl.grid(DESIGN), NAMES, progress=False)
+    return sweep_4r(fl.grid(DESIGN), NAMES)
 
 
 def written(folder, text=STUDY):
@@ -46,13 +46,13 @@ def test_a_map_is_swept_again_with_tolerances(maps):
     found = fl.tolerance(maps, contributions=True, **GIVEN)
     space = fl.grid(DESIGN | {"a1_tolerance": 1e-4, "a3_relative_tolerance": 1e-3})
     for name in NAMES[:3]:
-        swept = sweep_4r(space, [name, f"{name}_worst_change", f"{name}_rss_change"], progress=False)
+        swept = sweep_4r(space, [name, f"{name}_worst_change", f"{name}_rss_change"])
         for of in swept.data_vars:
             assert found[of].equals(swept[of])
         parts = found[f"{name}_contribution"]
         assert parts.dims == (*found[name].dims, "toleranced")
         np.testing.assert_array_equal(abs(parts).sum("toleranced"), swept[f"{name}_worst_change"])
-    slope = sweep_4r(fl.grid(DESIGN), ["d_omega4_max_d_a3"], progress=False).d_omega4_max_d_a3
+    slope = sweep_4r(fl.grid(DESIGN), ["d_omega4_max_d_a3"]).d_omega4_max_d_a3
     np.testing.assert_array_equal(found.omega4_max_contribution.sel(toleranced="a3"), slope * (0.8 * 1e-3))
     assert "grashof_class" not in found
     assert not any(name.startswith("d_") for name in found.data_vars)
@@ -83,13 +83,13 @@ def test_links_angles_and_modes_of_a_map_stay(tmp_path):
     assert found.F21_x_worst_change.dims == ("a2", "theta1")
     assert int(found.branch) == 2
     assert found.omega4_max.attrs["extrema"] == "sampled"
-    again = fl.tolerance(found, to=tmp_path / "robust.h5", progress=False)
+    again = fl.tolerance(found, to=tmp_path / "robust.h5")
     assert again.F21_x_worst_change.equals(found.F21_x_worst_change)
     again.close()
 
 
 def test_a_study_has_tolerances_of_its_own_or_is_given_some(tmp_path, maps):
-    with fl.run(written(tmp_path), to=tmp_path / "maps.h5", progress=False) as run:
+    with fl.run(written(tmp_path), to=tmp_path / "maps.h5") as run:
         found = fl.tolerance(maps, **GIVEN)
         assert run.omega4_max_worst_change.equals(found.omega4_max_worst_change)
         assert list(run.data_vars)[2] == "omega4_max_gradient_status"

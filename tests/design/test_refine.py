@@ -49,7 +49,7 @@ def sampled(mechanism, n=256, **further):
         asked.get("minimise", asked.get("maximise")),
         *(n for n in asked.get("where", ()) if n != "status"),
     ]
-    return fl.sweep(mechanism, fl.sobol(n, inputs, seed=4), names, branch=1, progress=False, **further), asked
+    return fl.sweep(mechanism, fl.sobol(n, inputs, seed=4), names, branch=1, **further), asked
 
 
 @pytest.fixture(scope="module")
@@ -83,8 +83,8 @@ def test_of_every_mechanism(mechanism):
     for key, (low, high) in ranges.items():
         assert ((found[key] >= low) & (found[key] <= high)).all()
     assert fl.best(found, **asked, top=2).sizes == found.sizes
-    again = fl.sweep(mechanism, found.fastlink.designs.drop_vars("active"), [*map(str, maps.data_vars)][:-1],
-                     branch=1, progress=False)  # fmt: skip
+    designs, names = found.fastlink.designs.drop_vars("active"), [*map(str, maps.data_vars)][:-1]
+    again = fl.sweep(mechanism, designs, names, branch=1)
     for key in maps.data_vars:
         assert_array_equal(again[key], found[key])
     # of 4,000 designs about it, none that meets the conditions is better by more than they are apart to second order
@@ -94,7 +94,7 @@ def test_of_every_mechanism(mechanism):
     for key, (low, high) in ranges.items():
         reach = 1e-3 * (high - low) * rng.uniform(-1.0, 1.0, 4000)
         about[key] = np.clip(float(best[key]) + reach, low, high)
-    near = fl.sweep(mechanism, fl.table(about), [*map(str, maps.data_vars)][:-1], branch=1, progress=False)
+    near = fl.sweep(mechanism, fl.table(about), [*map(str, maps.data_vars)][:-1], branch=1)
     others = value_of(fl.best(near, **asked, top=1), asked)
     assert (others >= value_of(found, asked)[0] - 1e-6 * abs(float(best[name]))).all()
 
@@ -128,7 +128,7 @@ def test_a_crank_rocker_as_by_its_own_formulas():
         a1=np.linspace(0.1, 0.6, 11), a2=np.linspace(0.6, 1.4, 11), a3=np.linspace(0.5, 1.2, 11), a4=1.0
     )
     names = ["swing", "transmission_angle_min", "transmission_angle_max"]
-    maps = fl.sweep("planar_4r", space, names, branch=1, progress=False)
+    maps = fl.sweep("planar_4r", space, names, branch=1)
     where = {"status": "rotates_fully", "transmission_angle_min": (np.pi / 4, None)}
     where["transmission_angle_max_deg"] = (None, 135.0)
     found = fl.best(maps, maximise="swing", where=where, top=3, refine=True)
@@ -149,8 +149,8 @@ def test_counterweights_of_berkof_and_lowen():
     known = [(m1 + m2) * 0.5 * 0.4 / 0.2, (m2 + m3) * 0.5 * 0.8 / 0.4]
     space = fl.sobol(64, a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=25.0, counterweight1_mass=(0.0, 7.8),
                      counterweight1_radius=0.2, counterweight3_mass=(0.0, 9.7), counterweight3_radius=0.4)  # fmt: skip
-    maps = fl.sweep("planar_4r", space, ["shaking_force_max"], links=fl.round_bar(density=7750.0, radius=0.01),
-                    branch=1, progress=False)  # fmt: skip
+    bars = fl.round_bar(density=7750.0, radius=0.01)
+    maps = fl.sweep("planar_4r", space, ["shaking_force_max"], links=bars, branch=1)
     found = fl.best(maps, minimise="shaking_force_max", top=1, refine=True)
     # a force is 1e3 N per kilogram that is off, and its rounding 1e-12 N
     masses = [float(found.counterweight1_mass[0]), float(found.counterweight3_mass[0])]
@@ -161,7 +161,7 @@ def test_counterweights_of_berkof_and_lowen():
 def test_a_position_is_found_too(rockers):
     """Of a quantity at each position a row has one: the best is at the greatest value over the cycle."""
     inputs, _ = MECHANISMS["planar_4r"]
-    maps = sweep_4r(fl.sobol(16, inputs, seed=2), ["omega4", "omega4_max"], theta1=16, progress=False)
+    maps = sweep_4r(fl.sobol(16, inputs, seed=2), ["omega4", "omega4_max"], theta1=16)
     where = {"status": "rotates_fully", "branch": (1, 1)}
     found = fl.best(maps, maximise="omega4", where=where, top=2, refine=["a1"])
     np.testing.assert_allclose(found.omega4, found.omega4_max, rtol=1e-9)
@@ -191,9 +191,7 @@ def test_inputs_of_a_table_that_lie_on_a_line_stay_there():
     rng = np.random.default_rng(3)
     a2 = rng.uniform(0.9, 1.3, 60)
     columns = {"a1": rng.uniform(0.2, 0.4, 60), "a2": a2, "a3": a2, "a4": 0.5 * a2 + 0.6}
-    maps = fl.sweep(
-        "planar_4r", fl.table(columns), ["transmission_angle_min", "swing"], branch=1, progress=False
-    )
+    maps = fl.sweep("planar_4r", fl.table(columns), ["transmission_angle_min", "swing"], branch=1)
     found = fl.best(maps, maximise="swing", where={"transmission_angle_min": (0.7, None)}, top=1, refine=True)
     assert float(found.swing_gain[0]) > 0.0
     np.testing.assert_allclose(found.a3, found.a2, rtol=4e-16)
@@ -208,7 +206,7 @@ def test_only_named_inputs_change_and_what_is_at_its_best_already_stays(rockers)
     assert float(found.omega4_max_gain[0]) > 0.0
     space = {name: float(once[name].item()) for name in ("a1", "a2", "a3", "a4", "omega1")}
     space = fl.grid(**space | {"a1": [space["a1"], 1.1 * space["a1"]]})
-    again = fl.sweep("planar_4r", space, ["omega4_max", "swing"], branch=1, progress=False)
+    again = fl.sweep("planar_4r", space, ["omega4_max", "swing"], branch=1)
     again = fl.best(again, **asked, top=1, refine=True)
     assert codes_of(again) == ["nothing_to_gain"]
     assert_array_equal(again.omega4_max, once.omega4_max)
@@ -226,7 +224,7 @@ def test_a_map_that_the_mechanism_does_not_give_is_said(rockers):
 def test_a_code_is_a_border():
     """Nothing but the status bounds the crank: it grows up to where the linkage does not turn fully any more."""
     space = fl.grid(a1=np.linspace(0.1, 0.9, 5), a2=1.2, a3=0.8, a4=1.0)
-    maps = fl.sweep("planar_4r", space, ["swing"], branch=1, progress=False)
+    maps = fl.sweep("planar_4r", space, ["swing"], branch=1)
     found = fl.best(maps, maximise="a1", where="rotates_fully", top=1, refine=True)
     assert codes_of(found) == ["blocked_by_a_code_or_where_there_is_no_value"]
     # the border is at a1 = 0.8 + 1.0 - 1.2; steps end below 1e-10 of the range, tenfold shorter each
@@ -243,7 +241,7 @@ def refused_cases(maps):
     yield maps, {"where": mask}, "where", "ranges"
     yield cost, {"minimise": "cost"}, "minimise", "leave refine out"
     yield maps.fastlink.degrees(), {"minimise": "swing"}, "swing", "before it was converted"
-    single = sweep_4r(fl.grid(a1=[0.4], a2=1.2, a3=0.8, a4=1.0), ["swing"], progress=False)
+    single = sweep_4r(fl.grid(a1=[0.4], a2=1.2, a3=0.8, a4=1.0), ["swing"])
     yield single, {"minimise": "swing"}, "refine", "sweep the inputs"
 
 
@@ -384,11 +382,11 @@ def check_wells(found):
 
 def test_of_a_map_and_of_a_search():
     space = fl.sobol(200, RANGES, seed=1)
-    maps = fl.sweep(mine, space, ["wells"], branch=1, progress=False)
+    maps = fl.sweep(mine, space, ["wells"], branch=1)
     asked = {"minimise": "wells", "top": 4}
     found = fl.best(maps, **asked, refine=True, mechanism=mine)
     check_wells(found)
-    searched = fl.search(mine, space, **asked, progress=False)
+    searched = fl.search(mine, space, **asked)
     np.testing.assert_array_equal(searched.a1, found.a1)
     np.testing.assert_array_equal(searched.starts, found.starts)
 
@@ -398,7 +396,7 @@ def test_designs_of_a_front_that_are_the_same_are_told_once():
     a1 = np.concatenate([np.linspace(0.2, 0.4, 5)] * 2) + np.repeat([0.0, 1e-12], 5)
     space = fl.table({"a1": a1, "a2": np.tile(np.linspace(1.0, 1.2, 5), 2), "a3": 0.8, "a4": 1.0})
     asked = {"minimise": "a1", "maximise": "swing"}
-    maps = fl.sweep("planar_4r", space, ["swing"], branch=1, progress=False)
+    maps = fl.sweep("planar_4r", space, ["swing"], branch=1)
     assert fl.best(maps, **asked).sizes["design"] == 10
     found = fl.best(maps, **asked, refine="a2")
     # nothing but a2 may change: each start keeps its own a1, so that all ten differ

@@ -191,11 +191,11 @@ def test_extremes_of_given_positions_say_so():
     with pytest.warns(
         fl.InputWarning, match=r"those of the 3 positions given, not of the turn; write extrema='sampled'"
     ):
-        some = sweep_4r(linkage, ["omega4_max"], theta1=[0.1, 0.2, 0.3], verify=0)
+        some = sweep_4r(linkage, ["omega4_max"], theta1=[0.1, 0.2, 0.3])
     assert (
         some.omega4_max.attrs["long_name"] == "Angular velocity of the output link, greatest of 3 positions"
     )
-    every = sweep_4r(linkage, ["omega4_max"], theta1=3, verify=0)
+    every = sweep_4r(linkage, ["omega4_max"], theta1=3)
     assert every.omega4_max.attrs["long_name"].endswith("greatest over the cycle")
 
 

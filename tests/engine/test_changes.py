@@ -39,7 +39,7 @@ FIRST = ("slider_crank", "minkowski_4r")
 
 
 def swept(names, tolerances=TOLERANCES, **options):
-    return sweep_4r(fl.grid(DESIGN | tolerances), names, progress=False, **options)
+    return sweep_4r(fl.grid(DESIGN | tolerances), names, **options)
 
 
 @pytest.mark.parametrize(
@@ -101,7 +101,7 @@ def test_the_status_of_the_derivatives_comes_along():
         "B_y_min_rss_change", "B_y_min_gradient_status", "theta1_at_B_y_min_worst_change",
     ]  # fmt: skip
     stopped = fl.grid(a1=1.0, a2=0.6, a3=0.7, a4=1.2, omega1=1.0, a2_tolerance=1e-4)
-    infinite = sweep_4r(stopped, ["omega4_max_worst_change"], progress=False)
+    infinite = sweep_4r(stopped, ["omega4_max_worst_change"])
     assert np.isnan(infinite.omega4_max_worst_change).all()
     assert (infinite.omega4_max_gradient_status == 3).all()
 
@@ -109,7 +109,7 @@ def test_the_status_of_the_derivatives_comes_along():
 def test_an_axis_of_tolerances_only_scales_the_changes():
     space = fl.grid(DESIGN | {"a2": [1.1, 1.2], "a2_tolerance": [1e-5, 1e-4, 1e-3]})
     names = ["omega4_max_worst_change", "omega4_rms_rss_change", "omega4_rss_change"]
-    found = sweep_4r(space, names, angles=4, progress=False)
+    found = sweep_4r(space, names, angles=4)
     assert found.attrs["scaling_axis"] == "a2_tolerance"
     for k, size in enumerate((1e-5, 1e-4, 1e-3)):
         one = swept(names, {"a2_tolerance": size}, angles=4)
@@ -117,7 +117,7 @@ def test_an_axis_of_tolerances_only_scales_the_changes():
             np.testing.assert_allclose(found[name][0, k], one[name], rtol=4 * 2.0**-52)
     # with a second tolerance that stays it does not; the speed still does
     both = fl.grid(DESIGN | {"omega1": [1.0, 2.0], "a1_tolerance": 1e-4, "a2_tolerance": [1e-5, 1e-4]})
-    assert sweep_4r(both, names[:1], progress=False).attrs["scaling_axis"] == "omega1"
+    assert sweep_4r(both, names[:1]).attrs["scaling_axis"] == "omega1"
 
 
 def test_a_change_over_the_cycle_has_its_extremes():
@@ -143,7 +143,7 @@ def test_other_doors_have_them():
     assert both([0.4, 1.1])[0] == float(one.omega4_max_worst_change)
     by_size = fl.function("planar_4r", ["a1_tolerance"], ["omega4_max_worst_change"], **DESIGN)
     assert by_size([2e-4])[0] == pytest.approx(2 * by_size([1e-4])[0], rel=1e-15)
-    found = fl.sweep("planar_4r", one.fastlink.designs, ["omega4_max_worst_change"], branch=1, progress=False)
+    found = fl.sweep("planar_4r", one.fastlink.designs, ["omega4_max_worst_change"], branch=1)
     assert found.omega4_max_worst_change.equals(one.omega4_max_worst_change)
     explained = fl.explain(
         "planar_4r", fl.grid(DESIGN | TOLERANCES), ["omega4_max_worst_change"], branch=(1, 2)

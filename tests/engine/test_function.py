@@ -117,13 +117,7 @@ def test_a_pickled_function_is_the_same():
         (["a2", "a7"], ["omega4_max"], FIXED, "a7", ""),
         (["a2", "a3"], ["omega5_max"], FIXED, "'omega5_max'", "did you mean 'omega4_max'"),
         (["a2", "a3"], ["omega4_max"], FIXED | {"a2": 1.0}, "a2", ""),
-        (
-            ["a2", "a3"],
-            ["omega4_max"],
-            FIXED | {"a1": -1.0},
-            "a1",
-            "greater than 0",
-        ),
+        (["a2", "a3"], ["omega4_max"], FIXED | {"a1": -1.0}, "a1", "greater than 0"),
         (["a2", "a3"], ["omega4_max"], FIXED | {"a1": [1.0, 2.0]}, "a1", "one number"),
         ("a2", ["omega4_max"], FIXED, "inputs", "['a2']"),
         (["a2", "a2"], ["omega4_max"], FIXED, "'a2'", "name it once"),
@@ -183,8 +177,8 @@ def test_it_has_the_bits_of_a_sweep():
     found = made().gradient(x)
     assert found.shape == (4, 2, 3)
     names = [f"d_{name}_d_{by}" for name in NAMES for by in ("a2", "a3")]
-    swept = fl.sweep("planar_4r", fl.table({"a2": x[0], "a3": x[1]} | {k: np.full(3, v) for k, v in FIXED.items()}),
-                     names, branch=1, progress=False)  # fmt: skip
+    space = fl.table({"a2": x[0], "a3": x[1]}).with_constants(FIXED)
+    swept = fl.sweep("planar_4r", space, names, branch=1)
     for k, name in enumerate(names):
         assert_array_equal(found[k // 2, k % 2], swept[name])
     assert_array_equal(made().gradient(x[:, 0]), found[..., 0])

@@ -102,7 +102,7 @@ def study(folder, inputs, tables=""):
 
 
 def ran(path):
-    with fl.run(path, to=path.with_suffix(".h5"), overwrite=True, verify=0, progress=False) as maps:
+    with fl.run(path, to=path.with_suffix(".h5"), overwrite=True, verify=0) as maps:
         return maps.load()
 
 
@@ -137,7 +137,7 @@ def drawn(**inputs):
 
 def searched(bounds):
     space = fl.grid(a1=[0.4, 0.5], **REST)
-    return fl.search("planar_4r", space, minimise="omega4_max", bounds=bounds, progress=False)
+    return fl.search("planar_4r", space, minimise="omega4_max", bounds=bounds)
 
 
 def ended(*words):

@@ -761,7 +761,7 @@ OF_STRANGERS = {
 def test_values_labels_and_attributes_that_are_no_numbers_are_refused(tmp_path, name):
     values, ending = OF_STRANGERS[name], ".csv" if name in ("dates", "bytes", "truths") else ".h5"
     space = fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0)
-    maps = sweep_4r(space, ["grashof_class"], verify=0)
+    maps = sweep_4r(space, ["grashof_class"])
     with_others = [
         maps.assign(other=("a2", values)),
         maps.assign_coords(other=("a2", values)),

@@ -21,7 +21,7 @@ design = {a1 = 0.4, a2 = {linspace = [1.0, 1.3, 9]}, a3 = 0.8, a4 = 1.0}
 @pytest.fixture(scope="module")
 def maps():
     space = fl.grid(**(DESIGN | {"a2": np.linspace(1.0, 1.3, 9), "a3": [0.7, 0.8], "omega1": 1.0}))
-    return sweep_4r(space, ["omega4_max"], verify=0)
+    return sweep_4r(space, ["omega4_max"])
 
 
 def plot(path, maps, folder):

@@ -142,7 +142,7 @@ def test_what_is_found_is_swept_again_to_the_same_bits(maps):
 
 
 def test_of_one_design_there_is_no_best():
-    one = sweep_4r({"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}, ["swing"], verify=0)
+    one = sweep_4r({"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}, ["swing"])
     with refused("one alone", "sweep several"):
         fl.best(one, minimise="swing")
     with refused("swng", "'swing'"):

@@ -125,7 +125,7 @@ def test_forces_are_infinite_where_a_change_point_folds_under_a_load():
     links, lengths = fl.round_bar(density=7750.0, radius=0.01), (2.0, 3.0, 2.5, 2.5)
     names = ["F21_max", "F21_max_error", "F21_min", "F21_min_error"]
     space = fl.grid(**dict(zip(LENGTHS, lengths, strict=True)), omega1=1.0, gravity_y=[-9.81])
-    loaded = sweep_4r(space, names, links=links, progress=False)
+    loaded = sweep_4r(space, names, links=links)
     assert np.isinf(loaded["F21_max"]).all()
     assert np.isinf(loaded["F21_max_error"]).all()
     assert (loaded["F21_min_error"] < 1e-9 * loaded["F21_min"]).all()
@@ -196,7 +196,7 @@ def test_an_axis_that_would_scale_results_leaves_bounds_right():
     """Left out as a product, its rounding would be missing."""
     one = swept_4r(["omega4_max_error"])
     axis = fl.grid(**dict(zip(LENGTHS, CRANK, strict=True)), omega1=[1.0, 3.0])
-    found = sweep_4r(axis, ["omega4_max", "omega4_max_error"], progress=False)
+    found = sweep_4r(axis, ["omega4_max", "omega4_max_error"])
     assert "scaling_axis" not in found.attrs
     np.testing.assert_array_equal(found["omega4_max_error"][0], one["omega4_max_error"])
 
@@ -474,7 +474,7 @@ def test_a_limit_at_a_fold_that_has_no_value_is_flagged():
     """T of a focal kite comes to the ground line where it folds, from below; in doubles it has no place there."""
     kite = {"a": 3.0, "b": 6.0, "c": 3.0, "d": 6.0, "lambda_": -0.9999999999995224, "completion": 2.0}
     found = fl.sweep(
-        "focal", fl.grid(**kite, omega=1.0), ["T_y_max", "T_y_max_error"], input="sigma", branch=2, verify=0
+        "focal", fl.grid(**kite, omega=1.0), ["T_y_max", "T_y_max_error"], input="sigma", branch=2
     )
     # within 1e-13 of the places and 2^-30 of the fold: rounding over the distance
     assert abs(float(found.T_y_max)) < 1e-4
@@ -540,7 +540,7 @@ def test_rounding_errors_beside_the_fold_of_a_kite_are_no_extremes():
     )
     space = fl.table({"a1": a, "a2": b, "a3": b, "a4": a, "omega1": np.full(2, 25.0)})
     bars = fl.round_bar(density=7750.0, radius=0.01)
-    counts = sweep_4r(space, ["F32_extrema_count"], links=bars, verify=0).F32_extrema_count
+    counts = sweep_4r(space, ["F32_extrema_count"], links=bars).F32_extrema_count
     assert np.all(counts == 0)
 
 

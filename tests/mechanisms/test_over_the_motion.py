@@ -81,7 +81,7 @@ def test_a_mean_over_the_motion_is_an_integral() -> None:
 
 def test_what_never_assembles_has_no_mean() -> None:
     names = ["A_x_mean", "A_x_rms", "A_x_max", "status"]
-    maps = sweep_4r(fl.grid(a1=1.0, a2=0.1, a3=0.2, a4=5.0), names, theta1=36, verify=0)
+    maps = sweep_4r(fl.grid(a1=1.0, a2=0.1, a3=0.2, a4=5.0), names, theta1=36)
     assert all(np.isnan(maps[name]).all() for name in names[:3])
 
 
@@ -123,7 +123,7 @@ def test_a_peak_is_the_greatest_magnitude(mechanism: str, part: int) -> None:
     for extrema in ("refined", "sampled"):
         has_slope = extrema == "refined" and part == SLOPED
         asked += [f"d_{names[0]}_{how}_d_{first}" for how in EXTREMES if has_slope]
-        maps = sweep_both(mechanism, fl.table(design), asked, extrema=extrema, verify=0)
+        maps = sweep_both(mechanism, fl.table(design), asked, extrema=extrema)
         for name in names:
             high, low, peak = (maps[f"{name}_{how}"].values for how in EXTREMES)
             np.testing.assert_array_equal(peak, np.maximum(high, -low), err_msg=name)

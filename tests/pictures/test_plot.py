@@ -221,7 +221,7 @@ def solid():
     space = fl.grid(
         a1=np.linspace(0.2, 0.9, 8), a2=np.linspace(0.6, 1.4, 5), a3=[0.7, 0.8, 0.9], a4=1.0, omega1=25.0
     )
-    return sweep_4r(space, ["omega4_max", "theta1_at_omega4_max", "grashof_class"], verify=0)
+    return sweep_4r(space, ["omega4_max", "theta1_at_omega4_max", "grashof_class"])
 
 
 def test_a_grid_has_a_map_for_values_over_the_whole_input(solid):
@@ -284,9 +284,7 @@ def test_a_line_for_each_value_of_an_input(solid):
 def test_a_change_point_is_a_dot_and_what_grows_without_bound_a_bar_of_its_line():
     """Of two lines one has its change point at a2 = 1.2, the other none; beyond it the force has no bound."""
     space = fl.grid(a1=0.4, a2=np.linspace(1.0, 1.4, 9), a3=0.8, a4=[0.8, 1.2], omega1=25.0)
-    maps = fl.sweep(
-        "planar_4r", space, ["shaking_force_max"], branch=1, links=fl.round_bar(7750.0, 0.01), verify=0
-    )
+    maps = fl.sweep("planar_4r", space, ["shaking_force_max"], branch=1, links=fl.round_bar(7750.0, 0.01))
     (axis,) = fl.plot(maps, "shaking_force_max", lines="a4").axes
     dots = [line for line in axis.get_lines() if line.get_linestyle() == "None"]
     ((place, value),) = [line.get_xydata()[0] for line in dots]
@@ -307,12 +305,7 @@ def test_a_change_point_is_a_dot_and_what_grows_without_bound_a_bar_of_its_line(
 def test_change_points_along_a_line_of_cells_are_dots_and_contours_have_room():
     space = fl.grid(a1=0.4, a2=np.linspace(1.0, 1.4, 41), a3=np.linspace(0.6, 1.0, 41), a4=1.0, omega1=25.0)
     maps = fl.sweep(
-        "planar_4r",
-        space,
-        ["shaking_force_max", "status"],
-        branch=1,
-        links=fl.round_bar(7750.0, 0.01),
-        verify=0,
+        "planar_4r", space, ["shaking_force_max", "status"], branch=1, links=fl.round_bar(7750.0, 0.01)
     )
     figure = fl.plot(maps, "shaking_force_max")
     (axis,) = panels(figure)
@@ -485,7 +478,7 @@ def rows():
     """Designs of every status; some extremes are infinite, and some do not assemble."""
     a1, a2 = np.linspace(0.1, 3.0, 12), np.linspace(0.3, 1.5, 9)
     space = fl.grid(a1=a1, a2=a2, a3=0.8, a4=[0.9, 1.0], omega1=25.0)
-    return fl.sweep("planar_4r", space, [*NAMES, "grashof_class", "status"], branch=1, verify=0)
+    return fl.sweep("planar_4r", space, [*NAMES, "grashof_class", "status"], branch=1)
 
 
 @pytest.fixture(scope="module")

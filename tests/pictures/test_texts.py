@@ -48,14 +48,14 @@ def maps():
         a4=[0.8, 0.9, 1.0, 1.1, 1.2],
         omega1=25.0,
     )
-    return sweep_4r(space, QUANTITIES, links=LINKS, verify=0)
+    return sweep_4r(space, QUANTITIES, links=LINKS)
 
 
 @cache
 def types():
     lengths = np.linspace(0.125, 4.0, 32)
     space = fl.grid(a=lengths, b=lengths, g=1.0, h=[0.1, 0.8, 1.6, 2.4, 3.2, 4.0])
-    return sweep_both("minkowski_4r", space, ["linkage_type", "assembly_count_future"], verify=0)
+    return sweep_both("minkowski_4r", space, ["linkage_type", "assembly_count_future"])
 
 
 def plot(*given, of=maps, **options):

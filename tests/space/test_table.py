@@ -416,7 +416,7 @@ def test_all_bad_rows_are_named_at_once_and_may_be_kept(tmp_path):
     cells, numbers = str(caught.value).splitlines()
     assert "row 17 (line 19) of column a2 in d.csv is empty, row 333 (line 335) is 'n/a'; write" in cells
     assert "a1[200] is -0.4, 0.0 at 400 (" in numbers
-    kept = sweep_4r(tmp_path / "d.csv", ["swing"], allow_invalid=True, verify=0)
+    kept = sweep_4r(tmp_path / "d.csv", ["swing"], allow_invalid=True)
     assert np.flatnonzero(np.isnan(kept.swing)).tolist() == [17, 200, 333, 400]
     study = 'mechanism = "planar_4r"\nquantities = ["swing"]\n[design]\ntable = "d.csv"\n'
     (tmp_path / "s.toml").write_text(study)

@@ -51,7 +51,7 @@ def extension():
 def made(tmp_path_factory):
     path, mine = tmp_path_factory.mktemp("own") / "maps.h5", extension()
     space = fl.grid(SPACE).with_constants({"r_tolerance": 1e-4})
-    with fl.sweep(mine, space, NAMES, branch=1, progress=False, to=path) as maps:
+    with fl.sweep(mine, space, NAMES, branch=1, to=path) as maps:
         return mine, maps.load(), path
 
 
@@ -146,7 +146,7 @@ def test_tolerances_of_own_quantities_come_from_the_derivatives_of_a_map(made, m
         off = fl.grid(
             moved | {"r": moved["r"] + 1e-4 * share, "weight": moved["weight"] * (1 + 1e-3 * share)}
         )
-        again = fl.sweep(mine, off.with_constants({"r_tolerance": 1e-4}), NAMES, branch=1, progress=False)
+        again = fl.sweep(mine, off.with_constants({"r_tolerance": 1e-4}), NAMES, branch=1)
         errors.append(np.abs((again.cost_max - share * parts).values - maps.cost_max.values))
     assert (errors[1] <= 0.3 * errors[0] + 1e-13).all()
     assert (errors[0] <= 1e-2 * np.abs(found.cost_max_worst_change)).all()

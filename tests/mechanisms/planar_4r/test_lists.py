@@ -58,7 +58,7 @@ def differing(designs, name):
     """Return how many lists differ from the exact ones, how many of these do not tell so by their bounds, and all."""
     asked = [f"{name}_extrema{part}" for part in ("_kind", "", "_error", "_count")]
     asked.append(f"theta1_at_{name}_extrema")
-    maps = sweep_4r(fl.table(designs), asked, verify=0, allow_invalid=True)
+    maps = sweep_4r(fl.table(designs), asked, allow_invalid=True)
     found = [maps[one].transpose("design", "branch", ...).values for one in asked]
     differ = silent = 0
     for k in range(len(found[0])):

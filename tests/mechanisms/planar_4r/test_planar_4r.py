@@ -121,7 +121,7 @@ def paths():
     columns = {name: columns[name] for name in ("a1", "a2", "a3", "a4", "P_u", "P_v")}
     columns["a1"] *= np.where(np.arange(400) % 3, 0.2, 1.0)
     names = ["P_straightness", "P_roundness"]
-    maps = sweep_4r(fl.table(columns), names, theta1=ARC, verify=0)
+    maps = sweep_4r(fl.table(columns), names, theta1=ARC)
     wide = {name: values[:, None, None] for name, values in columns.items()}
     found = fl.evaluate("planar_4r", ["P_x", "P_y"], theta1=ARC, branch=np.array([[1], [2]]), **wide)
     return maps, np.stack([found["P_x"], found["P_y"]], axis=-1)
@@ -145,7 +145,7 @@ def test_a_path_that_is_nearly_straight_has_the_narrowest_strip(paths):
 
 def test_a_circle_is_round(paths):
     """A coupler point in A runs on the circle of the crank; others are off the circle of the same fit by NumPy."""
-    crank = sweep_4r(fl.grid(**HOEKEN | {"P_u": 0.0}), ["P_roundness"], theta1=72, verify=0)
+    crank = sweep_4r(fl.grid(**HOEKEN | {"P_u": 0.0}), ["P_roundness"], theta1=72)
     assert (crank.P_roundness < 20 * 2.0**-52).all()
     maps, points = paths
     for design, branch in np.argwhere(np.isfinite(points).all(axis=(-1, -2)))[::40].tolist():
@@ -163,7 +163,7 @@ def test_hoekens_family_is_found():
     )
     asked = {"theta1": ARC, "where": {"status": "rotates_fully"}, "branch": [1, 2], "top": 1}
     found = fl.search("planar_4r", space, ["P_roundness"], minimise="P_straightness", **asked)
-    hoeken = fl.sweep("planar_4r", fl.grid(**HOEKEN), ["P_straightness"], theta1=ARC, branch=2, verify=0)
+    hoeken = fl.sweep("planar_4r", fl.grid(**HOEKEN), ["P_straightness"], theta1=ARC, branch=2)
     share = float(hoeken.P_straightness.item()) / HOEKEN["a4"]
     assert 0.0 < found.P_straightness.item() < 2.0 * share
     assert (
@@ -210,7 +210,7 @@ def assert_infinite_where_they_grow(design):
     """Return how many of the greatest forces of designs are infinite, and how many there are."""
     n = design["a1"].size
     asked = [f"{name}_{end}" for name in FORCES_POLE for end in ("max", "max_error")]
-    maps = sweep_4r(fl.table(design), asked, verify=0)
+    maps = sweep_4r(fl.table(design), asked)
     infinite = 0
     for branch in (1.0, 2.0):
         near, nearer = (

@@ -177,7 +177,7 @@ def test_the_mechanism_is_that_of_the_design_under_the_cursor_and_its_extremes_a
         for name, of in (("omega4", "extremes('omega4"), ("jerk4", "bends('jerk4"))
     )
     names = ["omega4_max", "omega4_min", "jerk4_extrema"]
-    true = fl.sweep("planar_4r", fl.grid(**design, omega1=10.0), names, branch=1, verify=0)
+    true = fl.sweep("planar_4r", fl.grid(**design, omega1=10.0), names, branch=1)
     # the place of an extreme is found to the root of a rounding, its value to its square
     np.testing.assert_allclose(marks, [true.omega4_max, true.omega4_min], rtol=1e-12)
     expected = true.jerk4_extrema.values[np.isfinite(true.jerk4_extrema.values)]
@@ -366,7 +366,7 @@ def test_a_map_of_sampled_designs_is_points(browser, tmp_path):
 @pytest.mark.stress
 def test_a_cell_of_many_designs_shows_their_mean_once_a_slider_rests(browser, show, tmp_path):
     space = fl.grid(a1=np.linspace(0.2, 1.9, 1500), a2=[0.8, 1.1], a3=[0.7, 0.9], a4=1.0)
-    maps = sweep_4r(space, ["least_transmission_angle"], verify=0)
+    maps = sweep_4r(space, ["least_transmission_angle"])
     values, file = maps.least_transmission_angle.values[:, :, 0], tmp_path / "page.html"
     count = -(-1500 // 720)
     cells = values.reshape(1500 // count, count, 2)
@@ -419,7 +419,7 @@ def coupler():
         "P_y_min",
     ]
     codes, links = ["grashof_class", "status", "swing"], fl.round_bar(density=7750.0, radius=0.01)
-    return fl.sweep("planar_4r", space, [*names, *codes], links=links, branch=1, verify=0)
+    return fl.sweep("planar_4r", space, [*names, *codes], links=links, branch=1)
 
 
 @pytest.fixture(scope="module")
@@ -442,9 +442,9 @@ def maps_of(kind, coupler):
         return coupler
     if kind == "points":
         space = fl.sobol(64, seed=1, a1=(0.2, 0.5), a2=(0.9, 1.4), a3=(0.6, 1.2), a4=1.0, omega1=10.0)
-        return fl.sweep("planar_4r", space, ["omega4_max", "swing"], branch=1, verify=0)
+        return fl.sweep("planar_4r", space, ["omega4_max", "swing"], branch=1)
     space = fl.grid(a1=0.4, a2=1.1, a3=0.8, a4=1.0, omega1=10.0)
-    return sweep_4r(space, ["omega4"], theta1=36, verify=0)
+    return sweep_4r(space, ["omega4"], theta1=36)
 
 
 #: Widths of a window with the kinds of pictures in it.
@@ -520,7 +520,7 @@ def agree(tab, coupler):
         [values[one] for one in names], [true[one] for one in names], rtol=1e-9, atol=1e-9
     )
     links = fl.round_bar(density=density, radius=radius)
-    wanted = fl.sweep("planar_4r", fl.grid(**inputs), list(row), links=links, branch=1, verify=0)
+    wanted = fl.sweep("planar_4r", fl.grid(**inputs), list(row), links=links, branch=1)
     assert set(row) == set(coupler.data_vars)
     np.testing.assert_allclose(list(row.values()), [float(wanted[one]) for one in row], rtol=1e-9)
     return inputs
@@ -598,7 +598,7 @@ def test_a_linkage_that_is_dragged_apart_stops_there(show, coupler_page):
 @pytest.mark.stress
 def test_a_map_over_positions_is_evaluated_at_the_position_that_is_chosen(show):
     maps = sweep_4r(
-        fl.grid(a1=[0.3, 0.4], a2=1.1, a3=0.8, a4=1.0, omega1=10.0), ["omega4"], theta1_deg=[10, 50], verify=0
+        fl.grid(a1=[0.3, 0.4], a2=1.1, a3=0.8, a4=1.0, omega1=10.0), ["omega4"], theta1_deg=[10, 50]
     )
     with fl.explore(maps, browser=False) as page:
         tab = show(page.url)

@@ -60,7 +60,7 @@ def blank(browser):
 def test_a_page_moves_a_mechanism_as_a_picture_does(blank, mechanism, design):
     known = catalogue(mechanism)
     motion = Motion(mechanism, known, picture_of(mechanism, known), design, tuple(known.branches), None)
-    page = content_of(Values(sweep_both(mechanism, fl.grid(**design), ["status"], verify=0)))["mechanism"]
+    page = content_of(Values(sweep_both(mechanism, fl.grid(**design), ["status"])))["mechanism"]
     low, high = motion.ranges[0]
     positions = low + (high - low) * np.array([0.03, 0.2, 0.41, 0.5, 0.77, 0.96])
     names = [one["name"] for one in page["curves"] if one["name"] not in ROUNDINGS]
