@@ -100,6 +100,29 @@ def test_change_points(lengths, expected):
     assert np.isnan(got["time_ratio"])
 
 
+def status_of(lengths):
+    """Return the status of a design by rational arithmetic and the rule of docs/numerics.md."""
+    a, b, c, d = map(Fraction, lengths)
+    total, inner, outer = a + b + c + d, (a - b + c - d, a + b - c - d), a - b - c + d
+    if 2 * max(a, b, c, d) > total:
+        return 2
+    if any(abs(gap) <= total / 2**53 for gap in (*inner, outer)):
+        return 3
+    return 0 if inner[0] * inner[1] > 0 > outer else 1
+
+
+def test_a_gap_counts_as_zero_where_it_is_within_the_rounding_of_the_lengths():
+    """Of a1 in few bits, to which a gap is added exactly; up to all sizes of one length."""
+    folded = ((1.25, 1.0, 0.875, 1.125), (1.375, 1.25, 1.5, 1.125), (1.25, 1.0, 1.125, 0.875))
+    gaps = [0.0, *(k * 2.0**-52 for k in (1, 2, 4, 8)), *(10.0**-k for k in (1, 2, 4, 6, 8, 10, 12, 14))]
+    cases = [(a + sign * gap, b, c, d) for a, b, c, d in folded for gap in gaps for sign in (1, -1)]
+    cases += [tuple(x * (by if k == i else 1.0) for k, x in enumerate((0.375, 1.1, 0.8, 0.9)))
+              for i in range(4) for by in (1e-20, 1e-8, 1.0, 1e8)]  # fmt: skip
+    expected = [status_of(lengths) for lengths in cases]
+    assert set(expected) == {0, 1, 2, 3}
+    np.testing.assert_array_equal(facts(*cases)["status"], expected)
+
+
 def by_cosines(a, b, c, d):
     """Limits by the law of cosines, in the working precision of mpmath."""
 
