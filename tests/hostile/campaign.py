@@ -22,9 +22,7 @@ import fastlink as fl
 from tests.hostile import doings, objects
 from tests.hostile.doors import DOORS, Door
 from tests.hostile.judge import attempt, judged
-from tests.hostile.lines import command_lines
-from tests.hostile.studies import ROOT, SMALL, studies
-from tests.hostile.tables import tables
+from tests.hostile.texts import ROOT, SMALL, command_lines, studies, tables
 from tests.hostile.values import EITHER, REFUSED, TAKEN, Value
 from tests.support.sweeps import sweep_4r, sweep_both
 

@@ -15,7 +15,7 @@ from fastlink.app.cli import app
 from fastlink.app.study import read_study
 from fastlink.errors import InputError
 from tests.hostile.judge import complaint_about
-from tests.hostile.studies import meant
+from tests.hostile.texts import meant
 from tests.support.sweeps import sweep_4r
 
 USAGE = 2
