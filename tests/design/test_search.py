@@ -290,7 +290,7 @@ def test_a_study_searches(tmp_path):
     with fl.run(path, to=tmp_path / "without.h5") as found:
         check_rows(found, expected.drop_vars("omega4_min"))
         assert "omega4_min" not in found
-    path.write_text(STUDY.replace("60, inf", "170, inf"))
+    path.write_text(STUDY.replace("60, inf", "170, inf") + "refine = false\n")
     for _ in range(2):  # searched, and found again
         done = CliRunner().invoke(app, ["run", str(path), "--to", str(tmp_path / "near.h5"), "--quiet"])
         assert done.exit_code == 1
