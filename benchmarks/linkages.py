@@ -13,6 +13,7 @@ import numpy as np
 import fastlink as fl
 from benchmarks.cases import bind, markdown, race
 from benchmarks.peers import available
+from fastlink.mechanisms import catalogue
 
 SIX_BAR = fl.linkage(
     "six_bar",
@@ -22,6 +23,10 @@ SIX_BAR = fl.linkage(
         "B": {"rrr": ("A", "D"), "lengths": ("a2", "a3")},
         "P": {"on": ("A", "B"), "at": ("P_u", "P_v")},
         "F": {"rrr": ("P", "G"), "lengths": ("a5", "a6")},
+    },
+    masses={
+        link: {"mass": f"m{k}", "inertia": f"I{k}", "centre": (f"G{k}_u", f"G{k}_v")}
+        for k, link in enumerate(("OA", "AB", "DB", "PF", "GF"), 1)
     },
 )
 JANSEN = fl.linkage(
@@ -38,6 +43,8 @@ JANSEN = fl.linkage(
 )
 DESIGN = {"a1": 0.1, "a2": 0.3, "a3": 0.35, "a4": 0.4, "P_u": 0.15, "P_v": 0.1}
 DESIGN |= {"G_x": 0.45, "G_y": 0.3, "a5": 0.3, "a6": 0.25}
+MASSES = {f"{word}{k}": value for k in range(1, 6) for word, value in (("m", 1.0), ("I", 0.01))}
+MASSES |= {f"G{k}_{axis}": 0.05 for k in range(1, 6) for axis in "uv"}
 #: Jansen's lengths, by his letters.
 LEG = {"Y_x": -38.0, "Y_y": -7.8, "l_m": 15.0, "l_j": 50.0, "l_b": 41.5, "l_e": 55.8, "l_d": 40.1}
 LEG |= {"l_k": 61.9, "l_c": 39.3, "l_f": 39.4, "l_g": 36.7, "l_h": 65.7, "l_i": 49.0}
@@ -64,6 +71,20 @@ RATES = {
         ("omega_PF", "omega_GF", "alpha_PF", "alpha_GF"),
     ),
 }
+PINS = ("OA_O", "AB_A", "AB_B", "DB_D", "PF_P", "PF_F", "GF_G")
+REACTIONS = {
+    "planar 4R: all joint forces and the torque": (
+        "planar_4r",
+        DESIGN | MASSES,
+        (*(f"{force}_{axis}" for force in ("F41", "F21", "F32", "F43") for axis in "xy"), "T41"),
+    ),
+    "six-bar: all joint forces and the torque": (
+        SIX_BAR,
+        DESIGN | MASSES,
+        (*(f"force_{pin}_{axis}" for pin in PINS for axis in "xy"), "torque"),
+    ),
+    "six-bar: the torque": (SIX_BAR, DESIGN | MASSES, ("torque",)),
+}
 EXTREMES = {
     "planar 4R: greatest P_x": ("planar_4r", DESIGN, ("P_x_max",)),
     "six-bar: greatest F_x": (SIX_BAR, DESIGN, ("F_x_max",)),
@@ -77,10 +98,7 @@ def designs_of(mechanism, design, n, seed=0):
     """Return n designs within 3 % of one."""
     rng = np.random.default_rng(seed)
     speed = {"omega1" if mechanism == "planar_4r" else "omega": np.full(n, 10.0)}
-    named = {name: value for name, value in design.items() if mechanism != "planar_4r" or name[:1] in "aP"}
-    named = {
-        name: value for name, value in named.items() if mechanism != "planar_4r" or name not in ("a5", "a6")
-    }
+    named = {name: value for name, value in design.items() if name in catalogue(mechanism).inputs}
     return fl.table({name: value * rng.uniform(0.97, 1.03, n) for name, value in named.items()} | speed)
 
 
@@ -123,7 +141,7 @@ def main():
     parser.add_argument("--designs", type=int, default=4096)
     n, K = parser.parse_args().designs, 360
     rows = []
-    for cases in (POSITIONS, RATES):
+    for cases in (POSITIONS, RATES, REACTIONS):
         found = times(cases, n, extrema="sampled", angles=K)
         first = next(iter(found.values()))
         rows += [[label, f"{s / n / K * 1e9:.1f} ns", f"{s / first:.2f}"] for label, s in found.items()]

@@ -942,7 +942,7 @@ class ExtremaWriter:
         text, search = self.text, self.program.searches[number]
         if search.cuts:
             self.write_value(number)
-            text.call(pieces.keep_zeros, "state, filled, zeros")
+            text.call(pieces.keep_zeros, "state, filled, zeros, leasts")
             return
         listed = bool(search.certain_by) and classify is results.extrema_at_zeros
         if listed:

@@ -6,7 +6,7 @@ measured without a second formula.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -100,6 +100,38 @@ def stack_rows(rows: Any) -> Any:
     return stacked
 
 
+class Singular(ZeroDivisionError):
+    """The equations do not determine the unknowns, at a toggle or where joints coincide."""
+
+
+def linear_solution(rows: Sequence[Sequence[Any]], least: Any = 0) -> list[Any]:
+    """Solve a linear system by LU with partial pivoting.
+
+    Examples
+    --------
+    >>> linear_solution([[0.0, 2.0, 4.0], [1.0, 1.0, 5.0]])
+    [3.0, 2.0]
+    """
+    table = [list(row) for row in rows]
+    size = len(table)
+    for k in range(size):
+        pivot = max(range(k, size), key=lambda r: abs(table[r][k]))
+        table[k], table[pivot] = table[pivot], table[k]
+        if abs(table[k][k]) <= least:
+            raise Singular("the matrix of the equations is singular")
+        for row in table[k + 1 :]:
+            if row[k] != 0:
+                factor = row[k] / table[k][k]
+                for c in range(k + 1, size + 1):
+                    if table[k][c] != 0:
+                        row[c] -= factor * table[k][c]
+    unknowns: list[Any] = [None] * size
+    for k in reversed(range(size)):
+        known = sum(table[k][c] * unknowns[c] for c in range(k + 1, size) if table[k][c] != 0)
+        unknowns[k] = (table[k][size] - known) / table[k][k]
+    return unknowns
+
+
 def _solve(rows: Any) -> list[Any]:
     """Solve a system given as rows with the right-hand side last."""
     size = len(rows)
@@ -107,8 +139,7 @@ def _solve(rows: Any) -> list[Any]:
     if context is not None:
         if any(context.isnan(entry) for row in rows for entry in row):
             return [context.nan] * size
-        matrix = context.matrix([list(row[:size]) for row in rows])
-        return list(context.lu_solve(matrix, context.matrix([row[size] for row in rows])))
+        return linear_solution(rows)
     stacked = stack_rows(rows)
     closes = np.isfinite(stacked).all(axis=(-2, -1))
     result = np.full((*closes.shape, size), np.nan)

@@ -15,8 +15,9 @@ from dataclasses import dataclass
 from functools import cache, cached_property, partial
 from typing import TYPE_CHECKING, Any
 
-from fastlink.facts.evaluate import read_facts
-from fastlink.facts.fact import Loops
+from fastlink.facts.derivative import NoDependence
+from fastlink.facts.evaluate import read_facts, steps_of
+from fastlink.facts.fact import Fact, Loops, System
 from fastlink.facts.formula import Formula
 from fastlink.facts.names import Derivative, Quantity, Size
 from fastlink.precision.loops import (
@@ -42,7 +43,7 @@ from fastlink.precision.loops import (
     unit_vector,
     wrapped,
 )
-from fastlink.precision.reference import CONTEXT, DIGITS
+from fastlink.precision.reference import CONTEXT, DIGITS, exact_turns, take
 
 if TYPE_CHECKING:
     from fastlink.facts.catalogue import Catalogue
@@ -925,7 +926,7 @@ def _of_loops(catalogue: Catalogue, loops: Loops) -> Model:
             found.append(Formula(law.name, law.parameters, law.lines, {**constants, **turns, **functions}))
         return found
 
-    def configuration(ctx: Any, at: Mapping[str, Any], order: int, _: bool, values: Values) -> None:
+    def configuration(ctx: Any, at: Mapping[str, Any], order: int, further: bool, values: Values) -> None:
         zero, curves = 0 * ctx.mpf(1), dict[str, Series]()
 
         def known_at(drive: Series) -> dict[str, Any]:
@@ -964,8 +965,53 @@ def _of_loops(catalogue: Catalogue, loops: Loops) -> Model:
             elif len(curves[unknown].terms) > k:
                 values[name] = curves[unknown].derivative(k) * at[speed] ** k
 
+        if further:
+            known = {**at, **values}
+            models = (name for name, inputs in catalogue.variant_inputs.items() if inputs.keys() <= at.keys())
+            for step in made_by(tuple(models)):
+                if all(ctx.isfinite(known.get(need, ctx.nan)) for need in step.depends_on):
+                    take(step, known)
+            values |= {name: known.get(name, ctx.nan) for name in of_these}
+
     orders = {**dict.fromkeys(loops.unknowns, 0), **{name: k for name, (_, _, k) in loops.rates.items()}}
-    return Model(orders, (), configuration, lambda ctx, at, values: None)
+    of_these = _made_of(catalogue, orders)
+
+    @cache
+    def made_by(models: tuple[str, ...]) -> list[Fact | System]:
+        """Return the steps of further quantities, where models of the links stand for inputs."""
+        given, variants = _given(catalogue, orders)
+        given -= {name for model in models for name in catalogue.variants.get(model, {})}
+        return [exact_turns(step) for step in steps_of(catalogue, of_these, given, (*variants, *models))]
+
+    return Model(orders | of_these, (), configuration, lambda ctx, at, values: None, tuple(of_these))
+
+
+def _given(catalogue: Catalogue, orders: Mapping[str, int]) -> tuple[set[str], tuple[str, ...]]:
+    """Return what quantities are made of where the loops are solved, and the variant with equations of all links."""
+    solvers = tuple(solver for solver in catalogue.solvers if solver in catalogue.variants)
+    return {*orders, *catalogue.all_inputs, catalogue.position.name, "branch"}, solvers[:1]
+
+
+def _made_of(catalogue: Catalogue, orders: Mapping[str, int]) -> dict[str, int]:
+    """Return further quantities, made of those of the loops alone or of what the equations of all links solve."""
+    (given, variant), varies = _given(catalogue, orders), catalogue.varies
+    found: dict[str, int] = {}
+    for name in catalogue.public:
+        try:
+            steps = () if name in orders else tuple(catalogue.dependencies([name], {*given, *found}, variant))
+        except NoDependence:  # of the derivative of a curve, which is given here
+            continue
+        own = {each for step in steps for each in step.names}
+        known = (
+            isinstance(step, System) or step.name in catalogue.public or not varies(step.name)
+            for step in steps
+        )
+        if own and all(known):
+            needs = {need for step in steps for need in step.depends_on} - own
+            if needs <= {*given, *found}:
+                order = max((orders.get(need, found.get(need, 0)) for need in needs), default=0)
+                found |= dict.fromkeys(own, order)
+    return found
 
 
 def model_of(catalogue: Catalogue) -> Model | None:

@@ -15,6 +15,9 @@ from typing import Any
 
 from mpmath import MPContext
 
+from fastlink.facts.evaluate import Singular as Singular
+from fastlink.facts.evaluate import linear_solution
+
 MOST_STEPS = 12
 #: Of so many roundings of its terms a value may come that vanishes, where two links are in line.
 ROUNDINGS = 64
@@ -32,10 +35,6 @@ def context(digits: int) -> Any:
 
 class Open(ArithmeticError):
     """The loop does not close: there is no such configuration."""
-
-
-class Singular(ArithmeticError):
-    """The equations do not determine the unknowns, at a toggle or where joints coincide."""
 
 
 def closed(ctx: Any, value: Any, size: Any, otherwise: str) -> Any:
@@ -164,34 +163,6 @@ def rotation(ctx: Any, angle: Series) -> Series:
 def unit_vector(ctx: Any, angle: Any) -> Any:
     """Return the complex number of size 1 of an angle."""
     return ctx.mpc(*ctx.cos_sin(angle))
-
-
-def linear_solution(rows: Sequence[Sequence[Any]], least: Any = 0) -> list[Any]:
-    """Solve a linear system by LU with partial pivoting.
-
-    Examples
-    --------
-    >>> linear_solution([[0.0, 2.0, 4.0], [1.0, 1.0, 5.0]])
-    [3.0, 2.0]
-    """
-    table = [list(row) for row in rows]
-    size = len(table)
-    for k in range(size):
-        pivot = max(range(k, size), key=lambda r: abs(table[r][k]))
-        table[k], table[pivot] = table[pivot], table[k]
-        if abs(table[k][k]) <= least:
-            raise Singular("the matrix of the equations is singular")
-        for row in table[k + 1 :]:
-            if row[k] != 0:
-                factor = row[k] / table[k][k]
-                for c in range(k + 1, size + 1):
-                    if table[k][c] != 0:
-                        row[c] -= factor * table[k][c]
-    unknowns: list[Any] = [None] * size
-    for k in reversed(range(size)):
-        known = sum(table[k][c] * unknowns[c] for c in range(k + 1, size) if table[k][c] != 0)
-        unknowns[k] = (table[k][size] - known) / table[k][k]
-    return unknowns
 
 
 Equations = Callable[[list[Series], Series], list[Series]]

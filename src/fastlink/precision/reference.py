@@ -68,7 +68,7 @@ class HighPrecision:
         given = tuple(given)
         self.position = catalogue.position.name
         tables = (*catalogue.tables, *catalogue.table_low_parts) if self.position in given else ()
-        self.steps = tuple(map(_exact_turns, steps_of(catalogue, self.names, (*given, *tables), variants)))
+        self.steps = tuple(map(exact_turns, steps_of(catalogue, self.names, (*given, *tables), variants)))
         needed = {need for step in self.steps for need in step.depends_on}
         self.tables = tuple(name for name in tables if name in needed)
         self._after: dict[tuple[str, ...], tuple[Fact | System, ...]] = {}
@@ -102,7 +102,7 @@ class HighPrecision:
             if changed == self.position:
                 known |= tables_at(self.catalogue, known[changed], self.tables)
             for step in steps:
-                _take(step, known)
+                take(step, known)
         return known
 
     def _bits_of_small(self, known: Mapping[str, Any]) -> int:
@@ -131,7 +131,7 @@ class ExactFormula(Formula):
         return self.function_with(TURNS)
 
 
-def _exact_turns(step: Fact | System) -> Fact | System:
+def exact_turns(step: Fact | System) -> Fact | System:
     """Return a step in whose formula pi stands for all its digits."""
     law = step.formula
     named = any(law.names.get(name) in TURNS for name in law.uses)
@@ -140,7 +140,8 @@ def _exact_turns(step: Fact | System) -> Fact | System:
     return replace(step, formula=ExactFormula(law.name, law.parameters, law.lines, law.names))
 
 
-def _take(step: Fact | System, known: dict[str, Any]) -> None:
+def take(step: Fact | System, known: dict[str, Any]) -> None:
+    """Add the values of a step: those of doubles where a quotient by zero has no value in mpmath."""
     try:
         evaluate_step(step, known)
     except (ZeroDivisionError, ValueError, OverflowError):

@@ -8,6 +8,15 @@ import numpy as np
 
 import fastlink as fl
 
+
+def numbered(**links: int) -> dict[str, Any]:
+    """Return the masses of links by the names that mechanisms by hand have for them."""
+    return {
+        name: {"mass": f"m{k}", "inertia": f"I{k}", "centre": (f"G{k}_u", f"G{k}_v")}
+        for name, k in links.items()
+    }
+
+
 FOUR_BAR = fl.linkage(
     "four_bar",
     ground={"O": (0, 0), "D": ("a4", 0)},
@@ -16,6 +25,9 @@ FOUR_BAR = fl.linkage(
         "B": {"rrr": ("A", "D"), "lengths": ("a2", "a3")},
         "P": {"on": ("A", "B"), "at": ("P_u", "P_v")},
     },
+    masses=numbered(OA=1, AB=2, DB=3),
+    loads={"P": ("FP_x", "FP_y"), "DB": "T_load"},
+    gravity=("gravity_x", "gravity_y"),
 )
 SIX_BAR = fl.linkage(
     "six_bar",
@@ -32,10 +44,28 @@ SLIDER_CRANK = fl.linkage(
     ground={"O": (0, 0), "C": (0, "e")},
     crank={"A": ("O", "r")},
     dyads={"B": {"rrp": "A", "length": "l", "along": ("C", 0)}},
+    masses={**numbered(OA=1, AB=2), "B": "m3"},
+)
+HART = fl.linkage(
+    "declared_hart",
+    ground={"M": (0, 0), "N": ("d", 0)},
+    crank={"A": ("M", "ma")},
+    dyads={
+        "B": {"rrr": ("A", "N"), "lengths": ("ab", "nb")},
+        "P": {"on": ("M", "A"), "at": ("mp", 0)},
+        "Q": {"on": ("N", "B"), "at": ("nq", 0)},
+        "F": {"rrr": ("P", "Q"), "lengths": ("pf", "qf")},
+    },
 )
 #: A six-bar that turns fully in branch 3.
 TURNING = {"a1": 0.1, "a2": 0.3, "a3": 0.35, "a4": 0.4, "P_u": 0.15, "P_v": 0.1}
 TURNING |= {"G_x": 0.45, "G_y": 0.3, "a5": 0.3, "a6": 0.25}
+
+
+def masses(rng: np.random.Generator, count: int, *links: int) -> dict[str, Any]:
+    """Return random masses of links, whose mass centres may be anywhere."""
+    found = {f"{word}{k}": rng.uniform(0.1, 3.0, count) for k in links for word in ("m", "I")}
+    return found | {f"G{k}_{axis}": rng.uniform(-0.5, 1.0, count) for k in links for axis in "uv"}
 
 
 def four_bars(count: int, seed: int) -> dict[str, Any]:
@@ -47,7 +77,10 @@ def four_bars(count: int, seed: int) -> dict[str, Any]:
     sum_of = abs(designs["a1"] + designs["a2"] - designs["a3"])[:half]
     near = 1.0 + 10.0 ** rng.uniform(-14.0, -1.0, half) * rng.choice([-1.0, 1.0], half)
     designs["a4"][:half] = np.where(sum_of > 1e-3, sum_of * near, designs["a4"][:half])
-    return designs
+    loads = {
+        name: rng.uniform(-30.0, 30.0, count) for name in ("FP_x", "FP_y", "T_load", "gravity_x", "gravity_y")
+    }
+    return designs | masses(rng, count, 1, 2, 3) | loads
 
 
 def slider_cranks(count: int, seed: int) -> dict[str, Any]:
@@ -59,7 +92,7 @@ def slider_cranks(count: int, seed: int) -> dict[str, Any]:
     sum_of = abs(designs["r"] + rng.choice([-1.0, 1.0], count) * designs["e"])[:half]
     near = 1.0 + 10.0 ** rng.uniform(-14.0, -1.0, half) * rng.choice([-1.0, 1.0], half)
     designs["l"][:half] = np.where(sum_of > 1e-2, sum_of * near, designs["l"][:half])
-    return designs
+    return designs | masses(rng, count, 1, 2) | {"m3": rng.uniform(0.1, 3.0, count)}
 
 
 def six_bars(count: int, seed: int) -> dict[str, Any]:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from tests.mechanisms.linkages.declared import (
     FOUR_BAR,
+    HART,
     SIX_BAR,
     SLIDER_CRANK,
     TURNING,
@@ -15,7 +16,7 @@ from tests.mechanisms.linkages.declared import (
     six_bars,
     slider_cranks,
 )
-from tests.mechanisms.linkages.test_dyads import KINDS
+from tests.mechanisms.linkages.test_dyads import CRANK, KINDS
 
 import fastlink as fl
 from fastlink.codegen.kernel import llvm_text
@@ -35,6 +36,13 @@ DECLARED = {
             "P_x": "P_x",
             "P_speed": "P_speed",
             "transmission_angle": "transmission_angle_B",
+            "T41": "torque",
+            "F21": "force_AB_A",
+            "F32_x": "force_AB_B_x",
+            "F43": "force_DB_D",
+            "F41_y": "force_OA_O_y",
+            "shaking_force": "shaking_force",
+            "shaking_moment": "shaking_moment",
         },
     ),
     "slider_crank": (
@@ -47,9 +55,21 @@ DECLARED = {
             "theta2": "angle_AB",
             "omega2": "omega_AB",
             "transmission_angle": "transmission_angle_B",
+            "T41": "torque",
+            "side_force": "normal_force_B",
+            "F32": "force_AB_B",
+            "F21": "force_AB_A",
+            "shaking_force_x": "shaking_force_x",
+            "shaking_moment": "shaking_moment",
         },
     ),
 }
+
+
+def agree(one: Any, off: Any, other: Any, error: Any) -> Any:
+    """Tell where each of two values is within its own bound of the exact one, or neither is a number."""
+    with np.errstate(invalid="ignore"):
+        return (one == other) | (np.isnan(one) & np.isnan(other)) | (abs(one - other) <= off + error)
 
 
 def compare(mechanism: str, count: int, seed: int, names: tuple[str, ...] = ()) -> None:
@@ -63,11 +83,8 @@ def compare(mechanism: str, count: int, seed: int, names: tuple[str, ...] = ()) 
     found = fl.sweep(declared, designs | {"omega": 10.0}, ours, branch=(1, 2))
     for name, other in zip(theirs[::2], ours[::2], strict=True):
         a, b = known[name].values, found[other].values
-        # each is within its own bound of the exact one
-        bound = known[f"{name}_error"].values + found[f"{other}_error"].values
-        with np.errstate(invalid="ignore"):
-            agree = (a == b) | (np.isnan(a) & np.isnan(b)) | (abs(a - b) <= bound)
-        assert agree.all(), (name, np.argwhere(~agree)[:3], a[~agree][:3], b[~agree][:3])
+        same = agree(a, known[f"{name}_error"].values, b, found[f"{other}_error"].values)
+        assert same.all(), (name, np.argwhere(~same)[:3], a[~same][:3], b[~same][:3])
     # where the other counts a gap as zero, the declared one sees which side it is on, if its bounds are finite
     words = np.array(["change_point", "assembles_in_one_position", "never_assembles"])
     flags = known.status.attrs["flag_meanings"].split()
@@ -78,7 +95,10 @@ def compare(mechanism: str, count: int, seed: int, names: tuple[str, ...] = ()) 
 
 @pytest.mark.parametrize(
     ("mechanism", "names"),
-    [("planar_4r", ("theta4", "P_x")), ("slider_crank", ("slider_position", "theta2"))],
+    [
+        ("planar_4r", ("theta4", "P_x", "T41", "F43")),
+        ("slider_crank", ("slider_position", "theta2", "side_force")),
+    ],
 )
 def test_a_declared_mechanism_has_the_extremes_of_the_one_by_hand(
     mechanism: str, names: tuple[str, ...]
@@ -91,6 +111,48 @@ def test_a_declared_mechanism_has_the_extremes_of_the_one_by_hand(
 @pytest.mark.parametrize("seed", range(5))
 def test_all_shared_quantities_of_many_designs(mechanism: str, seed: int) -> None:
     compare(mechanism, 20_000, seed)
+
+
+def compare_with_hart(count: int, seed: int) -> None:
+    """Compare Hart's linkage by its joints with the one by hand: positions, and extremes of the rocker.
+
+    Where F is in line with P and Q the dyad touches its limit, and goes on by either of its ways to assemble.
+    """
+    rng = np.random.default_rng(seed)
+    # of few binary digits, so that the lengths of the bars are exact
+    kappa = rng.integers(4, 30, count) / 32
+    m, n, d = (rng.integers(8, 64, count) / 64 for _ in range(3))
+    bars = {"mp": m, "nq": n, "ma": (1 - kappa**2) * m, "nb": (1 - kappa**2) * n}
+    bars |= {"ab": kappa * d, "pf": kappa * n, "qf": kappa * m, "d": d, "omega": 1.0}
+    given, angles = {"m": m, "n": n, "d": d, "kappa": kappa}, np.linspace(0.05, 6.2, 12)
+    curve, (both, all_four) = ("F_y", "F_y_error"), ((1, 2), (1, 2, 3, 4))
+    known = fl.sweep("hart", given, curve, branch=both, phi=angles)
+    found = fl.sweep(HART, bars, curve, branch=all_four, theta=angles)
+    # by whether F is left of PQ, and by whether B is left of AN
+    ours, bound = (found[name].values.reshape(count, 2, 2, -1) for name in curve)
+    same = agree(*(known[name].values[:, None] for name in curve), ours, bound).any(axis=1)
+    assert same.all(), np.argwhere(~same)[:3]
+    for end in ("max", "min"):
+        theirs, mine = ([f"{name}_{end}", f"{name}_{end}_error"] for name in ("psi", "angle_NB"))
+        known = fl.sweep("hart", given, theirs, branch=both)
+        found = fl.sweep(HART, bars, mine, branch=all_four)
+        ours, bound = (found[name].values.reshape(count, 2, 2) for name in mine)
+        unsure = [
+            known.status.attrs["flag_meanings"].split().index(word) for word in ("change_point", "rigid")
+        ]
+        sure = ~np.isin(known.status.values, unsure)
+        same = agree(*(known[name].values[:, None] for name in theirs), ours, bound)[sure]
+        assert same.all(), np.argwhere(~same)[:3]
+
+
+def test_harts_linkage_is_the_one_by_hand() -> None:
+    compare_with_hart(300, 1)
+
+
+@pytest.mark.stress
+@pytest.mark.parametrize("seed", range(2, 7))
+def test_many_of_harts_linkages(seed: int) -> None:
+    compare_with_hart(20_000, seed)
 
 
 def check_against_samples(
@@ -141,7 +203,8 @@ def test_no_sample_of_many_six_bars(seed: int) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_no_sample_of_any_kind_of_dyad_is_beyond_its_extremes(kind: str) -> None:
     declared, design, branches = KINDS[kind]
-    mechanism, rng = fl.linkage("any", crank={"A": ("O", "a1")}, **declared), np.random.default_rng(len(kind))
+    drive = {} if "slider" in declared else CRANK
+    mechanism, rng = fl.linkage("any", **drive, **declared), np.random.default_rng(len(kind))
     designs = {name: value * rng.uniform(0.5, 1.6, 600) for name, value in design.items()} | {"omega": 2.0}
     names = [
         one.name for one in fl.quantities(mechanism) if one.name.endswith(("_x", "_y", "_speed", "_rate"))

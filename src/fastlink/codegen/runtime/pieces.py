@@ -124,11 +124,21 @@ def _place(zeros: Any, lane: int, theta: float) -> int:
 
 
 @outlined
-def keep_zeros(s: Any, count: int, zeros: Any) -> None:
-    """Sort the zeros at items into those of their pieces, with the slope, the second derivative and the error there."""
+def keep_zeros(s: Any, count: int, zeros: Any, leasts: Any) -> None:
+    """Sort the zeros at items into those of their pieces, with the slope, the second derivative and the error there.
+
+    One of a pair between which the gap is no deeper below zero than its error is where a loop may open or only touch:
+    it is kept as a least value, for by rounding both of a pair may be on one side of the true one.
+    """
     for i in range(count):
         lane, theta, slope = int(s[LANE, i]), s[THETA, i], s[VALUE, i]
-        if slope == slope:
+        depth = 0.5 * slope * slope / s[IMAGE, i] if s[IMAGE, i] > 0.0 else INFINITY
+        if (depth <= 4.0 * s[BOUND, i]) & (depth <= UNDECIDED_DEPTH):
+            k = _place(leasts, lane, theta)
+            if k >= 0:
+                leasts[SLOPE_AT, lane, k] = s[BOUND, i]
+                leasts[OFF_AT, lane, k] = INFINITY
+        elif slope == slope:
             k = _place(zeros, lane, theta)
             if k >= 0:
                 zeros[SLOPE_AT, lane, k] = slope
@@ -310,7 +320,11 @@ def cut_pieces(
                 z += 1
             else:
                 theta, beyond = leasts[AT, i, m], 2.0 * sqrt(leasts[SLOPE_AT, i, m])
-                if inside & (theta - further[LOW, total] > beyond):  # else it is found twice
+                if (not inside) & (leasts[OFF_AT, i, m] > 0.0):
+                    _limit(further, total, END_LOW, 0.0, zeros, i, 0)
+                    _begin_piece(further, total, theta, beyond, INFINITY)
+                    inside = True
+                elif inside & (theta - further[LOW, total] > beyond):  # else it is found twice
                     further[OFF, total] += leasts[OFF_AT, i, m]
                     _limit(further, total, END_HIGH, 0.0, zeros, i, 0)
                     total = _end_piece(pieces, p, further, total, theta, beyond)

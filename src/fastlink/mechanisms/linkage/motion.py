@@ -12,20 +12,17 @@ AB x DB = s 2 T. A pin on a line, a slot about a pin and two lines are placed an
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
-from numbers import Real
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 from fastlink._text import short_repr
-from fastlink.errors import InputError, KeyPath, Problems, check_choice, door, suggest
+from fastlink.errors import InputError, KeyPath, Problems, check_choice, suggest
 from fastlink.facts.names import derivative_name
 from fastlink.facts.own import check_name
-from fastlink.mechanisms import Mechanism
-from fastlink.mechanisms._shared.picture import Bar, Picture, Point
+from fastlink.mechanisms._shared.picture import Bar, Force, Picture, Point, Torque
 
 #: What each kind of dyad is given besides the points that it joins; what may be left out stands in brackets.
 KINDS = {
@@ -71,6 +68,37 @@ class Link:
     rate: str
     #: Its angle as a quantity or as the input position; empty of the ground.
     angle: str = ""
+    #: Its length, of one of two pins; empty of others.
+    length: str = ""
+    #: The vectors from its origin to its points.
+    vectors: dict[str, Pair] = field(default_factory=dict)
+
+    def vector(self, point: str) -> Pair:
+        """Return the vector from its origin to a point of it."""
+        return ("0.0", "0.0") if point == self.origin else self.vectors[point]
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line of a link, or of the ground: a point of it, and the unit vector along it as facts and in the loops."""
+
+    start: str
+    unit: Pair
+    in_loops: Pair
+    link: Link
+
+
+@dataclass(frozen=True)
+class Placed:
+    """What was placed: the links that are new with it, the points that these hang on, the lines that it runs on."""
+
+    kind: str
+    name: str
+    links: tuple[Link, ...] = ()
+    points: tuple[str, ...] = ()
+    lines: tuple[Line, ...] = ()
+    #: The angle of a slot, the place along one, the ratio of a gear.
+    by: str = ""
 
 
 def slope_of(name: str) -> str:
@@ -78,7 +106,7 @@ def slope_of(name: str) -> str:
     return derivative_name(name, "theta")
 
 
-def _minus(a: str, b: str) -> str:
+def minus(a: str, b: str) -> str:
     """Return a difference as text."""
     if b == "0.0":
         return a
@@ -86,7 +114,7 @@ def _minus(a: str, b: str) -> str:
     return f"-{b}" if a == "0.0" else f"{a} - {b}"
 
 
-def _times(a: str, b: str) -> str:
+def times(a: str, b: str) -> str:
     """Return a product as text."""
     return "0.0" if "0.0" in (a, b) else (a if b == "1.0" else f"{a} * {b}")
 
@@ -96,17 +124,22 @@ def _value(text: str) -> str | float:
     return 0.0 if text == "0.0" else text
 
 
-def _plus(a: str, b: str) -> str:
+def plus(a: str, b: str) -> str:
     """Return a sum as text."""
     return b if a == "0.0" else (a if b == "0.0" else f"{a} + {b}")
 
 
+def _angle_of(unit: Pair) -> str:
+    """Return the angle of a unit vector in the loops."""
+    return unit[0].removeprefix("cos(").removesuffix(")")
+
+
 def _along(point: Pair, distance: str, unit: Pair) -> Pair:
     """Return the place that is so far from a point along a unit vector, as text."""
-    return _plus(point[0], _times(distance, unit[0])), _plus(point[1], _times(distance, unit[1]))
+    return plus(point[0], times(distance, unit[0])), plus(point[1], times(distance, unit[1]))
 
 
-class _Writer:
+class Writer:
     """The sheet of a declaration while it is written, and its picture."""
 
     def __init__(self, declared: Mapping[str, Any]) -> None:
@@ -127,6 +160,11 @@ class _Writer:
         self.unknowns: list[str] = []
         self.rows: list[str] = []
         self.links: list[Link] = []
+        #: A length that is positive, of what drives.
+        self.scale = ""
+        self.placed: list[Placed] = []
+        #: What pins are of: a link, or a slider by its own name, where they join links.
+        self.owners: dict[str, Link | str] = {}
         self.drawn: list[Point] = []
         self.bars: list[Bar] = []
 
@@ -166,6 +204,13 @@ class _Writer:
         if rule != "any" and f"rule: {rule}" not in lines:
             lines.append(f"rule: {rule}")
         default = self.declared["defaults"].get(name) if isinstance(given, str) else float(given)
+        if (
+            default is not None
+            and (default < 0.0 or (default == 0.0 and rule == "positive"))
+            and rule != "any"
+        ):
+            whose = f", the default of {name}" if isinstance(given, str) else ""
+            raise InputError(f"is {float(default)!r}{whose}, not {rule}", where, "write another number")
         if default is not None and not any(line.startswith("default") for line in lines):
             lines.append(f"default: {float(default)!r}")
         return name
@@ -242,7 +287,7 @@ class _Writer:
             self.fact(f"{x} [m] {x}: Point {name}, {axis}", f"= {at[k]}")
             self.fact(f"{v} [m s-1] {v}: Velocity of {name}, {axis}", f"= {self.rate(x)}")
             self.fact(f"{a} [m s-2] {a}: Acceleration of {name}, {axis}", f"= {self.rate(v)}")
-            vanishes = in_loops[k] if x in in_loops[k] else _minus(x, in_loops[k])
+            vanishes = in_loops[k] if x in in_loops[k] else minus(x, in_loops[k])
             self.rows += [f"    | {vanishes}", f"    {x} by omega: {v}, {a}"]
             self.unknowns.append(x)
         for noun, word, unit in (("speed", "v", "m s-1"), ("acceleration", "a", "m s-2")):
@@ -281,8 +326,8 @@ class _Writer:
         self.gaps[f"gap_{name}"] = gap
         self.moving.add(f"gap_{name}_root")
 
-    def line(self, where: KeyPath, given: Any) -> tuple[str, Pair, Pair, str]:
-        """Return a line: a point, the unit vector along it as facts and in the loops, the rate at which that turns."""
+    def line(self, where: KeyPath, given: Any) -> Line:
+        """Return a line of two points of a link, or a fixed one at an angle."""
         first, second = self.pair(where, given, "points of one link, or a ground pivot and an angle")
         start = self.point(where, first)
         if not isinstance(second, str) or second not in self.points:
@@ -293,15 +338,15 @@ class _Writer:
             angle = self.value(where, second, name, "rad", f"direction of the line through {start}")
             unit = "axis_" + "_".join((start, "at", angle)) if angle != "0.0" else ""
             if not unit:
-                return start, ("1.0", "0.0"), ("1.0", "0.0"), ""
+                return Line(start, ("1.0", "0.0"), ("1.0", "0.0"), self.links[0])
             for axis, of in (("x", "cosine"), ("y", "sine")):
                 self.once(
                     f"step {unit}_{axis} [1] u_{axis}: Direction of the line through {start}",
                     f"= {of}({angle})",
                 )
-            return start, (f"{unit}_x", f"{unit}_y"), (f"cos({angle})", f"sin({angle})"), ""
+            return Line(start, (f"{unit}_x", f"{unit}_y"), (f"cos({angle})", f"sin({angle})"), self.links[0])
         link = self.link_of(where, start, second)
-        return start, *self.direction(link, start, second), link.rate
+        return Line(start, *self.direction(link, start, second), link)
 
     def once(self, head: str, *lines: str) -> None:
         """Append a fact unless it is there."""
@@ -313,7 +358,11 @@ class _Writer:
         if link.origin == start and link.points[:2] == [start, end] and link.rate:
             return link.axis, link.in_loops
         (a, b), (c, d) = self.points[start], self.points[end]
-        unit, x, y = f"axis_{start}{end}", _minus(c, a), _minus(d, b)
+        unit, x, y = f"axis_{start}{end}", minus(c, a), minus(d, b)
+        if (x, y) == ("0.0", "0.0"):
+            raise InputError(f"{start} and {end} are in one place", (), "write two points that are apart")
+        # of a zero without units nobody could tell that it is a length
+        x, y = (f"{y} - ({y})" if x == "0.0" else x), (f"{x} - ({x})" if y == "0.0" else y)
         for axis, of in (("x", x), ("y", y)):
             head = f"step {unit}_{axis} [1] u_{axis}: Direction from {start} to {end}, {axis}"
             self.once(head, f"= ({of}) / magnitude({x}, {y})")
@@ -329,7 +378,7 @@ class _Writer:
             else:
                 self.fact(f"{name} [rad] {name}: Direction from {start} to {end}", f"= atan2({y} + 0.0, {x})")
                 self.unknowns.append(name)
-            self.rows.append(f"    | sin({name}) * ({_minus(c, a)}) - cos({name}) * ({_minus(d, b)})")
+            self.rows.append(f"    | sin({name}) * ({minus(c, a)}) - cos({name}) * ({minus(d, b)})")
         return (f"{unit}_x", f"{unit}_y"), (f"cos({name})", f"sin({name})")
 
     # -- the ground and the crank --------------------------------------------------------------------------------------
@@ -377,24 +426,70 @@ class _Writer:
         length = self.length(("crank", pin), second, name, "length of the crank")
         self.inputs["omega"] = ["omega [rad s-1] omega: angular velocity of the crank, constant"]
         axis = ("cos_theta", "sin_theta")
-        radius = f"{length}_or_none"
+        radius, self.scale = f"{length}_or_none", length
         self.fact(
             f"step {radius} [m] {length}: Length of the crank {name}, which is positive",
             f"= select({length} > 0.0, {length}, NOT_A_NUMBER)",
         )
-        self.links.append(
-            Link(name, [pivot, pin], pivot, axis, ("cos(theta)", "sin(theta)"), "crank_rate", "theta")
-        )
+        in_loops = ("cos(theta)", "sin(theta)")
+        self.links.append(Link(name, [pivot, pin], pivot, axis, in_loops, "crank_rate", "theta", length))
+        self.placed.append(Placed("crank", pin, (self.links[-1],), (pivot,)))
         self.fact("step crank_rate [1] n: Angular velocity of the crank over itself", "= 1.0")
         self.add_bar(name, pivot, pin, length, (f"{radius} * cos_theta", f"{radius} * sin_theta"))
+
+    def write_slider(self) -> None:
+        """Write the slider that drives to and fro: at one end of its stroke at 0, at the other half a turn later."""
+        slider = self.declared["slider"]
+        shape = 'write {"A": {"along": ("O", "beta"), "stroke": ("s_1", "s_2")}}'
+        if not isinstance(slider, Mapping) or len(slider) != 1:
+            raise InputError(f"is {short_repr(slider)}", ("slider",), shape)
+        ((pin, given),) = slider.items()
+        where: KeyPath = ("slider", pin)
+        self.new_name(("slider",), pin)
+        if not isinstance(given, Mapping) or given.keys() != {"along", "stroke"}:
+            raise InputError(f"is {short_repr(given)}", where, shape)
+        line = self.line((*where, "along"), given["along"])
+        ends = self.pair((*where, "stroke"), given["stroke"], "places on the line")
+        one, other = (
+            self.value(
+                (*where, "stroke"), end, f"stroke_{pin}_{k}", "m", f"end of the stroke of {pin}, number {k}"
+            )
+            for k, end in enumerate(ends, 1)
+        )
+        self.inputs["omega"] = [
+            "omega [rad s-1] omega: rate of theta, a turn of which is a stroke to and fro; constant"
+        ]
+        self.scale, slide = f"stroke_{pin}", f"slide_{pin}"
+        length = minus(other, one)
+        self.fact(
+            f"step {self.scale} [m] h: Stroke of {pin}, which is positive",
+            f"= select({length} > 0.0, {length}, NOT_A_NUMBER)",
+        )
+        at = f"0.5 * ({plus(one, other)}"
+        self.fact(
+            f"{slide} [m] s_{pin}: Place of the slider {pin} on its line, from {line.start}",
+            f"= {at} - {self.scale} * cos_theta)",
+        )
+        self.add_slide(pin, slide)
+        self.rows.append(f"    | {slide} - {at} - ({length}) * cos(theta))")
+        self.placed.append(Placed("slider", pin, lines=(line,)))
+        self.owners[pin] = pin
+        self.add_point(
+            pin,
+            _along(self.points[line.start], slide, line.unit),
+            _along(self.in_loops[line.start], slide, line.in_loops),
+            "slider",
+        )
 
     def add_bar(self, name: str, start: str, end: str, length: str, at: Pair | None = None) -> None:
         """Write the end of a bar, whose link is the last."""
         link = self.links[-1]
         x, y = self.points[start]
         to = at or (f"{length} * {link.axis[0]}", f"{length} * {link.axis[1]}")
+        link.vectors[end] = to
+        self.owners[end] = link
         loops = _along(self.in_loops[start], length, link.in_loops)
-        self.add_point(end, (_plus(x, to[0]), _plus(y, to[1])), loops)
+        self.add_point(end, (plus(x, to[0]), plus(y, to[1])), loops)
         self.draw_bar(start, end, length)
 
     def draw_bar(self, start: str, end: str, length: str) -> None:
@@ -406,14 +501,15 @@ class _Writer:
         """Append the angle and the rates of a link by a vector of it, of that length unless it is a unit vector."""
         angle = self.add_angle(name, vector, rate)
         axis = self.unit_of(name, length) if length else (f"{vector}_x", f"{vector}_y")
-        link = Link(name, points, points[0], axis, (f"cos({angle})", f"sin({angle})"), rate, angle)
+        link = Link(name, points, points[0], axis, (f"cos({angle})", f"sin({angle})"), rate, angle, length)
+        link.vectors.update({end: (f"{vector}_x", f"{vector}_y") for end in points[1:]})
         self.links.append(link)
         return link
 
     def add_reach(self, name: str, start: str, end: str) -> None:
         """Append the vector between the outer joints of a dyad."""
         (ax, ay), (dx, dy) = self.points[start], self.points[end]
-        for axis, of in (("x", _minus(dx, ax)), ("y", _minus(dy, ay))):
+        for axis, of in (("x", minus(dx, ax)), ("y", minus(dy, ay))):
             head = f"step reach_{name}_{axis} [m] {start}{end}_{axis}: Vector from {start} to {end}, {axis}"
             self.fact(head, f"= {of}")
 
@@ -522,7 +618,7 @@ class _Writer:
         for rate, bar, other in zip(rates, (first, second), (second, first), strict=True):
             self.fact(
                 f"step {rate} [1] n_{bar}: Angular velocity of {bar} over that of the crank",
-                f"= (({_minus(vdx, vax)}) * {other}_x + ({_minus(vdy, vay)}) * {other}_y) * per_cross_{name}",
+                f"= (({minus(vdx, vax)}) * {other}_x + ({minus(vdy, vay)}) * {other}_y) * per_cross_{name}",
             )
             self.turning(bar, rate)
         self.slope(
@@ -534,9 +630,11 @@ class _Writer:
             link = self.add_link(bar, [start, name], bar, rate, length)
             loops.append(_along(self.in_loops[start], length, link.in_loops))
             self.draw_bar(start, name, length)
-        self.rows += [f"    | {_minus(loops[0][k], loops[1][k])}" for k in range(2)]
+        self.rows += [f"    | {minus(loops[0][k], loops[1][k])}" for k in range(2)]
+        self.placed.append(Placed("rrr", name, tuple(self.links[-2:]), (a, d)))
+        self.owners[name] = self.links[-2]
         ax, ay = self.points[a]
-        self.add_point(name, (_plus(ax, f"{first}_x"), _plus(ay, f"{first}_y")), loops[0])
+        self.add_point(name, (plus(ax, f"{first}_x"), plus(ay, f"{first}_y")), loops[0])
         self.add_transmission(
             name,
             f"0.5 * ({sum_squared} * {root})",
@@ -556,16 +654,17 @@ class _Writer:
             f"{angle} [rad] mu_{name}: Transmission angle at {name}; between {between}",
             f"= atan2(sine_{name} + 0.0, {cosine})",
         )
-        self.slope(angle, f"sign_{name} * ({_minus(fast, slow)})")
+        self.slope(angle, f"sign_{name} * ({minus(fast, slow)})")
 
     def write_rrp(self, name: str, given: Mapping[str, Any]) -> None:
         """Write a bar whose end is a slider on a line, which is fixed or of a link."""
         a = self.point(("rrp",), given["rrp"])
         bar, slide, root = a + name, f"slide_{name}", f"gap_{name}_root"
         length = self.length(("length",), given["length"], bar, "length of the bar")
-        c, (ux, uy), in_loops, turn = self.line(("along",), given["along"])
+        line = self.line(("along",), given["along"])
+        c, (ux, uy), in_loops, turn = line.start, line.unit, line.in_loops, line.link.rate
         (ax, ay), (cx, cy) = self.points[a], self.points[c]
-        rx, ry = _minus(ax, cx), _minus(ay, cy)
+        rx, ry = minus(ax, cx), minus(ay, cy)
         self.fact(
             f"step off_{name} [m] h: Distance of {a} from the line through {c}, to its left",
             f"= {ux} * ({ry}) - {uy} * ({rx})",
@@ -594,23 +693,25 @@ class _Writer:
             f"= 1.0 / (sign_{name} * ({length} * {root}))",
         )
         (vax, vay), (vcx, vcy) = self.rate_of(a), self.rate_of(c)
-        wx, wy = _minus(vcx, vax), _minus(vcy, vay)
+        wx, wy = minus(vcx, vax), minus(vcy, vay)
         of_line = f" + {slide} * {turn}" if turn else ""
         self.fact(
             f"step {rate} [1] n_{bar}: Angular velocity of {bar} over that of the crank",
             f"= (({wy}) * {ux} - ({wx}) * {uy}{of_line}) * {per}",
         )
         self.turning(bar, rate)
-        more = f"({_minus(rate, turn)})" if turn else rate
+        more = f"({minus(rate, turn)})" if turn else rate
         self.slope(per, f"-({per} * {per} * ({more} * off_{name}))")
         self.slope(f"ahead_{name}", f"{more} * off_{name}")
         self.slope(slide, f"{rate} * off_{name} - (({wx}) * {ux} + ({wy}) * {uy})")
         self.add_slide(name, slide)
         link = self.add_link(bar, [a, name], bar, rate, length)
+        self.placed.append(Placed("rrp", name, (link,), (a,), (line,)))
+        self.owners[name] = name
         ends = _along(self.in_loops[a], length, link.in_loops)
         slid = _along(self.in_loops[c], slide, in_loops)
-        self.rows += [f"    | {_minus(ends[k], slid[k])}" for k in range(2)]
-        self.add_point(name, (_plus(ax, f"{bar}_x"), _plus(ay, f"{bar}_y")), ends, "slider")
+        self.rows += [f"    | {minus(ends[k], slid[k])}" for k in range(2)]
+        self.add_point(name, (plus(ax, f"{bar}_x"), plus(ay, f"{bar}_y")), ends, "slider")
         self.draw_bar(a, name, length)
         self.fact(
             f"step across_{name} [m2] h {bar}: Cosine of the transmission angle at {name}, times lengths",
@@ -647,7 +748,7 @@ class _Writer:
         reach, slide, root, rate = f"reach_{name}", f"slide_{name}", f"gap_{name}_root", f"n_{name}"
         self.add_reach(name, d, a)
         (vax, vay), (vdx, vdy) = self.rate_of(a), self.rate_of(d)
-        wx, wy = _minus(vax, vdx), _minus(vay, vdy)
+        wx, wy = minus(vax, vdx), minus(vay, vdy)
         if offset == "0.0":
             self.fact(
                 f"{slide} [m] s_{name}: Place of {a} along the slot of {name}, from {d}",
@@ -659,7 +760,7 @@ class _Writer:
                     f"= {reach}_{axis} / {slide}",
                 )
         else:
-            scale = next(iter(self.bars[0].lengths.values()))
+            scale = self.scale
             self.add_reach_squared(name, d, a)
             self.fact(
                 f"step gap_{name} [1] s^2: Square of the place of {a} along the slot, over that of the crank",
@@ -684,7 +785,10 @@ class _Writer:
         more = "" if offset == "0.0" else f" + {offset} * {rate}"
         self.slope(slide, f"({wx}) * axis_{name}_x + ({wy}) * axis_{name}_y{more}")
         self.add_slide(a, slide)
-        lx, ly = self.add_link(name, [d], f"axis_{name}", rate).in_loops
+        link = self.add_link(name, [d], f"axis_{name}", rate)
+        link.vectors[a] = (f"{reach}_x", f"{reach}_y")
+        self.placed.append(Placed("rpr", name, (link,), (a, d), by=per))
+        lx, ly = link.in_loops
         (px, py), (qx, qy) = self.in_loops[a], self.in_loops[d]
         left = ("", "") if offset == "0.0" else (f" - {offset} * {ly}", f" + {offset} * {lx}")
         self.rows += [
@@ -696,9 +800,10 @@ class _Writer:
     def write_rpp(self, name: str, given: Mapping[str, Any]) -> None:
         """Write a slider on a line, in whose slot a pin slides."""
         a = self.point(("rpp",), given["rpp"])
-        c, (ux, uy), (lx, ly), turn = self.line(("along",), given["along"])
+        line = self.line(("along",), given["along"])
+        c, (ux, uy), (lx, ly) = line.start, line.unit, line.in_loops
         slide, (ax, ay), (cx, cy) = f"slide_{name}", self.points[a], self.points[c]
-        rx, ry = _minus(ax, cx), _minus(ay, cy)
+        rx, ry = minus(ax, cx), minus(ay, cy)
         angle = (
             self.value(
                 ("angle",),
@@ -717,14 +822,16 @@ class _Writer:
         )
         self.add_slide(name, slide)
         of, ends = self.in_loops[a], _along(self.in_loops[c], slide, (lx, ly))
-        x, y = (_minus(of[k], f"({ends[k]})") for k in range(2))
+        x, y = (minus(of[k], f"({ends[k]})") for k in range(2))
         along = f"(({x}) * {lx} + ({y}) * {ly})"
         self.rows.append(
             f"    | {along} * sin({angle}) - (({y}) * {lx} - ({x}) * {ly}) * cos({angle})"
             if angle
             else f"    | {along}"
         )
-        self.links.append(Link(f"slider{name}", [name], name, (ux, uy), (lx, ly), turn))
+        self.links.append(Link(f"slider{name}", [name], name, (ux, uy), (lx, ly), line.link.rate))
+        self.placed.append(Placed("rpp", name, (self.links[-1],), (a,), (line,), angle))
+        self.owners[name] = self.links[-1]
         self.add_point(name, _along((cx, cy), slide, (ux, uy)), ends, "slider")
         self.bars.append(Bar(f"{name} {a}", {}))
 
@@ -733,18 +840,21 @@ class _Writer:
         lines = self.pair(
             ("prp",), given["prp"], "lines, each of two points of one link, or of a ground pivot and an angle"
         )
-        (c, (ux, uy), (lx, ly), _turn), (g, (wx, wy), (kx, ky), _) = (
-            self.line(("prp",), one) for one in lines
+        one, other = (self.line(("prp",), line) for line in lines)
+        (c, (ux, uy), (lx, ly)), (g, (wx, wy), (kx, ky)) = (
+            (line.start, line.unit, line.in_loops) for line in (one, other)
         )
+        self.placed.append(Placed("prp", name, lines=(one, other)))
+        self.owners[name] = name
         slide, (cx, cy), (gx, gy) = f"slide_{name}", self.points[c], self.points[g]
-        rx, ry = _minus(gx, cx), _minus(gy, cy)
+        rx, ry = minus(gx, cx), minus(gy, cy)
         self.fact(
             f"{slide} [m] s_{name}: Place of {name} on its first line, from {c}",
             f"= (({rx}) * {wy} - ({ry}) * {wx}) / ({ux} * {wy} - {uy} * {wx})",
         )
         self.add_slide(name, slide)
         of, ends = self.in_loops[g], _along(self.in_loops[c], slide, (lx, ly))
-        x, y = (_minus(f"({ends[k]})", f"({of[k]})") for k in range(2))
+        x, y = (minus(f"({ends[k]})", f"({of[k]})") for k in range(2))
         self.rows.append(f"    | ({x}) * {ky} - ({y}) * {kx}")
         self.add_point(name, _along((cx, cy), slide, (ux, uy)), ends, "slider")
 
@@ -781,6 +891,9 @@ class _Writer:
                 f"{p} * {p} + {q} * {q} - {d} * {d}" for (p, q), d in zip(squares, sides, strict=True)
             )
         link.points.append(name)
+        if link.rate:
+            link.vectors[name] = at(*link.vector(start), ux, uy)
+            self.owners[name] = link
         self.add_point(name, at(x, y, ux, uy), loops, "traced")
         joined = " ".join(dict.fromkeys([*link.points[:2], name]))
         self.bars = [bar for bar in self.bars if bar.points != joined]
@@ -826,14 +939,15 @@ class _Writer:
         return u, v
 
     def write_gear(self, name: str, given: Mapping[str, Any]) -> None:
-        """Write a bar that a gear or a belt of a whole ratio turns with another, about a pivot of the ground."""
+        """Write a bar that a gear or a belt of a whole ratio turns with another, both about pivots of one link."""
         first, second = self.pair(("gear",), given["gear"], "points of the bar that drives it")
         start, end = (self.point(("gear",), one) for one in (first, second))
         driver = self.link_of(("gear",), start, end)
-        if not driver.rate:
-            what = f"{start} and {end} are of the ground, which turns nothing"
-            raise InputError(what, ("gear",), f"write {SHAPES['gear']}")
         pivot, ratio = self.point(("about",), given["about"]), given["ratio"]
+        arm = self.link_of(("about",), start, pivot)
+        if arm is driver:
+            what = f"{start}, {end} and {pivot} are of one link, on which nothing turns"
+            raise InputError(what, ("gear",), f"write {SHAPES['gear']}")
         if isinstance(ratio, bool) or not isinstance(ratio, int) or not 1 <= abs(ratio) <= MOST_RATIO:
             what = f"is {short_repr(ratio)}: another ratio goes on for several turns of the crank"
             raise InputError(
@@ -848,36 +962,44 @@ class _Writer:
             "rad",
             f"angle of {bar} beyond that of its drive",
         )
-        (ux, uy), (lx, _ly) = self.direction(driver, start, end)
-        lines = [f"x, y = {ux}, {uy}", "u, v = x, y"] + ["u, v = u * x - v * y, u * y + v * x"] * (
-            abs(ratio) - 1
-        )
+        (ux, uy), in_loops = self.direction(driver, start, end)
+        (ax, ay), of_arm = self.direction(arm, start, pivot) if arm.rate else (("1.0", "0.0"), ("", ""))
+        seen = f"{ux} * {ax} + {uy} * {ay}, {uy} * {ax} - {ux} * {ay}" if arm.rate else f"{ux}, {uy}"
+        lines = [f"x, y = {seen}", "u, v = x, y"] + ["u, v = u * x - v * y, u * y + v * x"] * (abs(ratio) - 1)
         if phase != "0.0":
             lines.append(f"c, s = cosine({phase}), sine({phase})")
         v = "v" if ratio > 0 else "-v"
         turned = ("u", v) if phase == "0.0" else (f"u * c - {v} * s", f"u * s + {v} * c")
+        if arm.rate:
+            lines.append(f"p, q = {turned[0]}, {turned[1]}")
+            turned = (f"p * {ax} - q * {ay}", f"p * {ay} + q * {ax}")
         for axis, of in zip("xy", turned, strict=True):
             self.fact(f"step axis_{bar}_{axis} [1] u_{axis}: Direction of {bar}, {axis}", *lines, f"= {of}")
         rate = f"n_{bar}"
         self.fact(
             f"step {rate} [1] n_{bar}: Angular velocity of {bar} over that of the crank",
-            f"= {float(ratio)} * {driver.rate}",
+            f"= {plus(times(f'{float(ratio)}', driver.rate or '0.0'), times(f'{1.0 - ratio}', arm.rate or '0.0'))}",
         )
         self.turning(f"axis_{bar}", rate)
-        angle = self.add_link(bar, [pivot, name], f"axis_{bar}", rate).angle
-        own = re.fullmatch(r"cos\((\w+)\)", lx)
-        turns = f"{ratio}.0 * {own[1] if own else driver.angle}" + ("" if phase == "0.0" else f" + {phase}")
-        self.rows.append(f"    | sin({angle} - ({turns}))")
+        link = self.add_link(bar, [pivot, name], f"axis_{bar}", rate)
+        self.placed.append(Placed("gear", bar, (link, driver, arm), (pivot,), by=f"{ratio}.0"))
+        turns = f"{ratio}.0 * {_angle_of(in_loops)}" + ("" if phase == "0.0" else f" + {phase}")
+        turns += f" + {1.0 - ratio} * {_angle_of(of_arm)}" if arm.rate else ""
+        self.rows.append(f"    | sin({link.angle} - ({turns}))")
         self.add_bar(bar, pivot, name, length)
 
     # -- the sheet -----------------------------------------------------------------------------------------------------
 
-    def write(self) -> str:
-        """Return the sheet, or raise all problems of the declaration."""
-        for write in (self.write_ground, self.write_crank, self.write_dyads):
+    def place(self) -> None:
+        """Write the motion of all points and links, or raise all problems of the declaration."""
+        drives = self.write_slider if "slider" in self.declared else self.write_crank
+        for write in (self.write_ground, drives, self.write_dyads):
             with self.within():
                 write()
             self.problems.stop()
+
+    def sheet(self, variant: Sequence[str]) -> str:
+        """Return the sheet, with the lines of a variant."""
         for name in self.declared["defaults"]:
             if name not in self.inputs:
                 self.problems.add(
@@ -913,21 +1035,23 @@ class _Writer:
             for lines in self.inputs.values()
             for line in (lines[0], *(f"    {one}" for one in lines[1:]))
         ]
+        drive = f"crank angle; direction of {self.links[1].name}"
+        if "slider" in self.declared:
+            drive = f"place of {self.placed[0].name} in its stroke; at the ends at 0 and pi"
         parts = ["[mechanism]", f"{name}: {title}", "[position]"]
         parts += [
-            f"theta [rad] theta: crank angle; direction of {self.links[1].name}",
+            f"theta [rad] theta: {drive}",
             "[branches]",
             *branches,
         ]
         closes = ["[closes]", *(f"{gap}: {what}" for gap, what in self.gaps.items())]
         parts += [*closes, "[inputs]", *inputs]
-        parts += ["## docs/linkages.md", "[facts]", *self.facts]
+        parts += ["## docs/linkages.md", "[facts]", *self.facts, *variant]
         parts += ["[loops]", f"loops {name}: {', '.join(self.unknowns)}", *self.rows]
         return "\n".join(parts) + "\n"
 
-    @property
-    def picture(self) -> Picture:
-        """What is drawn of it."""
+    def picture(self, drawn: Sequence[Force | Torque]) -> Picture:
+        """Return what is drawn of it, with forces and torques."""
         moving = [point.name for point in self.drawn if point.kind != "ground"]
         shown = [point.name for point in self.drawn if point.kind == "traced"] or moving[-1:]
         traced = {"path": " ".join(shown)} | {name: name for name in moving}
@@ -939,127 +1063,7 @@ class _Writer:
             points=tuple(self.drawn),
             bars=tuple(named),
             traced=traced,
+            forces=tuple(one for one in drawn if isinstance(one, Force)),
+            torques=tuple(one for one in drawn if isinstance(one, Torque)),
             title=str(self.declared["name"]),
         )
-
-
-def sheet_of_linkage(text: str) -> tuple[str, Picture]:
-    """Return the sheet of formulas and the picture of a declaration, which is a text in JSON.
-
-    Raises
-    ------
-    InputError
-        The declaration is none, or places a point of too few or too many bars.
-    """
-    writer = _Writer(json.loads(text))
-    return writer.write(), writer.picture
-
-
-#: What a declaration has.
-PARTS = ("name", "title", "ground", "crank", "dyads", "defaults")
-
-
-@door
-def linkage(
-    name: str = "linkage",
-    *,
-    ground: Mapping[str, Any],
-    crank: Mapping[str, Any],
-    dyads: Mapping[str, Any],
-    title: str = "",
-    defaults: Mapping[str, float] | None = None,
-) -> Mechanism:
-    """Declare a planar linkage by its joints: a crank, then dyads, each of which places a point or a link.
-
-    A declaration is data; the same words stand in the table ``[linkage]`` of a study. Lengths and coordinates are names
-    of inputs, which a design gives, or numbers, which are inputs with a default.
-
-    Parameters
-    ----------
-    name : str, default "linkage"
-        What it is called.
-    ground : mapping
-        The pivots of the ground by name, each with x and y, such as ``{"O": (0, 0), "D": ("a4", 0)}``.
-    crank : mapping
-        The pin of the crank, with its pivot and its length: ``{"A": ("O", "a1")}``. It turns by ``theta`` at the
-        constant speed ``omega``.
-    dyads : mapping
-        What is placed one after the other, by the name of the point (or of the link with a slot):
-
-        - ``{"rrr": ("A", "D"), "lengths": ("a2", "a3")}``: a pin that two bars from A and D join;
-        - ``{"rrp": "A", "length": "l", "along": ("C", "E")}``: the end of a bar from A, a slider on the line through
-          two points of one link, or on a fixed one through a pivot at an angle: ``("C", "beta")``;
-        - ``{"rpr": ("A", "D"), "offset": "e"}``: a link about D, along whose slot the pin A slides, e to its left;
-        - ``{"rpp": "A", "along": ("C", "E"), "angle": "beta"}``: a slider on a line, in whose slot the pin A slides;
-        - ``{"prp": (("C", "E"), ("G", "H"))}``: a pin on two lines;
-        - ``{"on": ("A", "B"), "at": ("P_u", "P_v")}``: a point of the link of A and B, so far along AB from A, and to
-          the left; or by its distances from both, ``"lengths": ("d", "e")``, on the ``"side"`` "left" or "right"; of a
-          link with a slot by its name, ``"on": "lever"``;
-        - ``{"gear": ("O", "A"), "about": "D", "ratio": -2, "length": "b"}``: the end of a bar about D that a gear or a
-          belt turns so many times as fast as OA, a whole number, ``"phase"`` ahead.
-    title : str, optional
-        What it is, for pictures and files.
-    defaults : mapping of str to float, optional
-        Numbers for inputs that a design need not give.
-
-    Returns
-    -------
-    str
-        A name that stands for the mechanism wherever the name of one does, see `fastlink.mechanism`. Branches number
-        the ways to assemble its dyads, which ``fl.quantities`` lists.
-
-    Raises
-    ------
-    InputError
-        Something cannot be placed: with the point, the reason and the remedy.
-
-    Notes
-    -----
-    What a point B has: ``B_x``, ``B_y``, ``B_vx``, ``B_vy``, ``B_ax``, ``B_ay``, ``B_speed``, ``B_acceleration``,
-    ``B_curvature``; a bar AB: ``angle_AB``, ``omega_AB``, ``alpha_AB``, ``jerk_AB``; a dyad of two ways:
-    ``transmission_angle_B``.
-
-    Examples
-    --------
-    >>> import fastlink as fl
-    >>> six_bar = fl.linkage(
-    ...     "six_bar",
-    ...     ground={"O": (0, 0), "D": ("a4", 0), "G": ("G_x", "G_y")},
-    ...     crank={"A": ("O", "a1")},
-    ...     dyads={
-    ...         "B": {"rrr": ("A", "D"), "lengths": ("a2", "a3")},
-    ...         "P": {"on": ("A", "B"), "at": ("P_u", "P_v")},
-    ...         "F": {"rrr": ("P", "G"), "lengths": ("a5", "a6")},
-    ...     },
-    ... )
-    >>> design = {"a1": 0.1, "a2": 0.3, "a3": 0.35, "a4": 0.4, "P_u": 0.15, "P_v": 0.1}
-    >>> design |= {"G_x": 0.45, "G_y": 0.3, "a5": 0.3, "a6": 0.25, "omega": 10.0}
-    >>> maps = fl.sweep(six_bar, design, ["F_x_max", "status"], branch=3)
-    >>> float(maps.F_x_max.round(12))
-    0.240003525055
-    """
-    where = ("linkage", "defaults")
-    if defaults is not None and not isinstance(defaults, Mapping):
-        raise InputError(
-            f"is {short_repr(defaults)}", where, 'write numbers by the names of inputs, such as {"a1": 0.1}'
-        )
-    for key, value in (defaults or {}).items():
-        if isinstance(value, bool) or not isinstance(value, Real) or float(value) - float(value) != 0.0:
-            raise InputError(f"is {short_repr(value)}", (*where, str(key)), "write a number")
-    if not isinstance(title, str) or not title.isprintable():
-        raise InputError(f"is {short_repr(title)}", ("linkage", "title"), "write a text of one line")
-    declared = dict(zip(PARTS, (name, title, ground, crank, dyads, dict(defaults or {})), strict=True))
-    if not isinstance(name, str) or re.fullmatch("[A-Za-z](_?[A-Za-z0-9])*", name) is None:
-        raise InputError(f"is {short_repr(name)}", ("linkage", "name"), "write letters, digits and single _")
-    try:
-        text = json.dumps(declared, default=_as_data)
-    except (TypeError, ValueError) as error:
-        raise InputError(str(error), ("linkage",), "write names, numbers, lists and mappings") from None
-    return Mechanism(text, f"linkage {name}")
-
-
-def _as_data(value: Any) -> Any:
-    """Return a number of NumPy as one of Python."""
-    if hasattr(value, "item") and getattr(value, "ndim", None) == 0:
-        return value.item()
-    raise TypeError(f"{short_repr(value)} is no number or name")
