@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.testing import assert_array_equal
-from tests.support.map_files import digest, left_in
+from tests.support.map_files import digest, flip, left_in
 from tests.support.part_requests import AXES, GRID, REQUESTS, sweep
 from tests.support.refusals import refused
 from tests.support.sweeps import sweep_4r
@@ -407,14 +407,6 @@ def test_what_is_no_part_is_refused(tmp_path, grid_parts):
     with refused("to", "overwrite=True"):
         fl.join(grid_parts, to=tmp_path / "other.h5")
     joined_to(tmp_path, tmp_path).close()  # in a folder, others are passed over
-
-
-def flip(path, offset):
-    with open(path, "r+b") as file:
-        file.seek(offset)
-        byte = file.read(1)
-        file.seek(offset)
-        file.write(bytes([byte[0] ^ 4]))
 
 
 def test_a_damaged_part_is_refused_by_name_and_its_new_run_joined(tmp_path, monkeypatch):

@@ -15,8 +15,8 @@ import h5py
 import numpy as np
 import pytest
 import xarray as xr
-from tests.io.test_faults import failing_after, sweep
-from tests.support.map_files import SPACES, Sample, left_in
+from tests.io.test_faults import sweep
+from tests.support.map_files import SPACES, Sample, failing_after, left_in
 from tests.support.refusals import refused
 from tests.support.sweeps import sweep_4r
 

@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 from tests.support.faults import CODES, FAULTS, Outcome, Trials, library
-from tests.support.map_files import Sample, digest, left_in, raising
+from tests.support.map_files import Sample, digest, failing_after, left_in, raising
 from tests.support.refusals import refused
 from tests.support.sweeps import sweep_4r
 
@@ -113,19 +113,6 @@ def test_a_whole_map_without_its_name_is_refused_to_another_request(tmp_path):
 
 
 # --- nothing noted is lost -------------------------------------------------------------------------
-
-
-def failing_after(patch, count, error):
-    """Let the block after so many raise."""
-    record = writer.Writer.record
-
-    def counted(self, start, stop, seen=[0]):  # noqa: B006
-        record(self, start, stop)
-        seen[0] += 1
-        if seen[0] == count:
-            raise error
-
-    patch.setattr(writer.Writer, "record", counted)
 
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt(), OSError(errno.EIO, "I/O")])

@@ -13,7 +13,7 @@ import h5py
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
-from tests.support.map_files import left_in, raising
+from tests.support.map_files import failing_after, flip, left_in, raising
 from tests.support.refusals import refused
 from tests.support.sweeps import sweep_4r
 
@@ -25,7 +25,6 @@ from fastlink.io.finished import WRITTEN
 from fastlink.io.layout import FINGERPRINT
 from fastlink.io.output_path import part_of
 from fastlink.io.partial_file import Journal, journal_of, read_journal
-from fastlink.io.writer import Writer
 
 COUPLERS, OUTPUTS = np.linspace(1.0, 1.4, 41), np.linspace(0.6, 1.0, 31)
 FIXED = {"a1": 0.4, "a4": 1.0}
@@ -63,17 +62,9 @@ def sweep(to, run="grid", **options):
 
 def interrupted(monkeypatch, path, records, **options):
     """Sweep until so many blocks are written; return the interrupt."""
-    record = Writer.record
-
-    def counted(self, start, stop, seen=[0]):  # noqa: B006
-        record(self, start, stop)
-        seen[0] += 1
-        if seen[0] == records:
-            raise KeyboardInterrupt
-
     with monkeypatch.context() as patched:
         patched.setattr(partial_file, "STEP_SECONDS", 0.0)
-        patched.setattr(Writer, "record", counted)
+        failing_after(patched, records, KeyboardInterrupt())
         with pytest.raises(KeyboardInterrupt) as caught:
             sweep(path, **options)
     assert not path.exists()
@@ -114,17 +105,12 @@ def test_an_interrupted_run_goes_on(tmp_path, monkeypatch, run):
     assert left_in(tmp_path) == ["map.h5", "whole.h5"]
 
 
-def flip(path, name, design, part):
-    """Change one bit of the first value that a file holds of a design."""
-    with h5py.File(part) as file:
+def place_of(path, name, design):
+    """Return where a file holds the first value of a design."""
+    with h5py.File(path) as file:
         data = file[name]
         a_design = data.nbytes // data.shape[0] if data.ndim == 1 or name != "theta4" else data.dtype.itemsize
-        place = data.id.get_offset() + design * a_design
-    with open(path, "r+b") as file:
-        file.seek(place)
-        byte = file.read(1)
-        file.seek(place)
-        file.write(bytes([byte[0] ^ 1]))
+        return data.id.get_offset() + design * a_design
 
 
 @pytest.mark.parametrize(
@@ -140,14 +126,14 @@ def test_what_has_changed_of_a_partial_file_is_computed_again(tmp_path, monkeypa
     path = tmp_path / "map.h5"
     interrupted(monkeypatch, path, 20, run=run)
     part = tmp_path / "map.h5.part"
-    flip(part, name, 20, part)
+    flip(part, place_of(part, name, 20))
     with pytest.warns(fl.InputWarning, match="designs have changed; they are computed again"):
         found = sweep(path, run)
     with found, sweep(None, run) as expected:
         assert 0 < found.attrs["designs_of_earlier_runs"] < found.status.size
         assert_same(found, expected)
     assert fl.check(path)
-    flip(path, name, 20, path)
+    flip(path, place_of(path, name, 20))
     assert list(fl.check(path).damaged) == [name]
 
 
