@@ -247,6 +247,6 @@ def test_a_name_that_is_not_there_is_noticed(name):
     assert papers.problem(name)
 
 
-@pytest.mark.parametrize("test", ["tests/test_papers.py::test_nothing", "tests/test_none.py::test_nothing"])
+@pytest.mark.parametrize("test", ["tests/test_docs.py::test_nothing", "tests/test_none.py::test_nothing"])
 def test_a_test_that_is_not_there_is_noticed(test):
     assert papers.test_problem(test)

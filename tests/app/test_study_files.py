@@ -1,6 +1,6 @@
 """The studies of the repository run, at reduced size, and their numbers are those that their comments promise.
 
-The map of crank-rockers runs at its size in test_readme.py; those of minkowski_4r in test_minkowski_studies.py.
+The map of crank-rockers runs at its size in test_docs.py; those of minkowski_4r in test_minkowski_studies.py.
 """
 
 import json

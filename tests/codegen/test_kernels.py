@@ -512,7 +512,7 @@ def test_the_families_call_every_function_that_kernels_call():
         assert any(word in text for text in texts), word
 
 
-# == Kernels with little to do are compiled in less time; `test_differential` compares their bits ============
+# == Kernels with little to do are compiled in less time; their bits are compared above ======================
 
 LENGTHS = {"a1": 0.4, "a3": 0.8, "a4": 1.0}
 NAMES_SOON = ("swing",), ("B_x",)

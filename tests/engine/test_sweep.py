@@ -22,7 +22,7 @@ from fastlink.numerics.compensated import UNIT_ROUNDING
 
 TABLE_1 = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
 BARS = fl.round_bar(density=7750.0, radius=0.01)
-#: Quantities of the coupler point, which these designs do not have; test_coupler.py asks for them.
+#: Quantities of the coupler point, which these designs do not have; test_curves.py asks for them.
 AT_P = ("P_x", "P_y", "P_vx", "P_vy", "P_ax", "P_ay", "P_speed", "curvature")
 # Some of these turn fully, some do not, some never assemble.
 MIXED = fl.grid(a1=0.4, a2=np.linspace(0.1, 1.9, 13), a3=np.linspace(0.1, 1.2, 11), a4=1.0, omega1=25.0)

@@ -243,13 +243,12 @@ output = {verify = VERIFY}
 # == Extremes at folds, where a slope in doubles is its own rounding error: of the reference, and lists of kernels
 
 LENGTHS_SIDE = ("a1", "a2", "a3", "a4")
-PLANAR_SIDE = catalogue("planar_4r")
 
 
 def inner(quantity, designs, branch, variants=()):
     """Return the stationary extremes of each design by the reference, and the reference."""
     n = designs["a1"].size
-    found = Stationary(PLANAR_SIDE, quantity, designs, np.full(n, float(branch)), variants)
+    found = Stationary(PLANAR, quantity, designs, np.full(n, float(branch)), variants)
     return [[one for one in each if one.kind in (1, -1)] for each in found.candidates], found
 
 
