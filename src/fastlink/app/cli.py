@@ -419,7 +419,7 @@ def quantities(
 ) -> None:
     """List the quantities and inputs of a mechanism, or find them by what they mean.
 
-    MECHANISM  Such as planar_4r; all with --find.
+    MECHANISM|STUDY.toml  Such as planar_4r; or that of a study; all with --find.
     --all  List intermediate facts too, which cannot be requested by name.
     --input INPUT  The driven input, such as joint_angle_2.
     --find PHRASE  Only what a phrase means, such as torque.
@@ -427,6 +427,10 @@ def quantities(
     """
     from fastlink.app.report import quantities as list_quantities
 
+    if mechanism is not None and mechanism.lower().endswith(".toml"):
+        from fastlink.app.study import mechanism_of_study
+
+        mechanism = mechanism_of_study(mechanism)
     found = list_quantities(mechanism, internal=every, input=input, find=find)
     typer.echo(found.formulas() if source else str(found))
 

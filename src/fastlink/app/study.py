@@ -1110,6 +1110,15 @@ def read_study(path: str | Path, trust_code: bool = False) -> Study:
     return Study(path, text, tables, request.space, request.options, sources, mechanism)
 
 
+def mechanism_of_study(path: str | Path) -> Any:
+    """Return the mechanism of a study file; Python files that it names are not run."""
+    path = check_path(("study",), path, "study.toml")
+    contents, problems = contents_of(path, text_of(path)), Problems(StudyWording(path))
+    found = _mechanism(path, contents, problems, False)
+    problems.stop()
+    return found
+
+
 def _mechanism(path: Path, contents: dict[str, Any], problems: Problems, trusted: bool) -> Any:
     """Return the mechanism of a study: its name, or with the quantities that a file declares."""
     mechanism, own = contents.get("mechanism"), contents.get(KEY)

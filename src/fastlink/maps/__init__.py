@@ -14,6 +14,7 @@ from fastlink._text import short_repr
 from fastlink.errors import InputError, Suggesting, check_choice, door
 from fastlink.io.reader import as_dataset
 from fastlink.io.reader import open_map as open
+from fastlink.maps.circuits import circuits_of
 from fastlink.maps.units import (
     check_flags,
     convert,
@@ -220,6 +221,35 @@ class MapAccessor(Suggesting):
         """
         with as_dataset(self._maps) as maps:
             return convert(maps, of_all, units)
+
+    @door
+    def circuits(self) -> xr.DataArray:
+        """Return by branch and range what a declared linkage reaches without being taken apart, numbered from 1.
+
+        Where a dyad is in its limit the linkage goes on with the other way to assemble it: ranges of several branches
+        are one circuit. The map has ``theta_low``, ``theta_high``, ``theta_low_by`` and ``theta_high_by`` in all
+        branches. The result has their shape; 0 is where there is no range.
+
+        Raises
+        ------
+        InputError
+            One of these, or a branch, is missing.
+
+        Examples
+        --------
+        >>> linkage = fl.linkage(
+        ...     ground={"O": (0, 0), "D": (0.4, 0)},
+        ...     crank={"A": ("O", "a1")},
+        ...     dyads={"B": {"rrr": ("A", "D"), "lengths": (0.3, 0.35)}},
+        ... )
+        >>> ends = ["theta_low", "theta_high", "theta_low_by", "theta_high_by"]
+        >>> maps = fl.sweep(linkage, {"a1": [0.1, 0.3]}, ends, branch=(1, 2))
+        >>> maps.fastlink.circuits()[..., 0].values  # a crank has two circuits, a rocker one
+        array([[1, 2],
+               [1, 1]], dtype=int32)
+        """
+        with as_dataset(self._maps) as maps:
+            return circuits_of(maps)
 
     @door
     def top(

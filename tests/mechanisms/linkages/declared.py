@@ -29,16 +29,17 @@ FOUR_BAR = fl.linkage(
     loads={"P": ("FP_x", "FP_y"), "DB": "T_load"},
     gravity=("gravity_x", "gravity_y"),
 )
-SIX_BAR = fl.linkage(
-    "six_bar",
-    ground={"O": (0, 0), "D": ("a4", 0), "G": ("G_x", "G_y")},
-    crank={"A": ("O", "a1")},
-    dyads={
+DECLARED: dict[str, Any] = {
+    "name": "six_bar",
+    "ground": {"O": (0, 0), "D": ("a4", 0), "G": ("G_x", "G_y")},
+    "crank": {"A": ("O", "a1")},
+    "dyads": {
         "B": {"rrr": ("A", "D"), "lengths": ("a2", "a3")},
         "P": {"on": ("A", "B"), "at": ("P_u", "P_v")},
         "F": {"rrr": ("P", "G"), "lengths": ("a5", "a6")},
     },
-)
+}
+SIX_BAR = fl.linkage(**DECLARED)
 SLIDER_CRANK = fl.linkage(
     "declared_slider_crank",
     ground={"O": (0, 0), "C": (0, "e")},

@@ -3,7 +3,8 @@
 import pickle
 
 import pytest
-from tests.mechanisms.linkages.declared import SIX_BAR, TURNING
+from tests.mechanisms.linkages.declared import DECLARED, SIX_BAR, TURNING
+from tests.test_cli import called
 
 import fastlink as fl
 
@@ -45,6 +46,21 @@ def test_a_study_and_its_map(tmp_path):
     assert found.sizes["a1"] == 3
     fl.draw(path.with_suffix(".h5"), design=1, theta=0.5, to=tmp_path / "drawn.svg")
     assert "bar P F" in (tmp_path / "drawn.svg").read_text()
+
+
+def test_a_study_with_forces(tmp_path):
+    more = 'gravity = [0, "g"]\nmasses = {AB = {mass = 1.0, centre = ["c", 0]}, F = "m"}\nloads = {GF = "T_load"}'
+    given = {"g": -9.81, "c": 0.1, "m": 0.3, "T_load": -2.0, "omega": 3.0}
+    path = study_of(tmp_path / "six_bar.toml", more=more, **given)
+    path.write_text(path.read_text().replace('"F_x_max"', '"torque_max"'))
+    linkage = fl.linkage(
+        **(DECLARED | {"gravity": (0, "g"), "loads": {"GF": "T_load"}}),
+        masses={"AB": {"mass": 1.0, "centre": ("c", 0)}, "F": "m"},
+    )
+    swept = fl.sweep(linkage, TURNING | given, ["torque_max"], branch=3)
+    assert fl.run(path, to=path.with_suffix(".h5")).torque_max.item() == swept.torque_max.item()
+    fl.explore(path.with_suffix(".h5"), to=tmp_path / "page.html", browser=False)
+    assert "force_PF_F" in (tmp_path / "page.html").read_text()
 
 
 @pytest.mark.stress
@@ -92,3 +108,8 @@ def test_mistakes_in_a_study_name_table_and_key(tmp_path, changes, message):
 def test_a_linkage_is_not_synthesised():
     with pytest.raises(fl.InputError, match="is not synthesised"):
         fl.synthesise(SIX_BAR, path=[(0.0, 0.0), (1.0, 1.0), (2.0, 1.0)])
+
+
+def test_the_command_line_lists_what_the_linkage_of_a_study_has(tmp_path):
+    done = called("quantities", str(study_of(tmp_path / "six_bar.toml")), "--find", "speed of F")
+    assert "F_speed" in done.stdout

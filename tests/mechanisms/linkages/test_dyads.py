@@ -246,6 +246,11 @@ REFUSED = {
                 "C": {"rrr": ("B", "D"), "lengths": ("c", "d")},
             }
         },
+        "dyads.B.rrr: C stands on B itself: B, C are an Assur group of higher class",
+        "stands on points before it",
+    ),
+    "later, in another order": (
+        {"dyads": {"B": {"rrr": ("A", "C"), "lengths": ("a", "b")}, "C": RRR}},
         "dyads.B.rrr: C is placed later",
         "declare C before it",
     ),

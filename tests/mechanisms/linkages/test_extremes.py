@@ -113,6 +113,18 @@ def test_all_shared_quantities_of_many_designs(mechanism: str, seed: int) -> Non
     compare(mechanism, 20_000, seed)
 
 
+def test_the_least_transmission_angle_is_that_of_the_worst_dyad_where_that_is_worst() -> None:
+    ends = [f"transmission_angle_{name}_{how}" for name in "BF" for how in ("min", "max")]
+    least = "least_transmission_angle_min"
+    maps = fl.sweep(SIX_BAR, six_bars(300, 7) | {"omega": 1.0}, [*ends, least], branch=(1, 2, 3, 4), verify=2)
+    of_dyads = np.minimum(
+        *(np.minimum(maps[f"{one}_min"], np.pi - maps[f"{one}_max"]) for one in (ends[0][:-4], ends[2][:-4]))
+    )
+    assert maps.attrs["verify_mismatches"] == 0
+    # angles within [0, pi], each of which is right to a rounding or two
+    assert np.allclose(maps[least], of_dyads, rtol=0.0, atol=8 * 2.0**-52, equal_nan=True)
+
+
 def compare_with_hart(count: int, seed: int) -> None:
     """Compare Hart's linkage by its joints with the one by hand: positions, and extremes of the rocker.
 

@@ -162,6 +162,10 @@ class Writer:
         self.links: list[Link] = []
         #: A length that is positive, of what drives.
         self.scale = ""
+        #: The least transmission angle of the dyads so far.
+        self.least = ""
+        #: The dyad under way.
+        self.current = ""
         self.placed: list[Placed] = []
         #: What pins are of: a link, or a slider by its own name, where they join links.
         self.owners: dict[str, Link | str] = {}
@@ -224,10 +228,20 @@ class Writer:
         if isinstance(name, str) and name in self.points:
             return name
         dyads = self.declared["dyads"]
-        later = isinstance(name, str) and isinstance(dyads, Mapping) and name in dyads
-        remedy = f"declare {name} before it" if later else suggest(str(name), list(self.points))
-        what = f"{name} is placed later" if later else f"{short_repr(name)} is no point"
-        raise InputError(what, where, remedy)
+        if not isinstance(name, str) or not isinstance(dyads, Mapping) or name not in dyads:
+            raise InputError(f"{short_repr(name)} is no point", where, suggest(str(name), list(self.points)))
+        needed, found = {name}, [name]
+        while found:
+            further = set(re.findall(r"\w+", str(dyads[found.pop()]))).intersection(dyads) - needed
+            needed |= further
+            found += further
+        group = sorted(needed - self.points.keys())
+        if self.current not in group:
+            raise InputError(f"{name} is placed later", where, f"declare {name} before it")
+        what = (
+            f"{name} stands on {self.current} itself: {', '.join(group)} are an Assur group of higher class"
+        )
+        raise InputError(what, where, "write dyads, each of which stands on points before it")
 
     def pair(self, where: KeyPath, given: Any, noun: str) -> tuple[Any, Any]:
         """Return two entries of a list."""
@@ -529,6 +543,7 @@ class Writer:
         if not isinstance(dyads, Mapping) or not dyads:
             raise InputError(f"is {short_repr(dyads)}", ("dyads",), f'write such as {{"B": {SHAPES["rrr"]}}}')
         for name, given in dyads.items():
+            self.current = name
             with self.within("dyads", str(name)):
                 self.new_name((), name)
                 words = list(given) if isinstance(given, Mapping) else []
@@ -655,6 +670,15 @@ class Writer:
             f"= atan2(sine_{name} + 0.0, {cosine})",
         )
         self.slope(angle, f"sign_{name} * ({minus(fast, slow)})")
+        # |x| by the size of a vector, whose kinks are known to the search of extremes
+        acute = f"acute_{angle}"
+        head = f"{acute} [rad] mu_{name}: Acute transmission angle at {name}; that or its supplement"
+        self.fact(head, f"= atan2(sine_{name} + 0.0, magnitude({cosine}, {cosine} - {cosine}))")
+        least, self.least = self.least, acute
+        if least:
+            self.least = f"least_{name}"
+            head = f"step {self.least} [rad] mu: Least acute transmission angle up to {name}"
+            self.fact(head, f"d = {least} - {acute}", f"= 0.5 * ({least} + {acute} - magnitude(d, d - d))")
 
     def write_rrp(self, name: str, given: Mapping[str, Any]) -> None:
         """Write a bar whose end is a slider on a line, which is fixed or of a link."""
@@ -1012,6 +1036,9 @@ class Writer:
                 ("linkage", "dyads"),
                 f"write at most {MOST_WAYS}",
             )
+        if self.least:
+            head = "least_transmission_angle [rad] mu: Least acute transmission angle of all dyads"
+            self.fact(head, f"= {self.least}")
         for k, (name, _, first) in enumerate(self.ways):
             rest, lines = "branch - 1.0", []
             for higher in range(len(self.ways) - 1, k, -1):
