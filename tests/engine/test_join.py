@@ -63,7 +63,7 @@ def assert_same(joined, whole):
         assert joined[name].dtype == object or joined[name].values.tobytes() == whole[name].values.tobytes()
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("of", REQUESTS)
 def test_joined_parts_are_the_map_of_one_sweep(of, tmp_path):
     with sweep(of, to=tmp_path / "whole.h5") as whole:
@@ -189,7 +189,7 @@ def test_a_map_that_shows_its_parts_is_a_map_at_every_door(sixteen, moved):
         fl.convert(moved, part_of_moved(moved, 3), overwrite=True)
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("what", ["missing", "another run", "labels", "no part"])
 def test_a_part_that_is_missing_or_another_is_named(what, moved):
     part = part_of_moved(moved, 7)
@@ -226,7 +226,7 @@ def test_a_check_reads_every_part(moved):
     assert f"{part}: values of theta4 have changed" in str(found)
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("source", ["../secret.h5", "{folder}/secret.h5", "link.h5", "beside.h5"])
 def test_values_of_other_files_than_parts_are_not_shown(source, tmp_path, grid_parts):
     """Not even of parts of the same map that it does not name."""
@@ -485,7 +485,7 @@ def test_parts_are_those_of_the_whole(of):
         assert_array_equal(np.concatenate([part["design"].values for part in parts]), whole["design"].values)
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("order", list(itertools.permutations(AXES)))
 def test_an_axis_that_only_scales_results_has_the_same_bits_in_parts(order):
     """Rows of a part follow from designs that are evaluated at another speed, perhaps of another part."""

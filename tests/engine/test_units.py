@@ -194,7 +194,7 @@ def assert_same(found, expected):
             assert_array_equal(one, other)
 
 
-@pytest.mark.sample(9)
+@pytest.mark.sample(6)
 @pytest.mark.parametrize("door", DOORS)
 def test_a_length_in_mm_has_the_bits_of_that_in_m(door, tmp_path):
     expected = DOORS[door](tmp_path, {"a1": 0.4})
@@ -225,7 +225,7 @@ MISTAKES = {
 }
 
 
-@pytest.mark.sample(30)
+@pytest.mark.sample(20)
 @pytest.mark.parametrize("mistake", MISTAKES)
 @pytest.mark.parametrize("door", DOORS)
 def test_every_door_refuses_alike(door, mistake, tmp_path):

@@ -92,7 +92,7 @@ def assert_same(one, other):
             np.testing.assert_array_equal(one[name].attrs[key], value)
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("kind", "name"), [*(("grid", name) for name in WHOLE), ("sampled", "plain.h5"), ("sampled", "gzip.zarr")]
 )
@@ -170,7 +170,7 @@ def test_a_selection_is_that_of_xarray(grid, name):
 ONE = {"a1": "#1", "a2": "#2", "theta1": "#3", "branch": "1"}
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("name", "ending"), [("several", "h5"), ("several", "zarr"), ("a constant", "h5")])
 def test_a_part_counts_its_own_designs(grid, tmp_path, small_blocks, name, ending):
     given, indexers = SELECTIONS[name]
@@ -210,7 +210,7 @@ def test_a_map_of_too_many_rows_for_excel_is_refused(grid, tmp_path, monkeypatch
     assert left_in(tmp_path) == []
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["one.h5", "gzip.h5", "one.zarr", "one.csv", "one.parquet", "one.xlsx"])
 def test_a_single_configuration_is_converted(grid, tmp_path, name):
     path = converted(grid, tmp_path / name, select=ONE)
@@ -367,7 +367,7 @@ def test_all_problems_are_said_together(grid, tmp_path):
     assert len(caught.value.problems) == 4
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["out.h5", "out.nc", "out.zarr", "out.csv", "out.parquet", "out.xlsx"])
 def test_what_exists_is_replaced_only_by_overwrite(grid, sampled, tmp_path, name):
     path = fl.convert(grid, tmp_path / name, quantities=["theta4"])
@@ -398,7 +398,7 @@ def test_the_map_itself_and_other_folders_are_not_replaced(grid, tmp_path):
     assert (tmp_path / "out.zarr.part" / "thesis.txt").read_text() == "years"
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["out.h5", "z.h5", "out.zarr", "out.csv", "out.parquet", "out.xlsx"])
 @pytest.mark.parametrize("fault", [KeyboardInterrupt, OSError(errno.ENOSPC, "No space left on device")])
 def test_what_fails_leaves_nothing_and_touches_nothing(

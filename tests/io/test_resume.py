@@ -81,7 +81,7 @@ def assert_same(resumed, expected):
     assert all(resumed.attrs[name] == expected.attrs[name] for name in counts)
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("run", RUNS)
 def test_an_interrupted_run_goes_on(tmp_path, monkeypatch, run):
     path = tmp_path / "map.h5"

@@ -84,7 +84,7 @@ def evaluated(mechanism, drive, names, inputs):
     return [np.array([np.broadcast_to(values[one], n) for one in each]) for each in asked.values()]
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("n", [12, pytest.param(1000, marks=pytest.mark.stress)])
 @pytest.mark.parametrize(("mechanism", "drive"), DRAWN)
 def test_bounds_of_derivatives_hold(mechanism, drive, n):
@@ -126,7 +126,7 @@ def with_extremes(of, inputs):
     return inputs
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("n", [200, pytest.param(20_000, marks=pytest.mark.stress)])
 @pytest.mark.parametrize(("mechanism", "drive"), DRAWN)
 def test_a_bound_is_a_number_where_the_value_is_one(mechanism, drive, n):
@@ -141,7 +141,7 @@ def test_a_bound_is_a_number_where_the_value_is_one(mechanism, drive, n):
             assert finite.sum() > n
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("n", [120, pytest.param(3000, marks=pytest.mark.stress)])
 @pytest.mark.parametrize(("mechanism", "drive"), DRAWN)
 def test_no_derivative_is_finite_where_its_quantity_is_not(mechanism, drive, n):
@@ -171,7 +171,7 @@ def test_a_kernel_has_no_derivative_either_where_the_quantity_is_none(theta1):
     assert {bool(np.isfinite(maps[name]).all()) for name in names} == {theta1 == 0.2}
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("mechanism", "drive"), [key for key in DRAWN if catalogue(*key).position.units != "m"]
 )
