@@ -100,6 +100,53 @@ def functions():
     return rows
 
 
+def sliders():
+    """Return a row for functions of a slider-crank with a travel of 1: the greatest error of the best, and seconds."""
+    rows = []
+    for name, (function, over, turns, where, _) in FUNCTIONS.items():
+        ask = {
+            "function": function,
+            "over": over,
+            "turn_deg": turns[0],
+            "travel": 1.0,
+            "where": where,
+            "top": 1,
+        }
+        found, seconds = timed(lambda ask=ask: fl.synthesise("slider_crank", **ask))
+        error, angle = (
+            float(found.structural_error[0]),
+            np.degrees(float(found.least_transmission_angle_used[0])),
+        )
+        lengths = ", ".join(f"{float(found[name][0]):.4g}" for name in ("r", "l", "e"))
+        rows.append((name, f"{error:.3g}", lengths, f"{angle:.1f}", f"{seconds:.2f}"))
+    return rows
+
+
+def families(seeds):
+    """Return a row for each family that is searched: the worst and the best of some seeds, and the median time."""
+    bars = {f"a{k}": (5, 60) for k in (1, 2, 3, 4)}
+    line = {
+        "path": CASES["line6"][0]["path"],
+        "bounds": bars,
+        "where": {"status": "rotates_fully", "path_error": (None, 1e-9)},
+    }
+    poses = [(0.9436, 1.3381, 0.8045), (0.9691, 1.5942, 0.5487), (0.5485, 1.6845, 0.3744)]
+    three = {"motion": poses, "where": {"status": "rotates_fully"}}
+    tasks = {
+        "line6": ("planar_4r", line),
+        "three poses": ("planar_4r", three),
+        "three poses, slider": ("slider_crank", three),
+    }
+    rows = []
+    for name, (mechanism, task) in tasks.items():
+        ask = task | {"maximise": "least_transmission_angle", "top": 1}
+        made = [timed(lambda m=mechanism, a=ask, k=k: fl.synthesise(m, seed=k, **a)) for k in range(seeds)]
+        angles = [np.degrees(float(found.least_transmission_angle[0])) for found, _ in made]
+        seconds = f"{np.median([one for _, one in made]):.2f}"
+        rows.append((name, f"{min(angles):.2f}", f"{np.median(angles):.2f}", f"{max(angles):.2f}", seconds))
+    return rows
+
+
 def dyads(tasks=100_000):
     """Return how many five-pose tasks a second are solved, and the greatest distance from circles by their size."""
     places, angles = np.random.default_rng(0).uniform(-1, 1, (2, tasks, 5, 2))
@@ -347,6 +394,7 @@ def curves(count, pylinkage, seconds=1.0):
 def main():
     parser = argparse.ArgumentParser(prog="python -m benchmarks.synthesis", description=__doc__)
     parser.add_argument("--seeds", type=int, default=5, help="of each published path")
+    parser.add_argument("--families", type=int, default=5, help="seeds of each family that is searched")
     parser.add_argument("--random", type=int, default=0, help="random crank-rockers")
     parser.add_argument("--curves", type=int, default=0, help="that no four-bar draws")
     parser.add_argument("--pylinkage", default="", help="the folder of packages that it is installed in")
@@ -356,6 +404,9 @@ def main():
     rate, off, counts = dyads()
     print(markdown(("case", "published", "found", "worst seed", "s", "held by"), *paths(arguments.seeds)), "")
     print(markdown(("function", "known", "found [deg]", "angle [deg]", "s"), *functions()), "")
+    print(markdown(("function by a slider", "found", "r, l, e", "angle [deg]", "s"), *sliders()), "")
+    head = f"best angle [deg] of a family, {arguments.families} seeds", "worst", "median", "best", "s"
+    print(markdown(head, *families(arguments.families)), "")
     print(
         f"dyads of five poses: {rate:,.0f} tasks a second, off circles by {off:.1e}, {counts} tasks with 0, 1, ..."
     )

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from benchmarks.synthesis_instance import remake
 
 import fastlink as fl
 from fastlink.synthesis import nine_points
@@ -89,7 +90,7 @@ def test_a_linkage_is_among_those_through_its_points(seed):
 @pytest.mark.stress
 def test_the_general_instance_is_what_its_code_makes():
     """The same triples, in any order: rounding decides which cognate stands for one."""
-    made = nine_points.remake()
+    made = remake()
     points, known = nine_points._instance()
     assert made.shape == (1444, 8)
     np.testing.assert_allclose(made[:2], points, rtol=1e-12)

@@ -6,7 +6,8 @@ import xarray as xr
 
 import fastlink as fl
 from fastlink.codegen.kernel import load_kernel
-from fastlink.synthesis import kernels, paths
+from fastlink.synthesis import found as doors
+from fastlink.synthesis import functions, kernels, paths
 from fastlink.synthesis.found import DEFECTS, Linkages, cognates_of, judged
 from fastlink.synthesis.poses import dyads_of_five
 
@@ -343,6 +344,83 @@ def test_a_condition_that_no_start_meets_is_met_at_the_end():
     assert (found.path_error < 1e-6).all()
 
 
+@pytest.mark.parametrize("mechanism", ["planar_4r", "slider_crank"])
+def test_a_family_of_poses_is_searched_for_the_best(monkeypatch, mechanism):
+    """Changes that are ever smaller: better than the best of the family's sample, and each pose to its rounding."""
+    ask = {"motion": POSES[:3], "maximise": "least_transmission_angle", "where": {"status": "rotates_fully"}}
+    made = []
+    for changes in ([], 0.3 * 0.4 ** np.arange(5)):
+        monkeypatch.setattr(doors, "CHANGES", changes)
+        made.append(fl.synthesise(mechanism, top=1, **ask))
+        assert float(made[-1].pose_error[0]) < 1e-12  # links up to 15 times the size
+        assert made[-1].status.item() == made[-1].defect.item() == 0
+    sample, best = (np.degrees(float(one.least_transmission_angle[0])) for one in made)
+    assert sample + 0.1 < best < 90
+
+
+@pytest.mark.stress
+@pytest.mark.parametrize("seed", range(20))
+def test_the_best_of_a_family_does_not_depend_on_the_seed(seed):
+    """Of all linkages through six points of a line: 67.91225 degrees is the most that was ever found."""
+    line, bars = [(20, y) for y in range(20, 46, 5)], {f"a{k}": (5, 60) for k in (1, 2, 3, 4)}
+    where = {"status": "rotates_fully", "path_error": (None, 1e-9)}
+    ask = {"path": line, "bounds": bars, "where": where, "maximise": "least_transmission_angle"}
+    found = fl.synthesise("planar_4r", top=1, seed=seed, **ask)
+    assert 67.4 < np.degrees(float(found.least_transmission_angle[0])) < 67.9123
+    place, _ = points_of(found)
+    assert np.abs(place - np.array(line) @ [1, 1j]).max() < 1e-11
+
+
+@pytest.mark.stress
+def test_conditions_hold_where_poses_are_met_nearly():
+    """At the least error of a motion with a limit it stands at that limit, to what sequential programs leave of it."""
+    rng = np.random.default_rng(4)
+    theta = np.sort(rng.uniform(0, 3, 8))
+    design = {"a1": 0.8, "a2": 1.7, "a3": 1.5, "a4": 2.0, "P_u": 0.9, "P_v": 0.6}
+    at = fl.evaluate("planar_4r", ["P_x", "P_y", "theta2"], branch=2, theta1=theta, **design)
+    poses = np.stack([at["P_x"], at["P_y"], at["theta2"]], axis=1) + 0.01 * rng.normal(size=(8, 3))
+    ask = {"motion": poses, "rotation_length": 1.0, "top": 1}
+    free = fl.synthesise("planar_4r", **ask)
+    short = fl.synthesise("planar_4r", where={"a4": (None, 1.95)}, **ask)
+    assert float(short.a4[0]) == pytest.approx(1.95, abs=1e-9)
+    assert 1.05 < float(short.pose_error[0] / free.pose_error[0]) < 1.3
+    flat = fl.synthesise("planar_4r", minimise="pose_error_max", **ask)
+    assert float(flat.pose_error_max[0]) < 0.8 * float(free.pose_error_max[0])
+    where = {"pose_error": (None, 0.02)}
+    good = fl.synthesise("planar_4r", maximise="least_transmission_angle", where=where, **ask)
+    assert np.degrees(float(good.least_transmission_angle[0])) > 65
+    assert float(good.pose_error[0]) <= 0.02
+
+
+@pytest.mark.stress
+def test_conditions_hold_where_a_function_is_met_nearly():
+    """Limits of lengths and of quantities over the whole turn are active at the end, to a millionth of them."""
+    ask = {"function": np.square, "over": (0, 1), "turn_deg": (90, 90), "top": 1}
+    where = {"a1": (None, 1.0), "a3": (0.8, None), "least_transmission_angle_used_deg": (40, None)}
+    found = fl.synthesise("planar_4r", where=where, **ask)
+    assert "missed" not in found
+    at = [found.a1[0], found.a3[0], np.degrees(found.least_transmission_angle_used[0])]
+    np.testing.assert_allclose(at, [1.0, 0.8, 40.0], rtol=1e-6)
+    found = fl.synthesise("planar_4r", where={"least_transmission_angle_deg": (20, None)}, **ask)
+    assert np.degrees(float(found.least_transmission_angle[0])) == pytest.approx(20.0, rel=1e-6)
+    assert np.degrees(float(found.structural_error[0])) < 0.8214
+
+
+@pytest.mark.stress
+def test_free_turns_are_chosen_with_the_linkage():
+    """The error as a share of the output's turn is less than at the middle and at the ends of both ranges."""
+    ask = {"function": np.log10, "over": (1, 2), "top": 1}
+    free = fl.synthesise("planar_4r", turn_deg=((40, 90), (60, 120)), **ask)
+    for turns in ((65, 90), (40, 60), (40, 120), (90, 60), (90, 120)):
+        assert free.function_error[0] < fl.synthesise("planar_4r", turn_deg=turns, **ask).function_error[0]
+    row = free.isel(design=0)
+    assert 40 - 1e-9 <= np.degrees(float(row.input_turn)) <= 90 + 1e-9
+    assert 60 - 1e-9 <= np.degrees(float(row.output_turn)) <= 120 + 1e-9
+    assert float(row.theta1[-1] - row.theta1[0]) == pytest.approx(float(row.input_turn), abs=1e-13)
+    turned = abs(float(row.theta4[-1] - row.theta4[0]))
+    assert turned == pytest.approx(float(row.output_turn), abs=1e-13)
+
+
 def test_no_linkage_is_an_empty_result_with_the_reason():
     found = fl.synthesise("planar_4r", motion=POSES, where={"status": "never_assembles"})
     assert found.sizes["design"] == 0
@@ -359,6 +437,37 @@ def test_a_result_is_a_map(tmp_path):
         assert any(line.get_marker() == "x" and len(line.get_xdata()) == 5 for line in figure.axes[0].lines)
         best = fl.best(found, maximise="least_transmission_angle_used", top=1)
         assert float(best.a2[0]) == pytest.approx(1.7, abs=1e-5)
+
+
+def test_a_stopped_run_goes_on(tmp_path, monkeypatch):
+    """Each linear program's end is a step: those that were done are not done again, and the bits are the same."""
+    x = np.linspace(0, 1, 7)
+    monkeypatch.setattr(functions, "STARTS", 30)
+    ask = {"function": np.c_[x, x**2], "turn_deg": (60, -60), "to": tmp_path / "found.h5"}
+    made, minimax = [], functions._minimax
+
+    def stops(*of):
+        made.append(of)
+        if len(made) == 4:
+            raise KeyboardInterrupt
+        return minimax(*of)
+
+    monkeypatch.setattr(functions, "_minimax", lambda *of: made.append(of) or minimax(*of))
+    wanted = fl.synthesise("planar_4r", **{**ask, "to": None})
+    whole = len(made)
+    made.clear()
+    monkeypatch.setattr(functions, "_minimax", stops)
+    with pytest.raises(KeyboardInterrupt) as caught:
+        fl.synthesise("planar_4r", **ask)
+    assert "4 steps of it are kept" in caught.value.__notes__[0]  # the scan, and three programs
+    assert [one.name for one in tmp_path.iterdir()] == ["found.h5.search"]
+    with pytest.raises(fl.InputError, match="another search"):
+        fl.synthesise("planar_4r", **ask, seed=1)
+    with fl.synthesise("planar_4r", **ask) as found:
+        assert len(made) == 4 + whole - 3 > 4
+        for name in wanted.variables:
+            np.testing.assert_array_equal(found[name], wanted[name])
+    assert [one.name for one in tmp_path.iterdir()] == ["found.h5"]
 
 
 def test_a_study_and_a_command_ask_for_the_same(tmp_path, monkeypatch, capsys):
@@ -385,6 +494,20 @@ def test_a_study_and_a_command_ask_for_the_same(tmp_path, monkeypatch, capsys):
         assert "no_defect" in capsys.readouterr().out
         with fl.open("own.h5") as own:
             np.testing.assert_array_equal(own.a1, found.a1)
+    (tmp_path / "pairs.csv").write_text("x,y\n0,0\n1,1\n2,4")
+    (tmp_path / "slider.toml").write_text(
+        'mechanism = "slider_crank"\n[synthesis]\nfunction = true\nfile = "pairs.csv"\nturn_deg = 90\ntravel = 0.1\n'
+    )
+    with fl.run("slider.toml") as found:
+        words = (
+            "synthesise pairs.csv --function --mechanism slider_crank --turn-deg 90 --travel 0.1 --to own2.h5"
+        )
+        monkeypatch.setattr("sys.argv", ["fastlink", *words.split()])
+        with pytest.raises(SystemExit):
+            main()
+        with fl.open("own2.h5") as own:
+            np.testing.assert_array_equal(own.r, found.r)
+            assert float(np.abs(own.output_error).max()) < 1e-10
 
 
 @pytest.mark.stress
@@ -398,19 +521,19 @@ def test_random_closed_paths(seed):
 
 
 @pytest.mark.parametrize("compiler", ["llvm", pytest.param("numba", marks=pytest.mark.stress)])
-@pytest.mark.parametrize("timed", [False, True])
-def test_the_kernel_has_the_bits_of_its_text(compiler, timed):
+@pytest.mark.parametrize(("timed", "slider"), [(False, False), (True, False), (False, True)])
+def test_the_kernel_has_the_bits_of_its_text(compiler, timed, slider):
     """Nine linkages with limits, eight abreast and one alone: the text run as Python, and compiled."""
     source, rng = paths.refinement(), np.random.default_rng(1)
     angle = TURN * np.arange(7) / 7
     target = np.stack([np.cos(angle), 0.4 * np.sin(angle) + 0.1 * np.cos(2 * angle)], axis=1)
-    task = paths.PathTask(target @ [1, 1j], angle if timed else None, closed=True)
+    task = paths.PathTask(target @ [1, 1j], angle if timed else None, closed=True, slider=slider)
     starts = paths.starts_of(task, 64, 9, 0).at(slice(0, 9))
     upper = np.array([3.0, 3, 3, 3, 1, 1, *[np.inf] * 4])
     scratch = [np.zeros(one.lengths(2 * 7 + 10)) for one in source.scratch]
-    options = np.array([timed, True, True], dtype=np.int64)
-    rest = (target, np.ones(7), angle, options, np.ones(10) - (np.arange(10) == 9) * (not timed), -upper, upper,
-            np.zeros(1), 4)  # fmt: skip
+    options = np.array([timed, True, True, slider], dtype=np.int64)
+    free = np.array([1.0, 1, 1, not slider, 1, 1, 1, 1, 1, timed])
+    rest = (target, np.ones(7), angle, options, free, -upper, upper, np.zeros(1), 4)
     made = []
     for code in (kernels.kernel, load_kernel(source, compiler)):
         given = [part.copy() for part in (starts.numbers, starts.signs, starts.theta, starts.cost)]

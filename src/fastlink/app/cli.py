@@ -700,6 +700,8 @@ def synthesise(
     exact: bool = False,
     rotation_length: float | None = None,
     turn_deg: str | None = None,
+    travel: float | None = None,
+    mechanism: str = "planar_4r",
     quantities: str | None = None,
     where: list[str] | None = None,
     bounds: list[str] | None = None,
@@ -710,8 +712,9 @@ def synthesise(
     seed: int = 0,
     to: Path | None = None,
     overwrite: bool = False,
+    restart: bool = False,
 ) -> None:
-    """Find four-bar linkages for the points of a path, the poses of a body, or the pairs of a function.
+    """Find four-bar linkages or slider-cranks for the points of a path, the poses of a body, or pairs of a function.
 
     CURVE.csv  Rows of x, y; of x, y, angle for --motion; of x, y for --function. Names in the first line.
     --motion  The rows are poses of a body.
@@ -720,7 +723,9 @@ def synthesise(
     --closed  The path closes.
     --exact  All linkages through nine points, or five with timing.
     --rotation-length L  The length at which an error of direction counts, of more than five poses.
-    --turn-deg IN,OUT  The turns of both shafts over the range of a function.
+    --turn-deg IN,OUT  The turns of both shafts over the range of a function; IN of a slider-crank.
+    --travel L  How far the slider of a slider-crank moves over that range, in m.
+    --mechanism NAME  planar_4r or slider_crank.
     --quantities A,B  What else is computed of each.
     --where NAME=LO:HI
     --bounds NAME=LO,HI  The range of a length, pivot or angle of the linkage; may be repeated.
@@ -731,6 +736,7 @@ def synthesise(
     --seed N  Of the starts.
     --to FILE.h5  Write them too, as a map.
     --overwrite
+    --restart  Throw away what a stopped run has left.
     """
     from fastlink.app.report import listed
     from fastlink.synthesis.found import synthesise as find
@@ -743,13 +749,19 @@ def synthesise(
     turns = None if turn_deg is None else numbers_of(turn_deg)
     of = "motion" if motion else "function" if function else "path"
     given: dict[str, Any] = {of: file, "timing": times if times is not None else timing}
-    given |= {"closed": closed or None, "exact": exact, "rotation_length": rotation_length, "turn_deg": turns}
+    given |= {
+        "closed": closed or None,
+        "exact": exact,
+        "travel": travel,
+        "rotation_length": rotation_length,
+        "turn_deg": turns,
+    }
     ranges = by_name(bounds or [], "bounds", "NAME=LO,HI", {"a1": "0.1,1"}, numbers_of)
     given |= {"bounds": ranges or None, "where": _conditions(where or []) or None}
     given["fixed"] = by_name(fixed or [], "fixed", "NAME=NUMBER", {"O_x": "0"}, numbers_of) or None
     given |= {"minimise": minimise or (), "maximise": maximise or (), "top": top, "seed": seed}
     names = [] if quantities is None else _parts(quantities)
-    found = find("planar_4r", names, to=to, overwrite=overwrite, **given).load()
+    found = find(mechanism, names, to=to, overwrite=overwrite, restart=restart, **given).load()
     if not found.sizes["design"]:
         raise InputError(str(found.attrs["reason"]), (), "widen the limits, or try other seeds")
     columns = [str(name) for name, one in found.data_vars.items() if one.dims == ("design",)]

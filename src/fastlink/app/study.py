@@ -1038,7 +1038,7 @@ def _run_synthesis(asked: tuple[Path, str, dict[str, Any]], to: Any, overwrite: 
     mechanism, names = contents.pop("mechanism", None), contents.pop("quantities", [])
     output, title = contents.pop("output", {}), contents.pop("title", None)
     if mechanism is None:
-        problems.add("is missing", ("mechanism",), 'write mechanism = "planar_4r"')
+        problems.add("is missing", ("mechanism",), 'write mechanism = "planar_4r" or "slider_crank"')
     if not isinstance(table, dict) or not isinstance(output, dict):
         problems.add("is not a table", (SYNTHESIS,), "write keys below [synthesis] and [output]")
     for name in contents:

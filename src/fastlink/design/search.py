@@ -253,16 +253,16 @@ STEP_SECONDS = 10.0
 
 
 class Unfinished:
-    """The state of a search that is under way: what it keeps, and of which designs.
+    """The state of a search that is under way, or another run: what it keeps, and of which designs.
 
     It is written whole, under another name, and then given its own: what stands there is never half.
     """
 
-    def __init__(self, path: Path, fingerprint: str) -> None:
-        self.path, self.fingerprint = search_of(path), fingerprint
+    def __init__(self, path: Path, fingerprint: str, of_arrays: Callable[..., Any] = Kept.of_arrays) -> None:
+        self.path, self.fingerprint, self.of_arrays = search_of(path), fingerprint, of_arrays
         self.due = time.monotonic() + STEP_SECONDS
 
-    def read(self) -> tuple[Kept, list[Range]] | None:
+    def read(self) -> tuple[Any, list[Range]] | None:
         """Return what an earlier run of the same request has left, None where nothing is; refuse that of another."""
         throw_away = (", or write ", Setting("restart", True), " to throw it away")
         remedy = ("finish that search, choose another name", throw_away)
@@ -271,14 +271,14 @@ class Unfinished:
                 about = json.loads(str(arrays["about"]))
                 if about.get("fingerprint") == self.fingerprint:
                     ranges = [(int(start), int(stop)) for start, stop in about["done"]]
-                    return Kept.of_arrays(arrays), ranges
+                    return self.of_arrays(arrays), ranges
         except FileNotFoundError:
             return None
         except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
             raise refused(f"{self.path} cannot be read ({error})", remedy) from error
         raise refused(f"{self.path} is of another search, or by another version", remedy)
 
-    def write(self, kept: Kept, done: Sequence[Range]) -> None:
+    def write(self, kept: Any, done: Sequence[Range]) -> None:
         """Keep a state."""
         about = json.dumps({"fingerprint": self.fingerprint, "done": [list(one) for one in done]})
         content = io.BytesIO()

@@ -48,6 +48,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 from fastlink.errors import InputError, suggest
+from fastlink.facts.asymptotics import asymptotics
 from fastlink.facts.catalogue import Catalogue, plain_and_above
 from fastlink.facts.expression import (
     OPERATORS,
@@ -463,7 +464,8 @@ def mechanism_of(text: str, file: str) -> Catalogue:
         raise SheetError(place, f"{name} {problem}", "mend its units, or its formula")
     if found.loops is not None:
         _check_loops(found, found.loops)
-    found.graded = replace(found.graded, poles=_with_poles(found, shared))
+    poles = _with_poles(found, shared)
+    found.graded = replace(found.graded, poles=poles, divisors=_with_divisors(found, poles))
     return found.copied()  # without what was noted before the last step was declared
 
 
@@ -685,6 +687,28 @@ def _with_poles(known: Catalogue, shared: Collection[str]) -> dict[str, tuple[st
             poles |= found.get(need, {}) | found.get(root_of(known.parse(need)), {})
         found.update(dict.fromkeys(step.names, poles))
     return {name: tuple(found[name]) for name in known.public if found.get(name)}
+
+
+def _with_divisors(known: Catalogue, poles: Mapping[str, tuple[str, ...]]) -> dict[str, tuple[str, int]]:
+    """Return by quantity of one pole what it is divided by, and the power of that by which its derivative is at most.
+
+    Where that comes close to zero, but not there, the quantity has extremes that hide between two samples; those of the
+    derivative times that power do not. The power is even, as what a quotient is divided by may be negative.
+    """
+    found = {}
+    given = {*known.inputs, *known.tables, *known.table_low_parts, known.position.name, "branch"}
+    for name, (first, *others) in poles.items():
+        if others:
+            continue
+        assert known.graded is not None
+        graded = replace(known.graded, gaps=None, vanishes_at_toggle=first)
+        steps = known.dependencies([first, name], given)
+        order = asymptotics(graded, steps, (known.position.name,))[name].order
+        # a derivative has one order more; of a magnitude, that of half the square is searched
+        order += order + 1.0 if value_of(known.facts[name].formula).value is magnitude else 1.0
+        if order > 1.0:
+            found[name] = first, 2 * math.ceil(order / 2.0)
+    return found
 
 
 def _is_size(known: Catalogue, name: str) -> bool:

@@ -7,9 +7,11 @@ import hashlib
 import os
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -19,17 +21,13 @@ from scipy.optimize import minimize
 
 from fastlink._text import counted, joined, short_number, short_repr
 from fastlink.codegen.cache import environment
-from fastlink.design.search import names_searched, write
+from fastlink.design.search import Unfinished, names_searched, to_file
 from fastlink.engine.evaluate import evaluate
 from fastlink.engine.function import function
 from fastlink.engine.sweep import sweep
 from fastlink.errors import InputError, Problems, Setting, check_switch, check_whole, door
 from fastlink.facts.catalogue import Catalogue
-from fastlink.io.finished import finished_map
-from fastlink.io.layout import history, plain_attrs
-from fastlink.io.partial_file import check_target
-from fastlink.maps import open as open_map
-from fastlink.maps.best import choice_of, chosen, with_missed
+from fastlink.maps.best import Choice, choice_of, chosen, with_missed
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.query import check_names
 from fastlink.space.design_space import DESIGN
@@ -38,7 +36,7 @@ from fastlink.space.units import PI, in_si, scaled, split
 from fastlink.synthesis import functions, nine_points, paths, poses
 from fastlink.synthesis.paths import NUMBERS, wrapped
 
-__all__ = ["DEFECTS", "Linkages", "from_pins", "synthesise"]
+__all__ = ["DEFECTS", "Linkages", "synthesise"]
 
 Floats = NDArray[np.float64]
 
@@ -65,11 +63,19 @@ THROUGH_NINE, NEARLY = 4, 1e-4
 # -- Linkages, and what is wrong with them
 
 
+#: A result that is limited often.
+USED = "least_transmission_angle_used"
+#: The arrays of linkages.
+ARRAYS = ("numbers", "theta", "side", "starts")
+
+
 @dataclass(eq=False)
 class Linkages:
     """Linkages that were found, as arrays along the first axis: what `paths`, `poses` and `functions` have in common.
 
-    The numbers are those of `paths.NUMBERS`: lengths a1 to a4, the coupler point, O, the direction of OD, the phase.
+    The numbers are those of `paths.NUMBERS`: lengths a1 to a4, the coupler point, O, the direction of OD, the phase;
+    or of `paths.SLIDER`, with the direction of the slider's line. D is infinitely far across that, and told by its
+    direction.
     """
 
     #: Their numbers; crank angles from OD at the points of the task; +1 where B is left of the line from A to D.
@@ -80,38 +86,20 @@ class Linkages:
     starts: NDArray[np.int64]
     #: Further results by name, along the first axis.
     more: dict[str, Any] = field(default_factory=dict)
+    #: Whether they are slider-cranks.
+    slider: bool = False
 
     def __len__(self) -> int:
         return len(self.numbers)
 
     def at(self, rows: Any) -> Linkages:
         """Return some of them."""
-        own = (part[rows] for part in (self.numbers, self.theta, self.side, self.starts))
-        numbers, theta, side, starts = own
-        return Linkages(numbers, theta, side, starts, {name: of[rows] for name, of in self.more.items()})
+        more = {name: of[rows] for name, of in self.more.items()}
+        return replace(self, **{name: getattr(self, name)[rows] for name in ARRAYS}, more=more)
 
     def pins(self) -> tuple[Any, ...]:
         """Return O and D, and A, B and P at the points of the task, in its frame."""
-        return paths.pins(self.numbers, self.theta, self.side)
-
-
-def from_pins(o: Any, d: Any, a: Any, b: Any, point: Any) -> Linkages:
-    """Return the linkages with the fixed pivots O, D (linkages) and the pins A, B and point P (linkages, points)."""
-    ground, bar = d - o, b - a
-    with np.errstate(all="ignore"):
-        place = ((point - a) / (bar / np.abs(bar))).mean(axis=1)
-        theta = np.angle((a - o[:, None]) / ground[:, None])
-    lengths = [
-        np.abs(a - o[:, None]).mean(axis=1),
-        np.abs(bar).mean(axis=1),
-        np.abs(b - d[:, None]).mean(axis=1),
-        np.abs(ground),
-    ]
-    numbers = np.stack(
-        [*lengths, place.real, place.imag, o.real, o.imag, np.angle(ground), np.zeros(len(o))], axis=1
-    )
-    side = np.sign((np.conj(d[:, None] - a) * bar).imag)
-    return Linkages(numbers, theta, side, np.ones(len(o), dtype=np.int64))
+        return paths.pins(self.numbers, self.theta, self.side, self.slider)
 
 
 def in_order(theta: Floats, closed: bool) -> tuple[NDArray[np.int64], Floats]:
@@ -133,92 +121,80 @@ def in_order(theta: Floats, closed: bool) -> tuple[NDArray[np.int64], Floats]:
     return sense, np.asarray(np.where(sense[:, None] == 0, np.unwrap(theta, axis=1), ordered))
 
 
-def used_range(numbers: Floats, theta: Floats, whole: bool) -> tuple[Floats, Floats]:
-    """Return the least and the greatest distance of A and D between the first and the last crank angle, exactly."""
-    low, high = theta.min(axis=1), theta.max(axis=1)
-    turn = 2.0 * np.pi
-    on = np.floor(high / turn) > np.floor(low / turn) - (np.remainder(low, turn) == 0.0)
-    back = np.floor((high - np.pi) / turn) > np.floor((low - np.pi) / turn) - (
-        np.remainder(low - np.pi, turn) == 0.0
-    )
-    ends = np.cos(low), np.cos(high)
-    most = np.where(on | whole, 1.0, np.maximum(*ends))
-    least = np.where(back | whole, -1.0, np.minimum(*ends))
-    a1, a4 = numbers[:, 0], numbers[:, 3]
-    far = [np.sqrt(np.maximum(a1**2 + a4**2 - 2.0 * a1 * a4 * c, 0.0)) for c in (most, least)]
-    return far[0], far[1]
-
-
 def judged(found: Linkages, closed: bool, timed: bool) -> Linkages:
     """Return linkages with their order, circuit and defect, and the least transmission angle of what is used."""
-    n = found.numbers
+    n, slider = found.numbers, found.slider
     a1, a2, a3, a4 = n[:, :4].T
-    grashof = n[:, :4].max(axis=1) + n[:, :4].min(axis=1) < n[:, :4].sum(axis=1) / 2.0
-    turns = grashof & (np.minimum(a1, a4) <= np.minimum(a2, a3))
+    if slider:
+        grashof, turns = np.abs(a2 - a1) > np.abs(a3), a2 > a1 + np.abs(a3)
+        by_side = a1 <= a2
+    else:
+        grashof = n[:, :4].max(axis=1) + n[:, :4].min(axis=1) < n[:, :4].sum(axis=1) / 2.0
+        by_side = np.minimum(a1, a4) <= np.minimum(a2, a3)
+        turns = grashof & by_side
     # the triangle without the shortest link never folds: its side tells the circuit
     with np.errstate(invalid="ignore"):
-        circuits = np.where(
-            np.minimum(a1, a4)[:, None] <= np.minimum(a2, a3)[:, None],
-            found.side,
-            np.sign(np.sin(found.theta)),
-        )
+        beside = -np.cos(found.theta) if slider else np.sin(found.theta)
+        circuits = np.where(by_side[:, None], found.side, np.sign(beside))
     first = circuits[:, :1]
     circuit_defect = grashof & (circuits != first).any(axis=1)
     branch_defect = (found.side != found.side[:, :1]).any(axis=1)
     order, theta = in_order(found.theta, closed)
     if timed:
         order, theta = np.ones(len(n), dtype=np.int64), found.theta
-    near, far = used_range(n, theta, closed)
-    dead = (far >= a2 + a3) | (near <= np.abs(a2 - a3))
+    least, most = paths.cosines(theta - (0.5 * np.pi if slider else 0.0), closed)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        if slider:  # cosines of the transmission angle, the least and the greatest of what is used
+            cosines = (a1 * least - a3) / a2, (a1 * most - a3) / a2
+            dead = (cosines[0] <= -1.0) | (cosines[1] >= 1.0)
+        else:
+            near, far = (np.sqrt(np.maximum(a1**2 + a4**2 - 2.0 * a1 * a4 * c, 0.0)) for c in (most, least))
+            dead = (far >= a2 + a3) | (near <= np.abs(a2 - a3))
+            cosines = tuple((a2**2 + a3**2 - one**2) / (2.0 * a2 * a3) for one in (near, far))
+        transmission = np.arccos(np.minimum(np.maximum(*np.abs(cosines)), 1.0))
     code = np.zeros(len(n), dtype=np.int8)
-    for number, wrong in (
-        (5, closed & ~turns),
-        (4, dead),
-        (3, order == 0),
-        (2, branch_defect),
-        (1, circuit_defect),
-    ):
-        code[wrong] = number
-    with np.errstate(invalid="ignore"):
-        angles = [np.abs((a2**2 + a3**2 - one**2) / (2.0 * a2 * a3)) for one in (near, far)]
-        transmission = np.where(dead, 0.0, np.arccos(np.minimum(np.maximum(*angles), 1.0)))
-    circuit = np.where(grashof & (first[:, 0] > 0), 2, 1).astype(np.int8)
+    wrong = ((5, closed & ~turns), (4, dead), (3, order == 0), (2, branch_defect), (1, circuit_defect))
+    for number, rows in wrong:
+        code[rows] = number
     own = {
         "defect": code,
         "order": order.astype(np.int8),
-        "circuit": circuit,
-        "least_transmission_angle_used": transmission,
+        "circuit": np.where(grashof & (first[:, 0] > 0), 2, 1).astype(np.int8),
+        "least_transmission_angle_used": np.where(dead, 0.0, transmission),
     }
-    return Linkages(n, theta, found.side, found.starts, {**found.more, **own})
+    return replace(found, theta=theta, more={**found.more, **own})
 
 
 def cognates_of(found: Linkages) -> Linkages:
     """Return each linkage with all others that draw the same curve: three cognates, each driven at either pivot.
 
-    Roberts 1875; see `fastlink.planar.cognates`. They stand linkage by linkage, the given one first.
+    Roberts 1875; see `fastlink.planar.cognates`. They stand linkage by linkage, the given one first. A slider-crank has
+    one cognate, and one crank.
     """
     o, d, a, b, point = found.pins()
     with np.errstate(invalid="ignore"):  # at a dead point bars may miss each other by rounding
         ratio = (point - a) / (b - a)
-    third = o + (d - o) * ratio[:, 0]
-    one, two = o[:, None] + (point - a), third[:, None] + ratio * (b - d[:, None])
-    three, four = d[:, None] + (point - b), third[:, None] + (1.0 - ratio) * (a - o[:, None])
-    forms = [(o, d, a, b, 1), (d, o, b, a, 1), (o, third, one, two, 2), (third, o, two, one, 2),
-             (d, third, three, four, 3), (third, d, four, three, 3)]  # fmt: skip
-    made = [from_pins(*form[:4], point) for form in forms]
-    count = len(found)
-
-    def along(parts: Sequence[Any]) -> Any:
-        return np.stack(parts, axis=1).reshape(6 * count, *np.shape(parts[0])[1:])
-
-    numbers = along([one.numbers for one in made])
-    theta, side = along([one.theta for one in made]), along([one.side for one in made])
-    first = 6 * np.arange(count)
+    one, slider = o[:, None] + (point - a), found.slider
+    if slider:
+        third, two = d * ratio[:, 0] / np.abs(ratio[:, 0]), o[:, None] + ratio * (b - o[:, None])
+        forms = [(o, d, a, b, 1), (o, third, one, two, 2)]
+    else:
+        third = o + (d - o) * ratio[:, 0]
+        two = third[:, None] + ratio * (b - d[:, None])
+        three, four = d[:, None] + (point - b), third[:, None] + (1.0 - ratio) * (a - o[:, None])
+        forms = [(o, d, a, b, 1), (d, o, b, a, 1), (o, third, one, two, 2), (third, o, two, one, 2),
+                 (d, third, three, four, 3), (third, d, four, three, 3)]  # fmt: skip
+    made = [paths.from_pins(*form[:4], point, slider) for form in forms]
+    count, each = len(found), len(forms)
+    numbers, theta, side = (
+        np.stack(parts, axis=1).reshape(each * count, -1) for parts in zip(*made, strict=True)
+    )
+    first = each * np.arange(count)
     numbers[first], theta[first], side[first] = found.numbers, found.theta, found.side
-    more = {name: np.repeat(values, 6, axis=0) for name, values in found.more.items()}
+    more = {name: np.repeat(values, each, axis=0) for name, values in found.more.items()}
     more["cognate"] = np.tile(np.array([form[4] for form in forms], dtype=np.int8), count)
-    more["curve"] = np.repeat(np.arange(count), 6)
-    return Linkages(numbers, theta, side, np.repeat(found.starts, 6), more)
+    more["curve"] = np.repeat(np.arange(count), each)
+    return Linkages(numbers, theta, side, np.repeat(found.starts, each), more, slider)
 
 
 # -- What a caller asks for
@@ -241,9 +217,9 @@ LABELS: dict[str, tuple[str, str]] = {
     "path_error_sum": ("m2", "Sum of the squared distances from the points"),
     "pose_error": ("m", "Root mean square of distances and rotation_length times errors of direction"),
     "pose_error_max": ("m", "Greatest of these over the poses"),
-    "structural_error": ("rad", "Greatest error of the output angle over the range"),
-    "structural_error_rms": ("rad", "Root mean square error of the output angle at the points"),
-    "output_error": ("rad", "Error of the output angle at each point of the task"),
+    "structural_error": ("rad", "Greatest error of the output over the range"),
+    "structural_error_rms": ("rad", "Root mean square error of the output at the points"),
+    "output_error": ("rad", "Error of the output at each point of the task"),
     "theta4": ("rad", "Output angle that is wanted at each point of the task, from OD"),
     "peak_error": ("rad", "Greatest errors of either sign, in turn"),
     "peak_theta1": ("rad", "Where these are"),
@@ -262,8 +238,17 @@ LABELS: dict[str, tuple[str, str]] = {
     "cognate": ("1", "Which of the three linkages of one curve, the one that was found being the first"),
     "cognate_of": ("1", "The first design of the same curve"),
     "sense": ("1", "Sense of the output against that of the input"),
+    "function_error": ("1", "Greatest error as a share of the output's range"),
+    "input_turn": ("rad", "By how much the crank turns over the range"),
+    "output_turn": ("rad", "By how much the output link turns over the range"),
 }
-TARGETS = {"target_x": "m", "target_y": "m", "target_angle": "rad", "target_theta4": "rad", "time": "rad"}
+#: Names of a slider-crank's results that are others, and those of lengths in place of angles.
+OF_SLIDER = {"theta1": "theta", "peak_theta1": "peak_theta", "theta4": "slider_position"}
+LABELS |= {OF_SLIDER[name]: LABELS[name] for name in ("theta1", "peak_theta1")}
+LABELS["slider_position"] = "m", "Place of the slider that is wanted at each point of the task"
+POINT = {"P_u": ("m", "Point of the rod, along AB from A"), "P_v": ("m", "Point of the rod, left of AB")}
+OUTPUTS = ("structural_error", "structural_error_rms", "output_error", "peak_error")
+TARGETS = {"target_x": "m", "target_y": "m", "target_angle": "rad", "time": "rad"}
 
 
 @dataclass
@@ -282,6 +267,21 @@ class Asked:
     exact: bool
 
     @property
+    def slider(self) -> bool:
+        """Whether slider-cranks are asked for."""
+        return self.catalogue.name == "slider_crank"
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the numbers of a linkage."""
+        return paths.SLIDER if self.slider else NUMBERS
+
+    @property
+    def labels(self) -> dict[str, tuple[str, str]]:
+        """Units of the names of a result, and what they mean."""
+        return LABELS | {name: ("m", LABELS[name][1]) for name in OUTPUTS} | POINT if self.slider else LABELS
+
+    @property
     def crank(self) -> bool:
         """Whether the conditions say that the crank is to turn fully."""
         wanted = self.where.get("status") if isinstance(self.where, Mapping) else self.where
@@ -289,7 +289,7 @@ class Asked:
 
     def others(self) -> list[str]:
         """Return the quantities of the mechanism that objectives and conditions name, or refuse unknown ones."""
-        own, problems = {*LABELS, "defect", "branch"}, Problems()
+        own, problems = {*self.labels, "defect", "branch"}, Problems()
         where = self.where if isinstance(self.where, Mapping) else {}
         asked: dict[str, Any] = {}
         asked["where"] = {k: v for k, v in where.items() if split(str(k), own)[0] not in own}
@@ -299,42 +299,49 @@ class Asked:
         problems.stop()
         return found
 
-    def least(self, name: str) -> float:
-        """Return the lower limit of a condition on a name of a result, 0 where there is none."""
-        if not isinstance(self.where, Mapping):
-            return 0.0
-        units = {one: unit for one, (unit, _) in LABELS.items()}
-        own = {k: v for k, v in self.where.items() if split(k, units)[0] == name}
-        given = in_si("where", own, units).get(name)
-        try:
-            low = float(given[0])  # type: ignore[index]
-        except (TypeError, ValueError, IndexError):
-            return 0.0
-        return low if np.isfinite(low) else 0.0
-
     def within(self, found: Linkages) -> Linkages:
         """Return the linkages within the limits of their numbers."""
+        fits = self._fit(found)
+        if found.slider and self.lower[9] != self.upper[9] and "theta4" not in found.more:
+            # turned by half a turn it is the same, in the other branch: in the first one if that fits
+            other = replace(found, numbers=found.numbers * np.where(np.arange(10) == 2, -1.0, 1.0),
+                            theta=found.theta + np.pi, side=-found.side)  # fmt: skip
+            other.numbers[:, 8:] = wrapped(other.numbers[:, 8:] + np.pi)
+            swap = self._fit(other)
+            swap &= ~fits | (found.side[:, 0] > 0.0)
+            fits |= swap
+            for name in ("numbers", "theta", "side"):
+                getattr(found, name)[swap] = getattr(other, name)[swap]
+        return found.at(fits)
+
+    def _fit(self, found: Linkages) -> NDArray[np.bool_]:
+        """Tell which linkages have a size and are within the limits, with their direction turned into these."""
         low, high = self.lower.copy(), self.upper.copy()
         slack = 1e-9 * (1.0 + np.abs(found.numbers))
         turned = found.numbers.copy()
         start = low[8] if np.isfinite(low[8]) else -np.pi
         turned[:, 8] = start + np.remainder(turned[:, 8] - start + 1e-9, 2.0 * np.pi) - 1e-9
         fits = ((turned >= low - slack) & (turned <= high + slack))[:, :9].all(axis=1)
+        lengths = np.abs(turned[:, : 2 if found.slider else 4])
+        fits &= np.isfinite(turned).all(axis=1) & (lengths > 1e-9 * lengths.max(axis=1, keepdims=True)).all(
+            axis=1
+        )
         found.numbers[:, 8] = np.where(fits, turned[:, 8], found.numbers[:, 8])
-        return found.at(fits)
+        return np.asarray(fits)
 
 
-def _limits(bounds: Any, fixed: Any, problems: Problems) -> tuple[Floats, Floats]:
+def _limits(bounds: Any, fixed: Any, slider: bool, problems: Problems) -> tuple[Floats, Floats]:
     """Return the limits of the numbers of a linkage, in SI."""
     low, high = np.full(10, -np.inf), np.full(10, np.inf)
-    low[:4] = 0.0
-    units = {name: "rad" if name in ("ground_angle", "phase") else "m" for name in (*NUMBERS, "D_x", "D_y")}
+    low[: 2 if slider else 4] = 0.0
+    known = [name for name in paths.SLIDER if name] if slider else [*NUMBERS, "D_x", "D_y"]
+    units = {name: "rad" if name in ("ground_angle", "phase") else "m" for name in known}
     given: dict[str, tuple[float, float]] = {}
     for where, values in (("bounds", bounds), ("fixed", fixed)):
         if values is None:
             continue
         if not isinstance(values, Mapping):
-            example = "{'a1': (0.1, 1.0)}" if where == "bounds" else "{'O_x': 0.0}"
+            example = f"{{'{known[0]}': (0.1, 1.0)}}" if where == "bounds" else "{'O_x': 0.0}"
             problems.add("is not a mapping", (where,), f"write such as {example}")
             continue
         for name, value in (problems.attempt(in_si, where, dict(values), units) or {}).items():
@@ -350,7 +357,7 @@ def _limits(bounds: Any, fixed: Any, problems: Problems) -> tuple[Floats, Floats
             if not ends[0] <= ends[1]:
                 remedy = "write a number" if where == "fixed" else "write (lo, hi), None for no limit"
                 problems.add(f"is {short_repr(value)}", (where, name), remedy)
-            elif name in NUMBERS[:4] and ends[1] <= 0.0:
+            elif name in known[: 2 if slider else 4] and ends[1] <= 0.0:
                 what = f"is {short_repr(value)}, and a length is positive"
                 problems.add(what, (where, name), "write positive numbers")
             else:
@@ -363,10 +370,9 @@ def _limits(bounds: Any, fixed: Any, problems: Problems) -> tuple[Floats, Floats
         else:
             remedy = "fix O_x, O_y, D_x and D_y together, or write where={'D_x': (lo, hi)}"
             problems.add("D has its place by O, a4 and ground_angle", ("fixed",), remedy)
-    for name, ends in given.items():
-        if name in NUMBERS:
-            k = NUMBERS.index(name)
-            low[k], high[k] = max(ends[0], 1e-12 if k < 4 else -np.inf), ends[1]
+    for k, name in enumerate(paths.SLIDER if slider else NUMBERS):
+        if name in given:
+            low[k], high[k] = max(given[name][0], 1e-12 if low[k] == 0.0 else -np.inf), given[name][1]
     return low, high
 
 
@@ -444,11 +450,17 @@ class Solved:
     maximise: str = ""
     #: Whether linkages with defects are told too, after the others.
     with_defects: bool = False
-    #: The path that least squares have fitted.
-    path: paths.PathTask | None = None
+    #: Of paths and motions: their size; how far a linkage is off, by its row; how many numbers are free; whether the
+    #: crank is to turn; linkages of arrays; others that do the task exactly, from changed ones.
+    size: float = 1.0
+    fit: Any = None
+    unknowns: int = 9
+    crank: bool = False
+    linkages: Callable[..., Linkages] = Linkages
+    varied: Any = None
 
 
-def _solve_path(asked: Asked, path: Any, timing: Any, closed: Any) -> Solved:
+def _solve_path(asked: Asked, steps: Steps, path: Any, timing: Any, closed: Any) -> Solved:
     rows = _columns("path", path, ("x", "y"), {"x": "m", "y": "m"})
     points = rows[:, 0] + 1j * rows[:, 1]
     count = len(points)
@@ -489,41 +501,64 @@ def _solve_path(asked: Asked, path: Any, timing: Any, closed: Any) -> Solved:
         longest = np.where(np.arange(10) < 6, (LONGEST if is_closed else LONGEST_OPEN) * size, np.inf)
         upper = np.where(np.isfinite(asked.upper), asked.upper, longest)
         asked = replace(asked, upper=upper, lower=np.where(np.isfinite(asked.lower), asked.lower, -longest))
-    task = paths.PathTask(target, times, is_closed, crank, weights, asked.lower, asked.upper)
+    slider = asked.slider
+    task = paths.PathTask(target, times, is_closed, crank, weights, slider, asked.lower, asked.upper)
     attrs: dict[str, Any] = {"closed": int(is_closed)}
     if asked.exact:
-        found, attrs["complete"] = _all_exact(asked, task)
+        found, attrs["complete"] = _all_exact(asked, task, steps)
     else:
-        many = times is None and not task.is_whole and 9 <= len(target) <= paths.MANY
+        many = times is None and not task.is_whole and not slider and 9 <= len(target) <= paths.MANY
         if task.is_whole:
-            solved = paths.solve_curve(task, asked.seed)
+            solved = paths.Candidates(*steps(lambda: paths.solve_curve(task, asked.seed).parts()))
         else:
             rounds = 1 if many else paths.ROUNDS if len(target) <= paths.MANY else 2
             solved = paths.solve_path(
-                task, asked.seed, rounds, all_rounds=bool(asked.minimise or asked.maximise)
+                task, asked.seed, rounds, all_rounds=bool(asked.minimise or asked.maximise), steps=steps
             )
         for attempt in range(THROUGH_NINE if many else 0):
             error = np.sqrt(solved.cost[0] / task.size) if len(solved.cost) else np.inf
             if error < paths.EXACT or (attempt and error > NEARLY):
                 break
-            solved = paths.merged(paths.joined(solved, _through_nine(task, attempt)))
+            more = steps(lambda k: _through_nine(task, k).parts(), attempt)
+            solved = paths.merged(paths.joined(solved, paths.Candidates(*more)))
         side = np.repeat(solved.signs[:, :1], len(target), axis=1)
-        found = Linkages(solved.numbers, solved.theta, side, solved.starts)
+        found = Linkages(solved.numbers, solved.theta, side, solved.starts, slider=slider)
     if times is None:
         # both drivers of all three linkages draw the curve; those that cannot are left out later
         found = cognates_of(found.at(slice(0, MOST_FOUND // 2)))
         if not asked.exact:
             keep = judged(found, is_closed, False).more["defect"] == 0
-            found = found.at(keep | (np.arange(len(found)) % 6 == 0))
-        found = asked.within(_different(found))
+            found = found.at(keep | (np.arange(len(found)) % (2 if slider else 6) == 0))
+    found = _different(asked.within(found))
     if is_closed and comes_back and times is None:
         found = _come_back(found)
     coords = {"target_x": rows[:, 0], "target_y": rows[:, 1]} | ({} if times is None else {"time": times})
     if times is not None:
         attrs["timing"] = "crank angles, but for a phase"
-    fitted = None if asked.exact else task
     least = "ordered_distance" if task.is_whole else "path_error"
-    return Solved("path", asked, found, coords, attrs, least, with_defects=asked.exact, path=fitted)
+    solved_path = Solved("path", asked, found, coords, attrs, least, with_defects=asked.exact)
+    if asked.exact:
+        return solved_path
+    count = len(target)
+
+    def linkages(numbers: Floats, theta: Floats, side: Floats) -> Linkages:
+        ones = np.ones(len(numbers), dtype=np.int64)
+        theta = theta if times is None else numbers[:, 9:] + times
+        more = (
+            {} if times is not None else {"cognate": ones.astype(np.int8), "curve": np.arange(len(numbers))}
+        )
+        made = asked.within(Linkages(numbers, theta, side, ones, more, slider))
+        return _come_back(made) if found.theta.shape[1] > count else made
+
+    def varied(some: Linkages, change: float, rng: Any) -> Linkages:
+        made = paths.varied(task, some.numbers, some.theta[:, :count], some.side[:, 0], change, rng)
+        return linkages(made.numbers, made.theta, np.repeat(made.signs[:, :1], count, axis=1))
+
+    def fit(row: int) -> paths.Fit:
+        return paths.Fit(task, found.theta[row, :count], float(found.side[row, 0]))
+
+    return replace(solved_path, size=float(np.sqrt(task.size / count)), fit=fit, unknowns=9 + (times is not None),
+                   crank=crank, linkages=linkages, varied=varied)  # fmt: skip
 
 
 def _come_back(found: Linkages) -> Linkages:
@@ -531,37 +566,52 @@ def _come_back(found: Linkages) -> Linkages:
     sense, theta = in_order(found.theta, True)
     last = theta[:, :1] + np.where(sense == 0, 1, sense)[:, None] * 2.0 * np.pi
     side = np.append(found.side, found.side[:, :1], axis=1)
-    return Linkages(found.numbers, np.append(theta, last, axis=1), side, found.starts, found.more)
+    return replace(found, theta=np.append(theta, last, axis=1), side=side)
 
 
 def joined_linkages(one: Linkages, other: Linkages) -> Linkages:
     """Return the linkages of both; those of the first are curves of their own."""
-    more = {
-        name: np.concatenate([values[:1].repeat(len(one), axis=0), values])
-        for name, values in other.more.items()
-    }
+    more = {}
+    for name, values in other.more.items():
+        parts = [one.more.get(name, values[:1].repeat(len(one), axis=0)), values]
+        if name.startswith("peak_"):  # there may be more of them
+            most = max(part.shape[1] for part in parts)
+            parts = [
+                np.pad(part, ((0, 0), (0, most - part.shape[1])), constant_values=np.nan) for part in parts
+            ]
+        more[name] = np.concatenate(parts)
     if "curve" in more:
         more["curve"][: len(one)] = more["curve"].max(initial=0) + 1 + np.arange(len(one))
         more["cognate"][: len(one)] = 1
-    parts = (
-        np.concatenate([getattr(one, n), getattr(other, n)]) for n in ("numbers", "theta", "side", "starts")
-    )
-    numbers, theta, side, starts = parts
-    return Linkages(numbers, theta, side, starts, more)
+    own: dict[str, Any] = {
+        name: np.concatenate([getattr(one, name), getattr(other, name)]) for name in ARRAYS
+    }
+    return replace(one, **own, more=more)
 
 
-def _all_exact(asked: Asked, task: paths.PathTask) -> tuple[Linkages, str]:
+def _all_exact(asked: Asked, task: paths.PathTask, steps: Steps) -> tuple[Linkages, str]:
     """Return all linkages that pass points exactly, where algebra gives them, and how many that are."""
     count = len(task.target)
     best = "leave it out: least squares find the best"
+    _check(not task.slider, "exact", "is for planar_4r", best)
     if task.times is not None:
         _check(count == 5, "exact", f"is for five points with timing, and there are {count}", best)
-        numbers, sides = poses.timed_by_cognate(task.target, task.times - task.times[0])
-        numbers[:, 9] -= task.times[0]
-        found = Linkages(numbers, numbers[:, 9:] + task.times, sides, np.ones(len(numbers), dtype=np.int64))
-        return asked.within(found), f"all {counted(len(numbers), 'linkage')} of five timed points"
+        # the crank of a linkage turns as the coupler of a cognate does: points with times are poses of that
+        timed = poses.MotionTask(task.target, task.times, 1.0)
+        numbers, theta, side, _ = poses.pairs_of(timed, poses.dyads_of(task.target, task.times))
+        of_poses = Linkages(numbers, theta, side, np.ones(len(numbers), dtype=np.int64))
+        found = cognates_of(of_poses).at(slice(2, None, 6))
+        found.numbers[:, 9] = wrapped(found.theta[:, 0] - task.times[0])
+        found.theta, found.more = found.numbers[:, 9:] + task.times, {}
+        return asked.within(found), f"all {counted(len(found), 'linkage')} of five timed points"
     _check(count == 9, "exact", f"is for nine points, or five with timing, and there are {count}", best)
-    return _of_nine(task.target)
+
+    def every() -> list[Any]:
+        found, complete = _of_nine(task.target)
+        return [found.numbers, found.theta, found.side, found.starts, complete]
+
+    *parts, complete = steps(every)
+    return Linkages(*parts), str(complete)
 
 
 def _of_nine(points: NDArray[np.complex128], **options: int) -> tuple[Linkages, str]:
@@ -571,7 +621,9 @@ def _of_nine(points: NDArray[np.complex128], **options: int) -> tuple[Linkages, 
     turns = np.concatenate([np.ones((len(real), 1)), real[:, 8:]], axis=1)
     x, a, y, b = (real[:, k, None] for k in range(4))
     place, start = np.broadcast_to(points, turns.shape), points[0]
-    found = from_pins((start + a)[:, 0], (start + b)[:, 0], points + x * turns, points + y * turns, place)
+    pins = (start + a)[:, 0], (start + b)[:, 0], points + x * turns, points + y * turns, place
+    numbers, theta, side = paths.from_pins(*pins)
+    found = Linkages(numbers, theta, side, np.ones(len(real), dtype=np.int64))
     complete = f"all {len(real)} real of {len(triples.unknowns):,} triples of cognates"
     return found, complete + (f"; {len(triples.lost)} paths did not arrive" if len(triples.lost) else "")
 
@@ -599,16 +651,11 @@ def _through_nine(task: paths.PathTask, attempt: int) -> paths.Candidates:
 
 
 def _different(found: Linkages) -> Linkages:
-    """Return linkages without those that are the same as one before, or have no size."""
-    lengths = found.numbers[:, :4]
-    built = np.isfinite(found.numbers).all(axis=1) & (
-        lengths > 1e-9 * lengths.max(axis=1, keepdims=True)
-    ).all(axis=1)
-    found = found.at(built)
+    """Return linkages without those that are the same as one before."""
     return found.at(paths.different(found.numbers, found.side[:, 0], found.starts, len(found))[0])
 
 
-def _solve_motion(asked: Asked, motion: Any, rotation_length: Any) -> Solved:
+def _solve_motion(asked: Asked, steps: Steps, motion: Any, rotation_length: Any) -> Solved:
     rows = _columns("motion", motion, ("x", "y", "angle"), {"x": "m", "y": "m", "angle": "rad"})
     points, angles = rows[:, 0] + 1j * rows[:, 1], np.unwrap(rows[:, 2])
     count = len(points)
@@ -619,124 +666,166 @@ def _solve_motion(asked: Asked, motion: Any, rotation_length: Any) -> Solved:
         same &= np.abs(wrapped(angles[:k] - angles[k])) <= 1e-12
         what = f"has the same pose in rows {int(np.argmax(same)) if k else 0} and {k}"
         _check(not same.any(), "motion", what, "leave one of them out")
+    most = 4 if asked.slider else 5
     own = Setting("rotation_length", float(f"{size or 1.0:.2g}"))
-    what = "is missing: over five poses are met nearly, in places and in directions"
+    what = f"is missing: over {'four' if most == 4 else 'five'} poses are met nearly, in places and in directions"
     remedy = ("write ", own, ", the length at which an angle counts")
-    _check(rotation_length is not None or count <= 5, "rotation_length", what, remedy)
+    _check(rotation_length is not None or count <= most, "rotation_length", what, remedy)
     length = float(rotation_length or size or 1.0)
     what = f"is {short_repr(rotation_length)}"
     _check(0.0 < length < np.inf, "rotation_length", what, "write a positive length in m")
-    task = poses.MotionTask(points, angles, length)
-    made, dyads = poses.solve_motion(task, asked.seed)
-    found = Linkages(made["numbers"], made["theta"], made["side"], np.ones(len(made["numbers"]), dtype=np.int64),
-                     {"body_angle": made["body_angle"]})  # fmt: skip
-    attrs: dict[str, Any] = {"dyads": dyads, "rotation_length": length}
+    task = poses.MotionTask(points, angles, length, asked.slider)
+    numbers, theta, side, body, dyads = steps(poses.solve_motion, task, asked.seed)
+    found = Linkages(
+        numbers, theta, side, np.ones(len(numbers), dtype=np.int64), {"body_angle": body}, asked.slider
+    )
+    attrs: dict[str, Any] = {"dyads": int(dyads), "rotation_length": length}
     found = asked.within(found)
     if count < 5:
         # a family: those without defects, the best angles first, go on
-        known = judged(found, False, False)
-        rows_of = np.flatnonzero(known.more["defect"] == 0)
-        best = np.argsort(-known.more["least_transmission_angle_used"][rows_of], kind="stable")[:MOST_FOUND]
+        more = judged(found, False, False).more
         attrs["found_linkages"] = len(found)
-        attrs["found_without_defect"] = len(rows_of)
-        found = found.at(rows_of[best])
-    elif count == 5:
-        attrs["complete"] = f"all {counted(dyads, 'dyad')} of five poses, {counted(len(found), 'linkage')}"
+        rows_of = np.flatnonzero(more["defect"] == 0)
+        found = found.at(rows_of[np.argsort(-more[USED][rows_of], kind="stable")[:MOST_FOUND]])
+    elif count == most:
+        made = counted(attrs["dyads"], "dyad"), counted(len(found), "linkage")
+        attrs["complete"] = f"all {made[0]} of five poses, {made[1]}"
     coords = {"target_x": rows[:, 0], "target_y": rows[:, 1], "target_angle": angles}
-    least, most = ("pose_error", "") if count >= 5 else ("", "least_transmission_angle_used")
-    return Solved("motion", asked, found, coords, attrs, least, most, with_defects=count >= 5)
+    objectives = ("pose_error", "") if count >= 5 else ("", "least_transmission_angle_used")
+
+    def linkages(numbers: Floats, theta: Floats, side: Floats, body: Any = None) -> Linkages:
+        ones = np.ones(len(numbers), dtype=np.int64)
+        body = numbers[:, 9].copy() if body is None else body
+        numbers[:, 9] = 0.0
+        return asked.within(Linkages(numbers, theta, side, ones, {"body_angle": body}, asked.slider))
+
+    def varied(some: Linkages, change: float, rng: Any) -> Linkages:
+        return linkages(*poses.varied(task, some.pins(), change, rng))
+
+    def fit(row: int) -> paths.Fit:
+        found.numbers[row, 9] = found.more["body_angle"][row]
+        return paths.Fit(task.path, found.theta[row], float(found.side[row, 0]))
+
+    return Solved("motion", asked, found, coords, attrs, *objectives, with_defects=count >= 5, size=task.size, fit=fit,
+                  unknowns=10, linkages=linkages, varied=varied if count < 5 else None)  # fmt: skip
 
 
-def _solve_function(asked: Asked, function: Any, over: Any, turn: Any, turn_deg: Any, points: Any) -> Solved:
-    turns = _turns(turn, turn_deg)
-    given: Callable[[Floats], Floats] | None = None
-    low = high = 0.0
+def _solve_function(
+    asked: Asked, steps: Steps, function: Any, over: Any, turn: Any, turn_deg: Any, points: Any, travel: Any
+) -> Solved:
+    slider, given = asked.slider, None
+    turns, unit = _turns(turn, turn_deg, slider), 1.0
+    both = "write both turns, such as turn_deg=(60, 90)"
+    _check(slider or travel is None, "travel", "is for slider_crank", both)
+    far = np.nan
+    with contextlib.suppress(TypeError, ValueError):
+        far = 1.0 if travel is None else float(travel)
+    what = f"is {short_repr(travel)}"
+    _check(0.0 < abs(far) < np.inf, "travel", what, "write how far the slider moves in m, such as 0.1")
     if callable(function):
         try:
             low, high = (float(end) for end in over)
         except (TypeError, ValueError):
             low = high = np.nan
-        _check(
-            low < high < np.inf, "over", f"is {short_repr(over)}", "write the range of x, such as over=(1, 2)"
-        )
-        _check(turns, "turn_deg", "is missing", "write the turns of both shafts, such as turn_deg=(60, 90)")
-        assert turns is not None
-        ends = _values(function, np.array([low, high]))
-        differ = ends[0] != ends[1] and np.isfinite(ends).all()
-        what = f"has the values {ends[0]:g} and {ends[1]:g} at the ends"
-        _check(differ, "function", what, "give a range whose ends differ in value")
-        t_in, t_out = turns
-
-        def given_turn(angle: Floats) -> Floats:
-            values = _values(function, low + (high - low) * angle / t_in)
-            return np.asarray((values - ends[0]) / (ends[1] - ends[0]) * t_out)
-
-        given = given_turn
+        what = f"is {short_repr(over)}"
+        _check(low < high < np.inf, "over", what, "write the range of x, such as over=(1, 2)")
+        own = ("", 60) if slider else ("s of both shafts", (60, 90))
+        _check(turns, "turn_deg", "is missing", f"write the turn{own[0]}, such as turn_deg={own[1]}")
         if points is not None:
             check_whole(("precision_points",), points, 3, 5)
-            x = functions.chebyshev(low, high, points)
-            turn_in = t_in * (x - low) / (high - low)
-        else:
-            x = np.linspace(low, high, functions.FINE)
-            turn_in = np.linspace(0.0, t_in, functions.FINE)
-        turn_out, exact = given(turn_in), points is not None
-        finite = np.isfinite(turn_out).all()
-        _check(finite, "function", "is not finite over its range", "choose the range by over=(lo, hi)")
+        x = (
+            np.linspace(low, high, functions.FINE)
+            if points is None
+            else functions.chebyshev(low, high, points)
+        )
+        exact, (first, last) = points is not None, _values(function, np.array([low, high]))
+        y = _values(function, x)
     else:
         rows = _columns("function", function, ("x", "y"), {"x": "1", "y": "1"})
-        _check(
-            len(rows) >= 3, "function", f"has {counted(len(rows), 'pair')}", "give at least 3 pairs (x, y)"
-        )
+        few = f"has {counted(len(rows), 'pair')}"
+        _check(len(rows) >= 3, "function", few, "give at least 3 pairs (x, y)")
         x, y = rows.T
+        grow = (np.diff(x) > 0.0).all()
+        _check(grow, "function", "has inputs that do not grow", "sort the pairs by x, each once")
+        exact, low, high, first, last = len(rows) <= 5, x[0], x[-1], y[0], y[-1]
+    fine = np.isfinite([first, last, *y]).all()
+    _check(fine, "function", "is not finite over its range", "choose the range by over=(lo, hi)")
+    # the middle of the range of a turn, of which the others are multiples
+    ends = [sum(one) / 2.0 for one in turns or ()]
+    rate = ends[0] / (high - low) if ends else 1.0
+    if travel is not None or len(ends) > 1:
+        what = f"has the values {first:g} and {last:g} at the ends"
         _check(
-            (np.diff(x) > 0.0).all(),
-            "function",
-            "has inputs that do not grow",
-            "sort the pairs by x, each once",
+            first != last, "function", what, "give a range whose ends differ in value, or y as angles in rad"
         )
-        if turns is None:  # the pairs are angles
-            turn_in, turn_out = x - x[0], y - y[0]
-        else:
-            as_angles = "leave turn out, and give y as angles in rad"
-            _check(y[0] != y[-1], "function", "begins and ends with one value", as_angles)
-            turn_in, turn_out = turns[0] * (x - x[0]) / (x[-1] - x[0]), turns[1] * (y - y[0]) / (y[-1] - y[0])
-        exact = len(rows) <= 5
-    senses = (1,) if turns is None or turns[1] < 0.0 else (1, -1)
-    least = asked.least("least_transmission_angle_used")
-    task = functions.FunctionTask(turn_in, turn_out, given, least, exact, senses)
-    made = functions.solve_function(task)
-    count, most = len(turn_in), max((len(one.peaks) for one in made), default=0)
-    numbers, theta = np.zeros((len(made), 10)), np.zeros((len(made), count))
-    side = np.zeros_like(theta)
-    peaks, places = np.full((len(made), most), np.nan), np.full((len(made), most), np.nan)
-    theta4 = np.zeros((len(made), count))
-    scale = float(asked.lower[3]) if asked.lower[3] == asked.upper[3] else 1.0
-    for k, one in enumerate(made):
-        numbers[k, :4] = scale * np.array(one.lengths())
-        theta[k] = one.crank(turn_in)
-        flip = np.pi if one.numbers[1] < 0.0 else 0.0
-        theta4[k] = one.numbers[4] + one.sense * turn_out + flip
-        crank = numbers[k, 0] * np.exp(1j * theta[k])
-        b = numbers[k, 3] + numbers[k, 2] * np.exp(1j * theta4[k])
-        side[k] = np.sign((np.conj(numbers[k, 3] - crank) * (b - crank)).imag)
-        peaks[k, : len(one.errors)], places[k, : len(one.peaks)] = one.errors, one.crank(one.peaks)
-    found = Linkages(numbers, theta, side, np.ones(len(made), dtype=np.int64))
-    found.more = {"theta4": theta4, "sense": np.array([one.sense for one in made], dtype=np.int8),
-                  "structural_error": np.array([one.error for one in made]),
-                  "peak_error": peaks, "peak_theta1": places}  # fmt: skip
-    if exact and given is not None and turns is not None:
-        found.more["structural_error"] = np.array([_greatest(task, one, given, turns) for one in made])
-    found = asked.within(found)
-    coords = {"x": x, "turn_in": turn_in, "turn_out": turn_out}
+        unit = abs(far) if slider else 1.0
+        factor = (np.sign(far) if slider else ends[1]) / (last - first)
+    else:
+        unit = float(np.abs(y - first).max()) if slider else 1.0
+        _check(unit > 0.0, "function", "has one value alone", "give one that changes")
+        factor = 1.0 / unit
+    if callable(function):
+
+        def given(angle: Floats) -> Floats:
+            return np.asarray((_values(function, low + angle / rate) - first) * factor)
+
+    turn_in, turn_out = (x - low) * rate, (y - first) * factor
+    pairs = zip(turns or (), ends, strict=True)
+    scales = [(min(one / of, other / of), max(one / of, other / of)) for (one, other), of in pairs]
+    scales += [(1.0, 1.0)] * (2 - len(scales))
+    senses = (1,) if len(ends) < 2 or ends[1] < 0.0 else (1, -1)
+    task = functions.FunctionTask(turn_in, turn_out, given, exact, senses, slider, (scales[0], scales[1]))
+    length = unit if slider else 1.0
+    if not slider and asked.lower[3] == asked.upper[3]:
+        unit = float(asked.lower[3])
+    free = len(task.free) > 5  # the turns differ by linkage then
+
+    def generated(task: functions.FunctionTask, few: int = functions.FEW) -> Linkages:
+        made = functions.solve_function(task, steps, few)
+        peaks, places = np.full((2, len(made), max((len(one.peaks) for one in made), default=0)), np.nan)
+        n = np.array([one.numbers for one in made]).reshape(-1, 7)
+        senses = np.array([one.sense for one in made], dtype=np.int8)
+        lengths, theta, wanted, side = task.built(n, senses, np.stack([turn_in, turn_out]))
+        errors = np.array([one.error for one in made])
+        for k, one in enumerate(made):
+            peaks[k, : len(one.errors)] = one.errors
+            places[k, : len(one.peaks)] = theta[k, 0] + n[k, 5] * (one.peaks - turn_in[0])
+            if exact and given is not None:
+                whole = replace(task, turn_in=np.array([0.0, (high - low) * rate]), exact=False)
+                errors[k] = n[k, 6] * np.abs(functions.peaks_of(whole, n[k], one.sign, one.sense)[1]).max()
+        span = n[:, 6] * float(np.ptp(turn_out))
+        more = {"theta4": length * wanted, "sense": senses, "structural_error": length * errors,
+                "peak_error": length * peaks, "function_error": errors / span, "peak_theta1": places}  # fmt: skip
+        if free:
+            more |= {"input_turn": n[:, 5] * rate * (high - low)} | ({} if slider else {"output_turn": span})
+        numbers = np.hstack([unit * lengths, np.zeros((len(made), 6))])
+        return asked.within(Linkages(numbers, theta, side, np.ones(len(made), dtype=np.int64), more, slider))
+
+    def again(limits: list[Any]) -> Linkages:
+        names = [one.name for one in limits if one.name not in (*asked.names, USED)]
+
+        def slack(n: Floats, sense: int) -> Floats:
+            turn = np.stack([turn_in, turn_out])[:, :1]
+            lengths, _, _, side = task.built(n, sense, turn)
+            at: dict[str, Any] = {
+                one: unit * lengths[:, k] for k, one in enumerate(asked.names[: 3 if slider else 4])
+            }
+            branch = np.where(side[:, 0] > 0.0, 2, 1)
+            if names:
+                at |= evaluate(asked.catalogue.name, names, branch=branch, allow_invalid=True, **at)
+            at[USED] = task.transmissions(n)
+            ends = [(sign * (at[one.name] - end) / max(abs(end), 1e-6)) for one in limits
+                    for sign, end in ((1.0, one.low), (-1.0, one.high)) if np.isfinite(end)]  # fmt: skip
+            return np.stack(ends, axis=1) - 1e-9
+
+        return generated(replace(task, limits=slack) if limits else task)
+
+    coords = {"x": x} | ({} if free else {"turn_in": turn_in, "turn_out": length * turn_out})
     attrs = {"points_are_precision_points": int(exact)}
-    return Solved("function", asked, found, coords, attrs, "structural_error")
-
-
-def _greatest(task: Any, one: Any, given: Any, turns: Any) -> float:
-    """Return the greatest error between precision points."""
-    whole = functions.FunctionTask(np.linspace(0.0, turns[0], functions.FINE), np.empty(0), given)
-    _, errors = functions.peaks_of(whole, one.numbers, one.sign, one.sense)
-    return float(np.max(np.abs(errors)))
+    by = "function_error" if free else "structural_error"
+    # with conditions one linkage tells their names and limits
+    found = generated(task, 1 if isinstance(asked.where, Mapping) and not exact else functions.FEW)
+    return Solved("function", asked, found, coords, attrs, by, fit=again)
 
 
 def _values(function: Any, x: Floats) -> Floats:
@@ -754,181 +843,221 @@ def _values(function: Any, x: Floats) -> Floats:
         raise InputError(f"cannot be called ({error})", ("function",), remedy) from None
 
 
-def _turns(turn: Any, turn_deg: Any) -> tuple[float, float] | None:
+#: The range of a turn that is free.
+FREE = (np.radians(30.0), np.radians(150.0))
+
+
+def _turns(turn: Any, turn_deg: Any, slider: bool) -> list[tuple[float, float]] | None:
+    """Return the range of the crank's turn and, of four bars, of that of the output link."""
     _check(turn is None or turn_deg is None, "turn", "is given, and so is turn_deg", "write one of them")
-    name, given = ("turn", turn) if turn_deg is None else ("turn_deg", turn_deg)
+    name, given, unit = ("turn", turn, Fraction(1)) if turn_deg is None else ("turn_deg", turn_deg, PI / 180)
     if given is None:
         return None
+    own = ("a turn", 60) if slider else ("two turns", (60, 90))
+    what, remedy = f"is {short_repr(given)}", f"write {own[0]} up to 360 degrees, such as turn_deg={own[1]}"
+    remedy, made = f"{remedy}; (lo, hi) for a range of one, None if it is free", list[tuple[float, float]]()
     try:
-        one, other = (
-            float(scaled(float(part), PI / 180 if name == "turn_deg" else Fraction(1))) for part in given
-        )
+        for part in [given] if slider else given:
+            ends = [float(scaled(float(one), unit)) for one in np.ravel(part)] if part is not None else FREE
+            made.append((min(ends), max(ends)))
+            _check(len(ends) <= 2, name, what, remedy)
     except (TypeError, ValueError):
-        one = other = np.nan
-    fine = 0.0 < one <= 2.0 * np.pi and 0.0 < abs(other) <= 2.0 * np.pi
-    _check(
-        fine, name, f"is {short_repr(given)}", "write two turns up to 360 degrees, such as turn_deg=(60, 90)"
-    )
-    return one, other
+        made = []
+    fine = [low * high > 0.0 and max(-low, high) <= 2.0 * np.pi for low, high in made]
+    _check(len(fine) == 2 - slider and all(fine) and made[0][0] > 0.0, name, what, remedy)
+    return made
 
 
-# -- Conditions on what fastlink computes, and other objectives, of paths
+# -- Conditions on what fastlink computes, and other objectives, of paths and motions
 
 
 #: Linkages that are refined within conditions, and steps of each.
 CONSTRAINED, MOST_STEPS = 12, 150
+#: Of a family so many linkages stay, each with so many that are changed at random, by ever less.
+FAMILY, CHANGED, CHANGES = 12, 24, 0.4 * 0.75 ** np.arange(28)
 
 
-def within_conditions(solved: Solved, every: xr.Dataset) -> Linkages | None:
-    """Return linkages that are refined once more, within the conditions and towards the objective; None without any.
+def within_conditions(solved: Solved, steps: Steps) -> Linkages | None:
+    """Return linkages that are refined once more, within the conditions and towards the objective; None without any."""
+    asked, error = solved.asked, "pose_error" if solved.task == "motion" else "path_error"
+    if solved.fit is None or not (asked.where or asked.minimise or asked.maximise):
+        return None
+    every, least, most = labelled(solved), asked.minimise, asked.maximise
+    if not least and not most:
+        least = (solved.minimise if solved.task == "function" else error) if solved.minimise else ()
+        most = solved.maximise or ()
+    choice = choice_of(every, least, most, asked.where, top=None)
+    limits = [one for one in choice.limits if one.name not in asked.labels and one.name in every.variables]
+    if solved.task == "function":
+        again: Linkages = solved.fit([*limits, *(one for one in choice.limits if one.name == USED)])
+        return again
+    if len(choice.objectives) != 1:
+        return None
+    aim_name = str(choice.objectives[0].array.name)
 
-    Sequential quadratic programs (SciPy's SLSQP) by the exact derivatives of `fastlink.function` and of the distances.
-    """
-    task, asked = solved.path, solved.asked
-    minimise, maximise = asked.minimise, asked.maximise
-    if task is None:
+    def worth(found: xr.Dataset) -> Floats:
+        missed, of = np.zeros(found.sizes[DESIGN]), choice_of(found, least, most, asked.where, top=None)
+        for one in of.wanted:
+            values = one.array.values
+            missed += one.miss(values) if one.is_limit else ~one.holds(values)
+        score = np.where(
+            missed > 0.0, 1e9 * (1.0 + missed), of.objectives[0].sign * of.objectives[0].array.values
+        )
+        return np.asarray(np.where((found["defect"] == 0) & ~np.isnan(score), score, np.inf))
+
+    score = worth(every)
+    exact = (every[error].values <= paths.EXACT * solved.size) & np.isfinite(score)
+    if (
+        exact.any()
+        and solved.varied is not None
+        and not (aim_name == error and score.min() < 1e-9 * solved.size)
+    ):
+        found, score = solved.found.at(exact), score[exact]
+        *parts, missed = steps(_in_family, solved, found, score, worth)
+        if missed < 1e9 or aim_name != error:
+            own: dict[str, Any] = dict(zip(ARRAYS, parts[:4], strict=True))
+            return replace(found, **own, more=dict(zip(found.more, parts[4:], strict=True)))
+    # numbers of linkages have limits of their own there, where the nearest linkage does not meet them
+    lower, upper, first = asked.lower.copy(), asked.upper.copy(), int(np.argmin(every[error].values))
+    for one in choice.limits:
+        if one.name in asked.names and one.miss(one.array.values)[first] > 0.0:
+            k = asked.names.index(one.name)
+            lower[k], upper[k] = max(lower[k], one.low), min(upper[k], one.high)
+    tighter = bool((lower > asked.lower).any() or (upper < asked.upper).any())
+    solved = replace(solved, asked=replace(asked, lower=lower, upper=upper))
+    limits = [one for one in limits if one.name in every.data_vars]
+    by_error = aim_name.startswith(error)
+    asks = limits or tighter or aim_name == f"{error}_max" or not by_error
+    if not asks or (lower > upper).any() or (not by_error and aim_name in asked.labels):
         return None
-    if not minimise and not maximise:
-        minimise = "path_error"
-    choice = choice_of(every, minimise, maximise, asked.where, top=None)
-    limits = [one for one in choice.wanted if one.is_limit and one.name not in LABELS]
-    aim = choice.objectives[0]
-    aim_name = str(aim.array.name)
-    by_path = aim_name in ("path_error", "path_error_max", "path_error_sum")
-    if len(choice.objectives) != 1 or not (limits or aim_name == "path_error_max" or not by_path):
-        return None
-    if not by_path and aim_name in LABELS:
-        return None
-    near = [one.high for one in choice.wanted if one.name in ("path_error", "path_error_max")]
-    names = [*dict.fromkeys([*(one.name for one in limits), *([] if by_path else [aim_name])])]
-    error, codes = every["path_error"].values, every["defect"].values
-    count, made = len(task.target), list[Any]()
-    size = float(np.sqrt(task.size / count))
-    # of those that pass all points those come first that miss the conditions least
-    missing = np.zeros_like(error)
-    for one in limits:
-        at, unit = every[one.name].values, max(abs(one.low if np.isfinite(one.low) else one.high), 1e-6)
-        missing += np.maximum(0.0, np.maximum(one.low - at, at - one.high)) / unit
-    key = np.maximum(error, 1e-9 * size)
-    if not by_path:
-        key = aim.sign * every[aim_name].values + np.where(error <= min(near, default=np.inf), 0, 1e9)
-    best_first = [k for k in np.lexsort((missing, key)) if codes[k] == 0]
-    rows = best_first[: CONSTRAINED if by_path else CONSTRAINED // 3]
-    free = np.flatnonzero((task.lower < task.upper) & (np.arange(10) < (10 if task.times is not None else 9)))
-    scale = np.where(np.isin(free, (8, 9)), 1.0, size)
-    bounds = [
-        (low, high) for low, high in zip(task.lower[free] / scale, task.upper[free] / scale, strict=True)
+    near = min((one.high for one in choice.wanted if one.name in (error, f"{error}_max")), default=np.inf)
+    names = [*dict.fromkeys([*(one.name for one in limits), *([] if by_error else [aim_name])])]
+    key = every[error].values
+    if not by_error:
+        key = np.where(key <= near, score, np.inf)
+    most = CONSTRAINED if by_error else CONSTRAINED // 3
+    orders = [[k for k in np.argsort(of, kind="stable") if np.isfinite(score[k])] for of in (key, score)]
+    # half of them those of the least errors, half those that miss conditions least
+    rows = [*dict.fromkeys([*orders[0][: most // 2], *orders[1][: most // 2], *orders[0]])][:most]
+    made = [
+        part for row in rows if (part := steps(_refined_within, solved, row, choice, limits, names, near))
     ]
-    for row in rows:
-        start = solved.found.numbers[row]
-        side = float(solved.found.side[row, 0])
-        fit = paths.Fit(task, solved.found.theta[row, :count], side)
-        of = function("planar_4r", NUMBERS[:6], names, branch=2 if side > 0 else 1) if names else None
-
-        def numbers(x: Floats, start: Floats = start) -> Floats:
-            n = start.copy()
-            n[free] = x[: len(free)] * scale
-            return n
-
-        def values(x: Floats, name: str, of: Any = of, numbers: Any = numbers) -> tuple[float, Floats]:
-            n = numbers(x)
-            k, slopes = names.index(name), np.zeros(10)
-            slopes[:6] = np.asarray(of.gradient(n[:6]))[k]
-            one = np.append(slopes[free] * scale, np.zeros(len(x) - len(free)))
-            return float(np.asarray(of(n[:6]))[k]), np.nan_to_num(one)
-
-        # the last unknown is the greatest distance, where that is minimised or limited
-        met = bool(near) and min(near) < 1e-6 * size  # points that are to be met are equations
-        greatest = aim_name == "path_error_max" or bool(near and not met)
-        x = np.append(start[free] / scale, [np.abs(fit(start, True)[0]).max() / size] * greatest)
-
-        def distances(
-            x: Floats, sign: float, fit: Any = fit, numbers: Any = numbers
-        ) -> tuple[Floats, Floats]:
-            off, slopes = fit(numbers(x), True)
-            wide = np.hstack([sign * slopes[:, free] * scale / size, np.ones((len(off), 1))])
-            return x[-1] + sign * off / size, wide
-
-        def objective(
-            x: Floats, fit: Any = fit, values: Any = values, numbers: Any = numbers
-        ) -> tuple[float, Floats]:
-            if aim_name == "path_error_max":
-                return float(x[-1]), np.append(np.zeros(len(free)), 1.0)
-            if not by_path:
-                value, slopes = values(x, aim_name)
-                return aim.sign * value, aim.sign * slopes
-            off, slopes = fit(numbers(x))
-            by = 2.0 * (off @ slopes)[free] * scale / size**2
-            return float(off @ off) / size**2, np.append(by, np.zeros(len(x) - len(free)))
-
-        rules: list[dict[str, Any]] = []
-        for one in limits:
-            for sign, end in ((1.0, one.low), (-1.0, one.high)):
-                if np.isfinite(end):
-                    unit = max(abs(end), 1e-6)
-                    rules.append(_rule(lambda x, one=one, sign=sign, end=end, unit=unit, values=values:
-                                       (sign * (values(x, one.name)[0] - end) / unit - 1e-9,
-                                        sign * values(x, one.name)[1] / unit)))  # fmt: skip
-        if met:
-            rules.append(
-                _rule(lambda x, distances=distances: distances(np.append(x, 0.0), 1.0), len(x), "eq")
-            )
-        if greatest:
-            rules += [
-                _rule(lambda x, sign=sign, distances=distances: distances(x, sign)) for sign in (1.0, -1.0)
-            ]
-        if task.crank:
-            longer = 1.0 if start[3] >= start[0] else -1.0
-            folds = np.array(
-                [[-longer, -1, 1, longer], [-longer, 1, -1, longer], [-1, 1, 1, -1]], dtype=float
-            )
-            wide = np.zeros((3, 10))
-            wide[:, :4] = folds
-            wide = np.hstack([wide[:, free] * scale, np.zeros((3, len(x) - len(free)))]) / size
-            rules.append(_rule(lambda x, wide=wide, folds=folds, numbers=numbers:
-                               (folds @ numbers(x)[:4] / size - 1e-6, wide)))  # fmt: skip
-        ends = [*bounds, *([(0.0, min(near) / size if near else None)] * greatest)]
-        low, high = (np.array([other if end is None else end for end in one]) for one, other in
-                     zip(zip(*ends, strict=True), (-np.inf, np.inf), strict=True))  # fmt: skip
-        # far from a least-squares objective the first step knows no curvature: it is kept short, and others follow
-        for _ in range(1 if by_path else 10):
-            reach = np.inf if by_path else 0.2 * (1.0 + np.abs(x))
-            box = [*zip(np.maximum(low, x - reach), np.minimum(high, x + reach), strict=True)]
-            with np.errstate(all="ignore"):  # where limits cannot be met it may step to no number
-                best = minimize(objective, np.clip(x, low, high), jac=True, bounds=box, constraints=rules,
-                                method="SLSQP",
-                                options={"maxiter": MOST_STEPS if by_path else 30, "ftol": 1e-14})  # fmt: skip
-            if (
-                not np.isfinite(best.x).all()
-                or np.abs(best.x - x).max() < 1e-9
-                or best.status not in (0, 8, 9)
-            ):
-                break
-            x = best.x
-        if by_path:
-            x = best.x
-        if np.isfinite(x).all() and (n := numbers(x))[:4].min() > 0.0:
-            fit(n)
-            if met and task.times is None:  # to the rounding, which programs do not reach
-                signs = np.array([[side, np.sign(fit.theta[-1] - fit.theta[0])]])
-                exact = paths.Candidates(
-                    n[None], signs, fit.theta[None], np.zeros(1), np.ones(1, dtype=np.int64)
-                )
-                exact = paths.refined(task, exact, 100)
-                n, fit.theta = (exact.numbers[0], exact.theta[0]) if len(exact.cost) else (n, fit.theta)
-            made.append((n, n[9] + task.times if task.times is not None else fit.theta, side))
     if not made:
         return None
-    every_n, theta, side_of = (np.array(part) for part in zip(*made, strict=True))
-    found = Linkages(
-        every_n, theta, np.repeat(side_of[:, None], count, axis=1), np.ones(len(made), dtype=np.int64)
-    )
-    return asked.within(found)
+    numbers, theta, side = (np.array(part) for part in zip(*made, strict=True))
+    sides = np.repeat(side[:, None], theta.shape[1], axis=1)
+    return solved.linkages(numbers, theta, sides)
 
 
-def _rule(function: Any, count: int | None = None, kind: str = "ineq") -> dict[str, Any]:
-    """Return a constraint of SLSQP from a function that returns values and derivatives, by the first unknowns."""
-    return {"type": kind, "fun": lambda x: function(x)[0], "jac": lambda x: function(x)[1][..., :count]}
+def _in_family(solved: Solved, found: Linkages, score: Floats, worth: Any) -> list[Any]:
+    """Return the best of a family of linkages that do a task exactly, as arrays, and the least score.
+
+    What is best is changed at random and made exact again, by ever less; those that stay differ by such a change.
+    """
+    rng = np.random.default_rng(solved.asked.seed)
+    for change in CHANGES:
+        order = np.argsort(score, kind="stable")[: int(np.isfinite(score).sum())]
+        some = found.at(order)
+        apart = paths.different(some.numbers, some.side[:, 0], some.starts, FAMILY, 0.1 * change)[0]
+        found, score = some.at(apart), score[order][apart]
+        made = solved.varied(found.at(np.repeat(np.arange(len(found)), CHANGED)), change, rng)
+        if len(made):
+            score = np.append(score, worth(labelled(replace(solved, found=made))))
+            found = joined_linkages(found, made)
+    found = found.at(np.argsort(score, kind="stable")[:FAMILY])
+    return [*(getattr(found, name) for name in ARRAYS), *found.more.values(), score.min()]
+
+
+def _refined_within(
+    solved: Solved, row: int, choice: Choice, limits: list[Any], names: list[str], near: float
+) -> tuple[Any, ...]:
+    """Return numbers, crank angles and side of a linkage refined within conditions towards the objective.
+
+    By a sequential quadratic program (SciPy's SLSQP) with the exact derivatives of `fastlink.function` and of errors.
+    """
+    asked, size, aim = solved.asked, solved.size, choice.objectives[0]
+    by_error = not names or str(aim.array.name) not in names
+    fit, side = solved.fit(row), float(solved.found.side[row, 0])
+    start: Floats = solved.found.numbers[row].copy()
+    if solved.crank and names:  # off a change point, where rates are infinite
+        start[3 if start[3] < start[0] and not asked.slider else 0] *= 0.97
+    free = np.flatnonzero((asked.lower < asked.upper) & (np.arange(10) < solved.unknowns))
+    free = free[free != 3] if asked.slider else free
+    scale = np.where(np.isin(free, (8, 9)), 1.0, size)
+    inputs = 3 if asked.slider else 6
+    of: Any = None
+    if names:
+        of = function(asked.catalogue.name, asked.names[:inputs], names, branch=2 if side > 0 else 1)
+    # the last unknown is the greatest distance, where that is minimised or limited
+    greatest = str(aim.array.name).endswith("_max") or near < np.inf
+    x = np.append(start[free] / scale, [np.abs(fit(start, True)[0]).max() / size] * greatest)
+
+    def numbers(x: Floats) -> Floats:
+        n = start.copy()
+        n[free] = x[: len(free)] * scale
+        return n
+
+    def values(x: Floats, name: str) -> tuple[float, Floats]:
+        n, k, slopes = numbers(x), names.index(name), np.zeros(10)
+        slopes[:inputs] = np.asarray(of.gradient(n[:inputs]))[k]
+        one = np.append(slopes[free] * scale, np.zeros(len(x) - len(free)))
+        return float(np.asarray(of(n[:inputs]))[k]), np.nan_to_num(one)
+
+    def distances(x: Floats) -> tuple[Floats, Floats]:
+        off, slopes = fit(numbers(x), True)
+        return np.asarray(x[-1] - off / size), np.hstack(
+            [-slopes[:, free] * scale / size, np.ones((len(off), 1))]
+        )
+
+    def objective(x: Floats) -> tuple[float, Floats]:
+        if not by_error:
+            value, slopes = values(x, str(aim.array.name))
+            return aim.sign * value, aim.sign * slopes
+        if str(aim.array.name).endswith("_max"):
+            return float(x[-1]), np.append(np.zeros(len(free)), 1.0)
+        off, slopes = fit(numbers(x))
+        by = 2.0 * (off @ slopes)[free] * scale / size**2
+        return float(off @ off) / size**2, np.append(by, np.zeros(len(x) - len(free)))
+
+    def limit(x: Floats, name: str, sign: float, end: float) -> tuple[float, Floats]:
+        (value, slopes), unit = values(x, name), max(abs(end), 1e-6)
+        return sign * (value - end) / unit - 1e-9, sign * slopes / unit
+
+    rules = [_rule(limit, one.name, sign, end) for one in limits
+             for sign, end in ((1.0, one.low), (-1.0, one.high)) if np.isfinite(end)]  # fmt: skip
+    rules += [_rule(distances)] * greatest
+    if solved.crank:
+        longer = 1.0 if asked.slider or start[3] >= start[0] else -1.0
+        folds = np.array([[-longer, -1, 1, longer], [-longer, 1, -1, longer], [-1, 1, 1, -1]], dtype=float)
+        if asked.slider:
+            folds = np.array([[-1.0, 1, -1, 0], [-1, 1, 1, 0]])
+        wide = np.hstack([folds, np.zeros((len(folds), 6))])[:, free] * scale
+        wide = np.hstack([wide, np.zeros((len(folds), len(x) - len(free)))]) / size
+        rules.append(_rule(lambda x: (folds @ numbers(x)[:4] / size - 1e-6, wide)))
+    low = np.append(asked.lower[free] / scale, [0.0] * greatest)
+    high = np.append(asked.upper[free] / scale, [near / size] * greatest)
+    # far from a least-squares objective the first step knows no curvature: it is kept short, and others follow
+    for _ in range(1 if by_error else 10):
+        reach = np.inf if by_error else 0.2 * (1.0 + np.abs(x))
+        box = [*zip(np.maximum(low, x - reach), np.minimum(high, x + reach), strict=True)]
+        with np.errstate(all="ignore"):  # where limits cannot be met it may step to no number
+            best = minimize(objective, np.clip(x, low, high), jac=True, bounds=box, constraints=rules, method="SLSQP",
+                            options={"maxiter": MOST_STEPS if by_error else 30, "ftol": 1e-14})  # fmt: skip
+        stuck = (
+            not np.isfinite(best.x).all() or np.abs(best.x - x).max() < 1e-9 or best.status not in (0, 8, 9)
+        )
+        x = best.x if by_error or not stuck else x
+        if stuck:
+            break
+    if not np.isfinite(x).all() or (n := numbers(x))[: 2 if asked.slider else 4].min() <= 0.0:
+        return ()
+    fit(n)
+    return n, fit.theta, side
+
+
+def _rule(function: Any, *of: Any) -> dict[str, Any]:
+    """Return a constraint of SLSQP from a function that returns values and derivatives."""
+    return {"type": "ineq", "fun": lambda x: function(x, *of)[0], "jac": lambda x: function(x, *of)[1]}
 
 
 # -- The result
@@ -937,82 +1066,96 @@ def _rule(function: Any, count: int | None = None, kind: str = "ineq") -> dict[s
 def labelled(solved: Solved) -> xr.Dataset:
     """Return all linkages of a task with their results, errors computed by the facts of the mechanism."""
     found = judged(solved.found, bool(solved.attrs.get("closed")), "time" in solved.target)
-    n = found.numbers
-    lengths = dict(zip(NUMBERS[:6], n[:, :6].T, strict=True))
+    asked, n, slider = solved.asked, found.numbers, found.slider
+    inputs = dict(zip(asked.names[:6], n[:, :6].T, strict=True))
+    inputs.pop("", None)
+    beside = {name: inputs.pop(name) for name in ("P_u", "P_v") if slider or solved.task == "function"}
     branch = np.where(found.side[:, 0] > 0, 2, 1)
-    wanted = [*dict.fromkeys([*solved.asked.quantities, *solved.asked.others(), "status"])]
-    columns: dict[str, Any] = dict(lengths)
-    if solved.task == "function":
-        del columns["P_u"], columns["P_v"]
-    space = table(columns)
-    swept = sweep("planar_4r", space, wanted, branch=(1, 2), verify=0, progress=False)
+    wanted = [*dict.fromkeys([*asked.quantities, *asked.others(), "status"])]
+    swept = sweep(asked.catalogue.name, table(inputs), wanted, branch=(1, 2), verify=0, progress=False)
     index: dict[str, Any] = {DESIGN: xr.DataArray(np.arange(len(n)), dims=DESIGN)}
     if "branch" in swept.dims:
         index["branch"] = xr.DataArray(branch - 1, dims=DESIGN)
     result = swept.isel(index).drop_vars("branch", errors="ignore").load()
     data: dict[str, Any] = {}
-    for name, values in zip(("O_x", "O_y", "ground_angle"), n[:, 6:9].T, strict=True):
-        data[name] = values
-    data["D_x"] = n[:, 6] + n[:, 3] * np.cos(n[:, 8])
-    data["D_y"] = n[:, 7] + n[:, 3] * np.sin(n[:, 8])
+    if solved.task != "function":
+        data = dict(zip(NUMBERS[6:9], n[:, 6:9].T, strict=True))
+        ends = {
+            f"D_{k}": n[:, 6 + i] + n[:, 3] * of(n[:, 8])
+            for i, (k, of) in enumerate({"x": np.cos, "y": np.sin}.items())
+        }
+        data |= beside if slider else ends
     data |= {name: found.more[name] for name in ("order", "circuit", "least_transmission_angle_used")}
-    data["starts"] = found.starts
-    data["theta1"] = found.theta
-    data |= _errors(solved, found, branch)
-    for name in ("cognate", "body_angle", "sense", "structural_error", "peak_error", "peak_theta1", "theta4"):
+    data |= {"starts": found.starts, "theta1": found.theta} | _errors(solved, found, branch)
+    for name in ("cognate", "body_angle", "sense", "structural_error", "function_error", "peak_error", "peak_theta1",
+                 "theta4", "input_turn", "output_turn"):  # fmt: skip
         if name in found.more:
             data[name] = found.more[name]
     if "time" in solved.target:
         data["phase"] = n[:, 9]
-    if solved.task == "function":
-        for name in ("O_x", "O_y", "D_x", "D_y", "ground_angle"):
-            del data[name]
     if "curve" in found.more:
         data["cognate_of"] = found.more["curve"]
     made: dict[str, Any] = {}
     for name, values in data.items():
-        units, text = LABELS[name]
+        name = OF_SLIDER.get(name, name) if slider else name
         dims = (DESIGN, "peak" if name.startswith("peak_") else "point")[: np.ndim(values)]
-        made[name] = (dims, values, {"units": units, "long_name": text})
+        made[name] = (dims, values, dict(zip(("units", "long_name"), asked.labels[name], strict=True)))
     flags = {"flag_values": np.array(list(DEFECTS), dtype=np.int8), "flag_meanings": " ".join(DEFECTS.values()),
              "long_name": "What keeps the linkage from the task", "units": "1"}  # fmt: skip
     made["defect"] = ((DESIGN,), found.more["defect"], flags)
-    text = "Assembly mode: B right (1) or left (2) of the line from A to D"
+    text = f"Assembly mode: B right (1) or left (2) of {'A' if slider else 'the line from A to D'}"
     coords: dict[str, Any] = {"branch": ((DESIGN,), branch, {"long_name": text})}
-    texts = [joined_limits(one, solved.asked) for one in n]
+    if "peak_error" in data:
+        coords["peak"] = ("peak", np.arange(data["peak_error"].shape[1]), {"long_name": "Number of a peak"})
+    texts = active_limits(n, asked)
     if any(texts):
         coords["active"] = ((DESIGN,), np.array(texts), {"long_name": "Limits that hold the linkage back"})
     for name, values in solved.target.items():
-        about = {"units": TARGETS.get(name, "1"), "long_name": f"{name} of the task"}
+        units = "m" if slider and name == "turn_out" else TARGETS.get(name, "1")
+        about = {"units": units, "long_name": f"{name} of the task"}
         coords[name] = (("point",), values, about)
     return result.assign(made).assign_coords(coords)
 
 
-def joined_limits(numbers: Floats, asked: Asked) -> str:
-    """Return which limits of its numbers a linkage has reached, as a text."""
-    found = []
-    for name, number, low, high in zip(NUMBERS, numbers, asked.lower, asked.upper, strict=True):
+def active_limits(numbers: Floats, asked: Asked) -> list[str]:
+    """Return which limits of their numbers linkages have reached, as texts."""
+    found: list[list[str]] = [[] for _ in numbers]
+    for k, (name, low, high) in enumerate(zip(asked.names, asked.lower, asked.upper, strict=True)):
+        units = "rad" if name in ("ground_angle", "phase") else "m"
         for sign, end in ((">=", low), ("<=", high)):
-            if low < high and np.isfinite(end) and abs(number - end) <= 1e-9 * max(abs(end), 1e-6):
-                units = "rad" if name in ("ground_angle", "phase") else "m"
-                found.append(f"{name} {sign} {short_number(end)} {units}")
-    return ", ".join(found)
+            if name and low < high and np.isfinite(end):
+                for row in np.flatnonzero(np.abs(numbers[:, k] - end) <= 1e-9 * max(abs(end), 1e-6)):
+                    found[row].append(f"{name} {sign} {short_number(end)} {units}")
+    return [", ".join(one) for one in found]
+
+
+def _evaluated(solved: Solved, names: list[str], branch: Any, given: dict[str, Any]) -> Any:
+    return evaluate(solved.asked.catalogue.name, names, branch=branch, allow_invalid=True, **given)
 
 
 def _errors(solved: Solved, found: Linkages, branch: NDArray[np.int64]) -> dict[str, Any]:
     """Return the errors at the points of a task, from the facts of the mechanism at the crank angles."""
-    n, target = found.numbers, solved.target
-    inputs = dict(zip(NUMBERS[:6], (column[:, None] for column in n[:, :6].T), strict=True))
-    sides = np.where(found.side > 0, 2, 1)
+    n, target, slider = found.numbers, solved.target, found.slider
+    names = solved.asked.names[: 3 if slider else 4 if solved.task == "function" else 6]
+    given = {name: n[:, k, None] for k, name in enumerate(names)} | {
+        "theta" if slider else "theta1": found.theta
+    }
     if solved.task == "function":
-        at = evaluate("planar_4r", ["theta4"], branch=branch[:, None], allow_invalid=True, theta1=found.theta,
-                      **{name: inputs[name] for name in NUMBERS[:4]})["theta4"]  # fmt: skip
-        off = wrapped(at - found.more["theta4"])
+        name = "slider_position" if slider else "theta4"
+        off = _evaluated(solved, [name], branch[:, None], given)[name] - found.more["theta4"]
+        off = off if slider else wrapped(off)
         return {"output_error": off, "structural_error_rms": np.sqrt(np.mean(off**2, axis=1))}
-    at = evaluate(
-        "planar_4r", ["P_x", "P_y", "theta2"], branch=sides, allow_invalid=True, theta1=found.theta, **inputs
+    at = _evaluated(
+        solved,
+        ["theta2", *(("A_x", "A_y") if slider else ("P_x", "P_y"))],
+        np.where(found.side > 0, 2, 1),
+        given,
     )
-    place = n[:, 6:7] + 1j * n[:, 7:8] + np.exp(1j * n[:, 8:9]) * (at["P_x"] + 1j * at["P_y"])
+    if slider:
+        place = at["A_x"] + 1j * at["A_y"] + (n[:, 4:5] + 1j * n[:, 5:6]) * np.exp(1j * at["theta2"])
+    else:
+        place = at["P_x"] + 1j * at["P_y"]
+    place = n[:, 6:7] + 1j * n[:, 7:8] + np.exp(1j * n[:, 8:9]) * place
     off = np.abs(place - (target["target_x"] + 1j * target["target_y"]))
     if solved.task == "path":
         square, whole = off**2, {}
@@ -1041,11 +1184,9 @@ def curve_distances(found: Linkages, target: NDArray[np.complex128]) -> dict[str
     summed; and the least mean squared distance over all first places and both senses, times 2 pi.
     """
 
-    def uniform(z: NDArray[np.complex128]) -> NDArray[np.complex128]:
-        around = np.append(z, z[0])
-        behind = np.append(0.0, np.cumsum(np.abs(np.diff(around))))
-        at = behind[-1] * np.arange(UNIFORM) / UNIFORM
-        return np.asarray(np.interp(at, behind, around.real) + 1j * np.interp(at, behind, around.imag))
+    def uniform(z: NDArray[np.complex128]) -> Any:
+        around = np.append(z, z[0])[None]
+        return paths.at_shares(around, around, np.arange(UNIFORM) / UNIFORM)[0]
 
     wanted = uniform(target)
     centre = wanted.mean()
@@ -1147,8 +1288,9 @@ def synthesise(
     exact: bool = False,
     rotation_length: float | None = None,
     over: tuple[float, float] | None = None,
-    turn: tuple[float, float] | None = None,
-    turn_deg: tuple[float, float] | None = None,
+    turn: Any = None,
+    turn_deg: Any = None,
+    travel: float | None = None,
     precision_points: int | None = None,
     where: Any = None,
     bounds: Mapping[str, Any] | None = None,
@@ -1159,6 +1301,7 @@ def synthesise(
     seed: int = 0,
     to: str | Path | None = None,
     overwrite: bool = False,
+    restart: bool = False,
     attrs: Mapping[str, Any] | None = None,
 ) -> xr.Dataset:
     """Find linkages for a task: a path, a motion or a function.
@@ -1168,14 +1311,16 @@ def synthesise(
 
     Parameters
     ----------
-    mechanism : {"planar_4r"}
-        The mechanism.
+    mechanism : {"planar_4r", "slider_crank"}
+        The mechanism. Of a slider-crank ``r``, ``l``, ``e`` take the place of ``a1`` to ``a4``, ``theta`` that of
+        ``theta1``, the direction of the slider's line that of OD; ``P_u``, ``P_v`` is a point of the rod.
     quantities : sequence of str
         What else is computed of each linkage, as `fastlink.sweep` takes it.
     path : array_like, table or path of a CSV file
         Points (x, y) [m] that the coupler point passes in this order, or a whole curve as up to 2,000 of them.
     motion : array_like, table or path of a CSV file
-        Poses (x, y, angle) [m, m, rad] of a body on the coupler; ``angle_deg`` in a table. Two to five are met exactly.
+        Poses (x, y, angle) [m, m, rad] of a body on the coupler; ``angle_deg`` in a table. Two to five are met exactly,
+        by slider-cranks two to four.
     function : callable, array_like or table
         The output as a function of x, or pairs (x, y); up to five pairs are met exactly.
     timing : array_like or "even", optional
@@ -1186,12 +1331,16 @@ def synthesise(
     exact : bool, default False
         Find all linkages through five points with timing, or through nine without, and tell those with defects too.
     rotation_length : float, optional
-        The length [m] at which an error of direction counts as one of place; needed for more than five poses.
+        The length [m] at which an error of direction counts as one of place; needed for more poses than are exact.
     over : (float, float)
         The range of x of a function.
-    turn, turn_deg : (float, float)
-        By how much crank and output link turn over the range. A positive output turn may have either sense, see
-        ``sense`` in the result; a negative one is against the crank. Without it pairs are angles in rad.
+    turn, turn_deg : (turn, turn); of a slider-crank turn
+        By how much crank and output link turn over the range: numbers, ranges (lo, hi), or None for 30 to 150 degrees;
+        of turns that are free the error is the least as a share of the output's. A positive output turn may have either
+        sense, see ``sense`` in the result; a negative one is against the crank. Without it pairs are angles in rad.
+    travel : float, optional
+        By how much the slider of a slider-crank moves from the first to the last value [m]. Without it the values of
+        the function are places in m.
     precision_points : int, optional
         Meet a function exactly at 3 to 5 points in Chebyshev's spacing, instead of with the least greatest error.
     where : mapping, optional
@@ -1211,6 +1360,9 @@ def synthesise(
         An HDF5 file to write the result to.
     overwrite : bool, default False
         Replace an existing file.
+    restart : bool, default False
+        Throw away what a stopped run has left in ``FILE.search``. Without it, the same run goes on there, to the same
+        bits, and another one is refused.
     attrs : mapping, optional
         Further attributes.
 
@@ -1246,106 +1398,118 @@ def synthesise(
     if len(tasks) != 1:
         what = f"has {joined(tasks)}" if tasks else "has no task"
         problems.add(what, ("synthesise",), "write one of path=..., motion=..., function=...")
-    if mechanism != "planar_4r":
-        problems.add(f"{short_repr(mechanism)} is not synthesised", ("mechanism",), "write 'planar_4r'")
+    slider = mechanism == "slider_crank"
+    if not slider and mechanism != "planar_4r":
+        remedy = "write 'planar_4r' or 'slider_crank'"
+        problems.add(f"{short_repr(mechanism)} is not synthesised", ("mechanism",), remedy)
     problems.attempt(check_whole, ("top",), top, 1)
     problems.attempt(check_whole, ("seed",), seed, 0)
     problems.attempt(check_switch, ("exact",), exact)
     names = problems.attempt(check_names, "quantities", quantities) if quantities else ()
-    limits = _limits(bounds, fixed, problems)
+    limits = _limits(bounds, fixed, slider, problems)
     only = {"path": {"timing": timing, "closed": closed}, "motion": {"rotation_length": rotation_length},
-            "function": {"over": over, "turn": turn, "turn_deg": turn_deg,
+            "function": {"over": over, "turn": turn, "turn_deg": turn_deg, "travel": travel,
                          "precision_points": precision_points}}  # fmt: skip
     for task, options in only.items():
         for name, value in options.items():
             if value is not None and tasks != [task]:
                 problems.add(f"is for {task}=...", (name,), "leave it out")
     problems.stop()
-    asked = Asked(
-        find_catalogue("planar_4r", None),
-        tuple(names or ()),
-        where,
-        minimise,
-        maximise,
-        top,
-        *limits,
-        seed,
-        exact,
-    )
+    known = find_catalogue("slider_crank" if slider else "planar_4r", None)
+    asked = Asked(known, tuple(names or ()), where, minimise, maximise, top, *limits, seed, exact)
     asked.others()  # unknown names are refused before anything is computed
     about = {"mechanism": mechanism, "synthesis": tasks[0], **dict(attrs or {})}
 
-    def solve() -> xr.Dataset:
+    def solve(steps: Steps) -> xr.Dataset:
         if tasks[0] == "path":
-            solved = _solve_path(asked, path, timing, closed)
+            solved = _solve_path(asked, steps, path, timing, closed)
         elif tasks[0] == "motion":
-            solved = _solve_motion(asked, motion, rotation_length)
+            solved = _solve_motion(asked, steps, motion, rotation_length)
         else:
-            solved = _solve_function(asked, function, over, turn, turn_deg, precision_points)
-        if not len(solved.found):
+            ask = function, over, turn, turn_deg, precision_points, travel
+            solved = _solve_function(asked, steps, *ask)
+        none = not len(solved.found)
+        if none:
             solved.found = _one(solved)
-            result = selected(labelled(solved).isel({DESIGN: slice(0, 0)}), solved)
-        else:
-            every = labelled(solved)
-            more = within_conditions(solved, every)
-            if more is not None and len(more):
-                if solved.found.theta.shape[1] > more.theta.shape[1]:
-                    more = _come_back(more)
-                solved.found = joined_linkages(more, solved.found)
-                every = labelled(solved)
-            result = selected(every, solved)
+        elif (more := within_conditions(solved, steps)) is not None and len(more):
+            solved.found = joined_linkages(more, solved.found)
+        result = selected(labelled(solved).isel({DESIGN: slice(0, 0 if none else None)}), solved)
         result.attrs |= {**about, "run_time_s": time.perf_counter() - began}
         return result
 
     if to is None:
-        return solve()
-    shown = {
-        name: _as_text(value)
-        for name, value in {**given, **only["path"], **only["motion"], **only["function"]}.items()
-    }
-    words = (
+        return solve(Steps())
+    options = {**given, **only["path"], **only["motion"], **only["function"]}
+    words: list[Any] = [
         environment(),
-        shown,
+        mechanism,
+        *(_as_text(value, over) for value in options.values()),
         names,
-        repr(where),
-        repr(bounds),
-        repr(fixed),
-        repr(minimise),
-        repr(maximise),
-        top,
-        seed,
-        exact,
-    )
+    ]
+    words += [*map(repr, (where, bounds, fixed, minimise, maximise)), top, seed, exact]
     fingerprint = hashlib.sha256(repr(words).encode()).hexdigest()
-    if not overwrite and not callable(function):
-        finished = finished_map(to, fingerprint, verified=0, attrs=about)
-        if finished is not None:
-            return finished
-    target = check_target(to, 0, overwrite)
-    result = solve()
-    if not result.sizes[DESIGN]:
-        raise InputError(f"{result.attrs['reason']}; nothing is written", ("where",), "widen the limits")
-    result.attrs = plain_attrs(result.attrs)
-    write(
-        target,
-        result,
-        fingerprint,
-        history(f"synthesise {mechanism} to {target.name}"),
-        overwrite=overwrite,
-        restart=False,
-    )
-    return open_map(target)
+
+    def found(target: Path) -> tuple[xr.Dataset, None]:
+        with Steps(Unfinished(target, fingerprint, dict), restart) as steps:
+            result = solve(steps)
+        if not result.sizes[DESIGN]:
+            raise InputError(f"{result.attrs['reason']}; nothing is written", ("where",), "widen the limits")
+        return result, None
+
+    request: Any = SimpleNamespace(about=lambda: about, fingerprint=fingerprint)
+    made = f"synthesise {mechanism}"
+    return to_file(Path(to), request, found, made=made, overwrite=overwrite, restart=restart)
 
 
-def _as_text(value: Any) -> str:
-    try:
-        return (
-            np.asarray(value, dtype=float).tobytes().hex()
-            if value is not None and not callable(value)
-            else repr(value)
-        )
-    except (TypeError, ValueError):
-        return repr(value)
+class Steps(AbstractContextManager["Steps"]):
+    """Steps of a run in turn: those of an earlier one, which was stopped, have their arrays beside its file."""
+
+    def __init__(self, unfinished: Unfinished | None = None, restart: bool = False) -> None:
+        self.unfinished, self.number = unfinished, 0
+        if unfinished is not None and restart:
+            unfinished.remove()
+        earlier = None if unfinished is None else unfinished.read()
+        self.made: dict[str, Any] = earlier[0] if earlier else {}
+        self.made.pop("about", None)
+        self.done = earlier[1][0][1] if earlier else 0
+
+    def __call__(self, step: Callable[..., Sequence[Any]], *of: Any) -> list[Any]:
+        """Return the arrays that a step makes, or has made."""
+        name, self.number = f"{self.number}.", self.number + 1
+        if self.number > self.done:
+            self.made |= {f"{name}{k}": np.asarray(one) for k, one in enumerate(step(*of))}
+            self.done = self.number
+            if self.unfinished is not None and time.monotonic() >= self.unfinished.due:
+                self.unfinished.write(self, [(0, self.done)])
+        count = sum(key.startswith(name) for key in self.made)
+        return [self.made[f"{name}{k}"].copy() for k in range(count)]
+
+    def arrays(self) -> dict[str, Any]:
+        """Return all arrays by name, as a file keeps them."""
+        return self.made
+
+    def __exit__(self, kind: Any, error: BaseException | None, traceback: Any) -> None:
+        """Keep what a run that was stopped has done; else nothing."""
+        if self.unfinished is None:
+            return
+        if error is None:
+            self.unfinished.remove()
+        elif self.done:
+            with contextlib.suppress(InputError):
+                self.unfinished.write(self, [(0, self.done)])
+                kept = f"{counted(self.done, 'step')} of it are kept in {self.unfinished.path}"
+                error.add_note(f"{kept}; run the same again to go on")
+
+
+def _as_text(value: Any, over: Any) -> str:
+    """Return what tells a task from others: its numbers, also those of a file, or of a function over its range."""
+    with contextlib.suppress(TypeError, ValueError, OSError), np.printoptions(threshold=10**9):
+        if callable(value):
+            value = _values(value, np.linspace(over[0], over[1], 1001))
+        elif isinstance(value, (str, os.PathLike)) and value != "even":
+            return Path(value).read_bytes().hex()
+        return repr(value) if value is None else np.asarray(value, dtype=float).tobytes().hex()
+    return repr(value)
 
 
 def _one(solved: Solved) -> Linkages:
@@ -1355,5 +1519,6 @@ def _one(solved: Solved) -> Linkages:
         name: np.zeros((1, *np.shape(values)[1:]), dtype=values.dtype)
         for name, values in solved.found.more.items()
     }
-    numbers = np.array([[1.0, 2.0, 2.0, 2.5, 0, 0, 0, 0, 0, 0]])
-    return Linkages(numbers, np.zeros((1, count)), np.ones((1, count)), np.ones(1, dtype=np.int64), more)
+    numbers = np.array([[1.0, 4.0, 2.0, 3.5, 0, 0, 0, 0, 0, 0]])
+    ones = np.ones((1, count))
+    return Linkages(numbers, 0.0 * ones, ones, np.ones(1, dtype=np.int64), more, solved.asked.slider)

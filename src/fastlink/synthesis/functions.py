@@ -1,16 +1,17 @@
-"""Function generation: an output link that follows a function of the crank angle, with the least greatest error."""
+"""Function generation: an output that follows a function of the crank angle, with the least greatest error."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import product
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linprog
 
-from fastlink.synthesis.paths import solved, wrapped
+from fastlink.synthesis.paths import cosines, solved, wrapped
 
 __all__ = ["FunctionTask", "Generator", "chebyshev", "solve_function"]
 
@@ -19,6 +20,8 @@ Floats = NDArray[np.float64]
 #: Start angles of each shaft that are tried, over half a turn (negative lengths are the other half); places of a
 #: function in the scan, and in the refinement.
 STARTS, PLACES, FINE = 120, 13, 81
+#: Turns of a shaft that are tried where a range is given.
+SCALES = 3
 #: Linkages that are refined by sums of powers of the errors, and then by linear programs.
 MANY, FEW = 150, 10
 #: The powers, and the steps with each.
@@ -38,24 +41,173 @@ def chebyshev(low: float, high: float, count: int) -> Floats:
 
 @dataclass(frozen=True)
 class FunctionTask:
-    """A function that was checked: the turns of both shafts from where they begin."""
+    """A function that was checked: the turns of both shafts from where they begin, or the travel of a slider.
+
+    A linkage is K1, K2, K3, the crank angle and the output where they begin, and by how much the given turns are
+    multiplied. K1 cos psi - K2 cos phi + K3 = cos(phi - psi) is the equation of four bars, K1 x cos phi + K2 sin phi
+    + K3 = x^2 that of a slider-crank: K1 = 2 r, K2 = 2 r e, K3 = l^2 - r^2 - e^2, for a travel of 1.
+    """
 
     #: Turns of the crank at places, and of the output link there; the places of a table, or of a function some.
     turn_in: Floats
     turn_out: Floats
     #: The output turn of any input turn; None of a table.
     output: Callable[[Floats], Floats] | None = None
-    #: The least acute transmission angle that is wanted between the first and the last place.
-    transmission: float = 0.0
     #: Whether the places are precision points: no error there.
     exact: bool = False
     #: The senses of the output that are tried.
     senses: tuple[int, ...] = (1,)
+    #: Whether the output is a slider's.
+    slider: bool = False
+    #: By how much both turns may be multiplied.
+    scales: tuple[tuple[float, float], tuple[float, float]] = ((1.0, 1.0), (1.0, 1.0))
+    #: By how much linkages (linkages, numbers) of a sense meet further conditions (linkages, conditions).
+    limits: Callable[[Floats, int], Floats] | None = None
+
+    @property
+    def free(self) -> NDArray[np.int64]:
+        """Which numbers of a linkage are free."""
+        return np.array([*range(5), *(5 + k for k, (low, high) in enumerate(self.scales) if low < high)])
+
+    def fine(self, sense: int) -> tuple[Floats, Floats]:
+        """Return the places of a refinement, and the output there."""
+        if self.output is None or self.exact:
+            return self.turn_in, sense * self.turn_out
+        turn = np.linspace(self.turn_in[0], self.turn_in[-1], FINE)
+        return turn, sense * self.output(turn)
+
+    def lengths(self, numbers: Floats) -> tuple[Floats, Floats, Floats]:
+        """Return the crank, the square of the coupler, and the output link or the offset; signed."""
+        k1, k2, k3 = (numbers[..., k] for k in range(3))
+        with np.errstate(all="ignore"):
+            if self.slider:
+                r, e = k1 / 2.0, k2 / k1
+                return r, k3 + r * r + e * e, e
+            r2, r4 = 1.0 / k1, 1.0 / k2
+            return r2, 1.0 + r2 * r2 + r4 * r4 - 2.0 * r2 * r4 * k3, r4
+
+    def is_built(self, numbers: Floats) -> NDArray[np.bool_]:
+        """Tell which linkages (linkages, numbers) have links of usable lengths."""
+        crank, square, last = self.lengths(numbers)
+        with np.errstate(invalid="ignore"):
+            lengths = np.stack([np.abs(crank), np.sqrt(square), np.abs(last)])
+        short = lengths[: 2 if self.slider else 3] >= 0.999999 / LONGEST
+        return np.asarray(short.all(axis=0) & (lengths <= LONGEST * 1.000001).all(axis=0))
+
+    def rates(self, numbers: Floats, phi: Floats, out: Floats) -> tuple[Floats, Floats]:
+        """Return the derivatives of the equation by the output and by the crank angle."""
+        k1, k2 = numbers[..., :1], numbers[..., 1:2]
+        if self.slider:
+            return k1 * np.cos(phi) - 2.0 * out, k2 * np.cos(phi) - k1 * out * np.sin(phi)
+        turn = np.sin(phi - out)
+        return -k1 * np.sin(out) - turn, k2 * np.sin(phi) + turn
+
+    def terms(self, phi: Floats, out: Floats) -> tuple[Floats, Floats]:
+        """Return the factors of K1, K2, K3, and what the equation has on its right."""
+        right = out * out + 0.0 * phi if self.slider else np.cos(phi - out)
+        x = np.ones((*right.shape, 3))
+        if self.slider:
+            x[..., 0], x[..., 1] = out * np.cos(phi), np.sin(phi)
+        else:
+            x[..., 0], x[..., 1] = np.cos(out), -np.cos(phi)
+        return x, right
+
+    def outputs(self, numbers: Floats, sign: Any, turn: Floats) -> tuple[Floats, Floats]:
+        """Return outputs and crank angles (linkages, places); NaN where the bars do not meet."""
+        k1, k2, k3 = (numbers[:, k, None] for k in range(3))
+        phi = numbers[:, 3, None] + numbers[:, 5, None] * turn
+        with np.errstate(invalid="ignore", divide="ignore"):
+            if self.slider:
+                half = 0.5 * k1 * np.cos(phi)
+                return half + sign * np.sqrt(half * half + (k2 * np.sin(phi) + k3)), phi
+            a, b, c = k1 - np.cos(phi), -np.sin(phi), k2 * np.cos(phi) - k3
+            return np.arctan2(b, a) + sign * np.arccos(c / np.hypot(a, b)), phi
+
+    def off(self, numbers: Floats, sign: Any, turn: Floats, wanted: Floats) -> Floats:
+        """Return the errors of the output (linkages, places) by its scale, NaN where the bars do not meet."""
+        out, scale = self.outputs(numbers, sign, turn)[0] - numbers[:, 4, None], numbers[:, 6, None]
+        off = out - scale * wanted
+        return np.asarray((off if self.slider else wrapped(off)) / scale)
+
+    def slopes(self, numbers: Floats, sign: Any, turn: Floats, wanted: Floats) -> Floats:
+        """Return the derivatives of the errors (linkages, places, free numbers)."""
+        out, phi = self.outputs(numbers, sign, turn)
+        x, _ = self.terms(phi, out)
+        rate, by_phi = self.rates(numbers, phi, out)
+        made, scale = np.empty((*out.shape, 7)), numbers[:, 6, None, None]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            made[..., :3], made[..., 3], made[..., 4] = -x / rate[..., None], -by_phi / rate, -1.0
+            made[..., 5] = made[..., 3] * turn
+            made[..., 6] = -wanted - self.off(numbers, sign, turn, wanted)
+            return np.asarray((made / scale)[..., self.free])
+
+    def transmissions(self, numbers: Floats) -> Floats:
+        """Return the least acute transmission angle (linkages) between the first and the last place."""
+        crank, square, last = self.lengths(numbers)
+        ends = (
+            numbers[:, 3:4] + numbers[:, 5:6] * self.turn_in[[0, -1]] - (0.5 * np.pi if self.slider else 0.0)
+        )
+        least, most = cosines(ends, np.False_)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            if self.slider:
+                at = [(crank * c - last) / np.sqrt(square) for c in (most, least)]
+            else:
+                rest = square + last * last - 1.0 - crank * crank
+                at = [(rest + 2.0 * crank * c) / (2.0 * np.sqrt(square) * abs(last)) for c in (most, least)]
+            return np.asarray(np.arccos(np.minimum(np.maximum(abs(at[0]), abs(at[1])), 1.0)))
+
+    def short(self, numbers: Floats, sense: int) -> Floats:
+        """Return by how much linkages (linkages, numbers) miss their conditions."""
+        return np.asarray(np.maximum(0.0, -self.slack(numbers, sense)).sum(axis=1))
+
+    def slack(self, numbers: Floats, sense: int) -> Floats:
+        """Return by how much linkages (linkages, numbers) meet their conditions (linkages, conditions)."""
+        return (
+            np.nan_to_num(self.limits(numbers, sense), nan=-1.0)
+            if self.limits
+            else np.zeros((len(numbers), 0))
+        )
+
+    def built(self, numbers: Floats, sense: Any, turn: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+        """Return lengths (linkages, 4), crank angles and outputs wanted at places (linkages, places), sides of B."""
+        crank, square, last = self.lengths(numbers)
+        lengths = [np.abs(crank), np.sqrt(square), last if self.slider else np.abs(last), 0.0 * crank]
+        lengths[3] += not self.slider
+        # a negative length means that a link points the other way
+        theta = numbers[:, 3:4] + numbers[:, 5:6] * turn[0] + np.pi * (numbers[:, :1] < 0.0)
+        out = numbers[:, 4:5] + np.reshape(sense, (-1, 1)) * numbers[:, 6:7] * turn[1]
+        pin, far = lengths[0][:, None] * np.exp(1j * theta), 1j
+        if self.slider:
+            b = out + 1j * last[:, None]
+        else:
+            out = out + np.pi * (numbers[:, 1:2] < 0.0)
+            far, b = 1.0 - pin, 1.0 + lengths[2][:, None] * np.exp(1j * out)
+        return np.stack(lengths, axis=1), theta, out, np.sign((np.conj(far) * (b - pin)).imag)
+
+    @np.errstate(all="ignore")
+    def ratios(self, phi: Floats, out: Floats) -> tuple[Floats, Floats]:
+        """Return for all pairs of starts (pairs, places) the greatest error to first order, and the best K1, K2, K3.
+
+        The least squares of the equation are weighed by the rate at which the output changes it; where that changes its
+        sign the linkage would change its assembly mode, and the error is infinite.
+        """
+        x, right = self.terms(phi[:, None], out)
+        rate, fine = np.ones_like(right), np.ones(right.shape[:2], dtype=bool)
+        for _ in range(3):
+            weighted = x / (rate * rate)[..., None]
+            matrices, sides = weighted.swapaxes(2, 3) @ x, (weighted * right[..., None]).sum(axis=2)
+            k = solved(matrices.reshape(-1, 3, 3), sides.reshape(-1, 3)).reshape(*fine.shape, 3)
+            off = (x @ k[..., None])[..., 0] - right
+            rate, _ = self.rates(k, phi[:, None], out)
+            fine &= (rate * rate[..., :1] > 0.0).all(axis=2)
+        crank, square, last = self.lengths(k)
+        fine &= (square > 0.0) & (abs(crank) < 1e3) & (abs(last) < 1e3)
+        return np.where(fine, np.abs(off / rate).max(axis=2), np.inf), k
 
 
 @dataclass(frozen=True, eq=False)
 class Generator:
-    """A linkage that generates a function: K1, K2, K3, both start angles; the sign of its assembly mode; errors."""
+    """A linkage that generates a function, and the sign of its assembly mode; errors."""
 
     numbers: Floats
     sign: float
@@ -64,82 +216,6 @@ class Generator:
     error: float
     peaks: Floats
     errors: Floats
-
-    def lengths(self) -> tuple[float, float, float, float]:
-        """Return a1, a2, a3 for a ground of length 1, and 1."""
-        k1, k2, k3 = self.numbers[:3]
-        r2, r4 = 1.0 / k1, 1.0 / k2
-        return abs(r2), float(np.sqrt(1.0 + r2 * r2 + r4 * r4 - 2.0 * r2 * r4 * k3)), abs(r4), 1.0
-
-    def crank(self, turn: Floats) -> Floats:
-        """Return the crank angle; a negative length means that the crank points the other way."""
-        return np.asarray(self.numbers[3] + turn + (np.pi if self.numbers[0] < 0.0 else 0.0))
-
-
-def _angles(numbers: Floats, sign: Any, turn: Floats) -> tuple[Floats, Floats]:
-    """Return output and crank angles (linkages, places): K1 cos psi - K2 cos phi + K3 = cos(phi - psi)."""
-    k1, k2, k3, phi0 = (numbers[:, k, None] for k in range(4))
-    phi = phi0 + turn
-    a, b, c = k1 - np.cos(phi), -np.sin(phi), k2 * np.cos(phi) - k3
-    with np.errstate(invalid="ignore", divide="ignore"):
-        return np.arctan2(b, a) + sign * np.arccos(c / np.hypot(a, b)), phi
-
-
-def _off(numbers: Floats, sign: Any, turn: Floats, wanted: Floats) -> Floats:
-    """Return the errors of the output angle (linkages, places), NaN where the bars do not meet."""
-    psi, _ = _angles(numbers, sign, turn)
-    return wrapped(psi - numbers[:, 4, None] - wanted)
-
-
-def _slopes(numbers: Floats, sign: Any, turn: Floats) -> Floats:
-    """Return the derivatives of the errors (linkages, places, numbers)."""
-    psi, phi = _angles(numbers, sign, turn)
-    k1, k2 = numbers[:, 0, None], numbers[:, 1, None]
-    with np.errstate(invalid="ignore", divide="ignore"):
-        rate = -(k1 - np.cos(phi)) * np.sin(psi) - np.sin(phi) * np.cos(psi)
-        by = [np.cos(psi), -np.cos(phi), np.ones_like(psi), np.sin(phi - psi) + k2 * np.sin(phi)]
-        return np.stack([*(-one / rate for one in by), np.full_like(psi, -1.0)], axis=-1)
-
-
-def _transmission(numbers: Floats, turn: Floats) -> Floats:
-    """Return the least acute transmission angle (linkages) between the first and the last place."""
-    r2, r4 = 1.0 / numbers[:, 0], 1.0 / numbers[:, 1]
-    square = 1.0 + r2 * r2 + r4 * r4 - 2.0 * r2 * r4 * numbers[:, 2]
-    first, last = numbers[:, 3] + turn.min(), numbers[:, 3] + turn.max()
-    high = np.where(np.floor(last / (2 * np.pi)) != np.floor(first / (2 * np.pi)), 1.0, -1.0)
-    half = np.floor((last - np.pi) / (2 * np.pi)) != np.floor((first - np.pi) / (2 * np.pi))
-    ends = np.cos(first), np.cos(last)
-    most, least = np.maximum(high, np.maximum(*ends)), np.where(half, -1.0, np.minimum(*ends))
-    with np.errstate(invalid="ignore", divide="ignore"):
-        at = [
-            (square + r4 * r4 - 1.0 - r2 * r2 + 2.0 * r2 * c) / (2.0 * np.sqrt(square) * abs(r4))
-            for c in (most, least)
-        ]
-        return np.asarray(np.arccos(np.minimum(np.maximum(abs(at[0]), abs(at[1])), 1.0)))
-
-
-@np.errstate(all="ignore")
-def freudenstein(phi: Floats, psi: Floats) -> tuple[Floats, Floats]:
-    """Return for all pairs of start angles (pairs, places) the greatest error to first order, and the best K1, K2, K3.
-
-    The least squares of K1 cos psi - K2 cos phi + K3 = cos(phi - psi) are weighed by the rate at which the output angle
-    changes it; where that changes its sign the linkage would change its assembly mode, and the error is infinite.
-    """
-    difference = phi[:, None] - psi
-    right, turn = np.cos(difference), np.sin(difference)
-    x = np.ones((*right.shape, 3))
-    x[..., 0], x[..., 1] = np.cos(psi), -np.cos(phi)[:, None]
-    rate, fine = np.ones_like(right), np.ones(right.shape[:2], dtype=bool)
-    for _ in range(3):
-        weighted = x / (rate * rate)[..., None]
-        matrices, sides = weighted.swapaxes(2, 3) @ x, (weighted * right[..., None]).sum(axis=2)
-        k = solved(matrices.reshape(-1, 3, 3), sides.reshape(-1, 3)).reshape(*fine.shape, 3)
-        off = (x @ k[..., None])[..., 0] - right
-        rate = -k[..., :1] * np.sin(psi) - turn
-        fine &= (rate * rate[..., :1] > 0.0).all(axis=2)
-    r2, r4 = 1.0 / k[..., 0], 1.0 / k[..., 1]
-    fine &= (1.0 + r2 * r2 + r4 * r4 - 2.0 * r2 * r4 * k[..., 2] > 0.0) & (abs(r2) < 1e3) & (abs(r4) < 1e3)
-    return np.where(fine, np.abs(off / rate).max(axis=2), np.inf), k
 
 
 def _scanned(task: FunctionTask, sense: int) -> tuple[Floats, Floats]:
@@ -152,68 +228,68 @@ def _scanned(task: FunctionTask, sense: int) -> tuple[Floats, Floats]:
     else:
         turn, wanted = task.turn_in[places], sense * task.turn_out[places]
     starts = np.pi * np.arange(STARTS) / STARTS
-    error, ratios = freudenstein(starts[:, None] + turn, starts[:, None] + wanted)
-    least = np.ones_like(error, dtype=bool)
-    for shift in ((0, 1), (1, 0), (1, 1), (1, -1)):
-        for side in (1, -1):
-            least &= error <= np.roll(error, (side * shift[0], side * shift[1]), (0, 1))
-    rows = np.flatnonzero(least & np.isfinite(error))
-    if task.transmission or task.exact:  # the least errors may have bad angles: all places count
-        rows = np.union1d(rows, np.flatnonzero(np.isfinite(error))[::37])
-    i, k = np.unravel_index(rows, error.shape)
-    numbers = np.column_stack([ratios[i, k], starts[i], starts[k]])
-    if task.transmission:
-        fine = _transmission(numbers, turn) > 0.6 * task.transmission
-        numbers, rows = numbers[fine], rows[fine]
-    fine = _is_built(numbers)
-    numbers, rows = numbers[fine], rows[fine]
-    numbers = numbers[np.argsort(error.reshape(-1)[rows], kind="stable")[:MANY]]
+    outs = np.tan(starts - 0.5 * np.pi * (1.0 - 1.0 / STARTS)) if task.slider else starts
+    parts, errors = [], []
+    for scales in product(*(np.linspace(*ends, SCALES if ends[0] < ends[1] else 1) for ends in task.scales)):
+        phi, out = starts[:, None] + scales[0] * turn, outs[:, None] + scales[1] * wanted
+        error, ratios = task.ratios(phi, out)
+        least = np.ones_like(error, dtype=bool)
+        for shift in ((0, 1), (1, 0), (1, 1), (1, -1)):
+            for side in (1, -1):
+                least &= error <= np.roll(error, (side * shift[0], side * shift[1]), (0, 1))
+        rows = np.flatnonzero(least & np.isfinite(error))
+        if task.limits or task.exact:  # the least errors may have bad angles: all places count
+            rows = np.union1d(rows, np.flatnonzero(np.isfinite(error))[::37])
+        i, k = np.unravel_index(rows, error.shape)
+        parts.append(np.column_stack([ratios[i, k], starts[i], outs[k], np.tile(scales, (len(rows), 1))]))
+        errors.append(error[i, k] / scales[1])
+    numbers, found = np.concatenate(parts), np.concatenate(errors)
+    fine, short = task.is_built(numbers), task.short(numbers, sense)
+    numbers = numbers[fine][np.argsort((found + 0.2 * short)[fine], kind="stable")[:MANY]]
     off = [
-        np.nanmax(np.abs(np.nan_to_num(_off(numbers, s, turn, wanted), nan=9.0)), axis=1) for s in (1.0, -1.0)
+        np.nanmax(np.abs(np.nan_to_num(task.off(numbers, s, turn, wanted), nan=9.0)), axis=1)
+        for s in (1.0, -1.0)
     ]
     return numbers, np.where(off[0] <= off[1], 1.0, -1.0)
 
 
-def _is_built(numbers: Floats) -> NDArray[np.bool_]:
-    """Tell which linkages (linkages, numbers) have links of usable lengths."""
-    with np.errstate(all="ignore"):
-        r2, r4 = 1.0 / numbers[:, 0], 1.0 / numbers[:, 1]
-        lengths = np.stack(
-            [np.abs(r2), np.sqrt(1.0 + r2 * r2 + r4 * r4 - 2.0 * r2 * r4 * numbers[:, 2]), np.abs(r4)]
-        )
-        return np.asarray(((lengths <= LONGEST * 1.000001) & (lengths >= 0.999999 / LONGEST)).all(axis=0))
-
-
-def _by_powers(
-    numbers: Floats, sign: Floats, turn: Floats, wanted: Floats, powers: tuple[int, ...]
-) -> Floats:
+def _by_powers(task: FunctionTask, numbers: Floats, sign: Floats, sense: int) -> Floats:
     """Return linkages after damped least squares towards the least sum of powers of the errors, all at once."""
-    side, damping = sign[:, None], np.full(len(numbers), 1e-3)
+    side, damping, free = sign[:, None], np.full(len(numbers), 1e-3), task.free
+    (turn, wanted), (low, high), short = (
+        task.fine(sense),
+        np.transpose(task.scales),
+        task.short(numbers, sense),
+    )
 
     def norm(of: Floats, power: int, scale: Floats) -> Floats:
         return np.asarray(np.nan_to_num(np.sum((np.abs(of) / scale) ** power, axis=1), nan=np.inf))
 
-    for power in powers:
-        off = _off(numbers, side, turn, wanted)
+    for power in (2,) if task.exact else POWERS:
+        off = task.off(numbers, side, turn, wanted)
         for _ in range(STEPS if power > 2 else 2 * STEPS):
             scale = np.nanmax(np.abs(off), axis=1, keepdims=True) + 1e-300
             with np.errstate(all="ignore"):
                 weights = (np.abs(off) / scale) ** (power - 2)
-            j = _slopes(numbers, side, turn)
+            j = task.slopes(numbers, side, turn, wanted)
             bad = np.asarray(~np.isfinite(j).all(axis=(1, 2)) | ~np.isfinite(off).all(axis=1))
             j[bad], off_now = 0.0, np.where(bad[:, None], 0.0, off)
             h = np.einsum("mp,mpa,mpb->mab", weights * (1.0 if power == 2 else power - 1.0), j, j)
             g = np.einsum("mp,mpa,mp->ma", weights, j, off_now)
             diagonal = np.einsum("maa->ma", h)
-            h = h + np.einsum("ma,ab->mab", damping[:, None] * diagonal + 1e-30, np.eye(5))
-            step = np.linalg.solve(h, -g[..., None])[..., 0]
-            moved = numbers + np.clip(step, -0.3 * (1 + abs(numbers)), 0.3 * (1 + abs(numbers)))
+            h = h + np.einsum("ma,ab->mab", damping[:, None] * diagonal + 1e-30, np.eye(len(free)))
+            step, reach = np.linalg.solve(h, -g[..., None])[..., 0], 0.3 * (1 + abs(numbers[:, free]))
+            moved = numbers.copy()
+            moved[:, free] += np.clip(step, -reach, reach)
+            moved[:, 5:] = np.clip(moved[:, 5:], low, high)
             with np.errstate(all="ignore"):
-                other = _off(moved, side, turn, wanted)
-                other[~_is_built(moved)] = np.nan
+                other = task.off(moved, side, turn, wanted)
+                other[~task.is_built(moved)] = np.nan
+                missed = task.short(moved, sense)
+                other[missed > short] = np.nan  # conditions that are met stay so
                 better = norm(other, power, scale) < norm(off, power, scale)
             numbers = np.where(better[:, None], moved, numbers)
-            off = np.where(better[:, None], other, off)
+            off, short = np.where(better[:, None], other, off), np.where(better, missed, short)
             damping = np.where(better, damping * 0.2, damping * 5.0).clip(1e-14, 1e8)
     return numbers
 
@@ -224,11 +300,11 @@ def peaks_of(task: FunctionTask, numbers: Floats, sign: float, sense: int) -> tu
     Each is enclosed by places, and found by parabolas through three of them, ever nearer: the error is flat there.
     """
     if task.output is None:
-        return task.turn_in, _off(numbers[None], sign, task.turn_in, sense * task.turn_out)[0]
+        return task.turn_in, task.off(numbers[None], sign, task.turn_in, sense * task.turn_out)[0]
     output = task.output
 
     def error(turn: Floats) -> Floats:
-        return np.asarray(_off(numbers[None], sign, turn, sense * output(turn))[0])
+        return np.asarray(task.off(numbers[None], sign, turn, sense * output(turn))[0])
 
     places = np.linspace(task.turn_in[0], task.turn_in[-1], 2 * FINE + 1)
     known = error(places)
@@ -247,62 +323,58 @@ def peaks_of(task: FunctionTask, numbers: Floats, sign: float, sense: int) -> tu
     return found, error(found)
 
 
-def _minimax(task: FunctionTask, numbers: Floats, sign: float, sense: int, aim: float) -> Generator | None:
+def _minimax(task: FunctionTask, numbers: Floats, sign: float, sense: int, aim: float) -> tuple[Any, ...]:
     """Return the linkage with the least greatest error near a start: linear programs on the peaks of its error.
+
+    As its numbers, the error, where its peaks are and they; nothing where there is none.
 
     What gains little and stays above twice the aim is given up.
     """
-    turn, wanted = task.turn_in, sense * task.turn_out
-    if task.output is not None:
-        turn = np.linspace(task.turn_in[0], task.turn_in[-1], FINE)
-        wanted = sense * task.output(turn)
+    (turn, wanted), free = task.fine(sense), task.free
     peaks, errors = peaks_of(task, numbers, sign, sense)
     best, trust = float(np.max(np.abs(errors))), TRUST
     if not np.isfinite(best):
-        return None
-    low = task.transmission
-
-    def short(of: Floats) -> float:
-        return max(0.0, low - float(_transmission(of[None], turn)[0]))
-
-    merit = best + short(numbers)
+        return ()
+    merit = best + float(task.short(numbers[None], sense)[0])
     for _ in range(30):
-        some = np.linspace(0, len(turn) - 1, 25).astype(int)
-        places = np.concatenate([peaks, turn[some]]) if task.output is not None else turn
-        now = (
-            np.concatenate([errors, _off(numbers[None], sign, turn[some], wanted[some])[0]])
-            if task.output is not None
-            else errors
-        )
-        j = _slopes(numbers[None], sign, places)[0]
+        places, aims, now = turn, wanted, errors
+        if task.output is not None:  # between the peaks, too
+            some = np.linspace(0, len(turn) - 1, 25).astype(int)
+            places = np.concatenate([peaks, turn[some]])
+            aims = np.concatenate([sense * task.output(peaks), wanted[some]])
+            now = np.append(errors, task.off(numbers[None], sign, turn[some], wanted[some])[0])
+        j = task.slopes(numbers[None], sign, places, aims)[0]
         one = np.ones((len(places), 1))
         rows, right = [np.hstack([j, -one]), np.hstack([-j, -one])], [-now, now]
-        if low:
-            at = float(_transmission(numbers[None], turn)[0])
-            h = 1e-7 * (1.0 + np.abs(numbers))
-            ends = [_transmission(numbers + np.diag(side * h), turn) for side in (1.0, -1.0)]
-            by = (ends[0] - ends[1]) / (2.0 * h)
-            if np.isfinite(by).all():
-                rows.append(np.append(-by, 0.0)[None])
-                right.append(np.array([at - low if at >= low or trust < 1e-3 else 0.5 * (at - low)]))
-        reach = trust * (1.0 + np.abs(numbers))
-        lower, upper = -reach, reach
-        for k in (0, 1):  # K1 and K2 keep their signs and sizes
-            ends = np.sort(np.sign(numbers[k]) * np.array([1.0 / LONGEST, LONGEST])) - numbers[k]
-            lower[k], upper[k] = max(lower[k], min(ends[0], 0.0)), min(upper[k], max(ends[1], 0.0))
-        scale = best or 1.0
-        matrix = np.vstack(rows) * np.append(np.ones(5), scale)
-        program = linprog(np.append(np.zeros(5), 1.0), matrix / scale, np.concatenate(right) / scale,
-                          bounds=[*zip(lower, upper, strict=True), (0.0, None)], method="highs")  # fmt: skip
+        reach, h = trust * (1.0 + np.abs(numbers)), 1e-7 * (1.0 + np.abs(numbers))
+        if len(slack := task.slack(numbers[None], sense)[0]):
+            ends = [task.slack(numbers + np.diag(side * h), sense) for side in (1.0, -1.0)]
+            by = ((ends[0] - ends[1]) / (2.0 * h[:, None]))[free].T
+            # what is missed is to be missed by half, or by half of what a step can do
+            nearer = np.minimum(-slack * (1.0 if trust < 1e-3 else 0.5), 0.5 * np.abs(by) @ reach[free])
+            rows.append(np.hstack([-by, 0.0 * by[:, :1]]))
+            right.append(np.where(slack >= 0.0, slack, -nearer))
+        lower, upper, kept = -reach, reach, {5 + k: np.array(ends) for k, ends in enumerate(task.scales)}
+        # K1 keeps its sign and size, and so does K2 of four bars
+        for k, least in ((0, 2.0),) if task.slider else ((0, 1.0), (1, 1.0)):
+            kept[k] = np.sort(np.sign(numbers[k]) * least * np.array([1.0 / LONGEST, LONGEST]))
+        for k, end in kept.items():
+            lower[k] = max(lower[k], min(end[0] - numbers[k], 0.0))
+            upper[k] = min(upper[k], max(end[1] - numbers[k], 0.0))
+        scale, aim_of = best or 1.0, np.append(np.zeros(len(free)), 1.0)
+        matrix = np.vstack(rows) * np.where(aim_of > 0.0, scale, 1.0)
+        program = linprog(aim_of, matrix / scale, np.concatenate(right) / scale, method="highs",
+                          bounds=[*zip(lower[free], upper[free], strict=True), (0.0, None)])  # fmt: skip
         if program.x is None:
             trust *= 0.3
             if trust < 1e-9:
                 break
             continue
-        moved = numbers + program.x[:5]
+        moved = numbers.copy()
+        moved[free] += program.x[:-1]
         where, there = peaks_of(task, moved, sign, sense)
-        other = float(np.max(np.abs(there))) + (short(moved) if low else 0.0)
-        other = other if _is_built(moved[None])[0] else np.inf
+        other = float(np.max(np.abs(there))) + float(task.short(moved[None], sense)[0])
+        other = other if task.is_built(moved[None])[0] else np.inf
         if other < merit:
             gain = (merit - other) / merit
             if gain < 0.02 and other > 2.0 * aim:
@@ -316,68 +388,60 @@ def _minimax(task: FunctionTask, numbers: Floats, sign: float, sense: int, aim: 
             trust *= 0.25
             if trust < 1e-11:
                 break
-    if low and short(numbers) > 1e-9:
-        return None
-    keep = np.abs(errors) > 0.2 * best
-    return Generator(numbers, sign, sense, best, peaks[keep], errors[keep])
+    if task.short(numbers[None], sense)[0] > 1e-9:
+        return ()
+    keep, scale = np.abs(errors) > 0.2 * best, float(numbers[6])
+    return numbers, scale * best, peaks[keep], scale * errors[keep]
 
 
-def solve_function(task: FunctionTask, few: int = FEW) -> list[Generator]:
+def _started(task: FunctionTask, sense: int) -> tuple[Floats, Floats, Floats]:
+    """Return linkages of the scan after least sums of powers, their signs and greatest errors."""
+    numbers, sign = _scanned(task, sense)
+    if len(numbers):
+        numbers = _by_powers(task, numbers, sign, sense)
+    with np.errstate(invalid="ignore"):
+        worst = np.max(np.abs(task.off(numbers, sign[:, None], *task.fine(sense))), axis=1)
+    return numbers, sign, worst + 0.2 * task.short(numbers, sense)
+
+
+def solve_function(
+    task: FunctionTask, steps: Any = lambda step, *of: step(*of), few: int = FEW
+) -> list[Generator]:
     """Return linkages that generate a function, all different ones that were found, the best first."""
     starts: list[tuple[float, Floats, float, int]] = []
     for sense in task.senses:
-        numbers, sign = _scanned(task, sense)
-        if not len(numbers):
-            continue
-        turn, wanted = task.turn_in, sense * task.turn_out
-        if task.output is not None and not task.exact:
-            turn = np.linspace(task.turn_in[0], task.turn_in[-1], FINE)
-            wanted = sense * task.output(turn)
-        numbers = _by_powers(numbers, sign, turn, wanted, (2,) if task.exact else POWERS)
-        with np.errstate(invalid="ignore"):
-            worst = np.max(np.abs(_off(numbers, sign[:, None], turn, wanted)), axis=1)
-        if task.transmission:
-            worst = worst + 0.2 * np.maximum(0.0, task.transmission - _transmission(numbers, turn))
+        numbers, sign, worst = steps(_started, task, sense)
         rows = np.flatnonzero(np.isfinite(worst))
         starts += [(float(worst[k]), numbers[k], float(sign[k]), sense) for k in rows]
     found: list[Generator] = []
-    tried: list[tuple[Floats, float, int]] = []
+    tried: list[Floats] = []
     aim = np.inf
     for worst_of, one, side, sense in sorted(starts, key=lambda start: start[0]):
-        if _is_known(tried, (one, side, sense), 1e-3):
+        if _is_known(tried, row := np.append(one, [side, sense]), 1e-3):
             continue
-        tried.append((one, side, sense))
+        tried.append(row)
         if task.exact:
-            off = _off(one[None], side, task.turn_in, sense * task.turn_out)[0]
+            off = task.off(one[None], side, task.turn_in, sense * task.turn_out)[0]
             if worst_of < 1e-9:
                 found.append(Generator(one, side, sense, worst_of, task.turn_in, off))
-        elif (best := _minimax(task, one, side, sense, aim)) is not None:
+        elif made := steps(_minimax, task, one, side, sense, aim):
+            best = Generator(made[0], side, sense, float(made[1]), *made[2:])
             found.append(best)
-            aim = min(aim, best.error)
+            aim = min(aim, best.error / best.numbers[6])
         if len(tried) == few and not task.exact:
             break
-    found.sort(key=lambda one: one.error)
+    found.sort(key=lambda one: one.error / one.numbers[6])
     distinct: list[Generator] = []
+    known: list[Floats] = []
     for made in found:
-        known = [(k.numbers, k.sign, k.sense) for k in distinct]
-        if not _is_known(known, (made.numbers, made.sign, made.sense), 1e-5):
+        if not _is_known(known, row := np.append(made.numbers, [made.sign, made.sense]), 1e-5):
             distinct.append(made)
+            known.append(row)
     return distinct
 
 
-def _is_known(
-    known: list[tuple[Floats, float, int]], one: tuple[Floats, float, int], tolerance: float
-) -> bool:
-    """Tell whether a linkage is one of some."""
-    return any(
-        (np.abs(_wrapped(one[0] - other[0])) < tolerance * (1.0 + np.abs(one[0]))).all()
-        and one[1:] == other[1:]
-        for other in known
-    )
-
-
-def _wrapped(numbers: Floats) -> Floats:
-    """Return differences of numbers, those of angles within half a turn."""
-    turned = numbers.copy()
-    turned[..., 3:] = wrapped(turned[..., 3:])
-    return turned
+def _is_known(known: list[Floats], one: Floats, tolerance: float) -> bool:
+    """Tell whether a row of a linkage is one of some."""
+    off = np.array(known).reshape(-1, len(one)) - one
+    off[:, 3:5] = wrapped(off[:, 3:5])
+    return bool((np.abs(off) < tolerance * (1.0 + np.abs(one))).all(axis=1).any())

@@ -16,26 +16,34 @@ from fastlink.numerics.elementary import cosine, sine, sqrt
 
 
 @inlined
-def assembled(a1: Any, a2: Any, a3: Any, a4: Any, u: Any, v: Any, side: Any, c: Any, s: Any) -> Any:
+def assembled(
+    a1: Any, a2: Any, a3: Any, a4: Any, u: Any, v: Any, side: Any, c: Any, s: Any, slider: int
+) -> Any:
     """Return A, the directions of AB and DB, and P, in the frame with OD along x, by the crank's cosine and sine.
 
-    NaN where the bars do not meet.
+    NaN where the bars do not meet. A slider's D is infinitely far along y, and a3 its offset.
     """
     ax, ay = a1 * c, a1 * s
-    dx, dy = a4 - ax, -ay
+    dx, dy = (0.0 if slider != 0 else a4 - ax), (1.0 if slider != 0 else -ay)
     square = dx * dx + dy * dy
-    along = (square + (a2 - a3) * (a2 + a3)) / (2.0 * a2 * square)
+    along = (a3 - ay) / a2 if slider != 0 else (square + (a2 - a3) * (a2 + a3)) / (2.0 * a2 * square)
     across = side * sqrt(1.0 / square - along * along)
     bx, by = dx * along - dy * across, dx * across + dy * along
-    fx, fy = (a2 * bx - dx) / a3, (a2 * by - dy) / a3
+    fx, fy = (0.0 if slider != 0 else (a2 * bx - dx) / a3), (-1.0 if slider != 0 else (a2 * by - dy) / a3)
     return ax, ay, bx, by, fx, fy, ax + (u * bx - v * by), ay + (u * by + v * bx)
 
 
 @inlined
-def rates(a2: Any, ax: Any, ay: Any, bx: Any, by: Any, fx: Any, fy: Any, c: Any, s: Any) -> Any:
+def rates(a2: Any, ax: Any, ay: Any, bx: Any, by: Any, fx: Any, fy: Any, c: Any, s: Any, slider: int) -> Any:
     """Return how the coupler turns with a1 to a4 and the crank: the loop A + a2 b = a4 + a3 f, projected on f."""
     h = 1.0 / (a2 * (fx * by - fy * bx))
-    return (fx * c + fy * s) * h, (fx * bx + fy * by) * h, -h, -(fx * h), (fy * ax - fx * ay) * h
+    return (
+        (fx * c + fy * s) * h,
+        (fx * bx + fy * by) * h,
+        (h if slider != 0 else -h),
+        -(fx * h),
+        (fy * ax - fx * ay) * h,
+    )
 
 
 @outlined
@@ -47,8 +55,8 @@ def directions(p: Any, f: Any) -> None:
 
 
 @outlined
-def linearise(p: Any, side: Any, theta: Any, target: Any, roots: Any, timed: int, open_: Any, f: Any, v: Any,
-              m: Any, along: Any, slope: Any, across: Any) -> None:  # fmt: skip
+def linearise(p: Any, side: Any, theta: Any, target: Any, roots: Any, timed: int, slider: int, open_: Any, f: Any,
+              v: Any, m: Any, along: Any, slope: Any, across: Any) -> None:  # fmt: skip
     """Store the rows of the least squares of a step, and how each point moves along the curve with the numbers.
 
     In the frame with OD along x. With times each point has two rows; else one, of the part across the curve: the angle
@@ -63,9 +71,9 @@ def linearise(p: Any, side: Any, theta: Any, target: Any, roots: Any, timed: int
         for i in lanes(8):
             c, s = cosine(theta[n, i]), sine(theta[n, i])
             ax, ay, bx, by, fx, fy, px, py = assembled(
-                p[0, i], p[1, i], p[2, i], p[3, i], p[4, i], p[5, i], side[0, i], c, s
+                p[0, i], p[1, i], p[2, i], p[3, i], p[4, i], p[5, i], side[0, i], c, s, slider
             )
-            r0, r1, r2, r3, r9 = rates(p[1, i], ax, ay, bx, by, fx, fy, c, s)
+            r0, r1, r2, r3, r9 = rates(p[1, i], ax, ay, bx, by, fx, fy, c, s, slider)
             qx, qy = ay - py, px - ax
             tx, ty = qx * r9 - ay, qy * r9 + ax
             ex, ey = x - p[6, i], y - p[7, i]
@@ -179,7 +187,9 @@ def in_order(theta: Any, side: Any, count: int, closed: int) -> None:
 
 
 @outlined
-def squares(p: Any, side: Any, theta: Any, target: Any, roots: Any, nearer: int, f: Any, v: Any) -> None:
+def squares(
+    p: Any, side: Any, theta: Any, target: Any, roots: Any, nearer: int, slider: int, f: Any, v: Any
+) -> None:
     """Store the weighted sum of the squared distances; with `nearer` move angles to the places next to the points."""
     directions(p, f)
     for i in lanes(8):
@@ -189,7 +199,7 @@ def squares(p: Any, side: Any, theta: Any, target: Any, roots: Any, nearer: int,
         for i in lanes(8):
             c, s = cosine(theta[n, i]), sine(theta[n, i])
             ax, ay, bx, by, fx, fy, px, py = assembled(
-                p[0, i], p[1, i], p[2, i], p[3, i], p[4, i], p[5, i], side[0, i], c, s
+                p[0, i], p[1, i], p[2, i], p[3, i], p[4, i], p[5, i], side[0, i], c, s, slider
             )
             ex, ey = x - p[6, i], y - p[7, i]
             ox, oy = px - (f[0, i] * ex + f[1, i] * ey), py - (f[0, i] * ey - f[1, i] * ex)
@@ -225,7 +235,7 @@ def back(m: Any, lane: int, x: Any) -> None:
 
 
 @outlined
-def limits_of(p: Any, lane: int, lower: Any, upper: Any, crank: int, open_: Any, g: Any) -> int:
+def limits_of(p: Any, lane: int, lower: Any, upper: Any, crank: int, slider: int, open_: Any, g: Any) -> int:
     """Store the linear limits of a step of one linkage, and return how many: g[., :10] d >= g[., 10]."""
     count = 0
     for k in range(10):
@@ -238,24 +248,26 @@ def limits_of(p: Any, lane: int, lower: Any, upper: Any, crank: int, open_: Any,
                 g[count, 10] = bound
                 count += 1
     if crank != 0:
-        longer = 1.0 if p[3, lane] >= p[0, lane] else -1.0
-        for k in range(3):
+        longer = 1.0 if (slider != 0) | (p[3, lane] >= p[0, lane]) else -1.0
+        for k in range(2 if slider != 0 else 3):
             for c in range(4, 10):
                 g[count, c] = 0.0
             g[count, 0] = open_[0] * (-longer if k < 2 else -1.0)
             g[count, 3] = open_[3] * (longer if k < 2 else -1.0)
-            g[count, 1] = open_[1] * (-1.0 if k == 1 else 1.0)
+            g[count, 1] = open_[1] * (-1.0 if (k == 1) & (slider == 0) else 1.0)
             g[count, 2] = open_[2] * (-1.0 if k == 0 else 1.0)
-            g[count, 10] = folded(p[0, lane], p[1, lane], p[2, lane], p[3, lane], 1.0 * k)
+            g[count, 10] = folded(p[0, lane], p[1, lane], p[2, lane], p[3, lane], 1.0 * k, slider)
             count += 1
     return count
 
 
 @inlined
-def folded(a1: Any, a2: Any, a3: Any, a4: Any, k: Any) -> Any:
-    """Return how much of Grashof's three conditions on a shortest crank or ground link is missing."""
+def folded(a1: Any, a2: Any, a3: Any, a4: Any, k: Any, slider: int) -> Any:
+    """Return how much of Grashof's conditions on a shortest crank or ground link is missing: three, of a slider two."""
     by_side = (a1 - a4 if a4 >= a1 else a4 - a1) + (a2 - a3 if k == 1.0 else a3 - a2)
-    return 1e-9 * (a1 + a2 + a3 + a4) + (a1 + a4 - a2 - a3 if k == 2.0 else by_side)
+    by_all = 1e-9 * (a1 + a2 + a3 + a4) + (a1 + a4 - a2 - a3 if k == 2.0 else by_side)
+    by_line = 1e-9 * (a1 + a2) + (a1 - a2 + (a3 if k == 0.0 else -a3))
+    return (-1.0 if k == 2.0 else by_line) if slider != 0 else by_all
 
 
 @outlined
@@ -379,8 +391,8 @@ def step(p: Any, side: Any, theta: Any, target: Any, roots: Any, times: Any, opt
     Rows of v: the linkage, steps, damping, small gains in turn, squares before and after, whether a limit is broken,
     whether it has ended.
     """
-    timed, crank, closed, count = options[0], options[1], options[2], target.shape[0]
-    linearise(p, side, theta, target, roots, timed, open_, f, v, m, along, slope, across)
+    timed, crank, closed, slider, count = options[0], options[1], options[2], options[3], target.shape[0]
+    linearise(p, side, theta, target, roots, timed, slider, open_, f, v, m, along, slope, across)
     damped(m, 2 * count if timed != 0 else count, open_, scales, f, v, d)
     for i in lanes(8):
         v[6, i] = 0.0
@@ -391,10 +403,12 @@ def step(p: Any, side: Any, theta: Any, target: Any, roots: Any, times: Any, opt
     if crank != 0:
         for k in range(3):
             for i in lanes(8):
-                v[6, i] = 1.0 if folded(q[0, i], q[1, i], q[2, i], q[3, i], 1.0 * k) > 0.0 else v[6, i]
+                v[6, i] = (
+                    1.0 if folded(q[0, i], q[1, i], q[2, i], q[3, i], 1.0 * k, slider) > 0.0 else v[6, i]
+                )
     for lane in range(8):
         if v[6, lane] > 0.0 and v[0, lane] >= 0.0:
-            step_within(m, lane, d, g, limits_of(p, lane, lower, upper, crank, open_, g), w, h)
+            step_within(m, lane, d, g, limits_of(p, lane, lower, upper, crank, slider, open_, g), w, h)
     for k in range(10):
         for i in lanes(8):
             q[k, i] = min(max(p[k, i] + d[k, i], lower[k]), upper[k])
@@ -410,11 +424,11 @@ def step(p: Any, side: Any, theta: Any, target: Any, roots: Any, times: Any, opt
                 t = t + across[n, 6, i] * d[6, i] + across[n, 7, i] * d[7, i] + across[n, 8, i] * d[8, i]
                 moved[n, i] = theta[n, i] - min(max((along[n, i] + t) / slope[n, i], -0.4), 0.4)
         in_order(moved, side, count, closed)
-        squares(q, side, moved, target, roots, 1, f, v)
+        squares(q, side, moved, target, roots, 1, slider, f, v)
         in_order(moved, side, count, closed)
-    squares(q, side, moved, target, roots, 0, f, v)
+    squares(q, side, moved, target, roots, 0, slider, f, v)
     for i in lanes(8):
-        built = (q[0, i] > 0.0) & (q[1, i] > 0.0) & (q[2, i] > 0.0) & (q[3, i] > 0.0)
+        built = (q[0, i] > 0.0) & (q[1, i] > 0.0) & ((slider != 0) | ((q[2, i] > 0.0) & (q[3, i] > 0.0)))
         good = built & (v[5, i] < v[4, i])
         f[0, i] = 1.0 if good else 0.0
         small = v[3, i] + 1.0 if v[4, i] - v[5, i] < 1e-9 * v[4, i] else 0.0

@@ -2,8 +2,8 @@
 
 H. Alt 1923; C. W. Wampler, A. P. Morgan, A. J. Sommese, "Complete Solution of the Nine-Point Path Synthesis Problem for
 Four-Bar Linkages", J. Mech. Des. 114 (1992) 153: in general 1,442 triples of cognates, of which few are real. They are
-followed from a general complex instance, all of whose triples are known (`FILE`, made by `remake`), to the points that
-are given. Paths stand side by side in the lanes of a kernel.
+followed from a general complex instance, all of whose triples are known (`FILE`), to the points that are given. Paths
+stand side by side in the lanes of a kernel.
 """
 
 from __future__ import annotations
@@ -14,8 +14,6 @@ import threading
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
-from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +24,7 @@ from fastlink.codegen.source import Array, Source
 from fastlink.engine.run import aligned, default_threads
 from fastlink.machine import work_in_threads
 
-__all__ = ["Triples", "cognates", "remake", "solutions"]
+__all__ = ["Triples", "cognates", "solutions"]
 
 Complex = NDArray[np.complex128]
 Real = NDArray[np.float64]
@@ -660,55 +658,3 @@ def solutions(points: Complex, threads: int | None = None, ways: int = WAYS) -> 
     apart = np.abs(found[:, 4:8] - found[:, :4].conj()).max(axis=1) / (1.0 + np.abs(found[:, :4]).max(axis=1))
     found[:, :8] *= scale
     return Triples(found, errors, apart < AS_REAL, again, lost)
-
-
-# -- The general instance
-
-
-def _random(random: np.random.Generator, *shape: int) -> Complex:
-    return random.standard_normal(shape) + 1j * random.standard_normal(shape)
-
-
-def _first_triple(random: np.random.Generator) -> tuple[Complex, Complex]:
-    """Return a linkage (1, 16) with any numbers, and eight points (2, 8) that it passes."""
-    z = np.concatenate([_random(random, 8), np.exp(0.7 * _random(random, 8))])
-    points = []
-
-    for u in z[8:]:
-
-        def equation(d: Any, ds: Any, k: int, u: Any = u) -> Any:
-            x, a, xs, as_ = z[k], z[k + 1], z[k + 4], z[k + 5]
-            return d * ds - d * as_ - a * ds + x * as_ + a * xs + x * (ds - as_) * u + xs * (d - a) / u
-
-        # the difference of both equations is linear: ds of d, and so one of them is quadratic in d
-        zero = equation(0, 0, 0) - equation(0, 0, 2)
-        by_d, by_ds = (equation(d, 1 - d, 0) - equation(d, 1 - d, 2) - zero for d in (1, 0))
-        low, middle, high = (equation(d, -(zero + d * by_d) / by_ds, 0) for d in (-1, 0, 1))
-        d = np.roots([(low + high) / 2 - middle, (high - low) / 2, middle])[0]
-        points.append((d, -(zero + d * by_d) / by_ds))
-    return z[None], np.array(points).T
-
-
-def remake(seed: int = 0, threads: int | None = None) -> Complex:
-    """Return what `FILE` holds, made anew: the triples of a general instance, by monodromy.
-
-    From one linkage, loops in the space of points lead to others, until two loops have found nothing new.
-    ``numpy.save`` writes the file.
-    """
-    threads = threads or default_threads()
-    random = np.random.default_rng(seed)
-    known, base = _first_triple(random)
-    idle = 0
-    while idle < 2:
-        ends, places = known, [base, _random(random, 2, 8), _random(random, 2, 8), base]
-        for place, goal in pairwise(places):
-            ends, told, _ = _follow(ends, place, goal, threads)
-            ends = ends[told[0] == 1.0]
-        ends, corrections = _run(POLISH, ends, base, 0.0 * base, 0.0, threads)
-        both = np.concatenate([known, ends[corrections[-1] < SETTLED]])
-        both = both[_first_of_triple(both) == np.arange(len(both))]
-        idle = idle + 1 if len(both) == len(known) else 0
-        known = both
-    alike = np.array([known, *cognates(known, base)])
-    least = np.abs(alike[:, :, :8]).max(axis=2).argmin(axis=0)
-    return np.concatenate([base, alike[least, np.arange(len(known)), :8]])

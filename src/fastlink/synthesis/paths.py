@@ -38,18 +38,8 @@ class _Refinement(Source):
     def arguments(self) -> list[tuple[str, tuple[int | None, ...]]]:
         """The dtype of each argument, and its axes."""
         given = ["float64"] * 7 + ["int64", *["float64"] * 4]
-        shapes = [
-            (None, 10),
-            (None, 2),
-            (None, None),
-            (None,),
-            (None, 2),
-            (None,),
-            (None,),
-            (3,),
-            *[(10,)] * 3,
-            (1,),
-        ]
+        linkages, points = ((None, 10), (None, 2), (None, None), (None,)), ((None, 2), (None,), (None,))
+        shapes = [*linkages, *points, (4,), *[(10,)] * 3, (1,)]
         return [*zip(given, shapes, strict=True), ("int64", ()), *super().arguments[4:]]
 
 
@@ -76,6 +66,8 @@ def refinement() -> Source:
 
 #: Numbers of a linkage in kernels.
 NUMBERS = ("a1", "a2", "a3", "a4", "P_u", "P_v", "O_x", "O_y", "ground_angle", "phase")
+#: Those of a slider-crank: D is infinitely far across its line; the offset takes the place of a3, and a4 is none.
+SLIDER = ("r", "l", "e", "", *NUMBERS[4:])
 #: Places of a swept curve.
 PLACES = 64
 #: Closed paths of so many points are followed as whole curves.
@@ -100,9 +92,14 @@ class PathTask:
     crank: bool = True
     #: How often each point counts.
     weights: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
+    #: Whether a slider-crank is to pass it.
+    slider: bool = False
     #: Limits of the numbers of a linkage.
     lower: NDArray[np.float64] = field(default_factory=lambda: np.full(10, -np.inf))
     upper: NDArray[np.float64] = field(default_factory=lambda: np.full(10, np.inf))
+    #: Of poses the directions, and the length that weighs them.
+    angles: NDArray[np.float64] | None = None
+    length: float = 1.0
 
     def __post_init__(self) -> None:
         if not self.weights.size:
@@ -116,7 +113,7 @@ class PathTask:
     @property
     def is_whole(self) -> bool:
         """Whether the path counts as a curve that is followed as a whole."""
-        return self.closed and self.times is None and len(self.target) >= WHOLE
+        return self.closed and self.times is None and len(self.target) >= WHOLE and not self.slider
 
     @property
     def share(self) -> NDArray[np.float64]:
@@ -138,16 +135,20 @@ class Candidates:
     #: From how many starts each was reached.
     starts: NDArray[np.int64]
 
+    def parts(self) -> tuple[Any, ...]:
+        """Return the arrays."""
+        return self.numbers, self.signs, self.theta, self.cost, self.starts
+
     def at(self, rows: Any) -> Candidates:
         """Return a copy of some rows."""
-        return Candidates(*(np.array(part[rows], order="C") for part in
-                            (self.numbers, self.signs, self.theta, self.cost, self.starts)))  # fmt: skip
+        return Candidates(*(np.array(part[rows], order="C") for part in self.parts()))
 
 
-def shapes_of(count: int, seed: int, skip: int = 0) -> NDArray[np.float64]:
+def shapes_of(count: int, seed: int, skip: int = 0, slider: bool = False) -> Floats:
     """Return shapes (a2, a3, a4, P_u, P_v by a1) of cranks that turn fully, from a Sobol sequence.
 
-    a1 and the three sums of Grashof's condition are free positive numbers: each of them times a1 as a power of ten.
+    a1 and the three sums of Grashof's condition are free positive numbers: each of them times a1 as a power of ten; of
+    slider-cranks the offset, and what the rod is longer than it and the crank.
     """
     from scipy.stats import qmc  # 0.3 s, for paths alone
 
@@ -164,24 +165,49 @@ def shapes_of(count: int, seed: int, skip: int = 0) -> NDArray[np.float64]:
     a1 = np.where(double, big, a1)
     short = np.minimum(a1, a4)
     a2, a3 = short + (p + r) / 2.0, short + (p + q) / 2.0
+    if slider:
+        a1, a2, a3, a4 = np.ones(count), 1.0 + p + q, p, np.zeros(count)
     radius, turn = 2.5 * np.sqrt(x[:, 3]), 2.0 * np.pi * x[:, 4]
     u, v = a2 * (0.5 + radius * np.cos(turn)), a2 * radius * np.sin(turn)
     return np.ascontiguousarray(np.stack([a2, a3, a4, u, v], axis=1) / a1[:, None])
 
 
-def pins(numbers: Floats, theta: Any, side: Any) -> tuple[Complex, ...]:
+def pins(numbers: Floats, theta: Any, side: Any, slider: bool = False) -> tuple[Complex, ...]:
     """Return O and D of linkages, then A, B and P (linkages, angles), in the frame of the task.
 
-    NaN where the bars do not meet.
+    NaN where the bars do not meet. Of slider-cranks D is the direction across the line of the slider.
     """
     n = numbers[:, :, None]
     a1, a2, a3, a4, u, v = (n[:, k] for k in range(6))
     turn, o = np.exp(1j * n[:, 8]), n[:, 6] + 1j * n[:, 7]
     with np.errstate(all="ignore"):
-        ax, ay, bx, by, *_, x, y = assembled(a1, a2, a3, a4, u, v, side, np.cos(theta), np.sin(theta))
+        ax, ay, bx, by, *_, x, y = assembled(
+            a1, a2, a3, a4, u, v, side, np.cos(theta), np.sin(theta), int(slider)
+        )
         a = ax + 1j * ay
         moving = (o + turn * of for of in (a, a + a2 * (bx + 1j * by), x + 1j * y))
-        return o[:, 0], (o + turn * a4)[:, 0], *moving
+        return o[:, 0], (1j * turn if slider else o + turn * a4)[:, 0], *moving
+
+
+def from_pins(
+    o: Any, d: Any, a: Any, b: Any, point: Any, slider: bool = False
+) -> tuple[Floats, Floats, Floats]:
+    """Return numbers, crank angles and sides of linkages of O, D (linkages) and A, B, P (linkages, points).
+
+    The inverse of `pins`.
+    """
+    o, d = o[:, None], d[:, None]
+    ground, bar = d if slider else d - o, b - a
+    with np.errstate(all="ignore"):
+        place = ((point - a) / (bar / np.abs(bar))).mean(axis=1)
+        turn = ground[:, 0] * (-1j if slider else 1.0)
+        theta = np.angle((a - o) / turn[:, None])
+        side = np.sign((np.conj(ground if slider else d - a) * bar).imag)
+    last = (np.conj(d) * (b - o)).real if slider else np.abs(b - d)
+    numbers = [np.abs(a - o).mean(axis=1), np.abs(bar).mean(axis=1), last.mean(axis=1),
+               np.abs(ground[:, 0]) * (not slider), place.real, place.imag, o[:, 0].real, o[:, 0].imag,
+               np.angle(turn), np.zeros(len(o))]  # fmt: skip
+    return np.stack(numbers, axis=1), theta, side
 
 
 def at_shares(values: Any, points: Complex, share: Floats) -> Any:
@@ -199,11 +225,11 @@ def starts_of(task: PathTask, count: int, keep: int, seed: int, skip: int = 0) -
     Each curve has equal places, by its length or with times by the crank angle. What the best turn, size and place of
     it leave of the squares, for all first places at once, is made of circular correlations with the path.
     """
-    shapes = np.repeat(shapes_of(count, seed, skip), 2, axis=0)
+    shapes = np.repeat(shapes_of(count, seed, skip, task.slider), 2, axis=0)
     side = np.tile([[-1.0], [1.0]], (count, 1))
     numbers = np.concatenate([np.ones((2 * count, 1)), shapes, np.zeros((2 * count, 4))], axis=1)
     turns = np.arange(PLACES + 1) / PLACES
-    z = pins(numbers, 2.0 * np.pi * turns, side)[-1]
+    z = pins(numbers, 2.0 * np.pi * turns, side, task.slider)[-1]
     at = np.broadcast_to(turns, z.shape)
     timed = task.times is not None
     if not timed:
@@ -268,7 +294,7 @@ def starts_of(task: PathTask, count: int, keep: int, seed: int, skip: int = 0) -
         np.take_along_axis(at, (below + k).astype(int) % PLACES, 1) + (below + k) // PLACES for k in (0, 1)
     )
     theta = 2.0 * np.pi * (one + (where - below) * (other - one))
-    points = pins(numbers, theta, side[rows])[-1]
+    points = pins(numbers, theta, side[rows], task.slider)[-1]
     middle = points.mean(axis=1, keepdims=True)
     factor = (np.conj(points - middle) @ (task.target - centre)) / (np.abs(points - middle) ** 2).sum(axis=1)
     numbers[:, :6] *= np.abs(factor)[:, None]
@@ -286,9 +312,9 @@ def refined(task: PathTask, found: Candidates, most: int, *, angles_only: bool =
     n = len(task.target)
     target = np.stack([task.target.real, task.target.imag], axis=1)
     times = np.zeros(n) if task.times is None else task.times
-    options = np.array([task.times is not None, task.crank, task.closed], dtype=np.int64)
+    options = np.array([task.times is not None, task.crank, task.closed, task.slider], dtype=np.int64)
     free = (task.lower < task.upper).astype(float) * (not angles_only)
-    free[9] *= task.times is not None
+    free[[3, 9]] *= not task.slider, task.times is not None
     enough = np.array([1e-31 * float(np.sum(np.abs(task.target - task.target[0]) ** 2))])
     fixed = (target, np.sqrt(task.weights), times, options, free, task.lower, task.upper, enough, most)
     made: dict[int, Candidates] = {}
@@ -316,7 +342,14 @@ ROUNDS, EXACT = 4, 1e-11
 SAME = 1e-6
 
 
-def solve_path(task: PathTask, seed: int, rounds: int = ROUNDS, *, all_rounds: bool = False) -> Candidates:
+def solve_path(
+    task: PathTask,
+    seed: int,
+    rounds: int = ROUNDS,
+    *,
+    all_rounds: bool = False,
+    steps: Any = lambda step, *of: step(*of),
+) -> Candidates:
     """Return the linkages that come nearest to a path, all different ones that were found, the best first.
 
     Rounds of starts go on until a linkage passes all points, or the best one was found a second time; or all are made,
@@ -327,18 +360,24 @@ def solve_path(task: PathTask, seed: int, rounds: int = ROUNDS, *, all_rounds: b
     few = min(1.0, MANY / len(task.target))
     shapes, kept = (shapes, KEPT) if few == 1.0 else (shapes // 2, max(100, int(KEPT * few)))
     found: Candidates | None = None
-    for number in range(rounds):
+
+    def refined_starts(number: int) -> tuple[Any, ...]:
         starts = starts_of(task, shapes, min(kept, shapes), seed, number * shapes)
         fit_limits(task, starts)
-        for most, steps in STAGES:  # fewer of longer ones
-            most, steps = max(8, int(most * few)), max(30, int(steps * few))
+        for most, count in STAGES:  # fewer of longer ones
+            most, count = max(8, int(most * few)), max(30, int(count * few))
             # what passes all points already stays: by other measures it may be the best
-            met = int(np.searchsorted(starts.cost, EXACT**2 * task.size)) if steps > STAGES[0][1] else 0
-            starts = refined(task, starts.at(slice(0, max(most, min(met, 5 * STAGES[-1][0])))), steps)
+            met = int(np.searchsorted(starts.cost, EXACT**2 * task.size)) if count > STAGES[0][1] else 0
+            starts = refined(task, starts.at(slice(0, max(most, min(met, 5 * STAGES[-1][0])))), count)
+        return starts.parts()
+
+    for number in range(rounds):
+        starts = Candidates(*steps(refined_starts, number))
         found = merged(starts if found is None else joined(found, starts))
         if not len(found.cost):
             continue
-        if not all_rounds and (found.cost[0] <= EXACT**2 * task.size or found.starts[0] > 1):
+        again = 20 if task.slider else 1  # of fewer shapes many have the same end
+        if not all_rounds and (found.cost[0] <= EXACT**2 * task.size or found.starts[0] > again):
             break
     assert found is not None
     return found
@@ -425,10 +464,30 @@ def by_length(task: PathTask, found: Candidates) -> Candidates:
     return made
 
 
+def varied(
+    task: PathTask, numbers: Floats, theta: Floats, side: Floats, change: float, rng: Any
+) -> Candidates:
+    """Return linkages that pass a path to its rounding, near others: these are changed at random and refined."""
+    n, by = numbers.copy(), change * rng.normal(size=numbers.shape)
+    lengths = [0, 1] if task.slider else [0, 1, 2, 3]
+    n[:, lengths] *= np.exp(by[:, lengths])
+    size = np.sqrt(task.size / len(task.target)) + np.abs(n)
+    rest = [k for k in range(8) if k not in lengths]
+    n[:, rest] += by[:, rest] * size[:, rest]
+    n[:, 8:] += by[:, 8:] * [1.0, task.times is not None]
+    sense = np.ones(len(n)) if task.times is not None else np.sign(theta[:, -1] - theta[:, 0])
+    starts = Candidates(
+        n, np.stack([side, sense], axis=1), theta, 0.0 * side, np.ones(len(n), dtype=np.int64)
+    )
+    fit_limits(task, starts)
+    made = refined(task, starts, 100)
+    return made.at(made.cost <= EXACT**2 * task.size)
+
+
 def fit_limits(task: PathTask, found: Candidates) -> None:
     """Move starts into the limits of their numbers: given lengths size all, angles turn by whole turns."""
     numbers = found.numbers
-    for k in range(4):
+    for k in range(2 if task.slider else 4):
         if task.lower[k] == task.upper[k]:
             numbers[:, :6] *= (task.lower[k] / numbers[:, k])[:, None]
             break
@@ -440,14 +499,25 @@ def fit_limits(task: PathTask, found: Candidates) -> None:
 
 def joined(*several: Candidates) -> Candidates:
     """Return the linkages of several, the best first."""
-    names = ("numbers", "signs", "theta", "cost", "starts")
-    both = Candidates(*(np.concatenate([getattr(one, name) for one in several]) for name in names))
+    both = Candidates(*map(np.concatenate, zip(*(one.parts() for one in several), strict=True)))
     return both.at(np.argsort(both.cost, kind="stable"))
 
 
 def wrapped(angles: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return angles within half a turn."""
     return np.asarray(np.remainder(angles + np.pi, 2.0 * np.pi) - np.pi)
+
+
+def cosines(theta: Floats, whole: Any) -> tuple[Floats, Floats]:
+    """Return the least and the greatest cosine between the ends of angles (linkages, angles), exactly; or of a turn."""
+    low, high, turn = theta.min(axis=1), theta.max(axis=1), 2.0 * np.pi
+    on, back = (
+        np.floor((high - of) / turn) > np.floor((low - of) / turn) - (np.remainder(low - of, turn) == 0.0)
+        for of in (0.0, np.pi)
+    )
+    ends = np.cos(low), np.cos(high)
+    least = np.where(back | whole, -1.0, np.minimum(*ends))
+    return least, np.where(on | whole, 1.0, np.maximum(*ends))
 
 
 def solved(matrices: Floats, right: Floats) -> Floats:
@@ -468,14 +538,14 @@ def merged(found: Candidates, most: int = 400) -> Candidates:
 
 
 def different(
-    numbers: NDArray[np.float64], signs: NDArray[np.float64], starts: NDArray[np.int64], most: int
+    numbers: Floats, signs: Floats, starts: NDArray[np.int64], most: int, least: float = SAME
 ) -> tuple[list[int], list[int]]:
     """Return the rows of the first of linkages that are the same, and from how many starts each was reached."""
     kept, counts = list[int](), list[int]()
     for k, one in enumerate(numbers):
         off = np.abs(numbers[kept, :8] - one[:8]).max(axis=1, initial=0.0) / one[:4].max()
         turn = np.abs(wrapped(numbers[kept, 8] - one[8]))
-        same = (off < SAME) & (turn < SAME) & (signs[kept] == signs[k])
+        same = (off < least) & (turn < least) & (signs[kept] == signs[k])
         if same.any():
             counts[int(np.argmax(same))] += int(starts[k])
         elif len(kept) < most:
@@ -484,15 +554,15 @@ def different(
     return kept, counts
 
 
-def curve_of(n: NDArray[np.float64], theta: NDArray[np.float64], side: float) -> tuple[Any, ...]:
+@np.errstate(all="ignore")
+def curve_of(n: Floats, theta: Floats, side: float, slider: bool = False) -> tuple[Any, ...]:
     """Return coupler points of one linkage, and their derivatives by its numbers and (last) the crank angle.
 
     Then the direction of AB as a complex number, the derivatives of its angle, and whether the bars meet.
     """
     (a1, a2, a3, a4, u, v), c, s = n[:6], np.cos(theta), np.sin(theta)
-    with np.errstate(all="ignore"):
-        ax, ay, bx, by, fx, fy, x, y = assembled(a1, a2, a3, a4, u, v, side, c, s)
-        turns = rates(a2, ax, ay, bx, by, fx, fy, c, s)
+    ax, ay, bx, by, fx, fy, x, y = assembled(a1, a2, a3, a4, u, v, side, c, s, int(slider))
+    turns = rates(a2, ax, ay, bx, by, fx, fy, c, s, int(slider))
     turn, b = np.exp(1j * n[8]), bx + 1j * by
     rate, along = np.zeros((len(theta), 10)), np.zeros((len(theta), 10), dtype=complex)
     for k, one in zip((0, 1, 2, 3, 9), turns, strict=True):
@@ -508,37 +578,47 @@ def curve_of(n: NDArray[np.float64], theta: NDArray[np.float64], side: float) ->
 
 
 class Fit:
-    """How far the curve of a linkage is from a path, as a function of its numbers: the angles follow these."""
+    """How far a linkage is from a task, as a function of its numbers; crank angles without times follow these.
 
-    def __init__(self, task: PathTask, theta: NDArray[np.float64], side: float) -> None:
+    From points; or from poses, in places and in directions times a length: the last number is the body's angle from AB.
+    """
+
+    def __init__(self, task: PathTask, theta: Floats, side: float) -> None:
         self.task, self.theta, self.side = task, theta.copy(), side
-        self.root = np.sqrt(task.weights)
 
-    def __call__(
-        self, n: NDArray[np.float64], whole: bool = False
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return the distances across the curve (with times: both coordinates) and their derivatives; or whole."""
-        task = self.task
-        if task.times is not None:
-            point, by, *_, meets = curve_of(n, n[9] + task.times, self.side)
-            off = (
-                (point - task.target) * self.root if meets else np.full(len(point), 1e3 * np.sqrt(task.size))
+    @np.errstate(all="ignore")  # at a dead point rates are infinite
+    def __call__(self, n: Floats, whole: bool = False) -> tuple[Floats, Floats]:
+        """Return the errors and their derivatives; or of each point the root of the sum of its squares."""
+        task, roots = self.task, np.sqrt(self.task.weights)
+        for _ in range(6):
+            if task.times is not None:
+                self.theta = n[9] + task.times
+            point, by, along, rate, meets = curve_of(
+                np.append(n[:9], 0.0), self.theta, self.side, task.slider
             )
-            by = by * self.root[:, None]
-            if whole:
-                size = np.abs(off) + 1e-300
-                return size, (np.conj(off / size)[:, None] * by).real
-            return np.concatenate([off.real, off.imag]), np.concatenate([by.real, by.imag])
-        for _ in range(4):
-            point, by, *_, meets = curve_of(n, self.theta, self.side)
-            off, along = point - task.target, by[:, 9]
-            turn = -(np.conj(along) * off).real / (np.abs(along) ** 2 + 1e-300)
-            if not meets or np.abs(turn).max() < 1e-12:
+            away, slopes = point - task.target, np.stack([by.real, by.imag, task.length * rate])
+            off = np.stack([away.real, away.imag, 0.0 * away.real])
+            if task.angles is None:
+                slopes[2] = 0.0
+            else:
+                off[2] = task.length * wrapped(np.angle(along) + n[9] - task.angles)
+            off, slopes = off * roots, slopes * roots[:, None]
+            crank = slopes[:, :, 9:].copy()
+            square = (crank**2).sum(axis=0) + 1e-300
+            turn = -(crank[..., 0] * off).sum(axis=0) / square[:, 0]
+            if not meets or task.times is not None or np.abs(turn).max() < 1e-13:
                 break
             self.theta = self.theta + np.clip(turn, -0.3, 0.3)
         if not meets:
-            return np.full(len(off), 1e3 * np.sqrt(task.size)), np.zeros((len(off), 10))
-        across = np.conj(1j * along / (np.abs(along) + 1e-300)) * self.root
-        slopes = (across[:, None] * by).real
-        slopes[:, 9] = 0.0
-        return (across * off).real, slopes
+            off, slopes = (
+                np.full_like(off, 1e3 * (np.sqrt(task.size) + task.length)),
+                0.0 * np.nan_to_num(slopes),
+            )
+        elif task.times is None:
+            slopes[:, :, 9] = 0.0
+            slopes[2, :, 9] = task.length * (task.angles is not None)
+            slopes -= crank * (crank * slopes).sum(axis=0) / square
+        if whole:
+            size = np.sqrt((off**2).sum(axis=0)) + 1e-300
+            return size, (off[..., None] * slopes).sum(axis=0) / size[:, None]
+        return off.ravel(), slopes.reshape(-1, 10)

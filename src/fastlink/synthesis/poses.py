@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import combinations, permutations
+from itertools import permutations
 from typing import Any
 
 import numpy as np
 from scipy.optimize import least_squares
 
-from fastlink.synthesis.paths import Complex, Floats, curve_of, solved
+from fastlink.synthesis.paths import Complex, Fit, Floats, PathTask, from_pins, solved
 
-__all__ = ["Dyad", "MotionTask", "dyads_of", "dyads_of_five", "pairs_of", "solve_motion", "timed_by_cognate"]
+__all__ = ["MotionTask", "dyads_of", "dyads_of_five", "pairs_of", "solve_motion"]
 
 #: Further poses that are drawn where fewer than five are given, each with up to four dyads.
 DRAWN = 1500
 #: Of the dyads of a family so many are paired; longer links than so many times the size of the task are left out.
 PAIRED, LONGEST = 260, 15.0
+#: Directions of a slider's line that are tried where two or three poses leave it free.
+DIRECTIONS = 90
 
 
 @dataclass(frozen=True)
@@ -26,15 +28,18 @@ class MotionTask:
     points: Complex
     angles: Floats
     rotation_length: float
+    #: Whether a slider-crank is to carry the body.
+    slider: bool = False
+
+    @property
+    def path(self) -> PathTask:
+        """The same as a path."""
+        return PathTask(self.points, slider=self.slider, angles=self.angles, length=self.rotation_length)
 
     @property
     def size(self) -> float:
         """The greatest distance from the mean, or the length that weighs angles where all points are one."""
         return float(np.abs(self.points - self.points.mean()).max()) or self.rotation_length
-
-
-#: Centre and body point of a dyad.
-Dyad = tuple[complex, complex]
 
 
 #: Tasks that are solved at once.
@@ -126,59 +131,48 @@ def dyads_of_five(points: Complex, angles: Floats) -> tuple[Complex, Complex]:
         c, w = _of_null_space(_rows(d, e))
         task, which = np.nonzero(np.isfinite(c) & np.isfinite(w))
         d, e, centre, pin = d[task], e[task], c[task, which], w[task, which]
-        for _ in range(2):  # on the circles of the poses themselves
-            at = d + e * pin[:, None] - centre[:, None]
-            first, other = at[:, :1], at[:, 1:]
-            shift, turn = first - other, np.conj(other) * e[:, 1:] - np.conj(first) * e[:, :1]
-            jac = 2.0 * np.stack([shift.real, shift.imag, turn.real, -turn.imag], axis=-1)
-            # the difference of two squares as a product, which loses nothing
-            off = -shift.real * (other.real + first.real) - shift.imag * (other.imag + first.imag)
-            step = solved(jac, off)
-            centre, pin = centre - (step[:, 0] + 1j * step[:, 1]), pin - (step[:, 2] + 1j * step[:, 3])
+        centre, pin = _on_circles(d, e, centre, pin, 2)
         c[task, which], w[task, which] = centre, pin
         c, w = _without_doubles(c, w)
         centres[k : k + BLOCK], pins[k : k + BLOCK] = origin + size * c, size * w
     return centres, pins
 
 
-def dyads_of(points: Complex, angles: Floats) -> list[Dyad]:
+def _on_circles(d: Complex, e: Complex, centre: Complex, pin: Complex, steps: int) -> tuple[Complex, Complex]:
+    """Return dyads next to others whose pins are on circles of the poses themselves, after Newton's steps."""
+    for _ in range(steps):
+        at = d + e * pin[:, None] - centre[:, None]
+        first, other = at[:, :1], at[:, 1:]
+        shift, turn = first - other, np.conj(other) * e[:, 1:] - np.conj(first) * e[:, :1]
+        jac = 2.0 * np.stack([shift.real, shift.imag, turn.real, -turn.imag], axis=-1)
+        # the difference of two squares as a product, which loses nothing
+        off = -shift.real * (other.real + first.real) - shift.imag * (other.imag + first.imag)
+        step = solved(jac, off) if off.shape[1] == 4 else (np.linalg.pinv(jac) @ off[..., None])[..., 0]
+        centre, pin = centre - (step[:, 0] + 1j * step[:, 1]), pin - (step[:, 2] + 1j * step[:, 3])
+    return centre, pin
+
+
+def dyads_of(points: Complex, angles: Floats) -> Complex:
     """Return all RR dyads of five poses; of more, those of the linear form's least squares, then nearest to circles."""
     if len(points) == 5:
         return _listed(*dyads_of_five(points[None], angles[None]))
     origin = points.mean()
     size = float(np.abs(points - origin).max()) or 1.0
     d, e = (points - origin) / size, np.exp(1j * angles)
-    starts = _listed(*_without_doubles(*_of_null_space(np.linalg.svd(_rows(d, e))[2][None, :5])))
-    return [(origin + size * c, size * w) for c, w in (_on_circle(d, e, start) for start in starts)]
+    c, w = _without_doubles(*_of_null_space(np.linalg.svd(_rows(d, e))[2][None, :5]))
+    fine = np.isfinite(c[0] + w[0])
+    points, turns = (np.broadcast_to(of, (fine.sum(), len(d))) for of in (d, e))
+    c, w = _on_circles(points, turns, c[0][fine], w[0][fine], 8)
+    return _listed(origin + size * c, size * w)
 
 
-def _listed(centres: Complex, pins: Complex) -> list[Dyad]:
+def _listed(centres: Complex, pins: Complex) -> Complex:
+    """Return the centres and body points there are (2, dyads)."""
     fine = np.isfinite(centres) & np.isfinite(pins)
-    return [(complex(c), complex(w)) for c, w in zip(centres[fine], pins[fine], strict=True)]
+    return np.stack([centres[fine], pins[fine]])
 
 
-def _on_circle(d: Complex, e: Complex, start: Dyad) -> Dyad:
-    """Return the dyad whose pin leaves its circle least, in lengths, near a start."""
-
-    def off(x: Floats) -> Floats:
-        return np.asarray(np.abs(d + e * complex(x[2], x[3]) - complex(x[0], x[1])) - x[4])
-
-    def slopes(x: Floats) -> Floats:
-        pin = d + e * complex(x[2], x[3]) - complex(x[0], x[1])
-        unit = pin / np.abs(pin)
-        turn = np.conj(unit) * e
-        return np.stack([-unit.real, -unit.imag, turn.real, -turn.imag, -np.ones(len(d))], axis=1)
-
-    c, w = start
-    radius = float(np.mean(np.abs(d + e * w - c)))
-    x = np.array([c.real, c.imag, w.real, w.imag, radius])
-    if not np.isfinite(x).all():
-        return start
-    found = least_squares(off, x, slopes, method="lm", xtol=1e-15, ftol=1e-15, gtol=1e-15).x
-    return complex(found[0], found[1]), complex(found[2], found[3])
-
-
-def family_of(task: MotionTask, seed: int) -> list[Dyad]:
+def family_of(task: MotionTask, seed: int) -> Complex:
     """Return dyads of two to four poses: those of the poses with further ones that are drawn about them."""
     rng = np.random.default_rng(seed)
     count = len(task.points)
@@ -195,138 +189,109 @@ def family_of(task: MotionTask, seed: int) -> list[Dyad]:
     return _listed(*dyads_of_five(poses[..., 0] + 1j * poses[..., 1], poses[..., 2]))
 
 
-def pairs_of(task: MotionTask, dyads: list[Dyad], both: bool = True) -> dict[str, Any]:
-    """Return the linkages of pairs of dyads, driven by the first of each: arrays by name.
+def sliders_of(task: MotionTask, angles: Any = None, free: Any = 0.0) -> tuple[Complex, Complex]:
+    """Return directions across a line, and the body points that move along it: of four poses the one there is.
 
-    Besides the crank angles at each pose come the signs of B beside the line from A to D, and the angle of the body
-    from AB.
+    Re(conj(n) (d + e w)) = k is linear in conj(n) w and k for each direction n. Of more poses it is the one whose
+    squares are least, besides one where they are stationary; of three there is one point for each n, of two a line of
+    them. These directions are given, and places along such lines.
     """
-    choose = permutations if both else combinations
-    pairs = np.array(list(choose(range(len(dyads)), 2)), dtype=int).reshape(-1, 2)
-    c, w = np.array([one[0] for one in dyads]), np.array([one[1] for one in dyads])
-    c1, w1, c2, w2 = c[pairs[:, 0]], w[pairs[:, 0]], c[pairs[:, 1]], w[pairs[:, 1]]
+    origin, count = task.points.mean(), len(task.points)
+    d, e = (task.points - origin) / task.size, np.exp(1j * task.angles)
+    rows, right = np.stack([e.real, -e.imag, -np.ones(count)], axis=1), np.stack([d.real, d.imag], axis=1)
+    if count > 3:
+        n = np.linalg.svd(right - rows @ np.linalg.lstsq(rows, right)[0])[2][::-1].T
+        n = n[:, :1] if count == 4 else n
+    else:
+        n = np.stack([np.cos(angles), np.sin(angles)])
+    found = np.linalg.lstsq(rows, -right @ n)[0]
+    if count == 2:
+        found += np.linalg.svd(rows)[2][2][:, None] * free
+    across = n[0] + 1j * n[1]
+    return across, task.size * (found[0] + 1j * found[1]) / np.conj(across)
+
+
+def linkages_of(task: MotionTask, c: Any, w: Any, d: Any, v: Any) -> tuple[Floats, Floats, Floats, Floats]:
+    """Return linkages of dyads with centres and body points c, w that are driven, and d, v.
+
+    As numbers, crank angles at each pose, signs of B beside the line from A to D, and angles of the body from AB.
+    """
+    points, e = np.broadcast_to(task.points, (len(c), len(task.points))), np.exp(1j * task.angles)
+    numbers, theta, side = from_pins(
+        c, d, points + e * w[:, None], points + e * v[:, None], points, task.slider
+    )
+    return numbers, np.unwrap(theta, axis=1), side, -np.angle(v - w)
+
+
+def pairs_of(task: MotionTask, dyads: Complex) -> tuple[Floats, Floats, Floats, Floats]:
+    """Return the linkages of all pairs of dyads, driven by the first of each, or of all with the sliders there are."""
+    c, w = dyads
+    if task.slider:
+        turns = (np.arange(DIRECTIONS) + 0.5) / DIRECTIONS
+        d, v = sliders_of(task, np.pi * turns, np.tan(1.4 * (2.0 * turns - 1.0) ** 3))
+        first, other = (of.ravel() for of in np.indices((len(c), len(d))))
+    else:
+        d, v = c, w
+        first, other = np.array(list(permutations(range(len(c)), 2)), dtype=int).reshape(-1, 2).T
+    return linkages_of(task, c[first], w[first], d[other], v[other])
+
+
+def varied(task: MotionTask, pins: tuple[Complex, ...], change: float, rng: Any) -> tuple[Floats, ...]:
+    """Return linkages that meet poses exactly, near others (their pins): both dyads are changed at random."""
+    c, d, a, b, _ = pins
     e = np.exp(1j * task.angles)
-    a, b = task.points + e * w1[:, None], task.points + e * w2[:, None]
-    ground, bar = c2 - c1, w2 - w1
-    with np.errstate(all="ignore"):
-        place = -w1 / (bar / np.abs(bar))
-        crank = np.abs(a - c1[:, None]).mean(axis=1)
-        output = np.abs(b - c2[:, None]).mean(axis=1)
-        theta = np.angle((a - c1[:, None]) / ground[:, None])
-        side = np.sign((np.conj(c2[:, None] - a) * (b - a)).imag)
-    numbers = np.stack([crank, np.abs(bar), output, np.abs(ground), place.real, place.imag, c1.real, c1.imag,
-                        np.angle(ground), np.zeros(len(pairs))], axis=1)  # fmt: skip
-    return {
-        "numbers": numbers,
-        "theta": np.unwrap(theta, axis=1),
-        "side": side,
-        "body_angle": -np.angle(bar),
-        "pairs": pairs,
-    }
+    w, v = ((of[:, 0] - task.points[0]) / e[0] for of in (a, b))
+
+    points, turns = (np.broadcast_to(of, (len(w), len(e))) for of in (task.points, e))
+
+    def moved(centre: Complex, pin: Complex) -> tuple[Complex, Complex]:
+        wide = change * (task.size + np.abs(centre - task.points.mean()))
+        x, y = wide * (rng.normal(size=(2, len(w))) + 1j * rng.normal(size=(2, len(w))))
+        return _on_circles(points, turns, centre + x, pin + y, 8)
+
+    c, w = moved(c, w)
+    if not task.slider:
+        d, v = moved(d, v)
+    elif len(e) == 3:
+        d, v = sliders_of(task, np.angle(d) + change * rng.normal(size=len(w)))
+    elif len(e) == 2:
+        v = v + change * task.size * (rng.normal(size=len(w)) + 1j * rng.normal(size=len(w)))
+        line = np.diff(points + turns * v[:, None])[:, 0]
+        d = 1j * line / np.abs(line)
+    return linkages_of(task, c, w, d, v)
 
 
-def solve_motion(task: MotionTask, seed: int) -> tuple[dict[str, Any], int]:
-    """Return the linkages of a motion, and how many dyads they are made of."""
+def solve_motion(task: MotionTask, seed: int) -> tuple[Floats, Floats, Floats, Floats, int]:
+    """Return the linkages of a motion as `pairs_of` does, and how many dyads with a crank they are made of."""
     if len(task.points) >= 5:
         dyads = dyads_of(task.points, task.angles)
         found = pairs_of(task, dyads)
-        if len(task.points) > 5:
-            found = _on_poses(task, found)
-        return found, len(dyads)
+        return *(_on_poses(task, *found) if len(task.points) > 5 or task.slider else found), dyads.shape[1]
     dyads = family_of(task, seed)
     size, origin = task.size, task.points.mean()
-    kept = [
-        one
-        for one in dyads
-        if abs(one[0] - origin) < LONGEST * size and 1e-3 * size < _radius(task, one) < LONGEST * size
-    ]
-    rng = np.random.default_rng(seed)
-    some = [kept[k] for k in rng.permutation(len(kept))[:PAIRED]]
-    return pairs_of(task, some), len(kept)
+    crank = np.abs(task.points[0] + np.exp(1j * task.angles[0]) * dyads[1] - dyads[0])
+    fine = (np.abs(dyads[0] - origin) < LONGEST * size) & (1e-3 * size < crank) & (crank < LONGEST * size)
+    kept = dyads[:, fine]
+    rng, most = np.random.default_rng(seed), PAIRED * (8 if task.slider and len(task.points) == 4 else 1)
+    return *pairs_of(task, kept[:, rng.permutation(kept.shape[1])[:most]]), kept.shape[1]
 
 
-def _radius(task: MotionTask, dyad: Dyad) -> float:
-    return float(np.abs(task.points[0] + np.exp(1j * task.angles[0]) * dyad[1] - dyad[0]))
-
-
-def _on_poses(task: MotionTask, found: dict[str, Any]) -> dict[str, Any]:
-    """Refine linkages on what they are to do: the body's places, and its directions times the length that weighs them.
-
-    A direction is a second point of the body, so that both are distances; the crank angles are unknowns besides.
-    """
-    length, n = task.rotation_length, len(task.points)
-    e = np.exp(1j * task.angles)
+def _on_poses(
+    task: MotionTask, numbers: Floats, theta: Floats, sides: Floats, bodies: Floats
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """Return linkages that come nearest to poses, from others, in places and in directions."""
     kept = []
-    for row in range(len(found["numbers"])):
-        x = found["numbers"][row][:9]
-        side = float(np.sign(found["side"][row].sum()) or 1.0)
-        start = np.concatenate([x, [found["body_angle"][row]], found["theta"][row]])
-
-        def at(v: Floats, side: float = side) -> tuple[Any, ...]:
-            return curve_of(np.append(v[:9], 0.0), v[10:], side)
-
-        def off(v: Floats, at: Any = at) -> Floats:
-            point, _, along, *_ = at(v)
-            away, tilt = point - task.points, length * (along * np.exp(1j * v[9]) - e)
-            return np.concatenate([away.real, away.imag, tilt.real, tilt.imag])
-
-        def slopes(v: Floats, at: Any = at) -> Floats:
-            _, by, along, rate, _ = at(v)
-            tilt = (length * 1j * along * np.exp(1j * v[9]))[:, None] * rate
-            wide, own = np.zeros((4 * n, 10 + n)), np.arange(n)
-            for k, part in enumerate((by.real, by.imag, tilt.real, tilt.imag)):
-                wide[k * n : (k + 1) * n, :9] = part[:, :9]
-                wide[k * n + own, 10 + own] = part[:, 9]
-            body = tilt[:, 8]  # by the direction of the body as by that of the ground
-            wide[2 * n : 3 * n, 9], wide[3 * n :, 9] = body.real, body.imag
-            return wide
-
-        if not np.isfinite(start).all() or not at(start)[-1]:
+    for row, x in enumerate(numbers):
+        fit = Fit(task.path, theta[row], float(np.sign(sides[row].sum()) or 1.0))
+        start = np.append(x[:9], bodies[row])
+        if not np.isfinite(start).all() or not np.isfinite(theta[row]).all():
             continue
-        best = least_squares(off, start, slopes, method="trf", x_scale="jac", xtol=1e-15, ftol=1e-15, gtol=1e-15,
-                             max_nfev=300)  # fmt: skip
-        if (best.x[:4] <= 0.0).any() or not at(best.x)[-1]:
-            continue
-        kept.append((np.append(best.x[:9], 0.0), best.x[10:], side, best.x[9], row))
-    names = ("numbers", "theta", "side", "body_angle")
+        best = least_squares(lambda v, fit=fit: fit(v)[0], start, lambda v, fit=fit: fit(v)[1], method="trf",
+                             x_scale="jac", xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=300).x  # fmt: skip
+        fit(best)
+        if (best[: 2 if task.slider else 4] > 0.0).all():
+            kept.append((np.append(best[:9], 0.0), fit.theta, np.full(len(fit.theta), fit.side), best[9]))
     if not kept:
-        return {name: found[name][:0] for name in (*names, "pairs")}
-    numbers, theta, sides, body, rows = (np.array(part) for part in zip(*kept, strict=True))
-    sides = np.repeat(sides[:, None], n, axis=1)
-    parts = (numbers, theta, sides, body, found["pairs"][rows])
-    return dict(zip((*names, "pairs"), parts, strict=True))
-
-
-def timed_by_cognate(points: Complex, times: Floats) -> tuple[Floats, Floats]:
-    """Return linkages (rows of ten numbers) whose crank turns by times while the point passes points, and their signs.
-
-    The crank of a linkage turns as the coupler of a cognate does (S. Roberts 1875), so points with times are poses of
-    that cognate: exact for five, up to twelve linkages.
-    """
-    e = np.exp(1j * times)
-    rows, signs = [], []
-    for (c1, w1), (c2, w2) in permutations(dyads_of(points, times), 2):
-        if w1 == w2:
-            continue
-        k = -w1 / (w2 - w1)
-        third, arm = c1 + (c2 - c1) * k, float(np.mean(np.abs(points + e * w1 - c1)))
-        place = arm * np.exp(-1j * np.angle(k))
-        ground = float(np.angle(third - c1))
-        lengths = (
-            abs(third - c1),
-            abs(w1),
-            abs(k) * arm,
-            abs(k) * float(np.mean(np.abs(points + e * w2 - c2))),
-        )
-        a4, a1, a2, a3 = lengths
-        if not min(lengths) > 0.0:
-            continue
-        rows.append(
-            [a1, a2, a3, a4, place.real, place.imag, c1.real, c1.imag, ground, float(np.angle(-w1)) - ground]
-        )
-        crank = a1 * np.exp(1j * (rows[-1][9] + times))
-        coupler = (points - c1) * np.exp(-1j * ground) - crank
-        b = crank + a2 * coupler / place
-        side = np.sign((np.conj(a4 - crank) * (b - crank)).imag)
-        signs.append(side)
-    return np.array(rows).reshape(-1, 10), np.array(signs).reshape(-1, len(points))
+        return numbers[:0], theta[:0], sides[:0], bodies[:0]
+    found, angles, signs, body = (np.array(part) for part in zip(*kept, strict=True))
+    return found, angles, signs, body

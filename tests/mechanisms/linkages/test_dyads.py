@@ -70,7 +70,7 @@ KINDS: dict[str, tuple[dict[str, Any], dict[str, float], int]] = {
         1,
     ),
     "prp of two links": (
-        {"ground": OD, "dyads": {"B": RRR, "X": {"prp": (("A", "B"), ("O", "A"))}}},
+        {"ground": OD, "dyads": {"B": RRR, "X": {"prp": (("D", "B"), ("O", "A"))}}},
         FOUR_BAR,
         2,
     ),

@@ -111,8 +111,8 @@ def linkage(
     -----
     What a point B has: ``B_x``, ``B_y``, ``B_vx``, ``B_vy``, ``B_ax``, ``B_ay``, ``B_speed``, ``B_acceleration``,
     ``B_curvature``; a bar AB: ``angle_AB``, ``omega_AB``, ``alpha_AB``, ``jerk_AB``; a dyad of two ways:
-    ``transmission_angle_B``; of all dyads ``least_transmission_angle``. With masses, loads or gravity: ``torque``, ``input_power``, ``shaking_force``,
-    ``shaking_moment``, and the force on a link in a joint, such as ``force_AB_A``.
+    ``transmission_angle_B``; all dyads: ``least_transmission_angle``. With masses, loads or gravity: ``torque``,
+    ``input_power``, ``shaking_force``, ``shaking_moment``, and the force on a link in a joint, such as ``force_AB_A``.
 
     Examples
     --------

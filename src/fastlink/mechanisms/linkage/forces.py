@@ -493,7 +493,7 @@ class Forces:
         for word, line, other in (("first", first, second), ("second", second, first)):
             name = f"{word}_force_{pin.name}"
             along = total(times(*pair) for pair in zip(force, other.unit, strict=True))
-            text = f"({along}) / {moment(line.unit, other.unit)}"
+            text = f"{'' if line is first else '-'}({along}) / cross_{pin.name}"
             meaning = f"Force of the {word} line on {pin.name}, to its left"
             self.guide(name, meaning, text, left(line.in_loops), pin.name, pin, self.of_line(line))
             self.carry_on(line, pin.name, scaled(name, left(line.unit)))

@@ -873,8 +873,12 @@ class Writer:
         slide, (cx, cy), (gx, gy) = f"slide_{name}", self.points[c], self.points[g]
         rx, ry = minus(gx, cx), minus(gy, cy)
         self.fact(
+            f"step cross_{name} [1] u x w: Sine of the angle between both lines of {name}",
+            f"= {ux} * {wy} - {uy} * {wx}",
+        )
+        self.fact(
             f"{slide} [m] s_{name}: Place of {name} on its first line, from {c}",
-            f"= (({rx}) * {wy} - ({ry}) * {wx}) / ({ux} * {wy} - {uy} * {wx})",
+            f"= (({rx}) * {wy} - ({ry}) * {wx}) / cross_{name}",
         )
         self.add_slide(name, slide)
         of, ends = self.in_loops[g], _along(self.in_loops[c], slide, (lx, ly))
