@@ -22,6 +22,7 @@ from fastlink.app.cli import OTHER_NAMES, app
 from fastlink.io.output_path import progress_bar
 from fastlink.mechanisms import NAMES
 from tests.support.refusals import assert_refusal
+from tests.support.sweeps import sweep_4r
 
 HEAVY = [
     "numba",
@@ -276,7 +277,7 @@ def test_info_prints_what_a_map_holds(mapped):
 
 def test_info_of_a_sample_prints_the_ranges(folder):
     space = fl.sobol(16, seed=1, a1=(0.2, 0.4), a2=1.2, a3=0.8, a4=1.0)
-    fl.sweep("planar_4r", space, ["status"], to="sample.h5", branch=(1, 2)).close()
+    sweep_4r(space, ["status"], to="sample.h5").close()
     lines = called("info", "sample.h5").stdout.splitlines()
     (line,) = [line for line in lines if line.startswith("  a1")]
     assert re.fullmatch(r"  a1  0\.2\d* to 0\.3\d* m  length of the input crank OA", line)
@@ -421,10 +422,7 @@ def test_plot_refuses(mapped):
         (["--at", "=1"], "--at: '=1' is not DIM=VALUE; write such as --at a4=1.0"),
         (["--at", "a3=1", "--at", "a3=1"], "--at: a3 is given twice; write it once"),
         (["--branch", "3"], "--branch is 3; write one of 1, 2"),
-        (
-            ["--at", "a1=0.4"],
-            "--at: 'a1' is not a dimension of omega4_max that can be fixed; known: a2, a3",
-        ),
+        (["--at", "a1=0.4"], "--at: 'a1' is not a dimension of omega4_max that can be fixed; known: a2, a3"),
     ):
         assert refused("plot", "study.h5", "omega4_max", *arguments) == [message]
     for arguments, key, remedy in (
@@ -450,11 +448,7 @@ def test_plot_of_rows_and_fronts(mapped):
 
 
 def test_usage_errors_end_with_2(folder):
-    for arguments in (
-        ["run"],
-        ["run", "study.toml", "--wrong"],
-        ["run", "study.toml", "--threads", "x"],
-    ):
+    for arguments in (["run"], ["run", "study.toml", "--wrong"], ["run", "study.toml", "--threads", "x"]):
         done = called(*arguments)
         assert done.exit_code == 2
         assert "Usage: fastlink" in done.stderr

@@ -6,6 +6,7 @@ import xarray as xr
 from numpy.testing import assert_array_equal
 from tests.support.focal_configurations import DRIVES, random_designs
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_both
 
 import fastlink as fl
 from fastlink.numerics.compensated import UNIT_ROUNDING
@@ -18,7 +19,7 @@ ANGLES = np.sort(np.random.default_rng(13).uniform(-3.0, 3.0, 50))
 
 
 def swept(drive):
-    return fl.sweep("focal", fl.table(DESIGNS), ["T_x", "T_y"], input=drive, angles=ANGLES, branch=(1, 2))
+    return sweep_both("focal", fl.table(DESIGNS), ["T_x", "T_y"], input=drive, angles=ANGLES)
 
 
 @pytest.mark.parametrize("drive", DRIVES)
@@ -63,7 +64,7 @@ def test_it_is_exact_for_the_places_of_T(drive):
 def test_maps_without_the_path_of_T_are_refused():
     space = fl.grid(**CHEBYSHEV)
     with refused("T_y", "sweep 'T_x' and 'T_y'"):
-        fl.focal.T_deviation(fl.sweep("focal", space, ["T_x"], phi=12, branch=(1, 2)))
+        fl.focal.T_deviation(sweep_both("focal", space, ["T_x"], phi=12))
     points = xr.Dataset({"T_x": ("design", [1.0]), "T_y": ("design", [1.0])})
     with refused("T_x", "sweep it over phi or sigma"):
         fl.focal.T_deviation(points)
@@ -74,7 +75,7 @@ def test_maps_without_the_path_of_T_are_refused():
 
 def test_a_path_and_any_order_of_dimensions(tmp_path):
     space = fl.grid(**CHEBYSHEV)
-    fl.sweep("focal", space, ["T_x", "T_y"], phi=12, to=tmp_path / "maps.h5", verify=0, branch=(1, 2)).close()
+    sweep_both("focal", space, ["T_x", "T_y"], phi=12, to=tmp_path / "maps.h5", verify=0).close()
     with fl.open(tmp_path / "maps.h5") as maps:
         expected = fl.focal.T_deviation(maps)
         turned = maps.assign(T_x=maps.T_x.transpose("phi", ...))

@@ -5,6 +5,7 @@ import pytest
 from tests.support.configurations import LENGTHS, PLANAR, condition_sums, masses_and_points, random_lengths
 from tests.support.refusals import refused
 from tests.support.registry import MULTIPLE
+from tests.support.sweeps import sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.numerics.compensated import UNIT_ROUNDING
@@ -70,13 +71,7 @@ def test_the_free_radius_or_mass_is_kept_and_the_link_itself_is_the_default_radi
 
 
 def test_the_flywheel_takes_up_the_fluctuation():
-    maps = fl.sweep(
-        "planar_4r",
-        fl.grid(**{**HAYES, "omega1": [5.0, 25.0]}),
-        ["T41_fluctuation"],
-        links=BARS,
-        branch=(1, 2),
-    )
+    maps = sweep_4r(fl.grid(**{**HAYES, "omega1": [5.0, 25.0]}), ["T41_fluctuation"], links=BARS)
     inertia = fl.planar.flywheel_inertia(maps, C_s=0.02)
     assert inertia.dims == maps.T41_fluctuation.dims
     assert inertia.attrs["units"] == "kg m2"
@@ -89,9 +84,7 @@ def test_the_flywheel_takes_up_the_fluctuation():
 
 def test_the_flywheel_of_a_map_in_a_file(tmp_path):
     crank = fl.grid(r=0.1, l=0.4, e=0.0, omega=[5.0, 25.0], m3=1.0)
-    maps = fl.sweep(
-        "slider_crank", crank, ["T41_fluctuation"], links=BARS, to=tmp_path / "m.h5", verify=0, branch=(1, 2)
-    )
+    maps = sweep_both("slider_crank", crank, ["T41_fluctuation"], links=BARS, to=tmp_path / "m.h5", verify=0)
     expected = fl.planar.flywheel_inertia(maps, C_s=0.02)
     maps.close()
     np.testing.assert_array_equal(fl.planar.flywheel_inertia(tmp_path / "m.h5", C_s=0.02), expected)

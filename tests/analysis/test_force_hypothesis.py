@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 from fastlink.app.study import read_study
@@ -60,7 +61,7 @@ def test_the_example_of_the_paper():
     """The text compares 5.7299 rad and 5.9138 rad; the force of Table 1 is greatest elsewhere (docs/papers.md)."""
     space = fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=25.0)
     bars = fl.round_bar(7750.0, 0.01)
-    both = fl.sweep("planar_4r", space, read_study(STUDY).quantities, links=bars, branch=(1, 2))
+    both = sweep_4r(space, read_study(STUDY).quantities, links=bars)
     found = fl.planar.force_hypothesis(both)
     force = found.sel(load="shaking_force", branch=2)
     # places of Table 3 as it is, 0.109628 rad, and of Table 2, of six and eleven digits

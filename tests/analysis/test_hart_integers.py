@@ -7,6 +7,7 @@ from math import gcd
 import numpy as np
 import pytest
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_both
 
 import fastlink as fl
 from fastlink.numerics.compensated import UNIT_ROUNDING
@@ -68,7 +69,7 @@ def test_every_linkage_is_one_of_eqs_7_2_to_7_4_and_is_listed_once_by_scale():
 
 def test_a_table_of_them_is_swept():
     designs = fl.hart.integer_designs(12)
-    maps = fl.sweep("hart", fl.table(designs), ["status", *"pqabc"], threads=1, branch=(1, 2))
+    maps = sweep_both("hart", fl.table(designs), ["status", *"pqabc"], threads=1)
     for name in "pqabc":
         # kappa = i/j is rounded, its square too: 4 roundings
         np.testing.assert_allclose(maps[name], designs[name].values, rtol=8 * UNIT_ROUNDING)

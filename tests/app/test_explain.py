@@ -2,20 +2,32 @@
 
 from __future__ import annotations
 
+import os
+import re
+import shutil
 import sys
 from collections import Counter
 from dataclasses import replace
+from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 import pytest
+from tests.support.refusals import refused
+from tests.support.study_files import GOOD, written
+from tests.support.sweeps import sweep_4r
 from typer.testing import CliRunner
 
 import fastlink as fl
+from fastlink import machine
+from fastlink.app import explain
 from fastlink.app.cli import app
-from fastlink.app.explain import explain_request
+from fastlink.app.explain import explain_request, timing_of
+from fastlink.app.report import contents
+from fastlink.codegen.kernel import Kernel, kernel_of
 from fastlink.codegen.translate import Refused
 from fastlink.engine.resolve import resolve
+from fastlink.engine.sinks import needs_of
 from fastlink.facts.evaluate import evaluate_step, steps_of
 from fastlink.facts.formula import Formula
 from fastlink.mechanisms import catalogue
@@ -207,3 +219,222 @@ def test_every_option_of_a_sweep_is_one_of_an_explanation():
     assert fl.explain(*request, part=(1, 2), measure=False).results == ("theta4", "status")
     with pytest.raises(fl.InputError, match="part is 1/3, but there are 2 designs"):
         fl.explain(*request, part=(1, 3), measure=False)
+
+
+# == The memory, file and time that `fastlink explain` says beforehand =======================================
+
+
+@pytest.fixture
+def empty_cache(monkeypatch, tmp_path):
+    monkeypatch.setenv("FASTLINK_CACHE_DIR", str(tmp_path / "cache"))
+    monkeypatch.setattr("fastlink.codegen.kernel._loaded", {})
+    kernel_of.cache_clear()  # each keeps what it has compiled
+
+
+def test_a_kernel_that_a_sweep_has_compiled_counts_as_compiled(empty_cache):
+    request = ("planar_4r", fl.grid(**LENGTHS), ["swing"])
+    assert fl.explain(*request).forecast.compiled == 0
+    fl.sweep(*request, branch=(1, 2))
+    shutil.rmtree(os.environ["FASTLINK_CACHE_DIR"])
+    assert fl.explain(*request).forecast.compiled == 1
+
+
+def test_nothing_is_compiled_unless_it_is_to_be_measured(folder, empty_cache, monkeypatch):
+    path = written(GOOD)
+    with monkeypatch.context() as patch:
+        patch.setattr(Kernel, "compiled", lambda *_: pytest.fail("compiled"))
+        needs = fl.explain(path).forecast
+    assert (needs.compiled, needs.timing) == (0, None)
+    assert needs.kernels > 0
+    assert needs.compile_time > 0.0
+    assert "--measure" in str(needs)
+    monkeypatch.setattr(sys.modules["fastlink.app.explain"], "PATIENCE", 60.0)  # however busy the machine is
+    measured = fl.explain(path, measure=True).forecast
+    assert (measured.compiled, measured.timing.designs) == (0, 6)
+    # compiled now, so that it is measured by default
+    after = CliRunner().invoke(app, ["explain", str(path)]).output
+    assert "compiled already" in after, after
+    assert "estimated from 6 of 6 designs at 8 positions" in after
+    # what a map calls its run time, and verification apart in both
+    assert re.search(
+        r"run time:  about [.\d]+ s by \d+ threads?, then [.\d]+ s of verification, estimated", after
+    )
+    assert measured.timing.total == measured.timing.evaluation + measured.timing.file
+    assert not Path("study.h5").exists()
+    with fl.run(path) as maps:
+        (line,) = [line for line in maps.fastlink.summary().splitlines() if line.startswith("run time")]
+        assert re.search(r"\d threads?; then [.\d]+ s of verification", line)
+    assert fl.explain(path, measure=False).forecast.timing is None
+
+
+@pytest.mark.parametrize(
+    ("names", "space", "options"),
+    [
+        (["theta4", "swing"], fl.grid(**{**LENGTHS, "a2": np.linspace(1.0, 1.4, 90)}), {"theta1": 90}),
+        (["swing"], fl.sobol(4096, a1=(0.2, 0.4), a2=(1.0, 1.4), a3=0.8, a4=1.0), {}),
+        (["omega4_max"], fl.grid(**LENGTHS, omega1=np.linspace(1.0, 2.0, 20_000)), {}),
+        (["grashof_class"], fl.grid(**LENGTHS), {}),
+    ],
+)
+def test_the_file_is_as_large_as_was_said(names, space, options, tmp_path):
+    said = fl.explain(
+        "planar_4r", space, names, to=tmp_path / "maps.h5", measure=False, **{"branch": (1, 2)} | options
+    ).forecast
+    sweep_4r(space, names, to=tmp_path / "maps.h5", verify=1, **options).close()
+    # values and coordinates are counted; the labels, of which there are 10 to 50 kB, are estimated
+    assert abs(os.path.getsize(tmp_path / "maps.h5") - said.file) < 50_000
+    assert said.folder == tmp_path
+
+
+def test_the_memory_is_that_which_a_sweep_is_refused_by(monkeypatch):
+    space, angles = fl.grid(**{**LENGTHS, "a2": np.linspace(1.0, 1.4, 20_000)}), {"theta1": 200}
+    said = fl.explain(
+        "planar_4r", space, ["theta4"], threads=2, measure=False, **{"branch": (1, 2)} | angles
+    ).forecast
+    assert (
+        said.memory
+        == needs_of(resolve("planar_4r", space, ["theta4"], angles=200, branch=(1, 2)), 2).in_memory
+    )
+    monkeypatch.setattr(machine, "available_memory", lambda: said.memory - 1)
+    with refused("the result", "to='maps.h5'"):
+        sweep_4r(space, ["theta4"], threads=2, **angles)
+    monkeypatch.setattr("fastlink.app.explain.available_memory", lambda: said.memory - 1)
+    assert "which is refused" in str(
+        fl.explain("planar_4r", space, ["theta4"], threads=2, **{"branch": (1, 2)} | angles, measure=False)
+    )
+
+
+@pytest.mark.parametrize("size", [1, 2, 17, 1000, 10**9])
+@pytest.mark.parametrize("count", [1, 5, 16, 100, 999])
+def test_samples_are_spread_over_all_designs(size, count):
+    ranges = explain._spread(size, min(count, size))
+    assert ranges[0][0] == 0
+    assert ranges[-1][1] == size or count == 1
+    flat = [edge for pair in ranges for edge in pair]
+    assert flat == sorted(flat)
+    assert min(count, size) <= sum(stop - start for start, stop in ranges) + len(ranges) - 1
+
+
+def test_the_time_of_a_sample_is_that_of_all_designs():
+    """In proportion: a sample's time per design times their number, whatever a clock says."""
+    space = fl.grid(**{**LENGTHS, "a2": np.linspace(1.0, 1.4, 300), "a3": np.linspace(0.6, 1.0, 300)})
+    request = resolve("planar_4r", space, ["theta4"], angles=5000, branch=(1, 2))
+    clock = iter(np.arange(0.0, 1000.0, 0.5))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(explain.time, "perf_counter", lambda: next(clock))
+        found = timing_of(request, threads=1)
+    # each look at the clock is half a second after the last: for the tables, and for the sample
+    assert found.positions == 4096
+    assert found.evaluation == pytest.approx(
+        5000 / 4096 * (0.5 + 0.5 * space.size / found.designs), rel=1e-12
+    )
+
+
+def test_a_sweep_is_explained_with_the_arguments_of_a_sweep(tmp_path):
+    space = fl.grid(**LENGTHS, omega1=2.0)
+    steel = fl.round_bar(density=7750.0, radius=0.01)
+    options = {
+        "links": steel,
+        "branch": 1,
+        "theta1": 7,
+        "threads": 1,
+        "verify": 3,
+        "overwrite": True,
+        "progress": False,
+    }
+    options |= {"to": tmp_path / "m.h5", "attrs": {"a": 1}, "block": 8}
+    found = fl.explain("planar_4r", space, ["T41"], **{"branch": (1, 2)} | options)
+    assert "7 values of theta1" in found.title
+    assert found.forecast.threads == 1
+    with refused("theta_1", "did you mean 'theta1'?"):
+        fl.explain("planar_4r", space, ["T41"], theta_1=7, links=steel, branch=(1, 2))
+    with refused("quantities is missing", "explain(mechanism, space, quantities)"):
+        fl.explain("planar_4r", space)
+    with refused("threads is an option of a sweep", "write it in the study"):
+        fl.explain("study.toml", threads=1)
+
+
+def test_all_problems_of_an_explained_sweep_are_told_together():
+    with pytest.raises(fl.InputError) as caught:
+        fl.explain(
+            "planar_4r", fl.grid(**LENGTHS), ["thta4"], threads=0, overwrite="no", theta_1=3, branch=(1, 2)
+        )
+    assert {one.where[0] for one in caught.value.problems} == {
+        "quantities",
+        "threads",
+        "overwrite",
+        "theta_1",
+    }
+    with refused("measure is 'yes'", "True or False"):
+        fl.explain("planar_4r", fl.grid(**LENGTHS), ["theta4"], measure="yes", branch=(1, 2))
+
+
+# == Summaries of maps, of parts of maps, and of what users have made of them ================================
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory):
+    path = tmp_path_factory.mktemp("maps") / "maps.h5"
+    space = fl.grid(a1=[0.4, 0.6, 3.0], a2=[1.1, 1.2], a3=0.8, a4=1.0, omega1=25.0)
+    sweep_4r(space, ["omega4_max", "theta4"], theta1=4, to=path, verify=2).close()
+    return path
+
+
+@pytest.fixture(scope="module")
+def maps(path):
+    with fl.open(path) as opened:
+        return opened.load()
+
+
+def test_a_path_is_as_good_as_a_map(path, maps):
+    with fl.open(path) as opened:
+        assert contents(path) == contents(opened)
+
+
+def test_a_bare_dataset_is_told_from_a_map(maps):
+    with refused("fastlink_map", "keep_attrs"):
+        maps.drop_attrs().fastlink.summary()
+
+
+def test_a_part_of_a_map_counts_its_own_designs(maps):
+    part = maps.isel(a1=[0, 2])
+    lines = part.fastlink.summary().splitlines()
+    assert lines[0].split(maxsplit=1)[1] == "4 of the 6 of the sweep"
+    (full,) = [line.split()[0] for line in lines if "rotates fully" in line]
+    assert int(full) == int((part.status == 0).sum())
+    assert "rotates" not in maps.mean("a1").fastlink.summary()
+
+
+HOSTILE = {
+    "one design": lambda maps: maps.isel(a1=0, a2=0),
+    "no design": lambda maps: maps.isel(a1=[]),
+    "one mode": lambda maps: maps.isel(branch=0),
+    "mean": lambda maps: maps.mean("a1", keep_attrs=True),
+    "mean of all": lambda maps: maps.mean(keep_attrs=True),
+    "without coordinates": lambda maps: maps.drop_vars(["a1", "branch", "theta1", "a3"]),
+    "without status": lambda maps: maps.drop_vars("status"),
+    "stacked": lambda maps: maps.stack(all=("a1", "a2")),
+    "renamed": lambda maps: maps.rename(a1="crank", omega4_max="fast", status="state"),
+    "named designs": lambda maps: maps.assign_coords(
+        a1=["x", "y", "z"], maker="someone", when=np.datetime64("2020")
+    ),
+    "numbers in words": lambda maps: maps.assign_attrs(designs="many", run_time_s=None, threads=[1, 2]),
+    "not a number": lambda maps: maps.assign_attrs(designs=np.nan, run_time_s=np.inf, threads=-1),
+    "no attributes of variables": lambda maps: maps.assign(
+        {name: array.drop_attrs() for name, array in maps.data_vars.items()}
+    ),
+    "damaged codes": lambda maps: maps.assign(status=maps.status.assign_attrs(flag_meanings=3)),
+    "text": lambda maps: maps.assign(note=("a1", ["a", "b", "c"])),
+    "arithmetic": lambda maps: (maps * 2).assign_attrs(maps.attrs),
+}
+
+
+@pytest.mark.parametrize("change", HOSTILE.values(), ids=HOSTILE)
+def test_whatever_became_of_a_map_is_summarised(maps, change):
+    assert change(maps).fastlink.summary()
+    assert contents(change(maps)).startswith("title")
+
+
+def test_a_map_that_xarray_has_saved_is_a_map(maps, tmp_path):
+    maps.isel(a1=[0, 1]).to_netcdf(tmp_path / "part.nc", engine="h5netcdf")
+    assert "4 of the 6" in fl.open(tmp_path / "part.nc").fastlink.summary()

@@ -6,6 +6,7 @@ from importlib.resources import files
 import pytest
 from tests.support.refusals import refused
 from tests.support.registry import ENTRIES
+from tests.support.sweeps import sweep_4r
 from typer.testing import CliRunner
 
 import fastlink as fl
@@ -98,7 +99,7 @@ def test_the_rules_of_names_stand_once_and_are_true():
             assert len(named) == (2 if REDUCTIONS[suffix].has_position else 1)
         assert len(re.findall(r"theta1_at_NAME_max\b", text)) == 1
     space = fl.grid(a1=[0.3, 0.4], a2=1.2, a3=0.8, a4=1.0, omega1=25.0)
-    maps = fl.sweep("planar_4r", space, ["omega4_rms", "theta1_at_omega4_max"], theta1=4, branch=(1, 2))
+    maps = sweep_4r(space, ["omega4_rms", "theta1_at_omega4_max"], theta1=4)
     assert maps["omega4_rms"].dims == maps["theta1_at_omega4_max"].dims == ("a1", "branch")
     assert maps["theta1_at_omega4_max"].attrs["units"] == "rad"
 

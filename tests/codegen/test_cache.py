@@ -306,11 +306,9 @@ def test_all_that_kernels_call_is_in_the_packages_that_are_hashed():
             importlib.import_module(module.name)
     hashed = tuple(package.__name__ + "." for package in cache.PACKAGES)
     for function in [*INLINED, *OUTLINED, *COMPILED_AS]:
-        if (
-            function.__module__.startswith("fastlink.")
-            and function.__module__ != "fastlink.synthesis.kernels"
-        ):
-            assert function.__module__.startswith(hashed), function
+        module = function.__module__ or ""  # of texts that other tests compile there is none
+        if module.startswith("fastlink.") and module != "fastlink.synthesis.kernels":
+            assert module.startswith(hashed), function
 
 
 @pytest.mark.parametrize("package", ["numerics", "codegen", "codegen/runtime"])

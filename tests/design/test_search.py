@@ -7,6 +7,7 @@ import pytest
 from distributed import Client, LocalCluster
 from numpy.testing import assert_array_equal
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_4r
 from typer.testing import CliRunner
 
 import fastlink as fl
@@ -58,7 +59,7 @@ def check_rows(found, best):
 
 @pytest.fixture(scope="module")
 def maps():
-    return fl.sweep("planar_4r", sample(), NAMES, branch=1, progress=False)
+    return fl.sweep("planar_4r", sample(), NAMES, branch=1)
 
 
 @pytest.mark.sample(3)
@@ -87,7 +88,7 @@ def test_of_every_space_in_every_way(of):
     names = ["F21"] if of == "positions" else NAMES
     choice = {key: asked[key] for key in ("minimise", "maximise", "where", "top") if key in asked}
     of_sweep = {key: asked[key] for key in ("theta1", "links") if key in asked}
-    whole = fl.sweep("planar_4r", space, names, **of_sweep, branch=asked.get("branch", 1), progress=False)
+    whole = fl.sweep("planar_4r", space, names, **of_sweep, branch=asked.get("branch", 1))
     found = fl.search("planar_4r", space, names, **asked, block=4)
     check_rows(found, fl.best(whole, **choice, refine=asked.get("refine", True)))
 
@@ -215,7 +216,7 @@ def test_a_target_is_met_though_no_sample_meets_it(asked, seed):
 def test_a_map_is_refined_onto_targets():
     """Of an input, too: a3 is no value of the grid."""
     space = fl.grid(a1=np.linspace(0.2, 0.4, 5), a2=np.linspace(0.9, 1.1, 5), a3=[0.3, 0.5], a4=1.0)
-    maps = fl.sweep("planar_4r", space, ["swing", "least_transmission_angle"], branch=1, verify=0)
+    maps = fl.sweep("planar_4r", space, ["swing", "least_transmission_angle"], branch=1)
     where = {"swing_deg": 70, "a3": 0.42}
     with pytest.warns(fl.InputWarning, match="50 fail swing, 50 fail a3"):
         nearest = fl.best(maps, maximise="least_transmission_angle", where=where, top=1)
@@ -278,7 +279,7 @@ def test_a_study_searches(tmp_path):
     where = {"status": "rotates_fully", "transmission_angle_min_deg": (40, None), "swing_deg": (60, None)}
     space = fl.sobol(2000, a3=(0.5, 1.2), a1=(0.1, 0.5), a2=(0.8, 1.3), a4=1.0, omega1=1.0)
     expected = fl.search("planar_4r", space, ["omega4_min"], minimise="omega4_max", where=where, top=2)
-    with fl.run(path, to=tmp_path / "found.h5", progress=False) as found:
+    with fl.run(path, to=tmp_path / "found.h5") as found:
         check_rows(found, expected)
         assert found.attrs["study"] == STUDY
         assert "2,000 designs" in found.fastlink.summary()
@@ -286,10 +287,10 @@ def test_a_study_searches(tmp_path):
     assert needs.size == 2000
     assert needs.file < 1e5
     path.write_text(STUDY.replace('quantities = ["omega4_min"]', ""))  # nor has a search to name any
-    with fl.run(path, to=tmp_path / "without.h5", progress=False) as found:
+    with fl.run(path, to=tmp_path / "without.h5") as found:
         check_rows(found, expected.drop_vars("omega4_min"))
         assert "omega4_min" not in found
-    path.write_text(STUDY.replace("60, inf", "170, inf"))
+    path.write_text(STUDY.replace("60, inf", "170, inf") + "refine = false\n")
     for _ in range(2):  # searched, and found again
         done = CliRunner().invoke(app, ["run", str(path), "--to", str(tmp_path / "near.h5"), "--quiet"])
         assert done.exit_code == 1
@@ -370,12 +371,12 @@ def test_joined_parts_are_the_result_of_one_search(of, tmp_path):
     path = tmp_path / "found.h5"
     paths = parts_of(tmp_path, space, asked, attrs={"by": "me"}, verify=3)
     options = {**asked, "attrs": {"by": "me"}, "verify": 3, "progress": False}
-    with fl.join(paths[2:] + paths[:2], to=path, progress=False) as joined:
+    with fl.join(paths[2:] + paths[:2], to=path) as joined:
         check_same(joined, fl.search("planar_4r", space, ["swing"], **options, to=tmp_path / "whole.h5"))
     assert fl.check(path)
     before = path.read_bytes()
     fl.search("planar_4r", space, ["swing"], **options, to=path).close()  # which is finished
-    fl.join(tmp_path, to=path, progress=False).close()
+    fl.join(tmp_path, to=path).close()
     assert path.read_bytes() == before
 
 
@@ -394,15 +395,11 @@ def test_a_part_is_no_whole_search(tmp_path):
     with refused("part 2 of 3", "run it"):
         fl.join([paths[0], paths[2]], to=tmp_path / "found.h5")
     other = tmp_path / "other.h5"
-    fl.search(
-        "planar_4r", space, ["swing"], **asked | {"top": 3}, part="3/3", to=other, progress=False
-    ).close()
+    fl.search("planar_4r", space, ["swing"], **asked | {"top": 3}, part="3/3", to=other).close()
     with refused("do not belong together", "of one map"):
         fl.join([first, second, other], to=tmp_path / "found.h5")
     with refused("mechanism", "leave it out"):
-        maps = fl.sweep(
-            "planar_4r", space, ["swing"], part=(1, 1), to=tmp_path / "maps.h5", verify=0, branch=(1, 2)
-        )
+        maps = sweep_4r(space, ["swing"], part=(1, 1), to=tmp_path / "maps.h5", verify=0)
         maps.close()
         fl.join(tmp_path / "maps.h5", to=tmp_path / "found.h5", mechanism=fl.extend("planar_4r"))
 
@@ -411,7 +408,7 @@ def test_parts_in_which_nothing_is_found(tmp_path):
     space, asked = SEARCHES["an axis that scales"]
     last = tmp_path / "last.h5"
     nothing = {**asked, "where": {"status": "invalid_input"}}
-    with fl.search("planar_4r", space, **nothing, part="4/4", to=last, progress=False) as part:
+    with fl.search("planar_4r", space, **nothing, part="4/4", to=last) as part:
         assert "none is kept" in part.attrs["selection"]
     paths = parts_of(tmp_path, space, nothing, 2)
     with refused("none of 210 rows", "widen"):
@@ -431,7 +428,7 @@ def test_a_killed_part_goes_on(tmp_path, monkeypatch):
     with fl.search("planar_4r", sample(), **options, part="2/2", to=second) as part:
         assert part.attrs["designs_of_earlier_runs"] == 300
         assert part.attrs["searched_designs"] == 1500
-    with fl.join(tmp_path, to=tmp_path / "found.h5", progress=False) as joined:
+    with fl.join(tmp_path, to=tmp_path / "found.h5") as joined:
         check_same(joined, fl.search("planar_4r", sample(), **options, to=tmp_path / "whole.h5"))
 
 
@@ -449,7 +446,7 @@ def test_parts_by_quantities_of_ones_own_need_their_declarations(tmp_path, monke
         fl.search(own, sample(100), **options, part=(k, 2), to=path).close()
     with refused("mechanism", "mechanism="):
         fl.join(paths, to=tmp_path / "found.h5")
-    with fl.join(paths, to=tmp_path / "found.h5", mechanism=own, progress=False) as joined:
+    with fl.join(paths, to=tmp_path / "found.h5", mechanism=own) as joined:
         check_same(joined, fl.search(own, sample(100), **options, to=tmp_path / "whole.h5"))
     with (
         refused("what it says of its search cannot be read", "run that part again"),
@@ -484,7 +481,7 @@ def test_the_workers_of_a_cluster_find_the_same(of, client, tmp_path, monkeypatc
         assert found.attrs["threads"] == 2
     (tmp_path / "parts").mkdir()
     paths = parts_of(tmp_path / "parts", space, options, 2, client=client)
-    with fl.join(paths, to=tmp_path / "joined.h5", progress=False) as joined:
+    with fl.join(paths, to=tmp_path / "joined.h5") as joined:
         check_same(joined, fl.open(tmp_path / "whole.h5"))
     with refused("threads", "leave it out"):
         fl.search("planar_4r", space, **options, client=client, threads=2)

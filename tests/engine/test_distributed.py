@@ -14,6 +14,7 @@ import pytest
 import xarray as xr
 from distributed import Client, LocalCluster
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 from fastlink.engine import cluster
@@ -68,7 +69,7 @@ def _restore():
 
 
 def swept(space="grid", names=NAMES, **options):
-    return fl.sweep("planar_4r", SPACES[space], names, **{"branch": (1, 2)} | OPTIONS | options)
+    return sweep_4r(SPACES[space], names, **OPTIONS | options)
 
 
 def assert_same(found, expected):
@@ -244,8 +245,7 @@ class Simulated:
 
 
 @pytest.mark.parametrize(
-    ("threads", "work", "used", "longest"),
-    [(1000, 10.0, 0.85, 4.1), (16, 10.0, 0.98, 1.05)],
+    ("threads", "work", "used", "longest"), [(1000, 10.0, 0.85, 4.1), (16, 10.0, 0.98, 1.05)]
 )
 def test_the_client_keeps_up_with_any_number_of_threads(monkeypatch, threads, work, used, longest):
     client = Simulated(threads)

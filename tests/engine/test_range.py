@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 from fastlink.errors import InputError
@@ -30,12 +31,7 @@ OUTPUTS = ["status", "F32_max", "omega4_max", "P_x_max", "omega4_extrema_count",
 @pytest.mark.parametrize("name", COLUMNS)
 def test_designs_of_a_table_are_flagged_and_the_others_untouched(name):
     values = np.array(COLUMNS[name])
-    found = fl.sweep(
-        "planar_4r",
-        fl.table({name: values} | {k: v for k, v in GIVEN.items() if k != name}),
-        OUTPUTS,
-        branch=(1, 2),
-    )
+    found = sweep_4r(fl.table({name: values} | {k: v for k, v in GIVEN.items() if k != name}), OUTPUTS)
     meanings = found.status.attrs["flag_meanings"].split()
     np.testing.assert_array_equal(found.status == meanings.index("beyond_range"), FAR)
     assert found.attrs["designs_beyond_range"] == 2
@@ -45,7 +41,7 @@ def test_designs_of_a_table_are_flagged_and_the_others_untouched(name):
         "planar_4r", [name], OUTPUTS, branch=(1, 2), **{k: v for k, v in GIVEN.items() if k != name}
     )
     for k, value in enumerate(values):
-        one = fl.sweep("planar_4r", GIVEN | {name: float(value)}, OUTPUTS, allow_invalid=True, branch=(1, 2))
+        one = sweep_4r(GIVEN | {name: float(value)}, OUTPUTS, allow_invalid=True)
         for output in OUTPUTS:
             np.testing.assert_array_equal(found[output].values[k], one[output].values, err_msg=output)
         numbers = ["status", "F32_max", "omega4_max", "P_x_max"]
@@ -55,7 +51,7 @@ def test_designs_of_a_table_are_flagged_and_the_others_untouched(name):
         np.testing.assert_array_equal(function(values[None])[:, k], function(values[k : k + 1]))
         if FAR[k]:
             with pytest.raises(InputError, match=r"write (0 or )?a magnitude (of|below)"):
-                fl.sweep("planar_4r", GIVEN | {name: float(value)}, OUTPUTS, branch=(1, 2))
+                sweep_4r(GIVEN | {name: float(value)}, OUTPUTS)
     given = {"theta1": 1.0, **GIVEN, name: values}
     allowed = fl.evaluate("planar_4r", ["status", "F32"], allow_invalid=True, **given)
     np.testing.assert_array_equal(allowed["status"], found.status)
@@ -66,23 +62,21 @@ def test_designs_of_a_table_are_flagged_and_the_others_untouched(name):
 
 def test_axes_columns_by_number_and_fixed_values():
     speeds = [1e-100, 1.0, 2.0]
-    swept = fl.sweep("planar_4r", fl.grid(**DESIGN | {"omega1": speeds}), ["omega4_max"], branch=(1, 2))
+    swept = sweep_4r(fl.grid(**DESIGN | {"omega1": speeds}), ["omega4_max"])
     assert "scaling_axis" not in swept.attrs
     np.testing.assert_array_equal(np.isnan(swept.omega4_max).all("branch"), [True, False, False])
     sampled = fl.sobol(a2=(1.0, 2.0**82), n=64, seed=1, **{k: v for k, v in DESIGN.items() if k != "a2"})
-    found = fl.sweep("planar_4r", sampled, ["omega4_max"], branch=(1, 2))
+    found = sweep_4r(sampled, ["omega4_max"])
     np.testing.assert_array_equal(found.status == 6, found.a2 >= MOST)
     with pytest.raises(InputError, match=r"a1 is 1e-200 .*write a magnitude of 8.3e-25 to 1.2e\+24 m"):
         fl.function("planar_4r", ["a2"], ["omega4_max"], a1=1e-200, a3=0.8, a4=1.0, omega1=25.0)
     with pytest.raises(InputError, match=r"links: density is 1e\+100"):
-        fl.sweep(
-            "planar_4r", DESIGN, ["F32_max"], links=fl.round_bar(density=1e100, radius=0.01), branch=(1, 2)
-        )
+        sweep_4r(DESIGN, ["F32_max"], links=fl.round_bar(density=1e100, radius=0.01))
 
 
 def test_verification_leaves_them_out(tmp_path):
     table = fl.table(DESIGN | {"a2": [1.2, 1e100, 1.3]})
-    found = fl.sweep("planar_4r", table, ["omega4_max"], to=tmp_path / "map.h5", verify=3, branch=(1, 2))
+    found = sweep_4r(table, ["omega4_max"], to=tmp_path / "map.h5", verify=3)
     assert found.attrs["verified_designs"] == 2
     assert found.omega4_max.attrs["verify_mismatches"] == 0
 

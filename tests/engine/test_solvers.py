@@ -4,6 +4,7 @@ from importlib import import_module
 
 import pytest
 from tests.support.study_files import written
+from tests.support.sweeps import sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.engine.resolve import resolve
@@ -39,7 +40,7 @@ def doors(mechanism, drives):
     options = {"input": drives, "solver": "dense"}
     study = written(STUDY.format(mechanism=mechanism, input=drives))
     return {
-        "sweep": lambda: fl.sweep(mechanism, fl.grid(), ["status"], **{"branch": (1, 2)} | options),
+        "sweep": lambda: sweep_both(mechanism, fl.grid(), ["status"], **options),
         "evaluate": lambda: fl.evaluate(mechanism, ["status"], **options),
         "function": lambda: fl.function(mechanism, ["x"], ["status"], **options),
         "study": lambda: fl.run(study),
@@ -73,21 +74,17 @@ def test_a_solver_that_a_mechanism_lacks_is_refused(mechanism, drives):
 
 def test_another_set_of_facts_is_no_solver():
     with pytest.raises(fl.InputError, match="solver: 'gravity' is unknown"):
-        fl.sweep("planar_4r", fl.grid(**LENGTHS), ["omega4"], solver="gravity", branch=(1, 2))
+        sweep_4r(fl.grid(**LENGTHS), ["omega4"], solver="gravity")
 
 
 @pytest.mark.parametrize("solver", ["eliminated", "dense"])
 @pytest.mark.parametrize(
     ("quantities", "depends"),
-    [
-        (["omega4_max", "grashof_class"], False),
-        (["F41_max", "theta4"], True),
-        (["shaking_moment_rms"], True),
-    ],
+    [(["omega4_max", "grashof_class"], False), (["F41_max", "theta4"], True), (["shaking_moment_rms"], True)],
 )
 def test_the_solver_is_recorded_where_a_result_depends_on_it(quantities, depends, solver):
     options = {"links": BAR, "angles": 8, "extrema": "sampled", "solver": solver}
-    maps = fl.sweep("planar_4r", fl.grid(**LENGTHS), quantities, **{"branch": (1, 2)} | options)
+    maps = sweep_4r(fl.grid(**LENGTHS), quantities, **options)
     assert maps.attrs.get("solver") == (solver if depends else None)
 
 

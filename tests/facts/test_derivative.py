@@ -7,14 +7,8 @@ import mpmath as mp
 import numpy as np
 import pytest
 import xarray as xr
-from tests.support.configurations import (
-    DIGITS,
-    LENGTHS,
-    PLANAR,
-    masses_and_points,
-    random_lengths,
-    reference,
-)
+from tests.support.configurations import DIGITS, LENGTHS, PLANAR, masses_and_points, random_lengths, reference
+from tests.support.sweeps import sweep_4r
 from tests.support.toys import toy
 
 import fastlink as fl
@@ -149,7 +143,7 @@ def test_a_sweep_has_the_bits_of_evaluate():
     a1 = np.linspace(0.3, 2.0, 7)
     space = fl.grid(a1=a1, a2=1.4, a3=1.1, a4=1.3, **values)
     theta = np.linspace(0.1, 6.0, 40)
-    swept = fl.sweep("planar_4r", space, names, theta1=theta, threads=1, branch=(1, 2))
+    swept = sweep_4r(space, names, theta1=theta, threads=1)
     given = {"a1": xr.DataArray(a1, dims="a1"), "theta1": xr.DataArray(theta, dims="theta1")}
     given["branch"] = xr.DataArray([1, 2], dims="branch")
     plain = fl.evaluate("planar_4r", names, a2=1.4, a3=1.1, a4=1.3, **values, **given)
@@ -163,7 +157,7 @@ def test_a_sweep_has_the_bits_of_evaluate():
 def test_what_is_taken_over_the_cycle_and_labels():
     space = fl.grid(a1=0.4, a2=[1.0, 1.1], a3=0.9, a4=1.2, omega1=3.0)
     names = ["d_omega4_d_a1", "d_omega4_d_a1_max", "theta1_at_d_omega4_d_a1_max", "d_omega4_d_a1_rms"]
-    result = fl.sweep("planar_4r", space, names, theta1=90, extrema="sampled", branch=(1, 2))
+    result = sweep_4r(space, names, theta1=90, extrema="sampled")
     curve = result["d_omega4_d_a1"]
     np.testing.assert_array_equal(result["d_omega4_d_a1_max"], curve.max("theta1"))
     np.testing.assert_array_equal(result["theta1_at_d_omega4_d_a1_max"], curve.idxmax("theta1"))

@@ -8,13 +8,10 @@ import mpmath as mp
 import numpy as np
 import pytest
 from tests.support import configurations
-from tests.support.configurations import (
-    LENGTHS,
-    PLANAR,
-    lengths_and_angles,
-)
+from tests.support.configurations import LENGTHS, PLANAR, lengths_and_angles
 from tests.support.precision import Truth, in_every_mode, plain
 from tests.support.registry import ENTRIES
+from tests.support.sweeps import sweep_4r, sweep_both
 from tests.support.toys import toy
 
 import fastlink as fl
@@ -43,10 +40,7 @@ LAWS = {
     "product": (lambda x, y, e, f: bounds.of_product(abs(x), abs(y), e, f), lambda x, y: x * y),
     "quotient": (lambda x, y, e, f: bounds.of_quotient(abs(x / y), abs(y), e, f), lambda x, y: x / y),
     "root": (lambda x, y, e, f: bounds.of_root(abs(x), np.sqrt(abs(x)), e), lambda x, y: mp.sqrt(abs(x))),
-    "direction": (
-        lambda x, y, e, f: bounds.of_direction(abs(y), abs(x), f, e),
-        lambda x, y: mp.atan2(y, x),
-    ),
+    "direction": (lambda x, y, e, f: bounds.of_direction(abs(y), abs(x), f, e), lambda x, y: mp.atan2(y, x)),
     "logarithm": (lambda x, y, e, f: bounds.of_logarithm(abs(x), e), lambda x, y: mp.log(abs(x))),
 }
 
@@ -218,7 +212,7 @@ def swept():
     for name, (inputs, options, names) in SWEPT.items():
         asked = [x for quantity in names for x in (quantity, f"{quantity}_error", f"{quantity}_trust")]
         asked += [f"{names[0]}_error_max", f"{MECHANISMS[name].position.name}_at_{names[0]}_error_max"]
-        found[name] = fl.sweep(name, fl.grid(**inputs), asked, **{"branch": (1, 2)} | options)
+        found[name] = sweep_both(name, fl.grid(**inputs), asked, **options)
     return found
 
 
@@ -296,13 +290,7 @@ def test_what_has_no_bound_is_refused_in_one_line():
         ("Z0_error", "'Z0' is unknown"),
     ):
         with pytest.raises(InputError, match=about):
-            fl.sweep(
-                "planar_4r",
-                fl.grid(a1=0.3, a2=1.2, a3=0.8, a4=1.0, omega1=25.0),
-                [name],
-                angles=8,
-                branch=(1, 2),
-            )
+            sweep_4r(fl.grid(a1=0.3, a2=1.2, a3=0.8, a4=1.0, omega1=25.0), [name], angles=8)
     with pytest.raises(InputError, match="a linear system determines"):
         fl.evaluate("planar_4r", ["T41_error"], theta1=1.0, solver="dense", a1=0.3)
 

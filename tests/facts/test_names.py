@@ -175,13 +175,13 @@ def test_what_varies_is_told_by_the_plain_part():
 
 def test_what_a_name_is_made_of_in_the_end():
     catalogue = find_catalogue("planar_4r")
-    for name in (
+    for name in [
         "omega4_max_error",
         "d_omega4_max_d_a1",
         "theta1_at_omega4_min",
         "omega4_error_extrema",
         "omega4",
-    ):
+    ]:
         assert innermost(name, catalogue) == "omega4"
 
 

@@ -22,10 +22,9 @@ import fastlink as fl
 from tests.hostile import doings, objects
 from tests.hostile.doors import DOORS, Door
 from tests.hostile.judge import attempt, judged
-from tests.hostile.lines import command_lines
-from tests.hostile.studies import ROOT, SMALL, studies
-from tests.hostile.tables import tables
+from tests.hostile.texts import ROOT, SMALL, command_lines, studies, tables
 from tests.hostile.values import EITHER, REFUSED, TAKEN, Value
+from tests.support.sweeps import sweep_4r, sweep_both
 
 
 class Case(NamedTuple):
@@ -103,10 +102,8 @@ def namespace() -> dict[str, Any]:
     bars = fl.round_bar(density=7750.0, radius=0.01)
     options: dict[str, Any] = {"angles": 8, "threads": 1}
     to_file = options | {"overwrite": True, "verify": 0}
-    fl.sweep("planar_4r", space, ["omega4_max"], to="maps.h5", **{"branch": (1, 2)} | to_file).close()
-    fl.sweep(
-        "planar_4r", space, ["omega4_max"], to="part.h5", part=(1, 1), **{"branch": (1, 2)} | to_file
-    ).close()
+    sweep_4r(space, ["omega4_max"], to="maps.h5", **to_file).close()
+    sweep_4r(space, ["omega4_max"], to="part.h5", part=(1, 1), **to_file).close()
     focal = fl.grid(a=5.0, b=5.0, c=2.0, d=4.0, rho=1.0, completion=1)
     rates = [f"{name}_{end}" for name in ("shaking_force", "omega4") for end in ("max", "min")]
     rates += [f"theta1_at_{name}" for name in rates]
@@ -117,12 +114,12 @@ def namespace() -> dict[str, Any]:
         **dict(np=np, pd=pd, xr=xr, fl=fl, array=array.array, Decimal=Decimal, Fraction=Fraction, Path=Path),
         "SPACE": space,
         "BARS": bars,
-        "MAPS": fl.sweep("planar_4r", space, ["omega4_max"], **{"branch": (1, 2)} | options),
+        "MAPS": sweep_4r(space, ["omega4_max"], **options),
         "TORQUE": fl.sweep("planar_4r", space, ["T41_fluctuation"], links=bars, branch=1, **options),
         "RATES": fl.sweep("planar_4r", space, rates, links=bars, branch=1, threads=1),
-        "LINKAGES": fl.sweep("minkowski_4r", linkages, of_linkages, threads=1, branch=(1, 2)),
+        "LINKAGES": sweep_both("minkowski_4r", linkages, of_linkages, threads=1),
         "RAYS": fl.focal.involution(5.0, 5.0, 2.0, 4.0, 1.369, branch=2, x=2.0, y=0.4495),
-        "PATH": fl.sweep("focal", focal, ["T_x", "T_y"], phi=8, branch=(1, 2)),
+        "PATH": sweep_both("focal", focal, ["T_x", "T_y"], phi=8),
         "SPEED": fl.function(
             "planar_4r", ["a2", "a3"], ["omega4_max"], a1=0.4, a4=1.0, omega1=25.0, angles=8
         ),

@@ -15,7 +15,8 @@ from fastlink.app.cli import app
 from fastlink.app.study import read_study
 from fastlink.errors import InputError
 from tests.hostile.judge import complaint_about
-from tests.hostile.studies import meant
+from tests.hostile.texts import meant
+from tests.support.sweeps import sweep_4r
 
 USAGE = 2
 
@@ -45,11 +46,7 @@ def filled(space: Any, names: Any, start: Any, stop: Any, out: Any) -> Any:
 
 def swept(space: Any, **options: Any) -> Any:
     """Return a small map of some designs."""
-    return checked(
-        fl.sweep(
-            "planar_4r", space, ["theta4", "omega4_max"], angles=8, threads=1, **{"branch": (1, 2)} | options
-        )
-    )
+    return checked(sweep_4r(space, ["theta4", "omega4_max"], angles=8, threads=1, **options))
 
 
 def read(data: bytes) -> Any:

@@ -19,6 +19,7 @@ from numpy.testing import assert_array_equal
 from pyarrow import parquet
 from tests.support.map_files import digest, left_in, raising
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 from fastlink.io import checksums, convert, partial_file, where
@@ -42,7 +43,7 @@ WHOLE = {
 
 def sweep(space, path, **options):
     given = {"angles": 24, "verify": 8, "overwrite": True, "threads": 1} | options
-    fl.sweep("planar_4r", space, QUANTITIES, to=path, **{"branch": (1, 2)} | given).close()
+    sweep_4r(space, QUANTITIES, to=path, **given).close()
     return path
 
 
@@ -91,7 +92,7 @@ def assert_same(one, other):
             np.testing.assert_array_equal(one[name].attrs[key], value)
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("kind", "name"), [*(("grid", name) for name in WHOLE), ("sampled", "plain.h5"), ("sampled", "gzip.zarr")]
 )
@@ -169,7 +170,7 @@ def test_a_selection_is_that_of_xarray(grid, name):
 ONE = {"a1": "#1", "a2": "#2", "theta1": "#3", "branch": "1"}
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("name", "ending"), [("several", "h5"), ("several", "zarr"), ("a constant", "h5")])
 def test_a_part_counts_its_own_designs(grid, tmp_path, small_blocks, name, ending):
     given, indexers = SELECTIONS[name]
@@ -209,7 +210,7 @@ def test_a_map_of_too_many_rows_for_excel_is_refused(grid, tmp_path, monkeypatch
     assert left_in(tmp_path) == []
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["one.h5", "gzip.h5", "one.zarr", "one.csv", "one.parquet", "one.xlsx"])
 def test_a_single_configuration_is_converted(grid, tmp_path, name):
     path = converted(grid, tmp_path / name, select=ONE)
@@ -237,7 +238,7 @@ def test_columns_select_designs(sampled, tmp_path, small_blocks):
     assert part.design_kind == "table"
     assert not [name for name in part.attrs if name.startswith("design_") and name != "design_kind"]
     assert (part.source_design_kind, part.source_design_n) == ("sobol", 32)
-    again = fl.sweep("planar_4r", part.fastlink.designs, QUANTITIES, angles=24, branch=(1, 2))
+    again = sweep_4r(part.fastlink.designs, QUANTITIES, angles=24)
     assert_array_equal(again.theta4, part.theta4)
 
 
@@ -366,7 +367,7 @@ def test_all_problems_are_said_together(grid, tmp_path):
     assert len(caught.value.problems) == 4
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["out.h5", "out.nc", "out.zarr", "out.csv", "out.parquet", "out.xlsx"])
 def test_what_exists_is_replaced_only_by_overwrite(grid, sampled, tmp_path, name):
     path = fl.convert(grid, tmp_path / name, quantities=["theta4"])
@@ -397,7 +398,7 @@ def test_the_map_itself_and_other_folders_are_not_replaced(grid, tmp_path):
     assert (tmp_path / "out.zarr.part" / "thesis.txt").read_text() == "years"
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["out.h5", "z.h5", "out.zarr", "out.csv", "out.parquet", "out.xlsx"])
 @pytest.mark.parametrize("fault", [KeyboardInterrupt, OSError(errno.ENOSPC, "No space left on device")])
 def test_what_fails_leaves_nothing_and_touches_nothing(
@@ -576,9 +577,7 @@ def test_a_partial_file_of_a_sweep_is_kept(grid, tmp_path, monkeypatch):
     space = fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0)
     monkeypatch.setattr(partial_file, "publish", raising(errno.EIO))
     with refused("to"):
-        fl.sweep(
-            "planar_4r", space, ["transmission_angle_min"], to=tmp_path / "m.h5", verify=0, branch=(1, 2)
-        )
+        sweep_4r(space, ["transmission_angle_min"], to=tmp_path / "m.h5", verify=0)
     monkeypatch.undo()
     assert left_in(tmp_path) == ["m.h5.part", "m.h5.part.journal"]
     for options in ({}, {"compress": "gzip"}):
@@ -622,14 +621,14 @@ def test_designs_are_read_back_from_a_table(grid, tmp_path):
     space = fl.table(path)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", fl.InputWarning)  # of results that are left out
-        again = fl.sweep("planar_4r", space, ["theta4_max"], branch=(1, 2))
-    straight = fl.sweep("planar_4r", whole(grid).fastlink.designs, ["theta4_max"], branch=(1, 2))
+        again = sweep_4r(space, ["theta4_max"])
+    straight = sweep_4r(whole(grid).fastlink.designs, ["theta4_max"])
     assert_array_equal(again.theta4_max.values.reshape(-1), straight.theta4_max.values.reshape(-1))
 
 
 def test_a_table_has_one_kind_of_rows(tmp_path):
     space = fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0, omega1=25.0)
-    maps = fl.sweep("planar_4r", space, ["theta4", "omega4_extrema"], angles=8, branch=(1, 2))
+    maps = sweep_4r(space, ["theta4", "omega4_extrema"], angles=8)
     with refused("quantities", "choose"):
         fl.convert(maps, tmp_path / "out.csv")
     fl.convert(maps, tmp_path / "out.csv", quantities=["theta4"])
@@ -638,7 +637,7 @@ def test_a_table_has_one_kind_of_rows(tmp_path):
 
 def test_names_of_designs_come_along(tmp_path):
     table = {"name": ['crank, "A"', "b", "ü"], "a1": [0.4, 0.5, 0.6], "a2": 1.2, "a3": 0.8, "a4": 1.0}
-    maps = fl.sweep("planar_4r", fl.table(table), ["transmission_angle_min"], branch=(1, 2))
+    maps = sweep_4r(fl.table(table), ["transmission_angle_min"])
     names = maps["name"].values.tolist()
     for ending in ("h5", "nc", "zarr"):
         path = fl.convert(maps, tmp_path / f"out.{ending}", compress="gzip", select={"name": "b"})
@@ -687,7 +686,7 @@ def test_memory_does_not_grow_with_the_map(tmp_path, monkeypatch, name):
     as fit: 4 blocks are enough, and what is not of a size with the map: labels, HDF5's and Python's own.
     """
     space = fl.grid(a1=np.linspace(0.3, 0.5, 30), a2=np.linspace(1.1, 1.2, 30), a3=0.8, a4=1.0)
-    maps = fl.sweep("planar_4r", space, ["theta4"], angles=100, to=tmp_path / "m.h5", verify=0, branch=(1, 2))
+    maps = sweep_4r(space, ["theta4"], angles=100, to=tmp_path / "m.h5", verify=0)
     block = 1 << 16
     monkeypatch.setattr(convert, "BLOCK_BYTES", block)
     monkeypatch.setattr(convert, "CHUNK_BYTES", block // 4)
@@ -722,9 +721,7 @@ def test_levels_are_those_of_the_libraries():
 def test_inputs_of_many_designs_are_read_block_by_block(tmp_path, monkeypatch, name, options):
     """To the result that a few have."""
     space = fl.sobol(40, seed=1, a1=(0.3, 0.5), a2=(1.0, 1.3), a3=0.8, a4=1.0)
-    maps = fl.sweep(
-        "planar_4r", space, ["transmission_angle_min"], to=tmp_path / "maps.h5", verify=0, branch=(1, 2)
-    )
+    maps = sweep_4r(space, ["transmission_angle_min"], to=tmp_path / "maps.h5", verify=0)
     few, many = tmp_path / name, tmp_path / f"many-{name}"
     options |= {"select": {"design": "#3:30"}}
     fl.convert(maps, few, **options)
@@ -764,7 +761,7 @@ OF_STRANGERS = {
 def test_values_labels_and_attributes_that_are_no_numbers_are_refused(tmp_path, name):
     values, ending = OF_STRANGERS[name], ".csv" if name in ("dates", "bytes", "truths") else ".h5"
     space = fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0)
-    maps = fl.sweep("planar_4r", space, ["grashof_class"], verify=0, branch=(1, 2))
+    maps = sweep_4r(space, ["grashof_class"])
     with_others = [
         maps.assign(other=("a2", values)),
         maps.assign_coords(other=("a2", values)),

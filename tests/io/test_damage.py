@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
+import os
 import shutil
 import warnings
+import zlib
 from collections import Counter
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -12,12 +15,13 @@ import h5py
 import numpy as np
 import pytest
 import xarray as xr
-from tests.io.test_faults import failing_after, sweep
-from tests.support.map_files import left_in
+from tests.io.test_faults import sweep
+from tests.support.map_files import SPACES, Sample, failing_after, left_in
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
-from fastlink.io import partial_file
+from fastlink.io import checksums, partial_file
 from fastlink.io.checksums import SIGNATURE, Stored, seal_is_broken
 from fastlink.io.reader import open_map
 
@@ -185,10 +189,10 @@ def sealed(tmp_path_factory):
     space = fl.grid(a1=0.4, a2=np.linspace(1.0, 1.4, 7), a3=[0.6, 0.8], a4=1.0, omega1=25.0)
     quantities = ["omega4_max", "omega4_extrema"]
     found = {name: folder / f"{name}.h5" for name in ("map", "joined", "shown", "compressed")}
-    fl.sweep("planar_4r", space, quantities, to=found["map"], branch=(1, 2)).close()
+    sweep_4r(space, quantities, to=found["map"]).close()
     parts = [folder / f"part-{k}.h5" for k in (1, 2)]
     for k, part in enumerate(parts, 1):
-        fl.sweep("planar_4r", space, quantities, to=part, part=(k, 2), branch=(1, 2)).close()
+        sweep_4r(space, quantities, to=part, part=(k, 2)).close()
     fl.join(parts, to=found["joined"], copy=True).close()
     fl.join(parts, to=found["shown"]).close()
     fl.convert(found["map"], to=found["compressed"], compress="gzip")
@@ -264,7 +268,7 @@ def test_no_door_lets_hdf5_read_changed_labels(sealed, tmp_path):
             door()
     # what stands where a sweep is to write is no map, and is not replaced
     with pytest.raises(fl.InputError, match="and is not a map"):
-        fl.sweep("planar_4r", space, ["omega4_max"], to=path, branch=(1, 2))
+        sweep_4r(space, ["omega4_max"], to=path)
 
 
 @pytest.mark.parametrize("engine", ["h5netcdf", "netcdf4"])
@@ -348,3 +352,72 @@ def test_what_maps_of_strangers_do_not_hold_themselves_is_not_read(tmp_path, kin
         with refused(str(path.name)):
             doors[name]()
     assert left_in(tmp_path) == ["m.h5", "secret.h5"]
+
+
+# == A byte that changes in a map is found ===================================================================
+
+
+def test_a_sum_of_pieces_in_any_order_is_the_crc_of_the_block():
+    rng = np.random.default_rng(0)
+    nbytes = 2 * checksums.BLOCK_BYTES + 12_345
+    data = memoryview(rng.bytes(nbytes))
+    cuts = [0, *sorted(map(int, rng.integers(0, nbytes, 30))), nbytes]
+    pieces = list(itertools.pairwise(cuts))
+    rng.shuffle(pieces)
+    sums = {}
+    for start, stop in pieces:
+        checksums.add(sums, checksums.of_pieces([(int(start), data[start:stop])], nbytes))
+    expected = [
+        zlib.crc32(data[k : k + checksums.BLOCK_BYTES]) for k in range(0, nbytes, checksums.BLOCK_BYTES)
+    ]
+    assert [sums[k] for k in range(3)] == expected
+
+
+@pytest.mark.parametrize("space", SPACES.values(), ids=SPACES)
+def test_checksums_are_read_without_fastlink(tmp_path, space, small_blocks):
+    """As the attribute `algorithm` says."""
+    path = Sample(space).save(tmp_path / "m.h5")
+    assert fl.check(path)
+    whole = bytearray(path.read_bytes())
+    with h5py.File(path) as file:
+        group = file["checksums"]
+        size, names = int(group.attrs["block_bytes"]), group.attrs["variables"].split()
+        values = [file[name][()].tobytes() for name in names]
+        places = [(file[name].id.get_offset(), file[name].nbytes) for name in names]
+        said, rest, at = group["values"][:], group["rest"][0], group["rest"].id.get_offset()
+    assert said.tolist() == [zlib.crc32(v[k : k + size]) for v in values for k in range(0, len(v), size)]
+    whole[at : at + 4] = bytes(4)
+    for offset, nbytes in sorted(places, reverse=True):
+        del whole[offset : offset + nbytes]
+    assert rest == zlib.crc32(whole)
+
+
+def test_what_has_changed_is_told(tmp_path, small_blocks):
+    path = tmp_path / "m.h5"
+    sweep(path).close()
+    assert str(fl.check(path)).endswith("is as it was written")
+    with h5py.File(path, "r+") as file:
+        start = file["theta4"].id.get_offset()
+        file["theta4"].attrs["units"] = "deg"
+    with open(path, "r+b") as file:
+        file.seek(start + 300)
+        file.write(b"changed!")
+    found = fl.check(path)
+    assert not found
+    assert (found.damaged, found.rest_is_intact) == ({"theta4": [(32, 63)]}, False)
+    assert "values of theta4 have changed, between number 32 and 63" in str(found)
+
+
+def test_a_file_without_checksums_is_refused(tmp_path):
+    path = Sample().save(tmp_path / "m.h5")
+    with h5py.File(path, "r+") as file:
+        del file["checksums"]
+    with refused("m.h5", "write it again"):
+        fl.check(path)
+
+
+@pytest.mark.skipif(not os.path.exists("/proc/self/mem"), reason="of Linux")
+def test_a_file_that_cannot_be_read_is_refused_in_the_words_of_the_system():
+    """HDF5 adds the time and an address, which differ from call to call."""
+    with refused("cannot be read (Input/output error)", "give a map that a sweep has written"):
+        fl.check("/proc/self/mem")

@@ -18,8 +18,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 from tests.support.faults import CODES, FAULTS, Outcome, Trials, library
-from tests.support.map_files import Sample, digest, left_in, raising
+from tests.support.map_files import Sample, digest, failing_after, left_in, raising
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 from fastlink import machine
@@ -32,12 +33,10 @@ COUPLERS = np.linspace(1.0, 1.4, 64)
 
 
 def sweep(to, **options):
-    return fl.sweep(
-        "planar_4r",
+    return sweep_4r(
         fl.grid(a1=0.4, a2=COUPLERS, a3=0.8, a4=1.0, omega1=2.0),
         ["omega4_max", "theta4"],
         **{"theta1": 8, "block": 8, "threads": 1, "verify": 1, "to": to, **options},
-        branch=(1, 2),
     )
 
 
@@ -114,19 +113,6 @@ def test_a_whole_map_without_its_name_is_refused_to_another_request(tmp_path):
 
 
 # --- nothing noted is lost -------------------------------------------------------------------------
-
-
-def failing_after(patch, count, error):
-    """Let the block after so many raise."""
-    record = writer.Writer.record
-
-    def counted(self, start, stop, seen=[0]):  # noqa: B006
-        record(self, start, stop)
-        seen[0] += 1
-        if seen[0] == count:
-            raise error
-
-    patch.setattr(writer.Writer, "record", counted)
 
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt(), OSError(errno.EIO, "I/O")])

@@ -16,6 +16,7 @@ import pytest
 from numpy.testing import assert_array_equal
 from tests.support.map_files import left_in
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 from fastlink.io.convert import Source
@@ -28,7 +29,7 @@ def sweep(to, **options):
     """Make a map of some 500 kB."""
     space = fl.grid(a1=0.4, a2=COUPLERS, a3=[0.7, 0.8], a4=1.0, omega1=2.0)
     given = {"theta1": 90, "block": 16, "threads": 1, "verify": 0, "to": to, **options}
-    return fl.sweep("planar_4r", space, ["omega4_max", "theta4"], **{"branch": (1, 2)} | given)
+    return sweep_4r(space, ["omega4_max", "theta4"], **given)
 
 
 class Disk:

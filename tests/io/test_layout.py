@@ -1,23 +1,32 @@
 """The two layouts of a map: the same numbers, in other places."""
 
 import itertools
+import sys
 from dataclasses import replace
+from types import SimpleNamespace
 
 import h5py
+import netCDF4
 import numpy as np
 import pytest
+import xarray as xr
 from numpy.testing import assert_array_equal
 from tests.support.refusals import refused
 from tests.support.study_files import BARE
+from tests.support.sweeps import sweep_4r, sweep_both
 from typer.testing import CliRunner
 
 import fastlink as fl
 from fastlink.app.cli import app
 from fastlink.engine.resolve import resolve
 from fastlink.engine.sinks import designs_per_block, needs_of
+from fastlink.engine.sweep import Evaluation
 from fastlink.io import checksums
-from fastlink.io.layout import Placement
+from fastlink.io.layout import Placement, Variable, assemble, coordinates, plain_attrs
+from fastlink.io.output_path import progress_bar
 from fastlink.pictures.maps import select
+from fastlink.space.samplers import grid
+from fastlink.space.tables import table
 
 LENGTHS = {"a1": 0.4, "a2": np.linspace(1.0, 1.4, 13), "a3": np.linspace(0.6, 1.0, 7), "a4": 1.0}
 SPEEDS = {"omega1": np.array([1.0, 5.0, 25.0])}
@@ -121,21 +130,16 @@ def test_a_study_and_the_command_line_choose_the_layout(tmp_path):
 def test_functions_of_maps_read_both_layouts(tmp_path):
     space = fl.grid(a=np.linspace(4.5, 5.5, 3), b=5.0, c=2.0, d=4.0, rho=1.0, completion=1)
     given = {"input": "sigma", "sigma": np.linspace(3.3, 6.0, 9), "verify": 0, "to": tmp_path / "curves.h5"}
-    curves = fl.sweep("focal", space, ["T_x", "T_y"], **{"branch": (1, 2)} | given)
-    maps = fl.sweep(
-        "focal",
-        space,
-        ["T_x", "T_y"],
-        **{"branch": (1, 2)} | given | {"layout": "maps", "to": tmp_path / "maps.h5"},
+    curves = sweep_both("focal", space, ["T_x", "T_y"], **given)
+    maps = sweep_both(
+        "focal", space, ["T_x", "T_y"], **given | {"layout": "maps", "to": tmp_path / "maps.h5"}
     )
     with curves, maps:
         deviations = [fl.focal.T_deviation(one) for one in (maps, curves)]
         assert_array_equal(deviations[0].transpose(*deviations[1].dims), deviations[1])
         best = [one.fastlink.top(4, "T_x").drop_attrs() for one in (maps, curves)]
         assert best[0].equals(best[1])
-        again = fl.sweep(
-            "focal", maps.fastlink.designs, ["T_x"], input="sigma", sigma=given["sigma"], branch=(1, 2)
-        )
+        again = sweep_both("focal", maps.fastlink.designs, ["T_x"], input="sigma", sigma=given["sigma"])
         assert_array_equal(again.T_x, curves.T_x)
         drawn = [select(one, "T_x", 1, {"sigma": 4.0}).variable for one in (maps, curves)]
         assert_array_equal(drawn[0].transpose(*drawn[1].dims), drawn[1])
@@ -184,3 +188,173 @@ def test_checksums_of_many_pieces_are_those_of_one_by_one():
     for piece in pieces:
         checksums.add(one_by_one, checksums.of_pieces([piece], nbytes))
     assert together == one_by_one
+
+
+# == Coordinates that are computed block by block are written so: equal to those in memory ===================
+
+FIXED = {"a1": 0.4, "a4": 1.0}
+NAMES_COMPUTED = ["omega4_max", "transmission_angle_min"]
+GRID = fl.grid(a2=np.linspace(1.0, 1.4, 30), a3=np.linspace(0.6, 1.0, 40), omega1=2.0, **FIXED)
+TABLE = fl.table(
+    {"a2": np.linspace(1.0, 1.4, 900), "a3": 0.8, "maker": [f"No. {k}" for k in range(900)], **FIXED}
+)
+SPACES_COMPUTED = {
+    "of a grid": GRID.consecutive(100, 700),
+    "of a table with texts": TABLE.with_constants({"omega1": 2.0}).consecutive(10, 610),
+    "with a scaling axis": TABLE.consecutive(100, 500).with_axis("omega1", [1.0, 2.5, 7.0]),
+    "with an axis": fl.grid(a2=np.linspace(1.0, 1.4, 500), omega1=2.0, **FIXED)
+    .consecutive(100, 400)
+    .with_axis("a3", [0.7, 0.8]),
+}
+
+
+def sweep_computed(space, **options):
+    return sweep_4r(space, NAMES_COMPUTED, **{"verify": 1, "block": 16, "threads": 2, **options})
+
+
+def without_times(maps):
+    times = ("time", "per_second", "fingerprint", "threads", "history")
+    attrs = {name: value for name, value in maps.attrs.items() if not any(word in name for word in times)}
+    return maps.assign_attrs(attrs).drop_attrs(deep=False).assign_attrs(attrs)
+
+
+@pytest.mark.parametrize("space", SPACES_COMPUTED.values(), ids=SPACES_COMPUTED)
+def test_a_file_is_equal_to_the_result_in_memory(tmp_path, space):
+    path = tmp_path / "m.h5"
+    expected = sweep_computed(space)
+    with sweep_computed(space, to=path) as maps:
+        xr.testing.assert_identical(without_times(maps), without_times(expected))
+    assert fl.check(path)
+    with netCDF4.Dataset(path) as file:
+        for name, coord in expected.coords.items():
+            assert file[name].dimensions == coord.dims
+            assert_array_equal(file[name][...], coord.values)
+            assert all(file[name].getncattr(key) == value for key, value in coord.attrs.items())
+    with sweep_computed(space, to=path) as again:  # the same request: the file is opened as it is
+        assert again.attrs["fingerprint"] == fl.open(path).attrs["fingerprint"]
+
+
+def test_every_value_is_written_once_whatever_the_blocks():
+    rng = np.random.default_rng(0)
+    for rows, shared in [(100, 1), (100, 2), (12, 3), (7, 7)]:
+        placement = Placement(rows, 1, 8, by_value=False, shared=shared)
+        cuts = [0, *np.sort(rng.integers(0, rows, 6)).tolist(), rows]
+        found = [k for start, stop in itertools.pairwise(cuts) for k in range(*placement.own(start, stop))]
+        assert found == list(range(rows // shared))
+        for k in found:
+            ((first, last),) = placement.rows_in(8 * k, 8 * k + 8)
+            assert placement.pieces(first, last) == [(8 * k, 8)]
+
+
+def test_a_file_needs_no_memory_for_them():
+    axis = np.linspace(1.0, 1.2, 2155)  # 2155^3 > 10^10
+    space = fl.grid(a2=axis, a3=axis - 0.3, a4=axis, a1=0.4)
+    part = space.consecutive(10**9, 9 * 10**9)
+    resolved = resolve("planar_4r", part, ["grashof_class"], branch=(1, 2))
+    evaluation = Evaluation(resolved, {}, 2, None, 0, in_memory=False)
+    assert sum(variable.nbytes for variable, _ in evaluation.columns) == 8 * 10**9 * 8 * 4
+    assert "a2" not in evaluation._coordinates()
+    assert "design" not in evaluation._coordinates()
+
+
+# == Labels: coordinates of every kind of design space, and the Dataset of a sweep in memory =================
+
+METRE = {"units": "m", "long_name": "length", "symbol": "a"}
+DESCRIBED = dict.fromkeys(["a1", "a2", "a3", "a4"], METRE)
+BRANCH = {"branch": (("branch",), np.array([1, 2], dtype="i1"), {"long_name": "assembly mode"})}
+
+
+def test_a_grid_has_axes_as_index_coordinates_and_constants_as_scalars():
+    coords = coordinates(grid(a1=0.4, a2=[1.0, 2.0], a3=[3.0, 4.0, 5.0]), DESCRIBED, BRANCH)
+    assert dict(coords.sizes) == {"a2": 2, "a3": 3, "branch": 2}
+    assert set(coords.indexes) == {"a2", "a3", "branch"}
+    assert not coords.data_vars
+    assert_array_equal(coords["a3"], [3.0, 4.0, 5.0])
+    assert coords["a1"].dims == ()
+    assert float(coords["a1"]) == 0.4
+    assert coords["a1"].attrs == coords["a2"].attrs == METRE
+    assert coords["branch"].attrs == {"long_name": "assembly mode"}
+    assert coords.attrs == {"design_kind": "grid"}
+
+
+def test_a_table_has_its_columns_along_design():
+    coords = coordinates(table({"a1": [0.4, 0.4, 0.6], "a4": 1.0}), DESCRIBED, {})
+    assert dict(coords.sizes) == {"design": 3}
+    assert set(coords.indexes) == {"design"}
+    assert coords["design"].dtype.kind == "i"
+    assert_array_equal(coords["design"], [0, 1, 2])
+    assert coords["a1"].dims == ("design",)
+    assert_array_equal(coords["a1"], [0.4, 0.4, 0.6])
+    assert coords["a1"].attrs == METRE
+    assert coords.attrs == {"design_kind": "table"}
+
+
+def test_a_further_coordinate_does_not_hide_an_input():
+    with pytest.raises(ValueError, match="'a1' is an input of the design space already"):
+        coordinates(grid(a1=0.4), DESCRIBED, {"a1": ((), np.array(1.0), {})})
+
+
+def test_assemble_refuses_what_does_not_fit():
+    coords = coordinates(grid(a1=0.4, a2=[1.0, 2.0]), DESCRIBED, {})
+
+    def attempt(name, dims, shape, dtype="f8"):
+        assemble(
+            coords, [Variable(name, dims, shape, np.dtype("f8"), {})], {name: np.zeros(shape, dtype)}, {}
+        )
+
+    attempt("x", ("a2",), (2,))
+    with pytest.raises(ValueError, match="x: 3 along 'a2', its coordinate 2"):
+        attempt("x", ("a2",), (3,))
+    with pytest.raises(ValueError, match="x: 2 along 'branch', its coordinate None"):
+        attempt("x", ("branch",), (2,))
+    with pytest.raises(ValueError, match="a1: a coordinate has that name"):
+        attempt("a1", ("a2",), (2,))
+    with pytest.raises(TypeError, match="x: values are float32, not float64"):
+        attempt("x", ("a2",), (2,), "f4")
+
+
+def test_a_variable_knows_its_size_and_checks_itself():
+    assert Variable("x", ("a", "b"), (3, 5), np.dtype("f4"), {}).nbytes == 60
+    assert Variable("x", (), (), np.dtype("f8"), {}).nbytes == 8
+    with pytest.raises(ValueError, match=r"x: dimensions \('a',\) but shape \(3, 5\)"):
+        Variable("x", ("a",), (3, 5), np.dtype("f8"), {})
+    with pytest.raises(TypeError, match="x: dtype bool is neither integer nor floating point"):
+        Variable("x", ("a",), (3,), np.dtype(bool), {})
+
+
+def test_attributes_are_plain():
+    plain = plain_attrs({"t": "text", "b": True, "n": np.int8(3), "f": 0.5, "l": [1, 2]})
+    assert {name: type(value) for name, value in plain.items()} == {
+        "t": str,
+        "b": int,
+        "n": np.int8,
+        "f": float,
+        "l": np.ndarray,
+    }
+
+
+@pytest.mark.parametrize("value", [None, {"a": 1}, [], ["a", "b"], [[1, 2]], b"bytes"])
+def test_other_attributes_are_refused(value):
+    with pytest.raises(
+        TypeError, match=r"attribute 'x': .* is neither text nor a number nor a list of numbers"
+    ):
+        plain_attrs({"x": value})
+
+
+# == Where a progress bar is shown ===========================================================================
+
+
+class ZMQInteractiveShell:
+    """Stands for the shell of a notebook."""
+
+
+@pytest.mark.parametrize("shell", [None, SimpleNamespace(), ZMQInteractiveShell()])
+def test_a_notebook_has_a_bar_without_being_asked(shell, monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
+    bar = progress_bar(10, " designs", None)
+    assert (bar is not None) == isinstance(shell, ZMQInteractiveShell)
+    if bar is not None:
+        bar.update(10)
+        bar.close()
+        assert "10.0/10.0" in "".join(capsys.readouterr())
+    assert progress_bar(10, " designs", False) is None

@@ -10,6 +10,7 @@ import netCDF4
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
+from tests.support.sweeps import sweep_4r, sweep_both
 
 import fastlink as fl
 
@@ -29,28 +30,26 @@ def folder(tmp_path_factory):
 @pytest.fixture(scope="module")
 def grid(folder):
     path, options = folder / "grid.nc", {"angles": 12, "verify": 1}
-    fl.sweep("planar_4r", fl.grid(**LINKS), CURVES, to=path, **{"branch": (1, 2)} | options).close()
+    sweep_4r(fl.grid(**LINKS), CURVES, to=path, **options).close()
     return path
 
 
 def by_positions(folder, grid):
     path = folder / "by_positions.nc"
-    fl.sweep(
-        "planar_4r", fl.grid(**LINKS), CURVES, angles=12, verify=0, layout="maps", to=path, branch=(1, 2)
-    ).close()
+    sweep_4r(fl.grid(**LINKS), CURVES, angles=12, verify=0, layout="maps", to=path).close()
     return path
 
 
 def sampled(folder, grid):
     path = folder / "sampled.nc"
     space = fl.sobol(8, a=(4.0, 5.0), b=5.0, c=2.0, d=4.0, rho=1.0, completion=1)
-    fl.sweep("focal", space, ["T_x", "F_y"], angles=8, verify=0, to=path, branch=(1, 2)).close()
+    sweep_both("focal", space, ["T_x", "F_y"], angles=8, verify=0, to=path).close()
     return path
 
 
 def named(folder, grid):
     path, table = folder / "named.nc", {"name": ["x", "y"], **LINKS, "a1": [0.4, 0.5], "a2": 1.1}
-    fl.sweep("planar_4r", fl.table(table), ["theta4_max"], verify=0, to=path, branch=(1, 2)).close()
+    sweep_4r(fl.table(table), ["theta4_max"], verify=0, to=path).close()
     return path
 
 

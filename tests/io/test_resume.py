@@ -2,23 +2,29 @@
 
 import errno
 import os
+import shutil
 import signal
 import subprocess
 import sys
+import time
+from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
-from tests.support.map_files import left_in, raising
+from tests.support.map_files import failing_after, flip, left_in, raising
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
+from fastlink.codegen.kernel import Kernel
 from fastlink.io import partial_file
 from fastlink.io.checksums import missing
+from fastlink.io.finished import WRITTEN
+from fastlink.io.layout import FINGERPRINT
 from fastlink.io.output_path import part_of
 from fastlink.io.partial_file import Journal, journal_of, read_journal
-from fastlink.io.writer import Writer
 
 COUPLERS, OUTPUTS = np.linspace(1.0, 1.4, 41), np.linspace(0.6, 1.0, 31)
 FIXED = {"a1": 0.4, "a4": 1.0}
@@ -51,22 +57,14 @@ RUNS = {
 def sweep(to, run="grid", **options):
     space, of_run = RUNS[run]
     given = {"theta1": 8, "block": 16, "threads": 1, "verify": 1, "branch": (1, 2), "to": to}
-    return fl.sweep("planar_4r", space, NAMES, **{"branch": (1, 2)} | given | of_run | options)
+    return sweep_4r(space, NAMES, **given | of_run | options)
 
 
 def interrupted(monkeypatch, path, records, **options):
     """Sweep until so many blocks are written; return the interrupt."""
-    record = Writer.record
-
-    def counted(self, start, stop, seen=[0]):  # noqa: B006
-        record(self, start, stop)
-        seen[0] += 1
-        if seen[0] == records:
-            raise KeyboardInterrupt
-
     with monkeypatch.context() as patched:
         patched.setattr(partial_file, "STEP_SECONDS", 0.0)
-        patched.setattr(Writer, "record", counted)
+        failing_after(patched, records, KeyboardInterrupt())
         with pytest.raises(KeyboardInterrupt) as caught:
             sweep(path, **options)
     assert not path.exists()
@@ -83,7 +81,7 @@ def assert_same(resumed, expected):
     assert all(resumed.attrs[name] == expected.attrs[name] for name in counts)
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("run", RUNS)
 def test_an_interrupted_run_goes_on(tmp_path, monkeypatch, run):
     path = tmp_path / "map.h5"
@@ -107,17 +105,12 @@ def test_an_interrupted_run_goes_on(tmp_path, monkeypatch, run):
     assert left_in(tmp_path) == ["map.h5", "whole.h5"]
 
 
-def flip(path, name, design, part):
-    """Change one bit of the first value that a file holds of a design."""
-    with h5py.File(part) as file:
+def place_of(path, name, design):
+    """Return where a file holds the first value of a design."""
+    with h5py.File(path) as file:
         data = file[name]
         a_design = data.nbytes // data.shape[0] if data.ndim == 1 or name != "theta4" else data.dtype.itemsize
-        place = data.id.get_offset() + design * a_design
-    with open(path, "r+b") as file:
-        file.seek(place)
-        byte = file.read(1)
-        file.seek(place)
-        file.write(bytes([byte[0] ^ 1]))
+        return data.id.get_offset() + design * a_design
 
 
 @pytest.mark.parametrize(
@@ -133,14 +126,14 @@ def test_what_has_changed_of_a_partial_file_is_computed_again(tmp_path, monkeypa
     path = tmp_path / "map.h5"
     interrupted(monkeypatch, path, 20, run=run)
     part = tmp_path / "map.h5.part"
-    flip(part, name, 20, part)
+    flip(part, place_of(part, name, 20))
     with pytest.warns(fl.InputWarning, match="designs have changed; they are computed again"):
         found = sweep(path, run)
     with found, sweep(None, run) as expected:
         assert 0 < found.attrs["designs_of_earlier_runs"] < found.status.size
         assert_same(found, expected)
     assert fl.check(path)
-    flip(path, name, 20, path)
+    flip(path, place_of(path, name, 20))
     assert list(fl.check(path).damaged) == [name]
 
 
@@ -278,3 +271,125 @@ def test_a_torn_record_ends_the_journal(tmp_path):
         else:
             assert found[1:] == (first if place > second else ([], {}))
     os.close(fd)
+
+
+# == A map that is there already: used where it is that of the request, else refused with what differs =======
+
+DESIGNS = {"a1": 0.4, "a2": np.array([1.1, 1.2]), "a3": 0.8, "a4": 1.0, "omega1": 2.0}
+REQUEST = {"mechanism": "planar_4r", "space": DESIGNS, "quantities": ["omega4"], "theta1": 12, "verify": 2}
+
+
+def swept(path, **changes):
+    request = {name: value for name, value in {**REQUEST, **changes}.items() if value is not None}
+    names = [request.pop(name) for name in ("mechanism", "space", "quantities")]
+    names[1] = names[1] if isinstance(names[1], fl.DesignSpace) else fl.grid(**names[1])
+    return fl.sweep(*names, to=path, **{"branch": (1, 2)} | request)
+
+
+@pytest.fixture(scope="module")
+def original(tmp_path_factory):
+    """Return the path of a finished map."""
+    path = tmp_path_factory.mktemp("finished") / "maps.h5"
+    swept(path).close()
+    return path
+
+
+@pytest.fixture
+def path(original, tmp_path):
+    """Return the path of a finished map of the test alone."""
+    return Path(shutil.copy2(original, tmp_path / "maps.h5"))
+
+
+@pytest.fixture
+def nothing_is_compiled(monkeypatch):
+    monkeypatch.setattr(Kernel, "compiled", lambda *_: pytest.fail("compiled"))
+
+
+@pytest.mark.parametrize("same", [{}, {"verify": 1, "threads": 1, "block": 1}])
+def test_the_same_request_opens_the_map(path, same, nothing_is_compiled):
+    before = path.stat()
+    with swept(path, **same) as maps:
+        assert maps.omega4.shape == (2, 2, 12)
+        assert maps.attrs[WRITTEN] == before.st_mtime_ns
+        assert len(maps.attrs[FINGERPRINT]) == 64
+    assert (path.stat().st_mtime_ns, path.stat().st_ino) == (before.st_mtime_ns, before.st_ino)
+
+
+@pytest.mark.parametrize(
+    ("change", "differs"),
+    [
+        ({"quantities": ["omega4", "theta4"]}, "quantities"),
+        ({"space": {**DESIGNS, "a3": np.nextafter(0.8, 1.0)}}, "a3"),
+        ({"theta1": 13}, "theta1"),
+        ({"branch": [2, 1]}, "branch"),
+        ({"attrs": {"project": "press"}}, "project"),
+        (
+            {
+                "mechanism": "focal",
+                "space": {"a": 2.0, "b": 3.0, "c": 4.0, "d": 5.0, "s": 1.0},
+                "quantities": ["m"],
+                "theta1": None,
+            },
+            "",
+        ),
+        ({"verify": 3, "space": {**DESIGNS, "a2": [1.1, 1.2, 1.3]}}, "a2"),
+    ],
+)
+def test_another_request_is_refused_with_what_differs(path, change, differs, nothing_is_compiled):
+    before = path.read_bytes()
+    with refused(
+        f"the file exists, a map {'with other ' + differs if differs else 'of planar_4r'}", "overwrite=True"
+    ):
+        swept(path, **change)
+    assert path.read_bytes() == before
+
+
+def test_long_attributes_are_compared_to_their_last_value(tmp_path):
+    values = np.arange(5000.0)
+    swept(tmp_path / "maps.h5", attrs={"weights": values}).close()
+    swept(tmp_path / "maps.h5", attrs={"weights": values}).close()
+    with refused("other weights"):
+        swept(tmp_path / "maps.h5", attrs={"weights": np.where(values == 2500.0, -1.0, values)})
+
+
+def test_a_table_that_changed_since_is_another_request(tmp_path):
+    path, table = tmp_path / "maps.h5", tmp_path / "designs.csv"
+    table.write_text("a1,a2\n0.4,1.1\n0.5,1.2\n")
+    constants = {"a3": 0.8, "a4": 1.0, "omega1": 2.0}
+    swept(path, space=fl.table(table).with_constants(constants)).close()
+    swept(path, space=fl.table(table).with_constants(constants)).close()
+    table.write_text("a1,a2\n0.4,1.1\n0.5,1.3\n")
+    with refused("other a2"):
+        swept(path, space=fl.table(table).with_constants(constants))
+
+
+def test_a_map_that_was_changed_since_is_not_up_to_date(path, tmp_path):
+    time.sleep(0.02)  # two ticks of a kernel's clock of 100 Hz
+    with h5py.File(path, "r+") as file:
+        file["omega4"][0, 0, 0] = 7.0
+    with refused("changed or copied since it was written", "overwrite=True"):
+        swept(path)
+    with swept(path, overwrite=True) as maps:
+        assert float(maps.omega4[0, 0, 0]) != 7.0
+    shutil.copy2(path, tmp_path / "copy.h5")
+    swept(tmp_path / "copy.h5").close()  # a copy with its times
+    os.utime(path, ns=(0, path.stat().st_mtime_ns // 10**9 * 10**9))
+    swept(path).close()  # moved to a file system that knows whole seconds
+
+
+def test_more_verified_designs_than_there_are_is_another_request(tmp_path):
+    swept(tmp_path / "maps.h5", verify=0).close()
+    with refused("with 0 verified designs, not 2"):
+        swept(tmp_path / "maps.h5", verify=64)
+
+
+def test_a_map_by_another_version_is_not_up_to_date(path, monkeypatch):
+    from fastlink.engine import labels, resolve
+
+    monkeypatch.setattr(labels, "__version__", "9.9")
+    with refused("other versions"):
+        swept(path)
+    monkeypatch.undo()
+    monkeypatch.setattr(resolve, "environment", lambda: b"other code")
+    with refused("a map by another version"):
+        swept(path)

@@ -6,6 +6,7 @@ import os
 import numpy as np
 import pytest
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 
@@ -20,7 +21,7 @@ design = {a1 = 0.4, a2 = {linspace = [1.0, 1.3, 9]}, a3 = 0.8, a4 = 1.0}
 @pytest.fixture(scope="module")
 def maps():
     space = fl.grid(**(DESIGN | {"a2": np.linspace(1.0, 1.3, 9), "a3": [0.7, 0.8], "omega1": 1.0}))
-    return fl.sweep("planar_4r", space, ["omega4_max"], verify=0, branch=(1, 2))
+    return sweep_4r(space, ["omega4_max"])
 
 
 def plot(path, maps, folder):
@@ -84,7 +85,7 @@ def test_an_older_file_stays_until_the_new_one_is_whole(write, key, name, maps, 
 def test_what_a_killed_run_left_is_not_replaced_by_a_measurement(tmp_path):
     path = tmp_path / "maps.h5"
     space = fl.grid(**(DESIGN | {"a2": np.linspace(1.0, 1.3, 9), "omega1": 1.0}))
-    fl.sweep("planar_4r", space, ["omega4_max"], verify=0, to=path, branch=(1, 2)).close()
+    sweep_4r(space, ["omega4_max"], verify=0, to=path).close()
     os.rename(path, f"{path}.part")
     with refused("to", "rename or remove it"):
         accuracy(path, None, tmp_path)

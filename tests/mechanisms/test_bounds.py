@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from tests.support.extremes import SEARCHED, bounded_extremes
 from tests.support.neighbourhoods import DRAWN
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 from fastlink.facts.bounds import SMALL_ANGLE
@@ -83,7 +84,7 @@ def evaluated(mechanism, drive, names, inputs):
     return [np.array([np.broadcast_to(values[one], n) for one in each]) for each in asked.values()]
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("n", [12, pytest.param(1000, marks=pytest.mark.stress)])
 @pytest.mark.parametrize(("mechanism", "drive"), DRAWN)
 def test_bounds_of_derivatives_hold(mechanism, drive, n):
@@ -125,7 +126,7 @@ def with_extremes(of, inputs):
     return inputs
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("n", [200, pytest.param(20_000, marks=pytest.mark.stress)])
 @pytest.mark.parametrize(("mechanism", "drive"), DRAWN)
 def test_a_bound_is_a_number_where_the_value_is_one(mechanism, drive, n):
@@ -140,7 +141,7 @@ def test_a_bound_is_a_number_where_the_value_is_one(mechanism, drive, n):
             assert finite.sum() > n
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("n", [120, pytest.param(3000, marks=pytest.mark.stress)])
 @pytest.mark.parametrize(("mechanism", "drive"), DRAWN)
 def test_no_derivative_is_finite_where_its_quantity_is_not(mechanism, drive, n):
@@ -170,7 +171,7 @@ def test_a_kernel_has_no_derivative_either_where_the_quantity_is_none(theta1):
     assert {bool(np.isfinite(maps[name]).all()) for name in names} == {theta1 == 0.2}
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("mechanism", "drive"), [key for key in DRAWN if catalogue(*key).position.units != "m"]
 )
@@ -223,7 +224,7 @@ def test_a_gap_that_counts_as_zero_is_in_the_bound():
 def test_of_extremes_at_a_gap_that_counts_as_zero_nothing_is_known():
     names = ["omega4_max", "omega4_max_error", "omega4_extrema", "omega4_extrema_error", "theta4_max_error"]
     lengths = {"a1": 0.6, "a2": 0.3, "a3": 0.4, "a4": 0.1}  # 0.6 + 0.1 is not 0.3 + 0.4 in binary
-    found = fl.sweep("planar_4r", fl.grid(**lengths, omega1=1.0), names, branch=(1, 2))
+    found = sweep_4r(fl.grid(**lengths, omega1=1.0), names)
     assert np.isfinite(found["omega4_max"]).all()
     for name in ("omega4_max", "theta4_max"):
         assert (found[f"{name}_error"] == np.inf).all()

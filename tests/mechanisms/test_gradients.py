@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from tests.support.extremes import SEARCHED, designs_of, searched, slopes_of_extremes, swept_4r
+from tests.support.sweeps import sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.facts.derivative import NoDerivative
@@ -139,9 +140,7 @@ def test_mechanisms_without_a_graded_range_have_derivatives_of_samples():
 
     def extreme(name, **moved):
         space = fl.grid(**design | moved)
-        return fl.sweep("minkowski_4r", space, [name], progress=False, allow_invalid=True, branch=(1, 2))[
-            name
-        ]
+        return sweep_both("minkowski_4r", space, [name], allow_invalid=True)[name]
 
     found = extreme("d_A_y_max_d_a")
     difference = (extreme("A_y_max", a=1.0 + h) - extreme("A_y_max", a=1.0 - h)) / (2.0 * h)
@@ -194,9 +193,7 @@ def test_an_extreme_at_a_limit_of_motion_changes_with_what_moves_the_limit_alone
     # where the crank turns fully, nothing moves
     assert (swept_4r(["d_A_y_max_d_a3"])["d_A_y_max_d_a3"] == 0.0).all()
     tolerances = {"a1": 1.0, "a2": 0.6, "a3": 0.7, "a4": 1.2, "a3_tolerance": 1e-4}
-    changed = fl.sweep(
-        "planar_4r", fl.grid(tolerances), ["A_y_max_worst_change"], progress=False, branch=(1, 2)
-    )
+    changed = sweep_4r(fl.grid(tolerances), ["A_y_max_worst_change"])
     assert (changed["A_y_max_worst_change"] > 1e-5).all()
 
 
@@ -209,12 +206,10 @@ def test_an_angle_that_folds_at_pi_keeps_its_greatest_value():
         "d": 1.0228886622434283,
     }
     names = ["transmission_angle_P_max", "d_transmission_angle_P_max_d_d"]
-    found = fl.sweep(
+    found = sweep_both(
         "focal",
         fl.grid(**bars, rho=-0.21249720035072545, omega=1.9386164640461634, completion=1),
         [*names, "transmission_angle_P_max_gradient_status"],
-        verify=0,
-        branch=(1, 2),
     )
     assert (found[names[0]] > np.pi - 1e-15).all()
     assert (found[names[1]] == 0.0).all()

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.support.commands import code_blocks
+from tests.support.sweeps import sweep_both
 from typer.testing import CliRunner
 
 import fastlink as fl
@@ -63,15 +64,13 @@ def test_extremes_of_a_sheet_are_those_of_the_mechanism_that_is_built_in(tmp_pat
     rng = np.random.default_rng(11)
     design = {"r": rng.uniform(0.5, 1.5, 40), "l": rng.uniform(0.5, 3.0, 40), "e": rng.uniform(-0.6, 0.6, 40)}
     space = fl.table({**design, "omega": np.full(40, 2.0)})
-    own = fl.sweep(mine, space, ["x_max", "x_min", "velocity_max"], branch=(1, 2))
+    own = sweep_both(mine, space, ["x_max", "x_min", "velocity_max"])
     theirs = {
         "slider_position_max": "x_max",
         "slider_position_min": "x_min",
         "slider_velocity_max": "velocity_max",
     }
-    known = fl.sweep(
-        "slider_crank", fl.table({**design, "omega": np.full(40, 2.0)}), list(theirs), branch=(1, 2)
-    )
+    known = sweep_both("slider_crank", fl.table({**design, "omega": np.full(40, 2.0)}), list(theirs))
     differ = 0
     for name, other in theirs.items():
         one, two = known[name].values, own[other].values
@@ -88,13 +87,14 @@ def test_a_sheet_stands_for_a_mechanism_at_every_door(tmp_path, monkeypatch, qui
     monkeypatch.chdir(tmp_path)
     design = {"r": [0.1, 0.12], "d": 0.2, "e": 0.02, "omega": 1.0}
     names = ["psi_rate_max", "psi_rate_extrema", "psi_error_max"]
-    maps = fl.sweep(quick_return, design, names, to="m.h5", branch=(1, 2))
+    maps = sweep_both(quick_return, design, names, to="m.h5")
     assert maps.attrs["mechanism_sheet"] == QUICK_RETURN
     assert maps.attrs["verify_mismatches"] == 0
     assert maps.psi_rate_max.attrs["independent_max_difference"] < 1e-40
     maps.close()
     assert pickle.loads(pickle.dumps(quick_return)).text == quick_return.text
-    assert len(fl.best("m.h5", maximise="psi_rate_max", refine=True).psi_rate_max) == 2
+    sweep_both(quick_return, design, ["psi_rate_max"], to="few.h5", verify=0).close()
+    assert len(fl.best("few.h5", maximise="psi_rate_max", refine=True).psi_rate_max) == 2
     Path("study.toml").write_text(
         f'mechanism = "quick_return.facts"\nquantities = {names}\n'
         "[design]\nr = { values = [0.1, 0.12] }\nd = 0.2\ne = 0.02\nomega = 1.0\n"
@@ -124,9 +124,7 @@ def test_a_wrong_formula_of_a_sheet_is_a_mismatch_with_its_loops(tmp_path):
     mine = fl.mechanism(written(tmp_path, wrong))
     design = {"r": 0.1, "d": 0.2, "e": 0.02, "omega": 1.0}
     with pytest.warns(fl.InputWarning, match="slide_rate is wrong in .* that contradict the loops"):
-        maps = fl.sweep(
-            mine, design, ["slide_rate", "psi_rate"], theta=5, to=tmp_path / "m.h5", branch=(1, 2)
-        )
+        maps = sweep_both(mine, design, ["slide_rate", "psi_rate"], theta=5, to=tmp_path / "m.h5")
     with maps:
         assert maps.slide_rate.attrs["independent_max_difference"] > 1e-8
         assert maps.psi_rate.attrs["independent_max_difference"] < 1e-40

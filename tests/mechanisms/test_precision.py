@@ -57,7 +57,7 @@ def held(entry, kind, n):
     return numbers
 
 
-@pytest.mark.sample(18)
+@pytest.mark.sample(12)
 @pytest.mark.parametrize("count", ["few", pytest.param("many", marks=pytest.mark.stress)])
 @pytest.mark.parametrize(("entry", "kind"), FAMILIES)
 def test_every_quantity_is_a_few_roundings_off(entry, kind, count):

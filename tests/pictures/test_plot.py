@@ -11,6 +11,7 @@ from matplotlib.collections import PathCollection, QuadMesh
 from matplotlib.contour import ContourSet
 from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.pictures import charts
@@ -25,9 +26,7 @@ NAMES = ["omega4_max", "transmission_angle_min"]
 def maps():
     """Designs of every status, in three dimensions."""
     space = fl.grid(a1=A1, a2=np.linspace(0.3, 1.5, 5), a3=0.8, a4=[0.9, 1.0], omega1=25.0)
-    return fl.sweep(
-        "planar_4r", space, [*NAMES, "theta1_at_omega4_max", "grashof_class", "time_ratio"], branch=(1, 2)
-    )
+    return sweep_4r(space, [*NAMES, "theta1_at_omega4_max", "grashof_class", "time_ratio"])
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +34,7 @@ def path(tmp_path_factory):
     """The file of a map with curves, of which it has one value along the ground link."""
     path = tmp_path_factory.mktemp("maps") / "maps.h5"
     space = fl.grid(a1=A1, a2=np.linspace(0.3, 1.5, 5), a3=0.8, a4=1.0, omega1=25.0)
-    fl.sweep("planar_4r", space, ["omega4_max", "theta4"], theta1=8, to=path, verify=0, branch=(1, 2)).close()
+    sweep_4r(space, ["omega4_max", "theta4"], theta1=8, to=path, verify=0).close()
     return path
 
 
@@ -49,7 +48,7 @@ def flat(path):
 def curves():
     """One design that assembles over part of the turn."""
     space = fl.grid(a1=1.2, a2=1.3, a3=0.8, a4=1.0, omega1=25.0)
-    return fl.sweep("planar_4r", space, ["omega4", "theta4", "omega4_max"], theta1=90, branch=(1, 2))
+    return sweep_4r(space, ["omega4", "theta4", "omega4_max"], theta1=90)
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +56,7 @@ def types():
     """Minkowskian linkages of many types."""
     lengths = np.linspace(0.125, 4.0, 32)
     names = ["linkage_type", "assembly_count_future", "theta_max"]
-    return fl.sweep("minkowski_4r", fl.grid(a=lengths, b=lengths, g=1.0, h=1.0), names, branch=(1, 2))
+    return sweep_both("minkowski_4r", fl.grid(a=lengths, b=lengths, g=1.0, h=1.0), names)
 
 
 def drawn(maps, name, **options):
@@ -187,9 +186,7 @@ def test_a_code_of_many_values_has_a_legend_beside_the_axes(types):
 
 def test_codes_and_counts(types):
     space = fl.grid(a=1.0, b=1.0, g=np.linspace(1.0, 4.0, 5), h=1.0)
-    figure = fl.plot(
-        fl.sweep("minkowski_4r", space, ["CB_orientation"], branch=(1, 2)), "CB_orientation", branch=1
-    )
+    figure = fl.plot(sweep_both("minkowski_4r", space, ["CB_orientation"]), "CB_orientation", branch=1)
     assert set(legend(figure)) <= {"past pointing", "none", "future pointing"}
     assert set(np.unique(panels(figure)[0].collections[0].get_array().compressed())) <= {0.0, 1.0, 2.0}
     figure = fl.plot(types, "assembly_count_future")
@@ -203,7 +200,7 @@ def test_codes_and_counts(types):
 
 def test_very_large_maps_are_thinned():
     space = fl.grid(a1=np.linspace(0.1, 0.3, 4000), a2=[1.1, 1.2], a3=0.8, a4=1.0)
-    figure = fl.plot(fl.sweep("planar_4r", space, ["status"], branch=(1, 2)), "status")
+    figure = fl.plot(sweep_4r(space, ["status"]), "status")
     assert cells(panels(figure)[0]).shape == (2, 1334)
 
 
@@ -224,9 +221,7 @@ def solid():
     space = fl.grid(
         a1=np.linspace(0.2, 0.9, 8), a2=np.linspace(0.6, 1.4, 5), a3=[0.7, 0.8, 0.9], a4=1.0, omega1=25.0
     )
-    return fl.sweep(
-        "planar_4r", space, ["omega4_max", "theta1_at_omega4_max", "grashof_class"], verify=0, branch=(1, 2)
-    )
+    return sweep_4r(space, ["omega4_max", "theta1_at_omega4_max", "grashof_class"])
 
 
 def test_a_grid_has_a_map_for_values_over_the_whole_input(solid):
@@ -289,9 +284,7 @@ def test_a_line_for_each_value_of_an_input(solid):
 def test_a_change_point_is_a_dot_and_what_grows_without_bound_a_bar_of_its_line():
     """Of two lines one has its change point at a2 = 1.2, the other none; beyond it the force has no bound."""
     space = fl.grid(a1=0.4, a2=np.linspace(1.0, 1.4, 9), a3=0.8, a4=[0.8, 1.2], omega1=25.0)
-    maps = fl.sweep(
-        "planar_4r", space, ["shaking_force_max"], branch=1, links=fl.round_bar(7750.0, 0.01), verify=0
-    )
+    maps = fl.sweep("planar_4r", space, ["shaking_force_max"], branch=1, links=fl.round_bar(7750.0, 0.01))
     (axis,) = fl.plot(maps, "shaking_force_max", lines="a4").axes
     dots = [line for line in axis.get_lines() if line.get_linestyle() == "None"]
     ((place, value),) = [line.get_xydata()[0] for line in dots]
@@ -310,20 +303,9 @@ def test_a_change_point_is_a_dot_and_what_grows_without_bound_a_bar_of_its_line(
 
 
 def test_change_points_along_a_line_of_cells_are_dots_and_contours_have_room():
-    space = fl.grid(
-        a1=0.4,
-        a2=np.linspace(1.0, 1.4, 41),
-        a3=np.linspace(0.6, 1.0, 41),
-        a4=1.0,
-        omega1=25.0,
-    )
+    space = fl.grid(a1=0.4, a2=np.linspace(1.0, 1.4, 41), a3=np.linspace(0.6, 1.0, 41), a4=1.0, omega1=25.0)
     maps = fl.sweep(
-        "planar_4r",
-        space,
-        ["shaking_force_max", "status"],
-        branch=1,
-        links=fl.round_bar(7750.0, 0.01),
-        verify=0,
+        "planar_4r", space, ["shaking_force_max", "status"], branch=1, links=fl.round_bar(7750.0, 0.01)
     )
     figure = fl.plot(maps, "shaking_force_max")
     (axis,) = panels(figure)
@@ -356,7 +338,7 @@ def test_angles_in_degrees_along_axes_and_in_colours(flat):
 
 def test_an_angle_that_passes_half_a_turn_is_cut_and_has_cyclic_colours():
     space = fl.grid(a1=1.2, a2=np.linspace(1.0, 2.0, 6), a3=0.8, a4=1.0)
-    wide, lines = fl.sweep("planar_4r", space, ["theta4"], theta1=40, branch=(1, 2)), []
+    wide, lines = sweep_4r(space, ["theta4"], theta1=40), []
     for degrees, half in ((False, np.pi), (True, 180.0)):
         (axes,) = panels(drawn(wide, "theta4", branch=2, degrees=degrees))
         assert axes.get_ylabel().endswith(rf"$\theta_{{1}}$ [{'°' if degrees else 'rad'}]")
@@ -496,7 +478,7 @@ def rows():
     """Designs of every status; some extremes are infinite, and some do not assemble."""
     a1, a2 = np.linspace(0.1, 3.0, 12), np.linspace(0.3, 1.5, 9)
     space = fl.grid(a1=a1, a2=a2, a3=0.8, a4=[0.9, 1.0], omega1=25.0)
-    return fl.sweep("planar_4r", space, [*NAMES, "grashof_class", "status"], branch=1, verify=0)
+    return fl.sweep("planar_4r", space, [*NAMES, "grashof_class", "status"], branch=1)
 
 
 @pytest.fixture(scope="module")

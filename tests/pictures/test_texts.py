@@ -1,12 +1,20 @@
 """Every kind of picture at three sizes: no text covers another, none stands outside the frame."""
 
+import importlib.util
+import itertools
+import re
+import shlex
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.support.texts import flaws_of
+from tests.support.commands import code_blocks, run_command
+from tests.support.sweeps import sweep_4r, sweep_both
 
 import fastlink as fl
+from fastlink.mechanisms import NAMES, catalogue
+from fastlink.pictures.draw import picture_of
 from fastlink.pictures.style import NotebookFigure
 
 LINKS = fl.round_bar(7750.0, 0.01)
@@ -40,14 +48,14 @@ def maps():
         a4=[0.8, 0.9, 1.0, 1.1, 1.2],
         omega1=25.0,
     )
-    return fl.sweep("planar_4r", space, QUANTITIES, links=LINKS, verify=0, branch=(1, 2))
+    return sweep_4r(space, QUANTITIES, links=LINKS)
 
 
 @cache
 def types():
     lengths = np.linspace(0.125, 4.0, 32)
     space = fl.grid(a=lengths, b=lengths, g=1.0, h=[0.1, 0.8, 1.6, 2.4, 3.2, 4.0])
-    return fl.sweep("minkowski_4r", space, ["linkage_type", "assembly_count_future"], verify=0, branch=(1, 2))
+    return sweep_both("minkowski_4r", space, ["linkage_type", "assembly_count_future"])
 
 
 def plot(*given, of=maps, **options):
@@ -133,3 +141,146 @@ def test_texts_that_overlap_are_found():
     figure.text(0.5, 0.51, "another")
     figure.text(0.99, 0.1, "beyond the frame")
     assert flaws_of(figure) == ([("one text", "another")], ["beyond the frame"])
+
+
+# == docs/gallery.md, docs/drawing.md: each picture is there, small, and made by a command that runs =========
+
+DOCS = Path(__file__).parents[2] / "docs"
+SPEC = importlib.util.spec_from_file_location("pages", DOCS / "images" / "pages.py")
+pages = importlib.util.module_from_spec(SPEC)
+SPEC.loader.exec_module(pages)
+GALLERY, DRAWING = ((DOCS / name).read_text(encoding="utf-8") for name in ("gallery.md", "drawing.md"))
+BLOCKS = [block for block in pages.blocks_of(GALLERY) if block[0][1] == "run"]
+SHOWN = pages.shown_on(GALLERY)
+LINES = "".join(code_blocks(DRAWING, "sh")).splitlines()
+FEW = 5
+
+
+def few(text):
+    """Return a study of few designs."""
+    counts = r"(space = \[[^,\]]*,[^,\]]*,\s*)(\d+)"
+    text = re.sub(counts, lambda found: found[1] + str(min(FEW, int(found[2]))), text)
+    text = re.sub(r"^\[output\]$", "[output]\nverify = 0", text, flags=re.MULTILINE)
+    return re.sub(r"^n = \d+$", "n = 16", text, flags=re.MULTILINE)
+
+
+def test_each_picture_is_there_and_small_and_has_one_command():
+    commands = [arguments for block in pages.blocks_of(GALLERY) for arguments in block]
+    made = [pages.output_of(arguments) for arguments in commands if arguments[1] != "run"]
+    assert sorted(made) == sorted(SHOWN)
+    assert {path.name for path in (DOCS / "images" / "gallery").iterdir()} == set(SHOWN)
+    sizes = [(DOCS / place).stat().st_size for place in SHOWN.values()]
+    assert min(sizes) > 1000
+    assert sum(sizes) < 3_000_000
+    drawn = re.findall(r"images/(\w+\.png)", DRAWING)
+    assert all((DOCS / "images" / name).stat().st_size < 60_000 for name in drawn)
+    assert set() < set(drawn) <= {name for line in LINES for name in shlex.split(line)}
+
+
+def test_each_entry_says_what_to_see_and_every_figure_of_the_papers_has_one():
+    for entry in re.split(r"^### ", GALLERY, flags=re.MULTILINE)[1:]:
+        words, _, picture = entry.partition("\n")[2].partition("```sh")
+        assert words.strip().endswith("."), entry
+        assert "](images/" in picture, entry
+    for paper, first, last in (("Hayes", 1, 4), ("Heged", 9, 24), ("Wunderlich", 1, 7)):
+        part = re.search(rf"^## {paper}.*?(?=^## )", GALLERY, flags=re.MULTILINE | re.DOTALL)[0]
+        named = set()
+        for low, high in re.findall(r"^### Figs?\. (\d+)(?: (?:to|and) (\d+))?", part, flags=re.MULTILINE):
+            named |= set(range(int(low), int(high or low) + 1))
+        assert named == set(range(first, last + 1)), paper
+
+
+@pytest.mark.parametrize("mechanism", NAMES)
+def test_the_page_names_every_word(mechanism):
+    table = "".join(line for line in DRAWING.splitlines() if line.startswith("|"))
+    assert all(f"`{word}`" in table for word in picture_of(mechanism, catalogue(mechanism)).words)
+
+
+@pytest.mark.sample(2)
+@pytest.mark.parametrize("line", [line for line in LINES if ">" not in line])
+def test_the_commands_of_the_page(line, folder):
+    for study in (line for line in LINES if ">" in line):
+        run_command(study)
+    arguments, done = run_command(line)
+    (place,) = [arguments[arguments.index(key) + 1] for key in ("--to", "--animate") if key in arguments]
+    assert done.output.strip() == place
+    assert Path(place).stat().st_size > 1000
+
+
+@pytest.mark.parametrize(
+    "block", [BLOCKS[0], *(pytest.param(one, marks=pytest.mark.stress) for one in BLOCKS[1:])]
+)
+def test_the_maps_of_the_gallery_in_short(block, folder):
+    """Each study runs, of few designs, and the last picture of its map is drawn; what is refused stops the pages."""
+    (folder / "data" / "studies").mkdir(parents=True)
+    for path in (DOCS.parent / "data" / "studies").iterdir():
+        (folder / "data" / "studies" / path.name).write_text(
+            few(path.read_text(encoding="utf-8")), encoding="utf-8"
+        )
+    run, *_, last = block
+    for arguments in (run, last):
+        pages.run(arguments)
+    assert (folder / pages.output_of(last)).stat().st_size > 1000
+    with pytest.raises(RuntimeError, match="no_such"):
+        pages.run(["fastlink", "draw", "no_such_mechanism", "--to", "a.png"])
+
+
+@pytest.mark.stress
+def test_the_pictures_of_the_gallery(folder):
+    (folder / "data").symlink_to(DOCS.parent / "data")
+    made = {picture.name for _, picture in pages.make(GALLERY) if picture.stat().st_size > 1000}
+    assert made == set(SHOWN)
+
+
+# == Texts of a picture, as a renderer places them: which cover each other, which stand outside the frame ====
+
+#: Of letters in points: the margin that a renderer puts around them; how far one may stand beyond the frame in pixels.
+MARGIN, BEYOND = 0.8, 1.0
+
+
+def texts_of(figure):
+    """Return the texts that are drawn: tick labels outside a range are there, and are not."""
+    found = [*figure.texts, *(text for legend in figure.legends for text in legend.get_texts())]
+    for axes in filter(lambda axes: axes.get_visible(), figure.axes):
+        found += [*axes.texts, axes.title, *(axes.get_legend().get_texts() if axes.get_legend() else ())]
+        for axis in (axes.xaxis, axes.yaxis) if axes.axison else ():
+            found += [axis.label, axis.offsetText]
+            found += [label for tick in axis._update_ticks() for label in (tick.label1, tick.label2)]
+    return [text for text in found if text.get_visible() and text.get_text().strip()]
+
+
+def corners_of(text, renderer):
+    """Return the corners of the box around a text, along its letters."""
+    box, turn = text.get_window_extent(renderer), text.get_rotation()
+    text.set_rotation(0.0)
+    wide, high = text.get_window_extent(renderer).size
+    text.set_rotation(turn)
+    margin = MARGIN * text.figure.get_figure(root=True).dpi / 72.0
+    half = 0.5 * np.maximum([wide - margin, high - 2.0 * margin], 1.0)
+    c, s = np.cos(np.radians(turn)), np.sin(np.radians(turn))
+    around = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)]) * half
+    return 0.5 * (box.p0 + box.p1) + around @ np.array([[c, s], [-s, c]])
+
+
+def overlap(one, other):
+    """Tell whether two boxes overlap: no side of either has all of one on this and all of the other on that side."""
+    for across in (*np.diff(one[:3], axis=0), *np.diff(other[:3], axis=0)):
+        first, second = one @ across, other @ across
+        if first.max() <= second.min() or second.max() <= first.min():
+            return False
+    return True
+
+
+def flaws_of(figure):
+    """Return the pairs of texts that overlap, and the texts that are not inside the picture."""
+    figure.draw_without_rendering()
+    renderer = figure.canvas.get_renderer()
+    boxes = [(text.get_text(), corners_of(text, renderer)) for text in texts_of(figure)]
+    size = figure.bbox.size + BEYOND
+    outside = [words for words, box in boxes if (box < -BEYOND).any() or (box > size).any()]
+    pairs = [
+        (one, other)
+        for (one, box), (other, further) in itertools.combinations(boxes, 2)
+        if overlap(box, further)
+    ]
+    return pairs, outside

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.study_files import written
+from tests.support.sweeps import sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.facts.formula import CatalogueError
@@ -70,9 +71,7 @@ def offered():
 
 def swept(names, space=None, **options):
     space = fl.grid(**CRANK, omega1=25.0) if space is None else space
-    return fl.sweep(
-        "planar_4r", space, names, **{"branch": (1, 2)} | {"angles": POSITIONS, "verify": 0} | options
-    )
+    return sweep_4r(space, names, **{"angles": POSITIONS, "verify": 0} | options)
 
 
 def by_numpy(curve):
@@ -237,7 +236,7 @@ def test_means_and_places_of_codes_are_numbers():
     space = fl.grid(a=[1.0, 2.0], b=2.0, g=3.0, h=1.5)
     names = ["configuration_status", "configuration_status_mean", "configuration_status_max"]
     place = "theta_at_configuration_status_max"
-    maps = fl.sweep("minkowski_4r", space, [*names, place], theta=positions, verify=4, branch=(1, 2))
+    maps = sweep_both("minkowski_4r", space, [*names, place], theta=positions, verify=4)
     codes = maps.configuration_status.values
     assert 0 < codes.mean() < 1
     # whole numbers below 2^53 are added without rounding

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 from fastlink.errors import InputError
@@ -171,6 +172,6 @@ def test_over_given_angles_reductions_are_of_samples():
 
 def test_what_is_zero_everywhere_has_a_mean():
     space = fl.grid(**dict(zip(TABLE_1, PARTIAL, strict=True)), omega1=0.0)
-    found = fl.sweep("planar_4r", space, ["omega4_rms", "alpha4_mean"], theta1=90, branch=(1, 2))
+    found = sweep_4r(space, ["omega4_rms", "alpha4_mean"], theta1=90)
     assert np.all(found.omega4_rms == 0.0)
     assert np.all(found.alpha4_mean == 0.0)

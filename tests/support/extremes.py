@@ -18,6 +18,7 @@ from fastlink.precision.reference import CONTEXT as MP
 from fastlink.precision.stationary import END, JUMP, Extreme, Stationary
 from tests.support.precision import in_every_mode
 from tests.support.registry import ENTRIES, Entry
+from tests.support.sweeps import sweep_both
 
 #: Mechanisms by each input over which extremes are searched, once.
 SEARCHED = [
@@ -101,9 +102,7 @@ def bounded_extremes(entry: Entry, designs: dict[str, np.ndarray], names: Iterab
     names = tuple(names)
     parts = ("max", "max_error", "min", "min_error", "extrema", "extrema_error")
     wanted = [f"{name}_{part}" for name in names for part in parts]
-    found = fl.sweep(
-        entry.mechanism, fl.table(designs), wanted, input=entry.input, **{"branch": (1, 2)} | QUIET
-    )
+    found = sweep_both(entry.mechanism, fl.table(designs), wanted, input=entry.input, **QUIET)
     variants = entry.catalogue.variants_selected_by(designs)
     count = len(next(iter(designs.values())))
     for name in names:
@@ -221,9 +220,7 @@ def slopes_of_extremes(
     extremes = {case: Reduced(Quantity(case[0]), case[1]) for case in cases}
     names = {*wanted.values(), *map(str, extremes.values())}
     names |= {str(GradientStatus(extreme)) for extreme in extremes.values()}
-    found = fl.sweep(
-        entry.mechanism, fl.table(designs), sorted(names), input=entry.input, **{"branch": (1, 2)} | QUIET
-    )
+    found = sweep_both(entry.mechanism, fl.table(designs), sorted(names), input=entry.input, **QUIET)
     for (quantity, how, by), name in wanted.items():
         extreme = extremes[quantity, how, by]
         status = found[str(GradientStatus(extreme))].values

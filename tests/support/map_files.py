@@ -80,6 +80,28 @@ def digest(path):
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
+def flip(path, offset):
+    """Change one bit of a file."""
+    with open(path, "r+b") as file:
+        file.seek(offset)
+        byte = file.read(1)
+        file.seek(offset)
+        file.write(bytes([byte[0] ^ 4]))
+
+
+def failing_after(patch, count, error):
+    """Let the block after so many raise."""
+    record = Writer.record
+
+    def counted(self, start, stop, seen=[0]):  # noqa: B006
+        record(self, start, stop)
+        seen[0] += 1
+        if seen[0] == count:
+            raise error
+
+    patch.setattr(Writer, "record", counted)
+
+
 def raising(number):
     def fail(*args, **options):
         raise OSError(number, os.strerror(number))

@@ -3,6 +3,7 @@
 import numpy as np
 
 import fastlink as fl
+from tests.support.sweeps import sweep_both
 
 COUPLERS, OUTPUTS, SPEEDS = np.linspace(1.0, 1.4, 7), np.linspace(0.6, 1.0, 5), np.array([0.5, 3.0, 7.0])
 AXES = {"omega1": SPEEDS, "a2": COUPLERS, "a3": OUTPUTS}
@@ -76,4 +77,4 @@ REQUESTS = {
 def sweep(of, **options):
     """Return the result of a request, by its name or as it stands."""
     mechanism, space, quantities, given = REQUESTS[of] if isinstance(of, str) else of
-    return fl.sweep(mechanism, space(), quantities, **{"branch": (1, 2)} | {"verify": 0, **given, **options})
+    return sweep_both(mechanism, space(), quantities, **{"verify": 0, **given, **options})

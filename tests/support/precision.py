@@ -14,6 +14,7 @@ from fastlink.plan.request import selected_variants
 from fastlink.precision.reference import CONTEXT as MP
 from fastlink.precision.reference import HighPrecision
 from tests.support.registry import Entry
+from tests.support.sweeps import sweep_both
 
 #: So many configurations are compiled at once: every design is swept over the positions of all.
 BLOCK = 30
@@ -56,7 +57,7 @@ def compiled(entry: Entry, names: tuple[str, ...], inputs: dict[str, np.ndarray]
 
 def _swept(entry: Entry, names: tuple[str, ...], inputs: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     columns = {name: values for name, values in inputs.items() if name not in ("branch", entry.input)}
-    found = fl.sweep(
+    found = sweep_both(
         entry.mechanism,
         fl.table(columns),
         list(names),
@@ -65,7 +66,6 @@ def _swept(entry: Entry, names: tuple[str, ...], inputs: dict[str, np.ndarray]) 
         angles=np.unique(inputs.get(entry.input, 1.0)),
         threads=1,
         extrema="sampled",
-        branch=(1, 2),
     )
     rows = len(next(iter(inputs.values())))
     places = {"design": np.arange(rows)}  # of each configuration along each dimension
@@ -88,12 +88,7 @@ class Truth:
     """
 
     def __init__(
-        self,
-        entry: Entry,
-        names: tuple[str, ...],
-        inputs: dict[str, np.ndarray],
-        *,
-        zeroes: bool = True,
+        self, entry: Entry, names: tuple[str, ...], inputs: dict[str, np.ndarray], *, zeroes: bool = True
     ) -> None:
         self.entry, self.names, self.inputs = entry, names, inputs
         catalogue = entry.catalogue

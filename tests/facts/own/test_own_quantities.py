@@ -1,21 +1,26 @@
 """Quantities of one's own have all that built-in ones have: values, extremes, derivatives, error bounds, labels."""
 
 import ast
+import math
 import pickle
+import random
 import re
 
 import numpy as np
 import pytest
 from tests.facts.own.declared import LENGTHS, LINKS, mine
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_4r, sweep_both
 
 import fastlink as fl
+from fastlink.app.study import load_extension
 from fastlink.codegen.kernel import kernel_of
 from fastlink.engine.resolve import resolve
 from fastlink.errors import InputError
 from fastlink.facts.formula import NAMESPACE
-from fastlink.facts.own import TAKEN, is_reserved
+from fastlink.facts.own import TAKEN, TOO_LONG, is_reserved
 from fastlink.mechanisms import catalogue
+from fastlink.pictures.content import script_of
 
 DESIGNS = fl.sobol(64, a1=(0.2, 0.5), a2=(0.9, 1.4), a3=(0.6, 1.1), a4=(0.9, 1.2), omega1=25.0, seed=3)
 #: Numbers of angles of a grid that is compared with extremes.
@@ -24,13 +29,8 @@ ANGLES = 1000
 
 def test_values_are_those_of_the_formula():
     names = ["cost", "bearing_load", "smaller_load", "overload", "off_right_angle", "is_poor"]
-    maps = fl.sweep(
-        mine,
-        DESIGNS,
-        [*names, "transmission_angle", "omega4", "F21", "F41"],
-        links=LINKS,
-        angles=60,
-        branch=(1, 2),
+    maps = sweep_both(
+        mine, DESIGNS, [*names, "transmission_angle", "omega4", "F21", "F41"], links=LINKS, angles=60
     )
     mu, load = maps.transmission_angle, np.maximum(maps.F21, maps.F41)
     expected = {
@@ -63,14 +63,9 @@ def test_evaluate_and_function_and_sweep_agree():
 @pytest.mark.parametrize("name", ["cost", "bearing_load", "off_right_angle", "smaller_load"])
 def test_extremes_are_those_of_a_dense_grid(name):
     wanted = [f"{name}{ending}" for ending in ("_max", "_min", "_max_error", "_min_error")]
-    maps = fl.sweep(mine, DESIGNS, wanted, links=LINKS, branch=(1, 2))
-    grid = fl.sweep(
-        mine,
-        DESIGNS,
-        [name],
-        links=LINKS,
-        theta1=np.linspace(0.0, 2 * np.pi, ANGLES, endpoint=False),
-        branch=(1, 2),
+    maps = sweep_both(mine, DESIGNS, wanted, links=LINKS)
+    grid = sweep_both(
+        mine, DESIGNS, [name], links=LINKS, theta1=np.linspace(0.0, 2 * np.pi, ANGLES, endpoint=False)
     )
     rotates = (maps.status == 0).values
     curves = grid[name].values[rotates]
@@ -94,9 +89,7 @@ def test_verification_with_50_digits_finds_roundings_alone():
         "d_overload_d_F_allowed",
         "cost_error",
     ]
-    maps = fl.sweep(
-        mine, DESIGNS, [*names, "bearing_load_error"], links=LINKS, angles=24, verify=3, branch=(1, 2)
-    )
+    maps = sweep_both(mine, DESIGNS, [*names, "bearing_load_error"], links=LINKS, angles=24, verify=3)
     assert maps.attrs["verify_mismatches"] == 0
     for name in ("cost_max", "d_cost_d_a1", "bearing_load_max"):
         # in units of the rounding of the inputs: the bound of `test_precision` for built-in ones
@@ -117,9 +110,7 @@ def test_derivatives_are_those_of_differences():
 
 def test_error_bounds_cover_a_choice_that_rounding_makes():
     # where both forces are within their errors of each other, the bound is at least the greater of both errors
-    maps = fl.sweep(
-        mine, DESIGNS, ["bearing_load_error", "F21_error", "F41_error"], links=LINKS, angles=60, branch=(1, 2)
-    )
+    maps = sweep_both(mine, DESIGNS, ["bearing_load_error", "F21_error", "F41_error"], links=LINKS, angles=60)
     least = np.minimum(maps.F21_error, maps.F41_error)
     assert (maps.bearing_load_error >= least).where(least.notnull(), True).all()
 
@@ -127,7 +118,7 @@ def test_error_bounds_cover_a_choice_that_rounding_makes():
 def test_extremes_at_kinks_have_no_derivative():
     names = ["d_off_right_angle_max_d_a2", "d_off_right_angle_min_d_a2"]
     names += [f"off_right_angle_{end}{more}" for end in ("max", "min") for more in ("", "_gradient_status")]
-    maps = fl.sweep(mine, DESIGNS, names, branch=(1, 2)).isel(design=slice(0, 16))
+    maps = sweep_both(mine, DESIGNS, names).isel(design=slice(0, 16))
     rotates = (maps.status == 0).values
     kink = (maps.off_right_angle_min_gradient_status.values == 6)[rotates]
     # a least value of |x| is either 0, at a kink, or that of a place where the slope of x is 0
@@ -138,7 +129,7 @@ def test_extremes_at_kinks_have_no_derivative():
 
 
 def test_labels_tell_what_it_is():
-    maps = fl.sweep(mine, LENGTHS, ["cost_max", "bearing_load_rms"], links=LINKS, branch=(1, 2))
+    maps = sweep_both(mine, LENGTHS, ["cost_max", "bearing_load_rms"], links=LINKS)
     assert maps.cost_max.attrs["long_name"].startswith("Poor transmission, and speed of the output")
     assert maps.cost_max.attrs["symbol"] == "max C"
     assert maps.bearing_load_rms.attrs["units"] == "N"
@@ -149,7 +140,7 @@ def test_labels_tell_what_it_is():
 
 
 def test_a_map_holds_the_text_that_makes_it_again(tmp_path):
-    maps = fl.sweep(mine, LENGTHS, ["overload_max"], links=LINKS, branch=(1, 2))
+    maps = sweep_both(mine, LENGTHS, ["overload_max"], links=LINKS)
     text = maps.attrs["own_quantities"]
     names = [node.name for node in ast.parse(text).body if isinstance(node, ast.FunctionDef)]
     assert names == ["bearing_load", "overload"]
@@ -157,9 +148,9 @@ def test_a_map_holds_the_text_that_makes_it_again(tmp_path):
     file.write_text(text)
     scope = {}
     exec(compile(text, str(file), "exec"), scope)
-    again = fl.sweep(scope["mine"], LENGTHS, ["overload_max"], links=LINKS, branch=(1, 2))
+    again = sweep_both(scope["mine"], LENGTHS, ["overload_max"], links=LINKS)
     assert again.overload_max.identical(maps.overload_max.assign_attrs(references="declared in again.py"))
-    assert "own_quantities" not in fl.sweep(mine, LENGTHS, ["omega4_max"], branch=(1, 2)).attrs
+    assert "own_quantities" not in sweep_both(mine, LENGTHS, ["omega4_max"]).attrs
 
 
 def test_the_best_design_is_refined_by_the_extension_of_its_map():
@@ -178,11 +169,9 @@ def test_the_best_design_is_refined_by_the_extension_of_its_map():
 
 
 def test_inputs_that_nothing_depends_on_stay_out():
-    maps = fl.sweep(mine, LENGTHS, ["omega4_max"], branch=(1, 2))
-    assert maps.identical(
-        fl.sweep("planar_4r", LENGTHS, ["omega4_max"], branch=(1, 2)).assign_attrs(maps.attrs)
-    )
-    assert "weight" in fl.sweep(mine, LENGTHS, ["cost_max"], branch=(1, 2)).coords
+    maps = sweep_both(mine, LENGTHS, ["omega4_max"])
+    assert maps.identical(sweep_4r(LENGTHS, ["omega4_max"]).assign_attrs(maps.attrs))
+    assert "weight" in sweep_both(mine, LENGTHS, ["cost_max"]).coords
 
 
 def test_built_in_kernels_stay_as_they_are():
@@ -196,14 +185,14 @@ def test_built_in_kernels_stay_as_they_are():
     assert texts[0] == texts[1]
     assert not catalogue("planar_4r").is_quantity("cost")
     with refused("cost"):
-        fl.sweep("planar_4r", LENGTHS, ["cost"], branch=(1, 2))
+        sweep_4r(LENGTHS, ["cost"])
 
 
 def test_a_run_of_another_definition_is_refused(tmp_path):
     other = fl.extend(mine)
     path = tmp_path / "maps.h5"
-    fl.sweep(mine, LENGTHS, ["cost_max"], to=path, verify=0, branch=(1, 2)).close()
-    fl.sweep(mine, LENGTHS, ["cost_max"], to=path, verify=0, branch=(1, 2)).close()  # the same: opened
+    sweep_both(mine, LENGTHS, ["cost_max"], to=path, verify=0).close()
+    sweep_both(mine, LENGTHS, ["cost_max"], to=path, verify=0).close()  # the same: opened
 
     @other.quantity(units="1", symbol="C")
     def cost(transmission_angle, omega4, omega1, weight):
@@ -211,7 +200,7 @@ def test_a_run_of_another_definition_is_refused(tmp_path):
         return weight * (1.0 - transmission_angle) + (omega4 / omega1) ** 2
 
     with pytest.raises(InputError, match="own_quantities"):
-        fl.sweep(other, LENGTHS, ["cost_max"], to=path, verify=0, branch=(1, 2))
+        sweep_both(other, LENGTHS, ["cost_max"], to=path, verify=0)
     one, another = (resolve(of, LENGTHS, ["cost_max"], branch=(1, 2)).fingerprint for of in (mine, other))
     assert one != another
     further = fl.extend(mine)
@@ -230,14 +219,14 @@ def test_it_goes_to_other_processes_as_text():
 
 def test_other_inputs_have_what_is_defined_there():
     lengths = {name: value for name, value in LENGTHS.items() if name != "omega1"}
-    maps = fl.sweep(mine, lengths, ["off_right_angle_max"], input="joint_angle_4", branch=(1, 2))
+    maps = sweep_both(mine, lengths, ["off_right_angle_max"], input="joint_angle_4")
     assert np.isfinite(maps.off_right_angle_max).any()
     with refused("bearing_load_max", "leave input out"):
-        fl.sweep(mine, lengths, ["bearing_load_max"], input="joint_angle_4", branch=(1, 2))
+        sweep_both(mine, lengths, ["bearing_load_max"], input="joint_angle_4")
 
 
 def test_extremes_of_what_may_jump_are_those_of_samples():
-    maps = fl.sweep(mine, LENGTHS, ["is_poor_max", "is_poor_mean"], branch=(1, 2))
+    maps = sweep_both(mine, LENGTHS, ["is_poor_max", "is_poor_mean"])
     assert maps.is_poor_max.attrs["extrema"] == "sampled"
 
 
@@ -271,3 +260,169 @@ def test_names_of_kernels_are_taken():
 
 #: What facts call: no name of a quantity, since `extend` lets no declaration have a name that NAMESPACE has.
 FUNCTIONS_OF_FACTS = set(NAMESPACE)
+
+
+# == Texts of any length: each long chain of operations is computed in pieces, or refused in a line ==========
+
+HEAD = """from math import *
+import fastlink as fl
+mine = fl.extend("planar_4r")
+@mine.quantity(units="1")
+def long(theta4, a1, a2):
+    x = theta4
+"""
+DESIGN = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
+FACTORS = [round(random.Random(k).uniform(0.5, 1.5), 3) for k in range(1000)]
+TEXTS = {
+    "sum": " + ".join(f"{k} * x" for k in FACTORS),
+    "difference": " - ".join(f"{k} / x" for k in FACTORS),
+    "product": " * ".join(f"({k} + 0.001 * x)" for k in FACTORS),
+    "quotient": " / ".join(f"({k} + 0.001 * x)" for k in FACTORS),
+    "signs": f"{'-' * 1001}x",
+    "choices": f"{''.join(f'{k} if x < {k / 1000} else ' for k in range(1000))}x",
+    "conditions": f"1.0 if {' & '.join(f'(x < {k + 5})' for k in range(1000))} else 0.0",
+    "all": f"1.0 if {' and '.join(f'x < {k + 5}' for k in range(1000))} else 0.0",
+    "comparisons": f"1.0 if x < {' < '.join(f'{k} + x' for k in range(1000))} else 0.0",
+    "greatest": f"max({', '.join(f'{k} * x' for k in FACTORS)})",
+    "magnitudes": " + ".join(f"abs({k} - x)" for k in FACTORS),
+}
+
+
+@pytest.fixture
+def declared(tmp_path):
+    """Return a function that declares a text, and returns the extension and the text as a function of Python."""
+
+    def declare(text):
+        (tmp_path / "mine.py").write_text(HEAD + text + "\n")
+        extension = load_extension(tmp_path / "study.toml", "mine.py", "planar_4r", True)
+        names = {}
+        exec(
+            compile(f"from math import *\ndef long{HEAD.rpartition('def long')[2]}{text}\n", "", "exec"),
+            names,
+        )
+        return extension, names["long"]
+
+    return declare
+
+
+@pytest.mark.sample(1)
+@pytest.mark.parametrize("kind", TEXTS)
+def test_a_long_chain_has_the_value_that_python_gives_it(declared, kind):
+    mine, function = declared(f"    return {TEXTS[kind]}")
+    found = fl.evaluate(mine, ["theta4", "long"], theta1=1.0, branch=1, **DESIGN)
+    assert found["long"] == function(found["theta4"], 0.4, 1.2)
+    catalogue = mine.catalogue()
+    assert script_of(catalogue, ["long"], list(DESIGN), ())[1] == ("long",)
+    assert catalogue.resolve("long_error").depends_on
+    if kind not in (
+        "conditions",
+        "all",
+        "comparisons",
+    ):  # they choose between numbers, which depend on nothing
+        assert catalogue.resolve("d_long_d_a2").depends_on
+
+
+@pytest.mark.sample(1)
+@pytest.mark.parametrize("kind", ["sum", "conditions"])
+def test_a_long_chain_is_taken_by_every_reader(declared, kind):
+    text = TEXTS[kind] if kind == "conditions" else " + ".join(f"{k} * x" for k in FACTORS[:100])
+    mine, function = declared(f"    return {text} + a2 / a1 * x")
+    space = fl.grid(**DESIGN | {"a1": [0.3, 0.4]})
+    smooth = ["d_long_d_a2", "long_max_error"] if kind == "sum" else []
+    maps = fl.sweep(
+        mine, space, ["theta4", "long", "long_error", "long_max", *smooth], branch=1, theta1=7, verify=1
+    )
+    expected = [
+        [function(x, a1, 1.2) for x in row]
+        for a1, row in zip((0.3, 0.4), maps.theta4.squeeze().values, strict=True)
+    ]
+    assert np.abs(maps.long.squeeze() - expected).max() <= 1e-13 * np.abs(expected).max()
+    assert (maps.long_max.squeeze() >= maps.long.squeeze().max("theta1") * (1 - 1e-13)).all()
+    assert float(maps.long_error.max()) < 1e-9
+
+
+@pytest.mark.stress
+def test_ten_thousand_terms(declared):
+    lines = [f"    y = {'y + ' if k else ''}{TEXTS['sum']}" for k in range(10)]
+    mine, function = declared("\n".join([*lines, "    return y"]))
+    found = fl.evaluate(mine, ["theta4", "long"], theta1=1.0, branch=1, **DESIGN)
+    assert math.isclose(found["long"], function(found["theta4"], 0.4, 1.2), rel_tol=1e-11)
+
+
+def test_what_python_has_no_room_for_is_refused_in_a_line(declared):
+    for text in (" + ".join(["x"] * 100_000), "-" * 100_000 + "x"):
+        with refused("quantities_file", TOO_LONG[1]):
+            declared(f"    return {text}")
+    for text in ("x" + "**2" * 900, "x" + "[0]" * 900, f"1.0 if {'not ' * 900}x < 1.0 else 0.0"):
+        with pytest.raises(InputError) as caught:
+            declared(f"    return {text}")
+        assert len(str(caught.value)) < 400
+
+
+def test_more_kinks_than_are_searched_make_extremes_those_of_samples(declared):
+    for count, sampled in ((3, False), (100, True)):
+        mine, _ = declared(f"    return {' + '.join(f'abs({k} - x)' for k in FACTORS[:count])}")
+        catalogue = mine.catalogue()
+        assert ("long" in catalogue.graded.not_differentiable) is sampled
+        assert ("long" in catalogue.graded.kinks) is not sampled
+
+
+# == A quantity of one's own of every mechanism: values, extremes, derivatives ===============================
+
+slider = fl.extend("slider_crank")
+hart = fl.extend("hart")
+focal = fl.extend("focal")
+minkowski = fl.extend("minkowski_4r")
+
+
+@slider.quantity(units="m s-1", description="Greater of the speeds of slider and pin")
+def of_slider_crank(slider_velocity, omega, r):
+    return max(abs(slider_velocity), omega * r / 2)
+
+
+@hart.quantity(units="m2", description="Squared distance of Q from the origin")
+def of_hart(Q_x, Q_y):
+    return Q_x**2 + Q_y**2
+
+
+@focal.quantity(units="m", description="Distance of A and B")
+def of_focal(A_x, A_y, B_x, B_y):
+    return ((A_x - B_x) ** 2 + (A_y - B_y) ** 2) ** 0.5
+
+
+@minkowski.quantity(units="m2", description="Product of the coordinates of A")
+def of_minkowski_4r(A_x, A_y):
+    return A_x * A_y
+
+
+CASES = {
+    "slider_crank": (slider, {"r": 0.1, "l": 0.3, "e": 0.02, "omega": 20.0}),
+    "hart": (hart, {"m": 4.0, "n": 8.0, "d": 6.0, "kappa": 0.5}),
+    "focal": (focal, {"a": 5.0, "b": 5.0, "c": 2.0, "d": 4.0, "rho": 1.0, "completion": 1}),
+    "minkowski_4r": (minkowski, {"a": 1.0, "b": 7.0, "g": 4.0, "h": 1.0}),
+}
+
+
+LATER = ("focal", "hart")
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.stress if name in LATER else ()) for name in CASES]
+)
+def test_it_is_compiled_searched_and_differentiated(name):
+    mechanism, design = CASES[name]
+    own, first = f"of_{name}", next(iter(design))
+    wanted = [own, f"{own}_max", f"{own}_min", f"d_{own}_d_{first}", f"{own}_error"]
+    maps = fl.sweep(
+        mechanism, design, wanted, angles=None if mechanism is minkowski else 90, branch=1, verify=1
+    )
+    curve = maps[own]
+    assert curve.notnull().any()
+    size = float(abs(curve).max())
+    # a sample is no better than the extreme; the extreme is off a sample by a step times the slope at most
+    assert float(curve.max()) <= float(maps[f"{own}_max"]) + 1e-12 * size
+    assert float(maps[f"{own}_min"]) <= float(curve.min()) + 1e-12 * size
+    assert maps.attrs["verify_mismatches"] == 0
+    for each in (own, f"d_{own}_d_{first}"):
+        assert maps[each].attrs["error_max_roundings"] < 64.0
+    assert np.isfinite(maps[f"{own}_error"].where(curve.notnull())).any()

@@ -5,6 +5,7 @@ import itertools
 import numpy as np
 import pytest
 from tests.support.focal_designs import LENGTHS, exact, facts, one, random_designs
+from tests.support.sweeps import sweep_both
 
 import fastlink as fl
 from fastlink.numerics.compensated import UNIT_ROUNDING
@@ -38,11 +39,8 @@ def test_s_and_lambda_make_the_design_that_rho_makes():
 
 
 def test_the_chebyshev_linkage_to_every_digit():
-    maps = fl.sweep(
-        "focal",
-        fl.grid(**CHEBYSHEV),
-        ["m", "n", "p", "q", "r", "FT", "h1", "h2", "S_x", "T_ratio"],
-        branch=(1, 2),
+    maps = sweep_both(
+        "focal", fl.grid(**CHEBYSHEV), ["m", "n", "p", "q", "r", "FT", "h1", "h2", "S_x", "T_ratio"]
     )
     first = maps.sel(completion=1)
     root = MP.sqrt(6)

@@ -4,13 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.support.hart_configurations import (
-    HART,
-    OF_THE_CRANK,
-    QUANTITIES,
-    WUNDERLICH,
-    at,
-)
+from tests.support.hart_configurations import HART, OF_THE_CRANK, QUANTITIES, WUNDERLICH, at
+from tests.support.sweeps import sweep_both
 
 import fastlink as fl
 from fastlink.mechanisms import catalogue
@@ -43,9 +38,7 @@ def test_F_traces_its_stroke_and_assembles_along_it_alone(design):
     holes = np.diff(np.concatenate([[-outer], y, [outer]])) > 0.05 * outer
     assert holes.sum() == two
     places = np.linspace(-1.01, 1.01, 2000) * outer
-    maps = fl.sweep(
-        "hart", fl.grid(**design), ["phi", "F_x", "P_y"], input="F_y", angles=places, branch=(1, 2)
-    )
+    maps = sweep_both("hart", fl.grid(**design), ["phi", "F_x", "P_y"], input="F_y", angles=places)
     inside = (np.abs(places) <= outer) & (np.abs(places) >= inner)
     for name in ("phi", "F_x", "P_y"):
         np.testing.assert_array_equal(np.isfinite(maps[name]), [inside, inside])

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from tests.mechanisms.minkowski_4r.test_minkowski_types import EXAMPLES
 from tests.support.refusals import refused
+from tests.support.sweeps import sweep_both
 
 import fastlink as fl
 
@@ -105,9 +106,7 @@ def test_the_study_fills_the_tables_of_the_paper(tables):
 
 
 def test_a_table_needs_the_types_and_the_sums():
-    maps = fl.sweep(
-        "minkowski_4r", fl.grid(a=1.0, b=1.0, g=4.0, h=[1.0, 2.0]), ["linkage_type", "T1"], branch=(1, 2)
-    )
+    maps = sweep_both("minkowski_4r", fl.grid(a=1.0, b=1.0, g=4.0, h=[1.0, 2.0]), ["linkage_type", "T1"])
     with refused("T2", "sweep 'linkage_type'"):
         fl.minkowski.linkage_table(maps)
     with refused("maps"):

@@ -1,11 +1,14 @@
 """Class, ranges, swing, transmission angle and time ratio of a design: rational numbers, and the law of cosines."""
 
+from collections import Counter
 from fractions import Fraction
 
 import mpmath as mp
 import numpy as np
 import pytest
-from tests.support.configurations import DIGITS, LENGTHS, designs, reference
+from tests.support.configurations import DIGITS, LENGTHS, designs, random_lengths, reference
+from tests.support.curve_designs import apart_from_change_points
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 from fastlink.mechanisms import catalogue
@@ -25,7 +28,7 @@ def facts(*lengths):
     columns = dict(zip(LENGTHS, np.array(lengths, dtype=float).T, strict=True))
     names = [*FACTS, "status"]
     space = fl.table(columns, allow_invalid=True)
-    found = fl.sweep("planar_4r", space, names, theta1=[0.0], allow_invalid=True, branch=(1, 2))
+    found = sweep_4r(space, names, theta1=[0.0], allow_invalid=True)
     classes = np.array([CLASS_FLAGS[int(code)] for code in found["grashof_class"].values])
     return {name: found[name].values for name in names} | {"grashof_class": classes}
 
@@ -97,6 +100,29 @@ def test_change_points(lengths, expected):
     assert np.isnan(got["time_ratio"])
 
 
+def status_of(lengths):
+    """Return the status of a design by rational arithmetic and the rule of docs/numerics.md."""
+    a, b, c, d = map(Fraction, lengths)
+    total, inner, outer = a + b + c + d, (a - b + c - d, a + b - c - d), a - b - c + d
+    if 2 * max(a, b, c, d) > total:
+        return 2
+    if any(abs(gap) <= total / 2**53 for gap in (*inner, outer)):
+        return 3
+    return 0 if inner[0] * inner[1] > 0 > outer else 1
+
+
+def test_a_gap_counts_as_zero_where_it_is_within_the_rounding_of_the_lengths():
+    """Of a1 in few bits, to which a gap is added exactly; up to all sizes of one length."""
+    folded = ((1.25, 1.0, 0.875, 1.125), (1.375, 1.25, 1.5, 1.125), (1.25, 1.0, 1.125, 0.875))
+    gaps = [0.0, *(k * 2.0**-52 for k in (1, 2, 4, 8)), *(10.0**-k for k in (1, 2, 4, 6, 8, 10, 12, 14))]
+    cases = [(a + sign * gap, b, c, d) for a, b, c, d in folded for gap in gaps for sign in (1, -1)]
+    cases += [tuple(x * (by if k == i else 1.0) for k, x in enumerate((0.375, 1.1, 0.8, 0.9)))
+              for i in range(4) for by in (1e-20, 1e-8, 1.0, 1e8)]  # fmt: skip
+    expected = [status_of(lengths) for lengths in cases]
+    assert set(expected) == {0, 1, 2, 3}
+    np.testing.assert_array_equal(facts(*cases)["status"], expected)
+
+
 def by_cosines(a, b, c, d):
     """Limits by the law of cosines, in the working precision of mpmath."""
 
@@ -137,3 +163,67 @@ def test_limits_are_those_of_the_law_of_cosines(kind):
                 tested += 1
         assert mp.isnan(found["time_ratio"]) == ("time_ratio" not in expected)
     assert tested > 200
+
+
+# == Circuits: which configurations a linkage of any class moves through without being taken apart ===========
+
+
+def test_a_circuit_is_a_branch_of_a_full_turn_or_both_over_one_range_of_the_angle():
+    """Over a range that ends at toggles the branches meet there; apart from change points nothing else joins them."""
+    lengths = random_lengths(np.random.default_rng(51), 400)
+    lengths = lengths[:, apart_from_change_points(lengths)]
+    space = fl.table(dict(zip(LENGTHS, lengths, strict=True)))
+    names = ["grashof_class", "circuit_count", "circuit", "theta2"]
+    got = sweep_4r(space, names, theta1=np.linspace(-np.pi, np.pi, 721)[:-1] + 0.003)
+    circuit, closes = got.circuit.values, np.isfinite(got.theta2.values)
+    np.testing.assert_array_equal(np.isfinite(circuit), closes)
+    turns = closes.all(axis=(1, 2))
+    assert (circuit[turns] == circuit[turns, :, :1]).all()
+    assert (circuit[turns, 0] != circuit[turns, 1]).all()
+    # elsewhere both branches are of one circuit, which changes from one range to the next alone
+    rocking, there = circuit[~turns], closes[~turns, 0]
+    np.testing.assert_array_equal(rocking[:, 0], rocking[:, 1])
+    following, both = np.roll(rocking[:, 0], 1, axis=-1), there & np.roll(there, 1, axis=-1)
+    np.testing.assert_array_equal(rocking[:, 0][both], following[both])
+    ranges = (there & ~np.roll(there, 1, axis=-1)).sum(axis=-1)
+    count = got.circuit_count.values
+    # a range narrower than the distance of the angles may be missed
+    seen = (ranges > 0) | (count[~turns] == 0)
+    assert seen.mean() > 0.95
+    np.testing.assert_array_equal(count[~turns][seen], ranges[seen])
+    assert (count[turns] == 2).all()
+    last = np.nanmax(np.where(there, rocking[:, 0], 0.0), axis=-1)
+    np.testing.assert_array_equal(last[seen], ranges[seen])
+    kinds = Counter(CLASS_FLAGS[int(code)] for code in got.grashof_class.values)
+    assert len(kinds) == 9
+    assert min(kinds.values()) >= 4
+
+
+@pytest.mark.parametrize(
+    ("lengths", "count"),
+    [
+        ((0.4, 1.2, 0.8, 1.0), 2),  # crank-rocker
+        ((1.2, 0.4, 0.8, 1.0), 2),  # its coupler is the shortest
+        ((1.0, 1.0, 1.0, 2.5), 1),
+        ((1.0, 4.0, 2.0, 5.0), 1),  # a change point
+        ((1.0, 3.0, 1.0, 3.0), 1),  # parallelogram
+        ((1.0, 1.0, 1.0, 1.0), 1),
+        ((1.0, 1.0, 1.0, 3.0), 1),  # stretched: one configuration
+        ((1.0, 1.0, 1.0, 3.5), 0),
+        ((1.0, -1.0, 1.0, 1.0), np.nan),
+    ],
+)
+def test_counts(lengths, count):
+    given = dict(zip(LENGTHS, lengths, strict=True))
+    names, modes = ["circuit_count", "circuit"], [[1], [2]]
+    got = fl.evaluate(
+        "planar_4r",
+        names,
+        branch=modes,
+        theta1=np.linspace(-np.pi, np.pi, 37)[:-1] + 0.03,
+        allow_invalid=True,
+        **given,
+    )
+    np.testing.assert_array_equal(got["circuit_count"], count)
+    assert set(got["circuit"][np.isfinite(got["circuit"])]) <= {1.0, 2.0}
+    assert np.all((got["circuit"] == 1) | np.isnan(got["circuit"])) or count == 2

@@ -10,13 +10,17 @@ from tests.support.configurations import (
     LOADS,
     PLANAR,
     all_loads,
+    draw,
     masses_and_points,
     random_lengths,
     under_loads,
 )
+from tests.support.refusals import refused
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 from fastlink.codegen.kernel import kernel_of
+from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.plan.programs import make_program
 from fastlink.plan.request import selected_variants
@@ -102,3 +106,127 @@ def test_a_load_of_nothing_changes_nothing_but_roundings_and_a_load_not_given_is
         arms = sum(abs(inputs[name]) for name in (*LENGTHS, "G3_u", "G3_v"))
         size = sum(abs(without[name]) for name in REACTIONS) * arms
         assert np.isnan(a) or abs(a - b) <= 10 * UNIT_ROUNDING * size
+
+
+# == Straightness and roundness of the path of a point, over given positions or the whole turn ===============
+
+HOEKEN = {"a1": 1.0, "a2": 2.5, "a3": 2.5, "a4": 2.0, "P_u": 5.0, "P_v": 0.0}
+ARC = np.linspace(2.1, 4.2, 72)
+
+
+@pytest.fixture(scope="module")
+def paths():
+    """Return designs, their sweep, and the points of their paths (design, branch, position, 2)."""
+    columns = draw(catalogue("planar_4r").inputs, np.random.default_rng(5), 400)
+    columns = {name: columns[name] for name in ("a1", "a2", "a3", "a4", "P_u", "P_v")}
+    columns["a1"] *= np.where(np.arange(400) % 3, 0.2, 1.0)
+    names = ["P_straightness", "P_roundness"]
+    maps = sweep_4r(fl.table(columns), names, theta1=ARC)
+    wide = {name: values[:, None, None] for name, values in columns.items()}
+    found = fl.evaluate("planar_4r", ["P_x", "P_y"], theta1=ARC, branch=np.array([[1], [2]]), **wide)
+    return maps, np.stack([found["P_x"], found["P_y"]], axis=-1)
+
+
+def test_a_path_that_is_nearly_straight_has_the_narrowest_strip(paths):
+    """The reference is the convex hull. The sums of each point's distance have ten roundings of the path's size."""
+    maps, points = paths
+    whole = np.isfinite(points).all(axis=(-1, -2))
+    exact = np.where(whole, fl.planar.straightness(points[..., 0], points[..., 1]), np.nan)
+    found, size = maps.P_straightness.values, np.ptp(points, axis=-2).max(axis=-1)
+    assert (np.isnan(found) == ~whole).all()  # a path of which points are missing has none
+    straight = whole & (exact < 0.02 * size)
+    assert straight.sum() > 10
+    assert (abs(found - exact)[straight] <= 10 * 2.0**-52 * size[straight]).all()
+    # others are not less, and hardly more: another edge of the hull may be a little better
+    assert (found[whole] >= exact[whole] - 10 * 2.0**-52 * size[whole]).all()
+    assert np.median(found[whole] / exact[whole]) < 1.0 + 1e-12
+    assert (found[whole] <= 1.05 * exact[whole]).all()
+
+
+def test_a_circle_is_round(paths):
+    """A coupler point in A runs on the circle of the crank; others are off the circle of the same fit by NumPy."""
+    crank = sweep_4r(fl.grid(**HOEKEN | {"P_u": 0.0}), ["P_roundness"], theta1=72)
+    assert (crank.P_roundness < 20 * 2.0**-52).all()
+    maps, points = paths
+    for design, branch in np.argwhere(np.isfinite(points).all(axis=(-1, -2)))[::40].tolist():
+        own = points[design, branch] - points[design, branch].mean(axis=0)
+        centre, *_ = np.linalg.lstsq(np.c_[own, np.ones(72)], (own * own).sum(axis=1), rcond=None)
+        radii = np.hypot(*(own - centre[:2] / 2.0).T)
+        expected = abs(radii - radii.mean()).max()
+        # the centre is the solution of two equations: its condition is that of the fit, at most 1e6 here
+        assert abs(float(maps.P_roundness[design, branch]) - expected) < 1e6 * 2.0**-52 * radii.max()
+
+
+def test_hoekens_family_is_found():
+    space = fl.sobol(
+        20_000, seed=1, a1=(0.2, 1.0), a2=(0.5, 3.0), a3=(0.5, 3.0), a4=1.0, P_u=(0.0, 6.0), P_v=0.0
+    )
+    asked = {"theta1": ARC, "where": {"status": "rotates_fully"}, "branch": [1, 2], "top": 1}
+    found = fl.search("planar_4r", space, ["P_roundness"], minimise="P_straightness", **asked)
+    hoeken = fl.sweep("planar_4r", fl.grid(**HOEKEN), ["P_straightness"], theta1=ARC, branch=2)
+    share = float(hoeken.P_straightness.item()) / HOEKEN["a4"]
+    assert 0.0 < found.P_straightness.item() < 2.0 * share
+    assert (
+        found.P_straightness.attrs["long_name"] == "Path of P: greatest distance from the best straight line"
+    )
+    assert found.P_straightness.attrs["units"] == "m"
+
+
+def test_what_has_no_path_is_refused():
+    for name, key, remedy in (
+        ("Q_straightness", "'Q'", "P_straightness"),
+        ("omega4_straightness", "'omega4'", "P_straightness"),
+        ("d_P_straightness_d_a1", "no derivative", "P_straightness"),
+        ("P_straightness_error", "error bound", "P_straightness"),
+    ):
+        with refused(key, remedy):
+            sweep_4r(fl.grid(**HOEKEN), [name])
+    assert "P_straightness" in [row.name for row in fl.quantities("planar_4r", find="straight line of P")]
+
+
+# == Forces at the folded position of a change point: infinite or not, however small the factor of the pole is
+
+FORCES_POLE = ("F21", "F32", "F41", "F43")
+
+
+def change_points(seed, n):
+    """Return change points of whole lengths, a1 + a2 = a3 + a4, with masses and mass centres of any size."""
+    rng = np.random.default_rng(seed)
+    lengths = rng.integers(1, 9, (4, n)).astype(float)
+    lengths[1] = lengths[2] + lengths[3]  # a1 + a2 = (a3 + a1) + a4
+    lengths[2] += lengths[0]
+    design = dict(zip(("a1", "a2", "a3", "a4"), lengths, strict=True)) | {
+        "omega1": 10.0 ** rng.uniform(-6, 6, n)
+    }
+    for k in (1, 2, 3):
+        design |= {f"m{k}": 10.0 ** rng.uniform(-12, 2, n), f"I{k}": 10.0 ** rng.uniform(-9, 3, n)}
+        design[f"G{k}_u"] = lengths[k - 1] * rng.uniform(-2.0, 2.0, n)
+        across = rng.choice([0.0, 1.0], n) * 10.0 ** rng.uniform(-6, 6, n)
+        design[f"G{k}_v"] = np.where(rng.random(n) < 0.7, across, 0.0)
+    return design
+
+
+def assert_infinite_where_they_grow(design):
+    """Return how many of the greatest forces of designs are infinite, and how many there are."""
+    n = design["a1"].size
+    asked = [f"{name}_{end}" for name in FORCES_POLE for end in ("max", "max_error")]
+    maps = sweep_4r(fl.table(design), asked)
+    infinite = 0
+    for branch in (1.0, 2.0):
+        near, nearer = (
+            fl.evaluate("planar_4r", FORCES_POLE, theta1=np.full(n, theta), branch=branch, **design)
+            for theta in (1e-50, 1e-55)
+        )
+        for name in FORCES_POLE:
+            # a pole grows by 1e5 from there to there, a sum of other powers not at all
+            grows = nearer[name] > 1e4 * near[name]
+            most = maps[f"{name}_max"].sel(branch=branch).values
+            np.testing.assert_array_equal(np.isinf(most), grows)
+            assert np.all(np.isinf(maps[f"{name}_max_error"].sel(branch=branch).values[grows]))
+            infinite += grows.sum()
+    return infinite, 2 * len(FORCES_POLE) * n
+
+
+def test_forces_are_infinite_where_they_have_a_pole():
+    infinite, of = assert_infinite_where_they_grow(change_points(1, 500))
+    assert 0.2 * of < infinite < 0.8 * of

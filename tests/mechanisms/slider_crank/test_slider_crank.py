@@ -10,6 +10,7 @@ from itertools import product
 import mpmath as mp
 import numpy as np
 import pytest
+from tests.support.sweeps import sweep_both
 
 import fastlink as fl
 from fastlink.errors import InputError
@@ -122,7 +123,7 @@ def test_ranges_are_where_the_rod_reaches_the_line(r, l, e):
 
 
 def swept(names, designs, **options):
-    return fl.sweep("slider_crank", fl.table(designs), names, threads=1, **{"branch": (1, 2)} | options)
+    return sweep_both("slider_crank", fl.table(designs), names, threads=1, **options)
 
 
 def test_beyond_a_toggle_rates_grow_without_bound():

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from tests.support.browser import chromium
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 
@@ -21,9 +22,7 @@ def path(tmp_path_factory):
         a1=[0.3, 0.4, 0.9], a2=np.linspace(0.8, 1.5, 15), a3=np.linspace(0.4, 1.3, 13), a4=1.0, omega1=10.0
     )
     names = ["omega4_max", "transmission_angle_min", "grashof_class"]
-    fl.sweep(
-        "planar_4r", space, names, extrema="sampled", theta1=24, to=file, verify=0, branch=(1, 2)
-    ).close()
+    sweep_4r(space, names, extrema="sampled", theta1=24, to=file, verify=0).close()
     return file
 
 

@@ -8,6 +8,7 @@ import warnings
 import numpy as np
 import pytest
 from tests.support.browser import PATIENCE, new_tab, opened
+from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 from fastlink.maps.units import flags_of
@@ -176,7 +177,7 @@ def test_the_mechanism_is_that_of_the_design_under_the_cursor_and_its_extremes_a
         for name, of in (("omega4", "extremes('omega4"), ("jerk4", "bends('jerk4"))
     )
     names = ["omega4_max", "omega4_min", "jerk4_extrema"]
-    true = fl.sweep("planar_4r", fl.grid(**design, omega1=10.0), names, branch=1, verify=0)
+    true = fl.sweep("planar_4r", fl.grid(**design, omega1=10.0), names, branch=1)
     # the place of an extreme is found to the root of a rounding, its value to its square
     np.testing.assert_allclose(marks, [true.omega4_max, true.omega4_min], rtol=1e-12)
     expected = true.jerk4_extrema.values[np.isfinite(true.jerk4_extrema.values)]
@@ -301,10 +302,7 @@ def test_chosen_designs_are_a_study_that_gives_the_same_values(tab, path, tmp_pa
     tab.evaluate("async places => { for (const at of places) await lock(at); }", places)
     for name, text in state(tab, "studyOf(state.locks)").items():
         (tmp_path / name).write_text(text)
-    with (
-        fl.run(tmp_path / "study.toml", to=tmp_path / "again.h5", verify=0) as again,
-        fl.open(path) as maps,
-    ):
+    with fl.run(tmp_path / "study.toml", to=tmp_path / "again.h5", verify=0) as again, fl.open(path) as maps:
         for k, at in enumerate(places):
             one = again.isel(branch=0, **({"design": k} if count > 1 else {}))
             for name in maps.data_vars:
@@ -368,7 +366,7 @@ def test_a_map_of_sampled_designs_is_points(browser, tmp_path):
 @pytest.mark.stress
 def test_a_cell_of_many_designs_shows_their_mean_once_a_slider_rests(browser, show, tmp_path):
     space = fl.grid(a1=np.linspace(0.2, 1.9, 1500), a2=[0.8, 1.1], a3=[0.7, 0.9], a4=1.0)
-    maps = fl.sweep("planar_4r", space, ["least_transmission_angle"], verify=0, branch=(1, 2))
+    maps = sweep_4r(space, ["least_transmission_angle"])
     values, file = maps.least_transmission_angle.values[:, :, 0], tmp_path / "page.html"
     count = -(-1500 // 720)
     cells = values.reshape(1500 // count, count, 2)
@@ -421,7 +419,7 @@ def coupler():
         "P_y_min",
     ]
     codes, links = ["grashof_class", "status", "swing"], fl.round_bar(density=7750.0, radius=0.01)
-    return fl.sweep("planar_4r", space, [*names, *codes], links=links, branch=1, verify=0)
+    return fl.sweep("planar_4r", space, [*names, *codes], links=links, branch=1)
 
 
 @pytest.fixture(scope="module")
@@ -444,12 +442,12 @@ def maps_of(kind, coupler):
         return coupler
     if kind == "points":
         space = fl.sobol(64, seed=1, a1=(0.2, 0.5), a2=(0.9, 1.4), a3=(0.6, 1.2), a4=1.0, omega1=10.0)
-        return fl.sweep("planar_4r", space, ["omega4_max", "swing"], branch=1, verify=0)
+        return fl.sweep("planar_4r", space, ["omega4_max", "swing"], branch=1)
     space = fl.grid(a1=0.4, a2=1.1, a3=0.8, a4=1.0, omega1=10.0)
-    return fl.sweep("planar_4r", space, ["omega4"], theta1=36, verify=0, branch=(1, 2))
+    return sweep_4r(space, ["omega4"], theta1=36)
 
 
-#: Widths of a window with the kinds of pictures in it; of each width the second is in the default run, each kind once.
+#: Widths of a window with the kinds of pictures in it.
 VIEWS = {
     390: ("cells", "points", "line"),
     900: ("line", "cells", "points"),
@@ -457,7 +455,7 @@ VIEWS = {
 }
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("width", "kind"), [(width, kind) for width in VIEWS for kind in VIEWS[width]])
 def test_no_text_lies_on_another_and_nothing_is_beyond_the_side(browser, coupler, kind, width):
     with fl.explore(maps_of(kind, coupler), browser=False) as page:
@@ -522,7 +520,7 @@ def agree(tab, coupler):
         [values[one] for one in names], [true[one] for one in names], rtol=1e-9, atol=1e-9
     )
     links = fl.round_bar(density=density, radius=radius)
-    wanted = fl.sweep("planar_4r", fl.grid(**inputs), list(row), links=links, branch=1, verify=0)
+    wanted = fl.sweep("planar_4r", fl.grid(**inputs), list(row), links=links, branch=1)
     assert set(row) == set(coupler.data_vars)
     np.testing.assert_allclose(list(row.values()), [float(wanted[one]) for one in row], rtol=1e-9)
     return inputs
@@ -566,7 +564,7 @@ def test_an_input_is_typed_off_the_grid_and_back(browser, coupler, show, coupler
     assert state(tab, "design.row.omega4_max") == float(own)
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("name", "changed"), [("A", {"a1"}), ("B", {"a2", "a3"}), ("D", {"a4"}), ("P", {"P_u", "P_v"})]
 )
@@ -599,13 +597,8 @@ def test_a_linkage_that_is_dragged_apart_stops_there(show, coupler_page):
 
 @pytest.mark.stress
 def test_a_map_over_positions_is_evaluated_at_the_position_that_is_chosen(show):
-    maps = fl.sweep(
-        "planar_4r",
-        fl.grid(a1=[0.3, 0.4], a2=1.1, a3=0.8, a4=1.0, omega1=10.0),
-        ["omega4"],
-        theta1_deg=[10, 50],
-        verify=0,
-        branch=(1, 2),
+    maps = sweep_4r(
+        fl.grid(a1=[0.3, 0.4], a2=1.1, a3=0.8, a4=1.0, omega1=10.0), ["omega4"], theta1_deg=[10, 50]
     )
     with fl.explore(maps, browser=False) as page:
         tab = show(page.url)
