@@ -257,7 +257,7 @@ def test_quantities_prints_the_table():
     every = called("quantities", "planar_4r", "--all")
     assert every.stdout == f"{fl.quantities('planar_4r', internal=True)}\n"
     assert refused("quantities", "planar4r") == [
-        "MECHANISM: 'planar4r' is unknown; did you mean 'planar_4r'?"
+        "MECHANISM|STUDY.toml: 'planar4r' is unknown; did you mean 'planar_4r'?"
     ]
 
 
