@@ -59,8 +59,6 @@ def test_a_study_with_forces(tmp_path):
     )
     swept = fl.sweep(linkage, TURNING | given, ["torque_max"], branch=3)
     assert fl.run(path, to=path.with_suffix(".h5")).torque_max.item() == swept.torque_max.item()
-    fl.explore(path.with_suffix(".h5"), to=tmp_path / "page.html", browser=False)
-    assert "force_PF_F" in (tmp_path / "page.html").read_text()
 
 
 @pytest.mark.stress

@@ -138,6 +138,8 @@ KINDS: dict[str, tuple[dict[str, Any], dict[str, float], int]] = {
     ),
 }
 
+EACH = [kind for kind in KINDS if kind != "all of them"]
+
 
 def body(k: int) -> dict[str, Any]:
     """Return the mass of a link, unlike that of others."""
@@ -204,7 +206,7 @@ def loaded(kind: str) -> tuple[str, dict[str, Any], list[str], dict[str, Any]]:
     return mechanism, varied, every, of_bars
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", [*EACH, pytest.param("all of them", marks=pytest.mark.stress)])
 def test_motion_and_forces_are_those_of_the_loops_and_of_all_links_at_once(kind: str, tmp_path: Any) -> None:
     mechanism, varied, every, of_bars = loaded(kind)
     branch = tuple({1, min(2, KINDS[kind][2]), KINDS[kind][2]})
@@ -217,7 +219,8 @@ def test_motion_and_forces_are_those_of_the_loops_and_of_all_links_at_once(kind:
     assert all(np.isfinite(maps[name]).any() for name in every)
 
 
-@pytest.mark.parametrize("kind", [pytest.param(one, marks=pytest.mark.stress) for one in KINDS])
+@pytest.mark.stress
+@pytest.mark.parametrize("kind", KINDS)
 def test_the_equations_of_all_links_by_kernels_are_solved_by_the_dyads(kind: str) -> None:
     mechanism, varied, every, of_bars = loaded(kind)
     forces = [name for name in every if any(word in name for word in ("force", "torque", "moment"))]

@@ -16,7 +16,7 @@ from tests.mechanisms.linkages.declared import (
     six_bars,
     slider_cranks,
 )
-from tests.mechanisms.linkages.test_dyads import CRANK, KINDS
+from tests.mechanisms.linkages.test_dyads import CRANK, EACH, KINDS
 
 import fastlink as fl
 from fastlink.codegen.kernel import llvm_text
@@ -116,7 +116,7 @@ def test_all_shared_quantities_of_many_designs(mechanism: str, seed: int) -> Non
 def test_the_least_transmission_angle_is_that_of_the_worst_dyad_where_that_is_worst() -> None:
     ends = [f"transmission_angle_{name}_{how}" for name in "BF" for how in ("min", "max")]
     least = "least_transmission_angle_min"
-    maps = fl.sweep(SIX_BAR, six_bars(300, 7) | {"omega": 1.0}, [*ends, least], branch=(1, 2, 3, 4), verify=2)
+    maps = fl.sweep(SIX_BAR, six_bars(300, 7) | {"omega": 1.0}, [*ends, least], branch=(1, 2, 3, 4), verify=1)
     of_dyads = np.minimum(
         *(np.minimum(maps[f"{one}_min"], np.pi - maps[f"{one}_max"]) for one in (ends[0][:-4], ends[2][:-4]))
     )
@@ -228,9 +228,7 @@ def last_quantities(mechanism: str) -> list[str]:
 
 
 @pytest.mark.stress
-@pytest.mark.parametrize(
-    "kind", [kind for kind in KINDS if kind != "all of them"]
-)  # whose links all end apart
+@pytest.mark.parametrize("kind", EACH)
 def test_no_sample_of_any_kind_of_dyad_is_beyond_its_extremes(kind: str) -> None:
     declared, design, branches = KINDS[kind]
     drive = {} if "slider" in declared else CRANK
@@ -314,8 +312,8 @@ def test_derivatives_at_limits_follow_these() -> None:
 
 def test_derivatives_where_the_second_dyad_limits() -> None:
     at = TURNING | {"a1": 0.3, "omega": 1.0}
-    names = [f"{name}_{how}" for name in ("F_x", "F_y", "B_x", "angle_AB") for how in ("max", "min")]
-    of = [name for name in TURNING if name not in ("P_u", "P_v")]
+    names = [f"{name}_{how}" for name in ("F_x", "angle_AB") for how in ("max", "min")]
+    of = ["a1", "a3", "G_y", "a5"]
     found = fl.sweep(SIX_BAR, at, [f"d_{name}_d_{by}" for name in names for by in of], branch=3)
     for by in of:
         ends = [fl.sweep(SIX_BAR, at | {by: at[by] + step}, names, branch=3) for step in (-1e-6, 1e-6)]
