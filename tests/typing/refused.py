@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from tests.support.sweeps import sweep_4r
-
 import fastlink as fl
 from fastlink.typing import Planar4rResult
 
 SPACE = fl.grid(a1=0.4, a2=1.1, a3=0.8, a4=1.0, omega1=25.0)
 
 fl.sweep("planar_4R", SPACE, ["omega4_max"], branch=(1, 2))  # type: ignore[call-overload]
-sweep_4r(SPACE, ["omega4_max"], theta=72)  # type: ignore[call-overload]
-sweep_4r(SPACE, ["omega4_max"], input="theta")  # type: ignore[call-overload]
+fl.sweep("planar_4r", SPACE, ["omega4_max"], theta=72, branch=(1, 2))  # type: ignore[call-overload]
+fl.sweep("planar_4r", SPACE, ["omega4_max"], input="theta", branch=(1, 2))  # type: ignore[call-overload]
 fl.sweep("slider_crank", SPACE, ["omega2_max"], solver="dense", branch=(1, 2))  # type: ignore[call-overload]
-sweep_4r(SPACE, ["omega4_max"], extrema="exact")  # type: ignore[call-overload]
-sweep_4r(SPACE, ["omega4_max"], thread=2)  # type: ignore[call-overload]
+fl.sweep("planar_4r", SPACE, ["omega4_max"], extrema="exact", branch=(1, 2))  # type: ignore[call-overload]
+fl.sweep("planar_4r", SPACE, ["omega4_max"], thread=2, branch=(1, 2))  # type: ignore[call-overload]
 fl.evaluate("planar_4r", ["omega4"], A1=0.4, theta1=1.0)  # type: ignore[call-overload]
 fl.evaluate("hart", ["F_y"], m=1.0, n=0.8, d=1.2, kapa=0.5, phi=0.1)  # type: ignore[call-overload]
 fl.function("planar_4r", ["a2"], ["omega4_max"], length_crank=0.4)  # type: ignore[call-overload]

@@ -395,16 +395,17 @@ def new(
 
     For instance: fastlink new planar_4r > study.toml
 
-    MECHANISM  Such as planar_4r.
+    MECHANISM  Such as planar_4r; linkage for one by its joints.
     """
     from importlib.resources import files
 
     from fastlink.errors import check_choice
     from fastlink.mechanisms import NAMES, SHEET, catalogue
 
-    if not mechanism.endswith(SHEET):
+    declared = "linkage"
+    if not mechanism.endswith(SHEET) and mechanism != declared:
         catalogue(mechanism)  # which says what an unknown name may mean
-    check_choice(("mechanism",), mechanism, NAMES)
+    check_choice(("mechanism",), mechanism, (*NAMES, declared))
     template = files("fastlink").joinpath("mechanisms", mechanism, "study.toml")
     typer.echo(template.read_text(encoding="utf-8"), nl=False)
 

@@ -533,7 +533,7 @@ class SearchRequest:
         aims = joined([str(one) for one in choice.objectives])
         conditions = joined([str(one) for one in choice.wanted])
         text = f"the {aims}{' where ' if conditions else ''}{conditions}"
-        return {**self.attrs, "mechanism": self.resolved.mechanism, "search": text}
+        return {**self.attrs, "mechanism": str(self.resolved.mechanism), "search": text}
 
     def rows(self, columns: Mapping[str, Any], places: Mapping[str, NDArray[np.int64]], names: Sequence[str],
              verify: int = 0) -> xr.Dataset:  # fmt: skip

@@ -256,6 +256,8 @@ class Catalogue:
         self.tables: dict[str, Fact] = {}
         self.table_low_parts: dict[str, str] = {}
         self.variants: dict[str, dict[str, Fact | System]] = {}
+        #: Quantities that a further part of its declaration gives: what they begin with, what is wrong, the remedy.
+        self.lacking: tuple[tuple[str, ...], str, str] = ((), "", "")
         self.variant_inputs: dict[str, dict[str, Input]] = {}
         self.graded: GradedRange | None = None
         #: Closed forms, and each variant that has a linear system.
@@ -644,6 +646,9 @@ class Catalogue:
 
     def absence(self, name: str) -> InputError | None:
         """Return the error that says why a name is not a quantity here, if more is known than that."""
+        words, what, remedy = self.lacking
+        if (as_derivative(name) or (name,))[0].startswith(words):
+            return InputError(f"quantity {name!r}: {what}", remedy=remedy)
         if not self.is_of_position(name):
             return None
         of = "" if name == self.position.name else f": {self.position.name}"

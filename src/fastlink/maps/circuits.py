@@ -18,6 +18,9 @@ def circuits_of(maps: xr.Dataset) -> xr.DataArray:
     """Return the circuit of each range in each branch, see `fastlink.maps.MapAccessor.circuits`."""
     position = str(maps.attrs.get("input"))
     names = [f"{position}_{word}" for word in ("low", "high", "low_by", "high_by")]
+    if not (names[2] in maps or any(name in maps for name in names) or maps.attrs.get("mechanism_sheet")):
+        what = f"is of {maps.attrs.get('mechanism')}, which is no declared linkage"
+        raise InputError(what, ("maps",), "sweep one of fl.linkage")
     for name in names:
         if name not in maps:
             remedy = f"sweep a declared linkage with {', '.join(names)}, in all its branches"

@@ -79,6 +79,8 @@ class Mechanism(str):
             raise InputError(f"{file} {what}", where=("mechanism",), remedy=remedy) from None
         except SheetError as error:
             raise InputError(error.what, where=("mechanism", error.place), remedy=error.remedy) from None
+        if picture is not None and not picture.forces:
+            known.lacking = LACKING
         own = super().__new__(cls, f"{known.name}@{sha256(text.encode()).hexdigest()[:8]}")
         own.text, own.file, own.known, own.picture = text, file, with_arc(known), picture
         return _sheets.setdefault(str(own), own)
@@ -90,6 +92,21 @@ class Mechanism(str):
         return type(self), (self.text, self.file)
 
 
+#: What a linkage lacks that was declared without masses.
+LACKING = (
+    (
+        "torque",
+        "input_power",
+        "shaking_",
+        "force_",
+        "normal_force",
+        "driving_force",
+        "slot_force",
+        "guide_moment",
+    ),
+    "there are no forces without masses",
+    "declare masses= or loads=",
+)
 #: The mechanisms of sheets by name.
 _sheets: dict[str, Mechanism] = {}
 SHEET = ".facts"

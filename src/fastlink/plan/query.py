@@ -347,7 +347,7 @@ register(
             "low": ("inf", "select({value} < {low}, {value}, {low})"),
         },
         finish="select({high} >= {low}, {high} - {low}, nan)",
-        keywords=("dwell", "rest", "span"),
+        keywords=("dwell", "rest", "span", "stroke"),
         gradient={
             "of_high": ("nan", "select({value} > {high}, {slope}, {of_high})"),
             "of_low": ("nan", "select({value} < {low}, {slope}, {of_low})"),
@@ -689,7 +689,10 @@ def unknown_quantity(name: str, catalogue: Catalogue, over_cycle: bool = True) -
         near = suggest_input(wrong, catalogue)
         return InputError(what, remedy=find.did_you_mean(near) if near else listed(list(catalogue.variables)))
     near = suggest_quantity(name, catalogue, over_cycle) or suggest_quantity(wrong, catalogue, over_cycle)
-    lists = f"`fastlink quantities {getattr(catalogue, 'first', catalogue).name}` lists all"
+    of_built_in = getattr(catalogue, "first", catalogue).name
+    lists = "`fl.quantities(...)` of it lists all"
+    if of_built_in in NAMES:
+        lists = f"`fastlink quantities {of_built_in}` lists all"
     return InputError(what, remedy=find.did_you_mean(near) if near else lists)
 
 

@@ -2,6 +2,7 @@
 
 import pickle
 
+import numpy as np
 import pytest
 from tests.mechanisms.linkages.declared import DECLARED, SIX_BAR, TURNING
 from tests.test_cli import called
@@ -111,3 +112,25 @@ def test_a_linkage_is_not_synthesised():
 def test_the_command_line_lists_what_the_linkage_of_a_study_has(tmp_path):
     done = called("quantities", str(study_of(tmp_path / "six_bar.toml")), "--find", "speed of F")
     assert "F_speed" in done.stdout
+
+
+def test_the_study_to_begin_with_runs(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "study.toml").write_text(called("new", "linkage").stdout)
+    maps = fl.run("study.toml", to="study.h5")
+    assert maps.attrs["verify_mismatches"] == 0
+    assert float(maps.torque_peak.min()) < np.inf
+
+
+def test_what_a_search_finds_of_a_linkage_is_written_and_read(tmp_path):
+    place, given = tmp_path / "found.h5", {name: value for name, value in TURNING.items() if name != "a1"}
+    space = fl.sobol(64, a1=(0.05, 0.12), omega=1.0, **given)
+    found = fl.search(SIX_BAR, space, maximise="F_x_max", branch=3, top=1, to=place)
+    with fl.open(place) as written:
+        assert written.F_x_max.item() == found.F_x_max.item()
+        assert written.attrs["mechanism"] == str(SIX_BAR)
+
+
+def test_forces_of_a_linkage_without_masses_are_refused():
+    with pytest.raises(fl.InputError, match="no forces without masses; declare masses="):
+        fl.sweep(SIX_BAR, TURNING | {"omega": 1.0}, ["d_torque_peak_d_a1"], branch=3)

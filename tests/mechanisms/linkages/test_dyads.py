@@ -284,7 +284,7 @@ REFUSED = {
         "a whole number",
     ),
     "no crank": ({"crank": {}, "dyads": {"B": RRR}}, "crank is {}", '{"A": ("O", "a1")}'),
-    "no such link": ({"dyads": {"B": RRR}, "masses": {"BA": 1}}, "masses.BA is no link", "did you mean"),
+    "no such link": ({"dyads": {"B": RRR}, "masses": {"AX": 1}}, "masses.AX is no link", "did you mean"),
     "no mass": (
         {"dyads": {"B": RRR}, "masses": {"AB": {"centre": (0, 0)}}},
         "masses.AB has no 'mass'",
@@ -314,6 +314,37 @@ REFUSED = {
         "did you mean",
     ),
     "gravity of one number": ({"dyads": {"B": RRR}, "gravity": 9.81}, "gravity is 9.81", "two components"),
+    "a unit in a name": (
+        {"dyads": {"B": RRR}, "loads": {"B": (0, "F_kN")}},
+        "loads.B is 'F_kN', which ends in",
+        "call it 'F'",
+    ),
+    "degrees in a name": (
+        {"dyads": {"B": {"rrp": "A", "length": "l", "along": ("D", "beta_deg")}}},
+        "dyads.B.along is 'beta_deg', which ends in a unit",
+        "give 'beta_deg'",
+    ),
+    "gravity alone": (
+        {"dyads": {"B": RRR}, "gravity": (0, -9.81)},
+        "gravity: pulls at nothing",
+        "declare masses=",
+    ),
+    "a link backwards": ({"dyads": {"B": RRR}, "masses": {"BA": 1}}, "masses.BA is no link", "write 'AB'"),
+    "a point of a bar": (
+        {"dyads": {"B": RRR}, "masses": {"B": "round_bar"}},
+        "and B is a point",
+        "write its mass",
+    ),
+    "a number in quotes": (
+        {"dyads": {"B": RRR}, "masses": {"B": "1.5"}},
+        "masses.B is '1.5'",
+        "without quotes",
+    ),
+    "a name of ours": (
+        {"name": "hart", "dyads": {"B": RRR}},
+        "name: 'hart' is a mechanism",
+        "call it otherwise",
+    ),
     "no drive": ({"crank": None, "dyads": {"B": RRR}}, "linkage has no drive", "slider="),
     "two drives": ({"slider": {"A": {}}, "dyads": {"B": RRR}}, "linkage has two drives", "or slider="),
     "no stroke": (
@@ -347,7 +378,7 @@ REFUSED = {
         "dyads.X.prp: 'Q' is no point",
         "known",
     ),
-    "no name": ({"name": "4 bar", "dyads": {"B": RRR}}, "name is '4 bar'", "letters"),
+    "no name": ({"name": "4 bar", "dyads": {"B": RRR}}, "name: '4 bar' cannot be a name", "letters"),
     "no default": ({"dyads": {"B": RRR}, "defaults": {"a1": "x"}}, "defaults.a1 is 'x'", "write a number"),
     "no defaults": ({"dyads": {"B": RRR}, "defaults": 3}, "defaults is 3", "write numbers"),
     "default of nothing": ({"dyads": {"B": RRR}, "defaults": {"b1": 1.0}}, "b1 is no input", "a1"),
@@ -379,6 +410,24 @@ def test_impossible_lengths_are_invalid_and_far_plates_never_assemble() -> None:
     words = found.status.attrs["flag_meanings"].split()
     assert [words[code] for code in found.status.values.ravel()] == ["invalid_input", "rotates_fully"]
     assert np.isnan(found.B_x_max.values.ravel()[0])
+
+
+def test_a_stroke_may_go_backwards_and_angles_in_degrees_are_remarked_on() -> None:
+    drive = {"A": {"along": ("O", 0.0), "stroke": ("s_1", "s_2")}}
+    lift = fl.linkage(ground=O, slider=drive, dyads={"M": {"rrr": ("A", "O"), "lengths": (0.5, 0.5)}})
+    there, back = (
+        fl.evaluate(lift, ["M_y"], s_1=one, s_2=two, omega=1.0, branch=1, theta=np.array([0.7, np.pi - 0.7]))[
+            "M_y"
+        ]
+        for one, two in ((0.4, 0.9), (0.9, 0.4))
+    )
+    # numbers below 1, each of some ten roundings
+    assert np.allclose(there, back[::-1], rtol=0, atol=16 * 2.0**-52)
+    along = {"rrp": "A", "length": "l", "along": ("D", 90)}
+    with pytest.warns(fl.InputWarning, match=r"if these are degrees, write 1\.5708"):
+        fl.linkage(ground=OD, **CRANK, dyads={"B": along})
+    with pytest.warns(fl.InputWarning, match=r"beta is 45.*write 0\.785398"):
+        fl.linkage(ground=OD, **CRANK, dyads={"B": along | {"along": ("D", "beta")}}, defaults={"beta": 45})
 
 
 def with_one_changed(declared: Any, to: Any) -> Iterator[Any]:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Mapping, Sequence
 from numbers import Real
 from typing import Any
 
 from fastlink._text import short_repr
 from fastlink.errors import InputError, door
-from fastlink.mechanisms import Mechanism
+from fastlink.facts.own import check_name
+from fastlink.mechanisms import NAMES, Mechanism
 from fastlink.mechanisms._shared.picture import Picture
 from fastlink.mechanisms.linkage.forces import Forces
 from fastlink.mechanisms.linkage.motion import Writer
@@ -153,8 +153,14 @@ def linkage(
     declared |= {"dyads": dyads, "defaults": dict(defaults or {})}
     of_forces = {"masses": masses, "loads": loads, "gravity": gravity}
     declared |= {part: given for part, given in of_forces.items() if given is not None}
-    if not isinstance(name, str) or re.fullmatch("[A-Za-z](_?[A-Za-z0-9])*", name) is None:
-        raise InputError(f"is {short_repr(name)}", ("linkage", "name"), "write letters, digits and single _")
+    try:
+        check_name(name)
+    except InputError as error:
+        raise InputError(error.what, ("linkage", "name"), error.remedy) from None
+    if name in NAMES:
+        raise InputError(
+            f"{name!r} is a mechanism of fastlink's own", ("linkage", "name"), "call it otherwise"
+        )
     try:
         text = json.dumps(declared, default=_as_data)
     except (TypeError, ValueError) as error:
@@ -163,7 +169,7 @@ def linkage(
 
 
 def _as_data(value: Any) -> Any:
-    """Return a number of NumPy as one of Python."""
-    if hasattr(value, "item") and getattr(value, "ndim", None) == 0:
-        return value.item()
+    """Return a number or an array of NumPy as one of Python, or a list."""
+    if hasattr(value, "tolist"):
+        return value.tolist()
     raise TypeError(f"{short_repr(value)} is no number or name")

@@ -125,6 +125,8 @@ class Forces:
         """Read gravity, masses and loads."""
         declared, within = self.writer.declared, self.writer.within
         if declared.get("gravity") is not None:
+            if not declared.get("masses"):
+                self.writer.problems.add("pulls at nothing", ("linkage", "gravity"), "declare masses=")
             with within("gravity"):
                 self.gravity = self.vector(declared["gravity"], "gravity", "m s-2", "acceleration of gravity")
         bars = {link.name: BAR for link in self.writer.links if link.length}
@@ -156,12 +158,17 @@ class Forces:
             return body, name
         if name not in self.bodies:
             known = [*self.bodies, *self.writer.owners]
+            for link in self.writer.links:
+                if name == "".join(reversed(link.points[:2])):
+                    raise InputError("is no link", (), f"write {link.name!r}: its axis is from {link.origin}")
             raise InputError("is no link and no point that moves", (), suggest(name, known))
         return self.bodies[name], ""
 
     def read_mass(self, name: str, given: Any) -> None:
         """Read the mass of a link, or one in a point."""
         value, (body, point) = self.writer.value, self.body_of(name)
+        if point and given == BAR:
+            raise InputError(f"is {BAR!r}, and {name} is a point", (), "write its mass")
         if point:
             mass = value((), given, f"mass_{name}", "kg", f"mass in {name}", "non-negative")
             self.need(body, point, scaled(mass, self.less_gravity(self.acceleration(point))))

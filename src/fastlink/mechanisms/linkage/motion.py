@@ -12,6 +12,7 @@ AB x DB = s 2 T. A pin on a line, a slot about a pin and two lines are placed an
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -19,10 +20,11 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 from fastlink._text import short_repr
-from fastlink.errors import InputError, KeyPath, Problems, check_choice, suggest
+from fastlink.errors import InputError, KeyPath, Problems, check_choice, remark, suggest
 from fastlink.facts.names import derivative_name
 from fastlink.facts.own import check_name
 from fastlink.mechanisms._shared.picture import Bar, Force, Picture, Point, Torque
+from fastlink.space.units import factor_of, looks_like_degrees, split
 
 #: What each kind of dyad is given besides the points that it joins; what may be left out stands in brackets.
 KINDS = {
@@ -191,12 +193,19 @@ class Writer:
         if isinstance(given, str):
             name = given
             if NAME.match(name) is None or re.fullmatch("[A-Za-z](_?[A-Za-z0-9])*_?", name) is None:
-                raise InputError(
-                    f"is {given!r}, which is no name",
-                    where,
-                    "write letters, digits and single _, or a number",
+                quoted = re.fullmatch(r"[-+.\d][-+.\deE]*", name)
+                remedy = (
+                    "write a number without quotes"
+                    if quoted
+                    else "write letters, digits and single _, or a number"
                 )
+                raise InputError(f"is {given!r}, which is no name", where, remedy)
             check_name(name)
+            of, unit = split(name, {"_".join(name.split("_")[:k]) for k in range(1, len(name.split("_")))})
+            if unit and factor_of(unit, units) not in (None, 1):
+                raise InputError(
+                    f"is {name!r}, which ends in a unit", where, f"call it {of!r}, and give {name!r}"
+                )
         elif isinstance(given, bool) or not isinstance(given, (int, float)) or given - given != 0.0:
             raise InputError(f"is {short_repr(given)}", where, "write the name of an input, or a number")
         elif given == 0 and rule == "any":
@@ -215,6 +224,9 @@ class Writer:
         ):
             whose = f", the default of {name}" if isinstance(given, str) else ""
             raise InputError(f"is {float(default)!r}{whose}, not {rule}", where, "write another number")
+        if default is not None and units == "rad" and looks_like_degrees(default):
+            remedy = f"if these are degrees, write {math.radians(default):.6g}"
+            remark(f"{name} is {default}, taken as radians", ("linkage", *where), remedy)
         if default is not None and not any(line.startswith("default") for line in lines):
             lines.append(f"default: {float(default)!r}")
         return name
@@ -476,13 +488,13 @@ class Writer:
         self.scale, slide = f"stroke_{pin}", f"slide_{pin}"
         length = minus(other, one)
         self.fact(
-            f"step {self.scale} [m] h: Stroke of {pin}, which is positive",
-            f"= select({length} > 0.0, {length}, NOT_A_NUMBER)",
+            f"step {self.scale} [m] h: Stroke of {pin}",
+            f"= select(abs({length}) > 0.0, abs({length}), NOT_A_NUMBER)",
         )
         at = f"0.5 * ({plus(one, other)}"
         self.fact(
             f"{slide} [m] s_{pin}: Place of the slider {pin} on its line, from {line.start}",
-            f"= {at} - {self.scale} * cos_theta)",
+            f"= {at} - ({length}) * cos_theta)",
         )
         self.add_slide(pin, slide)
         self.rows.append(f"    | {slide} - {at} - ({length}) * cos(theta))")
@@ -976,8 +988,13 @@ class Writer:
         if arm is driver:
             what = f"{start}, {end} and {pivot} are of one link, on which nothing turns"
             raise InputError(what, ("gear",), f"write {SHAPES['gear']}")
+        if isinstance(ratio, float) and ratio.is_integer():
+            ratio = int(ratio)
         if isinstance(ratio, bool) or not isinstance(ratio, int) or not 1 <= abs(ratio) <= MOST_RATIO:
-            what = f"is {short_repr(ratio)}: another ratio goes on for several turns of the crank"
+            what = f"is {short_repr(ratio)}"
+            what += (
+                ": another ratio goes on for several turns of the crank" if isinstance(ratio, float) else ""
+            )
             raise InputError(
                 what, ("ratio",), f"write a whole number from -{MOST_RATIO} to {MOST_RATIO}, not 0"
             )
