@@ -138,6 +138,13 @@ def split(name: str, known: Container[Any]) -> tuple[str, str]:
     return name, ""
 
 
+def ends_in_unit(name: str, units: str) -> tuple[str, str]:
+    """Return the name and the unit that a name is made of, F and kN of F_kN, if that is of a kind and not of SI."""
+    pieces = name.split("_")
+    of, unit = split(name, {"_".join(pieces[:at]) for at in range(1, len(pieces))})
+    return (of, unit) if unit and factor_of(unit, units) not in (None, 1) else (name, "")
+
+
 def with_unit(name: str, unit: str) -> str:
     """Return the name by which something is given in a unit: density_g_cm3 in g/cm3."""
     powers = [(UNITS[one][2], abs(power)) for one, power in _parts(unit) or ()]

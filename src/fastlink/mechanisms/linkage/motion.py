@@ -24,7 +24,7 @@ from fastlink.errors import InputError, KeyPath, Problems, check_choice, remark,
 from fastlink.facts.names import derivative_name
 from fastlink.facts.own import check_name
 from fastlink.mechanisms._shared.picture import Bar, Force, Picture, Point, Torque
-from fastlink.space.units import factor_of, looks_like_degrees, split
+from fastlink.space.units import ends_in_unit, looks_like_degrees
 
 #: What each kind of dyad is given besides the points that it joins; what may be left out stands in brackets.
 KINDS = {
@@ -201,11 +201,10 @@ class Writer:
                 )
                 raise InputError(f"is {given!r}, which is no name", where, remedy)
             check_name(name)
-            of, unit = split(name, {"_".join(name.split("_")[:k]) for k in range(1, len(name.split("_")))})
-            if unit and factor_of(unit, units) not in (None, 1):
-                raise InputError(
-                    f"is {name!r}, which ends in a unit", where, f"call it {of!r}, and give {name!r}"
-                )
+            of, unit = ends_in_unit(name, units)
+            if unit:
+                what = f"is {name!r}, which ends in a unit"
+                raise InputError(what, where, f"call it {of!r}, and give {name!r}")
         elif isinstance(given, bool) or not isinstance(given, (int, float)) or given - given != 0.0:
             raise InputError(f"is {short_repr(given)}", where, "write the name of an input, or a number")
         elif given == 0 and rule == "any":
