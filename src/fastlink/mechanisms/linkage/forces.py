@@ -69,6 +69,11 @@ def scaled(factor: str, vector: Pair) -> Pair:
     return x, y
 
 
+def across(line: Line) -> tuple[Pair, Pair]:
+    """Return the unit vector to the left of a line, as facts and in the loops."""
+    return left(line.unit), left(line.in_loops)
+
+
 def of_facts(pair: Pair) -> Pair:
     """Return a direction in the loops by the functions that kernels have."""
     x, y = (one.replace("cos(", "cosine(").replace("sin(", "sine(") for one in pair)
@@ -110,6 +115,8 @@ class Forces:
         self.columns: dict[str, list[tuple[str, str, str, str]]] = {}
         self.drawn: list[Force | Torque] = []
         self.round_bars: list[str] = []
+        #: Further facts in the words of the loops.
+        self.dense: list[str] = []
 
     def write(self) -> list[str]:
         """Write all facts of force; return the lines of the variants."""
@@ -371,11 +378,18 @@ class Forces:
         return found
 
     def guide(
-        self, name: str, meaning: str, text: str, unit: Pair, at: str, on: Body, by: Body | None
-    ) -> None:
-        """Write the force of a guide, which is square to it."""
+        self, name: str, meaning: str, text: str, units: tuple[Pair, Pair], at: str, on: Body, by: Body | None
+    ) -> Pair:
+        """Write the force of a guide along a unit vector, as facts and in the loops; return it as a vector."""
         self.writer.fact(f"{name} [N] N_{at}: {meaning}", f"= {text}")
-        self.column(name, of_facts(unit), at, on, by)
+        self.column(name, of_facts(units[1]), at, on, by)
+        vectors = scaled(name, units[0]), scaled(name, of_facts(units[1]))
+        for axis, part, dense in zip("xy", *vectors, strict=True):
+            head = f"{name}_{axis} [N] N_{at}{axis}: {meaning}, {axis}"
+            self.writer.fact(head, f"= {total((part,))}")
+            self.dense += [head, f"    = {total((dense,))}"]
+        self.drawn.append(Force(name, at))
+        return f"{name}_x", f"{name}_y"
 
     def column(self, unknown: str, unit: Pair, point: str, on: Body, by: Body | None) -> None:
         """Note on what an unknown force along a unit vector acts, and from where."""
@@ -421,14 +435,12 @@ class Forces:
     def solve_rrp(self, placed: Placed) -> None:
         """Write the joint forces of a bar and its slider on a line."""
         bar, (a,), (line,), b = self.bodies[placed.links[0].name], placed.points, placed.lines, placed.name
-        slider, normal = self.bodies[b], left(line.unit)
+        slider = self.bodies[b]
         (sx, sy), _ = self.needs(slider)
         (x1, y1), about_a = self.needs(bar)
-        name = f"normal_force_{b}"
         text = f"({about_a} + {moment(bar.arm(b), (sx, sy))}) * per_ahead_{b}"
         meaning = f"Force of the guide on {b}, to the left of its line"
-        self.guide(name, meaning, text, left(line.in_loops), b, slider, self.of_line(line))
-        force = scaled(name, normal)
+        force = self.guide(f"normal_force_{b}", meaning, text, across(line), b, slider, self.of_line(line))
         x, y = self.pin(bar, b, slider, (minus(force[0], sx), minus(force[1], sy)), f"the slider {b}")
         self.pin(bar, a, self.owner(a), (f"{x1} - {x}", f"{y1} - {y}"))
         self.carry_on(line, b, force)
@@ -439,8 +451,8 @@ class Forces:
         lever, carrier, name = self.bodies[link.name], self.owner(a), f"normal_force_{placed.name}"
         (x, y), about_d = self.needs(lever)
         meaning = f"Force of {a} on {placed.name}, to the left of its slot"
-        self.guide(name, meaning, f"{about_d} / {placed.by}", left(link.in_loops), a, lever, carrier)
-        force = scaled(name, left(link.axis))
+        units = left(link.axis), left(link.in_loops)
+        force = self.guide(name, meaning, f"{about_d} / {placed.by}", units, a, lever, carrier)
         if carrier is not None:
             carrier.carried.append((carrier.arm(a), force))
         self.pin(lever, d, self.owner(d), (minus(x, force[0]), minus(y, force[1])))
@@ -452,7 +464,7 @@ class Forces:
         force, about = self.needs(slider)
         slot, normal, turning = f"slot_force_{y}", f"normal_force_{y}", f"guide_moment_{y}"
 
-        def across(unit: Pair) -> Pair:
+        def slotted(unit: Pair) -> Pair:
             """Return the unit vector to the left of the slot."""
             if not angle:
                 return negative(unit[0]), negative(unit[1])
@@ -464,25 +476,11 @@ class Forces:
             for unit in (line.unit, left(line.unit))
         )
         per, rest = (f" / sine({angle})", f" - {slot} * cosine({angle})") if angle else ("", "")
-        self.guide(
-            slot,
-            f"Force of {a} on {y}, to the left of the slot",
-            f"-({along}){per}",
-            across(line.in_loops),
-            a,
-            slider,
-            carrier,
-        )
-        self.guide(
-            normal,
-            f"Force of the guide on {y}, to the left of its line",
-            off + rest,
-            left(line.in_loops),
-            y,
-            slider,
-            rail,
-        )
-        pushed, held = scaled(slot, across(line.unit)), scaled(normal, left(line.unit))
+        units = slotted(line.unit), slotted(line.in_loops)
+        meaning = f"Force of {a} on {y}, to the left of the slot"
+        pushed = self.guide(slot, meaning, f"-({along}){per}", units, a, slider, carrier)
+        meaning = f"Force of the guide on {y}, to the left of its line"
+        held = self.guide(normal, meaning, off + rest, across(line), y, slider, rail)
         head = f"{turning} [N m] M_{y}: Moment of the guide on {y}, about {y}"
         self.writer.fact(head, f"= {minus(about, moment(self.between(y, a), pushed))}")
         self.turn(turning, (slider, "1.0"), (rail, "-1.0"))
@@ -502,8 +500,8 @@ class Forces:
             along = total(times(*pair) for pair in zip(force, other.unit, strict=True))
             text = f"{'' if line is first else '-'}({along}) / cross_{pin.name}"
             meaning = f"Force of the {word} line on {pin.name}, to its left"
-            self.guide(name, meaning, text, left(line.in_loops), pin.name, pin, self.of_line(line))
-            self.carry_on(line, pin.name, scaled(name, left(line.unit)))
+            found = self.guide(name, meaning, text, across(line), pin.name, pin, self.of_line(line))
+            self.carry_on(line, pin.name, found)
 
     def solve_gear(self, placed: Placed) -> None:
         """Write the force and the torque on a bar that a gear or a belt turns."""
@@ -531,17 +529,12 @@ class Forces:
         """Write the forces on the slider that drives."""
         slider, (line,), name = self.bodies[placed.name], placed.lines, placed.name
         force, _ = self.needs(slider)
-        for unknown, of, text, unit in (
-            (f"driving_force_{name}", "what drives, along its line", line.in_loops, line.unit),
-            (
-                f"normal_force_{name}",
-                "the guide, to the left of its line",
-                left(line.in_loops),
-                left(line.unit),
-            ),
+        for unknown, of, units in (
+            (f"driving_force_{name}", "what drives, along its line", (line.unit, line.in_loops)),
+            (f"normal_force_{name}", "the guide, to the left of its line", across(line)),
         ):
-            along = total(times(*pair) for pair in zip(force, scaled("1.0", unit), strict=True))
-            self.guide(unknown, f"Force on {name} of {of}", along, text, name, slider, None)
+            along = total(times(*pair) for pair in zip(force, scaled("1.0", units[0]), strict=True))
+            self.guide(unknown, f"Force on {name} of {of}", along, units, name, slider, None)
 
     def turn(self, unknown: str, *on: tuple[Body | None, str]) -> None:
         """Note on what an unknown moment acts."""
@@ -568,7 +561,7 @@ class Forces:
                         terms.append("0.0" if factor == "0.0" else f"{sign}{times(unknown, factor)}")
         head = f"system reactions: {', '.join(self.columns)}"
         lines = [*ROUND_BARS, *self.round_bars] if self.round_bars else []
-        lines += ["[variant dense]", head, *rows, *self.shaking(*shaking)]
+        lines += ["[variant dense]", head, *rows, *self.dense, *self.shaking(*shaking)]
         if (drive := self.writer.placed[0]).kind == "slider":
             lines += [POWER, f"    = driving_force_{drive.name} * slide_{drive.name}_rate"]
         return lines
