@@ -381,11 +381,12 @@ class Forces:
         self, name: str, meaning: str, text: str, units: tuple[Pair, Pair], at: str, on: Body, by: Body | None
     ) -> Pair:
         """Write the force of a guide along a unit vector, as facts and in the loops; return it as a vector."""
-        self.writer.fact(f"{name} [N] N_{at}: {meaning}", f"= {text}")
+        symbol = f"{'N' if name.startswith('normal') else 'F'}_{at}"
+        self.writer.fact(f"{name} [N] {symbol}: {meaning}", f"= {text}")
         self.column(name, of_facts(units[1]), at, on, by)
         vectors = scaled(name, units[0]), scaled(name, of_facts(units[1]))
         for axis, part, dense in zip("xy", *vectors, strict=True):
-            head = f"{name}_{axis} [N] N_{at}{axis}: {meaning}, {axis}"
+            head = f"{name}_{axis} [N] {symbol}{axis}: {meaning}, {axis}"
             self.writer.fact(head, f"= {total((part,))}")
             self.dense += [head, f"    = {total((dense,))}"]
         self.drawn.append(Force(name, at))
