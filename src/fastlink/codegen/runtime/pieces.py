@@ -62,7 +62,7 @@ OF_LANE, OF_COLUMN, BRANCH, LOW, WIDTH, OFF, END_LOW, END_HIGH = 0, 1, 2, 3, 4, 
 BY, GROWS, BENDS, ROUGH, NEAR, SCALE, FIRST, IS_TOGGLE = range(8)
 END_ROWS, PIECE_ROWS = 8, 22
 # Rows of the zeros of a gap: the input position, slope, half the second derivative, how far off the place and the slope
-# may be. Of least values: the input position, the value. The count of a lane is in the column after the last.
+# may be. Of least values: the input position, the value, and infinite errors where rounding alone tells its sign. The count of a lane is in the column after the last.
 AT, SLOPE_AT, BEND_AT, OFF_AT, ROUGH_AT = range(5)
 ZERO_ROWS, MOST_ZEROS = 5, 17
 #: How many pieces there is room for, by design and branch.
@@ -72,6 +72,8 @@ SEAM = -0.7390851332151607
 # The first sample beside a limit, over the scale; and the size of a least gap whose root turns within a fraction of a
 # radian.
 NEAR_LIMIT, SHARP = 2.0**-60, 2.0**-6
+# The first sample beside a place where rounding decides whether a loop opens: nearer, gaps may be below zero.
+NEAR_UNDECIDED = 2.0**-12
 # A gap that is no deeper below zero, over that at the samples beside, may be so by rounding.
 UNDECIDED_DEPTH = 2.0**-34
 # Limits that are one place still have a scale.
@@ -94,7 +96,8 @@ def _set_end(pieces: Any, k: int, end: int, distance: float, width: float, whole
     way = width if whole else PART_OF_WAY * width
     pieces[end + NEAR, k] = way if way < SERIES else SERIES
     pieces[end + SCALE, k] = scale
-    pieces[end + FIRST, k] = NEAR_LIMIT * scale if by > 0.0 else 0.0
+    first = NEAR_LIMIT if by > 0.0 else (NEAR_UNDECIDED if pieces[end + ROUGH, k] == INFINITY else 0.0)
+    pieces[end + FIRST, k] = first * scale
     pieces[end + IS_TOGGLE, k] = 1.0 if by > 0.0 else 0.0
 
 
@@ -138,6 +141,7 @@ def keep_zeros(s: Any, count: int, zeros: Any, leasts: Any) -> None:
             if k >= 0:
                 leasts[SLOPE_AT, lane, k] = s[BOUND, i]
                 leasts[OFF_AT, lane, k] = INFINITY
+                leasts[ROUGH_AT, lane, k] = INFINITY
         elif slope == slope:
             k = _place(zeros, lane, theta)
             if k >= 0:
@@ -187,6 +191,7 @@ def keep_leasts(s: Any, count: int, leasts: Any) -> None:
             if k >= 0:
                 leasts[SLOPE_AT, lane, k] = least
                 leasts[OFF_AT, lane, k] = INFINITY if flat | (least <= 2.0 * s[BOUND, i]) else 0.0
+                leasts[ROUGH_AT, lane, k] = INFINITY if flat else 0.0
 
 
 @outlined
@@ -258,12 +263,12 @@ def _copy_end(pieces: Any, p: int, further: Any, total: int, end: int) -> None:
 
 
 @merged
-def _limit(further: Any, total: int, end: int, by: float, zeros: Any, i: int, z: int) -> None:
-    """Write what limits one end of a piece, a zero of a gap; nothing by 0."""
+def _limit(further: Any, total: int, end: int, by: float, zeros: Any, i: int, z: int, rough: float) -> None:
+    """Write what limits one end of a piece, a zero of a gap; nothing by 0, where it may be rough for ever."""
     further[end + BY, total] = by
     further[end + GROWS, total] = abs(zeros[SLOPE_AT, i, z])
     further[end + BENDS, total] = zeros[BEND_AT, i, z]
-    further[end + ROUGH, total] = zeros[ROUGH_AT, i, z]
+    further[end + ROUGH, total] = rough
 
 
 @merged
@@ -310,25 +315,26 @@ def cut_pieces(
                 off = zeros[OFF_AT, i, z]
                 if inside & (slope < 0.0):
                     further[OFF, total] += off
-                    _limit(further, total, END_HIGH, float(gap), zeros, i, z)
+                    _limit(further, total, END_HIGH, float(gap), zeros, i, z, zeros[ROUGH_AT, i, z])
                     total = _end_piece(pieces, p, further, total, theta, after)
                     inside = False
                 elif (not inside) & (slope > 0.0):
-                    _limit(further, total, END_LOW, float(gap), zeros, i, z)
+                    _limit(further, total, END_LOW, float(gap), zeros, i, z, zeros[ROUGH_AT, i, z])
                     _begin_piece(further, total, theta, before, off)
                     inside = True
                 z += 1
             else:
                 theta, beyond = leasts[AT, i, m], 2.0 * sqrt(leasts[SLOPE_AT, i, m])
-                if (not inside) & (leasts[OFF_AT, i, m] > 0.0):
-                    _limit(further, total, END_LOW, 0.0, zeros, i, 0)
+                near = (theta - further[LOW, total] <= beyond) & (further[END_LOW + BY, total] == 0.0)
+                if (leasts[ROUGH_AT, i, m] > 0.0) & ((not inside) | near):  # also the second zero of a pair
+                    _limit(further, total, END_LOW, 0.0, zeros, i, 0, leasts[ROUGH_AT, i, m])
                     _begin_piece(further, total, theta, beyond, INFINITY)
                     inside = True
                 elif inside & (theta - further[LOW, total] > beyond):  # else it is found twice
                     further[OFF, total] += leasts[OFF_AT, i, m]
-                    _limit(further, total, END_HIGH, 0.0, zeros, i, 0)
+                    _limit(further, total, END_HIGH, 0.0, zeros, i, 0, leasts[ROUGH_AT, i, m])
                     total = _end_piece(pieces, p, further, total, theta, beyond)
-                    _limit(further, total, END_LOW, 0.0, zeros, i, 0)
+                    _limit(further, total, END_LOW, 0.0, zeros, i, 0, leasts[ROUGH_AT, i, m])
                     _begin_piece(further, total, theta, beyond, leasts[OFF_AT, i, m])
                 m += 1
         if inside:
