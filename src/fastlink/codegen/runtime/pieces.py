@@ -62,7 +62,8 @@ OF_LANE, OF_COLUMN, BRANCH, LOW, WIDTH, OFF, END_LOW, END_HIGH = 0, 1, 2, 3, 4, 
 BY, GROWS, BENDS, ROUGH, NEAR, SCALE, FIRST, IS_TOGGLE = range(8)
 END_ROWS, PIECE_ROWS = 8, 22
 # Rows of the zeros of a gap: the input position, slope, half the second derivative, how far off the place and the slope
-# may be. Of least values: the input position, the value, and infinite errors where rounding alone tells its sign. The count of a lane is in the column after the last.
+# may be. Of least values: the input position, the value, and infinite errors where rounding alone tells its sign. The
+# count of a lane is in the column after the last.
 AT, SLOPE_AT, BEND_AT, OFF_AT, ROUGH_AT = range(5)
 ZERO_ROWS, MOST_ZEROS = 5, 17
 #: How many pieces there is room for, by design and branch.
