@@ -6,6 +6,8 @@ import ast
 import importlib
 import pkgutil
 import re
+import subprocess
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -916,3 +918,32 @@ def test_bad_llvm_would_be_noticed():
     """The verifier that other tests run is on: it refuses a block without an end."""
     with pytest.raises(RuntimeError, match=r"terminator|expected instruction"):
         llvm.parse_assembly("define void @kernel(ptr %x) {\n  %y = load i64, ptr %x\n}").verify()
+
+
+AMONG_ARRAYS = """
+import random
+import numpy as np
+import fastlink as fl
+from fastlink.codegen import machine
+
+codes, load = [], machine.Loaded.__init__
+machine.Loaded.__init__ = lambda self, code: (codes.append(code), load(self, code))[1]
+fl.sweep("planar_4r", {"a1": 0.1, "a2": 0.3, "a3": 0.35, "a4": 0.4}, ["theta4_max"], branch=1)
+random.seed(1)
+arrays, kernels = [], []
+for _ in range(400):
+    arrays.append(np.empty(random.choice([10**6, 10**7, 3 * 10**8, 10**9]) // 8))  # of memory that nobody touches
+    if len(arrays) > 20:
+        arrays.pop(random.randrange(20))
+    kernels.append(machine.Loaded(codes[-1]))
+    if random.random() < 0.3:
+        kernels.pop(random.randrange(len(kernels)))
+print(len(kernels))
+"""
+
+
+def test_kernels_are_loaded_wherever_great_arrays_stand() -> None:
+    # parts of one more than 2 GB apart end the process
+    done = subprocess.run([sys.executable, "-c", AMONG_ARRAYS], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr[-300:]
+    assert int(done.stdout) > 200

@@ -101,7 +101,10 @@ class Loaded:
     def __init__(self, code: bytes) -> None:
         with _lock:
             # Each engine owns a target machine: one that is shared crashed.
-            self._engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _target_machine(None))
+            # And llvmlite keeps the parts of one together: LLVM ends the process where great arrays stand between them.
+            self._engine = llvm.create_mcjit_compiler(
+                llvm.parse_assembly(""), _target_machine(None), use_lmm=True
+            )
             self._engine.add_object_file(llvm.ObjectFileRef.from_data(code))
             self._engine.finalize_object()
             self.address: int = self._engine.get_function_address("kernel")
