@@ -1,5 +1,8 @@
 """Linkages for tasks: cases of the literature, random linkages found again, defects, doors."""
 
+from pathlib import Path
+from typing import Any
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -543,3 +546,30 @@ def test_the_kernel_has_the_bits_of_its_text(compiler, timed, slider):
     for one, other in zip(*made, strict=True):
         np.testing.assert_array_equal(one, other)
     assert (made[0][3] < starts.cost).any()
+
+
+@pytest.mark.parametrize(
+    "limits",
+    [{"bounds": {"O_x": (-0.05, 0.05), "O_y": (-0.05, 0.05)}}, {"bounds": {"e": (-0.002, 0.002)}}],
+    ids=str,
+)
+def test_a_family_is_searched_within_limits(limits: dict[str, Any]) -> None:
+    poses = [(0.1, 0.2, 0.1), (0.2, 0.25, 0.3), (0.33, 0.26, 0.2)]
+    found = fl.synthesise("slider_crank", motion=poses, top=1, **limits)
+    for name, (low, high) in limits["bounds"].items():
+        assert low <= found[name].item() <= high
+    # places below 1 m, of some hundred roundings
+    assert found.pose_error.item() < 1e-12
+
+
+def test_a_study_of_a_task_is_no_sweep(tmp_path: Path) -> None:
+    study = tmp_path / "task.toml"
+    study.write_text('mechanism = "planar_4r"\n[synthesis]\npath = [[0, 0], [1, 1], [2, 1]]\n')
+    with pytest.raises(fl.InputError, match=r"no sweep; `fastlink run .*` finds them"):
+        fl.explain(study)
+
+
+def test_a_turn_of_a_slider_crank_is_one_range_that_grows() -> None:
+    for turn in ((90, 30), (90, 90), "90"):
+        with pytest.raises(fl.InputError, match="turn_deg is"):
+            fl.synthesise("slider_crank", function=np.exp, over=(0, 1), turn_deg=turn, travel=0.1)

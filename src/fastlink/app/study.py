@@ -1082,6 +1082,10 @@ def read_study(path: str | Path, trust_code: bool = False) -> Study:
     trusted = check_options({TRUST: trust_code})[TRUST]
     text = text_of(path)
     contents, problems = contents_of(path, text), Problems(StudyWording(path))
+    if SYNTHESIS in contents:
+        raise _refused(
+            path, "asks for linkages for a task, which is no sweep", f"`fastlink run {path}` finds them"
+        )
     mechanism = _mechanism(path, contents, problems, trusted)
     driven = _driven(mechanism, contents, problems)
     raw, misplaced = in_own_tables(contents, driven)

@@ -278,6 +278,21 @@ class Asked:
         """The names of the numbers of a linkage."""
         return paths.SLIDER if self.slider else NUMBERS
 
+    def with_limits_as_conditions(self) -> Asked:
+        """Return the same with limits as conditions, within which a family is searched; a sample of it meets few.
+
+        A range of directions is none: it chooses between a slider-crank and the same turned by half a turn.
+        """
+        least = np.where(np.arange(len(self.names)) < (2 if self.slider else 4), 0.0, -np.inf)
+        lower, upper, where = self.lower.copy(), self.upper.copy(), dict(self.where or {})
+        for k, name in enumerate(self.names):
+            low, high = float(lower[k]), float(upper[k])
+            is_range = low < high
+            if name and (low > least[k] or high < np.inf) and not (is_range and name == "ground_angle"):
+                where.setdefault(name, (low, high) if is_range else low)
+                lower[k], upper[k] = least[k], np.inf
+        return self if where == (self.where or {}) else replace(self, where=where, lower=lower, upper=upper)
+
     @property
     def labels(self) -> dict[str, tuple[str, str]]:
         """Units of the names of a result, and what they mean."""
@@ -862,7 +877,8 @@ def _turns(turn: Any, turn_deg: Any, slider: bool) -> list[tuple[float, float]] 
         for part in [given] if slider else given:
             ends = [float(scaled(float(one), unit)) for one in np.ravel(part)] if part is not None else FREE
             made.append((min(ends), max(ends)))
-            _check(len(ends) <= 2, name, what, remedy)
+            grows = len(ends) == 1 or (len(ends) == 2 and ends[0] < ends[1])
+            _check(grows and not isinstance(part, str), name, what, remedy)
     except (TypeError, ValueError):
         made = []
     fine = [low * high > 0.0 and max(-low, high) <= 2.0 * np.pi for low, high in made]
@@ -1352,7 +1368,8 @@ def synthesise(
         ``{"least_transmission_angle_deg": (40, None)}`` or ``{"D_x": (0, 1)}``.
     bounds, fixed : mapping, optional
         Ranges of, or numbers for ``a1`` to ``a4``, ``P_u``, ``P_v``, ``O_x``, ``O_y``, ``ground_angle`` and ``phase``;
-        D by ``D_x``, ``D_y`` where O is fixed too.
+        D by ``D_x``, ``D_y`` where O is fixed too. Of motions they are conditions, as of `where`: ``missed`` tells by
+        how much a number is not met.
     minimise, maximise : str or sequence of str
         What is best; by default the least error, and of two to four poses the greatest of the least transmission angles
         between them.
@@ -1421,6 +1438,8 @@ def synthesise(
     problems.stop()
     known = find_catalogue("slider_crank" if slider else "planar_4r", None)
     asked = Asked(known, tuple(names or ()), where, minimise, maximise, top, *limits, seed, exact)
+    if motion is not None and (where is None or isinstance(where, Mapping)):
+        asked = asked.with_limits_as_conditions()
     asked.others()  # unknown names are refused before anything is computed
     about = {"mechanism": mechanism, "synthesis": tasks[0], **dict(attrs or {})}
 
