@@ -471,6 +471,11 @@ SEAM = -0.7390851332151607
 TURN_SAMPLES, REFINED, BESIDE_LIMIT, HALVINGS = 1024, 4, range(2, 15), 50
 
 
+#: The samples and the limits of turns by mechanism and design, and of how many they are kept.
+_TURNS: dict[Any, tuple[NDArray[Any], list[tuple[float, int, str]]]] = {}
+MOST_TURNS = 512
+
+
 class StationaryInPieces(Stationary):
     """The extremes over a turn that gaps cut into pieces: x is the input position, and there are no coordinates.
 
@@ -498,14 +503,21 @@ class StationaryInPieces(Stationary):
         #: The limits of each design: the position, the direction of what closes, the gap.
         self.limits: list[list[tuple[float, int, str]]] = []
         rows = []
+        known = self.catalogue.name, self.catalogue.version, self.variants, self.facts.zeroes
         for design in range(count):
-            x = every
-            for gap in gaps:  # beside the limits of one the next may rise and fall at once
-                x = np.unique(np.concatenate([x, *self._beside_zeros(design, x, gap)]))
-                for _ in range(REFINED):
-                    x = np.unique(np.concatenate([x, self._turning(design, x, gap)]))
-                x = np.unique(np.concatenate([x, *self._beside_zeros(design, x, gap)]))
-            self.limits.append(self._limits(design, x))
+            key = known, tuple((name, float(column[design])) for name, column in self.inputs.items())
+            if key not in _TURNS:  # all quantities of a design have the same
+                x = every
+                for gap in gaps:  # beside the limits of one the next may rise and fall at once
+                    x = np.unique(np.concatenate([x, *self._beside_zeros(design, x, gap)]))
+                    for _ in range(REFINED):
+                        x = np.unique(np.concatenate([x, self._turning(design, x, gap)]))
+                    x = np.unique(np.concatenate([x, *self._beside_zeros(design, x, gap)]))
+                if len(_TURNS) >= MOST_TURNS:
+                    _TURNS.clear()
+                _TURNS[key] = x, self._limits(design, x)
+            x, limits = _TURNS[key]
+            self.limits.append(limits)
             rows.append(x)
         length = max(row.size for row in rows)
         length += length % 2
@@ -572,7 +584,7 @@ class StationaryInPieces(Stationary):
         self, design: int, name: str, least: float, low: NDArray[Any], high: NDArray[Any], rises: NDArray[Any]
     ) -> tuple[NDArray[Any], NDArray[Any]]:
         """Return cells, between whose ends a fact comes to a value, as narrow as doubles are."""
-        for _ in range(HALVINGS):
+        for _ in range(HALVINGS if low.size else 0):
             middle = 0.5 * (low + high)
             (here,) = self._read((name,), middle, middle < -10.0, np.full(middle.size, design))
             above = (here >= least) == rises
