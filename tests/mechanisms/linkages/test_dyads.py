@@ -230,8 +230,9 @@ def test_the_equations_of_all_links_by_kernels_are_solved_by_the_dyads(kind: str
         for one in ("eliminated", "dense")
     )
     assert at_once.attrs["verify_mismatches"] == 0
+    # components may vanish in one way, and be the rounding of others in the other
+    size = max(float(abs(by_dyads[name]).max()) for name in forces)
     for name in forces:
-        size = float(abs(by_dyads[name]).max())
         # up to 30 equations, whose condition is some ten at the distance from limits that 24 positions leave
         assert float(abs(by_dyads[name] - at_once[name]).max()) <= 30 * 64 * 2.0**-52 * size
 
