@@ -556,6 +556,11 @@ def test_an_input_is_typed_off_the_grid_and_back(browser, coupler, show, coupler
     with opened(browser, state(tab, "location.href")) as other:
         for key in ("state.cursor", "design.row", "state.locks.map(one => [one.at, one.row])"):
             assert state(other, key) == state(tab, key)
+    # typed faster than the rows come, of which the first comes last: each input counts, the newest design is shown
+    tab.evaluate(
+        "(() => { const row = source.row; let wait = 500; source.row = async place =>"
+        " { await new Promise(done => setTimeout(done, wait = Math.max(0, wait - 200))); return row(place); }; })()"
+    )
     for name, value in {"a2": 0.9, "omega1": 10, "P_v": 0.3}.items():
         tab.locator(f"#type-{name}").fill(str(value))
     settled(tab, "!loading && !designing && !state.cursor.free")

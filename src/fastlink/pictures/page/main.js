@@ -200,7 +200,7 @@ function settled({free, ...at}, changed) {
   return off.length ? {...at, free: Object.fromEntries(every)} : places;
 }
 function depart(changed) {
-  const at = settled(design.at, changed);
+  const at = settled(placeNow(), changed);  // not the design that is shown: an input typed just before may still be on its way
   if (at.free) pointTo(at, true);
   else change({at: {...at}, cursor: at, held: true});
 }
@@ -221,11 +221,14 @@ function drawDesign() {
   drawValues();
   drawMotion();
 }
+const placeNow = () => state.cursor ?? {...state.at};
+let designAsked = 0, designAnswered = 0;
 async function findDesign() {
-  const at = state.cursor ?? {...state.at};
-  const key = JSON.stringify(at);
+  const at = placeNow(), key = JSON.stringify(at), turn = ++designAsked;
   if (design?.key !== key) {
     const found = await designAt(at);
+    if (turn < designAnswered) return;  // a newer one came first
+    designAnswered = turn;
     design = {...found, key};
     if (mechanism && dims[mechanism.position.name]?.values && variables[state.name].dims.includes(mechanism.position.name)) design.given = givenAt(at);
     if (dragging && design.scene) {

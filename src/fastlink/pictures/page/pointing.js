@@ -107,7 +107,7 @@ function brushed(from, to) {
 let corner = null;
 function keyed(event) {
   const moves = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1]};
-  const at = state.cursor ?? {...state.at};
+  const at = placeNow();
   const shares = () => {
     const [left, top] = placeOf(at) ?? [view.box.left, view.box.top];
     return [(left - view.box.left) / view.box.width, 1 - (top - view.box.top) / view.box.height];
