@@ -206,6 +206,7 @@ def loaded(kind: str) -> tuple[str, dict[str, Any], list[str], dict[str, Any]]:
     return mechanism, varied, every, of_bars
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize("kind", [*EACH, pytest.param("all of them", marks=pytest.mark.stress)])
 def test_motion_and_forces_are_those_of_the_loops_and_of_all_links_at_once(kind: str, tmp_path: Any) -> None:
     mechanism, varied, every, of_bars = loaded(kind)

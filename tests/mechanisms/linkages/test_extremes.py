@@ -103,7 +103,7 @@ def compare(mechanism: str, count: int, seed: int, names: tuple[str, ...] = ()) 
 def test_a_declared_mechanism_has_the_extremes_of_the_one_by_hand(
     mechanism: str, names: tuple[str, ...]
 ) -> None:
-    compare(mechanism, 600, 1, names)
+    compare(mechanism, 300, 1, names)
 
 
 @pytest.mark.stress
@@ -271,6 +271,7 @@ def test_ranges_and_what_limits_them_are_verified(tmp_path: Any) -> None:
         branch=(1, 2, 3, 4),
         to=tmp_path / "maps.h5",
         progress=False,
+        verify=24,
     )
     assert maps.attrs["verify_mismatches"] == 0
     assert maps.theta_low.error_max_relative < 1e-12
