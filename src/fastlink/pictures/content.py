@@ -347,6 +347,8 @@ def _mechanism(maps: xr.Dataset) -> dict[str, Any] | None:
     needed += [end for ends in picture.spans.values() for end in ends]
     needed += [bar.orientation for bar in picture.bars if bar.orientation]
     curves = [one for one in _curves(maps, catalogue) if motion.has(one)]
+    components = [one for loads in picture.loads.values() for load in loads for one in load.components]
+    needed += [one for one in components if motion.has(one)]
     asked = [_request(maps, str(one))["of"][0] for one in maps.data_vars]
     facts = [one for one in [*needed, *curves, *asked] if isinstance(one, str) and one in catalogue.facts]
     script, found = script_of(catalogue, facts, [*inputs, *constants], variants)
@@ -375,6 +377,11 @@ def _mechanism(maps: xr.Dataset) -> dict[str, Any] | None:
         "curves": [
             {"name": one, "meaning": fact.title, "symbol": fact.symbol, "units": fact.units}
             for one in curves if one in found and (fact := catalogue.public_fact(one))
+        ],
+        "loads": [
+            {"of": one.components, "at": one.at, "units": fact.units, "symbol": fact.symbol.strip("|")}
+            for ones in picture.loads.values() for one in ones
+            if {*one.components} <= {*found} and (fact := catalogue.public_fact(one.name))
         ],
         **_shape(picture, points),
     }  # fmt: skip

@@ -569,6 +569,33 @@ def test_an_input_is_typed_off_the_grid_and_back(browser, coupler, show, coupler
     assert state(tab, "design.row.omega4_max") == float(own)
 
 
+def test_forces_are_shown_as_arrows_where_masses_are_known(browser, coupler_page, show):
+    tab = show(coupler_page.url)
+    assert [one["symbol"] for one in state(tab, "mechanism.loads")] == [
+        "F_41",
+        "F_21",
+        "F_32",
+        "F_43",
+        "T_41",
+    ]
+    before = state(tab, "element('linkage').toDataURL()")
+    tab.locator("#tick-forces").click()
+    settled(tab, "!loading && design.motion.greatest")
+    assert state(tab, "element('linkage').toDataURL()") != before
+    most, inputs = state(tab, "[design.motion.greatest, design.motion.inputs]")
+    links = fl.round_bar(density=inputs.pop("density"), radius=inputs.pop("radius"))
+    names = [f"F{one}_max" for one in (41, 21, 32, 43)]
+    turn = state(tab, "design.motion.ranges.flatMap(range => design.motion.along(61, range))")
+    given = {"links": links, "branch": 1, "angles": turn, "extrema": "sampled"}
+    wanted = fl.sweep("planar_4r", fl.grid(**inputs), [*names, "T41_max", "T41_min"], **given)
+    assert most["N"] == pytest.approx(max(float(wanted[one]) for one in names), rel=1e-9)
+    assert most["N m"] == pytest.approx(
+        max(abs(float(wanted[f"T41_{one}"])) for one in ("max", "min")), rel=1e-9
+    )
+    with opened(browser, state(tab, "location.href")) as other:
+        assert other.locator("#tick-forces").is_checked()
+
+
 @pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("name", "changed"), [("A", {"a1"}), ("B", {"a2", "a3"}), ("D", {"a4"}), ("P", {"P_u", "P_v"})]

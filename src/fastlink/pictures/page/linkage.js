@@ -33,7 +33,7 @@ function scene(motion) {
 }
 
 // From the plane of the mechanism to a canvas, and back.
-function framing(view, width, height, margin = 34) {
+function framing(view, width, height, margin = state.forces ? 60 : 34) {
   const wide = Math.max(view[1] - view[0], 1e-9), high = Math.max(view[3] - view[2], 1e-9);
   const scale = Math.min((width - 2 * margin) / wide, (height - 2 * margin) / high);
   const middle = [0.5 * (view[0] + view[1]), 0.5 * (view[2] + view[3])];
@@ -41,7 +41,7 @@ function framing(view, width, height, margin = 34) {
     ([x, y]) => [middle[0] + (x - width / 2) / scale, middle[1] - (y - height / 2) / scale]];
 }
 function drawLinkage(canvas, height, {motion, paths, view}, position, {small = false} = {}) {
-  const {pen, width} = prepared(canvas, height), [on] = framing(view, width, height, small ? 14 : 34);
+  const {pen, width} = prepared(canvas, height), [on] = framing(view, width, height, small ? 14 : undefined);
   if (mechanism.metric === "minkowskian" && !small)
     for (const one of mechanism.points.filter(point => point.kind === "ground")) {
       const [x, y] = on(motion.place(motion.at(position, motion.branches[0]), one)), far = width + height;
@@ -58,7 +58,52 @@ function drawLinkage(canvas, height, {motion, paths, view}, position, {small = f
     if (motion.assembles(position, [branch])) { drawBars(pen, places, branch, small, drawn === 0); drawn += 1; }
   }
   if (!drawn) write(pen, "does not assemble here", width / 2, height - 12);
+  else if (state.forces && !small) drawLoads(pen, motion, position, on, height);
   return drawn;
+}
+
+// Forces as arrows, torques as turned ones; all of a kind by one scale, the greatest of the motion.
+const ARROW = 0.22, RADIUS = 17;  // of the height; pixels
+function drawLoads(pen, motion, position, on, height) {
+  const size = (load, known) => Math.hypot(...load.of.map(name => valueOf(known, name)));
+  if (!motion.greatest) {
+    motion.greatest = {};
+    for (const branch of motion.branches)
+      for (const known of motion.ranges.flatMap(range => motion.along(61, range)).map(one => motion.at(one, branch)))
+        for (const load of mechanism.loads) {
+          const here = size(load, known);
+          if (Number.isFinite(here)) motion.greatest[load.units] = Math.max(motion.greatest[load.units] ?? 0, here);
+        }
+  }
+  let top = 14;
+  for (const [units, most] of Object.entries(motion.greatest)) {
+    write(pen, `${units === "N" ? "forces" : "torques"}, the greatest ${short(+most.toPrecision(3))} ${units}`, 8, top, {textAlign: "left"});
+    top += 15;
+  }
+  for (const branch of motion.branches.filter(one => motion.assembles(position, [one]))) {
+    const known = motion.at(position, branch), style = {strokeStyle: INK, fillStyle: INK, lineWidth: 1.4};
+    for (const load of mechanism.loads) {
+      const [x, y] = on(motion.place(known, mechanism.points.find(one => one.name === load.at)));
+      const parts = load.of.map(name => valueOf(known, name) / motion.greatest[load.units]);
+      if (![x, y, ...parts].every(Number.isFinite) || Math.hypot(...parts) < 1e-3) continue;
+      let end, turn, head = 8;
+      if (parts.length === 2) {
+        end = [x + ARROW * height * parts[0], y - ARROW * height * parts[1]];
+        turn = Math.atan2(y - end[1], end[0] - x);
+        head = Math.min(head, 0.6 * Math.hypot(end[0] - x, end[1] - y));
+        line(pen, [[x, y], end], style);
+      } else {
+        const from = 0.7, to = from + Math.sign(parts[0]) * (0.6 + 3.6 * Math.abs(parts[0]));
+        const path = Array.from({length: 33}, (_, k) => from + (to - from) * k / 32).map(angle => [x + RADIUS * Math.cos(angle), y - RADIUS * Math.sin(angle)]);
+        end = path.at(-1);
+        turn = to + Math.sign(parts[0]) * Math.PI / 2;
+        line(pen, path, {...style, fillStyle: undefined});
+      }
+      const tip = [0, 2.7, -2.7].map(by => [end[0] + (by ? head : 0) * Math.cos(turn + by), end[1] - (by ? head : 0) * Math.sin(turn + by)]);
+      line(pen, [...tip, tip[0]], style);
+      write(pen, symbolText(load.symbol), end[0] + 12 * Math.cos(turn), end[1] - 12 * Math.sin(turn), {fillStyle: INK, halo: true, gives: true});
+    }
+  }
 }
 
 function drawGround(pen, places, width, small, motion, known, on) {

@@ -1,9 +1,9 @@
 // The state of the page, its controls, and what follows from a change.
 "use strict";
 const START = {name: "", x: "", y: "", at: {}, cursor: null, held: false, degrees: false, fit: false, curve: "", window: {},
-  limits: {}, locks: [], brush: null, by: "", largest: false, whole: false, pool: "mean", playing: true, share: 0.17};
+  limits: {}, locks: [], brush: null, by: "", largest: false, whole: false, pool: "mean", playing: true, share: 0.17, forces: false};
 const LINKED = ["name", "x", "y", "at", "cursor", "held", "degrees", "fit", "curve", "window", "limits", "brush", "by", "largest",
-  "whole", "pool"];
+  "whole", "pool", "forces"];
 const state = {...START};
 const source = content.served ? served : embedded;
 
@@ -54,6 +54,7 @@ function drawControls() {
   const parts = [chooser("Quantity", content.variables, "name"), chooser("across", axes, "x")];
   if (axes.length > 1) parts.push(chooser("up", axes, "y", isSample ? "" : "nothing: a line"));
   parts.push(ticker("degrees", "degrees"), ticker("colours of this picture alone", "fit"));
+  if (mechanism?.loads.length) parts.push(ticker("forces", "forces"));
   if (Object.keys(state.window).length || Object.keys(state.limits).length) parts.push(button("Whole picture", () => change({window: {}, limits: {}})));
   const focused = document.activeElement?.id;
   element("controls").replaceChildren(...parts);
