@@ -251,7 +251,8 @@ class Forecast:
 
     def _run_time(self) -> str:
         if self.timing is None:
-            return "not measured, for not every kernel is compiled; --measure (measure=True) compiles them and measures"
+            # short runs have their kernels in a hurry: these may be there, and not be those that would be measured
+            return "not measured; --measure (measure=True) compiles the kernels as long runs have them, and measures"
         timing = self.timing
         after = f", then {duration(timing.verification)} of verification" if timing.verification else ""
         positions = f" at {counted(timing.positions, 'position')}" if timing.positions else ""
