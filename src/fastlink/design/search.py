@@ -98,7 +98,7 @@ class Kept(Tally):
     rows: NDArray[np.int64]
     #: Their objectives, to be as small as possible.
     points: NDArray[np.float64]
-    #: The number of designs by status.
+    #: How often designs have each status.
     designs: NDArray[np.int64]
     #: The numbers of those that miss conditions least, and by how much.
     near: NDArray[np.int64]
@@ -141,6 +141,8 @@ class Stream:
         self.outputs = {name: outputs[name] for name in self.names if name in outputs}
         self.inputs = [name for name in self.names if name in resolved.space.names]
         self.status = outputs["status"]
+        #: How many a design has: that of a linkage is of each branch.
+        self.statuses = math.prod(self.lengths[axis] for axis in resolved.plan.outputs[self.status].axes)
         self.several = len(choice.objectives) > 1
         #: Rows that are not compared with each other yet, and how many; rows of the front that beat most others.
         self.waiting: list[tuple[NDArray[np.int64], NDArray[np.float64]]] = []
@@ -157,6 +159,10 @@ class Stream:
     def searched(self) -> list[str]:
         """The names of the results that are looked at, as a sweep takes them."""
         return [name for name in self.outputs if name != "status"] or ["status"]
+
+    def designs_of(self, kept: Kept) -> int:
+        """Return how many designs were searched to keep these."""
+        return int(kept.designs.sum()) // self.statuses
 
     def nothing(self) -> Kept:
         """Return what is kept of no rows."""
@@ -325,7 +331,7 @@ def found_by(
         unfinished.remove()
     earlier = None if unfinished is None else unfinished.read()
     kept, done = earlier if earlier is not None else (stream.nothing(), [])
-    started, resumed = time.perf_counter(), int(kept.designs.sum())
+    started, resumed = time.perf_counter(), stream.designs_of(kept)
     check_needs(request.resolved, threads, block, 0, 0)
     if cluster is not None:
         cluster.check()
@@ -427,7 +433,7 @@ class _Gathering(_Gathered):
             super().merge(report)
             if self.unfinished is not None and time.monotonic() >= self.unfinished.due:
                 self.unfinished.write(*self.report())
-        self.bar.merge(int(report[0].designs.sum()))
+        self.bar.merge(self.stream.designs_of(report[0]))
 
     def all(self, threads: int, block: int | None, cluster: Cluster | None) -> None:
         """Evaluate all designs that are not done."""
@@ -637,7 +643,10 @@ class SearchRequest:
         attrs: dict[str, Any] = {f"{SEARCHED}{name}": value for name, value in self.origin.items()}
         attrs |= {f"{SEARCHED}designs": size, f"{SEARCHED}rows": size * stream.rows_of_design}
         flags = self.resolved.catalogue.facts["status"].flags
-        attrs |= {f"{SEARCHED}designs_{meaning}": int(kept.designs[code]) for code, meaning in flags.items()}
+        counted_as = "designs" if stream.statuses == 1 else "branches"
+        attrs |= {
+            f"{SEARCHED}{counted_as}_{meaning}": int(kept.designs[code]) for code, meaning in flags.items()
+        }
         for one, count in zip(self.choice.wanted, kept.failed.tolist(), strict=True):
             attrs[f"excluded_by_{one.array.name}"] = count
         attrs |= {"excluded_as_not_a_number": kept.not_numbers, "excluded_as_infinite": kept.infinite}

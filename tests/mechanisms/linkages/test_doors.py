@@ -8,6 +8,7 @@ from tests.mechanisms.linkages.declared import DECLARED, SIX_BAR, TURNING
 from tests.test_cli import called
 
 import fastlink as fl
+from fastlink.engine.sinks import ProgressBar
 
 STUDY = """
 quantities = ["F_x_max", "theta_low"]
@@ -122,10 +123,15 @@ def test_the_study_to_begin_with_runs(tmp_path, monkeypatch):
     assert float(maps.torque_peak.min()) < np.inf
 
 
-def test_what_a_search_finds_of_a_linkage_is_written_and_read(tmp_path):
+def test_what_a_search_finds_of_a_linkage_is_written_and_read(tmp_path, monkeypatch):
     place, given = tmp_path / "found.h5", {name: value for name, value in TURNING.items() if name != "a1"}
-    space = fl.sobol(64, a1=(0.05, 0.12), omega=1.0, **given)
-    found = fl.search(SIX_BAR, space, maximise="F_x_max", branch=3, top=1, to=place)
+    space, shown = fl.sobol(64, a1=(0.05, 0.12), omega=1.0, **given), []
+    monkeypatch.setattr(ProgressBar, "merge", lambda _, count: shown.append(count))
+    found = fl.search(SIX_BAR, space, maximise="F_x_max", branch=(1, 3), top=1, to=place)
+    # the branches of a linkage have a status each, and a search counts designs
+    flags = [count for name, count in found.attrs.items() if name.startswith("searched_branches_")]
+    assert (sum(flags), found.attrs["searched_designs"]) == (128, 64)
+    assert sum(shown) == 64
     with fl.open(place) as written:
         assert written.F_x_max.item() == found.F_x_max.item()
         assert written.attrs["mechanism"] == str(SIX_BAR)
