@@ -282,7 +282,7 @@ REFUSED = {
     ),
     "broken ratio": (
         {"dyads": {"E": {"gear": ("O", "A"), "about": "D", "ratio": 1.5, "length": "b"}}},
-        "is 1.5: another ratio goes on for several turns",
+        "is 1.5: the motion goes on for several turns",
         "a whole number",
     ),
     "no crank": ({"crank": {}, "dyads": {"B": RRR}}, "crank is {}", '{"A": ("O", "a1")}'),

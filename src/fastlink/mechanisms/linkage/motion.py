@@ -991,12 +991,11 @@ class Writer:
             ratio = int(ratio)
         if isinstance(ratio, bool) or not isinstance(ratio, int) or not 1 <= abs(ratio) <= MOST_RATIO:
             what = f"is {short_repr(ratio)}"
-            what += (
-                ": another ratio goes on for several turns of the crank" if isinstance(ratio, float) else ""
-            )
-            raise InputError(
-                what, ("ratio",), f"write a whole number from -{MOST_RATIO} to {MOST_RATIO}, not 0"
-            )
+            remedy = f"write a whole number from -{MOST_RATIO} to {MOST_RATIO}, not 0"
+            if isinstance(ratio, float):
+                what += ": the motion goes on for several turns of the crank"
+                remedy += ", or let a slow crank drive both bars by such"
+            raise InputError(what, ("ratio",), remedy)
         bar = pivot + name
         length = self.length(("length",), given["length"], bar, "length of the bar")
         phase = self.value(
