@@ -25,14 +25,14 @@ from fastlink.design.search import Unfinished, names_searched, to_file
 from fastlink.engine.evaluate import evaluate
 from fastlink.engine.function import function
 from fastlink.engine.sweep import sweep
-from fastlink.errors import InputError, Problems, Setting, check_switch, check_whole, door
+from fastlink.errors import InputError, Problems, Setting, check_switch, check_whole, door, remark
 from fastlink.facts.catalogue import Catalogue
 from fastlink.maps.best import Choice, choice_of, chosen, with_missed
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.query import check_names
 from fastlink.space.design_space import DESIGN
 from fastlink.space.tables import table
-from fastlink.space.units import PI, in_si, scaled, split
+from fastlink.space.units import PI, in_si, looks_like_degrees, scaled, split
 from fastlink.synthesis import functions, nine_points, paths, poses
 from fastlink.synthesis.paths import NUMBERS, wrapped
 
@@ -289,7 +289,8 @@ class Asked:
             low, high = float(lower[k]), float(upper[k])
             is_range = low < high
             if name and (low > least[k] or high < np.inf) and not (is_range and name == "ground_angle"):
-                where.setdefault(name, (low, high) if is_range else low)
+                angle = float(paths.turned(low, -np.pi)) if name == "ground_angle" else low
+                where.setdefault(name, (low, high) if is_range else angle)
                 lower[k], upper[k] = least[k], np.inf
         return self if where == (self.where or {}) else replace(self, where=where, lower=lower, upper=upper)
 
@@ -337,7 +338,7 @@ class Asked:
         slack = 1e-9 * (1.0 + np.abs(found.numbers))
         turned = found.numbers.copy()
         start = low[8] if np.isfinite(low[8]) else -np.pi
-        turned[:, 8] = start + np.remainder(turned[:, 8] - start + 1e-9, 2.0 * np.pi) - 1e-9
+        turned[:, 8] = paths.turned(turned[:, 8], start)
         fits = ((turned >= low - slack) & (turned <= high + slack))[:, :9].all(axis=1)
         lengths = np.abs(turned[:, : 2 if found.slider else 4])
         fits &= np.isfinite(turned).all(axis=1) & (lengths > 1e-9 * lengths.max(axis=1, keepdims=True)).all(
@@ -405,13 +406,13 @@ def _columns(where: str, given: Any, names: Sequence[str], units: Mapping[str, s
     if isinstance(given, (str, os.PathLike)):
         given = _read(where, given, names)
     tabled = isinstance(given, Mapping) or hasattr(given, "columns") or hasattr(given, "data_vars")
-    keys = list(given) if tabled else []
+    keys, bare = list(given) if tabled else [], "angle" in names
     if keys:
         columns: dict[str, Any] = {}
         for key in keys:
             of, unit = split(str(key), units)
             if of in names:
-                values = np.asarray(given[key], dtype=float)
+                values, bare = np.asarray(given[key], dtype=float), bare and not (of == "angle" and unit)
                 columns[of] = in_si(where, {str(key): values}, units)[of] if unit else values
         missing = [name for name in names if name not in columns]
         _check(not missing, where, f"has no column {''.join(missing[:1])}", remedy)
@@ -430,6 +431,9 @@ def _columns(where: str, given: Any, names: Sequence[str], units: Mapping[str, s
     _check(
         fine.all(), where, f"is not finite in row {np.argmin(fine) if len(fine) else 0}", "leave that row out"
     )
+    if bare and (most := np.abs(rows[:, 2]).max(initial=0.0)) > 2.0 * np.pi:
+        remedy = "if these are degrees, give a table with a column angle_deg"
+        remark(f"has angles up to {most:g}, which are taken as radians", (where,), remedy)
     return np.ascontiguousarray(rows)
 
 
@@ -508,6 +512,9 @@ def _solve_path(asked: Asked, steps: Steps, path: Any, timing: Any, closed: Any)
         _check(
             (np.diff(times) != 0.0).all(), "timing", "has the same angle twice", "write angles that differ"
         )
+        if looks_like_degrees(times):
+            what = f"is {short_repr(times.tolist())}, which is taken as radians"
+            remark(what, ("timing",), "if these are degrees, convert them")
     crank = is_closed or asked.crank
     target, weights = points, np.ones(count)
     if is_closed and comes_back and times is None:
@@ -691,7 +698,12 @@ def _solve_motion(asked: Asked, steps: Steps, motion: Any, rotation_length: Any)
     length = float(rotation_length or size or 1.0)
     what = f"is {short_repr(rotation_length)}"
     _check(0.0 < length < np.inf, "rotation_length", what, "write a positive length in m")
-    task = poses.MotionTask(points, angles, length, asked.slider)
+    fixed = np.where((asked.lower == asked.upper) & (count < 5), asked.lower, np.nan)
+    if asked.where is None or isinstance(asked.where, Mapping):
+        asked = asked.with_limits_as_conditions()
+    task = poses.MotionTask(points, angles, length, asked.slider, fixed)
+    if count == 4:
+        _check_curves(task)
     numbers, theta, side, body, dyads = steps(poses.solve_motion, task, asked.seed)
     found = Linkages(
         numbers, theta, side, np.ones(len(numbers), dtype=np.int64), {"body_angle": body}, asked.slider
@@ -702,7 +714,7 @@ def _solve_motion(asked: Asked, steps: Steps, motion: Any, rotation_length: Any)
         # a family: those without defects, the best angles first, go on
         more = judged(found, False, False).more
         attrs["found_linkages"] = len(found)
-        rows_of = np.flatnonzero(more["defect"] == 0)
+        rows_of = np.flatnonzero(more["defect"] == np.min(more["defect"], initial=9))
         found = found.at(rows_of[np.argsort(-more[USED][rows_of], kind="stable")[:MOST_FOUND]])
     elif count == most:
         made = counted(attrs["dyads"], "dyad"), counted(len(found), "linkage")
@@ -727,10 +739,37 @@ def _solve_motion(asked: Asked, steps: Steps, motion: Any, rotation_length: Any)
                   unknowns=10, linkages=linkages, varied=varied if count < 5 else None)  # fmt: skip
 
 
+def _check_curves(task: poses.MotionTask) -> None:
+    """Refuse pivots that no link has in four poses: fixed ones off the centre-point curve, moving ones off a circle."""
+    x, y, a4, turn = (float(task.fixed[k]) for k in (6, 7, 3, 8))
+    o, where = complex(x, y), "fixed"
+    if np.isfinite(o) and not poses.on_circle(task, o):
+        what = f"O at ({short_number(x)}, {short_number(y)}) is off the centre-point curve of the four poses"
+        remedy, near = "give ranges by bounds", poses.nearest_centre(task)
+        if np.isfinite(near):
+            own = short_number(near.real), short_number(near.imag)
+            remedy = (
+                f"fix O_x alone, for which O_y is {own[1]}"
+                if near.real == x
+                else f"fix O_y alone, for which O_x is {own[0]}"
+            )
+            remedy += "; or give ranges by bounds"
+        raise InputError(what, (where,), remedy)
+    d = o + a4 * np.exp(1j * turn)
+    if np.isfinite(d) and not task.slider and not poses.on_circle(task, d):
+        what = f"D at ({short_number(d.real)}, {short_number(d.imag)}) is off the centre-point curve of the four poses"
+        raise InputError(what, (where,), "leave D out, or write where={'D_x': (lo, hi), 'D_y': (lo, hi)}")
+    if (task.fixed[4:6] == 0.0).all() and not poses.on_circle(task):
+        what = "P is to be the pin A, and the four points of the poses are on no circle"
+        raise InputError(what, (where,), "leave P_u or P_v out, or give ranges by bounds")
+
+
 def _solve_function(
     asked: Asked, steps: Steps, function: Any, over: Any, turn: Any, turn_deg: Any, points: Any, travel: Any
 ) -> Solved:
-    slider, given = asked.slider, None
+    slider, given, every = asked.slider, None, None
+    if points is not None:
+        check_whole(("precision_points",), points, 3, 5)
     turns, unit = _turns(turn, turn_deg, slider), 1.0
     both = "write both turns, such as turn_deg=(60, 90)"
     _check(slider or travel is None, "travel", "is for slider_crank", both)
@@ -748,8 +787,6 @@ def _solve_function(
         _check(low < high < np.inf, "over", what, "write the range of x, such as over=(1, 2)")
         own = ("", 60) if slider else ("s of both shafts", (60, 90))
         _check(turns, "turn_deg", "is missing", f"write the turn{own[0]}, such as turn_deg={own[1]}")
-        if points is not None:
-            check_whole(("precision_points",), points, 3, 5)
         x = (
             np.linspace(low, high, functions.FINE)
             if points is None
@@ -764,7 +801,13 @@ def _solve_function(
         x, y = rows.T
         grow = (np.diff(x) > 0.0).all()
         _check(grow, "function", "has inputs that do not grow", "sort the pairs by x, each once")
-        exact, low, high, first, last = len(rows) <= 5, x[0], x[-1], y[0], y[-1]
+        low, high, first, last = x[0], x[-1], y[0], y[-1]
+        exact, every = len(rows) <= 5 or points is not None, (x, y)
+        if points is not None:  # the pairs next to these places, each once
+            what = f"is {points}, and there are {counted(len(rows), 'pair')}"
+            _check(points <= len(rows), "precision_points", what, "leave it out")
+            k = np.abs(x[:, None] - functions.chebyshev(low, high, points)).argmin(axis=0) - np.arange(points)
+            x, y = rows[np.minimum(np.maximum.accumulate(k), len(rows) - points) + np.arange(points)].T
     fine = np.isfinite([first, last, *y]).all()
     _check(fine, "function", "is not finite over its range", "choose the range by over=(lo, hi)")
     # the middle of the range of a turn, of which the others are multiples
@@ -787,6 +830,8 @@ def _solve_function(
             return np.asarray((_values(function, low + angle / rate) - first) * factor)
 
     turn_in, turn_out = (x - low) * rate, (y - first) * factor
+    x_all, y_all = every or (np.array([low, high]), np.array([first, last]))
+    turn_all, out_all = (x_all - low) * rate, (y_all - first) * factor
     pairs = zip(turns or (), ends, strict=True)
     scales = [(min(one / of, other / of), max(one / of, other / of)) for (one, other), of in pairs]
     scales += [(1.0, 1.0)] * (2 - len(scales))
@@ -807,8 +852,8 @@ def _solve_function(
         for k, one in enumerate(made):
             peaks[k, : len(one.errors)] = one.errors
             places[k, : len(one.peaks)] = theta[k, 0] + n[k, 5] * (one.peaks - turn_in[0])
-            if exact and given is not None:
-                whole = replace(task, turn_in=np.array([0.0, (high - low) * rate]), exact=False)
+            if exact:
+                whole = replace(task, turn_in=turn_all, turn_out=out_all, exact=False)
                 errors[k] = n[k, 6] * np.abs(functions.peaks_of(whole, n[k], one.sign, one.sense)[1]).max()
         span = n[:, 6] * float(np.ptp(turn_out))
         more = {"theta4": length * wanted, "sense": senses, "structural_error": length * errors,
@@ -1362,14 +1407,15 @@ def synthesise(
         By how much the slider of a slider-crank moves from the first to the last value [m]. Without it the values of
         the function are places in m.
     precision_points : int, optional
-        Meet a function exactly at 3 to 5 points in Chebyshev's spacing, instead of with the least greatest error.
+        Meet a function exactly at 3 to 5 points in Chebyshev's spacing, instead of with the least greatest error; of a
+        table those pairs that are next to these.
     where : mapping, optional
         Conditions on all that is computed, as of `fastlink.best`, such as
         ``{"least_transmission_angle_deg": (40, None)}`` or ``{"D_x": (0, 1)}``.
     bounds, fixed : mapping, optional
         Ranges of, or numbers for ``a1`` to ``a4``, ``P_u``, ``P_v``, ``O_x``, ``O_y``, ``ground_angle`` and ``phase``;
-        D by ``D_x``, ``D_y`` where O is fixed too. Of motions they are conditions, as of `where`: ``missed`` tells by
-        how much a number is not met.
+        D by ``D_x``, ``D_y`` where O is fixed too. Of motions they are conditions, as of `where`; families of two to
+        four poses meet numbers that are given to the last bit. Where no linkage can, ``missed`` tells by how much.
     minimise, maximise : str or sequence of str
         What is best; by default the least error, and of two to four poses the greatest of the least transmission angles
         between them.
@@ -1438,8 +1484,6 @@ def synthesise(
     problems.stop()
     known = find_catalogue("slider_crank" if slider else "planar_4r", None)
     asked = Asked(known, tuple(names or ()), where, minimise, maximise, top, *limits, seed, exact)
-    if motion is not None and (where is None or isinstance(where, Mapping)):
-        asked = asked.with_limits_as_conditions()
     asked.others()  # unknown names are refused before anything is computed
     about = {"mechanism": mechanism, "synthesis": tasks[0], **dict(attrs or {})}
 
@@ -1456,6 +1500,8 @@ def synthesise(
             solved.found = _one(solved)
         elif (more := within_conditions(solved, steps)) is not None and len(more):
             solved.found = joined_linkages(more, solved.found)
+            if tasks[0] == "motion":  # pivots that are given may leave one linkage
+                solved.found = _different(solved.found)
         result = selected(labelled(solved).isel({DESIGN: slice(0, 0 if none else None)}), solved)
         result.attrs |= {**about, "run_time_s": time.perf_counter() - began}
         return result
@@ -1520,7 +1566,8 @@ class Steps(AbstractContextManager["Steps"]):
         elif self.done:
             with contextlib.suppress(InputError):
                 self.unfinished.write(self, [(0, self.done)])
-                kept = f"{counted(self.done, 'step')} of it are kept in {self.unfinished.path}"
+                one = self.done == 1
+                kept = f"{counted(self.done, 'step')} of it {'is' if one else 'are'} kept in {self.unfinished.path}"
                 error.add_note(f"{kept}; run the same again to go on")
 
 

@@ -508,6 +508,11 @@ def wrapped(angles: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(np.remainder(angles + np.pi, 2.0 * np.pi) - np.pi)
 
 
+def turned(angles: Any, start: float) -> Any:
+    """Return angles within a turn from a start, by whole turns: one that is there but for rounding keeps its bits."""
+    return angles - 2.0 * np.pi * np.floor((angles - start + 1e-9) / (2.0 * np.pi))
+
+
 def cosines(theta: Floats, whole: Any) -> tuple[Floats, Floats]:
     """Return the least and the greatest cosine between the ends of angles (linkages, angles), exactly; or of a turn."""
     low, high, turn = theta.min(axis=1), theta.max(axis=1), 2.0 * np.pi

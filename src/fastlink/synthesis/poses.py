@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from itertools import permutations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from fastlink.synthesis.paths import Complex, Fit, Floats, PathTask, from_pins, solved
+from fastlink.synthesis.paths import Complex, Fit, Floats, PathTask, from_pins, solved, wrapped
 
 __all__ = ["MotionTask", "dyads_of", "dyads_of_five", "pairs_of", "solve_motion"]
 
@@ -19,6 +20,11 @@ DRAWN = 1500
 PAIRED, LONGEST = 260, 15.0
 #: Directions of a slider's line that are tried where two or three poses leave it free.
 DIRECTIONS = 90
+#: Pairs of dyads that are moved to numbers that are given.
+MOVED = 1500
+#: Residuals by the size of a task, of links that are up to as long: of some ten operations each, whose roundings are
+#: 1e-15 in sum, and a thousand times that for the condition of Newton's last step.
+MET = 1e-12
 
 
 @dataclass(frozen=True)
@@ -30,6 +36,8 @@ class MotionTask:
     rotation_length: float
     #: Whether a slider-crank is to carry the body.
     slider: bool = False
+    #: The numbers of a linkage that are given, of two to four poses; NaN where one is free.
+    fixed: Floats = field(default_factory=lambda: np.full(10, np.nan))
 
     @property
     def path(self) -> PathTask:
@@ -220,7 +228,99 @@ def linkages_of(task: MotionTask, c: Any, w: Any, d: Any, v: Any) -> tuple[Float
     numbers, theta, side = from_pins(
         c, d, points + e * w[:, None], points + e * v[:, None], points, task.slider
     )
-    return numbers, np.unwrap(theta, axis=1), side, -np.angle(v - w)
+    off = np.abs(_from_fixed(task, numbers)) <= MET * (1.0 + np.abs(numbers) / task.size)
+    return np.where(off, task.fixed, numbers), np.unwrap(theta, axis=1), side, -np.angle(v - w)
+
+
+def _from_fixed(task: MotionTask, numbers: Floats) -> Floats:
+    """Return how far numbers of linkages are from those that are given, lengths by the size of the task."""
+    off = numbers - task.fixed
+    off[..., :8] /= task.size
+    off[..., 8:] = wrapped(off[..., 8:])
+    return np.asarray(off)
+
+
+@np.errstate(all="ignore")
+def as_given(task: MotionTask, c: Any, w: Any, d: Any, v: Any) -> tuple[NDArray[np.bool_], Complex]:
+    """Return which pairs of dyads have the numbers that are given and meet the poses, after they were moved to these.
+
+    Fixed pivots begin where they are to be: what is left is linear in the moving ones then, and the first step of
+    Newton is the closed form, the point with equal distances from the places of the pivot in the body. Of all changes
+    that a step may be it is the least one.
+    """
+    given, origin, size = np.flatnonzero(np.isfinite(task.fixed)), task.points.mean(), task.size
+    points, e = np.broadcast_to(task.points, (len(c), len(task.points))), np.exp(1j * task.angles)
+    a4, at, ground = task.fixed[3], task.fixed[6:8], task.fixed[8]
+    c = np.where(np.isfinite(at[0]), at[0], c.real) + 1j * np.where(np.isfinite(at[1]), at[1], c.imag)
+    if task.slider:
+        d = d if np.isnan(ground) else 1j * np.exp(1j * np.full(len(c), ground))
+    else:
+        far = d - c
+        turn = far / np.abs(far) if np.isnan(ground) else np.exp(1j * ground)
+        d = c + (np.abs(far) if np.isnan(a4) else a4) * turn
+
+    def pins(x: Floats) -> Any:
+        z = size * (x[:, ::2] + 1j * x[:, 1::2])
+        d = np.exp(1j * x[:, 4]) if task.slider else origin + z[:, 2]
+        return origin + z[:, 0], z[:, 1], d, z[:, 3]
+
+    def off(x: Floats) -> Floats:
+        c, w, d, v = pins(x)
+        z = np.resize(points, (len(x), len(e)))
+        a, b = z + e * w[:, None], z + e * v[:, None]
+        numbers = from_pins(c, d, a, b, z, task.slider)[0]
+        # squares of distances, whose differences are linear in either pivot
+        parts = [_squares(a - c[:, None]) / size**2]
+        parts.append((np.conj(d)[:, None] * (b - b[:, :1])).real[:, 1:] / size if task.slider
+                     else _squares(b - d[:, None]) / size**2)  # fmt: skip
+        return np.hstack([*parts, _from_fixed(task, numbers)[:, given]])
+
+    z = np.stack(
+        [(c - origin) / size, w / size, 0.0 * d if task.slider else (d - origin) / size, v / size], axis=1
+    )
+    x = np.stack([z.real, z.imag], axis=2).reshape(-1, 8)
+    if task.slider:
+        x[:, 4] = np.angle(d)
+    for _ in range(12):
+        now, step = off(x), 1e-7 * (1.0 + np.abs(x))
+        beside = (x[:, None] + step[:, :, None] * np.eye(8)).reshape(-1, 8)
+        jac = (off(beside).reshape(len(x), 8, -1) - now[:, None]) / step[:, :, None]
+        jac = np.nan_to_num(jac, posinf=0.0, neginf=0.0)
+        square = jac.swapaxes(1, 2) @ jac
+        # of equations that depend on each other, as for a pivot on the centre-point curve, the rest is dropped
+        square += 1e-13 * np.trace(square, axis1=1, axis2=2)[:, None, None] * np.eye(square.shape[1])
+        x = x - (jac @ solved(square, np.nan_to_num(now))[..., None])[..., 0]
+    made = pins(x)
+    longest = 1.0 + np.abs(x).max(axis=1)
+    return np.asarray(np.abs(off(x)).max(axis=1) <= MET * longest**2), np.stack(made)
+
+
+def on_circle(task: MotionTask, pivot: complex | None = None) -> bool:
+    """Tell whether the places of a fixed pivot in the body, or those of the body's own point, are on a circle."""
+    places = task.points if pivot is None else np.exp(-1j * task.angles) * (pivot - task.points)
+    places = (places - places[0]) / task.size
+    rows = np.stack([places.real, places.imag], axis=1)[1:]
+    middle = complex(*np.linalg.lstsq(rows, 0.5 * np.abs(places[1:]) ** 2)[0])
+    return bool(np.ptp(np.abs(places - middle)) <= MET * (1.0 + np.abs(places).max() + abs(middle)))
+
+
+def nearest_centre(task: MotionTask) -> complex:
+    """Return a place of the centre-point curve of four poses with one coordinate of a fixed pivot, the nearest one."""
+    c, w = family_of(task, 0)[:, :MOVED]
+    for k in (6, 7):
+        alone = np.where(np.arange(10) == k, task.fixed, np.nan)
+        own = replace(task, fixed=alone, slider=False)
+        meets, (found, *_) = as_given(own, c, w, np.roll(c, 1), np.roll(w, 1))
+        away = np.where(meets, np.abs(found - complex(*task.fixed[6:8])), np.inf)
+        if meets.any():
+            near = found[np.argmin(away)]
+            return complex(task.fixed[6], near.imag) if k == 6 else complex(near.real, task.fixed[7])
+    return complex(np.nan, np.nan)
+
+
+def _squares(away: Complex) -> Floats:
+    """Return the differences of the squares of distances (linkages, poses) from the first ones."""
+    return np.asarray(((away - away[:, :1]) * np.conj(away + away[:, :1])).real[:, 1:])
 
 
 def pairs_of(task: MotionTask, dyads: Complex) -> tuple[Floats, Floats, Floats, Floats]:
@@ -233,6 +333,13 @@ def pairs_of(task: MotionTask, dyads: Complex) -> tuple[Floats, Floats, Floats, 
     else:
         d, v = c, w
         first, other = np.array(list(permutations(range(len(c)), 2)), dtype=int).reshape(-1, 2).T
+    if np.isfinite(task.fixed).any():
+        some = np.random.default_rng(0).permutation(len(first))[:MOVED]
+        found = np.stack([c[first[some]], w[first[some]], d[other[some]], v[other[some]]])
+        meets, moved = as_given(task, *found)
+        if meets.any():  # else they are approached, see `found`
+            key = np.round(moved[:, meets] / task.size, 9)
+            return linkages_of(task, *moved[:, meets][:, np.unique(key, axis=1, return_index=True)[1]])
     return linkages_of(task, c[first], w[first], d[other], v[other])
 
 
@@ -258,6 +365,9 @@ def varied(task: MotionTask, pins: tuple[Complex, ...], change: float, rng: Any)
         v = v + change * task.size * (rng.normal(size=len(w)) + 1j * rng.normal(size=len(w)))
         line = np.diff(points + turns * v[:, None])[:, 0]
         d = 1j * line / np.abs(line)
+    if np.isfinite(task.fixed).any():
+        meets, given = as_given(task, c, w, d, v)
+        c, w, d, v = np.where(meets, given, [c, w, d, v])
     return linkages_of(task, c, w, d, v)
 
 
