@@ -411,8 +411,24 @@ def test_a_pivot_of_four_poses_is_on_their_curve_or_refused():
         fl.InputError, match=r"off the centre-point curve .*fix O_x alone, for which O_y is"
     ) as e:
         fl.synthesise("planar_4r", motion=POSES[:4], fixed={**place, "O_y": place["O_y"] + 1e-3})
-    near = float(str(e.value).partition("O_y is ")[2].partition(";")[0])
+    near = float(str(e.value).partition("O_y is ")[2].partition(",")[0])
     assert near == pytest.approx(place["O_y"], abs=1e-5)  # six digits are told
+    with pytest.raises(fl.InputError, match=r"D at \(3, 0.1\) is off the centre-point curve .*leave D out"):
+        fl.synthesise("planar_4r", motion=POSES[:4], fixed={**place, "D_x": 3.0, "D_y": 0.1})
+    with pytest.raises(
+        fl.InputError, match="P is to be the pin A, and the four points of the poses are on no circle"
+    ):
+        fl.synthesise("planar_4r", motion=POSES[:4], fixed={"P_u": 0.0, "P_v": 0.0})
+
+
+def test_four_points_on_a_circle_are_those_of_a_pin():
+    """The body's own point is the pin A then, its pivot the middle of the circle; the places are of some roundings."""
+    turn = np.exp(1j * np.array([0.2, 0.9, 1.5, 2.4]))
+    poses = np.column_stack([0.5 + 0.8 * turn.real, 0.8 * turn.imag, [0.3, 0.1, 0.2, 0.5]])
+    found = fl.synthesise("planar_4r", motion=poses, fixed={"P_u": 0, "P_v": 0}, top=1)
+    assert (found.P_u.item(), found.P_v.item()) == (0.0, 0.0)
+    np.testing.assert_allclose([found.a1[0], found.O_x[0], found.O_y[0]], [0.8, 0.5, 0.0], atol=1e-12)
+    assert float(found.pose_error[0]) < 1e-12
 
 
 @pytest.mark.stress

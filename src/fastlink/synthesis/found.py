@@ -741,27 +741,20 @@ def _solve_motion(asked: Asked, steps: Steps, motion: Any, rotation_length: Any)
 
 def _check_curves(task: poses.MotionTask) -> None:
     """Refuse pivots that no link has in four poses: fixed ones off the centre-point curve, moving ones off a circle."""
-    x, y, a4, turn = (float(task.fixed[k]) for k in (6, 7, 3, 8))
-    o, where = complex(x, y), "fixed"
-    if np.isfinite(o) and not poses.on_circle(task, o):
-        what = f"O at ({short_number(x)}, {short_number(y)}) is off the centre-point curve of the four poses"
-        remedy, near = "give ranges by bounds", poses.nearest_centre(task)
-        if np.isfinite(near):
-            own = short_number(near.real), short_number(near.imag)
-            remedy = (
-                f"fix O_x alone, for which O_y is {own[1]}"
-                if near.real == x
-                else f"fix O_y alone, for which O_x is {own[0]}"
-            )
-            remedy += "; or give ranges by bounds"
-        raise InputError(what, (where,), remedy)
-    d = o + a4 * np.exp(1j * turn)
-    if np.isfinite(d) and not task.slider and not poses.on_circle(task, d):
-        what = f"D at ({short_number(d.real)}, {short_number(d.imag)}) is off the centre-point curve of the four poses"
-        raise InputError(what, (where,), "leave D out, or write where={'D_x': (lo, hi), 'D_y': (lo, hi)}")
-    if (task.fixed[4:6] == 0.0).all() and not poses.on_circle(task):
-        what = "P is to be the pin A, and the four points of the poses are on no circle"
-        raise InputError(what, (where,), "leave P_u or P_v out, or give ranges by bounds")
+    o = complex(*task.fixed[6:8])
+    d = np.nan if task.slider else o + task.fixed[3] * np.exp(1j * task.fixed[8])
+    for name, pivot in (("O", o), ("D", d)):
+        if np.isfinite(pivot) and not poses.on_circle(task, pivot):
+            place = f"({short_number(pivot.real)}, {short_number(pivot.imag)})"
+            what = f"{name} at {place} is off the centre-point curve of the four poses"
+            remedy = "leave D out, or write where={'D_x': (lo, hi), 'D_y': (lo, hi)}"
+            if name == "O":
+                own = short_number(poses.nearest_centre(task))
+                remedy = f"fix O_x alone, for which O_y is {own}, or give ranges by bounds"
+            raise InputError(what, ("fixed",), remedy)
+    on_circle = (task.fixed[4:6] != 0.0).any() or poses.on_circle(task)
+    what = "P is to be the pin A, and the four points of the poses are on no circle"
+    _check(on_circle, "fixed", what, "leave P_u or P_v out, or give ranges by bounds")
 
 
 def _solve_function(

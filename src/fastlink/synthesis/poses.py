@@ -127,8 +127,11 @@ def _without_doubles(c: Complex, w: Complex) -> tuple[Complex, Complex]:
 
 
 @np.errstate(all="ignore")
-def dyads_of_five(points: Complex, angles: Floats) -> tuple[Complex, Complex]:
-    """Return centres and body points (tasks, 4) of all RR dyads of tasks of five poses (tasks, 5); NaN for no dyad."""
+def dyads_of_five(points: Complex, angles: Floats, steps: int = 2) -> tuple[Complex, Complex]:
+    """Return centres and body points (tasks, 4) of all RR dyads of tasks of five poses (tasks, 5); NaN for no dyad.
+
+    Of more poses, those of the linear form's least squares, moved next to circles by as many steps.
+    """
     centres, pins = np.empty((2, len(points), 4), dtype=complex)
     for k in range(0, len(points), BLOCK):
         z, e = points[k : k + BLOCK], np.exp(1j * angles[k : k + BLOCK])
@@ -136,11 +139,10 @@ def dyads_of_five(points: Complex, angles: Floats) -> tuple[Complex, Complex]:
         size = np.abs(z - origin).max(axis=1, keepdims=True)
         size = np.where(size > 0.0, size, 1.0)
         d = (z - origin) / size
-        c, w = _of_null_space(_rows(d, e))
+        rows = _rows(d, e)
+        c, w = _of_null_space(rows if z.shape[1] == 5 else np.linalg.svd(rows)[2][:, :5])
         task, which = np.nonzero(np.isfinite(c) & np.isfinite(w))
-        d, e, centre, pin = d[task], e[task], c[task, which], w[task, which]
-        centre, pin = _on_circles(d, e, centre, pin, 2)
-        c[task, which], w[task, which] = centre, pin
+        c[task, which], w[task, which] = _on_circles(d[task], e[task], c[task, which], w[task, which], steps)
         c, w = _without_doubles(c, w)
         centres[k : k + BLOCK], pins[k : k + BLOCK] = origin + size * c, size * w
     return centres, pins
@@ -162,16 +164,7 @@ def _on_circles(d: Complex, e: Complex, centre: Complex, pin: Complex, steps: in
 
 def dyads_of(points: Complex, angles: Floats) -> Complex:
     """Return all RR dyads of five poses; of more, those of the linear form's least squares, then nearest to circles."""
-    if len(points) == 5:
-        return _listed(*dyads_of_five(points[None], angles[None]))
-    origin = points.mean()
-    size = float(np.abs(points - origin).max()) or 1.0
-    d, e = (points - origin) / size, np.exp(1j * angles)
-    c, w = _without_doubles(*_of_null_space(np.linalg.svd(_rows(d, e))[2][None, :5]))
-    fine = np.isfinite(c[0] + w[0])
-    points, turns = (np.broadcast_to(of, (fine.sum(), len(d))) for of in (d, e))
-    c, w = _on_circles(points, turns, c[0][fine], w[0][fine], 8)
-    return _listed(origin + size * c, size * w)
+    return _listed(*dyads_of_five(points[None], angles[None], 2 if len(points) == 5 else 8))
 
 
 def _listed(centres: Complex, pins: Complex) -> Complex:
@@ -304,18 +297,13 @@ def on_circle(task: MotionTask, pivot: complex | None = None) -> bool:
     return bool(np.ptp(np.abs(places - middle)) <= MET * (1.0 + np.abs(places).max() + abs(middle)))
 
 
-def nearest_centre(task: MotionTask) -> complex:
-    """Return a place of the centre-point curve of four poses with one coordinate of a fixed pivot, the nearest one."""
+def nearest_centre(task: MotionTask) -> float:
+    """Return O_y of the centre-point curve of four poses for the O_x that is given, next to the one that is."""
     c, w = family_of(task, 0)[:, :MOVED]
-    for k in (6, 7):
-        alone = np.where(np.arange(10) == k, task.fixed, np.nan)
-        own = replace(task, fixed=alone, slider=False)
-        meets, (found, *_) = as_given(own, c, w, np.roll(c, 1), np.roll(w, 1))
-        away = np.where(meets, np.abs(found - complex(*task.fixed[6:8])), np.inf)
-        if meets.any():
-            near = found[np.argmin(away)]
-            return complex(task.fixed[6], near.imag) if k == 6 else complex(near.real, task.fixed[7])
-    return complex(np.nan, np.nan)
+    alone = replace(task, fixed=np.where(np.arange(10) == 6, task.fixed, np.nan), slider=False)
+    meets, found = as_given(alone, c, w, np.roll(c, 1), np.roll(w, 1))
+    of = found[0, meets].imag
+    return float(of[np.argmin(np.abs(of - task.fixed[7]))]) if len(of) else np.nan
 
 
 def _squares(away: Complex) -> Floats:
