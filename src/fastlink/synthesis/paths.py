@@ -47,17 +47,7 @@ class _Refinement(Source):
 def refinement() -> Source:
     """Return the kernel."""
     text = files("fastlink.synthesis").joinpath("kernels.py").read_text(encoding="utf-8")
-    rows = {
-        "p": 10,
-        "side": 2,
-        "theta": N_ANGLES,
-        "q": 10,
-        "moved": N_ANGLES,
-        "d": 10,
-        "scales": 10,
-        "f": 14,
-        "v": 8,
-    }
+    rows = dict(p=10, side=2, theta=N_ANGLES, q=10, moved=N_ANGLES, d=10, scales=10, f=14, v=8)
     shapes: dict[str, tuple[Any, ...]] = {name: (count, WIDE) for name, count in rows.items()} | {
         "m": (N_ANGLES, 11, WIDE), "along": (N_ANGLES, WIDE), "slope": (N_ANGLES, WIDE),
         "across": (N_ANGLES, 11, WIDE), "g": (23, 11), "w": (13, 12), "h": (10, 10)}  # fmt: skip
@@ -346,9 +336,9 @@ def solve_path(
     task: PathTask,
     seed: int,
     rounds: int = ROUNDS,
+    steps: Any = lambda step, *of: step(*of),
     *,
     all_rounds: bool = False,
-    steps: Any = lambda step, *of: step(*of),
 ) -> Candidates:
     """Return the linkages that come nearest to a path, all different ones that were found, the best first.
 
@@ -476,9 +466,8 @@ def varied(
     n[:, rest] += by[:, rest] * size[:, rest]
     n[:, 8:] += by[:, 8:] * [1.0, task.times is not None]
     sense = np.ones(len(n)) if task.times is not None else np.sign(theta[:, -1] - theta[:, 0])
-    starts = Candidates(
-        n, np.stack([side, sense], axis=1), theta, 0.0 * side, np.ones(len(n), dtype=np.int64)
-    )
+    signs, ones = np.stack([side, sense], axis=1), np.ones(len(n), dtype=np.int64)
+    starts = Candidates(n, signs, theta, 0.0 * side, ones)
     fit_limits(task, starts)
     made = refined(task, starts, 100)
     return made.at(made.cost <= EXACT**2 * task.size)
@@ -523,6 +512,22 @@ def cosines(theta: Floats, whole: Any) -> tuple[Floats, Floats]:
     ends = np.cos(low), np.cos(high)
     least = np.where(back | whole, -1.0, np.minimum(*ends))
     return least, np.where(on | whole, 1.0, np.maximum(*ends))
+
+
+def transmission(
+    a1: Floats, a2: Any, a3: Floats, a4: Any, theta: Floats, whole: Any, slider: bool
+) -> tuple[Floats, Any]:
+    """Return the least acute transmission angle between the ends of crank angles, and whether a dead point is there."""
+    least, most = cosines(theta - (0.5 * np.pi if slider else 0.0), whole)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        if slider:  # cosines of the transmission angle, the least and the greatest of what is used
+            of = (a1 * least - a3) / a2, (a1 * most - a3) / a2
+            dead = (of[0] <= -1.0) | (of[1] >= 1.0)
+        else:
+            near, far = (np.sqrt(np.maximum(a1**2 + a4**2 - 2.0 * a1 * a4 * c, 0.0)) for c in (most, least))
+            dead = (far >= a2 + a3) | (near <= np.abs(a2 - a3))
+            of = tuple((a2**2 + a3**2 - one**2) / (2.0 * a2 * a3) for one in (near, far))
+        return np.arccos(np.minimum(np.maximum(*np.abs(of)), 1.0)), dead
 
 
 def solved(matrices: Floats, right: Floats) -> Floats:
@@ -615,10 +620,8 @@ class Fit:
                 break
             self.theta = self.theta + np.clip(turn, -0.3, 0.3)
         if not meets:
-            off, slopes = (
-                np.full_like(off, 1e3 * (np.sqrt(task.size) + task.length)),
-                0.0 * np.nan_to_num(slopes),
-            )
+            off = np.full_like(off, 1e3 * (np.sqrt(task.size) + task.length))
+            slopes = 0.0 * np.nan_to_num(slopes)
         elif task.times is None:
             slopes[:, :, 9] = 0.0
             slopes[2, :, 9] = task.length * (task.angles is not None)
