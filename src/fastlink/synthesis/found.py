@@ -41,14 +41,9 @@ __all__ = ["DEFECTS", "Linkages", "synthesise"]
 Floats = NDArray[np.float64]
 
 #: What may be wrong with a linkage that fits a task, by the code in the result; the first that applies is told.
-DEFECTS = {
-    0: "no_defect",
-    1: "circuit_defect",
-    2: "branch_defect",
-    3: "order_defect",
-    4: "dead_point",
-    5: "crank_does_not_turn",
-}
+DEFECTS = dict(enumerate(
+    ("no_defect", "circuit_defect", "branch_defect", "order_defect", "dead_point", "crank_does_not_turn")
+))  # fmt: skip
 #: A tenth of a microradian: angles so near count as equal, where a path comes back to its first point.
 TOUCH = 1e-7
 #: Poses and points that a task takes, and linkages of which a result is chosen.
@@ -82,12 +77,16 @@ class Linkages:
     numbers: Floats
     theta: Floats
     side: Floats
-    #: From how many starts each was reached.
-    starts: NDArray[np.int64]
+    #: From how many starts each was reached, one unless it is told.
+    starts: Any = None
     #: Further results by name, along the first axis.
     more: dict[str, Any] = field(default_factory=dict)
     #: Whether they are slider-cranks.
     slider: bool = False
+
+    def __post_init__(self) -> None:
+        if self.starts is None:
+            self.starts = np.ones(len(self.numbers), dtype=np.int64)
 
     def __len__(self) -> int:
         return len(self.numbers)
@@ -176,9 +175,8 @@ def cognates_of(found: Linkages) -> Linkages:
                  (d, third, three, four, 3), (third, d, four, three, 3)]  # fmt: skip
     made = [paths.from_pins(*form[:4], point, slider) for form in forms]
     count, each = len(found), len(forms)
-    numbers, theta, side = (
-        np.stack(parts, axis=1).reshape(each * count, -1) for parts in zip(*made, strict=True)
-    )
+    stacked = (np.stack(parts, axis=1) for parts in zip(*made, strict=True))
+    numbers, theta, side = (of.reshape(each * count, -1) for of in stacked)
     first = each * np.arange(count)
     numbers[first], theta[first], side[first] = found.numbers, found.theta, found.side
     more = {name: np.repeat(values, each, axis=0) for name, values in found.more.items()}
@@ -541,11 +539,11 @@ def _solve_path(asked: Asked, steps: Steps, path: Any, timing: Any, closed: Any)
     count = len(target)
 
     def linkages(numbers: Floats, theta: Floats, side: Floats) -> Linkages:
-        ones = np.ones(len(numbers), dtype=np.int64)
-        more = {"cognate": ones.astype(np.int8), "curve": np.arange(len(numbers))}
+        curves = np.arange(len(numbers))
+        more = {"cognate": np.ones_like(curves, dtype=np.int8), "curve": curves}
         if times is not None:
             theta, more = numbers[:, 9:] + times, {}
-        made = asked.within(Linkages(numbers, theta, side, ones, more, slider))
+        made = asked.within(Linkages(numbers, theta, side, None, more, slider))
         return _come_back(made) if found.theta.shape[1] > count else made
 
     def varied(some: Linkages, change: float, rng: Any) -> Linkages:
@@ -580,10 +578,10 @@ def joined_linkages(one: Linkages, other: Linkages) -> Linkages:
     if "curve" in more:
         more["curve"][: len(one)] = more["curve"].max(initial=0) + 1 + np.arange(len(one))
         more["cognate"][: len(one)] = 1
-    own: dict[str, Any] = {
-        name: np.concatenate([getattr(one, name), getattr(other, name)]) for name in ARRAYS
-    }
-    return replace(one, **own, more=more)
+    numbers, theta, side, starts = (
+        np.concatenate([getattr(k, name) for k in (one, other)]) for name in ARRAYS
+    )
+    return Linkages(numbers, theta, side, starts, more, one.slider)
 
 
 def _all_exact(asked: Asked, task: paths.PathTask, steps: Steps) -> tuple[Linkages, str]:
@@ -596,8 +594,7 @@ def _all_exact(asked: Asked, task: paths.PathTask, steps: Steps) -> tuple[Linkag
         # the crank of a linkage turns as the coupler of a cognate does: points with times are poses of that
         timed = poses.MotionTask(task.target, task.times, 1.0)
         numbers, theta, side, _ = poses.pairs_of(timed, poses.dyads_of(task.target, task.times))
-        of_poses = Linkages(numbers, theta, side, np.ones(len(numbers), dtype=np.int64))
-        found = cognates_of(of_poses).at(slice(2, None, 6))
+        found = cognates_of(Linkages(numbers, theta, side)).at(slice(2, None, 6))
         found.numbers[:, 9] = wrapped(found.theta[:, 0] - task.times[0])
         found.theta, found.more = found.numbers[:, 9:] + task.times, {}
         return asked.within(found), f"all {counted(len(found), 'linkage')} of five timed points"
@@ -619,8 +616,7 @@ def _of_nine(points: NDArray[np.complex128], **options: int) -> tuple[Linkages, 
     x, a, y, b = (real[:, k, None] for k in range(4))
     place, start = np.broadcast_to(points, turns.shape), points[0]
     pins = (start + a)[:, 0], (start + b)[:, 0], points + x * turns, points + y * turns, place
-    numbers, theta, side = paths.from_pins(*pins)
-    found = Linkages(numbers, theta, side, np.ones(len(real), dtype=np.int64))
+    found = Linkages(*paths.from_pins(*pins))
     complete = f"all {len(real)} real of {len(triples.unknowns):,} triples of cognates"
     return found, complete + (f"; {len(triples.lost)} paths did not arrive" if len(triples.lost) else "")
 
@@ -678,8 +674,7 @@ def _solve_motion(asked: Asked, steps: Steps, motion: Any, rotation_length: Any)
     if count == 4:
         _check_curves(task)
     numbers, theta, side, body, dyads = steps(poses.solve_motion, task, asked.seed)
-    ones = np.ones(len(numbers), dtype=np.int64)
-    found = Linkages(numbers, theta, side, ones, {"body_angle": body}, asked.slider)
+    found = Linkages(numbers, theta, side, None, {"body_angle": body}, asked.slider)
     attrs: dict[str, Any] = {"dyads": int(dyads), "rotation_length": length}
     found = asked.within(found)
     if count < 5:
@@ -695,10 +690,9 @@ def _solve_motion(asked: Asked, steps: Steps, motion: Any, rotation_length: Any)
     objectives = ("pose_error", "") if count >= 5 else ("", "least_transmission_angle_used")
 
     def linkages(numbers: Floats, theta: Floats, side: Floats, body: Any = None) -> Linkages:
-        ones = np.ones(len(numbers), dtype=np.int64)
         body = numbers[:, 9].copy() if body is None else body
         numbers[:, 9] = 0.0
-        return asked.within(Linkages(numbers, theta, side, ones, {"body_angle": body}, asked.slider))
+        return asked.within(Linkages(numbers, theta, side, None, {"body_angle": body}, asked.slider))
 
     def varied(some: Linkages, change: float, rng: Any) -> Linkages:
         return linkages(*poses.varied(task, some.pins(), change, rng))
@@ -822,7 +816,7 @@ def _solve_function(
         if free:
             more |= {"input_turn": n[:, 5] * rate * (high - low)} | ({} if slider else {"output_turn": span})
         numbers = np.hstack([unit * lengths, np.zeros((len(made), 6))])
-        return asked.within(Linkages(numbers, theta, side, np.ones(len(made), dtype=np.int64), more, slider))
+        return asked.within(Linkages(numbers, theta, side, None, more, slider))
 
     def again(limits: list[Any]) -> Linkages:
         names = [one.name for one in limits if one.name not in (*asked.names, USED)]
@@ -1432,13 +1426,9 @@ def synthesise(
     if to is None:
         return solve(Steps())
     options = {**given, **only["path"], **only["motion"], **only["function"]}
-    words: list[Any] = [
-        environment(),
-        mechanism,
-        names,
-        *(_as_text(value, over) for value in options.values()),
-    ]
-    words += [*map(repr, (where, bounds, fixed, minimise, maximise)), top, seed, exact]
+    words: list[Any] = [environment(), mechanism, names, top, seed, exact]
+    words += [_as_text(value, over) for value in options.values()]
+    words += [*map(repr, (where, bounds, fixed, minimise, maximise))]
     fingerprint = hashlib.sha256(repr(words).encode()).hexdigest()
 
     def found(target: Path) -> tuple[xr.Dataset, None]:
@@ -1511,4 +1501,4 @@ def _one(solved: Solved) -> Linkages:
     more = {name: np.zeros((1, *of.shape[1:]), dtype=of.dtype) for name, of in solved.found.more.items()}
     numbers = np.array([[1.0, 4.0, 2.0, 3.5, 0, 0, 0, 0, 0, 0]])
     ones = np.ones((1, count))
-    return Linkages(numbers, 0.0 * ones, ones, np.ones(1, dtype=np.int64), more, solved.asked.slider)
+    return Linkages(numbers, 0.0 * ones, ones, None, more, solved.asked.slider)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.resources import files
@@ -171,9 +172,8 @@ def pins(numbers: Floats, theta: Any, side: Any, slider: bool = False) -> tuple[
     a1, a2, a3, a4, u, v = (n[:, k] for k in range(6))
     turn, o = np.exp(1j * n[:, 8]), n[:, 6] + 1j * n[:, 7]
     with np.errstate(all="ignore"):
-        ax, ay, bx, by, *_, x, y = assembled(
-            a1, a2, a3, a4, u, v, side, np.cos(theta), np.sin(theta), int(slider)
-        )
+        c, s = np.cos(theta), np.sin(theta)
+        ax, ay, bx, by, *_, x, y = assembled(a1, a2, a3, a4, u, v, side, c, s, int(slider))
         a = ax + 1j * ay
         moving = (o + turn * of for of in (a, a + a2 * (bx + 1j * by), x + 1j * y))
         return o[:, 0], (1j * turn if slider else o + turn * a4)[:, 0], *moving
@@ -251,9 +251,8 @@ def starts_of(task: PathTask, count: int, keep: int, seed: int, skip: int = 0) -
             both = ifft(curves * comb(path * (1.0 - part), path * part, sense))
             twice = 2.0 * part * (1.0 - part)
             own = squares * comb((1.0 - part) ** 2, part**2, sense, rfft)
-            own += products * comb(
-                *((twice, 0.0 * part) if sense > 0.0 else (0.0 * part, twice)), sense, rfft
-            )
+            one, other = (twice, 0.0 * part)[:: int(sense)]
+            own += products * comb(one, other, sense, rfft)
             own = irfft(own, PLACES) - n * np.abs(mean) ** 2
             with np.errstate(divide="ignore", invalid="ignore"):
                 size = np.abs(both) / own
@@ -268,9 +267,7 @@ def starts_of(task: PathTask, count: int, keep: int, seed: int, skip: int = 0) -
             left = left[np.arange(2 * count), k]
             better = left < best
             best[better] = left[better]
-            how[better] = np.stack(
-                [k[better], np.full(better.sum(), sense), np.full(better.sum(), span)], axis=1
-            )
+            how[better, 0], how[better, 1], how[better, 2] = k[better], sense, span
     # half of them are the best of all, half the best of small groups: what fits best may lie in one long valley
     groups = np.array_split(np.arange(2 * count), keep // 2)
     rows = np.argsort(best, kind="stable")[: keep - len(groups)]
@@ -307,19 +304,27 @@ def refined(task: PathTask, found: Candidates, most: int, *, angles_only: bool =
     free[[3, 9]] *= not task.slider, task.times is not None
     enough = np.array([1e-31 * float(np.sum(np.abs(task.target - task.target[0]) ** 2))])
     fixed = (target, np.sqrt(task.weights), times, options, free, task.lower, task.upper, enough, most)
-    made: dict[int, Candidates] = {}
     count = max(-(-len(found.cost) // PART), 1)
-    parts = iter(range(count))
+    made = [found.at(slice(k, None, count)) for k in range(count)]
 
-    def work() -> None:
-        scratch = [aligned(array.lengths(2 * n + 10), array.dtype) for array in source.scratch]
-        for k in parts:
-            part = made[k] = found.at(slice(k, None, count))
-            code(part.numbers, part.signs, part.theta, part.cost, *fixed, *scratch)
+    def work(part: Candidates, scratch: Any) -> None:
+        code(part.numbers, part.signs, part.theta, part.cost, *fixed, *scratch)
 
-    work_in_threads(work, min(default_threads(), count), "synthesis", threading.Event())
-    whole = joined(*(made[k] for k in range(count)))
+    in_threads(work, made, source, 2 * n + 10, default_threads())
+    whole = joined(*made)
     return whole.at(np.isfinite(whole.cost))
+
+
+def in_threads(work: Any, parts: Sequence[Any], source: Source, rows: int, threads: int) -> None:
+    """Work on parts by a kernel, each thread with its scratch."""
+    left = iter(parts)
+
+    def each() -> None:
+        scratch = [aligned(array.lengths(rows), array.dtype) for array in source.scratch]
+        for part in left:
+            work(part, scratch)
+
+    work_in_threads(each, min(threads, len(parts)), "synthesis", threading.Event())
 
 
 #: Shapes that are compared in each round, of closed or timed paths and of open ones; starts that are refined.
@@ -603,9 +608,7 @@ class Fit:
         for _ in range(6):
             if task.times is not None:
                 self.theta = n[9] + task.times
-            point, by, along, rate, meets = curve_of(
-                np.append(n[:9], 0.0), self.theta, self.side, task.slider
-            )
+            point, by, along, rate, meets = curve_of(n, self.theta, self.side, task.slider)
             away, slopes = point - task.target, np.stack([by.real, by.imag, task.length * rate])
             off = np.stack([away.real, away.imag, 0.0 * away.real])
             if task.angles is None:

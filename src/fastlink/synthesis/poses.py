@@ -59,16 +59,8 @@ MIX = np.array([[0.6, 0.48, 0.64], [-0.8, 0.36, 0.48], [0.0, -0.8, 0.6]])
 def _rows(d: Complex, e: Complex) -> Floats:
     """Return the linear form of poses: |d + e w - c|^2 = R^2 as a row times (p0, w, c, q, k), with q p0 = conj(c) w."""
     m, one = np.conj(d) * e, np.ones(d.shape)
-    parts = (
-        np.abs(d) ** 2,
-        2.0 * m.real,
-        -2.0 * m.imag,
-        -2.0 * d.real,
-        -2.0 * d.imag,
-        -2.0 * e.real,
-        2.0 * e.imag,
-    )
-    return np.stack([*parts, one], axis=-1)
+    parts = np.abs(d) ** 2 / 2.0, m.real, -m.imag, -d.real, -d.imag, -e.real, e.imag, one / 2.0
+    return 2.0 * np.stack(parts, axis=-1)
 
 
 def _product(a: Floats, b: Floats) -> Floats:
@@ -103,9 +95,7 @@ def _of_null_space(rows: Floats) -> tuple[Complex, Complex]:
     # of a pair that nearly meets both count as real: the conics tell
     x = np.where(np.abs(roots.imag) <= 1e-5 * (1.0 + np.abs(roots)), roots.real, np.nan)
     y = -(u[:, :1] + x * (u[:, 1:2] + x * u[:, 2:])) / (slope[:, :1] + slope[:, 1:] * x)
-    f00, f01, f02, f11, f12, f22 = (
-        both[:, i, k, None] for i, k in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
-    )
+    f00, f01, f02, f11, f12, f22 = (both[:, i, k, None] for i in range(3) for k in range(i, 3))
     for _ in range(6):
         value = f00 + x * (2.0 * f01 + f11 * x) + y * (2.0 * (f02 + f12 * x) + f22 * y)
         by_x, by_y = 2.0 * (f01 + f11 * x + f12 * y), 2.0 * (f02 + f12 * x + f22 * y)
@@ -181,9 +171,8 @@ def family_of(task: MotionTask, seed: int) -> Complex:
     poses[:, :count] = np.stack([task.points.real, task.points.imag, task.angles], axis=1)
     more = 5 - count
     weights = rng.dirichlet(np.ones(count), (DRAWN, more))
-    centre = weights @ task.points + task.size * (
-        rng.normal(size=(DRAWN, more)) + 1j * rng.normal(size=(DRAWN, more))
-    )
+    x, y = rng.normal(size=(2, DRAWN, more))
+    centre = weights @ task.points + task.size * (x + 1j * y)
     poses[:, count:, 0], poses[:, count:, 1] = centre.real, centre.imag
     spread = max(float(np.ptp(task.angles)), 0.3)
     poses[:, count:, 2] = weights @ task.angles + 0.7 * spread * rng.normal(size=(DRAWN, more))
@@ -218,9 +207,8 @@ def linkages_of(task: MotionTask, c: Any, w: Any, d: Any, v: Any) -> tuple[Float
     As numbers, crank angles at each pose, signs of B beside the line from A to D, and angles of the body from AB.
     """
     points, e = np.broadcast_to(task.points, (len(c), len(task.points))), np.exp(1j * task.angles)
-    numbers, theta, side = from_pins(
-        c, d, points + e * w[:, None], points + e * v[:, None], points, task.slider
-    )
+    a, b = points + e * w[:, None], points + e * v[:, None]
+    numbers, theta, side = from_pins(c, d, a, b, points, task.slider)
     off = np.abs(_from_fixed(task, numbers)) <= MET * (1.0 + np.abs(numbers) / task.size)
     return np.where(off, task.fixed, numbers), np.unwrap(theta, axis=1), side, -np.angle(v - w)
 
@@ -268,9 +256,7 @@ def as_given(task: MotionTask, c: Any, w: Any, d: Any, v: Any) -> tuple[NDArray[
                      else _squares(b - d[:, None]) / size**2)  # fmt: skip
         return np.hstack([*parts, _from_fixed(task, numbers)[:, given]])
 
-    z = np.stack(
-        [(c - origin) / size, w / size, 0.0 * d if task.slider else (d - origin) / size, v / size], axis=1
-    )
+    z = np.stack([c - origin, w, 0.0 * d if task.slider else d - origin, v], axis=1) / size
     x = np.stack([z.real, z.imag], axis=2).reshape(-1, 8)
     if task.slider:
         x[:, 4] = np.angle(d)
