@@ -1037,11 +1037,13 @@ def _refined_within(
     rules += [_rule(distances)] * greatest
     if solved.crank:
         longer = 1.0 if asked.slider or start[3] >= start[0] else -1.0
-        folds = np.array([[-longer, -1, 1, longer], [-longer, 1, -1, longer], [-1, 1, 1, -1]], dtype=float)
-        if asked.slider:
-            folds = np.array([[-1.0, 1, -1, 0], [-1, 1, 1, 0]])
-        wide = np.hstack([folds, np.zeros((len(folds), 6))])[:, free] * scale
-        wide = np.hstack([wide, np.zeros((len(folds), len(x) - len(free)))]) / size
+        of_slider, of_bars = (
+            [[-1, 1, -1, 0], [-1, 1, 1, 0]],
+            [[-longer, -1, 1, longer], [-longer, 1, -1, longer]],
+        )
+        folds = np.array(of_slider if asked.slider else [*of_bars, [-1, 1, 1, -1]], dtype=float)
+        wide = np.zeros((len(folds), len(x)))
+        wide[:, : len(free)] = np.pad(folds, ((0, 0), (0, 6)))[:, free] * scale / size
         rules.append(_rule(lambda x: (folds @ numbers(x)[:4] / size - 1e-6, wide)))
     low = np.append(asked.lower[free] / scale, [0.0] * greatest)
     high = np.append(asked.upper[free] / scale, [near / size] * greatest)
@@ -1092,10 +1094,7 @@ def labelled(solved: Solved) -> xr.Dataset:
         data |= beside if slider else ends
     data |= {name: found.more[name] for name in ("order", "circuit", USED)}
     data |= {"starts": found.starts, "theta1": found.theta} | _errors(solved, found, branch)
-    for name in ("cognate", "body_angle", "sense", "structural_error", "function_error", "peak_error", "peak_theta1",
-                 "theta4", "input_turn", "output_turn"):  # fmt: skip
-        if name in found.more:
-            data[name] = found.more[name]
+    data |= {name: values for name, values in found.more.items() if name in LABELS}
     if "time" in solved.target:
         data["phase"] = n[:, 9]
     if "curve" in found.more:

@@ -402,9 +402,8 @@ def solve_function(
     tried: list[Floats] = []
     aim = np.inf
     for worst_of, one, side, sense in sorted(starts, key=lambda start: start[0]):
-        if _is_known(tried, row := np.append(one, [side, sense]), 1e-3):
+        if not _is_new(tried, np.append(one, [side, sense]), 1e-3):
             continue
-        tried.append(row)
         if task.exact:
             off = task.off(one[None], side, task.turn_in, sense * task.turn_out)[0]
             if worst_of < 1e-9:
@@ -415,18 +414,16 @@ def solve_function(
             aim = min(aim, best.error / best.numbers[6])
         if len(tried) == few and not task.exact:
             break
-    found.sort(key=lambda one: one.error / one.numbers[6])
-    distinct: list[Generator] = []
     known: list[Floats] = []
-    for made in found:
-        if not _is_known(known, row := np.append(made.numbers, [made.sign, made.sense]), 1e-5):
-            distinct.append(made)
-            known.append(row)
-    return distinct
+    found.sort(key=lambda one: one.error / one.numbers[6])
+    return [one for one in found if _is_new(known, np.append(one.numbers, [one.sign, one.sense]), 1e-5)]
 
 
-def _is_known(known: list[Floats], one: Floats, tolerance: float) -> bool:
-    """Tell whether a row of a linkage is one of some."""
+def _is_new(known: list[Floats], one: Floats, tolerance: float) -> bool:
+    """Tell whether a row of a linkage is none of those that are known, and count it among them."""
     off = np.array(known).reshape(-1, len(one)) - one
     off[:, 3:5] = wrapped(off[:, 3:5])
-    return bool((np.abs(off) < tolerance * (1.0 + np.abs(one))).all(axis=1).any())
+    if (np.abs(off) < tolerance * (1.0 + np.abs(one))).all(axis=1).any():
+        return False
+    known.append(one)
+    return True
