@@ -312,6 +312,7 @@ def test_cognates_draw_the_same_curve():
         ({"path": [(0, 0), (np.nan, 0)]}, "path is not finite in row 1; leave that row out"),
         ({"motion": [(0, 0, 0), (0, 0, 0)]}, "motion has the same pose in rows 0 and 1"),
         ({"motion": np.eye(7, 3)[:, ::-1] + np.arange(7)[:, None]}, "rotation_length is missing"),
+        ({"motion": POSES, "fixed": {"phase": 0.1}}, "phase is of a path with timing; leave it out"),
         ({"path": ARC, "bounds": {"b1": (0, 1)}}, "bounds: 'b1' is no number of a linkage"),
         ({"path": ARC, "where": {"swin": (0, 1)}}, "where: quantity 'swin' is unknown"),
         ({"path": ARC, "over": (1, 2)}, "over is for function=...; leave it out"),

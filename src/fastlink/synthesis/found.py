@@ -667,6 +667,8 @@ def _solve_motion(asked: Asked, steps: Steps, motion: Any, rotation_length: Any)
     length = float(rotation_length or size or 1.0)
     what = f"is {short_repr(rotation_length)}"
     _check(0.0 < length < np.inf, "rotation_length", what, "write a positive length in m")
+    phase = np.isfinite([asked.lower[9], asked.upper[9]]).any()
+    _check(not phase, "phase", "is of a path with timing", "leave it out")
     fixed = np.where((asked.lower == asked.upper) & (count < 5), asked.lower, np.nan)
     if asked.where is None or isinstance(asked.where, Mapping):
         asked = asked.with_limits_as_conditions()

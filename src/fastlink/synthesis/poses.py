@@ -209,8 +209,9 @@ def linkages_of(task: MotionTask, c: Any, w: Any, d: Any, v: Any) -> tuple[Float
     points, e = np.broadcast_to(task.points, (len(c), len(task.points))), np.exp(1j * task.angles)
     a, b = points + e * w[:, None], points + e * v[:, None]
     numbers, theta, side = from_pins(c, d, a, b, points, task.slider)
-    off = np.abs(_from_fixed(task, numbers)) <= MET * (1.0 + np.abs(numbers) / task.size)
-    return np.where(off, task.fixed, numbers), np.unwrap(theta, axis=1), side, -np.angle(v - w)
+    longest = 1.0 + np.abs(numbers[:, :8]).max(axis=1, keepdims=True) / task.size
+    met = np.abs(_from_fixed(task, numbers)) <= MET * longest
+    return np.where(met, task.fixed, numbers), np.unwrap(theta, axis=1), side, -np.angle(v - w)
 
 
 def _from_fixed(task: MotionTask, numbers: Floats) -> Floats:
