@@ -643,7 +643,8 @@ def test_the_kernel_has_the_bits_of_its_text(compiler, timed, slider):
     [{"bounds": {"O_x": (-0.05, 0.05), "O_y": (-0.05, 0.05)}}, {"bounds": {"e": (-0.002, 0.002)}}],
     ids=str,
 )
-def test_a_family_is_searched_within_limits(limits: dict[str, Any]) -> None:
+def test_a_family_is_searched_within_limits(monkeypatch: pytest.MonkeyPatch, limits: dict[str, Any]) -> None:
+    monkeypatch.setattr(doors, "CHANGES", 0.4 * 0.5 ** np.arange(8))
     poses = [(0.1, 0.2, 0.1), (0.2, 0.25, 0.3), (0.33, 0.26, 0.2)]
     found = fl.synthesise("slider_crank", motion=poses, top=1, **limits)
     for name, (low, high) in limits["bounds"].items():
