@@ -217,7 +217,7 @@ def test_an_orientation_that_is_asked_for_is_kept():
         ({"path": np.eye(2), "exact": True}, "exact is for planar_4r"),
         ({"path": np.eye(5, 2), "bounds": {"a1": (0, 1)}}, "bounds: 'a1' is no number of a linkage"),
         ({"path": np.eye(5, 2), "bounds": {"r": (-1, 0)}}, "bounds: r is (-1, 0), and a length is positive"),
-        ({"motion": np.arange(15).reshape(5, 3)}, "rotation_length is missing: over four poses"),
+        ({"motion": np.arange(15).reshape(5, 3) / 10}, "rotation_length is missing: over four poses"),
     ],
 )
 def test_bad_tasks_are_refused_with_a_remedy(task, line):

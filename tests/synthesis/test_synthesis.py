@@ -9,6 +9,7 @@ import xarray as xr
 
 import fastlink as fl
 from fastlink.codegen.kernel import load_kernel
+from fastlink.design import search
 from fastlink.synthesis import found as doors
 from fastlink.synthesis import functions, kernels, paths
 from fastlink.synthesis.found import DEFECTS, Linkages, cognates_of, judged
@@ -311,6 +312,7 @@ def test_cognates_draw_the_same_curve():
         ({"path": [(0, 0), (np.nan, 0)]}, "path is not finite in row 1; leave that row out"),
         ({"motion": [(0, 0, 0), (0, 0, 0)]}, "motion has the same pose in rows 0 and 1"),
         ({"motion": np.eye(7, 3)[:, ::-1] + np.arange(7)[:, None]}, "rotation_length is missing"),
+        ({"motion": POSES, "fixed": {"phase": 0.1}}, "phase is of a path with timing; leave it out"),
         ({"path": ARC, "bounds": {"b1": (0, 1)}}, "bounds: 'b1' is no number of a linkage"),
         ({"path": ARC, "where": {"swin": (0, 1)}}, "where: quantity 'swin' is unknown"),
         ({"path": ARC, "over": (1, 2)}, "over is for function=...; leave it out"),
@@ -359,6 +361,80 @@ def test_a_family_of_poses_is_searched_for_the_best(monkeypatch, mechanism):
         assert made[-1].status.item() == made[-1].defect.item() == 0
     sample, best = (np.degrees(float(one.least_transmission_angle[0])) for one in made)
     assert sample + 0.1 < best < 90
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "count", "fixed"),
+    [
+        ("planar_4r", 2, {"O_x": 0.0, "O_y": 0.0}),
+        ("planar_4r", 3, {"P_u": 0.0, "P_v": 0.0}),
+        ("planar_4r", 3, {"a1": 0.7, "a4": 2.0, "ground_angle": 0.3}),
+        ("planar_4r", 4, {"O_x": 0.5, "a4": 2.0}),
+        ("slider_crank", 2, {"ground_angle": 0.2, "e": 0.05}),
+    ],
+)
+def test_numbers_that_are_given_are_met_in_a_family_of_poses(monkeypatch, mechanism, count, fixed):
+    """To the last bit. Links are up to 15 times the size of the poses, 1: these are met to some roundings of that."""
+    monkeypatch.setattr(doors, "CHANGES", 0.3 * 0.4 ** np.arange(5))
+    found = fl.synthesise(mechanism, motion=POSES[:count], fixed=fixed, top=2)
+    assert found.sizes["design"]
+    assert "missed" not in found
+    for name, value in fixed.items():
+        assert (found[name] == value).all()
+    assert float(found.pose_error.max()) < 1e-12
+    assert (found.defect == 0).all()
+
+
+def test_two_pivots_and_three_poses_have_one_linkage(monkeypatch):
+    """Its pins have equal distances from the places of the pivots in the body: two linear equations each."""
+    monkeypatch.setattr(doors, "CHANGES", [0.3])
+    o, d = 0.1 + 0.0j, 2.0 + 0.1j
+    fixed = {"O_x": o.real, "O_y": o.imag, "D_x": d.real, "D_y": d.imag}
+    found = fl.synthesise("planar_4r", motion=POSES[:3], fixed=fixed)
+    assert found.sizes["design"] == 1
+    assert (found.O_x.item(), found.O_y.item()) == (o.real, o.imag)
+    # D is O and a4 in a direction: some roundings of 2
+    assert complex(found.D_x.item(), found.D_y.item()) == pytest.approx(d, abs=4 * 2.2e-16 * 2)
+    pins = []
+    for pivot in (o, d):
+        q = np.exp(-1j * POSES[:3, 2]) * (pivot - POSES[:3] @ [1, 1j, 0])
+        rows = np.stack([np.diff(q).real, np.diff(q).imag], axis=1)
+        pins.append(complex(*np.linalg.solve(rows, np.diff(np.abs(q) ** 2) / 2)))
+        assert np.linalg.cond(rows) < 100  # of some roundings each
+    known = abs(q[0] - pins[1]), abs(pins[1] - pins[0])
+    np.testing.assert_allclose([found.a3[0], found.a2[0]], known, rtol=1e-13)
+
+
+def test_a_pivot_of_four_poses_is_on_their_curve_or_refused(monkeypatch):
+    monkeypatch.setattr(doors, "CHANGES", [0.3])
+    free = fl.synthesise("planar_4r", motion=POSES[:4], top=1)
+    place = {name: float(free[name][0]) for name in ("O_x", "O_y")}
+    found = fl.synthesise("planar_4r", motion=POSES[:4], fixed=place, top=1)
+    assert {name: float(found[name][0]) for name in place} == place
+    assert float(found.pose_error[0]) < 1e-12
+    with pytest.raises(
+        fl.InputError, match=r"off the centre-point curve .*fix O_x alone, for which O_y is"
+    ) as e:
+        fl.synthesise("planar_4r", motion=POSES[:4], fixed={**place, "O_y": place["O_y"] + 1e-3})
+    near = float(str(e.value).partition("O_y is ")[2].partition(",")[0])
+    assert near == pytest.approx(place["O_y"], abs=1e-5)  # six digits are told
+    with pytest.raises(fl.InputError, match=r"D at \(3, 0.1\) is off the centre-point curve .*leave D out"):
+        fl.synthesise("planar_4r", motion=POSES[:4], fixed={**place, "D_x": 3.0, "D_y": 0.1})
+    with pytest.raises(
+        fl.InputError, match="P is to be the pin A, and the four points of the poses are on no circle"
+    ):
+        fl.synthesise("planar_4r", motion=POSES[:4], fixed={"P_u": 0.0, "P_v": 0.0})
+
+
+def test_four_points_on_a_circle_are_those_of_a_pin(monkeypatch):
+    """The body's own point is the pin A then, its pivot the middle of the circle; the places are of some roundings."""
+    monkeypatch.setattr(doors, "CHANGES", [0.3])
+    turn = np.exp(1j * np.array([0.2, 0.9, 1.5, 2.4]))
+    poses = np.column_stack([0.5 + 0.8 * turn.real, 0.8 * turn.imag, [0.3, 0.1, 0.2, 0.5]])
+    found = fl.synthesise("planar_4r", motion=poses, fixed={"P_u": 0, "P_v": 0}, top=1)
+    assert (found.P_u.item(), found.P_v.item()) == (0.0, 0.0)
+    np.testing.assert_allclose([found.a1[0], found.O_x[0], found.O_y[0]], [0.8, 0.5, 0.0], atol=1e-12)
+    assert float(found.pose_error[0]) < 1e-12
 
 
 @pytest.mark.stress
@@ -443,7 +519,10 @@ def test_a_result_is_a_map(tmp_path):
 
 
 def test_a_stopped_run_goes_on(tmp_path, monkeypatch):
-    """Each linear program's end is a step: those that were done are not done again, and the bits are the same."""
+    """Each linear program's end is a step: those that were done are not done again, and the bits are the same.
+
+    What is due is kept before the run is stopped, so that a signal that ends the process at once leaves that.
+    """
     x = np.linspace(0, 1, 7)
     monkeypatch.setattr(functions, "STARTS", 30)
     ask = {"function": np.c_[x, x**2], "turn_deg": (60, -60), "to": tmp_path / "found.h5"}
@@ -452,6 +531,7 @@ def test_a_stopped_run_goes_on(tmp_path, monkeypatch):
     def stops(*of):
         made.append(of)
         if len(made) == 4:
+            assert [one.name for one in tmp_path.iterdir()] == ["found.h5.search"]
             raise KeyboardInterrupt
         return minimax(*of)
 
@@ -460,6 +540,7 @@ def test_a_stopped_run_goes_on(tmp_path, monkeypatch):
     whole = len(made)
     made.clear()
     monkeypatch.setattr(functions, "_minimax", stops)
+    monkeypatch.setattr(search, "STEP_SECONDS", 0.0)
     with pytest.raises(KeyboardInterrupt) as caught:
         fl.synthesise("planar_4r", **ask)
     assert "4 steps of it are kept" in caught.value.__notes__[0]  # the scan, and three programs
@@ -471,6 +552,16 @@ def test_a_stopped_run_goes_on(tmp_path, monkeypatch):
         for name in wanted.variables:
             np.testing.assert_array_equal(found[name], wanted[name])
     assert [one.name for one in tmp_path.iterdir()] == ["found.h5"]
+
+
+def test_one_step_that_is_kept_is_told_as_one(tmp_path, monkeypatch):
+    def stops(*of):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(doors, "labelled", stops)
+    with pytest.raises(KeyboardInterrupt) as caught:
+        fl.synthesise("planar_4r", motion=POSES, to=tmp_path / "found.h5")
+    assert caught.value.__notes__[0].startswith("1 step of it is kept in ")
 
 
 def test_a_study_and_a_command_ask_for_the_same(tmp_path, monkeypatch, capsys):
@@ -502,9 +593,8 @@ def test_a_study_and_a_command_ask_for_the_same(tmp_path, monkeypatch, capsys):
         'mechanism = "slider_crank"\n[synthesis]\nfunction = true\nfile = "pairs.csv"\nturn_deg = 90\ntravel = 0.1\n'
     )
     with fl.run("slider.toml") as found:
-        words = (
-            "synthesise pairs.csv --function --mechanism slider_crank --turn-deg 90 --travel 0.1 --to own2.h5"
-        )
+        words = "synthesise pairs.csv --function --mechanism slider_crank --turn-deg 90 --travel 0.1"
+        words += " --precision-points 3 --to own2.h5"
         monkeypatch.setattr("sys.argv", ["fastlink", *words.split()])
         with pytest.raises(SystemExit):
             main()
@@ -553,13 +643,56 @@ def test_the_kernel_has_the_bits_of_its_text(compiler, timed, slider):
     [{"bounds": {"O_x": (-0.05, 0.05), "O_y": (-0.05, 0.05)}}, {"bounds": {"e": (-0.002, 0.002)}}],
     ids=str,
 )
-def test_a_family_is_searched_within_limits(limits: dict[str, Any]) -> None:
+def test_a_family_is_searched_within_limits(monkeypatch: pytest.MonkeyPatch, limits: dict[str, Any]) -> None:
+    monkeypatch.setattr(doors, "CHANGES", 0.4 * 0.5 ** np.arange(8))
     poses = [(0.1, 0.2, 0.1), (0.2, 0.25, 0.3), (0.33, 0.26, 0.2)]
     found = fl.synthesise("slider_crank", motion=poses, top=1, **limits)
     for name, (low, high) in limits["bounds"].items():
         assert low <= found[name].item() <= high
     # places below 1 m, of some hundred roundings
     assert found.pose_error.item() < 1e-12
+
+
+@pytest.mark.parametrize(
+    "rows", [POSES * [1, 1, 180 / np.pi], dict(zip("xy", POSES.T, strict=False))], ids=str
+)
+def test_angles_that_can_be_no_radians_are_warned_of_once(rows: Any) -> None:
+    if isinstance(rows, dict):
+        rows["angle"] = np.degrees(POSES[:, 2])
+    with pytest.warns(fl.InputWarning, match="angle_deg") as caught:
+        fl.synthesise("planar_4r", motion=rows, top=1)
+    assert len(caught) == 1
+    assert caught[0].filename == __file__
+    with pytest.warns(fl.InputWarning, match="timing is .* taken as radians"):
+        fl.synthesise("planar_4r", path=ARC, timing=[30, 45, 60, 75, 90], exact=True)
+
+
+def test_angles_with_a_unit_are_not_warned_of(recwarn: pytest.WarningsRecorder) -> None:
+    table = {"x": POSES[:, 0], "y": POSES[:, 1], "angle_deg": np.degrees(POSES[:, 2])}
+    found = fl.synthesise("planar_4r", motion=table, top=20)
+    assert not recwarn.list
+    assert found.attrs["dyads"] == 4
+
+
+def test_precision_points_of_a_table_are_pairs_of_it() -> None:
+    """Those next to Chebyshev's spacing are met; the structural error is the greatest of all pairs."""
+    x = np.linspace(1, 2, 61)
+    ask = {"turn_deg": (60, 90), "precision_points": 4, "top": 3}
+    found = fl.synthesise("planar_4r", function=np.c_[x, np.log10(x)], **ask)
+    spacing = 1.5 - 0.5 * np.cos((2 * np.arange(4) + 1) * np.pi / 8)
+    assert np.abs(found.x - spacing).max() <= 0.5 / 60 + 1e-15
+    assert np.abs(found.output_error).max() < 1e-9  # Newton's steps end there
+    row = found.isel(design=0)
+    sides = {name: float(row[name]) for name in ("a1", "a2", "a3", "a4")}
+    shares = (x - float(row.x[0])) * np.radians(60)
+    at = fl.evaluate(
+        "planar_4r", ["theta4"], branch=int(row.branch), theta1=float(row.theta1[0]) + shares, **sides
+    )
+    wanted = (np.log10(x) - np.log10(float(row.x[0]))) / np.log10(2) * np.radians(90) * int(row.sense)
+    off = np.angle(np.exp(1j * (at["theta4"] - float(row.theta4[0]) - wanted)))
+    assert np.abs(off).max() == pytest.approx(float(row.structural_error), abs=1e-9)
+    with pytest.raises(fl.InputError, match="precision_points is 4, and there are 3 pairs"):
+        fl.synthesise("planar_4r", function=np.c_[x, x][:3], **ask)
 
 
 def test_a_study_of_a_task_is_no_sweep(tmp_path: Path) -> None:

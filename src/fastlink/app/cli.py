@@ -702,6 +702,7 @@ def synthesise(
     rotation_length: float | None = None,
     turn_deg: str | None = None,
     travel: float | None = None,
+    precision_points: int | None = None,
     mechanism: str = "planar_4r",
     quantities: str | None = None,
     where: list[str] | None = None,
@@ -726,6 +727,7 @@ def synthesise(
     --rotation-length L  The length at which an error of direction counts, of more than five poses.
     --turn-deg IN,OUT  The turns of both shafts over the range of a function; IN of a slider-crank.
     --travel L  How far the slider of a slider-crank moves over that range, in m.
+    --precision-points N  3 to 5 pairs in Chebyshev's spacing that are met exactly.
     --mechanism NAME  planar_4r or slider_crank.
     --quantities A,B  What else is computed of each.
     --where NAME=LO:HI
@@ -754,6 +756,7 @@ def synthesise(
         "closed": closed or None,
         "exact": exact,
         "travel": travel,
+        "precision_points": precision_points,
         "rotation_length": rotation_length,
         "turn_deg": turns,
     }

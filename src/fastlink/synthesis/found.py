@@ -25,14 +25,14 @@ from fastlink.design.search import Unfinished, names_searched, to_file
 from fastlink.engine.evaluate import evaluate
 from fastlink.engine.function import function
 from fastlink.engine.sweep import sweep
-from fastlink.errors import InputError, Problems, Setting, check_switch, check_whole, door
+from fastlink.errors import InputError, Problems, Setting, check_switch, check_whole, door, remark
 from fastlink.facts.catalogue import Catalogue
 from fastlink.maps.best import Choice, choice_of, chosen, with_missed
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.query import check_names
 from fastlink.space.design_space import DESIGN
 from fastlink.space.tables import table
-from fastlink.space.units import PI, in_si, scaled, split
+from fastlink.space.units import PI, in_si, looks_like_degrees, scaled, split
 from fastlink.synthesis import functions, nine_points, paths, poses
 from fastlink.synthesis.paths import NUMBERS, wrapped
 
@@ -41,14 +41,9 @@ __all__ = ["DEFECTS", "Linkages", "synthesise"]
 Floats = NDArray[np.float64]
 
 #: What may be wrong with a linkage that fits a task, by the code in the result; the first that applies is told.
-DEFECTS = {
-    0: "no_defect",
-    1: "circuit_defect",
-    2: "branch_defect",
-    3: "order_defect",
-    4: "dead_point",
-    5: "crank_does_not_turn",
-}
+DEFECTS = dict(enumerate(
+    ("no_defect", "circuit_defect", "branch_defect", "order_defect", "dead_point", "crank_does_not_turn")
+))  # fmt: skip
 #: A tenth of a microradian: angles so near count as equal, where a path comes back to its first point.
 TOUCH = 1e-7
 #: Poses and points that a task takes, and linkages of which a result is chosen.
@@ -82,12 +77,16 @@ class Linkages:
     numbers: Floats
     theta: Floats
     side: Floats
-    #: From how many starts each was reached.
-    starts: NDArray[np.int64]
+    #: From how many starts each was reached, one unless it is told.
+    starts: Any = None
     #: Further results by name, along the first axis.
     more: dict[str, Any] = field(default_factory=dict)
     #: Whether they are slider-cranks.
     slider: bool = False
+
+    def __post_init__(self) -> None:
+        if self.starts is None:
+            self.starts = np.ones(len(self.numbers), dtype=np.int64)
 
     def __len__(self) -> int:
         return len(self.numbers)
@@ -126,8 +125,7 @@ def judged(found: Linkages, closed: bool, timed: bool) -> Linkages:
     n, slider = found.numbers, found.slider
     a1, a2, a3, a4 = n[:, :4].T
     if slider:
-        grashof, turns = np.abs(a2 - a1) > np.abs(a3), a2 > a1 + np.abs(a3)
-        by_side = a1 <= a2
+        grashof, turns, by_side = np.abs(a2 - a1) > np.abs(a3), a2 > a1 + np.abs(a3), a1 <= a2
     else:
         grashof = n[:, :4].max(axis=1) + n[:, :4].min(axis=1) < n[:, :4].sum(axis=1) / 2.0
         by_side = np.minimum(a1, a4) <= np.minimum(a2, a3)
@@ -142,16 +140,7 @@ def judged(found: Linkages, closed: bool, timed: bool) -> Linkages:
     order, theta = in_order(found.theta, closed)
     if timed:
         order, theta = np.ones(len(n), dtype=np.int64), found.theta
-    least, most = paths.cosines(theta - (0.5 * np.pi if slider else 0.0), closed)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        if slider:  # cosines of the transmission angle, the least and the greatest of what is used
-            cosines = (a1 * least - a3) / a2, (a1 * most - a3) / a2
-            dead = (cosines[0] <= -1.0) | (cosines[1] >= 1.0)
-        else:
-            near, far = (np.sqrt(np.maximum(a1**2 + a4**2 - 2.0 * a1 * a4 * c, 0.0)) for c in (most, least))
-            dead = (far >= a2 + a3) | (near <= np.abs(a2 - a3))
-            cosines = tuple((a2**2 + a3**2 - one**2) / (2.0 * a2 * a3) for one in (near, far))
-        transmission = np.arccos(np.minimum(np.maximum(*np.abs(cosines)), 1.0))
+    transmission, dead = paths.transmission(a1, a2, a3, a4, theta, closed, slider)
     code = np.zeros(len(n), dtype=np.int8)
     wrong = ((5, closed & ~turns), (4, dead), (3, order == 0), (2, branch_defect), (1, circuit_defect))
     for number, rows in wrong:
@@ -160,7 +149,7 @@ def judged(found: Linkages, closed: bool, timed: bool) -> Linkages:
         "defect": code,
         "order": order.astype(np.int8),
         "circuit": np.where(grashof & (first[:, 0] > 0), 2, 1).astype(np.int8),
-        "least_transmission_angle_used": np.where(dead, 0.0, transmission),
+        USED: np.where(dead, 0.0, transmission),
     }
     return replace(found, theta=theta, more={**found.more, **own})
 
@@ -186,9 +175,8 @@ def cognates_of(found: Linkages) -> Linkages:
                  (d, third, three, four, 3), (third, d, four, three, 3)]  # fmt: skip
     made = [paths.from_pins(*form[:4], point, slider) for form in forms]
     count, each = len(found), len(forms)
-    numbers, theta, side = (
-        np.stack(parts, axis=1).reshape(each * count, -1) for parts in zip(*made, strict=True)
-    )
+    stacked = (np.stack(parts, axis=1) for parts in zip(*made, strict=True))
+    numbers, theta, side = (of.reshape(each * count, -1) for of in stacked)
     first = each * np.arange(count)
     numbers[first], theta[first], side[first] = found.numbers, found.theta, found.side
     more = {name: np.repeat(values, each, axis=0) for name, values in found.more.items()}
@@ -202,10 +190,7 @@ def cognates_of(found: Linkages) -> Linkages:
 
 #: Units of the names of a result, and what they mean.
 LABELS: dict[str, tuple[str, str]] = {
-    "O_x": ("m", "Fixed pivot O in the frame of the task"),
-    "O_y": ("m", "Fixed pivot O in the frame of the task"),
-    "D_x": ("m", "Fixed pivot D in the frame of the task"),
-    "D_y": ("m", "Fixed pivot D in the frame of the task"),
+    **{f"{pin}_{k}": ("m", f"Fixed pivot {pin} in the frame of the task") for pin in "OD" for k in "xy"},
     "ground_angle": ("rad", "Direction of OD in the frame of the task"),
     "phase": ("rad", "Crank angle from OD where the timing counts from"),
     "body_angle": ("rad", "Direction of the body from AB"),
@@ -223,14 +208,8 @@ LABELS: dict[str, tuple[str, str]] = {
     "theta4": ("rad", "Output angle that is wanted at each point of the task, from OD"),
     "peak_error": ("rad", "Greatest errors of either sign, in turn"),
     "peak_theta1": ("rad", "Where these are"),
-    "least_transmission_angle_used": (
-        "rad",
-        "Least acute transmission angle from the first to the last point",
-    ),
-    "chamfer": (
-        "1",
-        "Mean distances of nearest places of both curves, of a target with unit root mean square",
-    ),
+    USED: ("rad", "Least acute transmission angle from the first to the last point"),
+    "chamfer": ("1", "Mean distances of nearest places, of a target with unit root mean square"),
     "ordered_distance": ("1", "Least mean squared distance of places in order, of such a target, times 2 pi"),
     "order": ("1", "Sense in which the crank passes the points; 0 out of order"),
     "circuit": ("1", "Circuit at the first point"),
@@ -289,7 +268,8 @@ class Asked:
             low, high = float(lower[k]), float(upper[k])
             is_range = low < high
             if name and (low > least[k] or high < np.inf) and not (is_range and name == "ground_angle"):
-                where.setdefault(name, (low, high) if is_range else low)
+                angle = float(paths.turned(low, -np.pi)) if name == "ground_angle" else low
+                where.setdefault(name, (low, high) if is_range else angle)
                 lower[k], upper[k] = least[k], np.inf
         return self if where == (self.where or {}) else replace(self, where=where, lower=lower, upper=upper)
 
@@ -337,12 +317,10 @@ class Asked:
         slack = 1e-9 * (1.0 + np.abs(found.numbers))
         turned = found.numbers.copy()
         start = low[8] if np.isfinite(low[8]) else -np.pi
-        turned[:, 8] = start + np.remainder(turned[:, 8] - start + 1e-9, 2.0 * np.pi) - 1e-9
+        turned[:, 8] = paths.turned(turned[:, 8], start)
         fits = ((turned >= low - slack) & (turned <= high + slack))[:, :9].all(axis=1)
         lengths = np.abs(turned[:, : 2 if found.slider else 4])
-        fits &= np.isfinite(turned).all(axis=1) & (lengths > 1e-9 * lengths.max(axis=1, keepdims=True)).all(
-            axis=1
-        )
+        fits &= np.isfinite(turned).all(axis=1) & (lengths.min(axis=1) > 1e-9 * lengths.max(axis=1))
         found.numbers[:, 8] = np.where(fits, turned[:, 8], found.numbers[:, 8])
         return np.asarray(fits)
 
@@ -405,13 +383,13 @@ def _columns(where: str, given: Any, names: Sequence[str], units: Mapping[str, s
     if isinstance(given, (str, os.PathLike)):
         given = _read(where, given, names)
     tabled = isinstance(given, Mapping) or hasattr(given, "columns") or hasattr(given, "data_vars")
-    keys = list(given) if tabled else []
+    keys, bare = list(given) if tabled else [], "angle" in names
     if keys:
         columns: dict[str, Any] = {}
         for key in keys:
             of, unit = split(str(key), units)
             if of in names:
-                values = np.asarray(given[key], dtype=float)
+                values, bare = np.asarray(given[key], dtype=float), bare and not (of == "angle" and unit)
                 columns[of] = in_si(where, {str(key): values}, units)[of] if unit else values
         missing = [name for name in names if name not in columns]
         _check(not missing, where, f"has no column {''.join(missing[:1])}", remedy)
@@ -426,10 +404,11 @@ def _columns(where: str, given: Any, names: Sequence[str], units: Mapping[str, s
     _check(rows.ndim == 2 and rows.shape[1] == len(names), where, f"has the shape {rows.shape}", remedy)
     less = f"give at most {MOST_POINTS:,}, such as every tenth"
     _check(len(rows) <= MOST_POINTS, where, f"has {len(rows):,} rows", less)
-    fine = np.isfinite(rows).all(axis=1)
-    _check(
-        fine.all(), where, f"is not finite in row {np.argmin(fine) if len(fine) else 0}", "leave that row out"
-    )
+    bad = np.flatnonzero(~np.isfinite(rows).all(axis=1))
+    _check(not len(bad), where, f"is not finite in row {(*bad, 0)[0]}", "leave that row out")
+    if bare and (most := np.abs(rows[:, 2]).max(initial=0.0)) > 2.0 * np.pi:
+        remedy = "if these are degrees, give a table with a column angle_deg"
+        remark(f"has angles up to {most:g}, which are taken as radians", (where,), remedy)
     return np.ascontiguousarray(rows)
 
 
@@ -505,9 +484,11 @@ def _solve_path(asked: Asked, steps: Steps, path: Any, timing: Any, closed: Any)
         what = f"has the shape {times.shape}, and there are {counted(count, 'point')}"
         fits = times.shape == (count,) and np.isfinite(times).all()
         _check(fits, "timing", what, "write a crank angle for each point, in rad")
-        _check(
-            (np.diff(times) != 0.0).all(), "timing", "has the same angle twice", "write angles that differ"
-        )
+        differ = (np.diff(times) != 0.0).all()
+        _check(differ, "timing", "has the same angle twice", "write angles that differ")
+        if looks_like_degrees(times):
+            what = f"is {short_repr(times.tolist())}, which is taken as radians"
+            remark(what, ("timing",), "if these are degrees, convert them")
     crank = is_closed or asked.crank
     target, weights = points, np.ones(count)
     if is_closed and comes_back and times is None:
@@ -529,9 +510,8 @@ def _solve_path(asked: Asked, steps: Steps, path: Any, timing: Any, closed: Any)
             solved = paths.Candidates(*steps(lambda: paths.solve_curve(task, asked.seed).parts()))
         else:
             rounds = 1 if many else paths.ROUNDS if len(target) <= paths.MANY else 2
-            solved = paths.solve_path(
-                task, asked.seed, rounds, all_rounds=bool(asked.minimise or asked.maximise), steps=steps
-            )
+            every = bool(asked.minimise or asked.maximise)
+            solved = paths.solve_path(task, asked.seed, rounds, steps, all_rounds=every)
         for attempt in range(THROUGH_NINE if many else 0):
             error = np.sqrt(solved.cost[0] / task.size) if len(solved.cost) else np.inf
             if error < paths.EXACT or (attempt and error > NEARLY):
@@ -559,12 +539,11 @@ def _solve_path(asked: Asked, steps: Steps, path: Any, timing: Any, closed: Any)
     count = len(target)
 
     def linkages(numbers: Floats, theta: Floats, side: Floats) -> Linkages:
-        ones = np.ones(len(numbers), dtype=np.int64)
-        theta = theta if times is None else numbers[:, 9:] + times
-        more = (
-            {} if times is not None else {"cognate": ones.astype(np.int8), "curve": np.arange(len(numbers))}
-        )
-        made = asked.within(Linkages(numbers, theta, side, ones, more, slider))
+        curves = np.arange(len(numbers))
+        more = {"cognate": np.ones_like(curves, dtype=np.int8), "curve": curves}
+        if times is not None:
+            theta, more = numbers[:, 9:] + times, {}
+        made = asked.within(Linkages(numbers, theta, side, None, more, slider))
         return _come_back(made) if found.theta.shape[1] > count else made
 
     def varied(some: Linkages, change: float, rng: Any) -> Linkages:
@@ -593,17 +572,16 @@ def joined_linkages(one: Linkages, other: Linkages) -> Linkages:
         parts = [one.more.get(name, values[:1].repeat(len(one), axis=0)), values]
         if name.startswith("peak_"):  # there may be more of them
             most = max(part.shape[1] for part in parts)
-            parts = [
-                np.pad(part, ((0, 0), (0, most - part.shape[1])), constant_values=np.nan) for part in parts
-            ]
+            wide = [((0, 0), (0, most - part.shape[1])) for part in parts]
+            parts = [np.pad(*of, constant_values=np.nan) for of in zip(parts, wide, strict=True)]
         more[name] = np.concatenate(parts)
     if "curve" in more:
         more["curve"][: len(one)] = more["curve"].max(initial=0) + 1 + np.arange(len(one))
         more["cognate"][: len(one)] = 1
-    own: dict[str, Any] = {
-        name: np.concatenate([getattr(one, name), getattr(other, name)]) for name in ARRAYS
-    }
-    return replace(one, **own, more=more)
+    numbers, theta, side, starts = (
+        np.concatenate([getattr(k, name) for k in (one, other)]) for name in ARRAYS
+    )
+    return Linkages(numbers, theta, side, starts, more, one.slider)
 
 
 def _all_exact(asked: Asked, task: paths.PathTask, steps: Steps) -> tuple[Linkages, str]:
@@ -616,8 +594,7 @@ def _all_exact(asked: Asked, task: paths.PathTask, steps: Steps) -> tuple[Linkag
         # the crank of a linkage turns as the coupler of a cognate does: points with times are poses of that
         timed = poses.MotionTask(task.target, task.times, 1.0)
         numbers, theta, side, _ = poses.pairs_of(timed, poses.dyads_of(task.target, task.times))
-        of_poses = Linkages(numbers, theta, side, np.ones(len(numbers), dtype=np.int64))
-        found = cognates_of(of_poses).at(slice(2, None, 6))
+        found = cognates_of(Linkages(numbers, theta, side)).at(slice(2, None, 6))
         found.numbers[:, 9] = wrapped(found.theta[:, 0] - task.times[0])
         found.theta, found.more = found.numbers[:, 9:] + task.times, {}
         return asked.within(found), f"all {counted(len(found), 'linkage')} of five timed points"
@@ -639,8 +616,7 @@ def _of_nine(points: NDArray[np.complex128], **options: int) -> tuple[Linkages, 
     x, a, y, b = (real[:, k, None] for k in range(4))
     place, start = np.broadcast_to(points, turns.shape), points[0]
     pins = (start + a)[:, 0], (start + b)[:, 0], points + x * turns, points + y * turns, place
-    numbers, theta, side = paths.from_pins(*pins)
-    found = Linkages(numbers, theta, side, np.ones(len(real), dtype=np.int64))
+    found = Linkages(*paths.from_pins(*pins))
     complete = f"all {len(real)} real of {len(triples.unknowns):,} triples of cognates"
     return found, complete + (f"; {len(triples.lost)} paths did not arrive" if len(triples.lost) else "")
 
@@ -691,18 +667,23 @@ def _solve_motion(asked: Asked, steps: Steps, motion: Any, rotation_length: Any)
     length = float(rotation_length or size or 1.0)
     what = f"is {short_repr(rotation_length)}"
     _check(0.0 < length < np.inf, "rotation_length", what, "write a positive length in m")
-    task = poses.MotionTask(points, angles, length, asked.slider)
+    phase = np.isfinite([asked.lower[9], asked.upper[9]]).any()
+    _check(not phase, "phase", "is of a path with timing", "leave it out")
+    fixed = np.where((asked.lower == asked.upper) & (count < 5), asked.lower, np.nan)
+    if asked.where is None or isinstance(asked.where, Mapping):
+        asked = asked.with_limits_as_conditions()
+    task = poses.MotionTask(points, angles, length, asked.slider, fixed)
+    if count == 4:
+        _check_curves(task)
     numbers, theta, side, body, dyads = steps(poses.solve_motion, task, asked.seed)
-    found = Linkages(
-        numbers, theta, side, np.ones(len(numbers), dtype=np.int64), {"body_angle": body}, asked.slider
-    )
+    found = Linkages(numbers, theta, side, None, {"body_angle": body}, asked.slider)
     attrs: dict[str, Any] = {"dyads": int(dyads), "rotation_length": length}
     found = asked.within(found)
     if count < 5:
         # a family: those without defects, the best angles first, go on
         more = judged(found, False, False).more
         attrs["found_linkages"] = len(found)
-        rows_of = np.flatnonzero(more["defect"] == 0)
+        rows_of = np.flatnonzero(more["defect"] == np.min(more["defect"], initial=9))
         found = found.at(rows_of[np.argsort(-more[USED][rows_of], kind="stable")[:MOST_FOUND]])
     elif count == most:
         made = counted(attrs["dyads"], "dyad"), counted(len(found), "linkage")
@@ -711,10 +692,9 @@ def _solve_motion(asked: Asked, steps: Steps, motion: Any, rotation_length: Any)
     objectives = ("pose_error", "") if count >= 5 else ("", "least_transmission_angle_used")
 
     def linkages(numbers: Floats, theta: Floats, side: Floats, body: Any = None) -> Linkages:
-        ones = np.ones(len(numbers), dtype=np.int64)
         body = numbers[:, 9].copy() if body is None else body
         numbers[:, 9] = 0.0
-        return asked.within(Linkages(numbers, theta, side, ones, {"body_angle": body}, asked.slider))
+        return asked.within(Linkages(numbers, theta, side, None, {"body_angle": body}, asked.slider))
 
     def varied(some: Linkages, change: float, rng: Any) -> Linkages:
         return linkages(*poses.varied(task, some.pins(), change, rng))
@@ -727,10 +707,30 @@ def _solve_motion(asked: Asked, steps: Steps, motion: Any, rotation_length: Any)
                   unknowns=10, linkages=linkages, varied=varied if count < 5 else None)  # fmt: skip
 
 
+def _check_curves(task: poses.MotionTask) -> None:
+    """Refuse pivots that no link has in four poses: fixed ones off the centre-point curve, moving ones off a circle."""
+    o = complex(*task.fixed[6:8])
+    d = np.nan if task.slider else o + task.fixed[3] * np.exp(1j * task.fixed[8])
+    for name, pivot in (("O", o), ("D", d)):
+        if np.isfinite(pivot) and not poses.on_circle(task, pivot):
+            place = f"({short_number(pivot.real)}, {short_number(pivot.imag)})"
+            what = f"{name} at {place} is off the centre-point curve of the four poses"
+            remedy = "leave D out, or write where={'D_x': (lo, hi), 'D_y': (lo, hi)}"
+            if name == "O":
+                own = short_number(poses.nearest_centre(task))
+                remedy = f"fix O_x alone, for which O_y is {own}, or give ranges by bounds"
+            raise InputError(what, ("fixed",), remedy)
+    on_circle = (task.fixed[4:6] != 0.0).any() or poses.on_circle(task)
+    what = "P is to be the pin A, and the four points of the poses are on no circle"
+    _check(on_circle, "fixed", what, "leave P_u or P_v out, or give ranges by bounds")
+
+
 def _solve_function(
     asked: Asked, steps: Steps, function: Any, over: Any, turn: Any, turn_deg: Any, points: Any, travel: Any
 ) -> Solved:
-    slider, given = asked.slider, None
+    slider, given, every = asked.slider, None, None
+    if points is not None:
+        check_whole(("precision_points",), points, 3, 5)
     turns, unit = _turns(turn, turn_deg, slider), 1.0
     both = "write both turns, such as turn_deg=(60, 90)"
     _check(slider or travel is None, "travel", "is for slider_crank", both)
@@ -748,13 +748,8 @@ def _solve_function(
         _check(low < high < np.inf, "over", what, "write the range of x, such as over=(1, 2)")
         own = ("", 60) if slider else ("s of both shafts", (60, 90))
         _check(turns, "turn_deg", "is missing", f"write the turn{own[0]}, such as turn_deg={own[1]}")
-        if points is not None:
-            check_whole(("precision_points",), points, 3, 5)
-        x = (
-            np.linspace(low, high, functions.FINE)
-            if points is None
-            else functions.chebyshev(low, high, points)
-        )
+        x = np.linspace(low, high, functions.FINE)
+        x = x if points is None else functions.chebyshev(low, high, points)
         exact, (first, last) = points is not None, _values(function, np.array([low, high]))
         y = _values(function, x)
     else:
@@ -764,7 +759,13 @@ def _solve_function(
         x, y = rows.T
         grow = (np.diff(x) > 0.0).all()
         _check(grow, "function", "has inputs that do not grow", "sort the pairs by x, each once")
-        exact, low, high, first, last = len(rows) <= 5, x[0], x[-1], y[0], y[-1]
+        low, high, first, last = x[0], x[-1], y[0], y[-1]
+        exact, every = len(rows) <= 5 or points is not None, (x, y)
+        if points is not None:  # the pairs next to these places, each once
+            what = f"is {points}, and there are {counted(len(rows), 'pair')}"
+            _check(points <= len(rows), "precision_points", what, "leave it out")
+            k = np.abs(x[:, None] - functions.chebyshev(low, high, points)).argmin(axis=0) - np.arange(points)
+            x, y = rows[np.minimum(np.maximum.accumulate(k), len(rows) - points) + np.arange(points)].T
     fine = np.isfinite([first, last, *y]).all()
     _check(fine, "function", "is not finite over its range", "choose the range by over=(lo, hi)")
     # the middle of the range of a turn, of which the others are multiples
@@ -772,9 +773,8 @@ def _solve_function(
     rate = ends[0] / (high - low) if ends else 1.0
     if travel is not None or len(ends) > 1:
         what = f"has the values {first:g} and {last:g} at the ends"
-        _check(
-            first != last, "function", what, "give a range whose ends differ in value, or y as angles in rad"
-        )
+        remedy = "give a range whose ends differ in value, or y as angles in rad"
+        _check(first != last, "function", what, remedy)
         unit = abs(far) if slider else 1.0
         factor = (np.sign(far) if slider else ends[1]) / (last - first)
     else:
@@ -787,6 +787,8 @@ def _solve_function(
             return np.asarray((_values(function, low + angle / rate) - first) * factor)
 
     turn_in, turn_out = (x - low) * rate, (y - first) * factor
+    x_all, y_all = every or (np.array([low, high]), np.array([first, last]))
+    turn_all, out_all = (x_all - low) * rate, (y_all - first) * factor
     pairs = zip(turns or (), ends, strict=True)
     scales = [(min(one / of, other / of), max(one / of, other / of)) for (one, other), of in pairs]
     scales += [(1.0, 1.0)] * (2 - len(scales))
@@ -807,8 +809,8 @@ def _solve_function(
         for k, one in enumerate(made):
             peaks[k, : len(one.errors)] = one.errors
             places[k, : len(one.peaks)] = theta[k, 0] + n[k, 5] * (one.peaks - turn_in[0])
-            if exact and given is not None:
-                whole = replace(task, turn_in=np.array([0.0, (high - low) * rate]), exact=False)
+            if exact:
+                whole = replace(task, turn_in=turn_all, turn_out=out_all, exact=False)
                 errors[k] = n[k, 6] * np.abs(functions.peaks_of(whole, n[k], one.sign, one.sense)[1]).max()
         span = n[:, 6] * float(np.ptp(turn_out))
         more = {"theta4": length * wanted, "sense": senses, "structural_error": length * errors,
@@ -816,7 +818,7 @@ def _solve_function(
         if free:
             more |= {"input_turn": n[:, 5] * rate * (high - low)} | ({} if slider else {"output_turn": span})
         numbers = np.hstack([unit * lengths, np.zeros((len(made), 6))])
-        return asked.within(Linkages(numbers, theta, side, np.ones(len(made), dtype=np.int64), more, slider))
+        return asked.within(Linkages(numbers, theta, side, None, more, slider))
 
     def again(limits: list[Any]) -> Linkages:
         names = [one.name for one in limits if one.name not in (*asked.names, USED)]
@@ -824,9 +826,7 @@ def _solve_function(
         def slack(n: Floats, sense: int) -> Floats:
             turn = np.stack([turn_in, turn_out])[:, :1]
             lengths, _, _, side = task.built(n, sense, turn)
-            at: dict[str, Any] = {
-                one: unit * lengths[:, k] for k, one in enumerate(asked.names[: 3 if slider else 4])
-            }
+            at: dict[str, Any] = dict(zip(asked.names[: 4 - slider], unit * lengths.T, strict=False))
             branch = np.where(side[:, 0] > 0.0, 2, 1)
             if names:
                 at |= evaluate(asked.catalogue.name, names, branch=branch, allow_invalid=True, **at)
@@ -918,18 +918,14 @@ def within_conditions(solved: Solved, steps: Steps) -> Linkages | None:
         for one in of.wanted:
             values = one.array.values
             missed += one.miss(values) if one.is_limit else ~one.holds(values)
-        score = np.where(
-            missed > 0.0, 1e9 * (1.0 + missed), of.objectives[0].sign * of.objectives[0].array.values
-        )
+        aim = of.objectives[0]
+        score = np.where(missed > 0.0, 1e9 * (1.0 + missed), aim.sign * aim.array.values)
         return np.asarray(np.where((found["defect"] == 0) & ~np.isnan(score), score, np.inf))
 
     score = worth(every)
     exact = (every[error].values <= paths.EXACT * solved.size) & np.isfinite(score)
-    if (
-        exact.any()
-        and solved.varied is not None
-        and not (aim_name == error and score.min() < 1e-9 * solved.size)
-    ):
+    is_best = aim_name == error and score.min() < 1e-9 * solved.size
+    if exact.any() and solved.varied is not None and not is_best:
         found, score = solved.found.at(exact), score[exact]
         *parts, missed = steps(_in_family, solved, found, score, worth)
         if missed < 1e9 or aim_name != error:
@@ -945,12 +941,11 @@ def within_conditions(solved: Solved, steps: Steps) -> Linkages | None:
     solved = replace(solved, asked=replace(asked, lower=lower, upper=upper))
     limits = [one for one in limits if one.name in every.data_vars]
     by_error = aim_name.startswith(error)
-    asks = limits or tighter or aim_name == GREATEST.get(error) or not by_error
+    asks = limits or tighter or aim_name == GREATEST[error] or not by_error
     if not asks or (lower > upper).any() or (not by_error and aim_name in asked.labels):
         return None
-    near = min(
-        (one.high for one in choice.wanted if one.name in (error, GREATEST.get(error))), default=np.inf
-    )
+    both = error, GREATEST[error]
+    near = min((one.high for one in choice.wanted if one.name in both), default=np.inf)
     names = [*dict.fromkeys([*(one.name for one in limits), *([] if by_error else [aim_name])])]
     key = every[error].values
     if not by_error:
@@ -959,10 +954,8 @@ def within_conditions(solved: Solved, steps: Steps) -> Linkages | None:
     orders = [[k for k in np.argsort(of, kind="stable") if np.isfinite(score[k])] for of in (key, score)]
     # half of them those of the least errors, half those that miss conditions least
     rows = [*dict.fromkeys([*orders[0][: most // 2], *orders[1][: most // 2], *orders[0]])][:most]
-    made = [
-        part for row in rows if (part := steps(_refined_within, solved, row, choice, limits, names, near))
-    ]
-    if not made:
+    every_row = [steps(_refined_within, solved, row, choice, limits, names, near) for row in rows]
+    if not (made := [part for part in every_row if part]):
         return None
     numbers, theta, side = (np.array(part) for part in zip(*made, strict=True))
     sides = np.repeat(side[:, None], theta.shape[1], axis=1)
@@ -1005,9 +998,8 @@ def _refined_within(
     free = free[free != 3] if asked.slider else free
     scale = np.where(np.isin(free, (8, 9)), 1.0, size)
     inputs = 3 if asked.slider else 6
-    of: Any = None
-    if names:
-        of = function(asked.catalogue.name, asked.names[:inputs], names, branch=2 if side > 0 else 1)
+    branch = 2 if side > 0 else 1
+    of: Any = names and function(asked.catalogue.name, asked.names[:inputs], names, branch=branch)
     # the last unknown is the greatest distance, where that is minimised or limited
     greatest = aim.array.name in GREATEST.values() or near < np.inf
     x = np.append(start[free] / scale, [np.abs(fit(start, True)[0]).max() / size] * greatest)
@@ -1025,9 +1017,8 @@ def _refined_within(
 
     def distances(x: Floats) -> tuple[Floats, Floats]:
         off, slopes = fit(numbers(x), True)
-        return np.asarray(x[-1] - off / size), np.hstack(
-            [-slopes[:, free] * scale / size, np.ones((len(off), 1))]
-        )
+        by = np.hstack([-slopes[:, free] * scale / size, np.ones((len(off), 1))])
+        return np.asarray(x[-1] - off / size), by
 
     def objective(x: Floats) -> tuple[float, Floats]:
         if not by_error:
@@ -1048,11 +1039,13 @@ def _refined_within(
     rules += [_rule(distances)] * greatest
     if solved.crank:
         longer = 1.0 if asked.slider or start[3] >= start[0] else -1.0
-        folds = np.array([[-longer, -1, 1, longer], [-longer, 1, -1, longer], [-1, 1, 1, -1]], dtype=float)
-        if asked.slider:
-            folds = np.array([[-1.0, 1, -1, 0], [-1, 1, 1, 0]])
-        wide = np.hstack([folds, np.zeros((len(folds), 6))])[:, free] * scale
-        wide = np.hstack([wide, np.zeros((len(folds), len(x) - len(free)))]) / size
+        of_slider, of_bars = (
+            [[-1, 1, -1, 0], [-1, 1, 1, 0]],
+            [[-longer, -1, 1, longer], [-longer, 1, -1, longer]],
+        )
+        folds = np.array(of_slider if asked.slider else [*of_bars, [-1, 1, 1, -1]], dtype=float)
+        wide = np.zeros((len(folds), len(x)))
+        wide[:, : len(free)] = np.pad(folds, ((0, 0), (0, 6)))[:, free] * scale / size
         rules.append(_rule(lambda x: (folds @ numbers(x)[:4] / size - 1e-6, wide)))
     low = np.append(asked.lower[free] / scale, [0.0] * greatest)
     high = np.append(asked.upper[free] / scale, [near / size] * greatest)
@@ -1063,9 +1056,8 @@ def _refined_within(
         with np.errstate(all="ignore"):  # where limits cannot be met it may step to no number
             best = minimize(objective, np.clip(x, low, high), jac=True, bounds=box, constraints=rules, method="SLSQP",
                             options={"maxiter": MOST_STEPS if by_error else 30, "ftol": 1e-14})  # fmt: skip
-        stuck = (
-            not np.isfinite(best.x).all() or np.abs(best.x - x).max() < 1e-9 or best.status not in (0, 8, 9)
-        )
+        stuck = not np.isfinite(best.x).all() or best.status not in (0, 8, 9)
+        stuck = stuck or np.abs(best.x - x).max() < 1e-9
         x = best.x if by_error or not stuck else x
         if stuck:
             break
@@ -1100,17 +1092,11 @@ def labelled(solved: Solved) -> xr.Dataset:
     data: dict[str, Any] = {}
     if solved.task != "function":
         data = dict(zip(NUMBERS[6:9], n[:, 6:9].T, strict=True))
-        ends = {
-            f"D_{k}": n[:, 6 + i] + n[:, 3] * of(n[:, 8])
-            for i, (k, of) in enumerate({"x": np.cos, "y": np.sin}.items())
-        }
+        ends = {"D_x": n[:, 6] + n[:, 3] * np.cos(n[:, 8]), "D_y": n[:, 7] + n[:, 3] * np.sin(n[:, 8])}
         data |= beside if slider else ends
-    data |= {name: found.more[name] for name in ("order", "circuit", "least_transmission_angle_used")}
+    data |= {name: found.more[name] for name in ("order", "circuit", USED)}
     data |= {"starts": found.starts, "theta1": found.theta} | _errors(solved, found, branch)
-    for name in ("cognate", "body_angle", "sense", "structural_error", "function_error", "peak_error", "peak_theta1",
-                 "theta4", "input_turn", "output_turn"):  # fmt: skip
-        if name in found.more:
-            data[name] = found.more[name]
+    data |= {name: values for name, values in found.more.items() if name in LABELS}
     if "time" in solved.target:
         data["phase"] = n[:, 9]
     if "curve" in found.more:
@@ -1149,45 +1135,34 @@ def active_limits(numbers: Floats, asked: Asked) -> list[str]:
     return [", ".join(one) for one in found]
 
 
-def _evaluated(solved: Solved, names: list[str], branch: Any, given: dict[str, Any]) -> Any:
-    return evaluate(solved.asked.catalogue.name, names, branch=branch, allow_invalid=True, **given)
-
-
 def _errors(solved: Solved, found: Linkages, branch: NDArray[np.int64]) -> dict[str, Any]:
     """Return the errors at the points of a task, from the facts of the mechanism at the crank angles."""
     n, target, slider = found.numbers, solved.target, found.slider
     names = solved.asked.names[: 3 if slider else 4 if solved.task == "function" else 6]
-    given = {name: n[:, k, None] for k, name in enumerate(names)} | {
-        "theta" if slider else "theta1": found.theta
-    }
+    given = dict(zip(names, n.T[:, :, None], strict=False)) | {"theta" if slider else "theta1": found.theta}
+
+    def at(names: list[str], branch: Any) -> Any:
+        return evaluate(solved.asked.catalogue.name, names, branch=branch, allow_invalid=True, **given)
+
     if solved.task == "function":
         name = "slider_position" if slider else "theta4"
-        off = _evaluated(solved, [name], branch[:, None], given)[name] - found.more["theta4"]
+        off = at([name], branch[:, None])[name] - found.more["theta4"]
         off = off if slider else wrapped(off)
         return {"output_error": off, "structural_error_rms": np.sqrt(np.mean(off**2, axis=1))}
-    at = _evaluated(
-        solved,
-        ["theta2", *(("A_x", "A_y") if slider else ("P_x", "P_y"))],
-        np.where(found.side > 0, 2, 1),
-        given,
-    )
+    x, y = ("A_x", "A_y") if slider else ("P_x", "P_y")
+    facts = at(["theta2", x, y], np.where(found.side > 0, 2, 1))
+    place, turn = facts[x] + 1j * facts[y], facts["theta2"]
     if slider:
-        place = at["A_x"] + 1j * at["A_y"] + (n[:, 4:5] + 1j * n[:, 5:6]) * np.exp(1j * at["theta2"])
-    else:
-        place = at["P_x"] + 1j * at["P_y"]
-    place = n[:, 6:7] + 1j * n[:, 7:8] + np.exp(1j * n[:, 8:9]) * place
-    off = np.abs(place - (target["target_x"] + 1j * target["target_y"]))
+        place = place + (n[:, 4:5] + 1j * n[:, 5:6]) * np.exp(1j * turn)
+    wanted = target["target_x"] + 1j * target["target_y"]
+    off = np.abs(n[:, 6:7] + 1j * n[:, 7:8] + np.exp(1j * n[:, 8:9]) * place - wanted)
     if solved.task == "path":
         square, whole = off**2, {}
         if solved.minimise == "ordered_distance":
-            whole = curve_distances(found, target["target_x"] + 1j * target["target_y"])
-        errors = {
-            "point_error": off,
-            "path_error": np.sqrt(square.mean(axis=1)),
-            "path_error_max": off.max(axis=1),
-        }
-        return errors | {"path_error_sum": square.sum(axis=1)} | whole
-    turn = wrapped(at["theta2"] + n[:, 8:9] + found.more["body_angle"][:, None] - target["target_angle"])
+            whole = curve_distances(found, wanted)
+        return {"point_error": off, "path_error": np.sqrt(square.mean(axis=1)), "path_error_max": off.max(axis=1),
+                "path_error_sum": square.sum(axis=1)} | whole  # fmt: skip
+    turn = wrapped(turn + n[:, 8:9] + found.more["body_angle"][:, None] - target["target_angle"])
     both = off**2 + (solved.attrs["rotation_length"] * turn) ** 2
     return {"point_error": off, "angle_error": turn, "pose_error": np.sqrt(both.mean(axis=1)),
             "pose_error_max": np.sqrt(both.max(axis=1))}  # fmt: skip
@@ -1221,14 +1196,10 @@ def curve_distances(found: Linkages, target: NDArray[np.complex128]) -> dict[str
         own = (uniform(curve) - centre) / size
         apart = np.abs(own[:, None] - wanted[None])
         # first places between the 200 count too, or else near curves would not tell themselves apart
-        both = [
-            FINER
-            * np.fft.ifft(
-                np.fft.ifftshift(np.pad(np.fft.fftshift(of), (FINER - 1) * UNIFORM // 2))
-            ).real.max()
-            for of in (np.fft.fft(one) * np.conj(np.fft.fft(wanted)) for one in (own, own[::-1]))
-        ]
-        squares = np.sum(np.abs(own) ** 2) + np.sum(np.abs(wanted) ** 2) - 2.0 * max(both)
+        products = np.fft.fftshift(np.fft.fft([own, own[::-1]]) * np.conj(np.fft.fft(wanted)), axes=1)
+        wide = np.pad(products, ((0, 0), ((FINER - 1) * UNIFORM // 2,) * 2))
+        both = FINER * np.fft.ifft(np.fft.ifftshift(wide, axes=1)).real
+        squares = np.sum(np.abs(own) ** 2) + np.sum(np.abs(wanted) ** 2) - 2.0 * both.max()
         made = apart.min(axis=0).mean() + apart.min(axis=1).mean(), 2.0 * np.pi * max(squares, 0.0) / UNIFORM
         result[:, rows[same == k]] = np.array(made)[:, None]
     return {"chamfer": result[0], "ordered_distance": result[1]}
@@ -1277,16 +1248,8 @@ def _ended(found: xr.Dataset, attrs: dict[str, Any], reason: str) -> xr.Dataset:
     """Return a result with its designs numbered, cognates named by these, and the reason where there is none."""
     count = found.sizes[DESIGN]
     if "cognate_of" in found:
-        curves, first = found["cognate_of"].values, dict[int, int]()
-        for k, curve in enumerate(curves):
-            first.setdefault(int(curve), k)
-        found = found.assign(
-            cognate_of=(
-                (DESIGN,),
-                np.array([first[int(c)] for c in curves], dtype=np.int64),
-                found["cognate_of"].attrs,
-            )
-        )
+        _, first, same = np.unique(found["cognate_of"], return_index=True, return_inverse=True)
+        found = found.assign(cognate_of=found["cognate_of"].copy(data=first[same]))
     found = found.assign_coords({DESIGN: np.arange(count)})
     for name in ("configurations", "configurations_per_second", "set_up_time_s", "design_kind"):
         attrs.pop(name, None)
@@ -1362,14 +1325,15 @@ def synthesise(
         By how much the slider of a slider-crank moves from the first to the last value [m]. Without it the values of
         the function are places in m.
     precision_points : int, optional
-        Meet a function exactly at 3 to 5 points in Chebyshev's spacing, instead of with the least greatest error.
+        Meet a function exactly at 3 to 5 points in Chebyshev's spacing, instead of with the least greatest error; of a
+        table those pairs that are next to these.
     where : mapping, optional
         Conditions on all that is computed, as of `fastlink.best`, such as
         ``{"least_transmission_angle_deg": (40, None)}`` or ``{"D_x": (0, 1)}``.
     bounds, fixed : mapping, optional
         Ranges of, or numbers for ``a1`` to ``a4``, ``P_u``, ``P_v``, ``O_x``, ``O_y``, ``ground_angle`` and ``phase``;
-        D by ``D_x``, ``D_y`` where O is fixed too. Of motions they are conditions, as of `where`: ``missed`` tells by
-        how much a number is not met.
+        D by ``D_x``, ``D_y`` where O is fixed too. Of motions they are conditions, as of `where`; families of two to
+        four poses meet numbers that are given to the last bit. Where no linkage can, ``missed`` tells by how much.
     minimise, maximise : str or sequence of str
         What is best; by default the least error, and of two to four poses the greatest of the least transmission angles
         between them.
@@ -1438,8 +1402,6 @@ def synthesise(
     problems.stop()
     known = find_catalogue("slider_crank" if slider else "planar_4r", None)
     asked = Asked(known, tuple(names or ()), where, minimise, maximise, top, *limits, seed, exact)
-    if motion is not None and (where is None or isinstance(where, Mapping)):
-        asked = asked.with_limits_as_conditions()
     asked.others()  # unknown names are refused before anything is computed
     about = {"mechanism": mechanism, "synthesis": tasks[0], **dict(attrs or {})}
 
@@ -1456,6 +1418,8 @@ def synthesise(
             solved.found = _one(solved)
         elif (more := within_conditions(solved, steps)) is not None and len(more):
             solved.found = joined_linkages(more, solved.found)
+            if tasks[0] == "motion":  # pivots that are given may leave one linkage
+                solved.found = _different(solved.found)
         result = selected(labelled(solved).isel({DESIGN: slice(0, 0 if none else None)}), solved)
         result.attrs |= {**about, "run_time_s": time.perf_counter() - began}
         return result
@@ -1463,13 +1427,9 @@ def synthesise(
     if to is None:
         return solve(Steps())
     options = {**given, **only["path"], **only["motion"], **only["function"]}
-    words: list[Any] = [
-        environment(),
-        mechanism,
-        *(_as_text(value, over) for value in options.values()),
-        names,
-    ]
-    words += [*map(repr, (where, bounds, fixed, minimise, maximise)), top, seed, exact]
+    words: list[Any] = [environment(), mechanism, names, top, seed, exact]
+    words += [_as_text(value, over) for value in options.values()]
+    words += [*map(repr, (where, bounds, fixed, minimise, maximise))]
     fingerprint = hashlib.sha256(repr(words).encode()).hexdigest()
 
     def found(target: Path) -> tuple[xr.Dataset, None]:
@@ -1520,7 +1480,8 @@ class Steps(AbstractContextManager["Steps"]):
         elif self.done:
             with contextlib.suppress(InputError):
                 self.unfinished.write(self, [(0, self.done)])
-                kept = f"{counted(self.done, 'step')} of it are kept in {self.unfinished.path}"
+                one = self.done == 1
+                kept = f"{counted(self.done, 'step')} of it {'is' if one else 'are'} kept in {self.unfinished.path}"
                 error.add_note(f"{kept}; run the same again to go on")
 
 
@@ -1538,10 +1499,7 @@ def _as_text(value: Any, over: Any) -> str:
 def _one(solved: Solved) -> Linkages:
     """Return one linkage in place of none, for the labels of an empty result."""
     count = len(next(iter(solved.target.values())))
-    more: dict[str, Any] = {
-        name: np.zeros((1, *np.shape(values)[1:]), dtype=values.dtype)
-        for name, values in solved.found.more.items()
-    }
+    more = {name: np.zeros((1, *of.shape[1:]), dtype=of.dtype) for name, of in solved.found.more.items()}
     numbers = np.array([[1.0, 4.0, 2.0, 3.5, 0, 0, 0, 0, 0, 0]])
     ones = np.ones((1, count))
-    return Linkages(numbers, 0.0 * ones, ones, np.ones(1, dtype=np.int64), more, solved.asked.slider)
+    return Linkages(numbers, 0.0 * ones, ones, None, more, solved.asked.slider)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linprog
 
-from fastlink.synthesis.paths import cosines, solved, wrapped
+from fastlink.synthesis.paths import solved, transmission, wrapped
 
 __all__ = ["FunctionTask", "Generator", "chebyshev", "solve_function"]
 
@@ -144,17 +144,10 @@ class FunctionTask:
     def transmissions(self, numbers: Floats) -> Floats:
         """Return the least acute transmission angle (linkages) between the first and the last place."""
         crank, square, last = self.lengths(numbers)
-        ends = (
-            numbers[:, 3:4] + numbers[:, 5:6] * self.turn_in[[0, -1]] - (0.5 * np.pi if self.slider else 0.0)
-        )
-        least, most = cosines(ends, np.False_)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            if self.slider:
-                at = [(crank * c - last) / np.sqrt(square) for c in (most, least)]
-            else:
-                rest = square + last * last - 1.0 - crank * crank
-                at = [(rest + 2.0 * crank * c) / (2.0 * np.sqrt(square) * abs(last)) for c in (most, least)]
-            return np.asarray(np.arccos(np.minimum(np.maximum(abs(at[0]), abs(at[1])), 1.0)))
+        ends = numbers[:, 3:4] + numbers[:, 5:6] * self.turn_in[[0, -1]]
+        with np.errstate(invalid="ignore"):
+            rod = np.sqrt(square)
+        return transmission(crank, rod, last, 1.0, ends, np.False_, self.slider)[0]
 
     def short(self, numbers: Floats, sense: int) -> Floats:
         """Return by how much linkages (linkages, numbers) miss their conditions."""
@@ -162,11 +155,9 @@ class FunctionTask:
 
     def slack(self, numbers: Floats, sense: int) -> Floats:
         """Return by how much linkages (linkages, numbers) meet their conditions (linkages, conditions)."""
-        return (
-            np.nan_to_num(self.limits(numbers, sense), nan=-1.0)
-            if self.limits
-            else np.zeros((len(numbers), 0))
-        )
+        if self.limits is None:
+            return np.zeros((len(numbers), 0))
+        return np.nan_to_num(self.limits(numbers, sense), nan=-1.0)
 
     def built(self, numbers: Floats, sense: Any, turn: Floats) -> tuple[Floats, Floats, Floats, Floats]:
         """Return lengths (linkages, 4), crank angles and outputs wanted at places (linkages, places), sides of B."""
@@ -246,21 +237,16 @@ def _scanned(task: FunctionTask, sense: int) -> tuple[Floats, Floats]:
     numbers, found = np.concatenate(parts), np.concatenate(errors)
     fine, short = task.is_built(numbers), task.short(numbers, sense)
     numbers = numbers[fine][np.argsort((found + 0.2 * short)[fine], kind="stable")[:MANY]]
-    off = [
-        np.nanmax(np.abs(np.nan_to_num(task.off(numbers, s, turn, wanted), nan=9.0)), axis=1)
-        for s in (1.0, -1.0)
-    ]
+    both = (np.nan_to_num(task.off(numbers, side, turn, wanted), nan=9.0) for side in (1.0, -1.0))
+    off = [np.abs(one).max(axis=1) for one in both]
     return numbers, np.where(off[0] <= off[1], 1.0, -1.0)
 
 
 def _by_powers(task: FunctionTask, numbers: Floats, sign: Floats, sense: int) -> Floats:
     """Return linkages after damped least squares towards the least sum of powers of the errors, all at once."""
     side, damping, free = sign[:, None], np.full(len(numbers), 1e-3), task.free
-    (turn, wanted), (low, high), short = (
-        task.fine(sense),
-        np.transpose(task.scales),
-        task.short(numbers, sense),
-    )
+    (turn, wanted), (low, high) = task.fine(sense), np.transpose(task.scales)
+    short = task.short(numbers, sense)
 
     def norm(of: Floats, power: int, scale: Floats) -> Floats:
         return np.asarray(np.nan_to_num(np.sum((np.abs(of) / scale) ** power, axis=1), nan=np.inf))
@@ -311,9 +297,8 @@ def peaks_of(task: FunctionTask, numbers: Floats, sign: float, sense: int) -> tu
     inner = np.flatnonzero((known[1:-1] - known[:-2]) * (known[2:] - known[1:-1]) <= 0.0) + 1
     at, step = places[inner], places[1] - places[0]
     for _ in range(3):
-        one, two, three = (
-            error(np.clip(at + side * step, places[0], places[-1])) for side in (-1.0, 0.0, 1.0)
-        )
+        beside = (np.clip(at + side * step, places[0], places[-1]) for side in (-1.0, 0.0, 1.0))
+        one, two, three = map(error, beside)
         bend = one - 2.0 * two + three
         with np.errstate(all="ignore"):
             shift = np.nan_to_num(0.5 * (one - three) / bend, posinf=0.0, neginf=0.0)
@@ -417,9 +402,8 @@ def solve_function(
     tried: list[Floats] = []
     aim = np.inf
     for worst_of, one, side, sense in sorted(starts, key=lambda start: start[0]):
-        if _is_known(tried, row := np.append(one, [side, sense]), 1e-3):
+        if not _is_new(tried, np.append(one, [side, sense]), 1e-3):
             continue
-        tried.append(row)
         if task.exact:
             off = task.off(one[None], side, task.turn_in, sense * task.turn_out)[0]
             if worst_of < 1e-9:
@@ -430,18 +414,16 @@ def solve_function(
             aim = min(aim, best.error / best.numbers[6])
         if len(tried) == few and not task.exact:
             break
-    found.sort(key=lambda one: one.error / one.numbers[6])
-    distinct: list[Generator] = []
     known: list[Floats] = []
-    for made in found:
-        if not _is_known(known, row := np.append(made.numbers, [made.sign, made.sense]), 1e-5):
-            distinct.append(made)
-            known.append(row)
-    return distinct
+    found.sort(key=lambda one: one.error / one.numbers[6])
+    return [one for one in found if _is_new(known, np.append(one.numbers, [one.sign, one.sense]), 1e-5)]
 
 
-def _is_known(known: list[Floats], one: Floats, tolerance: float) -> bool:
-    """Tell whether a row of a linkage is one of some."""
+def _is_new(known: list[Floats], one: Floats, tolerance: float) -> bool:
+    """Tell whether a row of a linkage is none of those that are known, and count it among them."""
     off = np.array(known).reshape(-1, len(one)) - one
     off[:, 3:5] = wrapped(off[:, 3:5])
-    return bool((np.abs(off) < tolerance * (1.0 + np.abs(one))).all(axis=1).any())
+    if (np.abs(off) < tolerance * (1.0 + np.abs(one))).all(axis=1).any():
+        return False
+    known.append(one)
+    return True

@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import ast
 import re
-import threading
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +21,8 @@ from scipy.spatial import cKDTree
 
 from fastlink.codegen.kernel import backend_of, load_kernel
 from fastlink.codegen.source import Array, Source
-from fastlink.engine.run import aligned, default_threads
-from fastlink.machine import work_in_threads
+from fastlink.engine.run import default_threads
+from fastlink.synthesis.paths import in_threads
 
 __all__ = ["Triples", "cognates", "solutions"]
 
@@ -426,15 +426,7 @@ def kernel(starts, p, count, columns, z, low, g, m, f, step, v, ends, told):
 #: Of tracking: squares of the greatest relative corrections that count, the first and the second of Newton's; how
 #: much steps grow; the first step, the least, and how many at most; the square of the size below which unknowns count
 #: as small.
-CONTROL = {
-    "most": 1e-4,
-    "last": 1e-9,
-    "growth": 2.0,
-    "begin": 1e-2,
-    "least": 1e-13,
-    "steps": 4000.0,
-    "small": 1e-4,
-}
+CONTROL = dict(most=1e-4, last=1e-9, growth=2.0, begin=1e-2, least=1e-13, steps=4000.0, small=1e-4)
 #: The square of the first correction that the step is chosen for; smaller where two paths came to one end.
 USUAL, CAREFUL = 1e-8, 1e-12
 #: Up to this difference of invariants two linkages are of one triple, up to this one a triple is real: they are known
@@ -486,17 +478,15 @@ def _run(
     points[8, 0] = number
     count = len(starts)
     ends, told = np.empty((count, 16), complex), np.empty((TOLD[kernel], count))
-    parts = iter([slice(k, None, -(-count // PART)) for k in range(-(-count // PART))])
+    parts = [slice(k, None, -(-count // PART)) for k in range(-(-count // PART))]
 
-    def work() -> None:
-        for part in parts:
-            given = np.ascontiguousarray(starts[part]).view(float).T.copy()
-            results = np.empty_like(given), np.empty((len(told), given.shape[1]))
-            scratch = [aligned(array.lengths(0), array.dtype) for array in source.scratch]
-            code(given, points, given.shape[1], 8, *scratch, *results)
-            ends[part], told[:, part] = np.ascontiguousarray(results[0].T).view(complex), results[1]
+    def work(part: slice, scratch: Any) -> None:
+        given = np.ascontiguousarray(starts[part]).view(float).T.copy()
+        results = np.empty_like(given), np.empty((len(told), given.shape[1]))
+        code(given, points, given.shape[1], 8, *scratch, *results)
+        ends[part], told[:, part] = np.ascontiguousarray(results[0].T).view(complex), results[1]
 
-    work_in_threads(work, min(threads, -(-count // PART)), "nine points", threading.Event())
+    in_threads(work, parts, source, 0, threads)
     return ends, told
 
 
@@ -528,9 +518,8 @@ def _invariants(unknowns: Complex) -> Real:
         products = x * y + ((a - x) * y * (a - x) + (b - y) * x * (y - b)) / (y - x)
         found += [a + b + third, a * b * third, products]
     size = np.abs(found)
-    return np.concatenate(
-        [np.log1p(size) * np.cos(np.angle(found)), np.log1p(size) * np.sin(np.angle(found))]
-    ).T
+    turn = np.angle(found)
+    return np.concatenate([np.log1p(size) * np.cos(turn), np.log1p(size) * np.sin(turn)]).T
 
 
 def _first_of_triple(unknowns: Complex) -> NDArray[np.int64]:
@@ -557,8 +546,6 @@ class Triples:
     errors: Real
     #: Whether a triple is real.
     real: NDArray[np.bool_]
-    #: Paths that were followed from another cognate, as the first one passed too near infinity.
-    again: int
     #: Paths that did not arrive (k, 2), on the way that lost fewest, as many as triples are missing: the place where
     #: they stopped, 1 at the points, and the size of the unknowns there, by that of the points. Where the points are
     #: special, as on a line, triples go to infinity at 1, or meet.
@@ -632,12 +619,12 @@ def solutions(points: Complex, threads: int | None = None, ways: int = WAYS) -> 
     scale = 2.0 ** np.round(np.log2(np.abs(given).max()))
     given = given / scale
     place, starts = _instance()
-    found, errors, again = np.empty((0, 16), complex), np.empty(0), 0
+    found, errors = np.empty((0, 16), complex), np.empty(0)
     lost = np.full((TRIPLES + 1, 2), np.nan)
     for way in range(ways):
         # turned and scaled, points are another instance of the same problem, with the conjugates apart from them
         factors = 2.0 * np.exp(2j * np.pi * np.random.default_rng(way).random(2))
-        ends, told, more = _follow(starts, place, given * factors[:, None], threads)
+        ends, told, _ = _follow(starts, place, given * factors[:, None], threads)
         arrived = told[0] == 1.0
         sizes = np.abs(ends[:, :8]).max(axis=1) / 2.0
         ends[:, :4] /= factors[0]
@@ -648,7 +635,7 @@ def solutions(points: Complex, threads: int | None = None, ways: int = WAYS) -> 
         found = np.concatenate([found, ends[settled]])
         errors = np.concatenate([errors, np.sqrt(corrections[-1, settled])])
         kept = _first_of_triple(found) == np.arange(len(found))
-        found, errors, again = found[kept], errors[kept], again + more
+        found, errors = found[kept], errors[kept]
         arrived[np.flatnonzero(arrived)[~settled]] = False
         if len(lost) > (~arrived).sum():
             lost = np.stack([told[2], sizes], axis=1)[~arrived]
@@ -657,4 +644,4 @@ def solutions(points: Complex, threads: int | None = None, ways: int = WAYS) -> 
             break
     apart = np.abs(found[:, 4:8] - found[:, :4].conj()).max(axis=1) / (1.0 + np.abs(found[:, :4]).max(axis=1))
     found[:, :8] *= scale
-    return Triples(found, errors, apart < AS_REAL, again, lost)
+    return Triples(found, errors, apart < AS_REAL, lost)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.resources import files
@@ -47,17 +48,7 @@ class _Refinement(Source):
 def refinement() -> Source:
     """Return the kernel."""
     text = files("fastlink.synthesis").joinpath("kernels.py").read_text(encoding="utf-8")
-    rows = {
-        "p": 10,
-        "side": 2,
-        "theta": N_ANGLES,
-        "q": 10,
-        "moved": N_ANGLES,
-        "d": 10,
-        "scales": 10,
-        "f": 14,
-        "v": 8,
-    }
+    rows = dict(p=10, side=2, theta=N_ANGLES, q=10, moved=N_ANGLES, d=10, scales=10, f=14, v=8)
     shapes: dict[str, tuple[Any, ...]] = {name: (count, WIDE) for name, count in rows.items()} | {
         "m": (N_ANGLES, 11, WIDE), "along": (N_ANGLES, WIDE), "slope": (N_ANGLES, WIDE),
         "across": (N_ANGLES, 11, WIDE), "g": (23, 11), "w": (13, 12), "h": (10, 10)}  # fmt: skip
@@ -181,9 +172,8 @@ def pins(numbers: Floats, theta: Any, side: Any, slider: bool = False) -> tuple[
     a1, a2, a3, a4, u, v = (n[:, k] for k in range(6))
     turn, o = np.exp(1j * n[:, 8]), n[:, 6] + 1j * n[:, 7]
     with np.errstate(all="ignore"):
-        ax, ay, bx, by, *_, x, y = assembled(
-            a1, a2, a3, a4, u, v, side, np.cos(theta), np.sin(theta), int(slider)
-        )
+        c, s = np.cos(theta), np.sin(theta)
+        ax, ay, bx, by, *_, x, y = assembled(a1, a2, a3, a4, u, v, side, c, s, int(slider))
         a = ax + 1j * ay
         moving = (o + turn * of for of in (a, a + a2 * (bx + 1j * by), x + 1j * y))
         return o[:, 0], (1j * turn if slider else o + turn * a4)[:, 0], *moving
@@ -261,9 +251,8 @@ def starts_of(task: PathTask, count: int, keep: int, seed: int, skip: int = 0) -
             both = ifft(curves * comb(path * (1.0 - part), path * part, sense))
             twice = 2.0 * part * (1.0 - part)
             own = squares * comb((1.0 - part) ** 2, part**2, sense, rfft)
-            own += products * comb(
-                *((twice, 0.0 * part) if sense > 0.0 else (0.0 * part, twice)), sense, rfft
-            )
+            one, other = (twice, 0.0 * part)[:: int(sense)]
+            own += products * comb(one, other, sense, rfft)
             own = irfft(own, PLACES) - n * np.abs(mean) ** 2
             with np.errstate(divide="ignore", invalid="ignore"):
                 size = np.abs(both) / own
@@ -278,9 +267,7 @@ def starts_of(task: PathTask, count: int, keep: int, seed: int, skip: int = 0) -
             left = left[np.arange(2 * count), k]
             better = left < best
             best[better] = left[better]
-            how[better] = np.stack(
-                [k[better], np.full(better.sum(), sense), np.full(better.sum(), span)], axis=1
-            )
+            how[better, 0], how[better, 1], how[better, 2] = k[better], sense, span
     # half of them are the best of all, half the best of small groups: what fits best may lie in one long valley
     groups = np.array_split(np.arange(2 * count), keep // 2)
     rows = np.argsort(best, kind="stable")[: keep - len(groups)]
@@ -317,19 +304,27 @@ def refined(task: PathTask, found: Candidates, most: int, *, angles_only: bool =
     free[[3, 9]] *= not task.slider, task.times is not None
     enough = np.array([1e-31 * float(np.sum(np.abs(task.target - task.target[0]) ** 2))])
     fixed = (target, np.sqrt(task.weights), times, options, free, task.lower, task.upper, enough, most)
-    made: dict[int, Candidates] = {}
     count = max(-(-len(found.cost) // PART), 1)
-    parts = iter(range(count))
+    made = [found.at(slice(k, None, count)) for k in range(count)]
 
-    def work() -> None:
-        scratch = [aligned(array.lengths(2 * n + 10), array.dtype) for array in source.scratch]
-        for k in parts:
-            part = made[k] = found.at(slice(k, None, count))
-            code(part.numbers, part.signs, part.theta, part.cost, *fixed, *scratch)
+    def work(part: Candidates, scratch: Any) -> None:
+        code(part.numbers, part.signs, part.theta, part.cost, *fixed, *scratch)
 
-    work_in_threads(work, min(default_threads(), count), "synthesis", threading.Event())
-    whole = joined(*(made[k] for k in range(count)))
+    in_threads(work, made, source, 2 * n + 10, default_threads())
+    whole = joined(*made)
     return whole.at(np.isfinite(whole.cost))
+
+
+def in_threads(work: Any, parts: Sequence[Any], source: Source, rows: int, threads: int) -> None:
+    """Work on parts by a kernel, each thread with its scratch."""
+    left = iter(parts)
+
+    def each() -> None:
+        scratch = [aligned(array.lengths(rows), array.dtype) for array in source.scratch]
+        for part in left:
+            work(part, scratch)
+
+    work_in_threads(each, min(threads, len(parts)), "synthesis", threading.Event())
 
 
 #: Shapes that are compared in each round, of closed or timed paths and of open ones; starts that are refined.
@@ -346,9 +341,9 @@ def solve_path(
     task: PathTask,
     seed: int,
     rounds: int = ROUNDS,
+    steps: Any = lambda step, *of: step(*of),
     *,
     all_rounds: bool = False,
-    steps: Any = lambda step, *of: step(*of),
 ) -> Candidates:
     """Return the linkages that come nearest to a path, all different ones that were found, the best first.
 
@@ -476,9 +471,8 @@ def varied(
     n[:, rest] += by[:, rest] * size[:, rest]
     n[:, 8:] += by[:, 8:] * [1.0, task.times is not None]
     sense = np.ones(len(n)) if task.times is not None else np.sign(theta[:, -1] - theta[:, 0])
-    starts = Candidates(
-        n, np.stack([side, sense], axis=1), theta, 0.0 * side, np.ones(len(n), dtype=np.int64)
-    )
+    signs, ones = np.stack([side, sense], axis=1), np.ones(len(n), dtype=np.int64)
+    starts = Candidates(n, signs, theta, 0.0 * side, ones)
     fit_limits(task, starts)
     made = refined(task, starts, 100)
     return made.at(made.cost <= EXACT**2 * task.size)
@@ -508,6 +502,11 @@ def wrapped(angles: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(np.remainder(angles + np.pi, 2.0 * np.pi) - np.pi)
 
 
+def turned(angles: Any, start: float) -> Any:
+    """Return angles within a turn from a start, by whole turns: one that is there but for rounding keeps its bits."""
+    return angles - 2.0 * np.pi * np.floor((angles - start + 1e-9) / (2.0 * np.pi))
+
+
 def cosines(theta: Floats, whole: Any) -> tuple[Floats, Floats]:
     """Return the least and the greatest cosine between the ends of angles (linkages, angles), exactly; or of a turn."""
     low, high, turn = theta.min(axis=1), theta.max(axis=1), 2.0 * np.pi
@@ -518,6 +517,22 @@ def cosines(theta: Floats, whole: Any) -> tuple[Floats, Floats]:
     ends = np.cos(low), np.cos(high)
     least = np.where(back | whole, -1.0, np.minimum(*ends))
     return least, np.where(on | whole, 1.0, np.maximum(*ends))
+
+
+def transmission(
+    a1: Floats, a2: Any, a3: Floats, a4: Any, theta: Floats, whole: Any, slider: bool
+) -> tuple[Floats, Any]:
+    """Return the least acute transmission angle between the ends of crank angles, and whether a dead point is there."""
+    least, most = cosines(theta - (0.5 * np.pi if slider else 0.0), whole)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        if slider:  # cosines of the transmission angle, the least and the greatest of what is used
+            of = (a1 * least - a3) / a2, (a1 * most - a3) / a2
+            dead = (of[0] <= -1.0) | (of[1] >= 1.0)
+        else:
+            near, far = (np.sqrt(np.maximum(a1**2 + a4**2 - 2.0 * a1 * a4 * c, 0.0)) for c in (most, least))
+            dead = (far >= a2 + a3) | (near <= np.abs(a2 - a3))
+            of = tuple((a2**2 + a3**2 - one**2) / (2.0 * a2 * a3) for one in (near, far))
+        return np.arccos(np.minimum(np.maximum(*np.abs(of)), 1.0)), dead
 
 
 def solved(matrices: Floats, right: Floats) -> Floats:
@@ -593,9 +608,7 @@ class Fit:
         for _ in range(6):
             if task.times is not None:
                 self.theta = n[9] + task.times
-            point, by, along, rate, meets = curve_of(
-                np.append(n[:9], 0.0), self.theta, self.side, task.slider
-            )
+            point, by, along, rate, meets = curve_of(n, self.theta, self.side, task.slider)
             away, slopes = point - task.target, np.stack([by.real, by.imag, task.length * rate])
             off = np.stack([away.real, away.imag, 0.0 * away.real])
             if task.angles is None:
@@ -610,10 +623,8 @@ class Fit:
                 break
             self.theta = self.theta + np.clip(turn, -0.3, 0.3)
         if not meets:
-            off, slopes = (
-                np.full_like(off, 1e3 * (np.sqrt(task.size) + task.length)),
-                0.0 * np.nan_to_num(slopes),
-            )
+            off = np.full_like(off, 1e3 * (np.sqrt(task.size) + task.length))
+            slopes = 0.0 * np.nan_to_num(slopes)
         elif task.times is None:
             slopes[:, :, 9] = 0.0
             slopes[2, :, 9] = task.length * (task.angles is not None)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from itertools import permutations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from fastlink.synthesis.paths import Complex, Fit, Floats, PathTask, from_pins, solved
+from fastlink.synthesis.paths import Complex, Fit, Floats, PathTask, from_pins, solved, wrapped
 
 __all__ = ["MotionTask", "dyads_of", "dyads_of_five", "pairs_of", "solve_motion"]
 
@@ -19,6 +20,11 @@ DRAWN = 1500
 PAIRED, LONGEST = 260, 15.0
 #: Directions of a slider's line that are tried where two or three poses leave it free.
 DIRECTIONS = 90
+#: Pairs of dyads that are moved to numbers that are given.
+MOVED = 1500
+#: Residuals by the size of a task, of links that are up to as long: of some ten operations each, whose roundings are
+#: 1e-15 in sum, and a thousand times that for the condition of Newton's last step.
+MET = 1e-12
 
 
 @dataclass(frozen=True)
@@ -30,6 +36,8 @@ class MotionTask:
     rotation_length: float
     #: Whether a slider-crank is to carry the body.
     slider: bool = False
+    #: The numbers of a linkage that are given, of two to four poses; NaN where one is free.
+    fixed: Floats = field(default_factory=lambda: np.full(10, np.nan))
 
     @property
     def path(self) -> PathTask:
@@ -51,16 +59,8 @@ MIX = np.array([[0.6, 0.48, 0.64], [-0.8, 0.36, 0.48], [0.0, -0.8, 0.6]])
 def _rows(d: Complex, e: Complex) -> Floats:
     """Return the linear form of poses: |d + e w - c|^2 = R^2 as a row times (p0, w, c, q, k), with q p0 = conj(c) w."""
     m, one = np.conj(d) * e, np.ones(d.shape)
-    parts = (
-        np.abs(d) ** 2,
-        2.0 * m.real,
-        -2.0 * m.imag,
-        -2.0 * d.real,
-        -2.0 * d.imag,
-        -2.0 * e.real,
-        2.0 * e.imag,
-    )
-    return np.stack([*parts, one], axis=-1)
+    parts = np.abs(d) ** 2 / 2.0, m.real, -m.imag, -d.real, -d.imag, -e.real, e.imag, one / 2.0
+    return 2.0 * np.stack(parts, axis=-1)
 
 
 def _product(a: Floats, b: Floats) -> Floats:
@@ -95,9 +95,7 @@ def _of_null_space(rows: Floats) -> tuple[Complex, Complex]:
     # of a pair that nearly meets both count as real: the conics tell
     x = np.where(np.abs(roots.imag) <= 1e-5 * (1.0 + np.abs(roots)), roots.real, np.nan)
     y = -(u[:, :1] + x * (u[:, 1:2] + x * u[:, 2:])) / (slope[:, :1] + slope[:, 1:] * x)
-    f00, f01, f02, f11, f12, f22 = (
-        both[:, i, k, None] for i, k in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
-    )
+    f00, f01, f02, f11, f12, f22 = (both[:, i, k, None] for i in range(3) for k in range(i, 3))
     for _ in range(6):
         value = f00 + x * (2.0 * f01 + f11 * x) + y * (2.0 * (f02 + f12 * x) + f22 * y)
         by_x, by_y = 2.0 * (f01 + f11 * x + f12 * y), 2.0 * (f02 + f12 * x + f22 * y)
@@ -119,8 +117,11 @@ def _without_doubles(c: Complex, w: Complex) -> tuple[Complex, Complex]:
 
 
 @np.errstate(all="ignore")
-def dyads_of_five(points: Complex, angles: Floats) -> tuple[Complex, Complex]:
-    """Return centres and body points (tasks, 4) of all RR dyads of tasks of five poses (tasks, 5); NaN for no dyad."""
+def dyads_of_five(points: Complex, angles: Floats, steps: int = 2) -> tuple[Complex, Complex]:
+    """Return centres and body points (tasks, 4) of all RR dyads of tasks of five poses (tasks, 5); NaN for no dyad.
+
+    Of more poses, those of the linear form's least squares, moved next to circles by as many steps.
+    """
     centres, pins = np.empty((2, len(points), 4), dtype=complex)
     for k in range(0, len(points), BLOCK):
         z, e = points[k : k + BLOCK], np.exp(1j * angles[k : k + BLOCK])
@@ -128,11 +129,10 @@ def dyads_of_five(points: Complex, angles: Floats) -> tuple[Complex, Complex]:
         size = np.abs(z - origin).max(axis=1, keepdims=True)
         size = np.where(size > 0.0, size, 1.0)
         d = (z - origin) / size
-        c, w = _of_null_space(_rows(d, e))
+        rows = _rows(d, e)
+        c, w = _of_null_space(rows if z.shape[1] == 5 else np.linalg.svd(rows)[2][:, :5])
         task, which = np.nonzero(np.isfinite(c) & np.isfinite(w))
-        d, e, centre, pin = d[task], e[task], c[task, which], w[task, which]
-        centre, pin = _on_circles(d, e, centre, pin, 2)
-        c[task, which], w[task, which] = centre, pin
+        c[task, which], w[task, which] = _on_circles(d[task], e[task], c[task, which], w[task, which], steps)
         c, w = _without_doubles(c, w)
         centres[k : k + BLOCK], pins[k : k + BLOCK] = origin + size * c, size * w
     return centres, pins
@@ -154,16 +154,7 @@ def _on_circles(d: Complex, e: Complex, centre: Complex, pin: Complex, steps: in
 
 def dyads_of(points: Complex, angles: Floats) -> Complex:
     """Return all RR dyads of five poses; of more, those of the linear form's least squares, then nearest to circles."""
-    if len(points) == 5:
-        return _listed(*dyads_of_five(points[None], angles[None]))
-    origin = points.mean()
-    size = float(np.abs(points - origin).max()) or 1.0
-    d, e = (points - origin) / size, np.exp(1j * angles)
-    c, w = _without_doubles(*_of_null_space(np.linalg.svd(_rows(d, e))[2][None, :5]))
-    fine = np.isfinite(c[0] + w[0])
-    points, turns = (np.broadcast_to(of, (fine.sum(), len(d))) for of in (d, e))
-    c, w = _on_circles(points, turns, c[0][fine], w[0][fine], 8)
-    return _listed(origin + size * c, size * w)
+    return _listed(*dyads_of_five(points[None], angles[None], 2 if len(points) == 5 else 8))
 
 
 def _listed(centres: Complex, pins: Complex) -> Complex:
@@ -180,9 +171,8 @@ def family_of(task: MotionTask, seed: int) -> Complex:
     poses[:, :count] = np.stack([task.points.real, task.points.imag, task.angles], axis=1)
     more = 5 - count
     weights = rng.dirichlet(np.ones(count), (DRAWN, more))
-    centre = weights @ task.points + task.size * (
-        rng.normal(size=(DRAWN, more)) + 1j * rng.normal(size=(DRAWN, more))
-    )
+    x, y = rng.normal(size=(2, DRAWN, more))
+    centre = weights @ task.points + task.size * (x + 1j * y)
     poses[:, count:, 0], poses[:, count:, 1] = centre.real, centre.imag
     spread = max(float(np.ptp(task.angles)), 0.3)
     poses[:, count:, 2] = weights @ task.angles + 0.7 * spread * rng.normal(size=(DRAWN, more))
@@ -217,10 +207,95 @@ def linkages_of(task: MotionTask, c: Any, w: Any, d: Any, v: Any) -> tuple[Float
     As numbers, crank angles at each pose, signs of B beside the line from A to D, and angles of the body from AB.
     """
     points, e = np.broadcast_to(task.points, (len(c), len(task.points))), np.exp(1j * task.angles)
-    numbers, theta, side = from_pins(
-        c, d, points + e * w[:, None], points + e * v[:, None], points, task.slider
-    )
-    return numbers, np.unwrap(theta, axis=1), side, -np.angle(v - w)
+    a, b = points + e * w[:, None], points + e * v[:, None]
+    numbers, theta, side = from_pins(c, d, a, b, points, task.slider)
+    longest = 1.0 + np.abs(numbers[:, :8]).max(axis=1, keepdims=True) / task.size
+    met = np.abs(_from_fixed(task, numbers)) <= MET * longest
+    return np.where(met, task.fixed, numbers), np.unwrap(theta, axis=1), side, -np.angle(v - w)
+
+
+def _from_fixed(task: MotionTask, numbers: Floats) -> Floats:
+    """Return how far numbers of linkages are from those that are given, lengths by the size of the task."""
+    off = numbers - task.fixed
+    off[..., :8] /= task.size
+    off[..., 8:] = wrapped(off[..., 8:])
+    return np.asarray(off)
+
+
+@np.errstate(all="ignore")
+def as_given(task: MotionTask, c: Any, w: Any, d: Any, v: Any) -> tuple[NDArray[np.bool_], Complex]:
+    """Return which pairs of dyads have the numbers that are given and meet the poses, after they were moved to these.
+
+    Fixed pivots begin where they are to be: what is left is linear in the moving ones then, and the first step of
+    Newton is the closed form, the point with equal distances from the places of the pivot in the body. Of all changes
+    that a step may be it is the least one.
+    """
+    given, origin, size = np.flatnonzero(np.isfinite(task.fixed)), task.points.mean(), task.size
+    points, e = np.broadcast_to(task.points, (len(c), len(task.points))), np.exp(1j * task.angles)
+    a4, at, ground = task.fixed[3], task.fixed[6:8], task.fixed[8]
+    c = np.where(np.isfinite(at[0]), at[0], c.real) + 1j * np.where(np.isfinite(at[1]), at[1], c.imag)
+    if task.slider:
+        d = d if np.isnan(ground) else 1j * np.exp(1j * np.full(len(c), ground))
+    else:
+        far = d - c
+        turn = far / np.abs(far) if np.isnan(ground) else np.exp(1j * ground)
+        d = c + (np.abs(far) if np.isnan(a4) else a4) * turn
+
+    def pins(x: Floats) -> Any:
+        z = size * (x[:, ::2] + 1j * x[:, 1::2])
+        d = np.exp(1j * x[:, 4]) if task.slider else origin + z[:, 2]
+        return origin + z[:, 0], z[:, 1], d, z[:, 3]
+
+    def off(x: Floats) -> Floats:
+        c, w, d, v = pins(x)
+        z = np.resize(points, (len(x), len(e)))
+        a, b = z + e * w[:, None], z + e * v[:, None]
+        numbers = from_pins(c, d, a, b, z, task.slider)[0]
+        # squares of distances, whose differences are linear in either pivot
+        parts = [_squares(a - c[:, None]) / size**2]
+        parts.append((np.conj(d)[:, None] * (b - b[:, :1])).real[:, 1:] / size if task.slider
+                     else _squares(b - d[:, None]) / size**2)  # fmt: skip
+        return np.hstack([*parts, _from_fixed(task, numbers)[:, given]])
+
+    z = np.stack([c - origin, w, 0.0 * d if task.slider else d - origin, v], axis=1) / size
+    x = np.stack([z.real, z.imag], axis=2).reshape(-1, 8)
+    if task.slider:
+        x[:, 4] = np.angle(d)
+    for _ in range(12):
+        now, step = off(x), 1e-7 * (1.0 + np.abs(x))
+        beside = (x[:, None] + step[:, :, None] * np.eye(8)).reshape(-1, 8)
+        jac = (off(beside).reshape(len(x), 8, -1) - now[:, None]) / step[:, :, None]
+        jac = np.nan_to_num(jac, posinf=0.0, neginf=0.0)
+        square = jac.swapaxes(1, 2) @ jac
+        # of equations that depend on each other, as for a pivot on the centre-point curve, the rest is dropped
+        square += 1e-13 * np.trace(square, axis1=1, axis2=2)[:, None, None] * np.eye(square.shape[1])
+        x = x - (jac @ solved(square, np.nan_to_num(now))[..., None])[..., 0]
+    made = pins(x)
+    longest = 1.0 + np.abs(x).max(axis=1)
+    return np.asarray(np.abs(off(x)).max(axis=1) <= MET * longest**2), np.stack(made)
+
+
+def on_circle(task: MotionTask, pivot: complex | None = None) -> bool:
+    """Tell whether the places of a fixed pivot in the body, or those of the body's own point, are on a circle."""
+    places = task.points if pivot is None else np.exp(-1j * task.angles) * (pivot - task.points)
+    places = (places - places[0]) / task.size
+    rows = np.stack([places.real, places.imag], axis=1)[1:]
+    middle = complex(*np.linalg.lstsq(rows, 0.5 * np.abs(places[1:]) ** 2)[0])
+    return bool(np.ptp(np.abs(places - middle)) <= MET * (1.0 + np.abs(places).max() + abs(middle)))
+
+
+def nearest_centre(task: MotionTask) -> float:
+    """Return O_y of the centre-point curve of four poses for the O_x that is given, next to the one that is."""
+    c, w = family_of(task, 0)[:, :MOVED]
+    alone = replace(task, fixed=np.where(np.arange(10) == 6, task.fixed, np.nan), slider=False)
+    meets, found = as_given(alone, c, w, np.roll(c, 1), np.roll(w, 1))
+    of = found[0, meets].imag
+    return float(of[np.argmin(np.abs(of - task.fixed[7]))]) if len(of) else np.nan
+
+
+def _squares(away: Complex) -> Floats:
+    """Return the differences of the squares of distances (linkages, poses) from the first ones."""
+    return np.asarray(((away - away[:, :1]) * np.conj(away + away[:, :1])).real[:, 1:])
 
 
 def pairs_of(task: MotionTask, dyads: Complex) -> tuple[Floats, Floats, Floats, Floats]:
@@ -233,6 +308,13 @@ def pairs_of(task: MotionTask, dyads: Complex) -> tuple[Floats, Floats, Floats, 
     else:
         d, v = c, w
         first, other = np.array(list(permutations(range(len(c)), 2)), dtype=int).reshape(-1, 2).T
+    if np.isfinite(task.fixed).any():
+        some = np.random.default_rng(0).permutation(len(first))[:MOVED]
+        found = np.stack([c[first[some]], w[first[some]], d[other[some]], v[other[some]]])
+        meets, moved = as_given(task, *found)
+        if meets.any():  # else they are approached, see `found`
+            key = np.round(moved[:, meets] / task.size, 9)
+            return linkages_of(task, *moved[:, meets][:, np.unique(key, axis=1, return_index=True)[1]])
     return linkages_of(task, c[first], w[first], d[other], v[other])
 
 
@@ -258,6 +340,9 @@ def varied(task: MotionTask, pins: tuple[Complex, ...], change: float, rng: Any)
         v = v + change * task.size * (rng.normal(size=len(w)) + 1j * rng.normal(size=len(w)))
         line = np.diff(points + turns * v[:, None])[:, 0]
         d = 1j * line / np.abs(line)
+    if np.isfinite(task.fixed).any():
+        meets, given = as_given(task, c, w, d, v)
+        c, w, d, v = np.where(meets, given, [c, w, d, v])
     return linkages_of(task, c, w, d, v)
 
 
