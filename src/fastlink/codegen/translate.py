@@ -54,9 +54,8 @@ CONVERSIONS = {
 }
 
 
-@dataclass(
-    slots=True
-)  # not frozen: making one takes three times as long then, a tenth of the time of translating
+# not frozen: making one takes three times as long then, a tenth of the time of translating
+@dataclass(slots=True)
 class Value:
     """A number: a register or a constant, its kind, in how many lanes, and what it is where that is known."""
 

@@ -352,7 +352,8 @@ def _mechanism(maps: xr.Dataset) -> dict[str, Any] | None:
     asked = [_request(maps, str(one))["of"][0] for one in maps.data_vars]
     facts = [one for one in [*needed, *curves, *asked] if isinstance(one, str) and one in catalogue.facts]
     script, found = script_of(catalogue, facts, [*inputs, *constants], variants)
-    if not {value for one in points for value in (one.x, one.y) if value in catalogue.facts} <= set(found):
+    in_script = {*found}
+    if not {value for one in points for value in (one.x, one.y) if value in catalogue.facts} <= in_script:
         return None
     position = catalogue.position
     return {
@@ -376,12 +377,12 @@ def _mechanism(maps: xr.Dataset) -> dict[str, Any] | None:
         },
         "curves": [
             {"name": one, "meaning": fact.title, "symbol": fact.symbol, "units": fact.units}
-            for one in curves if one in found and (fact := catalogue.public_fact(one))
+            for one in curves if one in in_script and (fact := catalogue.public_fact(one))
         ],
         "loads": [
             {"of": one.components, "at": one.at, "units": fact.units, "symbol": fact.symbol.strip("|")}
             for ones in picture.loads.values() for one in ones
-            if {*one.components} <= {*found} and (fact := catalogue.public_fact(one.name))
+            if in_script.issuperset(one.components) and (fact := catalogue.public_fact(one.name))
         ],
         **_shape(picture, points),
     }  # fmt: skip

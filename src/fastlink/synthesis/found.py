@@ -405,7 +405,7 @@ def _columns(where: str, given: Any, names: Sequence[str], units: Mapping[str, s
     less = f"give at most {MOST_POINTS:,}, such as every tenth"
     _check(len(rows) <= MOST_POINTS, where, f"has {len(rows):,} rows", less)
     bad = np.flatnonzero(~np.isfinite(rows).all(axis=1))
-    _check(not len(bad), where, f"is not finite in row {(*bad, 0)[0]}", "leave that row out")
+    _check(not len(bad), where, f"is not finite in row {bad.min(initial=len(rows))}", "leave that row out")
     if bare and (most := np.abs(rows[:, 2]).max(initial=0.0)) > 2.0 * np.pi:
         remedy = "if these are degrees, give a table with a column angle_deg"
         remark(f"has angles up to {most:g}, which are taken as radians", (where,), remedy)
@@ -954,8 +954,9 @@ def within_conditions(solved: Solved, steps: Steps) -> Linkages | None:
     orders = [[k for k in np.argsort(of, kind="stable") if np.isfinite(score[k])] for of in (key, score)]
     # half of them those of the least errors, half those that miss conditions least
     rows = [*dict.fromkeys([*orders[0][: most // 2], *orders[1][: most // 2], *orders[0]])][:most]
-    every_row = [steps(_refined_within, solved, row, choice, limits, names, near) for row in rows]
-    if not (made := [part for part in every_row if part]):
+    parts = [steps(_refined_within, solved, row, choice, limits, names, near) for row in rows]
+    made = [part for part in parts if part]
+    if not made:
         return None
     numbers, theta, side = (np.array(part) for part in zip(*made, strict=True))
     sides = np.repeat(side[:, None], theta.shape[1], axis=1)
@@ -999,7 +1000,7 @@ def _refined_within(
     scale = np.where(np.isin(free, (8, 9)), 1.0, size)
     inputs = 3 if asked.slider else 6
     branch = 2 if side > 0 else 1
-    of: Any = names and function(asked.catalogue.name, asked.names[:inputs], names, branch=branch)
+    of: Any = function(asked.catalogue.name, asked.names[:inputs], names, branch=branch) if names else None
     # the last unknown is the greatest distance, where that is minimised or limited
     greatest = aim.array.name in GREATEST.values() or near < np.inf
     x = np.append(start[free] / scale, [np.abs(fit(start, True)[0]).max() / size] * greatest)

@@ -578,23 +578,21 @@ def _instance() -> tuple[Complex, Complex]:
     return rows[:2], _turns(rows[2:], rows[:2], default_threads())
 
 
-def _follow(starts: Complex, place: Complex, goal: Complex, threads: int) -> tuple[Complex, Real, int]:
-    """Return the ends of paths (n, 16), of each how it ended and where, and how many cognates were followed."""
+def _follow(starts: Complex, place: Complex, goal: Complex, threads: int) -> tuple[Complex, Real]:
+    """Return the ends of paths (n, 16), and of each how it ended and where."""
     ends, told = _run(TRACK, starts, place, goal - place, USUAL, threads)
-    again = 0
     for k in range(2):
         left = told[0] != 1.0
         if left.any():
             others = cognates(starts[left], place)[k]
             ends[left], told[:, left] = _run(TRACK, others, place, goal - place, USUAL, threads)
-            again += int((told[0, left] == 1.0).sum())
     arrived = np.flatnonzero(told[0] == 1.0)
     first = _first_of_triple(ends[arrived])
     twice = np.isin(first, first[first != np.arange(len(first))])
     if twice.any():
         close = arrived[twice]
         ends[close], told[:, close] = _run(TRACK, starts[close], place, goal - place, CAREFUL, threads)
-    return ends, told, again
+    return ends, told
 
 
 def solutions(points: Complex, threads: int | None = None, ways: int = WAYS) -> Triples:
@@ -624,7 +622,7 @@ def solutions(points: Complex, threads: int | None = None, ways: int = WAYS) -> 
     for way in range(ways):
         # turned and scaled, points are another instance of the same problem, with the conjugates apart from them
         factors = 2.0 * np.exp(2j * np.pi * np.random.default_rng(way).random(2))
-        ends, told, _ = _follow(starts, place, given * factors[:, None], threads)
+        ends, told = _follow(starts, place, given * factors[:, None], threads)
         arrived = told[0] == 1.0
         sizes = np.abs(ends[:, :8]).max(axis=1) / 2.0
         ends[:, :4] /= factors[0]

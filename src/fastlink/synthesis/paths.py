@@ -251,8 +251,8 @@ def starts_of(task: PathTask, count: int, keep: int, seed: int, skip: int = 0) -
             both = ifft(curves * comb(path * (1.0 - part), path * part, sense))
             twice = 2.0 * part * (1.0 - part)
             own = squares * comb((1.0 - part) ** 2, part**2, sense, rfft)
-            one, other = (twice, 0.0 * part)[:: int(sense)]
-            own += products * comb(one, other, sense, rfft)
+            ahead, back = (twice, 0.0 * part) if sense > 0.0 else (0.0 * part, twice)
+            own += products * comb(ahead, back, sense, rfft)
             own = irfft(own, PLACES) - n * np.abs(mean) ** 2
             with np.errstate(divide="ignore", invalid="ignore"):
                 size = np.abs(both) / own

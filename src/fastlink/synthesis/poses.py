@@ -59,8 +59,8 @@ MIX = np.array([[0.6, 0.48, 0.64], [-0.8, 0.36, 0.48], [0.0, -0.8, 0.6]])
 def _rows(d: Complex, e: Complex) -> Floats:
     """Return the linear form of poses: |d + e w - c|^2 = R^2 as a row times (p0, w, c, q, k), with q p0 = conj(c) w."""
     m, one = np.conj(d) * e, np.ones(d.shape)
-    parts = np.abs(d) ** 2 / 2.0, m.real, -m.imag, -d.real, -d.imag, -e.real, e.imag, one / 2.0
-    return 2.0 * np.stack(parts, axis=-1)
+    twice = (m.real, -m.imag, -d.real, -d.imag, -e.real, e.imag)
+    return np.stack([np.abs(d) ** 2, *(2.0 * part for part in twice), one], axis=-1)
 
 
 def _product(a: Floats, b: Floats) -> Floats:

@@ -33,7 +33,8 @@ function scene(motion) {
 }
 
 // From the plane of the mechanism to a canvas, and back.
-function framing(view, width, height, margin = state.forces ? 60 : 34) {
+function framing(view, width, height, small = false) {
+  const margin = small ? 14 : state.forces ? 60 : 34;
   const wide = Math.max(view[1] - view[0], 1e-9), high = Math.max(view[3] - view[2], 1e-9);
   const scale = Math.min((width - 2 * margin) / wide, (height - 2 * margin) / high);
   const middle = [0.5 * (view[0] + view[1]), 0.5 * (view[2] + view[3])];
@@ -41,7 +42,7 @@ function framing(view, width, height, margin = state.forces ? 60 : 34) {
     ([x, y]) => [middle[0] + (x - width / 2) / scale, middle[1] - (y - height / 2) / scale]];
 }
 function drawLinkage(canvas, height, {motion, paths, view}, position, {small = false} = {}) {
-  const {pen, width} = prepared(canvas, height), [on] = framing(view, width, height, small ? 14 : undefined);
+  const {pen, width} = prepared(canvas, height), [on] = framing(view, width, height, small);
   if (mechanism.metric === "minkowskian" && !small)
     for (const one of mechanism.points.filter(point => point.kind === "ground")) {
       const [x, y] = on(motion.place(motion.at(position, motion.branches[0]), one)), far = width + height;
@@ -65,16 +66,6 @@ function drawLinkage(canvas, height, {motion, paths, view}, position, {small = f
 // Forces as arrows, torques as turned ones; all of a kind by one scale, the greatest of the motion.
 const ARROW = 0.22, RADIUS = 17;  // of the height; pixels
 function drawLoads(pen, motion, position, on, height) {
-  const size = (load, known) => Math.hypot(...load.of.map(name => valueOf(known, name)));
-  if (!motion.greatest) {
-    motion.greatest = {};
-    for (const branch of motion.branches)
-      for (const known of motion.ranges.flatMap(range => motion.along(61, range)).map(one => motion.at(one, branch)))
-        for (const load of mechanism.loads) {
-          const here = size(load, known);
-          if (Number.isFinite(here)) motion.greatest[load.units] = Math.max(motion.greatest[load.units] ?? 0, here);
-        }
-  }
   let top = 14;
   for (const [units, most] of Object.entries(motion.greatest)) {
     write(pen, `${units === "N" ? "forces" : "torques"}, the greatest ${short(+most.toPrecision(3))} ${units}`, 8, top, {textAlign: "left"});

@@ -144,6 +144,17 @@ class Motion {
       if (Math.abs(points.at(k)[1]) > 100 * Math.abs(points.at(3 * k + 1)[1])) values.push(Math.sign(points.at(k)[1]) * Infinity);
     return values.length ? Math[how === "min" ? "min" : "max"](...values.map(size)) : NaN;
   }
+  // the greatest of the forces and of the torques over the motion, by their units
+  get greatest() {
+    if (this.most) return this.most;
+    const positions = this.ranges.flatMap(range => this.along(61, range)), most = this.most = {};
+    for (const known of this.branches.flatMap(branch => positions.map(one => this.at(one, branch))))
+      for (const load of mechanism.loads) {
+        const size = Math.hypot(...load.of.map(name => valueOf(known, name)));
+        if (Number.isFinite(size)) most[load.units] = Math.max(most[load.units] ?? 0, size);
+      }
+    return most;
+  }
   within(position) {
     if (!this.turns) return position;
     const low = this.widest[0];
