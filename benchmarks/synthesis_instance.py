@@ -48,7 +48,7 @@ def remake(seed=0, threads=None):
     while idle < 2:
         ends, places = known, [base, _random(random, 2, 8), _random(random, 2, 8), base]
         for place, goal in pairwise(places):
-            ends, told, _ = nine_points._follow(ends, place, goal, threads)
+            ends, told = nine_points._follow(ends, place, goal, threads)
             ends = ends[told[0] == 1.0]
         ends, corrections = nine_points._run(nine_points.POLISH, ends, base, 0.0 * base, 0.0, threads)
         both = np.concatenate([known, ends[corrections[-1] < nine_points.SETTLED]])
