@@ -27,10 +27,6 @@ if TYPE_CHECKING:
     from fastlink.plan.programs import ExtremaProgram, ExtremumSearch, Output
 
 
-# Bisection alone halves a cell to nothing in half as many; values that are no numbers must not go on for ever.
-MOST_STEPS = 200
-
-
 class ExtremaWriter:
     """One kernel while it is written: the steps of a search by loop, and the rows of lane values."""
 
@@ -44,10 +40,10 @@ class ExtremaWriter:
         self.design_steps = [step for step in steps if program.axes[step.name] <= {"design"}]
         self.lane_steps = [step for step in steps if step not in self.design_steps]
         self.rows: dict[str, int] = {}
-        # Both ends of each: kernels know the row of the lower end.
-        for ends in zip(*program.graded.ends, strict=True):
-            for name in ends:
-                self.row(name)
+        # in the order of `cells.START`, `cells.TOGGLE` and `cells.SCALE`
+        scales, starts, toggles = zip(*program.graded.ends, strict=True)
+        for name in (*starts, *toggles, *scales):
+            self.row(name)
         for output in program.outputs:
             for term in output.terms:
                 self.row(term.tolerance)
@@ -491,13 +487,13 @@ class ExtremaWriter:
         target, first = f"out_{output.name}, i0, n_here", number * len(self.program.branches) * LANES
         if request.is_status:
             row = results.WINNER_ROWS * (sign_of(output) < 0) + results.CODE
-            self.text.call(results.store_status, f"{target}, {first}, {self.all}winners, {row}")
+            self.text.call(results.store_row, f"{target}, {first}, {self.all}winners, {row}")
             return
         kinds = [(one.by, one.is_position) for one in search.gradients]
         base = self.gradient_base(sign_of(output))
         rows = [base + kinds.index((by, request.is_position)) for by in output.inputs]
         if not request.change:
-            self.text.call(results.store_gradient, f"{target}, {first}, {self.all}gradients, {rows[0]}")
+            self.text.call(results.store_row, f"{target}, {first}, {self.all}gradients, {rows[0]}")
             return
         table, tolerances = f"{output.name}__terms", [self.row(term.tolerance) for term in output.terms]
         self.text.add(
@@ -513,36 +509,15 @@ class ExtremaWriter:
         return bool(self.kept) and self.program.has_bounds
 
     @contextmanager
-    def gathered(self, number: int, items: str, last: str, first: int = 0) -> Iterator[None]:
+    def gathered(self, number: int, items: str, last: str) -> Iterator[None]:
         """Write a loop over items of a search, as many at a time as there are lanes."""
-        with self.text.block(f"for start in range({first}, {last}, {LANES}):"):
+        with self.text.block(f"for start in range(0, {last}, {LANES}):"):
             self.text.call(cells.gather, f"{items}, start, {last}, w, rows_{number}, state", "filled")
             yield
 
-    def write_value(self, number: int) -> None:
-        """Write the quantity's evaluation at items of a search."""
-        self.text.call(cells.every_vector, "vectors, filled", "n_open")
-        self.text.add(f"value_{number}(state, vectors, n_open)")
-
-    def write_splits(self, number: int) -> None:
-        """Write the function on both sides of the places at which its cells are split."""
-        text, last = self.text, f"int(splits[{beside.NEXT}, 0])"
-        with self.gathered(number, "splits", last, LANES):
-            text.call(cells.every_vector, "vectors, filled", "n_open")
-            with text.block("for k in range(2):"):
-                text.call(beside.place_split, "state, filled, k")
-                text.add(f"slope_{number}(state, vectors, n_open)")
-                text.call(beside.keep_slopes, f"state, filled, k, splits, start, split_by_{number}")
-
-    def write_toggles(self, number: int, part: str) -> None:
-        """Write the function beside toggles at which it vanishes, whose sign counts there."""
-        text = self.text
-        text.call(beside.collect_toggles, f"w, table, {part}, samples, n_here, ends", "n_ends")
-        with self.gathered(number, "ends", "n_ends"):
-            text.call(cells.every_vector, "vectors, filled", "n_open")
-            text.call(beside.place_ends, f"state, filled, {beside.AWAY}")
-            text.add(f"slope_{number}(state, vectors, n_open)")
-            text.call(beside.settle_toggles, "state, filled, samples")
+    def call(self, function: Callable[..., Any], number: int, arguments: str, result: str = "") -> None:
+        """Write a call with items of a search, whose slope comes first among the arguments."""
+        self.text.call(function, f"slope_{number}, {arguments}", result)
 
     def looks_away(self, number: int) -> bool:
         """Whether the sampled function's signs beside toggles stand for those at toggles."""
@@ -552,71 +527,6 @@ class ExtremaWriter:
     def bounds_hidden(self, number: int) -> bool:
         """Whether what is then not looked for is in error bounds."""
         return bool(self.program.searches[number].bounded_by) and self.looks_away(number)
-
-    def write_hidden(self, number: int) -> None:
-        """Write which ends of the range have an extreme beside them that is not looked for."""
-        text = self.text
-        text.call(cells.every_vector, "vectors, filled", "n_open")
-        text.call(beside.place_near, "state, filled, w, table, 1.0")
-        text.add(f"slope_{number}(state, vectors, n_open)")
-        text.call(beside.keep_near, "state, filled")
-        text.call(beside.place_near, f"state, filled, w, table, {beside.AWAY}")
-        text.add(f"slope_{number}(state, vectors, n_open)")
-        text.call(beside.count_turned, "state, filled, w, table", "n_turned")
-        with text.block("if n_turned > 0:"):
-            text.call(beside.place_near, f"state, filled, w, table, {beside.BEYOND * beside.AWAY}")
-            self.write_value(number)
-            text.call(beside.keep_away, "state, filled")
-            text.call(beside.place_near, "state, filled, w, table, 1.0")
-            self.write_value(number)
-            text.call(beside.keep_turned, "state, filled")
-
-    def write_octaves(self, number: int, part: str) -> None:
-        """Write the samples of cells next to a fold, where the function is small or far greater between."""
-        text, search = self.text, self.program.searches[number]
-        text.call(beside.collect_folds, f"w, table, {part}, samples, n_here, ends", "n_ends")
-        with self.gathered(number, "ends", "n_ends"):
-            text.call(cells.every_vector, "vectors, filled", "n_open")
-            text.call(beside.begin_octaves, "state, filled")
-            with text.block(f"for k in range({beside.FEW}):"):
-                text.call(
-                    beside.place_octave, f"state, filled, {beside.COARSE} * k + {beside.COARSE // 2}, 0"
-                )
-                text.add(f"slope_{number}(state, vectors, n_open)")
-                text.call(beside.weigh_octave, "state, filled")
-            with text.block(f"for trial in range({beside.TRIALS + 1}):"):
-                text.call(beside.to_sample, "state, filled, trial, octaves", "n_octaves")
-                with text.block("for k in range(n_octaves):"):
-                    text.call(beside.place_octave, "state, filled, k, trial")
-                    text.add(f"slope_{number}(state, vectors, n_open)")
-                    text.call(beside.keep_octave, "state, filled, k, trial, octaves")
-            text.call(beside.collect_octaves, "state, filled, octaves, counts, roots, splits")
-            text.call(beside.replace_cells, "state, filled, marks")
-            # by its symmetry the slope of one with a parity is 0 at the fold: it falls, and hides nothing
-            if self.flagged and search.bounded_by and not (search.onto or search.parity):
-                self.write_certainty(number)
-
-    def write_certainty(self, number: int) -> None:
-        """Write how far towards the fold the slope is certain, and that the lists of those that fall are marked."""
-        text = self.text
-        text.call(results.begin_certain, "state, filled")
-        with text.block(f"for k in range({beside.OCTAVES}):"):
-            text.call(beside.place_octave, "state, filled, k, 0")
-            self.write_value(number)
-            text.call(results.keep_certain, "state, filled")
-        text.call(results.note_hidden, f"state, filled, table, search_{number}, best")
-
-    def write_certain(self, number: int) -> None:
-        """Write at which items next to folds and toggles the slope changes its sign beyond its error bound."""
-        text = self.text
-        text.call(results.count_near, "state, filled, w, table", "n_near")
-        with text.block("if n_near > 0:"):
-            text.call(cells.every_vector, "vectors, filled", "n_open")
-            with text.block(f"for k in range({results.SLOPES}):"):
-                text.call(results.place_slope, "state, filled, k")
-                text.add(f"certain_{number}(state, vectors, n_open)")
-                text.call(results.keep_slope, "state, filled, k")
-            text.call(results.settle_slopes, "state, filled")
 
     # -- the kernel ------------------------------------------------------------------------------------
 
@@ -651,7 +561,7 @@ class ExtremaWriter:
         text, searches = self.text, self.program.searches
         self.write_designs()
         self.write_samples(numbers)
-        text.call(results.clear, f"lists, best, {self.kept}")
+        text.call(results.clear, "lists, best")
         if self.program.has_gradients:
             text.call(results.forget_winners, "winners, gradients")
         text.add(f"counts[{cells.DESIGNS}] = n_here")
@@ -680,7 +590,8 @@ class ExtremaWriter:
                 arguments = f"pieces, p0, n_here, zeros, leasts, samples, {middle}, {searches[number].cuts}"
                 text.call(pieces.cut_pieces, f"{arguments}, further, n_further", "n_further")
             text.call(pieces.close_pieces, "further, n_further, pieces", "n_pieces")
-        text.call(pieces.clear_all, "all_lists, all_best, found, ranges")
+        text.call(results.clear, "all_lists, all_best")
+        text.call(pieces.clear_ranges, "found, ranges")
         if self.program.has_gradients:
             text.call(results.forget_winners, "all_winners, all_gradients")
         text.call(pieces.note_pieces, "pieces, n_pieces, found, ranges")
@@ -724,11 +635,9 @@ class ExtremaWriter:
     def write_tables(self) -> None:
         """Write the tables of whole numbers that tell the searches, branches and halves apart, see `runtime.cells`."""
         program, searched = self.program, self.searched_branches
-        _, start, toggle = map(self.row, program.graded.ends[0])
         none = [-1] * (2 - len(searched))
         own, mirror = ([*map(column, searched), *none] for column in (self.own_column, self.mirror_column))
-        sizes = [start, toggle, program.sides, self.halves, self.columns]
-        tables = {"table": [*sizes, *own, *mirror]}
+        tables = {"table": [program.sides, self.halves, self.columns, *own, *mirror]}
         for k, search in enumerate(program.searches):
             flags = [int(search.at_limit), int(search.kind == "wrap") - int(search.kind in ("piece", "end"))]
             about = [k, self.number_of(search.quantity), search.order, search.parity]
@@ -768,8 +677,7 @@ class ExtremaWriter:
     def write_samples(self, numbers: Sequence[int]) -> None:
         """Write the derivatives at all samples of the graded range, on both sides: both branches side by side."""
         text, sides = self.text, self.sides
-        scale, start, _ = map(self.row, self.program.graded.ends[0])
-        text.call(cells.place_samples, f"w, samples, {scale}, {start}, {self.cells}, width")
+        text.call(cells.place_samples, f"w, samples, {self.cells}, width")
         often = f"{self.samples} samples of the graded range" + (f", on {sides} sides" if sides > 1 else "")
         lanes = "for i in lanes(width):", "design and sample", often
         # a row of the nearer end's distance, then one of the farther end's, where positions are no longer placed
@@ -840,22 +748,28 @@ class ExtremaWriter:
         text, search = self.text, self.program.searches[number]
         text.call(cells.nothing_yet, f"counts, search_{number}")
         parts, split = self.parts_of(number), bool(self.split_by(search))
+        ends, of_items = f"w, table, {parts[0]}, samples, n_here, ends", f"w, rows_{number}, state, vectors"
         for part in self.parts_that_may_rest(number):
-            text.call(results.silence_rest, f"w, table, samples, marks, {part}, n_here")
+            text.call(results.silence_rest, f"w, samples, marks, {part}, n_here")
         if self.looks_away(number):
-            self.write_toggles(number, parts[0])
+            self.call(beside.settle_toggles, number, f"{ends}, {of_items[3:]}")
         if split:
-            self.write_splits(number)
+            self.call(beside.keep_slopes, number, f"splits, split_by_{number}, {of_items}")
         elif self.n_splits:
             text.call(beside.forget_slopes, "splits")
         for part in parts:
-            text.call(cells.mark_ends, f"w, table, samples, marks, {part}, width")
+            text.call(cells.mark_ends, f"w, samples, marks, {part}, width")
             if split:
                 text.call(beside.mark_splits, f"samples, marks, {part}, splits")
             if search.divided:
                 text.call(beside.mark_unresolved, f"samples, marks, {part}, width")
         if search.divided or not search.parity:  # else its extremes are counted: none hides
-            self.write_octaves(number, parts[0])
+            arguments = f"{ends}, {of_items[3:]}, octaves, counts, roots, splits, marks"
+            self.call(beside.search_octaves, number, arguments, "n_ends")
+            # by its symmetry the slope of one with a parity is 0 at the fold: it falls, and hides nothing
+            if self.flagged and search.bounded_by and not (search.onto or search.parity):
+                arguments = f"value_{number}, ends, n_ends, {of_items}, table, search_{number}, best"
+                text.call(beside.mark_hiding, arguments)
         for part in parts:
             if search.divided:
                 arguments = f"samples, marks, {part}, counts, unresolved, splits"
@@ -864,98 +778,49 @@ class ExtremaWriter:
                     text.call(beside.collect_jumps, f"{part}, splits, counts, roots")
             text.call(cells.collect, f"samples, marks, {part}, counts, roots, valleys")
         if search.divided:
-            self.write_division(number)
+            arguments = f"unresolved, {of_items}, fine_marks, counts, roots, valleys"
+            self.call(beside.divide_cells, number, arguments)
         if search.cuts:
-            self.write_leasts(number, parts[0])
-        for items, count in (("valleys", cells.VALLEYS), ("roots", cells.ROOTS)):
-            with self.gathered(number, items, f"counts[{count}]"):
-                if items == "valleys":
-                    text.call(cells.begin_valleys, "state, filled, vectors", "n_open")
-                    self.write_steps(number, cells.advance_valleys)
-                    text.call(cells.split, "state, filled, counts, roots")
-                else:
-                    text.call(cells.begin_roots, "state, filled, vectors, flags", "n_open")
-                    self.write_steps(number, cells.advance_roots)
-                    if search.splits:
-                        arguments = f"state, filled, samples, {parts[0]}, splits, {number}"
-                        text.call(beside.keep_splits, arguments)
-                    elif search.kind == "jump":
-                        text.call(beside.set_aside, "state, filled")
-                        with text.block("for k in range(4):"):
-                            text.call(beside.place_aside, "state, filled, k")
-                            self.write_extrema(number, results.extrema_at_zeros, "state, filled, table")
-                    elif search.kind == "pole":
-                        self.write_poles(number)
-                    else:
-                        self.write_extrema(number, results.extrema_at_zeros, "state, filled, table")
-
-    def write_leasts(self, number: int, part: str) -> None:
-        """Write the small least values of a gap, next to which its root may turn sharply."""
-        text = self.text
-        text.call(pieces.collect_leasts, f"samples, {part}, n_here, ends", "n_leasts")
-        with self.gathered(number, "ends", "n_leasts"):
-            text.call(cells.begin_valleys, "state, filled, vectors", "n_open")
-            self.write_steps(number, cells.advance_valleys)
-            text.call(pieces.place_leasts, "state, filled")
-            self.write_value(number)
-            text.call(pieces.keep_leasts, "state, filled, leasts")
-
-    def write_poles(self, number: int) -> None:
-        """Write the values on both sides of places where the quantity may be infinite, and what they show."""
-        text = self.text
-        text.call(beside.set_aside, "state, filled")
-        with text.block("for turn in range(2):"):
-            with text.block("for k in range(2):"):
-                text.call(beside.place_at_pole, "state, filled, w, table, turn, k")
-                self.write_value(number)
-                text.call(beside.keep_at_pole, f"state, filled, table, search_{number}, k")
-            text.call(beside.place_at_pole, "state, filled, w, table, turn, 2")
-            self.write_extrema(number, beside.pole_values, "state, filled, w, table")
-
-    def write_division(self, number: int) -> None:
-        """Write the division of unresolved cells, and of their parts that are still unresolved."""
-        text = self.text
-        text.add("divided = 0")
-        with text.block(f"while divided < counts[{cells.UNRESOLVED}]:"):
-            items = f"unresolved, divided, counts[{cells.UNRESOLVED}]"
-            text.call(cells.gather, f"{items}, w, rows_{number}, state", "filled")
-            text.call(cells.every_vector, "vectors, filled", "n_open")
-            with text.block(f"for k in range({cells.FINE_SAMPLES}):"):
-                text.call(beside.place_fine, "state, filled, k")
-                text.add(f"slope_{number}(state, vectors, n_open)")
-                text.call(beside.keep_fine, "state, filled, k")
-            text.call(beside.mark_fine, "state, filled, fine_marks")
-            text.call(beside.divide, "state, filled, fine_marks, counts, unresolved")
-            text.call(beside.collect_fine, "state, filled, fine_marks, counts, roots, valleys")
-            text.add("divided = divided + filled")
-
-    def write_steps(self, number: int, advance: Callable[..., Any]) -> None:
-        """Write the steps of a refinement."""
-        with self.text.block(f"for step in range({MOST_STEPS}):"):
-            self.text.add("if n_open == 0: break")
-            self.text.add(f"slope_{number}(state, vectors, n_open)")
-            self.text.call(advance, "state, vectors, n_open, flags", "n_open")
+            arguments = f"value_{number}, samples, {parts[0]}, n_here, ends, {of_items}, flags, leasts"
+            self.call(pieces.find_leasts, number, arguments)
+        arguments = f"valleys, w, rows_{number}, counts, roots, state, vectors, flags"
+        self.call(cells.search_valleys, number, arguments)
+        with self.gathered(number, "roots", f"counts[{cells.ROOTS}]"):
+            self.call(cells.find_roots, number, "state, filled, vectors, flags")
+            if search.splits:
+                text.call(beside.keep_splits, f"state, filled, samples, {parts[0]}, splits, {number}")
+            elif search.kind == "jump":
+                text.call(cells.keep, f"state, filled, {cells.XA}, {cells.X}")
+                with text.block("for k in range(4):"):
+                    text.call(beside.place_aside, "state, filled, k")
+                    self.write_extrema(number, results.extrema_at_zeros, "state, filled, table")
+            elif search.kind == "pole":
+                with text.block("for turn in range(2):"):
+                    arguments = f"state, filled, vectors, w, table, search_{number}, turn"
+                    text.call(beside.values_at_pole, f"value_{number}, {arguments}")
+                    self.write_extrema(number, beside.pole_values, "state, filled, w")
+            else:
+                self.write_extrema(number, results.extrema_at_zeros, "state, filled, table")
 
     def write_extrema(self, number: int, classify: Callable[..., Any], state: str) -> None:
         """Write the quantity's evaluation at items of a search, what is extreme there, and its storing."""
         text, search = self.text, self.program.searches[number]
+        of_items = "state, filled, vectors"
         if search.cuts:
-            self.write_value(number)
+            text.call(cells.evaluate, f"value_{number}, {of_items}")
             text.call(pieces.keep_zeros, "state, filled, zeros, leasts")
             return
         listed = bool(search.certain_by) and classify is results.extrema_at_zeros
         if listed:
-            self.write_certain(number)
-        self.write_value(number)
+            text.call(results.find_certain, f"certain_{number}, {of_items}, w")
+        text.call(cells.evaluate, f"value_{number}, {of_items}")
         if classify is beside.end_values and search.at_limit:
-            text.call(beside.place_lost, f"state, filled, w, table, {beside.FARTHER}", "n_lost")
-            with text.block("if n_lost > 0:"):
-                self.write_value(number)
+            text.call(beside.values_lost, f"value_{number}, {of_items}, w")
         text.call(classify, f"{state}, search_{number}")
         if breaks := self.breaks_of(search):
             text.call(beside.unlist_jumps, f"state, filled, splits, array({breaks})")
         if classify is results.extrema_at_zeros:
-            text.call(results.drop_folds, f"state, filled, w, table, search_{number}")
+            text.call(results.drop_folds, f"state, filled, w, search_{number}")
         if self.program.has_bounds and classify is results.extrema_at_zeros:
             text.call(results.bound_zeros, f"state, filled, search_{number}, {int(search.magnitude)}")
             if search.kind == "jump":
@@ -963,7 +828,7 @@ class ExtremaWriter:
             if listed and not search.onto:
                 text.call(results.note_uncertain, f"state, filled, w, table, search_{number}, best")
         elif self.program.has_bounds and search.kind != "pole":
-            text.call(results.bound_ends, "state, filled, w, table")
+            text.call(results.bound_ends, "state, filled, w")
             if self.bounds_hidden(number):
                 text.call(beside.bound_hidden, "state, filled")
         if self.program.has_gradients:
@@ -976,21 +841,18 @@ class ExtremaWriter:
     def write_ends(self, number: int) -> None:
         """Write the values at the ends of the range, where these may be extreme."""
         text, search = self.text, self.program.searches[number]
-        collect = pieces.collect_both_ends if self.program.in_pieces else beside.collect_ends
-        text.call(collect, f"w, n_here, table, search_{number}, best, ends", "n_ends")
+        value, of_items = f"value_{number}", "state, filled, vectors"
+        arguments = f"w, n_here, table, search_{number}, best, ends, {int(self.program.in_pieces)}"
+        text.call(beside.collect_ends, arguments, "n_ends")
         for part in self.parts_that_may_rest(number):
             text.call(results.collect_rest, f"samples, {part}, n_here, ends, n_ends", "n_ends")
         with self.gathered(number, "ends", "n_ends"):
             if search.order > 0:
-                text.call(beside.tries, "state, filled, w, table", "n_tries")
-                with text.block("for k in range(n_tries):"):
-                    text.call(beside.place_beside, "state, filled, k")
-                    self.write_value(number)
-                    text.call(beside.keep_beside, "state, filled, w, table, k")
+                text.call(beside.values_beside, f"{value}, {of_items}, w")
             if self.bounds_hidden(number):
-                self.write_hidden(number)
-            text.call(beside.place_ends, "state, filled, 1.0")
-            self.write_extrema(number, beside.end_values, "state, filled, w, table")
+                self.call(beside.find_hidden, number, f"{value}, {of_items}, w")
+            text.call(cells.keep, f"state, filled, {cells.X}, {cells.XA}")
+            self.write_extrema(number, beside.end_values, "state, filled, w")
 
     def write_result(self, output: Output) -> None:
         """Write the copy of one result of a search."""
@@ -1002,7 +864,7 @@ class ExtremaWriter:
                 self.text.call(pieces.store_assembly, f"{target}, found, w, {self.row(VALID)}")
             else:
                 self.text.call(
-                    pieces.store_ranges if row < 2 else pieces.store_gaps, f"{target}, ranges, {row}"
+                    results.store_list, f"{target}, 0, ranges, {row}, {'nan' if row < 2 else '0.0'}"
                 )
             return
         number = self.number_of(request.quantity)
@@ -1011,14 +873,16 @@ class ExtremaWriter:
         if request.is_of_gradient:
             self.write_gradient_result(output, number)
         elif request.reduction is not None:
-            row = {1: results.GREATEST, -1: results.LEAST}[request.reduction.sign] + int(request.is_position)
-            store = results.store_bound if request.is_error else results.store_best
-            self.text.call(store, f"{target}, {self.all}best, {row}")
+            least = request.reduction.sign < 0
+            row, at, bound = results.ROWS_OF_LEAST if least else results.ROWS_OF_GREATEST
+            row = at if request.is_position else bound if request.is_error else row
+            self.text.call(results.store_best, f"{target}, {self.all}best, {row}, {at}")
         elif request.listed == "count":
             self.text.call(results.store_counts, f"{target}, {self.all}best")
         else:
             row = results.LIST_ROW_OF[request.listed]
-            self.text.call(results.store_list, f"{target}, {self.all}lists, {row}")
+            beyond = "0.0" if row == results.LIST_KIND else "nan"
+            self.text.call(results.store_list, f"{target}, {self.all}lists, {row}, {beyond}")
 
 
 def sign_of(output: Output) -> int:

@@ -64,8 +64,10 @@ class KnownWriter(ExtremaWriter):
         super().__init__(program)
         self.written: set[str] = set()
         # no sample is placed: only what derivatives hang on is kept
-        kept = list(zip(*program.graded.ends, strict=True))[1:] if program.has_gradients else []
-        self.rows = {name: row for row, name in enumerate(name for ends in kept for name in ends)}
+        _, starts, toggles = zip(*program.graded.ends, strict=True)
+        self.rows = {}
+        for name in (*starts, *toggles) if program.has_gradients else ():
+            self.row(name)
         # quantities of both symmetries are in one kernel
         self.searched_branches, self.sides = tuple(program.catalogue.branches), 2
 
@@ -92,8 +94,7 @@ class KnownWriter(ExtremaWriter):
 
     def write_tables(self) -> None:
         """Write those parts of the tables of a search that tell where derivatives are evaluated."""
-        _, start, toggle = self.program.graded.ends[0]
-        table = [self.row(start), self.row(toggle), self.sides, 0, len(self.program.branches)]
+        table = [self.sides, 0, len(self.program.branches)]
         self.text.add(f"table = array({table})")
         for number in range(len(self.program.searches)):
             self.text.add(f"search_{number} = array({[number]})")

@@ -118,9 +118,11 @@ attributes #2 = { nounwind "stackrealign" "denormal-fp-math"="ieee,ieee" }"""
 class Module:
     """The functions of one kernel under construction."""
 
-    def __init__(self, lanes: int, flags: str = "") -> None:
+    def __init__(self, lanes: int, scope: dict[str, Any], flags: str = "") -> None:
         self.flags = flags
         self.lanes = lanes
+        #: The names of the text, its functions among them, wherever these are called.
+        self.scope = scope
         self.text: list[str] = []
         self.constants: list[str] = []
         self.declarations: dict[str, None] = {}
@@ -163,8 +165,8 @@ INTEGER = {
 COMPARISONS = {ast.Lt: "lt", ast.LtE: "le", ast.Gt: "gt", ast.GtE: "ge", ast.Eq: "eq", ast.NotEq: "ne"}
 #: Functions of Python that need no import.
 PYTHON_NAMES = {"abs": abs, "min": min, "max": max, "int": int, "float": float}
-#: The value of a name: a number, several, an array, a place in memory, the counter of lanes.
-Name = Value | Array | Slot | Lane | tuple[Any, ...]
+#: The value of a name: a number, several, an array, a place in memory, the counter of lanes, a function.
+Name = Value | Array | Slot | Lane | tuple[Any, ...] | ast.FunctionDef | Callable[..., Any]
 T = TypeVar("T")
 
 
@@ -263,8 +265,9 @@ class _Function:
             at = next_one("ptr noalias" if noalias else "ptr")
             shape = (d if d.known is not None else Value(next_one("i64"), "i") for d in arg.shape)
             return Array(at, arg.kind, tuple(shape))
-        assert isinstance(arg, Value)
-        return self.slot(Value(next_one(LLVM[arg.kind]), arg.kind))
+        if isinstance(arg, Value):
+            return self.slot(Value(next_one(LLVM[arg.kind]), arg.kind))
+        return arg
 
     def finish(self, *, merged: bool) -> tuple[str, str | None]:
         """Translate the body, add the function to the module, return its name and the kind of its result."""
@@ -719,11 +722,11 @@ class _Function:
             return self.module.constant_array([self.number(part) for part in node.args[0].elts])
         args = [self.value(arg) for arg in node.args]
         if isinstance(function, ast.FunctionDef) and _is_inlined(function):
-            return self.paste(function, self.scope, args)
+            return self.paste(function, self.module.scope, args)
         if self.width > 1 and (isinstance(function, ast.FunctionDef) or function in OUTLINED):
             self.refuse(node, "lanes call no functions with loops")
         if isinstance(function, ast.FunctionDef):
-            return self.call_function(function, self.scope, args)
+            return self.call_function(function, self.module.scope, args)
         if function in BUILT_IN:
             operation: Any = BUILT_IN[function]
             if len(args) != operation.__code__.co_argcount - 1 or not all(isinstance(a, Value) for a in args):
@@ -757,7 +760,7 @@ class _Function:
             if isinstance(arg, Array):
                 given.append(f"ptr {arg.at}")
                 given += [f"i64 {length.at}" for length in arg.shape if length.known is None]
-            else:
+            elif isinstance(arg, Value):
                 given.append(f"{LLVM[arg.kind]} {arg.at}")
         text = f"@{name}({', '.join(given)})"
         if kind is not None:
@@ -1082,8 +1085,7 @@ def _is_inlined(node: ast.FunctionDef) -> bool:
 def _signature(arg: Name) -> Any:
     if isinstance(arg, Array):
         return arg.kind, tuple(length.known for length in arg.shape)
-    assert isinstance(arg, Value)
-    return arg.kind
+    return arg.kind if isinstance(arg, Value) else arg
 
 
 def translate_function(
@@ -1123,12 +1125,12 @@ def translate(
 ) -> str:
     """Return the LLVM of a kernel: a function ``kernel(ptr)`` of a table."""
     tree = parsed(text)
-    module, args, types = Module(lanes, "".join(f" {flag}" for flag in fast_math)), [], []
+    scope, args, types = scope_of(tree), [], []
+    module = Module(lanes, scope, "".join(f" {flag}" for flag in fast_math))
     for kind, lengths in arguments:
         types += ["ptr" if lengths else "i64", *("i64" for length in lengths if length is None)]
         shape = (Value("", "i") if length is None else constant(length) for length in lengths)
         args.append(Array("", kind, tuple(shape)) if lengths else Value("", kind))
-    scope = scope_of(tree)
     name, _ = translate_function(module, scope["kernel"], scope, args, noalias=True)
     lines, given = [], []
     for k, llvm_type in enumerate(types):

@@ -37,9 +37,11 @@ STATE_ROWS = FINE + FINE_SAMPLES
 # valley leave that depth; their extremes differ by 2^-60 of the valley's rise, less than a rounding. The
 # double zero of omega4 of 5, 3, 2, 2 leaves less than 2^-44.
 FLAT = 2.0**-40
-# Entries of the table of a kernel: rows of the lane values (the lower end's, the upper end's follows each), sides,
-# halves and branches, and for each searched branch where its results go, and those of its mirror (-1 for nowhere).
-START, TOGGLE, SIDES, HALVES, BRANCHES, OWN, MIRROR = 0, 1, 2, 3, 4, 5, 7
+# The first rows of the lane values, of the lower end of the range; the upper end's follows each.
+START, TOGGLE, SCALE = 0, 2, 4
+# Entries of the table of a kernel: sides, halves and branches, and for each searched branch where its results go, and
+# those of its mirror (-1 for nowhere).
+SIDES, HALVES, BRANCHES, OWN, MIRROR = 0, 1, 2, 3, 5
 # Entries of the table of a search: its number; the search that it adds to, itself or another; the power of 1/sigma by
 # which the quantity grows at a toggle; what the mirror does to it; whether it has a value exactly at a toggle; whether
 # it is for the places where an angle passes pi (1), or for a smooth part of what has kinks (-1); how many entries each
@@ -65,39 +67,57 @@ def padded(count: int) -> int:
 
 
 @merged
-def set_bracket(items: Any, count: int, a: float, fa: float, b: float, fb: float) -> None:
-    """Write the bracket of the next item, see `append_item`."""
-    items[XA, count] = a
-    items[FA, count] = fa
-    items[XB, count] = b
-    items[FB, count] = fb
+def first_of(w: Any, s: Any, i: int) -> Any:
+    """Return where the first sample is at the end of an item, negative if nothing has a value at the end itself."""
+    return w[START + int(s[UPPER, i]), int(s[LANE, i])]
 
 
 @merged
-def append_item(items: Any, count: int, lane: int, half: int, upper: bool) -> int:
-    """Append the item whose bracket is set; return how many there are.
+def toggle_of(w: Any, s: Any, i: int) -> Any:
+    """Return what is positive if the end of an item is a toggle, 0 at a fold."""
+    return w[TOGGLE + int(s[UPPER, i]), int(s[LANE, i])]
+
+
+@merged
+def append_item(
+    items: Any, n: int, lane: int, half: int, upper: bool, a: float, fa: float, b: float, fb: float
+) -> int:
+    """Append an item with its bracket; return how many there are.
 
     There is room for all that smooth functions can ask for; beyond that, the last column is written again.
     """
-    items[LANE, count] = lane
-    items[HALF, count] = half
-    items[UPPER, count] = 1.0 if upper else 0.0
-    return count + 1 if count + MOST_LANES <= items.shape[1] else count
+    items[LANE, n] = lane
+    items[HALF, n] = half
+    items[UPPER, n] = 1.0 if upper else 0.0
+    items[XA, n] = a
+    items[FA, n] = fa
+    items[XB, n] = b
+    items[FB, n] = fb
+    return n + 1 if n + MOST_LANES <= items.shape[1] else n
 
 
 @merged
-def append_of_lane(items: Any, counts: Any, kind: int, lane: int, half: int, upper: bool) -> None:
-    """Append the item whose bracket is set to a list, unless its design has its share of the list already.
+def append_of_lane(
+    items: Any,
+    counts: Any,
+    kind: int,
+    lane: int,
+    half: int,
+    upper: bool,
+    a: float,
+    fa: float,
+    b: float,
+    fb: float,
+) -> None:
+    """Append an item with its bracket to a list, unless its design has its share of the list already.
 
     A function that is constant but for rounding has zeros without end; what other designs find must not depend on them.
     """
-    count, own = counts[kind], SHARES + (kind - 1) * LANES + lane
-    items[LANE, count] = lane
-    items[HALF, count] = half
-    items[UPPER, count] = 1.0 if upper else 0.0
+    own, n = SHARES + (kind - 1) * LANES + lane, counts[kind]
+    append_item(items, n, lane, half, upper, a, fa, b, fb)
     one = 1 if counts[own] < counts[MOST + (kind - 1)] else 0
     counts[own] = counts[own] + one
-    counts[kind] = count + one
+    counts[kind] = n + one
 
 
 @outlined
@@ -107,13 +127,6 @@ def nothing_yet(counts: Any, search: Any) -> None:
         counts[k] = 0
     for k in range(MOST_ITEMS):
         counts[MOST + k] = search[MOST_VALLEYS + k]
-
-
-@merged
-def append_unresolved(items: Any, count: int, level: int, sign: float, owner: bool) -> None:
-    """Write how often the next item was divided, its sign, and whether a valley at its first end is its own."""
-    items[XC, count] = level
-    items[FC, count] = 2.0 * sign if owner else sign
 
 
 @outlined
@@ -138,6 +151,27 @@ def gather(items: Any, start: int, stop: int, w: Any, rows: Any, s: Any) -> int:
     return count
 
 
+@outlined
+def evaluate(function: Any, s: Any, count: int, vectors: Any) -> None:
+    """Evaluate a function at the positions of items."""
+    function(s, vectors, every_vector(vectors, count))
+
+
+@outlined
+def evaluate_at(function: Any, s: Any, count: int, vectors: Any, row: int, times: float) -> None:
+    """Put items at so many times the positions in a row of the state, and evaluate a function there."""
+    for i in lanes(padded(count)):
+        s[X, i] = times * s[row, i]
+    evaluate(function, s, count, vectors)
+
+
+@outlined
+def keep(s: Any, count: int, row: int, of: int) -> None:
+    """Copy a row of the state to another one."""
+    for i in lanes(padded(count)):
+        s[row, i] = s[of, i]
+
+
 # -- Refine zeros and least magnitudes in their brackets, lane by lane: no item waits for another design
 
 
@@ -149,11 +183,23 @@ VALLEY_RELATIVE = 2.0**-26
 # After this many steps a parabola is trusted that stays above half of the least magnitude.
 TRUSTED_STEPS = 4
 GOLDEN = 0.3819660112501051
+# Bisection alone halves a cell to nothing in half as many; values that are no numbers must not go on for ever.
+MOST_STEPS = 200
 
 
 @outlined
-def begin_valleys(s: Any, count: int, vectors: Any) -> int:
-    """Choose the first position in each valley; return how many vectors are open."""
+def _refine(slope: Any, advance: Any, s: Any, open_ones: int, vectors: Any, flags: Any) -> None:
+    """Take steps until no vector is open."""
+    for _ in range(MOST_STEPS):
+        if open_ones == 0:
+            break
+        slope(s, vectors, open_ones)
+        open_ones = advance(s, vectors, open_ones, flags)
+
+
+@outlined
+def find_least(slope: Any, s: Any, count: int, vectors: Any, flags: Any) -> None:
+    """Find where the magnitude of a function is least in each valley, or another sign of it."""
     width = padded(count)
     for i in lanes(width):
         low, high, c = s[XA, i], s[XB, i], s[XC, i]
@@ -169,12 +215,12 @@ def begin_valleys(s: Any, count: int, vectors: Any) -> int:
         s[F2, i] = fb
         s[STEPS, i] = 0.0
         s[OPEN, i] = 1.0
-    return every_vector(vectors, count)
+    _refine(slope, _advance_valleys, s, every_vector(vectors, count), vectors, flags)
 
 
 @outlined
-def begin_roots(s: Any, count: int, vectors: Any, flags: Any) -> int:
-    """Choose the first position for each root, perhaps an end of its bracket; return how many vectors are open."""
+def find_roots(slope: Any, s: Any, count: int, vectors: Any, flags: Any) -> None:
+    """Find the zero of a function in each bracket, which may be an end of it."""
     width = padded(count)
     for i in lanes(width):
         a, fa, b, fb = s[XA, i], s[FA, i], s[XB, i], s[FB, i]
@@ -190,7 +236,8 @@ def begin_roots(s: Any, count: int, vectors: Any, flags: Any) -> int:
         s[X2, i] = b
         s[F2, i] = fb
         s[OPEN, i] = 0.0 if exact else 1.0
-    return _still_open(s, vectors, every_vector(vectors, count), flags)
+    still_open = _still_open(s, vectors, every_vector(vectors, count), flags)
+    _refine(slope, _advance_roots, s, still_open, vectors, flags)
 
 
 @outlined
@@ -218,7 +265,7 @@ def _still_open(s: Any, vectors: Any, n: int, flags: Any) -> int:
 
 
 @outlined
-def advance_roots(s: Any, vectors: Any, n: int, flags: Any) -> int:
+def _advance_roots(s: Any, vectors: Any, n: int, flags: Any) -> int:
     """Use the function's value at each position, choose the next; return how many vectors are open.
 
     One step of Chandrupatla's method: inverse quadratic interpolation where it is safe, else bisection.
@@ -273,7 +320,7 @@ def _vertex(a: float, fa: float, c: float, fc: float, b: float, fb: float) -> fl
 
 
 @outlined
-def advance_valleys(s: Any, vectors: Any, n: int, flags: Any) -> int:
+def _advance_valleys(s: Any, vectors: Any, n: int, flags: Any) -> int:
     """Take a golden-section step towards the least magnitude; return how many vectors are open.
 
     An item is done where the sign changes.
@@ -310,16 +357,20 @@ def advance_valleys(s: Any, vectors: Any, n: int, flags: Any) -> int:
 
 
 @outlined
-def split(s: Any, count: int, counts: Any, roots: Any) -> None:
+def search_valleys(
+    slope: Any, valleys: Any, w: Any, rows: Any, counts: Any, roots: Any, s: Any, vectors: Any, flags: Any
+) -> None:
     """Make two roots of each valley that has a value of the other sign in it, beyond rounding."""
-    for i in range(count):
-        deep = abs(s[F, i]) > FLAT * max(abs(s[FA, i]), abs(s[FB, i]))
-        if (s[F, i] > 0.0) != (s[FC, i] > 0.0) and deep:
-            lane, half, upper = int(s[LANE, i]), int(s[HALF, i]), s[UPPER, i] > 0.0
-            set_bracket(roots, counts[ROOTS], s[XA, i], s[FA, i], s[X, i], s[F, i])
-            append_of_lane(roots, counts, ROOTS, lane, half, upper)
-            set_bracket(roots, counts[ROOTS], s[X, i], s[F, i], s[XB, i], s[FB, i])
-            append_of_lane(roots, counts, ROOTS, lane, half, upper)
+    for start in range(0, counts[VALLEYS], LANES):
+        count = gather(valleys, start, counts[VALLEYS], w, rows, s)
+        find_least(slope, s, count, vectors, flags)
+        for i in range(count):
+            x, f = s[X, i], s[F, i]
+            deep = abs(f) > FLAT * max(abs(s[FA, i]), abs(s[FB, i]))
+            if (f > 0.0) != (s[FC, i] > 0.0) and deep:
+                lane, half, upper = int(s[LANE, i]), int(s[HALF, i]), s[UPPER, i] > 0.0
+                append_of_lane(roots, counts, ROOTS, lane, half, upper, s[XA, i], s[FA, i], x, f)
+                append_of_lane(roots, counts, ROOTS, lane, half, upper, x, f, s[XB, i], s[FB, i])
 
 
 # -- Samples on the graded range, and the cells of it that hold a zero of a function
@@ -335,12 +386,12 @@ NOISE = 2.0**-50
 
 
 @outlined
-def place_samples(w: Any, samples: Any, scale: int, start: int, cells: int, width: int) -> None:
+def place_samples(w: Any, samples: Any, cells: int, width: int) -> None:
     """Write the positions scale sinh(j h), j = 0 ... cells, of both ends; the last ones are one position."""
     beyond = cells + 1
     a, b, up, down = 2 * beyond, 2 * beyond + 1, 2 * beyond + 2, 2 * beyond + 3
     for i in lanes(width):
-        g = 1.0 / sqrt(w[scale, i] * w[scale + 1, i])
+        g = 1.0 / sqrt(w[SCALE, i] * w[SCALE + 1, i])
         samples[a, i] = g + sqrt(g * g + 1.0)
         samples[up, i] = 1.0
         samples[down, i] = 1.0
@@ -357,11 +408,11 @@ def place_samples(w: Any, samples: Any, scale: int, start: int, cells: int, widt
             y = samples[down, i] * samples[b, i]
             samples[up, i] = x
             samples[down, i] = y
-            samples[j, i] = w[scale, i] * (0.5 * (x - y))
-            samples[beyond + j, i] = w[scale + 1, i] * (0.5 * (x - y))
+            samples[j, i] = w[SCALE, i] * (0.5 * (x - y))
+            samples[beyond + j, i] = w[SCALE + 1, i] * (0.5 * (x - y))
     for i in lanes(width):
-        samples[0, i] = abs(w[start, i])
-        samples[beyond, i] = abs(w[start + 1, i])
+        samples[0, i] = abs(w[START, i])
+        samples[beyond, i] = abs(w[START + 1, i])
 
 
 @inlined
@@ -404,19 +455,19 @@ def mark(a: Any, b: Any, c: Any, sign: Any) -> Any:
 
 
 @outlined
-def mark_ends(w: Any, table: Any, samples: Any, marks: Any, part: Any, width: int) -> None:
+def mark_ends(w: Any, samples: Any, marks: Any, part: Any, width: int) -> None:
     """Mark the first and the last sample of one half of the range, which other halves continue."""
-    sign, along, toggle = float(part[SIGN]), float(part[CONTINUED]), table[TOGGLE]
+    sign, along = float(part[SIGN]), float(part[CONTINUED])
     first, last = part[FIRST], part[FIRST] + 2 * part[CELLS]
     beyond, continued = part[BEYOND] + 1, part[BEYOND] + 2 * part[CELLS] - 1
     for i in lanes(width):
         before, after = along * samples[beyond, i], samples[first + 1, i]
-        here = flattened(before, samples[first, i], after, w[toggle, i])
+        here = flattened(before, samples[first, i], after, w[TOGGLE, i])
         samples[first, i] = here
         marks[first, i] = mark(before, here, after, sign)
     for i in lanes(width):
         inner, before, after = samples[last - 2, i], samples[last - 1, i], along * samples[continued, i]
-        here = flattened(after, samples[last, i], before, w[toggle + 1, i])
+        here = flattened(after, samples[last, i], before, w[TOGGLE + 1, i])
         samples[last, i] = here
         marks[last - 1, i] = mark(inner, before, here, sign)
         marks[last, i] = mark(before, here, after, sign)
@@ -435,11 +486,11 @@ def position_of(samples: Any, cells: int, j: int, upper: bool, lane: int) -> flo
 @merged
 def _add_root(samples: Any, part: Any, j: int, lane: int, counts: Any, roots: Any) -> None:
     """Make an item of the cell that begins with a sample."""
-    cells, n = part[CELLS], counts[ROOTS]
+    cells = part[CELLS]
     at, upper = part[FIRST] + j, j >= cells
     a, b = position_of(samples, cells, j, upper, lane), position_of(samples, cells, j + 1, upper, lane)
-    set_bracket(roots, n, a, samples[at, lane], b, samples[at + 1, lane])
-    append_of_lane(roots, counts, ROOTS, lane, part[PART], upper)
+    fa, fb = samples[at, lane], samples[at + 1, lane]
+    append_of_lane(roots, counts, ROOTS, lane, part[PART], upper, a, fa, b, fb)
 
 
 @merged
@@ -459,10 +510,9 @@ def _add_valley(samples: Any, part: Any, j: int, lane: int, counts: Any, valleys
     if (fa > 0.0) == (middle > 0.0) and (fb > 0.0) == (middle > 0.0):
         upper = left >= cells
         a, b = position_of(samples, cells, left, upper, lane), position_of(samples, cells, right, upper, lane)
-        set_bracket(valleys, n, a, fa, b, fb)
         valleys[XC, n] = position_of(samples, cells, j, upper, lane)
         valleys[FC, n] = middle
-        append_of_lane(valleys, counts, VALLEYS, lane, part[PART], upper)
+        append_of_lane(valleys, counts, VALLEYS, lane, part[PART], upper, a, fa, b, fb)
 
 
 @outlined

@@ -40,10 +40,8 @@ from fastlink.codegen.runtime.cells import (
     SLOPE,
     SLOPE_BOUND,
     START,
-    STEPS,
     THETA,
     TOGGLE,
-    TOLERANCE,
     UPPER,
     VALUE,
     XA,
@@ -51,8 +49,11 @@ from fastlink.codegen.runtime.cells import (
     F,
     X,
     append_item,
+    evaluate_at,
+    first_of,
+    keep,
     padded,
-    set_bracket,
+    toggle_of,
 )
 from fastlink.numerics.compiler import (
     AT_CHANGE_POINT,
@@ -69,7 +70,14 @@ from fastlink.numerics.compiler import (
     merged,
     outlined,
 )
-from fastlink.numerics.elementary import ANGLE_ROUNDING, INFINITY, NOT_A_NUMBER, PI, TWO_PI, sine
+from fastlink.numerics.elementary import (
+    ANGLE_ROUNDING,
+    INFINITY,
+    NOT_A_NUMBER,
+    PI,
+    TWO_PI,
+    sine,
+)
 from fastlink.numerics.vectors import magnitude
 
 # -- Error bounds of extrema, where they are requested
@@ -169,11 +177,10 @@ def bound_zeros(s: Any, count: int, search: Any, magnitude: int) -> None:
 
 
 @outlined
-def bound_ends(s: Any, count: int, w: Any, table: Any) -> None:
+def bound_ends(s: Any, count: int, w: Any) -> None:
     """Add to the bounds of values at ends of the range what the places are off."""
     for i in range(count):
-        first = w[table[START] + int(s[UPPER, i]), int(s[LANE, i])]
-        toggle = w[table[TOGGLE] + int(s[UPPER, i]), int(s[LANE, i])]
+        first, toggle = first_of(w, s, i), toggle_of(w, s, i)
         x, size, bend = s[X, i], abs(s[VALUE, i]), s[BEND, i]
         total = known(MARGIN * s[BOUND, i] + off_at_end(x, s[SLOPE, i], s[SLOPE_BOUND, i], bend, first))
         s[BOUND, i] = INFINITY if has_no_bound(x, size, bend, first, toggle) else total
@@ -201,6 +208,8 @@ LIST_ROW_OF = {"position": LIST_THETA, "value": LIST_VALUE, "kind": LIST_KIND, "
 # are requested, those of both, and whether the list of extremes is undecided.
 GREATEST, AT_GREATEST, LEAST, AT_LEAST, COUNT, GREATEST_BOUND, LEAST_BOUND, UNDECIDED = range(8)
 BEST_ROWS = 5
+ROWS_OF_GREATEST = GREATEST, AT_GREATEST, GREATEST_BOUND
+ROWS_OF_LEAST = LEAST, AT_LEAST, LEAST_BOUND
 # Zeros of a slope within so many distances of the first sample from a fold are the fold itself, which is listed no more
 # than a toggle: towards a pole the sampled function falls with a power of the distance, and looks like zero there.
 FOLDED = 2.0**8
@@ -210,11 +219,11 @@ TOGGLED = 2.0**34
 
 
 @outlined
-def clear(lists: Any, best: Any, kept: int) -> None:
-    """Forget the extrema of the designs before, in lists those that are returned."""
+def clear(lists: Any, best: Any) -> None:
+    """Forget the extrema of the designs before."""
     for r in range(lists.shape[0]):
         for column in range(lists.shape[1]):
-            for k in range(kept):
+            for k in range(lists.shape[2]):
                 lists[r, column, k] = 0.0 if r == LIST_KIND else NOT_A_NUMBER
     for i in lanes(best.shape[1]):
         best[GREATEST, i] = -INFINITY
@@ -277,40 +286,65 @@ def extrema_at_zeros(s: Any, count: int, table: Any, search: Any) -> None:
 
 
 @outlined
-def drop_folds(s: Any, count: int, w: Any, table: Any, search: Any) -> None:
+def drop_folds(s: Any, count: int, w: Any, search: Any) -> None:
     """Drop extrema that are nothing but the end of the range at a fold or toggle, or have no value."""
-    of_toggle = (
-        TOGGLED if search[ORDER] == 0 else 0.0
-    )  # a quantity that grows towards a toggle has no value there
+    # a quantity that grows towards a toggle has no value there
+    of_toggle = TOGGLED if search[ORDER] == 0 else 0.0
     for i in range(count):
-        upper, lane = int(s[UPPER, i]), int(s[LANE, i])
-        first, fold = abs(w[table[START] + upper, lane]), w[table[TOGGLE] + upper, lane] == 0.0
-        is_end = s[X, i] < (FOLDED if fold else of_toggle) * first
+        is_end = s[X, i] < (FOLDED if toggle_of(w, s, i) == 0.0 else of_toggle) * abs(first_of(w, s, i))
         if (is_end and s[KIND, i] != 0.0) or s[VALUE, i] != s[VALUE, i]:
             s[KIND, i] = NOT_A_NUMBER
+
+
+@merged
+def column_of(table: Any, search: int, lane: int, half: int, mirror: int) -> int:
+    """Return the column of the results of a search that a half of a design is for, or its mirror image; -1 for none."""
+    branch = half >> (table[SIDES] - 1)
+    target = table[MIRROR + branch] if mirror == 1 else table[OWN + branch]
+    return (search * table[BRANCHES] + target) * LANES + lane if target >= 0 else -1
+
+
+@merged
+def note_best(
+    best: Any,
+    column: int,
+    greatest: float,
+    at_greatest: float,
+    bound: float,
+    least: float,
+    at_least: float,
+    least_bound: float,
+) -> None:
+    """Take over a greatest and a least value, with their positions and error bounds, where they are better."""
+    if best.shape[0] > BEST_ROWS:
+        high, low = best[GREATEST_BOUND, column], best[LEAST_BOUND, column]
+        best[GREATEST_BOUND, column] = of_better(best[GREATEST, column], high, greatest, bound)
+        best[LEAST_BOUND, column] = of_better(-best[LEAST, column], low, -least, least_bound)
+    if greatest > best[GREATEST, column]:
+        best[GREATEST, column] = greatest
+        best[AT_GREATEST, column] = at_greatest
+    if least < best[LEAST, column]:
+        best[LEAST, column] = least
+        best[AT_LEAST, column] = at_least
 
 
 @outlined
 def store_extrema(s: Any, count: int, table: Any, search: Any, lists: Any, best: Any) -> None:
     """Sort the extrema at items into the results of their design, each for its own branch, then for the mirror's."""
-    sides, branches = table[SIDES], table[BRANCHES]
-    onto, parity = search[ONTO], float(search[PARITY])
-    jumps, room = search[JUMPS] > 0, search[ROOM]
+    parity, jumps, room = float(search[PARITY]), search[JUMPS] > 0, search[ROOM]
     for i in range(count):
         value, theta, kind, bound = s[VALUE, i], s[THETA, i], s[KIND, i], s[BOUND, i]
         if kind != kind:
             continue
-        lane, branch = int(s[LANE, i]), int(s[HALF, i]) >> (sides - 1)
         for mirror in range(2):
-            target = table[MIRROR + branch] if mirror == 1 else table[OWN + branch]
-            if target < 0:
+            column = column_of(table, search[ONTO], int(s[LANE, i]), int(s[HALF, i]), mirror)
+            if column < 0:
                 continue
             if mirror == 1:
                 theta = s[IMAGE, i]
                 if not jumps:
                     value = parity * value
                 kind = parity * kind
-            column = (onto * branches + target) * LANES + lane
             if (kind != 0.0) & (room > 0):
                 if s[CERTAIN, i] > 0.0:
                     k = insert(lists, column, int(best[COUNT, column]), theta, room)
@@ -323,17 +357,7 @@ def store_extrema(s: Any, count: int, table: Any, search: Any, lists: Any, best:
                     best[COUNT, column] += 1.0
                 elif best.shape[0] > BEST_ROWS:
                     best[UNDECIDED, column] = 1.0
-            least = -PI if jumps else value
-            if best.shape[0] > BEST_ROWS:
-                high, low = best[GREATEST_BOUND, column], best[LEAST_BOUND, column]
-                best[GREATEST_BOUND, column] = of_better(best[GREATEST, column], high, value, bound)
-                best[LEAST_BOUND, column] = of_better(-best[LEAST, column], low, -least, bound)
-            if value > best[GREATEST, column]:
-                best[GREATEST, column] = value
-                best[AT_GREATEST, column] = theta
-            if least < best[LEAST, column]:
-                best[LEAST, column] = least
-                best[AT_LEAST, column] = theta
+            note_best(best, column, value, theta, bound, -PI if jumps else value, theta, bound)
 
 
 @outlined
@@ -350,9 +374,8 @@ def doubt(w: Any, row: int, count: int, lists: Any, best: Any) -> None:
 
 
 @outlined
-def store_list(result: Any, first: int, count: int, base: int, lists: Any, row: int) -> None:
-    """Copy a list of each design and branch; beyond the last extremum stands NaN, and 0 as a kind."""
-    beyond = 0.0 if row == LIST_KIND else NOT_A_NUMBER
+def store_list(result: Any, first: int, count: int, base: int, lists: Any, row: int, beyond: float) -> None:
+    """Copy a list of each design and branch; what stands beyond the room of lists is given."""
     for i in range(count):
         for branch in range(result.shape[1]):
             for k in range(result.shape[2]):
@@ -369,24 +392,13 @@ def store_counts(result: Any, first: int, count: int, base: int, best: Any) -> N
 
 
 @outlined
-def store_best(result: Any, first: int, count: int, base: int, best: Any, row: int) -> None:
-    """Copy a greatest or least value, or its position from the row after; NaN where there is none."""
+def store_best(result: Any, first: int, count: int, base: int, best: Any, row: int, at: int) -> None:
+    """Copy a greatest or least value, its position (`at`) or its error bound; NaN where there is none."""
     for i in range(count):
         for branch in range(result.shape[1]):
             column = base + branch * LANES + i
-            theta = best[row | 1, column]
+            theta = best[at, column]
             result[first + i, branch] = best[row, column] if theta == theta else NOT_A_NUMBER
-
-
-@outlined
-def store_bound(result: Any, first: int, count: int, base: int, best: Any, row: int) -> None:
-    """Copy the error bound of the greatest or least value; NaN where there is none."""
-    of = GREATEST_BOUND if row == GREATEST else LEAST_BOUND
-    for i in range(count):
-        for branch in range(result.shape[1]):
-            column = base + branch * LANES + i
-            theta = best[row | 1, column]
-            result[first + i, branch] = best[of, column] if theta == theta else NOT_A_NUMBER
 
 
 # -- Where the greatest and the least value of a search are, for their derivatives by the inputs if these
@@ -447,17 +459,14 @@ def note_winners(s: Any, count: int, table: Any, search: Any, winners: Any, sign
 
     `signs` tells whether greatest values are requested (1, else 0), and whether least ones are.
     """
-    sides, branches = table[SIDES], table[BRANCHES]
     jumps, piece, beside = search[JUMPS] > 0, search[JUMPS] < 0, search[ONTO] != search[NUMBER]
     for i in range(count):
         if s[KIND, i] != s[KIND, i]:
             continue
-        branch = int(s[HALF, i]) >> (sides - 1)
         for mirror in range(2):
-            target = table[MIRROR + branch] if mirror == 1 else table[OWN + branch]
-            if target < 0:
+            column = column_of(table, search[ONTO], int(s[LANE, i]), int(s[HALF, i]), mirror)
+            if column < 0:
                 continue
-            column = (search[ONTO] * branches + target) * LANES + int(s[LANE, i])
             theta = s[IMAGE, i] if mirror == 1 else s[THETA, i]
             value = float(search[PARITY]) * s[VALUE, i] if mirror == 1 else s[VALUE, i]
             for least in range(1 - signs[0], 1 + signs[1]):
@@ -483,18 +492,15 @@ def note_winners(s: Any, count: int, table: Any, search: Any, winners: Any, sign
 @outlined
 def note_kinks(s: Any, count: int, table: Any, search: Any, winners: Any, signs: Any) -> None:
     """Note which of the places kept last are kinks: the slope jumps over zero there; arguments as of `note_winners`."""
-    sides, branches = table[SIDES], table[BRANCHES]
     for i in range(count):
         low, high = abs(s[FA, i]), abs(s[FB, i])
         jumps = abs(s[F, i]) > KINKED * (high if high > low else low)
         if (s[KIND, i] != s[KIND, i]) | (not jumps):
             continue
-        branch = int(s[HALF, i]) >> (sides - 1)
         for mirror in range(2):
-            target = table[MIRROR + branch] if mirror == 1 else table[OWN + branch]
-            if target < 0:
+            column = column_of(table, search[ONTO], int(s[LANE, i]), int(s[HALF, i]), mirror)
+            if column < 0:
                 continue
-            column = (search[ONTO] * branches + target) * LANES + int(s[LANE, i])
             theta = s[IMAGE, i] if mirror == 1 else s[THETA, i]
             for least in range(1 - signs[0], 1 + signs[1]):
                 row = least * WINNER_ROWS
@@ -505,7 +511,6 @@ def note_kinks(s: Any, count: int, table: Any, search: Any, winners: Any, signs:
 @outlined
 def judge_winners(winners: Any, w: Any, count: int, table: Any, search: Any, asked: Any) -> None:
     """Find what derivatives of greatest and least values are worth."""
-    start, end = table[START], table[TOGGLE]
     for least in range(1 - asked[0], 1 + asked[1]):
         row = least * WINNER_ROWS
         for branch in range(table[BRANCHES]):
@@ -513,8 +518,8 @@ def judge_winners(winners: Any, w: Any, count: int, table: Any, search: Any, ask
             for i in lanes(padded(count)):
                 best, kind = winners[row + BEST, column + i], winners[row + OF_KIND, column + i]
                 x, upper = winners[row + AT_X, column + i], winners[row + IN_UPPER, column + i] > 0.0
-                first = abs(w[start + 1, i] if upper else w[start, i])
-                toggle = (w[end + 1, i] if upper else w[end, i]) > 0.0
+                first = abs(w[START + 1, i] if upper else w[START, i])
+                toggle = (w[TOGGLE + 1, i] if upper else w[TOGGLE, i]) > 0.0
                 at_end, tied = kind == 0.0, winners[row + SECOND, column + i] >= best - TIE * abs(best)
                 fold = (first > 0.0) & (at_end | (x < FOLDED * first))
                 folded = (asked[3] > 0) & ((abs(best) < FOLD) | (abs(abs(best) - PI) < FOLD))
@@ -543,11 +548,11 @@ def settle_jumps(winners: Any, row: int, columns: Any, gradients: Any, base: int
 
 
 @outlined
-def store_gradient(result: Any, first: int, count: int, base: int, gradients: Any, row: int) -> None:
-    """Copy the derivative of a greatest or least value, or of its place."""
+def store_row(result: Any, first: int, count: int, base: int, values: Any, row: int) -> None:
+    """Copy the derivatives of greatest or least values or of their places, or the codes of what these are worth."""
     for i in range(count):
         for branch in range(result.shape[1]):
-            result[first + i, branch] = gradients[row, base + branch * LANES + i]
+            result[first + i, branch] = values[row, base + branch * LANES + i]
 
 
 @outlined
@@ -568,14 +573,6 @@ def store_change(result: Any, first: int, count: int, gradients: Any, w: Any, te
             result[first + i, branch] = change
 
 
-@outlined
-def store_status(result: Any, first: int, count: int, base: int, winners: Any, row: int) -> None:
-    """Copy what the derivatives of a greatest or least value are worth, from the row of its code."""
-    for i in range(count):
-        for branch in range(result.shape[1]):
-            result[first + i, branch] = int(winners[row, base + branch * LANES + i])
-
-
 # -- Entries of the lists that are nothing but rounding, next to folds and toggles
 
 # At a fold a quantity may be a small difference of great numbers: its slope changes its sign with every
@@ -588,7 +585,6 @@ def store_status(result: Any, first: int, count: int, base: int, winners: Any, r
 
 #: Slopes are evaluated on both sides at so many distances from an extreme: 2^-1, 2^-7, ... of the position itself.
 DISTANCES, FIRST_DISTANCE, NEXT_DISTANCE = 6, 0.5, 2.0**-6
-SLOPES = 2 * DISTANCES
 # The scale of a toggle, beside which the first sample stands.
 PER_FIRST = 2.0**60
 # As near to a toggle rounding may make extremes up; next to a fold it may everywhere.
@@ -596,12 +592,12 @@ BESIDE = 2.0**-20
 
 
 @merged
-def _distance(w: Any, table: Any, upper: int, lane: int, x: float) -> Any:
+def _distance(w: Any, upper: int, lane: int, x: float) -> Any:
     """Return how far a position is from a fold, 1 at most, or from a toggle next to it; NaN where there is neither.
 
     Far from a toggle a bound as great as the slope is that of a kink, whose place is certain.
     """
-    first, is_toggle = abs(w[table[START] + upper, lane]), w[table[TOGGLE] + upper, lane] != 0.0
+    first, is_toggle = abs(w[START + upper, lane]), w[TOGGLE + upper, lane] != 0.0
     # the input angle goes with x beside a fold, with its square beside a toggle, up to its scale
     from_toggle = x * (x / (x + PER_FIRST * first))
     distance = from_toggle if from_toggle < BESIDE else NOT_A_NUMBER
@@ -609,12 +605,11 @@ def _distance(w: Any, table: Any, upper: int, lane: int, x: float) -> Any:
 
 
 @outlined
-def count_near(s: Any, count: int, w: Any, table: Any) -> int:
-    """Return how many items are near a fold or toggle, and not certain yet; keep all positions and slopes."""
+def find_certain(certain: Any, s: Any, count: int, vectors: Any, w: Any) -> None:
+    """Tell at which items next to folds and toggles the slope changes its sign beyond its error bound."""
     near = 0
     for i in range(count):
-        lane, upper = int(s[LANE, i]), int(s[UPPER, i])
-        distance = _distance(w, table, upper, lane, s[X, i])
+        distance = _distance(w, int(s[UPPER, i]), int(s[LANE, i]), s[X, i])
         is_near = distance == distance
         rises, turned = (s[FA, i] > 0.0) | (s[FB, i] < 0.0), s[XA, i] > s[XB, i]
         s[EXPECTED, i] = 1.0 if rises != turned else -1.0
@@ -622,37 +617,21 @@ def count_near(s: Any, count: int, w: Any, table: Any) -> int:
         s[FOUND, i] = s[F, i]
         s[CERTAIN, i] = 0.0 if is_near else 1.0
         near = near + (1 if is_near else 0)
-    return near
-
-
-@outlined
-def place_slope(s: Any, count: int, k: int) -> None:
-    """Put items at the k-th place where the slope is evaluated: nearer to the end and farther from it in turns."""
-    distance = FIRST_DISTANCE
-    for _ in range(k >> 1):
-        distance = NEXT_DISTANCE * distance
-    times = 1.0 / (1.0 + distance) if k & 1 == 0 else 1.0 + distance
-    for i in lanes(padded(count)):
-        s[X, i] = s[SAVED, i] * times
-
-
-@outlined
-def keep_slope(s: Any, count: int, k: int) -> None:
-    """Keep the slope nearer to the end if its sign is certain, or compare that with the one on the other side."""
-    for i in lanes(padded(count)):
-        f = s[F, i] * s[EXPECTED, i]
-        f = f if abs(f) > s[SLOPE_BOUND, i] else 0.0
-        turns = (s[ONE_SIDE, i] > 0.0) & (f < 0.0) & (k & 1 == 1)
-        s[CERTAIN, i] = 1.0 if turns else s[CERTAIN, i]
-        s[ONE_SIDE, i] = f
-
-
-@outlined
-def settle_slopes(s: Any, count: int) -> None:
-    """Put items back."""
-    for i in lanes(padded(count)):
-        s[X, i] = s[SAVED, i]
-        s[F, i] = s[FOUND, i]
+    if near > 0:
+        distance = FIRST_DISTANCE
+        for _ in range(DISTANCES):
+            for farther in range(2):
+                times = 1.0 + distance if farther == 1 else 1.0 / (1.0 + distance)
+                evaluate_at(certain, s, count, vectors, SAVED, times)
+                for i in lanes(padded(count)):
+                    f = s[F, i] * s[EXPECTED, i]
+                    f = f if abs(f) > s[SLOPE_BOUND, i] else 0.0
+                    turns = (s[ONE_SIDE, i] > 0.0) & (f < 0.0) & (farther == 1)
+                    s[CERTAIN, i] = 1.0 if turns else s[CERTAIN, i]
+                    s[ONE_SIDE, i] = f
+            distance = NEXT_DISTANCE * distance
+        keep(s, count, X, SAVED)
+        keep(s, count, F, FOUND)
 
 
 # -- Lists that may lack an extreme, or hold one too many: those that doubles do not decide
@@ -667,51 +646,18 @@ def settle_slopes(s: Any, count: int) -> None:
 # is empty can tell it, too.
 
 
-# A slope that comes down to so little of itself with half the distance falls: as the distance itself it halves.
-FALLING = 0.75
 # A peak that may be off by so much of its height: what it is in the middle of is as uncertain. Of the three extremes of
 # a curvature within a peak above 1e15 two were lost, and the third was so.
 PEAK = 2.0**-16
-# While that is found: the slope at the place before that was certain, 0 before there is one; and whether it falls.
-LAST_TOLERANCE, FALLS = TOLERANCE, STEPS
-
-
-@outlined
-def begin_certain(s: Any, count: int) -> None:
-    """Forget what was certain: as long as nothing is, an extreme may hide."""
-    for i in lanes(padded(count)):
-        s[LAST_TOLERANCE, i] = 0.0
-        s[FALLS, i] = 1.0
-
-
-@outlined
-def keep_certain(s: Any, count: int) -> None:
-    """Compare a slope at half the distance before with that there; an uncertain one counts for nothing."""
-    for i in lanes(padded(count)):
-        slope, last = s[SLOPE, i], s[LAST_TOLERANCE, i]
-        certain = is_certain(slope, s[SLOPE_BOUND, i])
-        falls = 1.0 if (slope < FALLING * last) | (last == 0.0) else 0.0
-        s[FALLS, i] = falls if certain else s[FALLS, i]
-        s[LAST_TOLERANCE, i] = slope if certain else FALLING * last
 
 
 @merged
-def _undecided(best: Any, table: Any, search: Any, lane: int, half: int) -> None:
+def mark_undecided(best: Any, table: Any, search: Any, lane: int, half: int) -> None:
     """Mark the lists that the extremes of one half of a design would be in."""
-    branch = half >> (table[SIDES] - 1)
     for mirror in range(2):
-        target = table[MIRROR + branch] if mirror == 1 else table[OWN + branch]
-        if target >= 0:
-            best[UNDECIDED, (search[NUMBER] * table[BRANCHES] + target) * LANES + lane] = 1.0
-
-
-@outlined
-def note_hidden(s: Any, count: int, table: Any, search: Any, best: Any) -> None:
-    """Mark the lists of items whose cells may hide an extreme next to the fold."""
-    for i in range(count):
-        silenced = s[FA, i] != s[FA, i]
-        if silenced | (s[FALLS, i] > 0.0):
-            _undecided(best, table, search, int(s[LANE, i]), int(s[HALF, i]))
+        column = column_of(table, search[NUMBER], lane, half, mirror)
+        if column >= 0:
+            best[UNDECIDED, column] = 1.0
 
 
 @outlined
@@ -722,13 +668,12 @@ def note_uncertain(s: Any, count: int, w: Any, table: Any, search: Any, best: An
         off, bend = s[SLOPE, i] + s[SLOPE_BOUND, i], s[BEND, i]
         if s[KIND, i] != s[KIND, i]:
             continue
-        here = _distance(w, table, upper, lane, x)
-        there = _distance(w, table, 1 - upper, lane, 1.0 / x)
+        here, there = _distance(w, upper, lane, x), _distance(w, 1 - upper, lane, 1.0 / x)
         unsettled = (off >= bend * here) | (off >= bend * there)
         height = s[KIND, i] * s[VALUE, i]
         peak = (height > 0.0) & (s[BOUND, i] > PEAK * height)
         if unsettled | peak:
-            _undecided(best, table, search, lane, int(s[HALF, i]))
+            mark_undecided(best, table, search, lane, int(s[HALF, i]))
 
 
 @outlined
@@ -754,13 +699,12 @@ REST, RESTLESS = 2.0**-20, 5
 
 
 @outlined
-def silence_rest(w: Any, table: Any, samples: Any, marks: Any, part: Any, count: int) -> None:
+def silence_rest(w: Any, samples: Any, marks: Any, part: Any, count: int) -> None:
     """Take the samples of one half of the range away where they are rounding errors beside those of the next half."""
-    start, toggle, rows = table[START], table[TOGGLE], 2 * part[CELLS] + 1
-    first, beyond = part[FIRST], part[BEYOND]
+    rows, first, beyond = 2 * part[CELLS] + 1, part[FIRST], part[BEYOND]
     for i in range(count):
-        lower = (w[start, i] != 0.0) & (w[toggle, i] == 0.0)
-        upper = (w[start + 1, i] != 0.0) & (w[toggle + 1, i] == 0.0)
+        lower = (w[START, i] != 0.0) & (w[TOGGLE, i] == 0.0)
+        upper = (w[START + 1, i] != 0.0) & (w[TOGGLE + 1, i] == 0.0)
         if lower | upper:
             own, other, restless = 0.0, 0.0, 0
             for j in range(rows):
@@ -784,6 +728,5 @@ def collect_rest(samples: Any, part: Any, count: int, ends: Any, total: int) -> 
     for i in range(count):
         middle = samples[part[FIRST] + part[CELLS], i]
         if middle != middle:
-            set_bracket(ends, total, 1.0, 0.0, 1.0, 0.0)
-            total = append_item(ends, total, i, part[PART], False)
+            total = append_item(ends, total, i, part[PART], False, 1.0, 0.0, 1.0, 0.0)
     return total
