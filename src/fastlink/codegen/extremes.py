@@ -44,11 +44,11 @@ class ExtremaWriter:
         scales, starts, toggles = zip(*program.graded.ends, strict=True)
         for name in (*starts, *toggles, *scales):
             self.row(name)
-        for output in program.outputs:
-            for term in output.terms:
-                self.row(term.tolerance)
-        if any(output.is_assembly for output in program.outputs):
-            self.row(VALID)
+        #: The values of the design that are read where results are stored.
+        self.of_results = [term.tolerance for output in program.outputs for term in output.terms]
+        self.of_results += [VALID] if any(output.is_assembly for output in program.outputs) else []
+        for name in self.of_results:
+            self.row(name)
         # positive where a gap counts as zero, so that it is not known whether there is a toggle
         doubted = program.graded.ends if program.has_bounds and not program.in_pieces else ()
         self.doubts = [self.row(error_name(end[2])) for end in doubted]
@@ -61,18 +61,16 @@ class ExtremaWriter:
         """Return the lane steps that these values need, branch signs among them."""
         return needed_steps(self.lane_steps, names)
 
-    def design_needs(self, steps: Sequence[Fact]) -> list[str]:
-        """Return the values of the design that a loop over lanes reads."""
-        depends_on = dict.fromkeys(name for step in steps for name in step.depends_on)
-        return [name for name in depends_on if self.program.axes[name] <= {"design"}]
+    def design_needs(self, names: Sequence[str]) -> list[str]:
+        """Return the values of the design that a loop over lanes reads for values, those among these too."""
+        read = (name for step in self.needed_for(names) for name in step.depends_on)
+        return [name for name in dict.fromkeys((*read, *names)) if self.program.axes[name] <= {"design"}]
 
     def item_needs(self, search: ExtremumSearch) -> list[str]:
         """Return the design values that an item of a search carries."""
         names = [*self.slope_names(search), search.quantity, *self.places_wanted]
-        names += [*search.bounded_by, *search.certain_by, *self.needs_of_zeros(search)]
-        needs = self.design_needs(self.needed_for(names))
-        needs += [name for name in names if self.program.axes[name] <= {"design"} and name not in needs]
-        return [*needs, *(ARC_FACTS if search.arc else ())]
+        names += [*search.bounded_by, *search.certain_by, *self.at_zeros(search)]
+        return [*self.design_needs(names), *(ARC_FACTS if search.arc else ())]
 
     @property
     def places_wanted(self) -> list[str]:
@@ -82,25 +80,18 @@ class ExtremaWriter:
         wanted = wanted or self.program.searches[0].arc or self.program.in_pieces
         return [self.program.catalogue.position.name] if wanted else []
 
-    def needs_of_zeros(self, search: ExtremumSearch) -> tuple[str, ...]:
-        """Return what is evaluated at the zeros of a gap; its error bound only where bounds are requested."""
-        names = self.program.needs_of_zeros(search)
-        return names if self.program.has_bounds else names[:1]
+    def at_zeros(self, search: ExtremumSearch) -> tuple[str, ...]:
+        """Return what is evaluated at the zeros of a gap; error bounds only where bounds are requested."""
+        return search.at_zeros if self.program.has_bounds else search.at_zeros[:1]
 
     def gradient_names(self, search: ExtremumSearch) -> list[str]:
         """Return the derivatives by inputs that are evaluated at the extremes of a search."""
         return list(dict.fromkeys(name for gradient in search.gradients for name in gradient.names))
 
-    def gradient_needs(self, search: ExtremumSearch) -> list[str]:
-        """Return the design values that are read where derivatives by inputs are evaluated."""
-        names = self.gradient_names(search)
-        own = [name for name in names if self.program.axes[name] <= {"design"}]
-        return list(dict.fromkeys([*self.design_needs(self.needed_for(names)), *own]))
-
     def reserve_for_gradients(self) -> None:
         """Reserve the rows that derivatives by inputs read."""
         for search in self.program.searches:
-            for name in self.gradient_needs(search):
+            for name in self.design_needs(self.gradient_names(search)):
                 self.row(name)
 
     def gradient_base(self, sign: int) -> int:
@@ -135,11 +126,11 @@ class ExtremaWriter:
         """Return the arrays that the kernel works in."""
         searches, samples = self.program.searches, self.sample_row(len(self.program.searches), 0)
         columns = len(searches) * self.columns * LANES
-        room = LANES * self.halves
+        room, most_carried = LANES * self.halves, max(map(len, map(self.item_needs, searches)))
         return (
             Array("w", "float64", (len(self.rows), LANES)),
             Array("samples", "float64", (samples, LANES)),
-            Array("state", "float64", (self.state_rows, LANES)),
+            Array("state", "float64", (STATE_ROWS + most_carried, LANES)),
             Array("marks", "int8", (samples, LANES)),
             *self.item_lists(),
             Array("ends", "float64", (ITEM_ROWS, 3 * room + MOST_LANES)),
@@ -148,9 +139,8 @@ class ExtremaWriter:
             Array("flags", "int8", (LANES,)),
             Array("vectors", "int64", (LANES // MOST_LANES,)),
             Array("counts", "int64", (cells.COUNTS,)),
-            self.best(columns),
-            self.lists(columns),
             *self.places(columns),
+            self.lists(columns),
             *(self.of_all() if self.program.in_pieces else ()),
         )
 
@@ -168,7 +158,7 @@ class ExtremaWriter:
             Array(name, "float64", (pieces.ZERO_ROWS, LANES, pieces.MOST_ZEROS))
             for name in ("zeros", "leasts")
         ]
-        joined = [self.best(columns), self.lists(columns), *self.places(columns)]
+        joined = [*self.places(columns), self.lists(columns)]
         return [*both, found, ranges, *zeros, *(replace(array, name=f"all_{array.name}") for array in joined)]
 
     @property
@@ -180,10 +170,6 @@ class ExtremaWriter:
     def all(self) -> str:
         """What the names of arrays begin with that hold results by design and branch."""
         return "all_" if self.program.in_pieces else ""
-
-    def best(self, columns: int) -> Array:
-        """Return the array of greatest and least values."""
-        return Array("best", "float64", (results.BEST_ROWS + 3 * self.program.has_bounds, columns))
 
     def lists(self, columns: int) -> Array:
         """Return the array of lists of extremes."""
@@ -209,19 +195,12 @@ class ExtremaWriter:
         """The greatest number of derivatives by inputs of one search."""
         return max(len(search.gradients) for search in self.program.searches)
 
-    @property
-    def state_rows(self) -> int:
-        """The number of rows of the state."""
-        return STATE_ROWS + max(map(len, map(self.item_needs, self.program.searches)))
-
-    def places(self, columns: int) -> tuple[Array, ...]:
-        """Return the places of greatest and least values, and the derivatives there, where these are requested."""
-        if not self.program.has_gradients:
-            return ()
-        return (
-            Array("winners", "float64", (2 * WINNER_ROWS, columns)),
-            Array("gradients", "float64", (2 * self.most_gradients, columns)),
-        )
+    def places(self, columns: int) -> list[Array]:
+        """Return the greatest and least values, and where requested their places and the derivatives there."""
+        rows = {"best": results.BEST_ROWS + 3 * self.program.has_bounds}
+        if self.program.has_gradients:
+            rows |= {"winners": 2 * WINNER_ROWS, "gradients": 2 * self.most_gradients}
+        return [Array(name, "float64", (number, columns)) for name, number in rows.items()]
 
     @property
     def kept(self) -> int:
@@ -296,28 +275,28 @@ class ExtremaWriter:
             return 1 - half
         return half // sides * sides + (1 - half % sides) % sides
 
-    def sign_of(self, search: ExtremumSearch, half: int) -> int:
-        """Return the sign with which a function is searched in a half: the mirror continues the first one."""
-        return search.slope_parity if self.program.mirrored and half == 0 else 1
-
     def continued(self, search: ExtremumSearch) -> int:
         """Return the sign with which the half beyond the ends of a half continues the function."""
         return search.slope_parity if self.program.mirrored else 1
+
+    def sign_of(self, search: ExtremumSearch, half: int) -> int:
+        """Return the sign with which a function is searched in a half: the mirror continues the first one."""
+        return self.continued(search) if half == 0 else 1
 
     def sample_row(self, search: int, half: int) -> int:
         """Return the first row of a search's samples in one half of the range; the positions stand before them."""
         return 2 * (self.cells + 1) + 4 + (search * self.halves + half) * self.samples
 
-    def own_column(self, branch: int) -> int:
-        """Return the number of a searched branch among the results, -1 where it is not."""
-        if self.program.in_pieces:
-            return 0
-        return self.program.branches.index(branch) if branch in self.program.branches else -1
-
-    def mirror_column(self, branch: int) -> int:
-        """Return the number among the results of a searched branch's mirror, -1 where it has none there."""
-        others = (k for k, other in enumerate(self.program.branches) if other != branch)
-        return next(others, -1) if self.program.mirrored else -1
+    def columns_of(self, mirror: bool) -> list[int]:
+        """Return the numbers of two searched branches among the results, or of their mirrors; -1 for none."""
+        branches, searched = self.program.branches, self.searched_branches
+        numbers = [
+            next((k for k, other in enumerate(branches) if (other != branch) == mirror), -1)
+            for branch in searched
+        ]
+        if mirror and not self.program.mirrored:
+            numbers = [-1] * len(searched)
+        return [*numbers, *[-1] * (2 - len(searched))]
 
     # -- evaluation at places: the sampled function, the quantity, derivatives by inputs ---------------
 
@@ -361,15 +340,9 @@ class ExtremaWriter:
                 if self.program.mirrored:
                     self.text.use("codegen.runtime.results", "mirror_image")
                     stores[cells.IMAGE] = f"mirror_image({position}, {2.0 * self.program.graded.axis})"
-            if search.cuts:
-                names += self.needs_of_zeros(search)
-                stores |= dict(
-                    zip(
-                        (cells.IMAGE, cells.BOUND, cells.SLOPE_BOUND),
-                        self.needs_of_zeros(search),
-                        strict=False,
-                    )
-                )
+            names += self.at_zeros(search)
+            rows = cells.IMAGE, cells.BOUND, cells.SLOPE_BOUND
+            stores |= dict(zip(rows, self.at_zeros(search), strict=False))
             if search.bounded_by:
                 names += search.bounded_by
                 bound, slope_bound, bend, slope = search.bounded_by
@@ -395,11 +368,9 @@ class ExtremaWriter:
         text.add(f"upper = state[{cells.UPPER}, at + i] > 0.0")
         self.write_position(f"state[{cells.X}, at + i]", "upper")
         self.write_half(f"state[{cells.HALF}, at + i]")
-        steps = self.needed_for(names)
-        own = [name for name in names if self.program.axes[name] <= {"design"}]
-        for name in dict.fromkeys([*self.design_needs(steps), *own]):
+        for name in self.design_needs(names):
             text.add(f"{name} = state[{STATE_ROWS + carried.index(name)}, at + i]")
-        for step in steps:
+        for step in self.needed_for(names):
             self.paste(step)
         for row, value in stores.items():
             text.add(f"state[{row}, at + i] = {value}")
@@ -444,11 +415,6 @@ class ExtremaWriter:
                     results.settle_jumps, f"winners, {row}, columns_{number}, gradients, {base}, {values}"
                 )
 
-    @property
-    def gradient_signs(self) -> set[int]:
-        """The signs of the extremes whose derivatives or status are requested."""
-        return {sign_of(output) for output in self.program.outputs if output.request.is_of_gradient}
-
     def write_gradient_function(self, number: int, search: ExtremumSearch) -> None:
         """Write the function of its own that evaluates derivatives at greatest or least values, lanes being designs."""
         if not search.gradients:
@@ -465,7 +431,7 @@ class ExtremaWriter:
             self.write_position("x__of", "upper")
             text.add(f"half__of = winners[row__0 + {results.IN_HALF}, column__0 + i]")
             self.write_half("half__of")
-            for need in self.gradient_needs(search):
+            for need in self.design_needs(self.gradient_names(search)):
                 text.add(f"{need} = w[{self.row(need)}, i]")
             for step in self.needed_for(self.gradient_names(search)):
                 self.paste(step)
@@ -509,15 +475,15 @@ class ExtremaWriter:
         return bool(self.kept) and self.program.has_bounds
 
     @contextmanager
-    def gathered(self, number: int, items: str, last: str) -> Iterator[None]:
+    def gathered(self, number: int, items: str, last: str, first: int = 0) -> Iterator[None]:
         """Write a loop over items of a search, as many at a time as there are lanes."""
-        with self.text.block(f"for start in range(0, {last}, {LANES}):"):
+        with self.text.block(f"for start in range({first}, {last}, {LANES}):"):
             self.text.call(cells.gather, f"{items}, start, {last}, w, rows_{number}, state", "filled")
             yield
 
-    def call(self, function: Callable[..., Any], number: int, arguments: str, result: str = "") -> None:
-        """Write a call with items of a search, whose slope comes first among the arguments."""
-        self.text.call(function, f"slope_{number}, {arguments}", result)
+    def call(self, function: Callable[..., Any], functions: str, further: str = "") -> None:
+        """Write a call with functions of a search, the items at hand and what else is given."""
+        self.text.call(function, f"{functions}, state, filled, vectors{further and ', '}{further}")
 
     def looks_away(self, number: int) -> bool:
         """Whether the sampled function's signs beside toggles stand for those at toggles."""
@@ -537,7 +503,7 @@ class ExtremaWriter:
         self.write_tables()
         of_cuts = [k for k, search in enumerate(searches) if search.cuts]
         others = [k for k in range(len(searches)) if k not in of_cuts]
-        with text.blocks_of_designs():
+        with text.lanes_of("n_designs", "i0"):
             if self.program.in_pieces:
                 self.write_pieces(of_cuts, others)
             else:
@@ -559,7 +525,8 @@ class ExtremaWriter:
     def write_pass(self, numbers: Sequence[int]) -> None:
         """Write some searches in the lanes at hand, from the values of the designs to all extremes."""
         text, searches = self.text, self.program.searches
-        self.write_designs()
+        with text.block("for i in lanes(width):", "design"):
+            self.write_design_values()
         self.write_samples(numbers)
         text.call(results.clear, "lists, best")
         if self.program.has_gradients:
@@ -583,7 +550,7 @@ class ExtremaWriter:
         text.call(pieces.begin_pieces, f"pieces, n_here, array({[float(b) for b in branches]})", "n_pieces")
         for number in of_cuts:
             text.add("n_further = 0")
-            with self.lanes_of_pieces():
+            with text.lanes_of("n_pieces", "p0"):
                 text.call(pieces.forget_zeros, "zeros, leasts")
                 self.write_pass([number])
                 middle = self.sample_row(number, 0) + self.cells
@@ -596,7 +563,7 @@ class ExtremaWriter:
             text.call(results.forget_winners, "all_winners, all_gradients")
         text.call(pieces.note_pieces, "pieces, n_pieces, found, ranges")
         if others:
-            with self.lanes_of_pieces():
+            with text.lanes_of("n_pieces", "p0"):
                 self.write_pass(others)
                 for number in others:
                     self.write_gradients(number)
@@ -606,24 +573,9 @@ class ExtremaWriter:
                     text.call(
                         pieces.join_winners, f"{arguments}, winners, gradients, all_winners, all_gradients"
                     )
-        text.add(f"n_here = min({LANES}, n_designs - i0)")
-        text.add(f"width = (n_here + {MOST_LANES - 1}) & {-MOST_LANES}")
-        if rows := [name for name in self.rows if self.is_of_results(name)]:
-            with text.block("for i in lanes(width):"):
-                self.write_design_values(only=rows)
-
-    def is_of_results(self, name: str) -> bool:
-        """Tell whether a value of the design is read where results are stored, when pieces are done with."""
-        terms = {term.tolerance for output in self.program.outputs for term in output.terms}
-        return name in terms or (name == VALID and any(output.is_assembly for output in self.program.outputs))
-
-    @contextmanager
-    def lanes_of_pieces(self) -> Iterator[None]:
-        """Append a loop over pieces, which lie in lanes side by side."""
-        with self.text.block(f"for p0 in range(0, n_pieces, {LANES}):"):
-            self.text.add(f"n_here = min({LANES}, n_pieces - p0)")
-            self.text.add(f"width = (n_here + {MOST_LANES - 1}) & {-MOST_LANES}")
-            yield
+        text.count_lanes("n_designs", "i0")
+        with text.block("for i in lanes(width):"):
+            self.write_design_values(only=self.of_results)
 
     def write_functions(self, write: Callable[[int, ExtremumSearch], None]) -> None:
         """Write the functions of each search, which the kernel calls."""
@@ -634,10 +586,8 @@ class ExtremaWriter:
 
     def write_tables(self) -> None:
         """Write the tables of whole numbers that tell the searches, branches and halves apart, see `runtime.cells`."""
-        program, searched = self.program, self.searched_branches
-        none = [-1] * (2 - len(searched))
-        own, mirror = ([*map(column, searched), *none] for column in (self.own_column, self.mirror_column))
-        tables = {"table": [program.sides, self.halves, self.columns, *own, *mirror]}
+        program, columns = self.program, [*self.columns_of(False), *self.columns_of(True)]
+        tables = {"table": [program.sides, self.halves, self.columns, *columns]}
         for k, search in enumerate(program.searches):
             flags = [int(search.at_limit), int(search.kind == "wrap") - int(search.kind in ("piece", "end"))]
             about = [k, self.number_of(search.quantity), search.order, search.parity]
@@ -651,14 +601,10 @@ class ExtremaWriter:
                 tables[f"part_{k}_{half}"] = [first, beyond, half, sign, self.cells, along]
         self.reserve_for_gradients()
         if self.program.has_gradients:
-            tables["signs"] = [int(sign in self.gradient_signs) for sign in (1, -1)]
+            signs = {sign_of(output) for output in program.outputs if output.request.is_of_gradient}
+            tables["signs"] = [int(sign in signs) for sign in (1, -1)]
         for name, numbers in tables.items():
             self.text.add(f"{name} = array({numbers})")
-
-    def write_designs(self) -> None:
-        """Write the values that depend on the design alone."""
-        with self.text.block("for i in lanes(width):", "design"):
-            self.write_design_values()
 
     def write_design_values(self, further: Sequence[str] = (), only: Sequence[str] = ()) -> None:
         """Write the values of the design that the rows hold, and further ones; of a piece what is given of it."""
@@ -710,8 +656,7 @@ class ExtremaWriter:
             text.add(f"{name} = samples[{row}, i]")
         side = "1.0 if turn == 0 else -1.0" if program.sides > 1 else "1.0"
         text.add(f"{program.graded.coordinates[2]} = {side}")
-        own = [name for name in names if program.axes[name] <= {"design"}]
-        for name in dict.fromkeys([*self.design_needs(steps), *own]):
+        for name in self.design_needs(names):
             text.add(f"{name} = w[{self.row(name)}, i]")
         for step in (s for s in steps if "branch" not in program.axes[s.name]):
             self.paste(step)
@@ -748,13 +693,16 @@ class ExtremaWriter:
         text, search = self.text, self.program.searches[number]
         text.call(cells.nothing_yet, f"counts, search_{number}")
         parts, split = self.parts_of(number), bool(self.split_by(search))
-        ends, of_items = f"w, table, {parts[0]}, samples, n_here, ends", f"w, rows_{number}, state, vectors"
+        slope, value = f"slope_{number}", f"value_{number}"
         for part in self.parts_that_may_rest(number):
             text.call(results.silence_rest, f"w, samples, marks, {part}, n_here")
         if self.looks_away(number):
-            self.call(beside.settle_toggles, number, f"{ends}, {of_items[3:]}")
+            text.call(beside.collect_beside, f"w, table, {parts[0]}, samples, n_here, ends, False", "n_ends")
+            with self.gathered(number, "ends", "n_ends"):
+                self.call(beside.settle_toggles, slope, "samples")
         if split:
-            self.call(beside.keep_slopes, number, f"splits, split_by_{number}, {of_items}")
+            with self.gathered(number, "splits", f"int(splits[{beside.NEXT}, 0])", LANES):
+                self.call(beside.keep_slopes, slope, f"splits, start, split_by_{number}")
         elif self.n_splits:
             text.call(beside.forget_slopes, "splits")
         for part in parts:
@@ -764,12 +712,12 @@ class ExtremaWriter:
             if search.divided:
                 text.call(beside.mark_unresolved, f"samples, marks, {part}, width")
         if search.divided or not search.parity:  # else its extremes are counted: none hides
-            arguments = f"{ends}, {of_items[3:]}, octaves, counts, roots, splits, marks"
-            self.call(beside.search_octaves, number, arguments, "n_ends")
-            # by its symmetry the slope of one with a parity is 0 at the fold: it falls, and hides nothing
-            if self.flagged and search.bounded_by and not (search.onto or search.parity):
-                arguments = f"value_{number}, ends, n_ends, {of_items}, table, search_{number}, best"
-                text.call(beside.mark_hiding, arguments)
+            text.call(beside.collect_beside, f"w, table, {parts[0]}, samples, n_here, ends, True", "n_ends")
+            with self.gathered(number, "ends", "n_ends"):
+                self.call(beside.search_octaves, slope, "octaves, counts, roots, splits, marks")
+                # by its symmetry the slope of one with a parity is 0 at the fold: it falls, and hides nothing
+                if self.flagged and search.bounded_by and not (search.onto or search.parity):
+                    self.call(beside.mark_hiding, value, f"table, search_{number}, best")
         for part in parts:
             if search.divided:
                 arguments = f"samples, marks, {part}, counts, unresolved, splits"
@@ -778,15 +726,20 @@ class ExtremaWriter:
                     text.call(beside.collect_jumps, f"{part}, splits, counts, roots")
             text.call(cells.collect, f"samples, marks, {part}, counts, roots, valleys")
         if search.divided:
-            arguments = f"unresolved, {of_items}, fine_marks, counts, roots, valleys"
-            self.call(beside.divide_cells, number, arguments)
+            text.add("divided = 0")
+            with text.block(f"while divided < counts[{cells.UNRESOLVED}]:"):
+                items = f"unresolved, divided, counts[{cells.UNRESOLVED}]"
+                text.call(cells.gather, f"{items}, w, rows_{number}, state", "filled")
+                self.call(beside.divide_cells, slope, "fine_marks, counts, unresolved, roots, valleys")
+                text.add("divided = divided + filled")
         if search.cuts:
-            arguments = f"value_{number}, samples, {parts[0]}, n_here, ends, {of_items}, flags, leasts"
-            self.call(pieces.find_leasts, number, arguments)
-        arguments = f"valleys, w, rows_{number}, counts, roots, state, vectors, flags"
-        self.call(cells.search_valleys, number, arguments)
+            text.call(pieces.collect_leasts, f"samples, {parts[0]}, n_here, ends", "n_leasts")
+            with self.gathered(number, "ends", "n_leasts"):
+                self.call(pieces.find_leasts, f"{slope}, {value}", "flags, leasts")
+        with self.gathered(number, "valleys", f"counts[{cells.VALLEYS}]"):
+            self.call(cells.split_valleys, slope, "flags, counts, roots")
         with self.gathered(number, "roots", f"counts[{cells.ROOTS}]"):
-            self.call(cells.find_roots, number, "state, filled, vectors, flags")
+            self.call(cells.find_roots, slope, "flags")
             if search.splits:
                 text.call(beside.keep_splits, f"state, filled, samples, {parts[0]}, splits, {number}")
             elif search.kind == "jump":
@@ -796,8 +749,7 @@ class ExtremaWriter:
                     self.write_extrema(number, results.extrema_at_zeros, "state, filled, table")
             elif search.kind == "pole":
                 with text.block("for turn in range(2):"):
-                    arguments = f"state, filled, vectors, w, table, search_{number}, turn"
-                    text.call(beside.values_at_pole, f"value_{number}, {arguments}")
+                    self.call(beside.values_at_pole, value, f"w, table, search_{number}, turn")
                     self.write_extrema(number, beside.pole_values, "state, filled, w")
             else:
                 self.write_extrema(number, results.extrema_at_zeros, "state, filled, table")
@@ -805,17 +757,16 @@ class ExtremaWriter:
     def write_extrema(self, number: int, classify: Callable[..., Any], state: str) -> None:
         """Write the quantity's evaluation at items of a search, what is extreme there, and its storing."""
         text, search = self.text, self.program.searches[number]
-        of_items = "state, filled, vectors"
         if search.cuts:
-            text.call(cells.evaluate, f"value_{number}, {of_items}")
+            self.call(cells.evaluate, f"value_{number}")
             text.call(pieces.keep_zeros, "state, filled, zeros, leasts")
             return
         listed = bool(search.certain_by) and classify is results.extrema_at_zeros
         if listed:
-            text.call(results.find_certain, f"certain_{number}, {of_items}, w")
-        text.call(cells.evaluate, f"value_{number}, {of_items}")
+            self.call(results.find_certain, f"certain_{number}", "w")
+        self.call(cells.evaluate, f"value_{number}")
         if classify is beside.end_values and search.at_limit:
-            text.call(beside.values_lost, f"value_{number}, {of_items}, w")
+            self.call(beside.values_lost, f"value_{number}", "w")
         text.call(classify, f"{state}, search_{number}")
         if breaks := self.breaks_of(search):
             text.call(beside.unlist_jumps, f"state, filled, splits, array({breaks})")
@@ -841,16 +792,15 @@ class ExtremaWriter:
     def write_ends(self, number: int) -> None:
         """Write the values at the ends of the range, where these may be extreme."""
         text, search = self.text, self.program.searches[number]
-        value, of_items = f"value_{number}", "state, filled, vectors"
         arguments = f"w, n_here, table, search_{number}, best, ends, {int(self.program.in_pieces)}"
         text.call(beside.collect_ends, arguments, "n_ends")
         for part in self.parts_that_may_rest(number):
             text.call(results.collect_rest, f"samples, {part}, n_here, ends, n_ends", "n_ends")
         with self.gathered(number, "ends", "n_ends"):
             if search.order > 0:
-                text.call(beside.values_beside, f"{value}, {of_items}, w")
+                self.call(beside.values_beside, f"value_{number}", "w")
             if self.bounds_hidden(number):
-                self.call(beside.find_hidden, number, f"{value}, {of_items}, w")
+                self.call(beside.find_hidden, f"slope_{number}, value_{number}", "w")
             text.call(cells.keep, f"state, filled, {cells.X}, {cells.XA}")
             self.write_extrema(number, beside.end_values, "state, filled, w")
 

@@ -77,7 +77,7 @@ class KnownWriter(ExtremaWriter):
         text.use("numerics.compiler", "lanes", "outlined")
         if self.program.has_gradients:
             self.write_tables()
-        with text.blocks_of_designs():
+        with text.lanes_of("n_designs", "i0"):
             with text.block("for i in lanes(width):", "design"):
                 self.write_places()
                 for number, search in enumerate(searches):
@@ -90,7 +90,7 @@ class KnownWriter(ExtremaWriter):
         self.write_functions(self.write_gradient_function)
         columns = len(searches) * len(self.program.branches) * LANES
         rows = Array("w", "float64", (max(len(self.rows), 1), LANES))
-        return text.source(self.program, [rows, self.best(columns), *self.places(columns)])
+        return text.source(self.program, [rows, *self.places(columns)])
 
     def write_tables(self) -> None:
         """Write those parts of the tables of a search that tell where derivatives are evaluated."""
@@ -108,9 +108,10 @@ class KnownWriter(ExtremaWriter):
         names = [*(name for end in self.program.graded.ends for name in end[1:]), *self.places_wanted]
         for search in self.program.searches:
             assert search.known is not None
-            names += [search.quantity, search.slope, *search.known.facts, *search.bounded_by]
+            names += [search.quantity, *search.known.facts, *search.bounded_by]
+            names += [search.slope] if search.slope in self.program.axes else []
             names += [error_name(end[2]) for end in self.program.graded.ends if search.bounded_by]
-        self.write_design_values([*names, *self.design_needs(self.needed_for(names))])
+        self.write_design_values([*names, *self.design_needs(names)])
         text.add(f"{side}__1 = 1.0")
         text.add(f"{side}__0 = -1.0")
         for branch in self.program.catalogue.branches:

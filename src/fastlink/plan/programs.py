@@ -181,6 +181,15 @@ class ExtremumSearch:
     known: KnownExtremes | None = None
     #: If its zeros cut the range into pieces, before all other searches, the number of the gap, else 0.
     cuts: int = 0
+    #: What is evaluated at these zeros: the second derivative of the gap, and error bounds of it and of its slope.
+    at_zeros: tuple[str, ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All that is evaluated for it."""
+        of_gradients = (name for gradient in self.gradients for name in gradient.names)
+        bounds = *self.bounded_by, *self.certain_by
+        return self.slope, self.quantity, *self.divisors, *bounds, *self.at_zeros, *of_gradients
 
     @property
     def mirrored(self) -> bool:
@@ -191,15 +200,6 @@ class ExtremumSearch:
     def splits(self) -> bool:
         """Whether it is for places at which cells of others are split, and nothing else."""
         return self.kind == "split"
-
-
-def needs_of_zeros(known: Catalogue, search: ExtremumSearch) -> tuple[str, ...]:
-    """Return what is evaluated at zeros of a gap: its second derivative, and error bounds of it and of its slope."""
-    if not search.cuts or known.graded is None or known.graded.gaps is None:
-        return ()
-    gap, position = known.graded.gaps[search.cuts - 1], known.position.name
-    slope = derivative_name(gap, position)
-    return derivative_name(slope, position), error_name(gap), error_name(slope)
 
 
 @dataclass(frozen=True)
@@ -256,10 +256,6 @@ class ExtremaProgram(Program):
         coordinates = dict.fromkeys(self.coordinates, self.catalogue.position.name)
         of_piece = dict.fromkeys((*PIECE, "branch"), "design") if self.in_pieces else {}
         return self._axes_by(coordinates | of_piece)
-
-    def needs_of_zeros(self, search: ExtremumSearch) -> tuple[str, ...]:
-        """Return what is evaluated at the zeros of a gap, see `needs_of_zeros`."""
-        return needs_of_zeros(self.catalogue, search)
 
     @property
     def has_bounds(self) -> bool:
@@ -655,11 +651,12 @@ class Planner:
 
     def searches_for_cuts(self, cells: int) -> list[ExtremumSearch]:
         """Return the searches for zeros of gaps, in their order."""
-        found = []
+        found, position = [], self.catalogue.position.name
         for k, gap in enumerate(self.graded.gaps or (), 1):
-            search = self.search(slope_of_gap(gap))
+            search, slope = self.search(slope_of_gap(gap)), derivative_name(gap, position)
             assert search is not None
-            found.append(replace(search, cells=cells, cuts=k, turns=(), arc=False))
+            at_zeros = derivative_name(slope, position), error_name(gap), error_name(slope)
+            found.append(replace(search, cells=cells, cuts=k, at_zeros=at_zeros, turns=(), arc=False))
         return found
 
     def further_searches(
@@ -747,12 +744,7 @@ class Planner:
             group += self.searches_for_splits(group)
             group += self.searches_for_cuts(cells)
             names = [position, self.graded.bounded_factor, *(name for end in ends for name in end)]
-            names += [
-                name
-                for s in group
-                for name in (s.slope, s.quantity, *s.divisors, *s.bounded_by, *s.certain_by)
-            ]
-            names += [name for s in group for gradient in s.gradients for name in gradient.names]
+            names += [name for s in group for name in s.names]
             of_group = [o for s in group for o in outputs if o.request.quantity == s.quantity and not s.onto]
             if group is first:
                 of_group += [output for output in outputs if output.is_assembly]
@@ -763,7 +755,6 @@ class Planner:
                 if any(s.bounded_by for s in group) and self.graded.gaps is None
             ]
             names += [VALID for o in of_group if o.is_assembly]
-            names += [name for s in group for name in needs_of_zeros(self.catalogue, s)]
             names += [name for s in group[:1] if s.arc for name in ARC_FACTS]
             of_steps = self.made_of(self.steps(names))
             programs.append(ExtremaProgram(**of_steps, outputs=tuple(of_group), searches=tuple(group)))

@@ -61,7 +61,6 @@ from fastlink.codegen.runtime.cells import (
     evaluate,
     evaluate_at,
     first_of,
-    gather,
     is_unresolved,
     keep,
     mark,
@@ -189,7 +188,7 @@ NEAR, HIDES, DISTANCE = FA, FB, XC
 
 
 @outlined
-def _collect_beside(
+def collect_beside(
     w: Any, table: Any, part: Any, samples: Any, count: int, items: Any, at_folds: bool
 ) -> int:
     """Make items of the cells next to folds, or to toggles where the function vanishes; return how many there are.
@@ -214,27 +213,13 @@ def _collect_beside(
 
 
 @outlined
-def settle_toggles(
-    slope: Any,
-    w: Any,
-    table: Any,
-    part: Any,
-    samples: Any,
-    n_here: int,
-    items: Any,
-    rows: Any,
-    s: Any,
-    vectors: Any,
-) -> None:
+def settle_toggles(slope: Any, s: Any, count: int, vectors: Any, samples: Any) -> None:
     """Give samples at toggles where the function vanishes the values beside them; 0 would be taken for a zero."""
-    total = _collect_beside(w, table, part, samples, n_here, items, False)
-    for start in range(0, total, LANES):
-        count = gather(items, start, total, w, rows, s)
-        evaluate_at(slope, s, count, vectors, XA, AWAY)
-        for i in range(count):
-            row, lane, f = int(s[XC, i]), int(s[LANE, i]), s[F, i]
-            if ((f < 0.0) | (f > 0.0)) & (abs(s[FA, i]) <= ROUNDED * abs(f)):
-                samples[row, lane] = f
+    evaluate_at(slope, s, count, vectors, XA, AWAY)
+    for i in range(count):
+        row, lane, f = int(s[XC, i]), int(s[LANE, i]), s[F, i]
+        if ((f < 0.0) | (f > 0.0)) & (abs(s[FA, i]) <= ROUNDED * abs(f)):
+            samples[row, lane] = f
 
 
 @outlined
@@ -411,22 +396,19 @@ def unlist_jumps(s: Any, count: int, splits: Any, numbers: Any) -> None:
 
 
 @outlined
-def keep_slopes(slope: Any, splits: Any, split_by: Any, w: Any, rows: Any, s: Any, vectors: Any) -> None:
-    """Keep the function on both sides of the places.
+def keep_slopes(slope: Any, s: Any, count: int, vectors: Any, splits: Any, start: int, split_by: Any) -> None:
+    """Keep the function on both sides of the places, of which the items are those from `start` on.
 
     It has kinks at those alone that were found by searches whose numbers are in `split_by`.
     """
-    last = int(splits[NEXT, 0])
-    for start in range(LANES, last, LANES):
-        count = gather(splits, start, last, w, rows, s)
-        for row in range(XA, XB + 1, XB - XA):
-            evaluate_at(slope, s, count, vectors, row, 1.0)
-            for i in range(count):
-                own = 0
-                for k in range(split_by.size):
-                    own = 1 if s[XC, i] == split_by[k] else own
-                splits[row + 1, start + i] = s[F, i] if own > 0 else NOT_A_NUMBER
-                splits[PASSED, start + i] = 0.0
+    for row in range(XA, XB + 1, XB - XA):
+        evaluate_at(slope, s, count, vectors, row, 1.0)
+        for i in range(count):
+            own = 0
+            for k in range(split_by.size):
+                own = 1 if s[XC, i] == split_by[k] else own
+            splits[row + 1, start + i] = s[F, i] if own > 0 else NOT_A_NUMBER
+            splits[PASSED, start + i] = 0.0
 
 
 @merged
@@ -628,29 +610,19 @@ def _collect_octaves(
 @outlined
 def search_octaves(
     slope: Any,
-    w: Any,
-    table: Any,
-    part: Any,
-    samples: Any,
-    n_here: int,
-    items: Any,
-    rows: Any,
     s: Any,
+    count: int,
     vectors: Any,
     octaves: Any,
     counts: Any,
     roots: Any,
     splits: Any,
     marks: Any,
-) -> int:
-    """Search the cells next to folds, where the function is small or far greater between; return their number."""
-    total = _collect_beside(w, table, part, samples, n_here, items, True)
-    for start in range(0, total, LANES):
-        count = gather(items, start, total, w, rows, s)
-        if _weigh_octaves(slope, s, count, vectors) > 0:
-            _sample_octaves(slope, s, count, vectors, octaves)
-            _collect_octaves(s, count, octaves, counts, roots, splits, marks)
-    return total
+) -> None:
+    """Search the cells next to folds, where the function is small or far greater between."""
+    if _weigh_octaves(slope, s, count, vectors) > 0:
+        _sample_octaves(slope, s, count, vectors, octaves)
+        _collect_octaves(s, count, octaves, counts, roots, splits, marks)
 
 
 # A slope that comes down to so little of itself with half the distance falls: as the distance itself it halves.
@@ -660,36 +632,23 @@ LAST_SLOPE, FALLS = TOLERANCE, STEPS
 
 
 @outlined
-def mark_hiding(
-    value: Any,
-    items: Any,
-    total: int,
-    w: Any,
-    rows: Any,
-    s: Any,
-    vectors: Any,
-    table: Any,
-    search: Any,
-    best: Any,
-) -> None:
+def mark_hiding(value: Any, s: Any, count: int, vectors: Any, table: Any, search: Any, best: Any) -> None:
     """Mark the lists of cells that may hide an extreme next to the fold: the slope falls as far as it is certain."""
-    for start in range(0, total, LANES):
-        count = gather(items, start, total, w, rows, s)
+    for i in lanes(padded(count)):
+        s[LAST_SLOPE, i] = 0.0
+        s[FALLS, i] = 1.0  # as long as nothing is certain, an extreme may hide
+    for k in range(OCTAVES):
+        evaluate_octave(value, s, count, vectors, k, 0)
         for i in lanes(padded(count)):
-            s[LAST_SLOPE, i] = 0.0
-            s[FALLS, i] = 1.0  # as long as nothing is certain, an extreme may hide
-        for k in range(OCTAVES):
-            evaluate_octave(value, s, count, vectors, k, 0)
-            for i in lanes(padded(count)):
-                slope, last = s[SLOPE, i], s[LAST_SLOPE, i]
-                certain = is_certain(slope, s[SLOPE_BOUND, i])
-                falls = 1.0 if (slope < FALLING * last) | (last == 0.0) else 0.0
-                s[FALLS, i] = falls if certain else s[FALLS, i]
-                s[LAST_SLOPE, i] = slope if certain else FALLING * last
-        for i in range(count):
-            silenced = s[FA, i] != s[FA, i]
-            if silenced | (s[FALLS, i] > 0.0):
-                mark_undecided(best, table, search, int(s[LANE, i]), int(s[HALF, i]))
+            slope, last = s[SLOPE, i], s[LAST_SLOPE, i]
+            certain = is_certain(slope, s[SLOPE_BOUND, i])
+            falls = 1.0 if (slope < FALLING * last) | (last == 0.0) else 0.0
+            s[FALLS, i] = falls if certain else s[FALLS, i]
+            s[LAST_SLOPE, i] = slope if certain else FALLING * last
+    for i in range(count):
+        silenced = s[FA, i] != s[FA, i]
+        if silenced | (s[FALLS, i] > 0.0):
+            mark_undecided(best, table, search, int(s[LANE, i]), int(s[HALF, i]))
 
 
 # -- Cells in which the samples cannot exclude further zeros, divided until they can
@@ -907,22 +866,17 @@ def _collect_fine(s: Any, count: int, marks: Any, counts: Any, roots: Any, valle
 @outlined
 def divide_cells(
     slope: Any,
-    unresolved: Any,
-    w: Any,
-    rows: Any,
     s: Any,
+    count: int,
     vectors: Any,
     marks: Any,
     counts: Any,
+    items: Any,
     roots: Any,
     valleys: Any,
 ) -> None:
-    """Divide unresolved cells, and those of their parts that are still unresolved."""
-    done = 0
-    while done < counts[UNRESOLVED]:
-        count = gather(unresolved, done, counts[UNRESOLVED], w, rows, s)
-        _sample_fine(slope, s, count, vectors)
-        _mark_fine(s, count, marks)
-        _divide(s, count, marks, counts, unresolved)
-        _collect_fine(s, count, marks, counts, roots, valleys)
-        done = done + count
+    """Divide unresolved cells; those of their parts that are still unresolved are items again."""
+    _sample_fine(slope, s, count, vectors)
+    _mark_fine(s, count, marks)
+    _divide(s, count, marks, counts, items)
+    _collect_fine(s, count, marks, counts, roots, valleys)

@@ -357,20 +357,16 @@ def _advance_valleys(s: Any, vectors: Any, n: int, flags: Any) -> int:
 
 
 @outlined
-def search_valleys(
-    slope: Any, valleys: Any, w: Any, rows: Any, counts: Any, roots: Any, s: Any, vectors: Any, flags: Any
-) -> None:
+def split_valleys(slope: Any, s: Any, count: int, vectors: Any, flags: Any, counts: Any, roots: Any) -> None:
     """Make two roots of each valley that has a value of the other sign in it, beyond rounding."""
-    for start in range(0, counts[VALLEYS], LANES):
-        count = gather(valleys, start, counts[VALLEYS], w, rows, s)
-        find_least(slope, s, count, vectors, flags)
-        for i in range(count):
-            x, f = s[X, i], s[F, i]
-            deep = abs(f) > FLAT * max(abs(s[FA, i]), abs(s[FB, i]))
-            if (f > 0.0) != (s[FC, i] > 0.0) and deep:
-                lane, half, upper = int(s[LANE, i]), int(s[HALF, i]), s[UPPER, i] > 0.0
-                append_of_lane(roots, counts, ROOTS, lane, half, upper, s[XA, i], s[FA, i], x, f)
-                append_of_lane(roots, counts, ROOTS, lane, half, upper, x, f, s[XB, i], s[FB, i])
+    find_least(slope, s, count, vectors, flags)
+    for i in range(count):
+        x, f = s[X, i], s[F, i]
+        deep = abs(f) > FLAT * max(abs(s[FA, i]), abs(s[FB, i]))
+        if (f > 0.0) != (s[FC, i] > 0.0) and deep:
+            lane, half, upper = int(s[LANE, i]), int(s[HALF, i]), s[UPPER, i] > 0.0
+            append_of_lane(roots, counts, ROOTS, lane, half, upper, s[XA, i], s[FA, i], x, f)
+            append_of_lane(roots, counts, ROOTS, lane, half, upper, x, f, s[XB, i], s[FB, i])
 
 
 # -- Samples on the graded range, and the cells of it that hold a zero of a function

@@ -28,7 +28,6 @@ from fastlink.codegen.runtime.cells import (
     append_item,
     evaluate_at,
     find_least,
-    gather,
     padded,
     position_of,
 )
@@ -151,7 +150,7 @@ def keep_zeros(s: Any, count: int, zeros: Any, leasts: Any) -> None:
 
 
 @outlined
-def _collect_leasts(samples: Any, part: Any, count: int, items: Any) -> int:
+def collect_leasts(samples: Any, part: Any, count: int, items: Any) -> int:
     """Make items of the cells about small least values of a gap; return how many there are."""
     cells, first, total = part[CELLS], part[FIRST], 0
     for j in range(1, 2 * cells):
@@ -169,12 +168,14 @@ def _collect_leasts(samples: Any, part: Any, count: int, items: Any) -> int:
 
 
 @outlined
-def _keep_leasts(s: Any, count: int, leasts: Any) -> None:
+def find_leasts(slope: Any, value: Any, s: Any, count: int, vectors: Any, flags: Any, leasts: Any) -> None:
     """Sort the least values at items into those of their pieces, if the root of the gap turns sharply there.
 
     Below zero there are two zeros, which are found, unless the gap is that deep by rounding alone: then nothing decides
     whether the loop opens, and as little where the gap is within its error bound.
     """
+    find_least(slope, s, count, vectors, flags)
+    evaluate_at(value, s, count, vectors, XC, 1.0)
     for i in range(count):
         lane, least, deepest = int(s[LANE, i]), s[FC, i], max(abs(s[FA, i]), abs(s[FB, i]))
         flat = (s[F, i] <= 0.0) & (abs(s[F, i]) <= UNDECIDED_DEPTH * deepest)
@@ -184,30 +185,6 @@ def _keep_leasts(s: Any, count: int, leasts: Any) -> None:
                 leasts[SLOPE_AT, lane, k] = least
                 leasts[OFF_AT, lane, k] = INFINITY if flat | (least <= 2.0 * s[BOUND, i]) else 0.0
                 leasts[ROUGH_AT, lane, k] = INFINITY if flat else 0.0
-
-
-@outlined
-def find_leasts(
-    slope: Any,
-    value: Any,
-    samples: Any,
-    part: Any,
-    n_here: int,
-    items: Any,
-    w: Any,
-    rows: Any,
-    s: Any,
-    vectors: Any,
-    flags: Any,
-    leasts: Any,
-) -> None:
-    """Find the small least values of a gap, next to which its root may turn sharply."""
-    total = _collect_leasts(samples, part, n_here, items)
-    for start in range(0, total, LANES):
-        count = gather(items, start, total, w, rows, s)
-        find_least(slope, s, count, vectors, flags)
-        evaluate_at(value, s, count, vectors, XC, 1.0)
-        _keep_leasts(s, count, leasts)
 
 
 @outlined
