@@ -125,17 +125,18 @@ class KnownWriter(ExtremaWriter):
     def values(self, names: Sequence[str], place: str, half: Half) -> Iterator[str]:
         """Write values at a place of a half, as far as they are not known, and yield their names."""
         self.write_place(place)
-        yield from self.values_at(names, place, half.endings)
-
-    def values_at(self, names: Sequence[str], place: str, endings: Mapping[str, str]) -> Iterator[str]:
-        """Write values at a place that is written, and yield their names."""
         for step in self.needed_for(names):
-            suffix = self.suffix(step.name, place, endings)
+            suffix = self.suffix(step.name, place, half.endings)
             if step.name + suffix not in self.written:
                 self.written.add(step.name + suffix)
-                known = [name + self.suffix(name, place, endings) for name in step.depends_on]
+                known = [name + self.suffix(name, place, half.endings) for name in step.depends_on]
                 paste_fact(step, known, suffix, self.text)
-        yield from (name + self.suffix(name, place, endings) for name in names)
+        yield from (name + self.suffix(name, place, half.endings) for name in names)
+
+    def end_of(self, place: str) -> tuple[str, str]:
+        """Return the first sample and the toggle of the end of the range that a place is; empty if it is none."""
+        ends = {label: end[1:] for label, end in zip(ENDS, self.program.graded.ends, strict=True)}
+        return ends.get(place.removesuffix("_beside"), ("", ""))
 
     def write_place(self, place: str) -> None:
         """Write the distances of a place from the lower and the upper end, over the width."""
@@ -143,33 +144,22 @@ class KnownWriter(ExtremaWriter):
             return
         self.written.add(place)
         text, (low, high, _) = self.text, self.program.graded.coordinates
-        end = place.removesuffix("_beside")
-        upper = f"{place} > 1.0"
-        if end in ENDS:
-            first = self.program.graded.ends[ENDS.index(end)][1]
-            beside = place != end
-            text.add(f"x__{place} = {f'abs({first})' if beside else f'-{first} if {first} < 0.0 else 0.0'}")
-            near, far = (low, high) if end == ENDS[0] else (high, low)
+        first, _ = self.end_of(place)
+        if first:
+            x = f"-{first} if {first} < 0.0 else 0.0" if place in ENDS else f"abs({first})"
+            text.add(f"x__{place} = {x}")
+            near, far = (low, high) if place.startswith(ENDS[0]) else (high, low)
             # the first place is at most 2^-60, and 1 + 2^-120 is 1
             text.add(f"{near}__{place} = x__{place} * x__{place}")
             text.add(f"{far}__{place} = 1.0")
-        else:
-            text.add(f"x__{place} = 1.0 / {place} if {upper} else {place}")
-            self.write_parts(place, upper, (low, high))
-
-    def write_parts(self, place: str, upper: str, names: tuple[str, str]) -> None:
-        """Write the distances of a place from both ends; `upper` is where its position counts from the upper one."""
-        text = self.text
+            return
+        upper = f"{place} > 1.0"
+        text.add(f"x__{place} = 1.0 / {place} if {upper} else {place}")
         text.add(f"square__{place} = x__{place} * x__{place}")
         text.add(f"rest__{place} = 1.0 / (1.0 + square__{place})")
         text.add(f"part__{place} = square__{place} * rest__{place}")
-        for name, lower, higher in ((names[0], "part", "rest"), (names[1], "rest", "part")):
-            text.add(f"{name}__{place} = {higher}__{place} if {upper} else {lower}__{place}")
-
-    def is_upper(self, place: str) -> str:
-        """Return kernel text that is 1 where the position of a place is counted from the upper end, else 0."""
-        end = place.removesuffix("_beside")
-        return {"low": "0.0", "high": "1.0"}.get(end, f"(1.0 if {place} > 1.0 else 0.0)")
+        text.add(f"{low}__{place} = rest__{place} if {upper} else part__{place}")
+        text.add(f"{high}__{place} = part__{place} if {upper} else rest__{place}")
 
     # -- what may be extreme -----------------------------------------------------------------------
 
@@ -201,11 +191,13 @@ class KnownWriter(ExtremaWriter):
                 name = self.bind(f"jump__{place}", f"PI if ({place} > 0.0) & ({place} < inf) else nan")
                 found.append(name)
                 place_of = self.place(place, half)
-                yield Candidate(name, f"-{name}", place_of, self.bound_of_jump(), place, half, "2.0")
+                if self.program.has_bounds:
+                    self.text.use("codegen.runtime.results", "OF_PI")
+                yield Candidate(name, f"-{name}", place_of, "OF_PI", place, half, "2.0")
         none = " & ".join(f"({name} != {name})" for name in dict.fromkeys(found))
         for half in halves:
-            for end, (_, first, _) in zip(ENDS, self.program.graded.ends, strict=True):
-                place = end if search.at_limit else f"{end}_beside"
+            for end in ENDS:
+                place, (first, _) = end if search.at_limit else f"{end}_beside", self.end_of(end)
                 counts = f"({first} != 0.0) | ({none})" if known.places else ""
                 yield self.candidate(search, place, half, counts)
 
@@ -216,9 +208,9 @@ class KnownWriter(ExtremaWriter):
         sign = "-" if half.mirrored and search.parity < 0 else ""
         text = f"{sign}{value} if {counts} else nan" if counts else f"{sign}{value}"
         name = self.bind(f"value__{label}", text)
-        end, kind = place.removesuffix("_beside"), "1.0"
-        if end in ENDS:
-            first = self.program.graded.ends[ENDS.index(end)][1]
+        first, _ = self.end_of(place)
+        kind = "1.0"
+        if first:
             kind = "0.0"
             if self.program.has_gradients and search.known is not None and not search.known.places:
                 (slope,) = self.values([search.slope], place, half)  # not a number where nothing can move
@@ -252,12 +244,6 @@ class KnownWriter(ExtremaWriter):
         self.text.use("codegen.runtime.results", "mirror_image")
         return self.bind(f"{found}__image", f"mirror_image({found}, {2.0 * self.program.graded.axis})")
 
-    def bound_of_jump(self) -> str:
-        """Return the error bound of a jump."""
-        if self.program.has_bounds:
-            self.text.use("codegen.runtime.results", "OF_PI")
-        return "OF_PI"
-
     def bound(self, search: ExtremumSearch, place: str, half: Half, label: str) -> str:
         """Write the error bound of a value at a place, if it is requested."""
         if not search.bounded_by:
@@ -270,11 +256,10 @@ class KnownWriter(ExtremaWriter):
             return name
         zero = f"zero__{label}"
         text.add(f"own__{label}, {zero} = bound_at_zero({own}, abs({slope}), {slope_bound}, abs({bend}))")
-        end = place.removesuffix("_beside")
-        if end not in ENDS:
+        first, toggle = self.end_of(place)
+        if not first:
             return self.bind(name, f"known({zero})")
         text.use("codegen.runtime.results", "MARGIN", "has_no_bound", "off_at_end")
-        _, first, toggle = self.program.graded.ends[ENDS.index(end)]
         off = f"off_at_end(x__{place}, abs({slope}), {slope_bound}, abs({bend}), {first})"
         lost = f"has_no_bound(x__{place}, abs({value}), abs({bend}), {first}, {toggle})"
         at_end = f"(inf if {lost} else known(MARGIN * {own} + {off}))"
@@ -336,8 +321,10 @@ class KnownWriter(ExtremaWriter):
             self.write_place(at)
             number = self.sides * self.searched_branches.index(half.branch) + int(half.side < 0)
             values = {"BEST": "high", "PLACE": candidate.place, "OF_KIND": candidate.kind, "AT_X": f"x__{at}"}
-            values |= {"IN_HALF": f"{number}.0", "IN_UPPER": self.is_upper(at)}
-            values |= {"MIRRORED": f"{int(half.mirrored)}.0"}
+            is_upper = (
+                f"{float(at.startswith(ENDS[1]))}" if self.end_of(at)[0] else f"(1.0 if {at} > 1.0 else 0.0)"
+            )
+            values |= {"IN_HALF": f"{number}.0", "IN_UPPER": is_upper, "MIRRORED": f"{int(half.mirrored)}.0"}
             text.add(f"high = {candidate.greatest if sign > 0 else f'-({candidate.least})'}")
             text.add("better = high > BEST__")
             text.add(f"SECOND__ = next_best(BEST__, SECOND__, PLACE__, high, {candidate.place})")
