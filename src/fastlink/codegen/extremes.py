@@ -3,7 +3,7 @@
 For a block of designs: samples of the derivatives on the graded range (lanes are designs), the cells that hold a zero,
 their refinement (lanes are cells), and the quantities there, see `fastlink.codegen.runtime.cells`. Derivatives by
 inputs are evaluated once all extremes of a quantity are known, where the greatest and the least value are: at one input
-position, or at limits of motion at a place that moves with them, see `fastlink.codegen.runtime.results`.
+position, or at limits of motion at a place that moves with them.
 """
 
 from __future__ import annotations
@@ -13,10 +13,9 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from fastlink.codegen.runtime import beside, cells, pieces, results
+from fastlink.codegen.runtime import beside, cells, pieces
 from fastlink.codegen.runtime.beside import MOST_SPLITS, OCTAVES, SPLIT_ROWS
-from fastlink.codegen.runtime.cells import ITEM_ROWS, LANES, MOST_LANES, STATE_ROWS
-from fastlink.codegen.runtime.results import WINNER_ROWS
+from fastlink.codegen.runtime.cells import ITEM_ROWS, LANES, MOST_LANES, STATE_ROWS, WINNER_ROWS
 from fastlink.codegen.source import Array, Source, Text, needed_steps, paste_fact
 from fastlink.facts.arc import ARC_FACTS
 from fastlink.facts.fact import PIECE, Fact, ranges_of
@@ -173,7 +172,7 @@ class ExtremaWriter:
 
     def lists(self, columns: int) -> Array:
         """Return the array of lists of extremes."""
-        return Array("lists", "float64", (results.LIST_ROWS + self.program.has_bounds, columns, self.kept))
+        return Array("lists", "float64", (cells.LIST_ROWS + self.program.has_bounds, columns, self.kept))
 
     @property
     def n_splits(self) -> int:
@@ -197,7 +196,7 @@ class ExtremaWriter:
 
     def places(self, columns: int) -> list[Array]:
         """Return the greatest and least values, and where requested their places and the derivatives there."""
-        rows = {"best": results.BEST_ROWS + 3 * self.program.has_bounds}
+        rows = {"best": cells.BEST_ROWS + 3 * self.program.has_bounds}
         if self.program.has_gradients:
             rows |= {"winners": 2 * WINNER_ROWS, "gradients": 2 * self.most_gradients}
         return [Array(name, "float64", (number, columns)) for name, number in rows.items()]
@@ -270,10 +269,7 @@ class ExtremaWriter:
 
     def half_beyond(self, half: int) -> int:
         """Return the half that continues a half beyond the ground line."""
-        sides = self.sides
-        if self.program.mirrored:
-            return 1 - half
-        return half // sides * sides + (1 - half % sides) % sides
+        return half if self.program.in_pieces else half ^ 1
 
     def continued(self, search: ExtremumSearch) -> int:
         """Return the sign with which the half beyond the ends of a half continues the function."""
@@ -300,13 +296,22 @@ class ExtremaWriter:
 
     # -- evaluation at places: the sampled function, the quantity, derivatives by inputs ---------------
 
-    def write_position(self, position: str, upper: str) -> None:
-        """Write the distances of a position from the near and the far end, over the width."""
-        near, far, _ = self.program.graded.coordinates
-        self.text.add(f"square = {position} * {position}")
-        self.text.add("rest = 1.0 / (1.0 + square)")
-        self.text.add(f"{near} = rest if {upper} else square * rest")
-        self.text.add(f"{far} = square * rest if {upper} else rest")
+    def write_place(self, position: str, upper: str, half: str) -> None:
+        """Write the distances of a position from the lower and the upper end, over the width, its side and branch.
+
+        Halves are numbered branch by branch, both sides of each.
+        """
+        text, sides, (first, *others) = self.text, self.sides, self.searched_branches
+        low, high, side = self.program.graded.coordinates
+        text.add(f"square = {position} * {position}")
+        text.add("rest = 1.0 / (1.0 + square)")
+        text.add(f"{low} = rest if {upper} else square * rest")
+        text.add(f"{high} = square * rest if {upper} else rest")
+        above = f"1.0 if ({half} == 0.0) | ({half} == 2.0) else -1.0"
+        text.add(f"{side} = {above if sides == 2 else '1.0'}")
+        if not self.program.in_pieces:
+            former = f"{first}.0 if {half} <= {sides - 1.0} else " if others else ""
+            text.add(f"branch = {former}{[first, *others][-1]}.0")
 
     def paste(self, step: Fact, suffix: str = "") -> None:
         """Append a fact, reading the copies of one branch."""
@@ -334,11 +339,11 @@ class ExtremaWriter:
             for position in self.places_wanted:
                 stores[cells.THETA] = position
                 if search.arc:
-                    self.text.use("codegen.runtime.results", "within_arc")
+                    self.text.use("codegen.runtime.cells", "within_arc")
                     stores[cells.VALUE] = f"within_arc({quantity}, {position}, {', '.join(ARC_FACTS)})"
                     names += ARC_FACTS
                 if self.program.mirrored:
-                    self.text.use("codegen.runtime.results", "mirror_image")
+                    self.text.use("codegen.runtime.cells", "mirror_image")
                     stores[cells.IMAGE] = f"mirror_image({position}, {2.0 * self.program.graded.axis})"
             names += self.at_zeros(search)
             rows = cells.IMAGE, cells.BOUND, cells.SLOPE_BOUND
@@ -366,25 +371,13 @@ class ExtremaWriter:
         """Write values at the positions of items, which carry values of the design, and their stores in the state."""
         text = self.text
         text.add(f"upper = state[{cells.UPPER}, at + i] > 0.0")
-        self.write_position(f"state[{cells.X}, at + i]", "upper")
-        self.write_half(f"state[{cells.HALF}, at + i]")
+        self.write_place(f"state[{cells.X}, at + i]", "upper", f"state[{cells.HALF}, at + i]")
         for name in self.design_needs(names):
             text.add(f"{name} = state[{STATE_ROWS + carried.index(name)}, at + i]")
         for step in self.needed_for(names):
             self.paste(step)
         for row, value in stores.items():
             text.add(f"state[{row}, at + i] = {value}")
-
-    def write_half(self, half: str) -> None:
-        """Write branch and side of a half: halves are numbered branch by branch, both sides of each."""
-        side, (first, *others) = self.program.graded.coordinates[2], self.searched_branches
-        sides = self.sides
-        above = f"1.0 if ({half} == 0.0) | ({half} == 2.0) else -1.0"
-        self.text.add(f"{side} = {above if sides == 2 else '1.0'}")
-        if self.program.in_pieces:
-            return
-        former = f"{first}.0 if {half} <= {sides - 1.0} else " if others else ""
-        self.text.add(f"branch = {former}{[first, *others][-1]}.0")
 
     def write_gradients(self, number: int) -> None:
         """Write the derivatives at the greatest and least values of a search, as far as they are requested."""
@@ -397,10 +390,10 @@ class ExtremaWriter:
         text.add(f"asked_{number} = array({[*asked, int(search.magnitude), int(search.folds)]})")
         columns = self.columns * LANES
         text.add(f"columns_{number} = array({[number * columns, (number + 1) * columns]})")
-        text.call(results.judge_winners, f"winners, w, n_here, table, search_{number}, asked_{number}")
+        text.call(cells.judge_winners, f"winners, w, n_here, table, search_{number}, asked_{number}")
         signs = sorted({sign_of(output) for output in own if output.inputs})
         for sign in signs:
-            row, base = results.WINNER_ROWS * (sign < 0), self.gradient_base(sign)
+            row, base = cells.WINNER_ROWS * (sign < 0), self.gradient_base(sign)
             text.add(f"gradient_{number}(w, winners, gradients, {row}, {base}, columns_{number}, width)")
         jumps = bool(search.known and search.known.jumps)
         if (
@@ -410,9 +403,9 @@ class ExtremaWriter:
         ):
             values = sum(not gradient.is_position for gradient in search.gradients)
             for sign in signs:
-                row, base = results.WINNER_ROWS * (sign < 0), self.gradient_base(sign)
+                row, base = cells.WINNER_ROWS * (sign < 0), self.gradient_base(sign)
                 text.call(
-                    results.settle_jumps, f"winners, {row}, columns_{number}, gradients, {base}, {values}"
+                    cells.settle_jumps, f"winners, {row}, columns_{number}, gradients, {base}, {values}"
                 )
 
     def write_gradient_function(self, number: int, search: ExtremumSearch) -> None:
@@ -426,22 +419,21 @@ class ExtremaWriter:
             text.block(f"for column__0 in range(columns__of[0], columns__of[1], {LANES}):"),
             text.block("for i in lanes(width):", "extreme", f"for derivatives of {search.quantity}"),
         ):
-            text.add(f"x__of = winners[row__0 + {results.AT_X}, column__0 + i]")
-            text.add(f"upper = winners[row__0 + {results.IN_UPPER}, column__0 + i] > 0.0")
-            self.write_position("x__of", "upper")
-            text.add(f"half__of = winners[row__0 + {results.IN_HALF}, column__0 + i]")
-            self.write_half("half__of")
+            text.add(f"x__of = winners[row__0 + {cells.AT_X}, column__0 + i]")
+            text.add(f"upper = winners[row__0 + {cells.IN_UPPER}, column__0 + i] > 0.0")
+            text.add(f"half__of = winners[row__0 + {cells.IN_HALF}, column__0 + i]")
+            self.write_place("x__of", "upper", "half__of")
             for need in self.design_needs(self.gradient_names(search)):
                 text.add(f"{need} = w[{self.row(need)}, i]")
             for step in self.needed_for(self.gradient_names(search)):
                 self.paste(step)
-            text.add(f"mirrored__of = winners[row__0 + {results.MIRRORED}, column__0 + i] > 0.0")
-            text.add(f"where__of = winners[row__0 + {results.WHERE}, column__0 + i]")
+            text.add(f"mirrored__of = winners[row__0 + {cells.MIRRORED}, column__0 + i] > 0.0")
+            text.add(f"where__of = winners[row__0 + {cells.WHERE}, column__0 + i]")
             for k, gradient in enumerate(search.gradients):
                 held = " / ".join(gradient.held) or "0.0"
                 held = f"-({held})" if gradient.is_position and gradient.held else held
                 moving = gradient.moving or "0.0"
-                text.add(f"slope__{k} = {moving} if where__of == {results.ALONG} else {held}")
+                text.add(f"slope__{k} = {moving} if where__of == {cells.ALONG} else {held}")
                 if gradient.is_position or search.parity < 0:
                     text.add(f"slope__{k} = -slope__{k} if mirrored__of else slope__{k}")
                 text.add(f"gradients[base__0 + {k}, column__0 + i] = slope__{k} if where__of > 0.0 else nan")
@@ -452,20 +444,20 @@ class ExtremaWriter:
         request, search = output.request, self.program.searches[number]
         target, first = f"out_{output.name}, i0, n_here", number * len(self.program.branches) * LANES
         if request.is_status:
-            row = results.WINNER_ROWS * (sign_of(output) < 0) + results.CODE
-            self.text.call(results.store_row, f"{target}, {first}, {self.all}winners, {row}")
+            row = cells.WINNER_ROWS * (sign_of(output) < 0) + cells.CODE
+            self.text.call(cells.store_row, f"{target}, {first}, {self.all}winners, {row}")
             return
         kinds = [(one.by, one.is_position) for one in search.gradients]
         base = self.gradient_base(sign_of(output))
         rows = [base + kinds.index((by, request.is_position)) for by in output.inputs]
         if not request.change:
-            self.text.call(results.store_row, f"{target}, {first}, {self.all}gradients, {rows[0]}")
+            self.text.call(cells.store_row, f"{target}, {first}, {self.all}gradients, {rows[0]}")
             return
         table, tolerances = f"{output.name}__terms", [self.row(term.tolerance) for term in output.terms]
         self.text.add(
             f"{table} = array({[first, int(request.change == 'rss'), len(rows), *rows, *tolerances]})"
         )
-        self.text.call(results.store_change, f"{target}, {self.all}gradients, w, {table}")
+        self.text.call(cells.store_change, f"{target}, {self.all}gradients, w, {table}")
 
     # -- beside folds and toggles, where slopes may be rounding ----------------------------------------
 
@@ -513,7 +505,7 @@ class ExtremaWriter:
                 for number in others:
                     if room := self.room(searches[number]):
                         span = f"{number * columns}, {(number + 1) * columns}, {room}"
-                        text.call(results.flag_undecided, f"{self.all}lists, {self.all}best, {span}")
+                        text.call(cells.flag_undecided, f"{self.all}lists, {self.all}best, {span}")
             if not self.program.in_pieces:
                 for number in others:
                     self.write_gradients(number)
@@ -528,9 +520,9 @@ class ExtremaWriter:
         with text.block("for i in lanes(width):", "design"):
             self.write_design_values()
         self.write_samples(numbers)
-        text.call(results.clear, "lists, best")
+        text.call(cells.clear, "lists, best")
         if self.program.has_gradients:
-            text.call(results.forget_winners, "winners, gradients")
+            text.call(cells.forget_winners, "winners, gradients")
         text.add(f"counts[{cells.DESIGNS}] = n_here")
         text.call(beside.forget_splits, "splits")
         for number in sorted(numbers, key=lambda k: not searches[k].splits):
@@ -539,7 +531,7 @@ class ExtremaWriter:
             if self.needs_ends(searches[number]):
                 self.write_ends(number)
         for row in self.doubts:
-            text.call(results.doubt, f"w, {row}, n_here, lists, best")
+            text.call(cells.doubt, f"w, {row}, n_here, lists, best")
 
     def write_pieces(self, of_cuts: Sequence[int], others: Sequence[int]) -> None:
         """Write how gaps cut the turn into pieces, the searches in these, and what their extremes come to."""
@@ -557,10 +549,10 @@ class ExtremaWriter:
                 arguments = f"pieces, p0, n_here, zeros, leasts, samples, {middle}, {searches[number].cuts}"
                 text.call(pieces.cut_pieces, f"{arguments}, further, n_further", "n_further")
             text.call(pieces.close_pieces, "further, n_further, pieces", "n_pieces")
-        text.call(results.clear, "all_lists, all_best")
+        text.call(cells.clear, "all_lists, all_best")
         text.call(pieces.clear_ranges, "found, ranges")
         if self.program.has_gradients:
-            text.call(results.forget_winners, "all_winners, all_gradients")
+            text.call(cells.forget_winners, "all_winners, all_gradients")
         text.call(pieces.note_pieces, "pieces, n_pieces, found, ranges")
         if others:
             with text.lanes_of("n_pieces", "p0"):
@@ -695,7 +687,7 @@ class ExtremaWriter:
         parts, split = self.parts_of(number), bool(self.split_by(search))
         slope, value = f"slope_{number}", f"value_{number}"
         for part in self.parts_that_may_rest(number):
-            text.call(results.silence_rest, f"w, samples, marks, {part}, n_here")
+            text.call(cells.silence_rest, f"w, samples, marks, {part}, n_here")
         if self.looks_away(number):
             text.call(beside.collect_beside, f"w, table, {parts[0]}, samples, n_here, ends, False", "n_ends")
             with self.gathered(number, "ends", "n_ends"):
@@ -746,13 +738,13 @@ class ExtremaWriter:
                 text.call(cells.keep, f"state, filled, {cells.XA}, {cells.X}")
                 with text.block("for k in range(4):"):
                     text.call(beside.place_aside, "state, filled, k")
-                    self.write_extrema(number, results.extrema_at_zeros, "state, filled, table")
+                    self.write_extrema(number, cells.extrema_at_zeros, "state, filled, table")
             elif search.kind == "pole":
                 with text.block("for turn in range(2):"):
                     self.call(beside.values_at_pole, value, f"w, table, search_{number}, turn")
                     self.write_extrema(number, beside.pole_values, "state, filled, w")
             else:
-                self.write_extrema(number, results.extrema_at_zeros, "state, filled, table")
+                self.write_extrema(number, cells.extrema_at_zeros, "state, filled, table")
 
     def write_extrema(self, number: int, classify: Callable[..., Any], state: str) -> None:
         """Write the quantity's evaluation at items of a search, what is extreme there, and its storing."""
@@ -761,33 +753,33 @@ class ExtremaWriter:
             self.call(cells.evaluate, f"value_{number}")
             text.call(pieces.keep_zeros, "state, filled, zeros, leasts")
             return
-        listed = bool(search.certain_by) and classify is results.extrema_at_zeros
+        listed = bool(search.certain_by) and classify is cells.extrema_at_zeros
         if listed:
-            self.call(results.find_certain, f"certain_{number}", "w")
+            self.call(cells.find_certain, f"certain_{number}", "w")
         self.call(cells.evaluate, f"value_{number}")
         if classify is beside.end_values and search.at_limit:
             self.call(beside.values_lost, f"value_{number}", "w")
         text.call(classify, f"{state}, search_{number}")
         if breaks := self.breaks_of(search):
             text.call(beside.unlist_jumps, f"state, filled, splits, array({breaks})")
-        if classify is results.extrema_at_zeros:
-            text.call(results.drop_folds, f"state, filled, w, search_{number}")
-        if self.program.has_bounds and classify is results.extrema_at_zeros:
-            text.call(results.bound_zeros, f"state, filled, search_{number}, {int(search.magnitude)}")
+        if classify is cells.extrema_at_zeros:
+            text.call(cells.drop_folds, f"state, filled, w, search_{number}")
+        if self.program.has_bounds and classify is cells.extrema_at_zeros:
+            text.call(cells.bound_zeros, f"state, filled, search_{number}, {int(search.magnitude)}")
             if search.kind == "jump":
                 text.call(beside.bound_aside, "state, filled")
             if listed and not search.onto:
-                text.call(results.note_uncertain, f"state, filled, w, table, search_{number}, best")
+                text.call(cells.note_uncertain, f"state, filled, w, table, search_{number}, best")
         elif self.program.has_bounds and search.kind != "pole":
-            text.call(results.bound_ends, "state, filled, w")
+            text.call(cells.bound_ends, "state, filled, w")
             if self.bounds_hidden(number):
                 text.call(beside.bound_hidden, "state, filled")
         if self.program.has_gradients:
             arguments = f"state, filled, table, search_{number}, winners, signs"
-            text.call(results.note_winners, arguments)
-            if search.kinked and classify is results.extrema_at_zeros:
-                text.call(results.note_kinks, arguments)
-        text.call(results.store_extrema, f"state, filled, table, search_{number}, lists, best")
+            text.call(cells.note_winners, arguments)
+            if search.kinked and classify is cells.extrema_at_zeros:
+                text.call(cells.note_kinks, arguments)
+        text.call(cells.store_extrema, f"state, filled, table, search_{number}, lists, best")
 
     def write_ends(self, number: int) -> None:
         """Write the values at the ends of the range, where these may be extreme."""
@@ -795,7 +787,7 @@ class ExtremaWriter:
         arguments = f"w, n_here, table, search_{number}, best, ends, {int(self.program.in_pieces)}"
         text.call(beside.collect_ends, arguments, "n_ends")
         for part in self.parts_that_may_rest(number):
-            text.call(results.collect_rest, f"samples, {part}, n_here, ends, n_ends", "n_ends")
+            text.call(cells.collect_rest, f"samples, {part}, n_here, ends, n_ends", "n_ends")
         with self.gathered(number, "ends", "n_ends"):
             if search.order > 0:
                 self.call(beside.values_beside, f"value_{number}", "w")
@@ -813,9 +805,7 @@ class ExtremaWriter:
             if row < 0:
                 self.text.call(pieces.store_assembly, f"{target}, found, w, {self.row(VALID)}")
             else:
-                self.text.call(
-                    results.store_list, f"{target}, 0, ranges, {row}, {'nan' if row < 2 else '0.0'}"
-                )
+                self.text.call(cells.store_list, f"{target}, 0, ranges, {row}, {'nan' if row < 2 else '0.0'}")
             return
         number = self.number_of(request.quantity)
         base = number * len(self.program.branches) * LANES
@@ -824,15 +814,15 @@ class ExtremaWriter:
             self.write_gradient_result(output, number)
         elif request.reduction is not None:
             least = request.reduction.sign < 0
-            row, at, bound = results.ROWS_OF_LEAST if least else results.ROWS_OF_GREATEST
+            row, at, bound = cells.ROWS_OF_LEAST if least else cells.ROWS_OF_GREATEST
             row = at if request.is_position else bound if request.is_error else row
-            self.text.call(results.store_best, f"{target}, {self.all}best, {row}, {at}")
+            self.text.call(cells.store_best, f"{target}, {self.all}best, {row}, {at}")
         elif request.listed == "count":
-            self.text.call(results.store_counts, f"{target}, {self.all}best")
+            self.text.call(cells.store_counts, f"{target}, {self.all}best")
         else:
-            row = results.LIST_ROW_OF[request.listed]
-            beyond = "0.0" if row == results.LIST_KIND else "nan"
-            self.text.call(results.store_list, f"{target}, {self.all}lists, {row}, {beyond}")
+            row = cells.LIST_ROW_OF[request.listed]
+            beyond = "0.0" if row == cells.LIST_KIND else "nan"
+            self.text.call(cells.store_list, f"{target}, {self.all}lists, {row}, {beyond}")
 
 
 def sign_of(output: Output) -> int:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from fastlink.codegen.extremes import ExtremaWriter, sign_of
-from fastlink.codegen.runtime import results
+from fastlink.codegen.runtime import cells
 from fastlink.codegen.runtime.cells import LANES
 from fastlink.codegen.source import Array, Source, paste_fact
 from fastlink.facts.names import error_name
@@ -124,7 +124,7 @@ class KnownWriter(ExtremaWriter):
 
     def values(self, names: Sequence[str], place: str, half: Half) -> Iterator[str]:
         """Write values at a place of a half, as far as they are not known, and yield their names."""
-        self.write_place(place)
+        self.write_known_place(place)
         for step in self.needed_for(names):
             suffix = self.suffix(step.name, place, half.endings)
             if step.name + suffix not in self.written:
@@ -138,7 +138,7 @@ class KnownWriter(ExtremaWriter):
         ends = {label: end[1:] for label, end in zip(ENDS, self.program.graded.ends, strict=True)}
         return ends.get(place.removesuffix("_beside"), ("", ""))
 
-    def write_place(self, place: str) -> None:
+    def write_known_place(self, place: str) -> None:
         """Write the distances of a place from the lower and the upper end, over the width."""
         if place in self.written:
             return
@@ -192,7 +192,7 @@ class KnownWriter(ExtremaWriter):
                 found.append(name)
                 place_of = self.place(place, half)
                 if self.program.has_bounds:
-                    self.text.use("codegen.runtime.results", "OF_PI")
+                    self.text.use("codegen.runtime.cells", "OF_PI")
                 yield Candidate(name, f"-{name}", place_of, "OF_PI", place, half, "2.0")
         none = " & ".join(f"({name} != {name})" for name in dict.fromkeys(found))
         for half in halves:
@@ -220,9 +220,9 @@ class KnownWriter(ExtremaWriter):
 
     def apart_from_folds(self, place: str) -> str:
         """Write whether a place is another one than a fold at an end of the range, which no search finds."""
-        self.write_place(place)
+        self.write_known_place(place)
         (_, low, toggle_low), (_, high, toggle_high) = self.program.graded.ends
-        self.text.use("codegen.runtime.results", "FOLDED")
+        self.text.use("codegen.runtime.cells", "FOLDED")
         upper = f"{place} > 1.0"
         first, toggle = f"({high} if {upper} else {low})", f"({toggle_high} if {upper} else {toggle_low})"
         return self.bind(f"apart__{place}", f"(x__{place} >= FOLDED * abs({first})) | ({toggle} > 0.0)")
@@ -241,7 +241,7 @@ class KnownWriter(ExtremaWriter):
         (found,) = self.values(self.places_wanted, place, half)
         if not half.mirrored:
             return found
-        self.text.use("codegen.runtime.results", "mirror_image")
+        self.text.use("codegen.runtime.cells", "mirror_image")
         return self.bind(f"{found}__image", f"mirror_image({found}, {2.0 * self.program.graded.axis})")
 
     def bound(self, search: ExtremumSearch, place: str, half: Half, label: str) -> str:
@@ -251,7 +251,7 @@ class KnownWriter(ExtremaWriter):
         own, slope_bound, bend, slope = self.values(search.bounded_by, place, half)
         (value,) = self.values([search.quantity], place, half)
         text, name = self.text, f"bound__{label}"
-        text.use("codegen.runtime.results", "bound_at_zero", "known")
+        text.use("codegen.runtime.cells", "bound_at_zero", "known")
         if name in self.written:
             return name
         zero = f"zero__{label}"
@@ -259,7 +259,7 @@ class KnownWriter(ExtremaWriter):
         first, toggle = self.end_of(place)
         if not first:
             return self.bind(name, f"known({zero})")
-        text.use("codegen.runtime.results", "MARGIN", "has_no_bound", "off_at_end")
+        text.use("codegen.runtime.cells", "MARGIN", "has_no_bound", "off_at_end")
         off = f"off_at_end(x__{place}, abs({slope}), {slope_bound}, abs({bend}), {first})"
         lost = f"has_no_bound(x__{place}, abs({value}), abs({bend}), {first}, {toggle})"
         at_end = f"(inf if {lost} else known(MARGIN * {own} + {off}))"
@@ -292,13 +292,13 @@ class KnownWriter(ExtremaWriter):
         for candidate in candidates:
             value = candidate.greatest if sign > 0 else candidate.least
             if bounded:
-                text.use("codegen.runtime.results", "of_better")
+                text.use("codegen.runtime.cells", "of_better")
                 ahead = f"extreme, bound, {value}" if sign > 0 else f"-extreme, bound, -({value})"
                 text.add(f"bound = of_better({ahead}, {candidate.bound})")
             if self.places_wanted:
                 text.add(f"place = {candidate.place} if {value} {better} extreme else place")
             text.add(f"extreme = {value} if {value} {better} extreme else extreme")
-        row = results.GREATEST if sign > 0 else results.LEAST
+        row = cells.GREATEST if sign > 0 else cells.LEAST
         text.add(f"best[{row}, {column} + i] = extreme")
         place = (
             "place" if self.places_wanted else f"nan if extreme == {'-inf' if sign > 0 else 'inf'} else 0.0"
@@ -306,19 +306,19 @@ class KnownWriter(ExtremaWriter):
         text.add(f"best[{row | 1}, {column} + i] = {place}")
         if bounded:
             doubt = " | ".join(f"({error_name(end[2])} > 0.0)" for end in self.program.graded.ends)
-            row = results.GREATEST_BOUND if sign > 0 else results.LEAST_BOUND
+            row = cells.GREATEST_BOUND if sign > 0 else cells.LEAST_BOUND
             text.add(f"best[{row}, {column} + i] = inf if {doubt} else bound")
 
     def write_winner(self, candidates: Iterable[Candidate], sign: int, column: int) -> None:
-        """Write where the greatest or least of the candidates is, for its derivatives: see `results.note_winners`."""
+        """Write where the greatest or least of the candidates is, for its derivatives: see `cells.note_winners`."""
         text, kept = self.text, {"BEST": "-inf", "SECOND": "-inf", "PLACE": "nan", "OF_KIND": "nan"}
         kept |= dict.fromkeys(("AT_X", "IN_HALF", "IN_UPPER", "MIRRORED"), "0.0")
         for name, value in kept.items():
             text.add(f"{name}__ = {value}")
-        text.use("codegen.runtime.results", "next_best")
+        text.use("codegen.runtime.cells", "next_best")
         for candidate in candidates:
             at, half = candidate.at, candidate.half
-            self.write_place(at)
+            self.write_known_place(at)
             number = self.sides * self.searched_branches.index(half.branch) + int(half.side < 0)
             values = {"BEST": "high", "PLACE": candidate.place, "OF_KIND": candidate.kind, "AT_X": f"x__{at}"}
             is_upper = (
@@ -331,7 +331,7 @@ class KnownWriter(ExtremaWriter):
             for name, value in values.items():
                 text.add(f"{name}__ = {value} if better else {name}__")
         for name in kept:
-            row = results.WINNER_ROWS * (sign < 0) + getattr(results, name)
+            row = cells.WINNER_ROWS * (sign < 0) + getattr(cells, name)
             text.add(f"winners[{row}, {column} + i] = {name}__")
 
 

@@ -125,16 +125,13 @@ class Module:
         self.scope = scope
         self.text: list[str] = []
         self.constants: list[str] = []
+        #: The functions of LLVM that are called, each once.
         self.declarations: dict[str, None] = {}
         #: Of each function that was translated, by text and kinds of arguments, its name and the kind of its result.
         self.functions: dict[Hashable, tuple[str, str | None]] = {}
 
     def __str__(self) -> str:
         return "\n".join([*self.constants, *self.declarations, *self.text, ATTRIBUTES])
-
-    def declare(self, text: str) -> None:
-        """Declare a function of LLVM, once."""
-        self.declarations[text] = None
 
     def constant_array(self, values: Sequence[Value]) -> Array:
         """Return a read-only array of known numbers."""
@@ -196,14 +193,6 @@ def parts_of(node: ast.AST) -> list[ast.AST]:
         else:
             found += [getattr(part, name) for name in names]
     return found
-
-
-def as_load(target: ast.expr) -> ast.expr:
-    """Return the expression that reads what an assignment writes."""
-    if isinstance(target, ast.Name):
-        return ast.Name(target.id, ast.Load())
-    assert isinstance(target, ast.Subscript)
-    return ast.Subscript(target.value, target.slice, ast.Load())
 
 
 #: Loops whose counter is many at once.
@@ -482,7 +471,7 @@ class _Function:
         given = [self.spread(self.to_kind(arg, "f"), lanes) for arg in args]
         vector = type_of("f", lanes)
         full = f"llvm.{name}.{'f64' if lanes == 1 else f'v{lanes}f64'}"
-        self.module.declare(f"declare {vector} @{full}({', '.join([vector] * len(args))})")
+        self.module.declarations[f"declare {vector} @{full}({', '.join([vector] * len(args))})"] = None
         return self.let(f"call {vector} @{full}({', '.join(f'{vector} {x.at}' for x in given)})", "f", lanes)
 
     def refuse(self, node: ast.AST, why: str) -> NoReturn:
@@ -776,20 +765,16 @@ class _Function:
         self.names = {parameter.arg: arg for parameter, arg in zip(node.args.args, args, strict=True)}
         *body, last = node.body
         for statement in body:
-            self.statement_of_pasted(statement)
+            is_docstring = isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant)
+            if not is_docstring and not isinstance(statement, ast.Assign):
+                self.refuse(statement, "an inlined function has assignments only")
+            if not is_docstring:
+                self.statement(statement)
         if not isinstance(last, ast.Return) or last.value is None:
             self.refuse(last, "an inlined function returns at its end")
         result = self.value(last.value)
         self.node, self.names, self.scope, self.straight, self.everywhere, self.flags = outer
         return result
-
-    def statement_of_pasted(self, node: ast.stmt) -> None:
-        """Translate a statement of a text that is pasted: an assignment, or a docstring."""
-        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
-            return
-        if not isinstance(node, ast.Assign):
-            self.refuse(node, "an inlined function has assignments only")
-        self.statement(node)
 
     # -- statements --------------------------------------------------------------------------------
 
@@ -814,7 +799,7 @@ class _Function:
             case ast.Assign(targets=[target]):
                 self.assign(target, self.value(node.value))
             case ast.AugAssign():
-                now = self.number(as_load(node.target))
+                now = self.number(node.target)
                 self.assign(node.target, self.binary(node, node.op, now, self.number(node.value)))
             case ast.If():
                 self.do_if(node)
@@ -999,7 +984,7 @@ def _bits(f: _Function, value: Value, before: str, after: str) -> Value:
 
 
 def _trailing_zeros(f: _Function, x: Value) -> Value:
-    f.module.declare("declare i64 @llvm.cttz.i64(i64, i1)")
+    f.module.declarations["declare i64 @llvm.cttz.i64(i64, i1)"] = None
     return f.let(f"call i64 @llvm.cttz.i64(i64 {f.to_kind(x, 'i').at}, i1 true)", "i")
 
 

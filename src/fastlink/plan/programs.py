@@ -537,12 +537,10 @@ class Planner:
 
         An arc of the turn is no mirror image of itself, and extremes that are known may be outside of it.
         """
-        found = self._search_of_turn(quantity)
-        if found is not None and self.graded.gaps is not None:  # no piece is the mirror image of another
+        found, is_arc = self._search_of_turn(quantity), ARC in self.variants
+        if found is not None and (is_arc or self.is_in_pieces):  # no piece is the mirror image of another
             found = replace(found, parity=0, slope_parity=0)
-        if found is None or ARC not in self.variants:
-            return found
-        return replace(found, arc=True, parity=0, slope_parity=0, known=None)
+        return replace(found, arc=True, known=None) if found is not None and is_arc else found
 
     def _search_of_turn(self, quantity: str) -> ExtremumSearch | None:
         if signed(quantity) != quantity:

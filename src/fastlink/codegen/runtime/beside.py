@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from fastlink.codegen.runtime.cells import (
-    AT_LIMIT,
     BOUND,
     BRANCHES,
     CELLS,
@@ -21,8 +20,10 @@ from fastlink.codegen.runtime.cells import (
     FINE_AT,
     FINE_SAMPLES,
     FIRST,
+    GREATEST,
     HALF,
     HALVES,
+    HAS_LIMIT,
     ITEM_ROWS,
     KIND,
     LANE,
@@ -61,14 +62,15 @@ from fastlink.codegen.runtime.cells import (
     evaluate,
     evaluate_at,
     first_of,
+    is_certain,
     is_unresolved,
     keep,
     mark,
+    mark_undecided,
     padded,
     position_of,
     toggle_of,
 )
-from fastlink.codegen.runtime.results import GREATEST, is_certain, mark_undecided
 from fastlink.numerics.compiler import inlined, lanes, merged, outlined
 from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, trailing_zeros
 
@@ -77,7 +79,7 @@ from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, trailing_zeros
 
 # At a toggle a quantity has a limit or grows by its order. At a fold, where all bars of a change point are
 # in line, it is a sum of powers of the distance x: it may have a pole there whose factor is as small as
-# masses and loads are, so that nothing shows it but positions far closer. Arrays are as in `results`.
+# masses and loads are, so that nothing shows it but positions far closer. Arrays are as in `cells`.
 
 
 # The first sample stands at 2^-60 of the scale. How much farther from a toggle a quantity is evaluated too, how much
@@ -157,7 +159,7 @@ def collect_ends(w: Any, count: int, table: Any, search: Any, best: Any, ends: A
             for upper in range(2):
                 first = w[START + upper, i]
                 if first != 0.0 or empty:
-                    x = 0.0 if search[AT_LIMIT] > 0 and first >= 0.0 else abs(first)
+                    x = 0.0 if search[HAS_LIMIT] > 0 and first >= 0.0 else abs(first)
                     total = append_item(ends, total, i, half, upper == 1, x, 0.0, x, 0.0)
     return total
 
@@ -675,7 +677,9 @@ DOUBT = 0.0625
 
 @inlined
 def unresolved(before: Any, f0: Any, f1: Any, after: Any, fourth0: Any, fourth1: Any) -> Any:
-    """Tell whether a cell may hold more zeros than its ends show, by the cubic through its ends and the samples beside.
+    """Return the mark of a cell that may hold more zeros than its ends show; 0 for others.
+
+    It is by the cubic through its ends and the samples beside.
 
     Of one sign: the cubic, which dips below both ends by at most an eighth of a second difference, comes nearer to zero
     than it may be off. Of both signs: it may turn back.
@@ -687,7 +691,8 @@ def unresolved(before: Any, f0: Any, f1: Any, after: Any, fourth0: Any, fourth1:
     )
     low, high = abs(f0), abs(f1)
     least = 4.0 * (low if low < high else high)
-    return (abs(f1 - f0) if (f0 > 0.0) != (f1 > 0.0) else least) < turn
+    is_doubtful = (abs(f1 - f0) if (f0 > 0.0) != (f1 > 0.0) else least) < turn
+    return UNRESOLVED_CELL if is_doubtful else 0
 
 
 @outlined
@@ -700,8 +705,7 @@ def mark_unresolved(samples: Any, marks: Any, part: Any, width: int) -> None:
             c, d = samples[j + 2, i], samples[j + 3, i]
             fourth0 = (a + c) - 4.0 * (b + f1) + 6.0 * f0
             fourth1 = (b + d) - 4.0 * (f0 + c) + 6.0 * f1
-            doubtful = unresolved(b, f0, f1, c, fourth0, fourth1)
-            marks[j, i] = marks[j, i] | (UNRESOLVED_CELL if doubtful else 0)
+            marks[j, i] = marks[j, i] | unresolved(b, f0, f1, c, fourth0, fourth1)
     for upper in range(2):
         # the two cells at each end of the half, with the fourth difference of the five samples there
         end, step = (last, -1) if upper == 1 else (first, 1)
@@ -711,12 +715,8 @@ def mark_unresolved(samples: Any, marks: Any, part: Any, width: int) -> None:
             f3, f4 = samples[end + 3 * step, i], samples[end + 4 * step, i]
             fourth = (f0 + f4) - 4.0 * (f1 + f3) + 6.0 * f2
             beyond = 4.0 * (f0 + f2) - 6.0 * f1 - f3
-            marks[at0, i] = marks[at0, i] | (
-                UNRESOLVED_CELL if unresolved(beyond, f0, f1, f2, fourth, fourth) else 0
-            )
-            marks[at1, i] = marks[at1, i] | (
-                UNRESOLVED_CELL if unresolved(f0, f1, f2, f3, fourth, fourth) else 0
-            )
+            marks[at0, i] = marks[at0, i] | unresolved(beyond, f0, f1, f2, fourth, fourth)
+            marks[at1, i] = marks[at1, i] | unresolved(f0, f1, f2, f3, fourth, fourth)
     # a valley with an unresolved cell: both of its cells are divided
     for j in range(first + 1, last):
         for i in lanes(width):
@@ -802,9 +802,8 @@ def _mark_fine(s: Any, count: int, marks: Any) -> None:
             fourth1 = (s[m1 - 2, i] + s[m1 + 2, i]) - 4.0 * (s[m1 - 1, i] + s[m1 + 1, i]) + 6.0 * s[m1, i]
             one_sign = ((a > 0.0) == (b > 0.0)) & ((c > 0.0) == (b > 0.0))
             sign = 1.0 if s[FC, i] > 0.0 else -1.0
-            doubt = unresolved(a, b, c, s[after, i], fourth0, fourth1)
             flag = mark(a, b, c, sign) & (ROOT | VALLEY if one_sign else ROOT)
-            marks[k, i] = flag | (UNRESOLVED_CELL if doubt else 0)
+            marks[k, i] = flag | unresolved(a, b, c, s[after, i], fourth0, fourth1)
 
 
 @merged
