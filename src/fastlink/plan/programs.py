@@ -466,11 +466,20 @@ class Planner:
 
     # -- Values at given input positions, and their reductions
 
-    def output(self, request: Request, *, whole_turn: bool = False, refined: bool = False) -> Output:
+    def output(
+        self,
+        request: Request,
+        *,
+        whole_turn: bool = False,
+        refined: bool = False,
+        is_assembly: bool = False,
+    ) -> Output:
         """Return the result of a request."""
         catalogue, fact = self.catalogue, self.catalogue.public_fact(request.quantity)
         axes: tuple[str, ...] = (BRANCH,)
-        if not catalogue.varies(fact.name):
+        if is_assembly:
+            axes = (BRANCH,) if request.name == ASSEMBLY else (BRANCH, EXTREMUM)
+        elif not catalogue.varies(fact.name):
             axes = ()
         elif request.listed and request.listed != "count":
             axes = (BRANCH, EXTREMUM)
@@ -489,6 +498,7 @@ class Planner:
             self.toggles_of(request) if whole_turn else (),
             "" if refined else self.counted_by(request),
             terms,
+            is_assembly,
         )
 
     def program(
@@ -820,7 +830,7 @@ class Plan:
     @property
     def positions(self) -> int:
         """The number of input positions, 0 where the plan was not made for any."""
-        return int(self.recipe[5]) if self.recipe else 0
+        return int(dict(self.recipe[2])["angles"]) if self.recipe else 0
 
     @property
     def uses_position(self) -> bool:
@@ -850,7 +860,7 @@ def make_plan(
     extrema: Extrema = "refined",
 ) -> Plan:
     """Resolve the requested names into programs."""
-    names = tuple(names)
+    names, setting = tuple(names), dict[str, Any](angles=angles, extrema=extrema)
     requests = [parse_request(name, catalogue) for name in names]
     for request in requests:
         if request.name in given:
@@ -877,13 +887,7 @@ def make_plan(
                 raise _not_refined(request, catalogue)
     whole_turn = extrema == "refined" and ARC not in variants
     outputs = tuple(
-        replace(
-            planner.output(r, refined=True),
-            axes=(BRANCH,) if r.name == ASSEMBLY else (BRANCH, EXTREMUM),
-            is_assembly=True,
-        )
-        if r.name in assembly
-        else planner.output(r, whole_turn=whole_turn, refined=r.name in refined)
+        planner.output(r, whole_turn=whole_turn, refined=r.name in refined, is_assembly=r.name in assembly)
         for r in requests
     )
     programs: list[Program] = []
@@ -895,8 +899,9 @@ def make_plan(
     kept = max((search.most for search in searched), default=0)
     if len(assembly) > (ASSEMBLY in assembly):
         kept = max(kept, planner.graded.max_extrema_otherwise)
-    recipe = catalogue, names, tuple(given), tuple(branches), tuple(variants), angles, extrema
-    return Plan(catalogue, outputs, tuple(programs), tuple(branches), tuple(variants), kept, recipe)
+    setting |= {"given": planner.given, "branches": planner.branches, "variants": planner.variants}
+    recipe = catalogue, names, tuple(setting.items())
+    return Plan(catalogue, outputs, tuple(programs), planner.branches, planner.variants, kept, recipe)
 
 
 def all_declared(catalogue: Catalogue) -> tuple[Any, ...]:
@@ -904,24 +909,14 @@ def all_declared(catalogue: Catalogue) -> tuple[Any, ...]:
     return catalogue.version, *REDUCTIONS.values()
 
 
-def planned_again(
-    catalogue: Catalogue, names: tuple[str, ...], given: tuple[str, ...], *options: Any
-) -> Plan:
+def planned_again(catalogue: Catalogue, *recipe: Any) -> Plan:
     """Return the plan that `make_plan` made in another process, once as long as nothing is declared."""
-    return _again(all_declared(catalogue), catalogue, names, given, options)
+    return _again(all_declared(catalogue), catalogue, *recipe)
 
 
 @lru_cache(maxsize=64)
-def _again(
-    declared: tuple[Any, ...],
-    catalogue: Catalogue,
-    names: tuple[str, ...],
-    given: tuple[str, ...],
-    options: Any,
-) -> Plan:
-    branches, variants, angles, extrema = options
-    setting: dict[str, Any] = {"branches": branches, "variants": variants, "angles": angles}
-    return make_plan(catalogue, names, given=given, extrema=extrema, **setting)
+def _again(declared: tuple[Any, ...], catalogue: Catalogue, names: tuple[str, ...], setting: Any) -> Plan:
+    return make_plan(catalogue, names, **dict(setting))
 
 
 def _not_refined(request: Request, catalogue: Catalogue) -> InputError:
