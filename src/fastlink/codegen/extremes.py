@@ -296,7 +296,7 @@ class ExtremaWriter:
 
     # -- evaluation at places: the sampled function, the quantity, derivatives by inputs ---------------
 
-    def write_place(self, position: str, upper: str, half: str) -> None:
+    def write_place(self, position: str, half: str) -> None:
         """Write the distances of a position from the lower and the upper end, over the width, its side and branch.
 
         Halves are numbered branch by branch, both sides of each.
@@ -305,8 +305,8 @@ class ExtremaWriter:
         low, high, side = self.program.graded.coordinates
         text.add(f"square = {position} * {position}")
         text.add("rest = 1.0 / (1.0 + square)")
-        text.add(f"{low} = rest if {upper} else square * rest")
-        text.add(f"{high} = square * rest if {upper} else rest")
+        text.add(f"{low} = rest if upper else square * rest")
+        text.add(f"{high} = square * rest if upper else rest")
         above = f"1.0 if ({half} == 0.0) | ({half} == 2.0) else -1.0"
         text.add(f"{side} = {above if sides == 2 else '1.0'}")
         if not self.program.in_pieces:
@@ -371,7 +371,7 @@ class ExtremaWriter:
         """Write values at the positions of items, which carry values of the design, and their stores in the state."""
         text = self.text
         text.add(f"upper = state[{cells.UPPER}, at + i] > 0.0")
-        self.write_place(f"state[{cells.X}, at + i]", "upper", f"state[{cells.HALF}, at + i]")
+        self.write_place(f"state[{cells.X}, at + i]", f"state[{cells.HALF}, at + i]")
         for name in self.design_needs(names):
             text.add(f"{name} = state[{STATE_ROWS + carried.index(name)}, at + i]")
         for step in self.needed_for(names):
@@ -391,22 +391,15 @@ class ExtremaWriter:
         columns = self.columns * LANES
         text.add(f"columns_{number} = array({[number * columns, (number + 1) * columns]})")
         text.call(cells.judge_winners, f"winners, w, n_here, table, search_{number}, asked_{number}")
-        signs = sorted({sign_of(output) for output in own if output.inputs})
-        for sign in signs:
-            row, base = cells.WINNER_ROWS * (sign < 0), self.gradient_base(sign)
+        values = sum(not gradient.is_position for gradient in search.gradients)
+        wraps = any(o.kind == "wrap" and o.onto == search.quantity for o in self.program.searches)
+        jumps = search.folds or wraps or bool(search.known and search.known.jumps)
+        for sign in sorted({sign_of(output) for output in own if output.inputs}):
+            row, base = WINNER_ROWS * (sign < 0), self.gradient_base(sign)
             text.add(f"gradient_{number}(w, winners, gradients, {row}, {base}, columns_{number}, width)")
-        jumps = bool(search.known and search.known.jumps)
-        if (
-            search.folds
-            or jumps
-            or any(o.kind == "wrap" and o.onto == search.quantity for o in self.program.searches)
-        ):
-            values = sum(not gradient.is_position for gradient in search.gradients)
-            for sign in signs:
-                row, base = cells.WINNER_ROWS * (sign < 0), self.gradient_base(sign)
-                text.call(
-                    cells.settle_jumps, f"winners, {row}, columns_{number}, gradients, {base}, {values}"
-                )
+            if jumps:
+                arguments = f"winners, {row}, columns_{number}, gradients, {base}, {values}"
+                text.call(cells.settle_jumps, arguments)
 
     def write_gradient_function(self, number: int, search: ExtremumSearch) -> None:
         """Write the function of its own that evaluates derivatives at greatest or least values, lanes being designs."""
@@ -422,7 +415,7 @@ class ExtremaWriter:
             text.add(f"x__of = winners[row__0 + {cells.AT_X}, column__0 + i]")
             text.add(f"upper = winners[row__0 + {cells.IN_UPPER}, column__0 + i] > 0.0")
             text.add(f"half__of = winners[row__0 + {cells.IN_HALF}, column__0 + i]")
-            self.write_place("x__of", "upper", "half__of")
+            self.write_place("x__of", "half__of")
             for need in self.design_needs(self.gradient_names(search)):
                 text.add(f"{need} = w[{self.row(need)}, i]")
             for step in self.needed_for(self.gradient_names(search)):
@@ -566,8 +559,9 @@ class ExtremaWriter:
                         pieces.join_winners, f"{arguments}, winners, gradients, all_winners, all_gradients"
                     )
         text.count_lanes("n_designs", "i0")
-        with text.block("for i in lanes(width):"):
-            self.write_design_values(only=self.of_results)
+        if self.of_results:
+            with text.block("for i in lanes(width):"):
+                self.write_design_values(only=self.of_results)
 
     def write_functions(self, write: Callable[[int, ExtremumSearch], None]) -> None:
         """Write the functions of each search, which the kernel calls."""
@@ -727,7 +721,7 @@ class ExtremaWriter:
         if search.cuts:
             text.call(pieces.collect_leasts, f"samples, {parts[0]}, n_here, ends", "n_leasts")
             with self.gathered(number, "ends", "n_leasts"):
-                self.call(pieces.find_leasts, f"{slope}, {value}", "flags, leasts")
+                self.call(pieces.keep_leasts, f"{slope}, {value}", "flags, leasts")
         with self.gathered(number, "valleys", f"counts[{cells.VALLEYS}]"):
             self.call(cells.split_valleys, slope, "flags, counts, roots")
         with self.gathered(number, "roots", f"counts[{cells.ROOTS}]"):

@@ -1,4 +1,7 @@
-"""What samples do not show: ends of the range, toggles, folds octave by octave, kinks, cells to be divided."""
+"""What samples do not show: ends of the range, toggles, folds octave by octave, kinks, cells to be divided.
+
+Arrays are as in `fastlink.codegen.runtime.cells`.
+"""
 
 from __future__ import annotations
 
@@ -79,7 +82,7 @@ from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, trailing_zeros
 
 # At a toggle a quantity has a limit or grows by its order. At a fold, where all bars of a change point are
 # in line, it is a sum of powers of the distance x: it may have a pole there whose factor is as small as
-# masses and loads are, so that nothing shows it but positions far closer. Arrays are as in `cells`.
+# masses and loads are, so that nothing shows it but positions far closer.
 
 
 # The first sample stands at 2^-60 of the scale. How much farther from a toggle a quantity is evaluated too, how much
@@ -170,7 +173,7 @@ def collect_ends(w: Any, count: int, table: Any, search: Any, best: Any, ends: A
 # 2^-26 of the scale its sign is nothing but rounding, and a wrong one at the last sample hides the extreme
 # that follows. The value at a little distance stands for that at the toggle. Where both signs are certain
 # there is an extreme between that is not looked for: it is in the error bounds of the greatest and least
-# values. Arrays are as in `cells`.
+# values.
 
 
 # The function at a toggle over that at the next sample, below which it vanishes there.
@@ -262,7 +265,7 @@ def bound_hidden(s: Any, count: int) -> None:
 # A load by the square of a rate changes its sign with the rate: the slope is a V there, which may dip below
 # zero within a millionth of a cell. Neither the samples nor a parabola through them tell of it, and a
 # search for the least magnitude ends above it. The function on both sides of the place itself tells:
-# between such places it is smooth. Arrays are as in `cells`.
+# between such places it is smooth.
 
 
 #: How many places of one design are kept; a rate is zero twice in a half of the range at most.
@@ -495,8 +498,7 @@ def collect_jumps(part: Any, splits: Any, counts: Any, roots: Any) -> None:
 # shows that it is worth it.
 #
 # Close to a fold the slope may be nothing but rounding. A smooth function changes by a millionth with its
-# argument, rounding errors do as they like: signs count where the function stays what it is. Arrays are as
-# in `cells`.
+# argument, rounding errors do as they like: signs count where the function stays what it is.
 
 
 #: From the first sample, 2^-60 of the scale, to the second one, less than 2^-4 of it.
@@ -658,7 +660,7 @@ def mark_hiding(value: Any, s: Any, count: int, vectors: Any, table: Any, search
 # Zeros hide where the function is not resolved: a pair between two samples of one sign, or three between samples of
 # both signs. The fourth differences of the samples tell where: cubic interpolation between equally spaced samples is
 # off by about 3/128 of them where they change little from sample to sample. It is an estimate, no bound: what leaves no
-# trace in six samples stays unseen. Arrays are as in `cells`.
+# trace in six samples stays unseen.
 
 
 # Eight marks at once.

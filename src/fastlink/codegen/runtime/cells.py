@@ -585,7 +585,7 @@ def collect(samples: Any, marks: Any, part: Any, counts: Any, roots: Any, valley
 # at most 8 x |s|; beside a toggle, where it may change as c x and s grows as 1/x, by c x = s s/|b|. What is
 # infinite at a toggle has no bound, nor has what grows as 1/x or more towards a fold: |b| x^2 is at least
 # half of it, then. - Beside a toggle at which the slope vanishes an extreme may stand that is not looked
-# for (`toggles`): the value at the toggle is off by at most what the quantity changes within four times the
+# for (`beside.find_hidden`): the value at the toggle is off by at most what the quantity changes within four times the
 # distance of that. - Where a quantity has a limit at a fold but no value there in doubles, that at 2^-30 of
 # the scale stands for it, and has no bound. - Where no slope changes its sign, a place in the middle of the
 # turn stands for the extreme. If its slope is within its error bound the quantity is constant but for
@@ -1174,7 +1174,7 @@ def flag_undecided(lists: Any, best: Any, first: int, last: int, room: int) -> N
 
 # At a fold a linkage may go on as another: a kite with two of its joints in one place, a parallelogram
 # whose output turns as its input does. Forces and torques are constant then, and all that samples show of
-# the slope is rounding errors, of which zeros fill the lists. Arrays are as in `cells`.
+# the slope is rounding errors, of which zeros fill the lists.
 
 
 #: A half may be at rest where the greatest slope is so little of the greatest of the half that continues it. It is if

@@ -106,20 +106,21 @@ def forget_zeros(zeros: Any, leasts: Any) -> None:
 
 
 @merged
-def _place(zeros: Any, lane: int, theta: float) -> int:
-    """Make room in a sorted list of zeros; return where, -1 where there is none."""
+def _keep(zeros: Any, lane: int, theta: float, slope: float, bend: float, off: float, rough: float) -> None:
+    """Sort a zero or a least value into those of a piece, if there is room."""
     n = int(zeros[AT, lane, MOST_ZEROS - 1])
-    k = n
-    if n >= MOST_ZEROS - 1:
-        k = -1
-    while k > 0 and zeros[AT, lane, k - 1] > theta:
-        for r in range(ZERO_ROWS):
-            zeros[r, lane, k] = zeros[r, lane, k - 1]
-        k -= 1
-    if k >= 0:
+    if n < MOST_ZEROS - 1:
+        k = n
+        while k > 0 and zeros[AT, lane, k - 1] > theta:
+            for r in range(ZERO_ROWS):
+                zeros[r, lane, k] = zeros[r, lane, k - 1]
+            k -= 1
         zeros[AT, lane, k] = theta
+        zeros[SLOPE_AT, lane, k] = slope
+        zeros[BEND_AT, lane, k] = bend
+        zeros[OFF_AT, lane, k] = off
+        zeros[ROUGH_AT, lane, k] = rough
         zeros[AT, lane, MOST_ZEROS - 1] = n + 1.0
-    return k
 
 
 @outlined
@@ -133,18 +134,10 @@ def keep_zeros(s: Any, count: int, zeros: Any, leasts: Any) -> None:
         lane, theta, slope = int(s[LANE, i]), s[THETA, i], s[VALUE, i]
         depth = 0.5 * slope * slope / s[IMAGE, i] if s[IMAGE, i] > 0.0 else INFINITY
         if (depth <= 4.0 * s[BOUND, i]) & (depth <= UNDECIDED_DEPTH):
-            k = _place(leasts, lane, theta)
-            if k >= 0:
-                leasts[SLOPE_AT, lane, k] = s[BOUND, i]
-                leasts[OFF_AT, lane, k] = INFINITY
-                leasts[ROUGH_AT, lane, k] = INFINITY
+            _keep(leasts, lane, theta, s[BOUND, i], 0.0, INFINITY, INFINITY)
         elif slope == slope:
-            k = _place(zeros, lane, theta)
-            if k >= 0:
-                zeros[SLOPE_AT, lane, k] = slope
-                zeros[BEND_AT, lane, k] = 0.5 * s[IMAGE, i]
-                zeros[OFF_AT, lane, k] = s[BOUND, i] / abs(slope)
-                zeros[ROUGH_AT, lane, k] = s[SLOPE_BOUND, i]
+            off = s[BOUND, i] / abs(slope)
+            _keep(zeros, lane, theta, slope, 0.5 * s[IMAGE, i], off, s[SLOPE_BOUND, i])
 
 
 @outlined
@@ -166,7 +159,7 @@ def collect_leasts(samples: Any, part: Any, count: int, items: Any) -> int:
 
 
 @outlined
-def find_leasts(slope: Any, value: Any, s: Any, count: int, vectors: Any, flags: Any, leasts: Any) -> None:
+def keep_leasts(slope: Any, value: Any, s: Any, count: int, vectors: Any, flags: Any, leasts: Any) -> None:
     """Sort the least values at items into those of their pieces, if the root of the gap turns sharply there.
 
     Below zero there are two zeros, which are found, unless the gap is that deep by rounding alone: then nothing decides
@@ -178,11 +171,8 @@ def find_leasts(slope: Any, value: Any, s: Any, count: int, vectors: Any, flags:
         lane, least, deepest = int(s[LANE, i]), s[FC, i], max(abs(s[FA, i]), abs(s[FB, i]))
         flat = (s[F, i] <= 0.0) & (abs(s[F, i]) <= UNDECIDED_DEPTH * deepest)
         if (least > 0.0) & (least < SHARP) & ((s[F, i] > 0.0) | flat):
-            k = _place(leasts, lane, s[THETA, i])
-            if k >= 0:
-                leasts[SLOPE_AT, lane, k] = least
-                leasts[OFF_AT, lane, k] = INFINITY if flat | (least <= 2.0 * s[BOUND, i]) else 0.0
-                leasts[ROUGH_AT, lane, k] = INFINITY if flat else 0.0
+            off = INFINITY if flat | (least <= 2.0 * s[BOUND, i]) else 0.0
+            _keep(leasts, lane, s[THETA, i], least, 0.0, off, INFINITY if flat else 0.0)
 
 
 @outlined
