@@ -729,7 +729,7 @@ class ExtremaWriter:
             if search.splits:
                 text.call(beside.keep_splits, f"state, filled, samples, {parts[0]}, splits, {number}")
             elif search.kind == "jump":
-                text.call(cells.keep, f"state, filled, {cells.XA}, {cells.X}")
+                text.call(cells.copy_row, f"state, filled, {cells.XA}, {cells.X}")
                 with text.block("for k in range(4):"):
                     text.call(beside.place_aside, "state, filled, k")
                     self.write_extrema(number, cells.extrema_at_zeros, "state, filled, table")
@@ -744,13 +744,13 @@ class ExtremaWriter:
         """Write the quantity's evaluation at items of a search, what is extreme there, and its storing."""
         text, search = self.text, self.program.searches[number]
         if search.cuts:
-            self.call(cells.evaluate, f"value_{number}")
+            self.call(cells.evaluate_items, f"value_{number}")
             text.call(pieces.keep_zeros, "state, filled, zeros, leasts")
             return
         listed = bool(search.certain_by) and classify is cells.extrema_at_zeros
         if listed:
             self.call(cells.find_certain, f"certain_{number}", "w")
-        self.call(cells.evaluate, f"value_{number}")
+        self.call(cells.evaluate_items, f"value_{number}")
         if classify is beside.end_values and search.at_limit:
             self.call(beside.values_lost, f"value_{number}", "w")
         text.call(classify, f"{state}, search_{number}")
@@ -787,7 +787,7 @@ class ExtremaWriter:
                 self.call(beside.values_beside, f"value_{number}", "w")
             if self.bounds_hidden(number):
                 self.call(beside.find_hidden, f"slope_{number}, value_{number}", "w")
-            text.call(cells.keep, f"state, filled, {cells.X}, {cells.XA}")
+            text.call(cells.copy_row, f"state, filled, {cells.X}, {cells.XA}")
             self.write_extrema(number, beside.end_values, "state, filled, w")
 
     def write_result(self, output: Output) -> None:

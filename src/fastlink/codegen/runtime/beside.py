@@ -62,12 +62,12 @@ from fastlink.codegen.runtime.cells import (
     X,
     append_item,
     append_of_lane,
-    evaluate,
+    copy_row,
     evaluate_at,
+    evaluate_items,
     first_of,
     is_certain,
     is_unresolved,
-    keep,
     mark,
     mark_undecided,
     padded,
@@ -104,7 +104,7 @@ def _is_fold(s: Any, i: Any, w: Any) -> Any:
 def values_beside(value: Any, s: Any, count: int, vectors: Any, w: Any) -> None:
     """Keep the values of a quantity farther from the ends of the range, at folds those nearer to them."""
     evaluate_at(value, s, count, vectors, XA, FARTHER)
-    keep(s, count, F, VALUE)
+    copy_row(s, count, F, VALUE)
     folds = 0
     for i in range(count):
         folds = 1 if _is_fold(s, i, w) else folds
@@ -124,7 +124,7 @@ def values_lost(value: Any, s: Any, count: int, vectors: Any, w: Any) -> None:
             s[X, i] = FARTHER * first
             lost = 1
     if lost > 0:
-        evaluate(value, s, count, vectors)
+        evaluate_items(value, s, count, vectors)
 
 
 @outlined
@@ -236,7 +236,7 @@ def find_hidden(slope: Any, value: Any, s: Any, count: int, vectors: Any, w: Any
     for i in range(padded(count)):
         s[DISTANCE, i] = abs(first_of(w, s, i))
     evaluate_at(slope, s, count, vectors, DISTANCE, 1.0)
-    keep(s, count, NEAR, F)
+    copy_row(s, count, NEAR, F)
     evaluate_at(slope, s, count, vectors, DISTANCE, AWAY)
     total = 0
     for i in range(count):
@@ -247,7 +247,7 @@ def find_hidden(slope: Any, value: Any, s: Any, count: int, vectors: Any, w: Any
         total = total + 1 if hides else total
     if total > 0:
         evaluate_at(value, s, count, vectors, DISTANCE, BEYOND * AWAY)
-        keep(s, count, NEAR, VALUE)
+        copy_row(s, count, NEAR, VALUE)
         evaluate_at(value, s, count, vectors, DISTANCE, 1.0)
         for i in lanes(padded(count)):
             s[HIDES, i] = s[HIDES, i] if is_certain(s[SLOPE, i], s[SLOPE_BOUND, i]) else 0.0
@@ -354,8 +354,8 @@ def values_at_pole(
 ) -> None:
     """Keep the values at one side of places, farther and nearer, of a mirrored half those of the mirror."""
     if turn == 0:
-        keep(s, count, XA, X)
-        keep(s, count, XB, HALF)
+        copy_row(s, count, XA, X)
+        copy_row(s, count, XB, HALF)
     for k in range(3):
         off = FAR_FROM_POLE if k == 0 else (NEAR_POLE if k == 1 else 0.0)  # last at the places themselves
         for i in range(count):
@@ -364,7 +364,7 @@ def values_at_pole(
             s[X, i] = off if seam and off > 0.0 else x * (1.0 + (off if turn == 0 else -off))
             s[HALF, i] = half ^ 1 if seam and turn > 0 and off > 0.0 else half
         if k < 2:
-            evaluate(value, s, count, vectors)
+            evaluate_items(value, s, count, vectors)
             for i in lanes(padded(count)):
                 mirrored = (table[SIDES] == 1) & (s[HALF, i] != s[XB, i])
                 here = s[VALUE, i] * (float(search[PARITY]) if mirrored else 1.0)
@@ -406,13 +406,14 @@ def keep_slopes(slope: Any, s: Any, count: int, vectors: Any, splits: Any, start
 
     It has kinks at those alone that were found by searches whose numbers are in `split_by`.
     """
-    for row in range(XA, XB + 1, XB - XA):
-        evaluate_at(slope, s, count, vectors, row, 1.0)
+    for after in range(2):
+        at, kept = (XB, FB) if after == 1 else (XA, FA)
+        evaluate_at(slope, s, count, vectors, at, 1.0)
         for i in range(count):
             own = 0
             for k in range(split_by.size):
                 own = 1 if s[XC, i] == split_by[k] else own
-            splits[row + 1, start + i] = s[F, i] if own > 0 else NOT_A_NUMBER
+            splits[kept, start + i] = s[F, i] if own > 0 else NOT_A_NUMBER
             splits[PASSED, start + i] = 0.0
 
 
@@ -521,7 +522,7 @@ def evaluate_octave(function: Any, s: Any, count: int, vectors: Any, k: int, tri
     for i in lanes(padded(count)):
         x, least = times * s[XB, i], s[XA, i]
         s[X, i] = beside * (x if x > least else least)
-    evaluate(function, s, count, vectors)
+    evaluate_items(function, s, count, vectors)
 
 
 @outlined
@@ -581,10 +582,21 @@ def _add_root(s: Any, i: int, counts: Any, roots: Any) -> int:
 
 
 @outlined
-def _collect_octaves(
-    s: Any, count: int, octaves: Any, counts: Any, roots: Any, splits: Any, marks: Any
+def search_octaves(
+    slope: Any,
+    s: Any,
+    count: int,
+    vectors: Any,
+    octaves: Any,
+    counts: Any,
+    roots: Any,
+    splits: Any,
+    marks: Any,
 ) -> None:
     """Make items of the octaves that hold a zero, in place of the cell: its end at the fold may be rounding."""
+    if _weigh_octaves(slope, s, count, vectors) == 0:
+        return
+    _sample_octaves(slope, s, count, vectors, octaves)
     for i in range(count):
         lane, half, upper = int(s[LANE, i]), int(s[HALF, i]), s[UPPER, i] > 0.0
         found, at = 0, s[XB, i]
@@ -609,24 +621,6 @@ def _collect_octaves(
             cell = int(s[XC, i]) - int(s[UPPER, i])
             marks[cell, lane] = 0
             marks[cell + 1, lane] = marks[cell + 1, lane] & (ROOT | UNRESOLVED_CELL)
-
-
-@outlined
-def search_octaves(
-    slope: Any,
-    s: Any,
-    count: int,
-    vectors: Any,
-    octaves: Any,
-    counts: Any,
-    roots: Any,
-    splits: Any,
-    marks: Any,
-) -> None:
-    """Search the cells next to folds, where the function is small or far greater between."""
-    if _weigh_octaves(slope, s, count, vectors) > 0:
-        _sample_octaves(slope, s, count, vectors, octaves)
-        _collect_octaves(s, count, octaves, counts, roots, splits, marks)
 
 
 # A slope that comes down to so little of itself with half the distance falls: as the distance itself it halves.
@@ -775,8 +769,8 @@ def _sample_fine(slope: Any, s: Any, count: int, vectors: Any) -> None:
             position = (1.0 - t) * s[XA, i] + t * s[XB, i]  # exact at both ends
             s[FINE_AT + k, i] = position
             s[X, i] = abs(position)
-        evaluate(slope, s, count, vectors)
-        keep(s, count, FINE + k, F)
+        evaluate_items(slope, s, count, vectors)
+        copy_row(s, count, FINE + k, F)
 
 
 @outlined
@@ -848,8 +842,21 @@ def _divide(s: Any, count: int, marks: Any, counts: Any, items: Any) -> None:
 
 
 @outlined
-def _collect_fine(s: Any, count: int, marks: Any, counts: Any, roots: Any, valleys: Any) -> None:
-    """Make items of the zeros and valleys of cells by their fine samples, but for the parts that are divided again."""
+def divide_cells(
+    slope: Any,
+    s: Any,
+    count: int,
+    vectors: Any,
+    marks: Any,
+    counts: Any,
+    items: Any,
+    roots: Any,
+    valleys: Any,
+) -> None:
+    """Make items of the zeros and valleys of cells by their fine samples, and of the parts that are divided again."""
+    _sample_fine(slope, s, count, vectors)
+    _mark_fine(s, count, marks)
+    _divide(s, count, marks, counts, items)
     for i in range(count):
         parts, owner = int(s[DIVIDED, i]), abs(s[FC, i]) > 1.0
         for k in range(1, PARTS + 2):
@@ -862,22 +869,3 @@ def _collect_fine(s: Any, count: int, marks: Any, counts: Any, roots: Any, valle
                 _append_part(s, i, k - a, k + b, valleys, counts, VALLEYS)
             if k <= PARTS and (parts >> k) & 1 == 0 and marks[k, i] & ROOT != 0:
                 _append_part(s, i, k, k + 1, roots, counts, ROOTS)
-
-
-@outlined
-def divide_cells(
-    slope: Any,
-    s: Any,
-    count: int,
-    vectors: Any,
-    marks: Any,
-    counts: Any,
-    items: Any,
-    roots: Any,
-    valleys: Any,
-) -> None:
-    """Divide unresolved cells; those of their parts that are still unresolved are items again."""
-    _sample_fine(slope, s, count, vectors)
-    _mark_fine(s, count, marks)
-    _divide(s, count, marks, counts, items)
-    _collect_fine(s, count, marks, counts, roots, valleys)

@@ -181,7 +181,7 @@ def gather(items: Any, start: int, stop: int, w: Any, rows: Any, s: Any) -> int:
 
 
 @outlined
-def evaluate(function: Any, s: Any, count: int, vectors: Any) -> None:
+def evaluate_items(function: Any, s: Any, count: int, vectors: Any) -> None:
     """Evaluate a function at the positions of items."""
     function(s, vectors, every_vector(vectors, count))
 
@@ -191,11 +191,11 @@ def evaluate_at(function: Any, s: Any, count: int, vectors: Any, row: int, times
     """Put items at so many times the positions in a row of the state, and evaluate a function there."""
     for i in lanes(padded(count)):
         s[X, i] = times * s[row, i]
-    evaluate(function, s, count, vectors)
+    evaluate_items(function, s, count, vectors)
 
 
 @outlined
-def keep(s: Any, count: int, row: int, of: int) -> None:
+def copy_row(s: Any, count: int, row: int, of: int) -> None:
     """Copy a row of the state to another one."""
     for i in lanes(padded(count)):
         s[row, i] = s[of, i]
@@ -1115,8 +1115,8 @@ def find_certain(certain: Any, s: Any, count: int, vectors: Any, w: Any) -> None
                     s[CERTAIN, i] = 1.0 if turns else s[CERTAIN, i]
                     s[ONE_SIDE, i] = f
             distance = NEXT_DISTANCE * distance
-        keep(s, count, X, SAVED)
-        keep(s, count, F, FOUND)
+        copy_row(s, count, X, SAVED)
+        copy_row(s, count, F, FOUND)
 
 
 # -- Lists that may lack an extreme, or hold one too many: those that doubles do not decide
