@@ -197,7 +197,8 @@ class KnownWriter(ExtremaWriter):
         none = " & ".join(f"({name} != {name})" for name in dict.fromkeys(found))
         for half in halves:
             for end in ENDS:
-                place, (first, _) = end if search.at_limit else f"{end}_beside", self.end_of(end)
+                first, _ = self.end_of(end)
+                place = end if search.at_limit else f"{end}_beside"
                 counts = f"({first} != 0.0) | ({none})" if known.places else ""
                 yield self.candidate(search, place, half, counts)
 
@@ -321,9 +322,9 @@ class KnownWriter(ExtremaWriter):
             self.write_known_place(at)
             number = self.sides * self.searched_branches.index(half.branch) + int(half.side < 0)
             values = {"BEST": "high", "PLACE": candidate.place, "OF_KIND": candidate.kind, "AT_X": f"x__{at}"}
-            is_upper = (
-                f"{float(at.startswith(ENDS[1]))}" if self.end_of(at)[0] else f"(1.0 if {at} > 1.0 else 0.0)"
-            )
+            is_upper = f"(1.0 if {at} > 1.0 else 0.0)"
+            if self.end_of(at)[0]:
+                is_upper = "1.0" if at.startswith(ENDS[1]) else "0.0"
             values |= {"IN_HALF": f"{number}.0", "IN_UPPER": is_upper, "MIRRORED": f"{int(half.mirrored)}.0"}
             text.add(f"high = {candidate.greatest if sign > 0 else f'-({candidate.least})'}")
             text.add("better = high > BEST__")
