@@ -30,7 +30,7 @@ from tests.support.sweeps import sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.codegen.kernel import kernel_of
-from fastlink.codegen.runtime.results import of_better
+from fastlink.codegen.runtime.cells import of_better
 from fastlink.engine.resolve import _plan
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.names import derivative_name

@@ -26,7 +26,7 @@ from fastlink._text import aligned, counted, duration, size
 from fastlink.app.study import A_STUDY, Study, read_study, request_of_search
 from fastlink.codegen.kernel import SOON, Kernel, llvm_text
 from fastlink.codegen.machine import assembly
-from fastlink.codegen.runtime import cells, results
+from fastlink.codegen.runtime import cells
 from fastlink.codegen.translate import Refused
 from fastlink.engine.options import check_options, checked_call
 from fastlink.engine.resolve import ResolvedSweep, of_request, resolve
@@ -347,7 +347,7 @@ ELEMENTARY = ("atan2", "cosine", "sine", "log_quotient", "arsinh")
 #: Functions that are counted by what they do.
 HELPERS = {
     name: COMPILED_AS.get(function, function)
-    for module in (compensated, vectors, cells, results)
+    for module in (compensated, vectors, cells)
     for name, function in vars(module).items()
     if getattr(function, "__module__", "") == module.__name__
     and COMPILED_AS.get(function, function) in INLINED

@@ -3,7 +3,7 @@
 For a block of designs: samples of the derivatives on the graded range (lanes are designs), the cells that hold a zero,
 their refinement (lanes are cells), and the quantities there, see `fastlink.codegen.runtime.cells`. Derivatives by
 inputs are evaluated once all extremes of a quantity are known, where the greatest and the least value are: at one input
-position, or at limits of motion at a place that moves with them, see `fastlink.codegen.runtime.results`.
+position, or at limits of motion at a place that moves with them.
 """
 
 from __future__ import annotations
@@ -13,10 +13,9 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from fastlink.codegen.runtime import beside, cells, pieces, results
+from fastlink.codegen.runtime import beside, cells, pieces
 from fastlink.codegen.runtime.beside import MOST_SPLITS, OCTAVES, SPLIT_ROWS
-from fastlink.codegen.runtime.cells import ITEM_ROWS, LANES, MOST_LANES, STATE_ROWS
-from fastlink.codegen.runtime.results import WINNER_ROWS
+from fastlink.codegen.runtime.cells import ITEM_ROWS, LANES, MOST_LANES, STATE_ROWS, WINNER_ROWS
 from fastlink.codegen.source import Array, Source, Text, needed_steps, paste_fact
 from fastlink.facts.arc import ARC_FACTS
 from fastlink.facts.fact import PIECE, Fact, ranges_of
@@ -25,10 +24,6 @@ from fastlink.plan.programs import VALID
 
 if TYPE_CHECKING:
     from fastlink.plan.programs import ExtremaProgram, ExtremumSearch, Output
-
-
-# Bisection alone halves a cell to nothing in half as many; values that are no numbers must not go on for ever.
-MOST_STEPS = 200
 
 
 class ExtremaWriter:
@@ -44,15 +39,15 @@ class ExtremaWriter:
         self.design_steps = [step for step in steps if program.axes[step.name] <= {"design"}]
         self.lane_steps = [step for step in steps if step not in self.design_steps]
         self.rows: dict[str, int] = {}
-        # Both ends of each: kernels know the row of the lower end.
-        for ends in zip(*program.graded.ends, strict=True):
-            for name in ends:
-                self.row(name)
-        for output in program.outputs:
-            for term in output.terms:
-                self.row(term.tolerance)
-        if any(output.is_assembly for output in program.outputs):
-            self.row(VALID)
+        # in the order of `cells.START`, `cells.TOGGLE` and `cells.SCALE`
+        scales, starts, toggles = zip(*program.graded.ends, strict=True)
+        for name in (*starts, *toggles, *scales):
+            self.row(name)
+        #: The values of the design that are read where results are stored.
+        self.of_results = [term.tolerance for output in program.outputs for term in output.terms]
+        self.of_results += [VALID] if any(output.is_assembly for output in program.outputs) else []
+        for name in self.of_results:
+            self.row(name)
         # positive where a gap counts as zero, so that it is not known whether there is a toggle
         doubted = program.graded.ends if program.has_bounds and not program.in_pieces else ()
         self.doubts = [self.row(error_name(end[2])) for end in doubted]
@@ -65,18 +60,16 @@ class ExtremaWriter:
         """Return the lane steps that these values need, branch signs among them."""
         return needed_steps(self.lane_steps, names)
 
-    def design_needs(self, steps: Sequence[Fact]) -> list[str]:
-        """Return the values of the design that a loop over lanes reads."""
-        depends_on = dict.fromkeys(name for step in steps for name in step.depends_on)
-        return [name for name in depends_on if self.program.axes[name] <= {"design"}]
+    def design_needs(self, names: Sequence[str]) -> list[str]:
+        """Return the values of the design that a loop over lanes reads for values, those among these too."""
+        read = (name for step in self.needed_for(names) for name in step.depends_on)
+        return [name for name in dict.fromkeys((*read, *names)) if self.program.axes[name] <= {"design"}]
 
     def item_needs(self, search: ExtremumSearch) -> list[str]:
         """Return the design values that an item of a search carries."""
         names = [*self.slope_names(search), search.quantity, *self.places_wanted]
-        names += [*search.bounded_by, *search.certain_by, *self.needs_of_zeros(search)]
-        needs = self.design_needs(self.needed_for(names))
-        needs += [name for name in names if self.program.axes[name] <= {"design"} and name not in needs]
-        return [*needs, *(ARC_FACTS if search.arc else ())]
+        names += [*search.bounded_by, *search.certain_by, *self.at_zeros(search)]
+        return [*self.design_needs(names), *(ARC_FACTS if search.arc else ())]
 
     @property
     def places_wanted(self) -> list[str]:
@@ -86,25 +79,18 @@ class ExtremaWriter:
         wanted = wanted or self.program.searches[0].arc or self.program.in_pieces
         return [self.program.catalogue.position.name] if wanted else []
 
-    def needs_of_zeros(self, search: ExtremumSearch) -> tuple[str, ...]:
-        """Return what is evaluated at the zeros of a gap; its error bound only where bounds are requested."""
-        names = self.program.needs_of_zeros(search)
-        return names if self.program.has_bounds else names[:1]
+    def at_zeros(self, search: ExtremumSearch) -> tuple[str, ...]:
+        """Return what is evaluated at the zeros of a gap; error bounds only where bounds are requested."""
+        return search.at_zeros if self.program.has_bounds else search.at_zeros[:1]
 
     def gradient_names(self, search: ExtremumSearch) -> list[str]:
         """Return the derivatives by inputs that are evaluated at the extremes of a search."""
         return list(dict.fromkeys(name for gradient in search.gradients for name in gradient.names))
 
-    def gradient_needs(self, search: ExtremumSearch) -> list[str]:
-        """Return the design values that are read where derivatives by inputs are evaluated."""
-        names = self.gradient_names(search)
-        own = [name for name in names if self.program.axes[name] <= {"design"}]
-        return list(dict.fromkeys([*self.design_needs(self.needed_for(names)), *own]))
-
     def reserve_for_gradients(self) -> None:
         """Reserve the rows that derivatives by inputs read."""
         for search in self.program.searches:
-            for name in self.gradient_needs(search):
+            for name in self.design_needs(self.gradient_names(search)):
                 self.row(name)
 
     def gradient_base(self, sign: int) -> int:
@@ -139,11 +125,11 @@ class ExtremaWriter:
         """Return the arrays that the kernel works in."""
         searches, samples = self.program.searches, self.sample_row(len(self.program.searches), 0)
         columns = len(searches) * self.columns * LANES
-        room = LANES * self.halves
+        room, most_carried = LANES * self.halves, max(map(len, map(self.item_needs, searches)))
         return (
             Array("w", "float64", (len(self.rows), LANES)),
             Array("samples", "float64", (samples, LANES)),
-            Array("state", "float64", (self.state_rows, LANES)),
+            Array("state", "float64", (STATE_ROWS + most_carried, LANES)),
             Array("marks", "int8", (samples, LANES)),
             *self.item_lists(),
             Array("ends", "float64", (ITEM_ROWS, 3 * room + MOST_LANES)),
@@ -152,9 +138,8 @@ class ExtremaWriter:
             Array("flags", "int8", (LANES,)),
             Array("vectors", "int64", (LANES // MOST_LANES,)),
             Array("counts", "int64", (cells.COUNTS,)),
-            self.best(columns),
-            self.lists(columns),
             *self.places(columns),
+            self.lists(columns),
             *(self.of_all() if self.program.in_pieces else ()),
         )
 
@@ -172,7 +157,7 @@ class ExtremaWriter:
             Array(name, "float64", (pieces.ZERO_ROWS, LANES, pieces.MOST_ZEROS))
             for name in ("zeros", "leasts")
         ]
-        joined = [self.best(columns), self.lists(columns), *self.places(columns)]
+        joined = [*self.places(columns), self.lists(columns)]
         return [*both, found, ranges, *zeros, *(replace(array, name=f"all_{array.name}") for array in joined)]
 
     @property
@@ -185,13 +170,9 @@ class ExtremaWriter:
         """What the names of arrays begin with that hold results by design and branch."""
         return "all_" if self.program.in_pieces else ""
 
-    def best(self, columns: int) -> Array:
-        """Return the array of greatest and least values."""
-        return Array("best", "float64", (results.BEST_ROWS + 3 * self.program.has_bounds, columns))
-
     def lists(self, columns: int) -> Array:
         """Return the array of lists of extremes."""
-        return Array("lists", "float64", (results.LIST_ROWS + self.program.has_bounds, columns, self.kept))
+        return Array("lists", "float64", (cells.LIST_ROWS + self.program.has_bounds, columns, self.kept))
 
     @property
     def n_splits(self) -> int:
@@ -213,19 +194,12 @@ class ExtremaWriter:
         """The greatest number of derivatives by inputs of one search."""
         return max(len(search.gradients) for search in self.program.searches)
 
-    @property
-    def state_rows(self) -> int:
-        """The number of rows of the state."""
-        return STATE_ROWS + max(map(len, map(self.item_needs, self.program.searches)))
-
-    def places(self, columns: int) -> tuple[Array, ...]:
-        """Return the places of greatest and least values, and the derivatives there, where these are requested."""
-        if not self.program.has_gradients:
-            return ()
-        return (
-            Array("winners", "float64", (2 * WINNER_ROWS, columns)),
-            Array("gradients", "float64", (2 * self.most_gradients, columns)),
-        )
+    def places(self, columns: int) -> list[Array]:
+        """Return the greatest and least values, and where requested their places and the derivatives there."""
+        rows = {"best": cells.BEST_ROWS + 3 * self.program.has_bounds}
+        if self.program.has_gradients:
+            rows |= {"winners": 2 * WINNER_ROWS, "gradients": 2 * self.most_gradients}
+        return [Array(name, "float64", (number, columns)) for name, number in rows.items()]
 
     @property
     def kept(self) -> int:
@@ -295,43 +269,49 @@ class ExtremaWriter:
 
     def half_beyond(self, half: int) -> int:
         """Return the half that continues a half beyond the ground line."""
-        sides = self.sides
-        if self.program.mirrored:
-            return 1 - half
-        return half // sides * sides + (1 - half % sides) % sides
-
-    def sign_of(self, search: ExtremumSearch, half: int) -> int:
-        """Return the sign with which a function is searched in a half: the mirror continues the first one."""
-        return search.slope_parity if self.program.mirrored and half == 0 else 1
+        return half if self.program.in_pieces else half ^ 1
 
     def continued(self, search: ExtremumSearch) -> int:
         """Return the sign with which the half beyond the ends of a half continues the function."""
         return search.slope_parity if self.program.mirrored else 1
 
+    def sign_of(self, search: ExtremumSearch, half: int) -> int:
+        """Return the sign with which a function is searched in a half: the mirror continues the first one."""
+        return self.continued(search) if half == 0 else 1
+
     def sample_row(self, search: int, half: int) -> int:
         """Return the first row of a search's samples in one half of the range; the positions stand before them."""
         return 2 * (self.cells + 1) + 4 + (search * self.halves + half) * self.samples
 
-    def own_column(self, branch: int) -> int:
-        """Return the number of a searched branch among the results, -1 where it is not."""
-        if self.program.in_pieces:
-            return 0
-        return self.program.branches.index(branch) if branch in self.program.branches else -1
-
-    def mirror_column(self, branch: int) -> int:
-        """Return the number among the results of a searched branch's mirror, -1 where it has none there."""
-        others = (k for k, other in enumerate(self.program.branches) if other != branch)
-        return next(others, -1) if self.program.mirrored else -1
+    def columns_of(self, mirror: bool) -> list[int]:
+        """Return the numbers of two searched branches among the results, or of their mirrors; -1 for none."""
+        branches, searched = self.program.branches, self.searched_branches
+        numbers = [
+            next((k for k, other in enumerate(branches) if (other != branch) == mirror), -1)
+            for branch in searched
+        ]
+        if mirror and not self.program.mirrored:
+            numbers = [-1] * len(searched)
+        return [*numbers, *[-1] * (2 - len(searched))]
 
     # -- evaluation at places: the sampled function, the quantity, derivatives by inputs ---------------
 
-    def write_position(self, position: str, upper: str) -> None:
-        """Write the distances of a position from the near and the far end, over the width."""
-        near, far, _ = self.program.graded.coordinates
-        self.text.add(f"square = {position} * {position}")
-        self.text.add("rest = 1.0 / (1.0 + square)")
-        self.text.add(f"{near} = rest if {upper} else square * rest")
-        self.text.add(f"{far} = square * rest if {upper} else rest")
+    def write_place(self, position: str, half: str) -> None:
+        """Write the distances of a position from the lower and the upper end, over the width, its side and branch.
+
+        Halves are numbered branch by branch, both sides of each.
+        """
+        text, sides, (first, *others) = self.text, self.sides, self.searched_branches
+        low, high, side = self.program.graded.coordinates
+        text.add(f"square = {position} * {position}")
+        text.add("rest = 1.0 / (1.0 + square)")
+        text.add(f"{low} = rest if upper else square * rest")
+        text.add(f"{high} = square * rest if upper else rest")
+        above = f"1.0 if ({half} == 0.0) | ({half} == 2.0) else -1.0"
+        text.add(f"{side} = {above if sides == 2 else '1.0'}")
+        if not self.program.in_pieces:
+            former = f"{first}.0 if {half} <= {sides - 1.0} else " if others else ""
+            text.add(f"branch = {former}{[first, *others][-1]}.0")
 
     def paste(self, step: Fact, suffix: str = "") -> None:
         """Append a fact, reading the copies of one branch."""
@@ -359,21 +339,15 @@ class ExtremaWriter:
             for position in self.places_wanted:
                 stores[cells.THETA] = position
                 if search.arc:
-                    self.text.use("codegen.runtime.results", "within_arc")
+                    self.text.use("codegen.runtime.cells", "within_arc")
                     stores[cells.VALUE] = f"within_arc({quantity}, {position}, {', '.join(ARC_FACTS)})"
                     names += ARC_FACTS
                 if self.program.mirrored:
-                    self.text.use("codegen.runtime.results", "mirror_image")
+                    self.text.use("codegen.runtime.cells", "mirror_image")
                     stores[cells.IMAGE] = f"mirror_image({position}, {2.0 * self.program.graded.axis})"
-            if search.cuts:
-                names += self.needs_of_zeros(search)
-                stores |= dict(
-                    zip(
-                        (cells.IMAGE, cells.BOUND, cells.SLOPE_BOUND),
-                        self.needs_of_zeros(search),
-                        strict=False,
-                    )
-                )
+            names += self.at_zeros(search)
+            rows = cells.IMAGE, cells.BOUND, cells.SLOPE_BOUND
+            stores |= dict(zip(rows, self.at_zeros(search), strict=False))
             if search.bounded_by:
                 names += search.bounded_by
                 bound, slope_bound, bend, slope = search.bounded_by
@@ -397,27 +371,13 @@ class ExtremaWriter:
         """Write values at the positions of items, which carry values of the design, and their stores in the state."""
         text = self.text
         text.add(f"upper = state[{cells.UPPER}, at + i] > 0.0")
-        self.write_position(f"state[{cells.X}, at + i]", "upper")
-        self.write_half(f"state[{cells.HALF}, at + i]")
-        steps = self.needed_for(names)
-        own = [name for name in names if self.program.axes[name] <= {"design"}]
-        for name in dict.fromkeys([*self.design_needs(steps), *own]):
+        self.write_place(f"state[{cells.X}, at + i]", f"state[{cells.HALF}, at + i]")
+        for name in self.design_needs(names):
             text.add(f"{name} = state[{STATE_ROWS + carried.index(name)}, at + i]")
-        for step in steps:
+        for step in self.needed_for(names):
             self.paste(step)
         for row, value in stores.items():
             text.add(f"state[{row}, at + i] = {value}")
-
-    def write_half(self, half: str) -> None:
-        """Write branch and side of a half: halves are numbered branch by branch, both sides of each."""
-        side, (first, *others) = self.program.graded.coordinates[2], self.searched_branches
-        sides = self.sides
-        above = f"1.0 if ({half} == 0.0) | ({half} == 2.0) else -1.0"
-        self.text.add(f"{side} = {above if sides == 2 else '1.0'}")
-        if self.program.in_pieces:
-            return
-        former = f"{first}.0 if {half} <= {sides - 1.0} else " if others else ""
-        self.text.add(f"branch = {former}{[first, *others][-1]}.0")
 
     def write_gradients(self, number: int) -> None:
         """Write the derivatives at the greatest and least values of a search, as far as they are requested."""
@@ -430,28 +390,16 @@ class ExtremaWriter:
         text.add(f"asked_{number} = array({[*asked, int(search.magnitude), int(search.folds)]})")
         columns = self.columns * LANES
         text.add(f"columns_{number} = array({[number * columns, (number + 1) * columns]})")
-        text.call(results.judge_winners, f"winners, w, n_here, table, search_{number}, asked_{number}")
-        signs = sorted({sign_of(output) for output in own if output.inputs})
-        for sign in signs:
-            row, base = results.WINNER_ROWS * (sign < 0), self.gradient_base(sign)
+        text.call(cells.judge_winners, f"winners, w, n_here, table, search_{number}, asked_{number}")
+        values = sum(not gradient.is_position for gradient in search.gradients)
+        wraps = any(o.kind == "wrap" and o.onto == search.quantity for o in self.program.searches)
+        jumps = search.folds or wraps or bool(search.known and search.known.jumps)
+        for sign in sorted({sign_of(output) for output in own if output.inputs}):
+            row, base = WINNER_ROWS * (sign < 0), self.gradient_base(sign)
             text.add(f"gradient_{number}(w, winners, gradients, {row}, {base}, columns_{number}, width)")
-        jumps = bool(search.known and search.known.jumps)
-        if (
-            search.folds
-            or jumps
-            or any(o.kind == "wrap" and o.onto == search.quantity for o in self.program.searches)
-        ):
-            values = sum(not gradient.is_position for gradient in search.gradients)
-            for sign in signs:
-                row, base = results.WINNER_ROWS * (sign < 0), self.gradient_base(sign)
-                text.call(
-                    results.settle_jumps, f"winners, {row}, columns_{number}, gradients, {base}, {values}"
-                )
-
-    @property
-    def gradient_signs(self) -> set[int]:
-        """The signs of the extremes whose derivatives or status are requested."""
-        return {sign_of(output) for output in self.program.outputs if output.request.is_of_gradient}
+            if jumps:
+                arguments = f"winners, {row}, columns_{number}, gradients, {base}, {values}"
+                text.call(cells.settle_jumps, arguments)
 
     def write_gradient_function(self, number: int, search: ExtremumSearch) -> None:
         """Write the function of its own that evaluates derivatives at greatest or least values, lanes being designs."""
@@ -464,22 +412,21 @@ class ExtremaWriter:
             text.block(f"for column__0 in range(columns__of[0], columns__of[1], {LANES}):"),
             text.block("for i in lanes(width):", "extreme", f"for derivatives of {search.quantity}"),
         ):
-            text.add(f"x__of = winners[row__0 + {results.AT_X}, column__0 + i]")
-            text.add(f"upper = winners[row__0 + {results.IN_UPPER}, column__0 + i] > 0.0")
-            self.write_position("x__of", "upper")
-            text.add(f"half__of = winners[row__0 + {results.IN_HALF}, column__0 + i]")
-            self.write_half("half__of")
-            for need in self.gradient_needs(search):
+            text.add(f"x__of = winners[row__0 + {cells.AT_X}, column__0 + i]")
+            text.add(f"upper = winners[row__0 + {cells.IN_UPPER}, column__0 + i] > 0.0")
+            text.add(f"half__of = winners[row__0 + {cells.IN_HALF}, column__0 + i]")
+            self.write_place("x__of", "half__of")
+            for need in self.design_needs(self.gradient_names(search)):
                 text.add(f"{need} = w[{self.row(need)}, i]")
             for step in self.needed_for(self.gradient_names(search)):
                 self.paste(step)
-            text.add(f"mirrored__of = winners[row__0 + {results.MIRRORED}, column__0 + i] > 0.0")
-            text.add(f"where__of = winners[row__0 + {results.WHERE}, column__0 + i]")
+            text.add(f"mirrored__of = winners[row__0 + {cells.MIRRORED}, column__0 + i] > 0.0")
+            text.add(f"where__of = winners[row__0 + {cells.WHERE}, column__0 + i]")
             for k, gradient in enumerate(search.gradients):
                 held = " / ".join(gradient.held) or "0.0"
                 held = f"-({held})" if gradient.is_position and gradient.held else held
                 moving = gradient.moving or "0.0"
-                text.add(f"slope__{k} = {moving} if where__of == {results.ALONG} else {held}")
+                text.add(f"slope__{k} = {moving} if where__of == {cells.ALONG} else {held}")
                 if gradient.is_position or search.parity < 0:
                     text.add(f"slope__{k} = -slope__{k} if mirrored__of else slope__{k}")
                 text.add(f"gradients[base__0 + {k}, column__0 + i] = slope__{k} if where__of > 0.0 else nan")
@@ -490,20 +437,20 @@ class ExtremaWriter:
         request, search = output.request, self.program.searches[number]
         target, first = f"out_{output.name}, i0, n_here", number * len(self.program.branches) * LANES
         if request.is_status:
-            row = results.WINNER_ROWS * (sign_of(output) < 0) + results.CODE
-            self.text.call(results.store_status, f"{target}, {first}, {self.all}winners, {row}")
+            row = cells.WINNER_ROWS * (sign_of(output) < 0) + cells.CODE
+            self.text.call(cells.store_row, f"{target}, {first}, {self.all}winners, {row}")
             return
         kinds = [(one.by, one.is_position) for one in search.gradients]
         base = self.gradient_base(sign_of(output))
         rows = [base + kinds.index((by, request.is_position)) for by in output.inputs]
         if not request.change:
-            self.text.call(results.store_gradient, f"{target}, {first}, {self.all}gradients, {rows[0]}")
+            self.text.call(cells.store_row, f"{target}, {first}, {self.all}gradients, {rows[0]}")
             return
         table, tolerances = f"{output.name}__terms", [self.row(term.tolerance) for term in output.terms]
         self.text.add(
             f"{table} = array({[first, int(request.change == 'rss'), len(rows), *rows, *tolerances]})"
         )
-        self.text.call(results.store_change, f"{target}, {self.all}gradients, w, {table}")
+        self.text.call(cells.store_change, f"{target}, {self.all}gradients, w, {table}")
 
     # -- beside folds and toggles, where slopes may be rounding ----------------------------------------
 
@@ -519,30 +466,9 @@ class ExtremaWriter:
             self.text.call(cells.gather, f"{items}, start, {last}, w, rows_{number}, state", "filled")
             yield
 
-    def write_value(self, number: int) -> None:
-        """Write the quantity's evaluation at items of a search."""
-        self.text.call(cells.every_vector, "vectors, filled", "n_open")
-        self.text.add(f"value_{number}(state, vectors, n_open)")
-
-    def write_splits(self, number: int) -> None:
-        """Write the function on both sides of the places at which its cells are split."""
-        text, last = self.text, f"int(splits[{beside.NEXT}, 0])"
-        with self.gathered(number, "splits", last, LANES):
-            text.call(cells.every_vector, "vectors, filled", "n_open")
-            with text.block("for k in range(2):"):
-                text.call(beside.place_split, "state, filled, k")
-                text.add(f"slope_{number}(state, vectors, n_open)")
-                text.call(beside.keep_slopes, f"state, filled, k, splits, start, split_by_{number}")
-
-    def write_toggles(self, number: int, part: str) -> None:
-        """Write the function beside toggles at which it vanishes, whose sign counts there."""
-        text = self.text
-        text.call(beside.collect_toggles, f"w, table, {part}, samples, n_here, ends", "n_ends")
-        with self.gathered(number, "ends", "n_ends"):
-            text.call(cells.every_vector, "vectors, filled", "n_open")
-            text.call(beside.place_ends, f"state, filled, {beside.AWAY}")
-            text.add(f"slope_{number}(state, vectors, n_open)")
-            text.call(beside.settle_toggles, "state, filled, samples")
+    def call(self, function: Callable[..., Any], functions: str, further: str = "") -> None:
+        """Write a call with functions of a search, the items at hand and what else is given."""
+        self.text.call(function, f"{functions}, state, filled, vectors{further and ', '}{further}")
 
     def looks_away(self, number: int) -> bool:
         """Whether the sampled function's signs beside toggles stand for those at toggles."""
@@ -553,71 +479,6 @@ class ExtremaWriter:
         """Whether what is then not looked for is in error bounds."""
         return bool(self.program.searches[number].bounded_by) and self.looks_away(number)
 
-    def write_hidden(self, number: int) -> None:
-        """Write which ends of the range have an extreme beside them that is not looked for."""
-        text = self.text
-        text.call(cells.every_vector, "vectors, filled", "n_open")
-        text.call(beside.place_near, "state, filled, w, table, 1.0")
-        text.add(f"slope_{number}(state, vectors, n_open)")
-        text.call(beside.keep_near, "state, filled")
-        text.call(beside.place_near, f"state, filled, w, table, {beside.AWAY}")
-        text.add(f"slope_{number}(state, vectors, n_open)")
-        text.call(beside.count_turned, "state, filled, w, table", "n_turned")
-        with text.block("if n_turned > 0:"):
-            text.call(beside.place_near, f"state, filled, w, table, {beside.BEYOND * beside.AWAY}")
-            self.write_value(number)
-            text.call(beside.keep_away, "state, filled")
-            text.call(beside.place_near, "state, filled, w, table, 1.0")
-            self.write_value(number)
-            text.call(beside.keep_turned, "state, filled")
-
-    def write_octaves(self, number: int, part: str) -> None:
-        """Write the samples of cells next to a fold, where the function is small or far greater between."""
-        text, search = self.text, self.program.searches[number]
-        text.call(beside.collect_folds, f"w, table, {part}, samples, n_here, ends", "n_ends")
-        with self.gathered(number, "ends", "n_ends"):
-            text.call(cells.every_vector, "vectors, filled", "n_open")
-            text.call(beside.begin_octaves, "state, filled")
-            with text.block(f"for k in range({beside.FEW}):"):
-                text.call(
-                    beside.place_octave, f"state, filled, {beside.COARSE} * k + {beside.COARSE // 2}, 0"
-                )
-                text.add(f"slope_{number}(state, vectors, n_open)")
-                text.call(beside.weigh_octave, "state, filled")
-            with text.block(f"for trial in range({beside.TRIALS + 1}):"):
-                text.call(beside.to_sample, "state, filled, trial, octaves", "n_octaves")
-                with text.block("for k in range(n_octaves):"):
-                    text.call(beside.place_octave, "state, filled, k, trial")
-                    text.add(f"slope_{number}(state, vectors, n_open)")
-                    text.call(beside.keep_octave, "state, filled, k, trial, octaves")
-            text.call(beside.collect_octaves, "state, filled, octaves, counts, roots, splits")
-            text.call(beside.replace_cells, "state, filled, marks")
-            # by its symmetry the slope of one with a parity is 0 at the fold: it falls, and hides nothing
-            if self.flagged and search.bounded_by and not (search.onto or search.parity):
-                self.write_certainty(number)
-
-    def write_certainty(self, number: int) -> None:
-        """Write how far towards the fold the slope is certain, and that the lists of those that fall are marked."""
-        text = self.text
-        text.call(results.begin_certain, "state, filled")
-        with text.block(f"for k in range({beside.OCTAVES}):"):
-            text.call(beside.place_octave, "state, filled, k, 0")
-            self.write_value(number)
-            text.call(results.keep_certain, "state, filled")
-        text.call(results.note_hidden, f"state, filled, table, search_{number}, best")
-
-    def write_certain(self, number: int) -> None:
-        """Write at which items next to folds and toggles the slope changes its sign beyond its error bound."""
-        text = self.text
-        text.call(results.count_near, "state, filled, w, table", "n_near")
-        with text.block("if n_near > 0:"):
-            text.call(cells.every_vector, "vectors, filled", "n_open")
-            with text.block(f"for k in range({results.SLOPES}):"):
-                text.call(results.place_slope, "state, filled, k")
-                text.add(f"certain_{number}(state, vectors, n_open)")
-                text.call(results.keep_slope, "state, filled, k")
-            text.call(results.settle_slopes, "state, filled")
-
     # -- the kernel ------------------------------------------------------------------------------------
 
     def write(self) -> Source:
@@ -627,7 +488,7 @@ class ExtremaWriter:
         self.write_tables()
         of_cuts = [k for k, search in enumerate(searches) if search.cuts]
         others = [k for k in range(len(searches)) if k not in of_cuts]
-        with text.blocks_of_designs():
+        with text.lanes_of("n_designs", "i0"):
             if self.program.in_pieces:
                 self.write_pieces(of_cuts, others)
             else:
@@ -637,7 +498,7 @@ class ExtremaWriter:
                 for number in others:
                     if room := self.room(searches[number]):
                         span = f"{number * columns}, {(number + 1) * columns}, {room}"
-                        text.call(results.flag_undecided, f"{self.all}lists, {self.all}best, {span}")
+                        text.call(cells.flag_undecided, f"{self.all}lists, {self.all}best, {span}")
             if not self.program.in_pieces:
                 for number in others:
                     self.write_gradients(number)
@@ -649,11 +510,12 @@ class ExtremaWriter:
     def write_pass(self, numbers: Sequence[int]) -> None:
         """Write some searches in the lanes at hand, from the values of the designs to all extremes."""
         text, searches = self.text, self.program.searches
-        self.write_designs()
+        with text.block("for i in lanes(width):", "design"):
+            self.write_design_values()
         self.write_samples(numbers)
-        text.call(results.clear, f"lists, best, {self.kept}")
+        text.call(cells.clear, "lists, best")
         if self.program.has_gradients:
-            text.call(results.forget_winners, "winners, gradients")
+            text.call(cells.forget_winners, "winners, gradients")
         text.add(f"counts[{cells.DESIGNS}] = n_here")
         text.call(beside.forget_splits, "splits")
         for number in sorted(numbers, key=lambda k: not searches[k].splits):
@@ -662,7 +524,7 @@ class ExtremaWriter:
             if self.needs_ends(searches[number]):
                 self.write_ends(number)
         for row in self.doubts:
-            text.call(results.doubt, f"w, {row}, n_here, lists, best")
+            text.call(cells.doubt, f"w, {row}, n_here, lists, best")
 
     def write_pieces(self, of_cuts: Sequence[int], others: Sequence[int]) -> None:
         """Write how gaps cut the turn into pieces, the searches in these, and what their extremes come to."""
@@ -673,19 +535,20 @@ class ExtremaWriter:
         text.call(pieces.begin_pieces, f"pieces, n_here, array({[float(b) for b in branches]})", "n_pieces")
         for number in of_cuts:
             text.add("n_further = 0")
-            with self.lanes_of_pieces():
+            with text.lanes_of("n_pieces", "p0"):
                 text.call(pieces.forget_zeros, "zeros, leasts")
                 self.write_pass([number])
                 middle = self.sample_row(number, 0) + self.cells
                 arguments = f"pieces, p0, n_here, zeros, leasts, samples, {middle}, {searches[number].cuts}"
                 text.call(pieces.cut_pieces, f"{arguments}, further, n_further", "n_further")
             text.call(pieces.close_pieces, "further, n_further, pieces", "n_pieces")
-        text.call(pieces.clear_all, "all_lists, all_best, found, ranges")
+        text.call(cells.clear, "all_lists, all_best")
+        text.call(pieces.clear_ranges, "found, ranges")
         if self.program.has_gradients:
-            text.call(results.forget_winners, "all_winners, all_gradients")
+            text.call(cells.forget_winners, "all_winners, all_gradients")
         text.call(pieces.note_pieces, "pieces, n_pieces, found, ranges")
         if others:
-            with self.lanes_of_pieces():
+            with text.lanes_of("n_pieces", "p0"):
                 self.write_pass(others)
                 for number in others:
                     self.write_gradients(number)
@@ -695,24 +558,10 @@ class ExtremaWriter:
                     text.call(
                         pieces.join_winners, f"{arguments}, winners, gradients, all_winners, all_gradients"
                     )
-        text.add(f"n_here = min({LANES}, n_designs - i0)")
-        text.add(f"width = (n_here + {MOST_LANES - 1}) & {-MOST_LANES}")
-        if rows := [name for name in self.rows if self.is_of_results(name)]:
+        text.count_lanes("n_designs", "i0")
+        if self.of_results:
             with text.block("for i in lanes(width):"):
-                self.write_design_values(only=rows)
-
-    def is_of_results(self, name: str) -> bool:
-        """Tell whether a value of the design is read where results are stored, when pieces are done with."""
-        terms = {term.tolerance for output in self.program.outputs for term in output.terms}
-        return name in terms or (name == VALID and any(output.is_assembly for output in self.program.outputs))
-
-    @contextmanager
-    def lanes_of_pieces(self) -> Iterator[None]:
-        """Append a loop over pieces, which lie in lanes side by side."""
-        with self.text.block(f"for p0 in range(0, n_pieces, {LANES}):"):
-            self.text.add(f"n_here = min({LANES}, n_pieces - p0)")
-            self.text.add(f"width = (n_here + {MOST_LANES - 1}) & {-MOST_LANES}")
-            yield
+                self.write_design_values(only=self.of_results)
 
     def write_functions(self, write: Callable[[int, ExtremumSearch], None]) -> None:
         """Write the functions of each search, which the kernel calls."""
@@ -723,12 +572,8 @@ class ExtremaWriter:
 
     def write_tables(self) -> None:
         """Write the tables of whole numbers that tell the searches, branches and halves apart, see `runtime.cells`."""
-        program, searched = self.program, self.searched_branches
-        _, start, toggle = map(self.row, program.graded.ends[0])
-        none = [-1] * (2 - len(searched))
-        own, mirror = ([*map(column, searched), *none] for column in (self.own_column, self.mirror_column))
-        sizes = [start, toggle, program.sides, self.halves, self.columns]
-        tables = {"table": [*sizes, *own, *mirror]}
+        program, columns = self.program, [*self.columns_of(False), *self.columns_of(True)]
+        tables = {"table": [program.sides, self.halves, self.columns, *columns]}
         for k, search in enumerate(program.searches):
             flags = [int(search.at_limit), int(search.kind == "wrap") - int(search.kind in ("piece", "end"))]
             about = [k, self.number_of(search.quantity), search.order, search.parity]
@@ -742,14 +587,10 @@ class ExtremaWriter:
                 tables[f"part_{k}_{half}"] = [first, beyond, half, sign, self.cells, along]
         self.reserve_for_gradients()
         if self.program.has_gradients:
-            tables["signs"] = [int(sign in self.gradient_signs) for sign in (1, -1)]
+            signs = {sign_of(output) for output in program.outputs if output.request.is_of_gradient}
+            tables["signs"] = [int(sign in signs) for sign in (1, -1)]
         for name, numbers in tables.items():
             self.text.add(f"{name} = array({numbers})")
-
-    def write_designs(self) -> None:
-        """Write the values that depend on the design alone."""
-        with self.text.block("for i in lanes(width):", "design"):
-            self.write_design_values()
 
     def write_design_values(self, further: Sequence[str] = (), only: Sequence[str] = ()) -> None:
         """Write the values of the design that the rows hold, and further ones; of a piece what is given of it."""
@@ -768,8 +609,7 @@ class ExtremaWriter:
     def write_samples(self, numbers: Sequence[int]) -> None:
         """Write the derivatives at all samples of the graded range, on both sides: both branches side by side."""
         text, sides = self.text, self.sides
-        scale, start, _ = map(self.row, self.program.graded.ends[0])
-        text.call(cells.place_samples, f"w, samples, {scale}, {start}, {self.cells}, width")
+        text.call(cells.place_samples, f"w, samples, {self.cells}, width")
         often = f"{self.samples} samples of the graded range" + (f", on {sides} sides" if sides > 1 else "")
         lanes = "for i in lanes(width):", "design and sample", often
         # a row of the nearer end's distance, then one of the farther end's, where positions are no longer placed
@@ -802,8 +642,7 @@ class ExtremaWriter:
             text.add(f"{name} = samples[{row}, i]")
         side = "1.0 if turn == 0 else -1.0" if program.sides > 1 else "1.0"
         text.add(f"{program.graded.coordinates[2]} = {side}")
-        own = [name for name in names if program.axes[name] <= {"design"}]
-        for name in dict.fromkeys([*self.design_needs(steps), *own]):
+        for name in self.design_needs(names):
             text.add(f"{name} = w[{self.row(name)}, i]")
         for step in (s for s in steps if "branch" not in program.axes[s.name]):
             self.paste(step)
@@ -840,22 +679,31 @@ class ExtremaWriter:
         text, search = self.text, self.program.searches[number]
         text.call(cells.nothing_yet, f"counts, search_{number}")
         parts, split = self.parts_of(number), bool(self.split_by(search))
+        slope, value = f"slope_{number}", f"value_{number}"
         for part in self.parts_that_may_rest(number):
-            text.call(results.silence_rest, f"w, table, samples, marks, {part}, n_here")
+            text.call(cells.silence_rest, f"w, samples, marks, {part}, n_here")
         if self.looks_away(number):
-            self.write_toggles(number, parts[0])
+            text.call(beside.collect_beside, f"w, table, {parts[0]}, samples, n_here, ends, False", "n_ends")
+            with self.gathered(number, "ends", "n_ends"):
+                self.call(beside.settle_toggles, slope, "samples")
         if split:
-            self.write_splits(number)
+            with self.gathered(number, "splits", f"int(splits[{beside.NEXT}, 0])", LANES):
+                self.call(beside.keep_slopes, slope, f"splits, start, split_by_{number}")
         elif self.n_splits:
             text.call(beside.forget_slopes, "splits")
         for part in parts:
-            text.call(cells.mark_ends, f"w, table, samples, marks, {part}, width")
+            text.call(cells.mark_ends, f"w, samples, marks, {part}, width")
             if split:
                 text.call(beside.mark_splits, f"samples, marks, {part}, splits")
             if search.divided:
                 text.call(beside.mark_unresolved, f"samples, marks, {part}, width")
         if search.divided or not search.parity:  # else its extremes are counted: none hides
-            self.write_octaves(number, parts[0])
+            text.call(beside.collect_beside, f"w, table, {parts[0]}, samples, n_here, ends, True", "n_ends")
+            with self.gathered(number, "ends", "n_ends"):
+                self.call(beside.search_octaves, slope, "octaves, counts, roots, splits, marks")
+                # by its symmetry the slope of one with a parity is 0 at the fold: it falls, and hides nothing
+                if self.flagged and search.bounded_by and not (search.onto or search.parity):
+                    self.call(beside.mark_hiding, value, f"table, search_{number}, best")
         for part in parts:
             if search.divided:
                 arguments = f"samples, marks, {part}, counts, unresolved, splits"
@@ -864,133 +712,83 @@ class ExtremaWriter:
                     text.call(beside.collect_jumps, f"{part}, splits, counts, roots")
             text.call(cells.collect, f"samples, marks, {part}, counts, roots, valleys")
         if search.divided:
-            self.write_division(number)
+            text.add("divided = 0")
+            with text.block(f"while divided < counts[{cells.UNRESOLVED}]:"):
+                items = f"unresolved, divided, counts[{cells.UNRESOLVED}]"
+                text.call(cells.gather, f"{items}, w, rows_{number}, state", "filled")
+                self.call(beside.divide_cells, slope, "fine_marks, counts, unresolved, roots, valleys")
+                text.add("divided = divided + filled")
         if search.cuts:
-            self.write_leasts(number, parts[0])
-        for items, count in (("valleys", cells.VALLEYS), ("roots", cells.ROOTS)):
-            with self.gathered(number, items, f"counts[{count}]"):
-                if items == "valleys":
-                    text.call(cells.begin_valleys, "state, filled, vectors", "n_open")
-                    self.write_steps(number, cells.advance_valleys)
-                    text.call(cells.split, "state, filled, counts, roots")
-                else:
-                    text.call(cells.begin_roots, "state, filled, vectors, flags", "n_open")
-                    self.write_steps(number, cells.advance_roots)
-                    if search.splits:
-                        arguments = f"state, filled, samples, {parts[0]}, splits, {number}"
-                        text.call(beside.keep_splits, arguments)
-                    elif search.kind == "jump":
-                        text.call(beside.set_aside, "state, filled")
-                        with text.block("for k in range(4):"):
-                            text.call(beside.place_aside, "state, filled, k")
-                            self.write_extrema(number, results.extrema_at_zeros, "state, filled, table")
-                    elif search.kind == "pole":
-                        self.write_poles(number)
-                    else:
-                        self.write_extrema(number, results.extrema_at_zeros, "state, filled, table")
-
-    def write_leasts(self, number: int, part: str) -> None:
-        """Write the small least values of a gap, next to which its root may turn sharply."""
-        text = self.text
-        text.call(pieces.collect_leasts, f"samples, {part}, n_here, ends", "n_leasts")
-        with self.gathered(number, "ends", "n_leasts"):
-            text.call(cells.begin_valleys, "state, filled, vectors", "n_open")
-            self.write_steps(number, cells.advance_valleys)
-            text.call(pieces.place_leasts, "state, filled")
-            self.write_value(number)
-            text.call(pieces.keep_leasts, "state, filled, leasts")
-
-    def write_poles(self, number: int) -> None:
-        """Write the values on both sides of places where the quantity may be infinite, and what they show."""
-        text = self.text
-        text.call(beside.set_aside, "state, filled")
-        with text.block("for turn in range(2):"):
-            with text.block("for k in range(2):"):
-                text.call(beside.place_at_pole, "state, filled, w, table, turn, k")
-                self.write_value(number)
-                text.call(beside.keep_at_pole, f"state, filled, table, search_{number}, k")
-            text.call(beside.place_at_pole, "state, filled, w, table, turn, 2")
-            self.write_extrema(number, beside.pole_values, "state, filled, w, table")
-
-    def write_division(self, number: int) -> None:
-        """Write the division of unresolved cells, and of their parts that are still unresolved."""
-        text = self.text
-        text.add("divided = 0")
-        with text.block(f"while divided < counts[{cells.UNRESOLVED}]:"):
-            items = f"unresolved, divided, counts[{cells.UNRESOLVED}]"
-            text.call(cells.gather, f"{items}, w, rows_{number}, state", "filled")
-            text.call(cells.every_vector, "vectors, filled", "n_open")
-            with text.block(f"for k in range({cells.FINE_SAMPLES}):"):
-                text.call(beside.place_fine, "state, filled, k")
-                text.add(f"slope_{number}(state, vectors, n_open)")
-                text.call(beside.keep_fine, "state, filled, k")
-            text.call(beside.mark_fine, "state, filled, fine_marks")
-            text.call(beside.divide, "state, filled, fine_marks, counts, unresolved")
-            text.call(beside.collect_fine, "state, filled, fine_marks, counts, roots, valleys")
-            text.add("divided = divided + filled")
-
-    def write_steps(self, number: int, advance: Callable[..., Any]) -> None:
-        """Write the steps of a refinement."""
-        with self.text.block(f"for step in range({MOST_STEPS}):"):
-            self.text.add("if n_open == 0: break")
-            self.text.add(f"slope_{number}(state, vectors, n_open)")
-            self.text.call(advance, "state, vectors, n_open, flags", "n_open")
+            text.call(pieces.collect_leasts, f"samples, {parts[0]}, n_here, ends", "n_leasts")
+            with self.gathered(number, "ends", "n_leasts"):
+                self.call(pieces.keep_leasts, f"{slope}, {value}", "flags, leasts")
+        with self.gathered(number, "valleys", f"counts[{cells.VALLEYS}]"):
+            self.call(cells.split_valleys, slope, "flags, counts, roots")
+        with self.gathered(number, "roots", f"counts[{cells.ROOTS}]"):
+            self.call(cells.find_roots, slope, "flags")
+            if search.splits:
+                text.call(beside.keep_splits, f"state, filled, samples, {parts[0]}, splits, {number}")
+            elif search.kind == "jump":
+                text.call(cells.copy_row, f"state, filled, {cells.XA}, {cells.X}")
+                with text.block("for k in range(4):"):
+                    text.call(beside.place_aside, "state, filled, k")
+                    self.write_extrema(number, cells.extrema_at_zeros, "state, filled, table")
+            elif search.kind == "pole":
+                with text.block("for turn in range(2):"):
+                    self.call(beside.values_at_pole, value, f"w, table, search_{number}, turn")
+                    self.write_extrema(number, beside.pole_values, "state, filled, w")
+            else:
+                self.write_extrema(number, cells.extrema_at_zeros, "state, filled, table")
 
     def write_extrema(self, number: int, classify: Callable[..., Any], state: str) -> None:
         """Write the quantity's evaluation at items of a search, what is extreme there, and its storing."""
         text, search = self.text, self.program.searches[number]
         if search.cuts:
-            self.write_value(number)
+            self.call(cells.evaluate_items, f"value_{number}")
             text.call(pieces.keep_zeros, "state, filled, zeros, leasts")
             return
-        listed = bool(search.certain_by) and classify is results.extrema_at_zeros
+        listed = bool(search.certain_by) and classify is cells.extrema_at_zeros
         if listed:
-            self.write_certain(number)
-        self.write_value(number)
+            self.call(cells.find_certain, f"certain_{number}", "w")
+        self.call(cells.evaluate_items, f"value_{number}")
         if classify is beside.end_values and search.at_limit:
-            text.call(beside.place_lost, f"state, filled, w, table, {beside.FARTHER}", "n_lost")
-            with text.block("if n_lost > 0:"):
-                self.write_value(number)
+            self.call(beside.values_lost, f"value_{number}", "w")
         text.call(classify, f"{state}, search_{number}")
         if breaks := self.breaks_of(search):
             text.call(beside.unlist_jumps, f"state, filled, splits, array({breaks})")
-        if classify is results.extrema_at_zeros:
-            text.call(results.drop_folds, f"state, filled, w, table, search_{number}")
-        if self.program.has_bounds and classify is results.extrema_at_zeros:
-            text.call(results.bound_zeros, f"state, filled, search_{number}, {int(search.magnitude)}")
+        if classify is cells.extrema_at_zeros:
+            text.call(cells.drop_folds, f"state, filled, w, search_{number}")
+        if self.program.has_bounds and classify is cells.extrema_at_zeros:
+            text.call(cells.bound_zeros, f"state, filled, search_{number}, {int(search.magnitude)}")
             if search.kind == "jump":
                 text.call(beside.bound_aside, "state, filled")
             if listed and not search.onto:
-                text.call(results.note_uncertain, f"state, filled, w, table, search_{number}, best")
+                text.call(cells.note_uncertain, f"state, filled, w, table, search_{number}, best")
         elif self.program.has_bounds and search.kind != "pole":
-            text.call(results.bound_ends, "state, filled, w, table")
+            text.call(cells.bound_ends, "state, filled, w")
             if self.bounds_hidden(number):
                 text.call(beside.bound_hidden, "state, filled")
         if self.program.has_gradients:
             arguments = f"state, filled, table, search_{number}, winners, signs"
-            text.call(results.note_winners, arguments)
-            if search.kinked and classify is results.extrema_at_zeros:
-                text.call(results.note_kinks, arguments)
-        text.call(results.store_extrema, f"state, filled, table, search_{number}, lists, best")
+            text.call(cells.note_winners, arguments)
+            if search.kinked and classify is cells.extrema_at_zeros:
+                text.call(cells.note_kinks, arguments)
+        text.call(cells.store_extrema, f"state, filled, table, search_{number}, lists, best")
 
     def write_ends(self, number: int) -> None:
         """Write the values at the ends of the range, where these may be extreme."""
         text, search = self.text, self.program.searches[number]
-        collect = pieces.collect_both_ends if self.program.in_pieces else beside.collect_ends
-        text.call(collect, f"w, n_here, table, search_{number}, best, ends", "n_ends")
+        arguments = f"w, n_here, table, search_{number}, best, ends, {int(self.program.in_pieces)}"
+        text.call(beside.collect_ends, arguments, "n_ends")
         for part in self.parts_that_may_rest(number):
-            text.call(results.collect_rest, f"samples, {part}, n_here, ends, n_ends", "n_ends")
+            text.call(cells.collect_rest, f"samples, {part}, n_here, ends, n_ends", "n_ends")
         with self.gathered(number, "ends", "n_ends"):
             if search.order > 0:
-                text.call(beside.tries, "state, filled, w, table", "n_tries")
-                with text.block("for k in range(n_tries):"):
-                    text.call(beside.place_beside, "state, filled, k")
-                    self.write_value(number)
-                    text.call(beside.keep_beside, "state, filled, w, table, k")
+                self.call(beside.values_beside, f"value_{number}", "w")
             if self.bounds_hidden(number):
-                self.write_hidden(number)
-            text.call(beside.place_ends, "state, filled, 1.0")
-            self.write_extrema(number, beside.end_values, "state, filled, w, table")
+                self.call(beside.find_hidden, f"slope_{number}, value_{number}", "w")
+            text.call(cells.copy_row, f"state, filled, {cells.X}, {cells.XA}")
+            self.write_extrema(number, beside.end_values, "state, filled, w")
 
     def write_result(self, output: Output) -> None:
         """Write the copy of one result of a search."""
@@ -1001,9 +799,7 @@ class ExtremaWriter:
             if row < 0:
                 self.text.call(pieces.store_assembly, f"{target}, found, w, {self.row(VALID)}")
             else:
-                self.text.call(
-                    pieces.store_ranges if row < 2 else pieces.store_gaps, f"{target}, ranges, {row}"
-                )
+                self.text.call(cells.store_list, f"{target}, 0, ranges, {row}, {'nan' if row < 2 else '0.0'}")
             return
         number = self.number_of(request.quantity)
         base = number * len(self.program.branches) * LANES
@@ -1011,14 +807,16 @@ class ExtremaWriter:
         if request.is_of_gradient:
             self.write_gradient_result(output, number)
         elif request.reduction is not None:
-            row = {1: results.GREATEST, -1: results.LEAST}[request.reduction.sign] + int(request.is_position)
-            store = results.store_bound if request.is_error else results.store_best
-            self.text.call(store, f"{target}, {self.all}best, {row}")
+            least = request.reduction.sign < 0
+            row, at, bound = cells.ROWS_OF_LEAST if least else cells.ROWS_OF_GREATEST
+            row = at if request.is_position else bound if request.is_error else row
+            self.text.call(cells.store_best, f"{target}, {self.all}best, {row}, {at}")
         elif request.listed == "count":
-            self.text.call(results.store_counts, f"{target}, {self.all}best")
+            self.text.call(cells.store_counts, f"{target}, {self.all}best")
         else:
-            row = results.LIST_ROW_OF[request.listed]
-            self.text.call(results.store_list, f"{target}, {self.all}lists, {row}")
+            row = cells.LIST_ROW_OF[request.listed]
+            beyond = "0.0" if row == cells.LIST_KIND else "nan"
+            self.text.call(cells.store_list, f"{target}, {self.all}lists, {row}, {beyond}")
 
 
 def sign_of(output: Output) -> int:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from fastlink.codegen.extremes import ExtremaWriter, sign_of
-from fastlink.codegen.runtime import results
+from fastlink.codegen.runtime import cells
 from fastlink.codegen.runtime.cells import LANES
 from fastlink.codegen.source import Array, Source, paste_fact
 from fastlink.facts.names import error_name
@@ -64,8 +64,10 @@ class KnownWriter(ExtremaWriter):
         super().__init__(program)
         self.written: set[str] = set()
         # no sample is placed: only what derivatives hang on is kept
-        kept = list(zip(*program.graded.ends, strict=True))[1:] if program.has_gradients else []
-        self.rows = {name: row for row, name in enumerate(name for ends in kept for name in ends)}
+        _, starts, toggles = zip(*program.graded.ends, strict=True)
+        self.rows = {}
+        for name in (*starts, *toggles) if program.has_gradients else ():
+            self.row(name)
         # quantities of both symmetries are in one kernel
         self.searched_branches, self.sides = tuple(program.catalogue.branches), 2
 
@@ -75,7 +77,7 @@ class KnownWriter(ExtremaWriter):
         text.use("numerics.compiler", "lanes", "outlined")
         if self.program.has_gradients:
             self.write_tables()
-        with text.blocks_of_designs():
+        with text.lanes_of("n_designs", "i0"):
             with text.block("for i in lanes(width):", "design"):
                 self.write_places()
                 for number, search in enumerate(searches):
@@ -88,12 +90,11 @@ class KnownWriter(ExtremaWriter):
         self.write_functions(self.write_gradient_function)
         columns = len(searches) * len(self.program.branches) * LANES
         rows = Array("w", "float64", (max(len(self.rows), 1), LANES))
-        return text.source(self.program, [rows, self.best(columns), *self.places(columns)])
+        return text.source(self.program, [rows, *self.places(columns)])
 
     def write_tables(self) -> None:
         """Write those parts of the tables of a search that tell where derivatives are evaluated."""
-        _, start, toggle = self.program.graded.ends[0]
-        table = [self.row(start), self.row(toggle), self.sides, 0, len(self.program.branches)]
+        table = [self.sides, 0, len(self.program.branches)]
         self.text.add(f"table = array({table})")
         for number in range(len(self.program.searches)):
             self.text.add(f"search_{number} = array({[number]})")
@@ -107,9 +108,10 @@ class KnownWriter(ExtremaWriter):
         names = [*(name for end in self.program.graded.ends for name in end[1:]), *self.places_wanted]
         for search in self.program.searches:
             assert search.known is not None
-            names += [search.quantity, search.slope, *search.known.facts, *search.bounded_by]
+            names += [search.quantity, *search.known.facts, *search.bounded_by]
+            names += [search.slope] if search.slope in self.program.axes else []
             names += [error_name(end[2]) for end in self.program.graded.ends if search.bounded_by]
-        self.write_design_values([*names, *self.design_needs(self.needed_for(names))])
+        self.write_design_values([*names, *self.design_needs(names)])
         text.add(f"{side}__1 = 1.0")
         text.add(f"{side}__0 = -1.0")
         for branch in self.program.catalogue.branches:
@@ -122,52 +124,42 @@ class KnownWriter(ExtremaWriter):
 
     def values(self, names: Sequence[str], place: str, half: Half) -> Iterator[str]:
         """Write values at a place of a half, as far as they are not known, and yield their names."""
-        self.write_place(place)
-        yield from self.values_at(names, place, half.endings)
-
-    def values_at(self, names: Sequence[str], place: str, endings: Mapping[str, str]) -> Iterator[str]:
-        """Write values at a place that is written, and yield their names."""
+        self.write_known_place(place)
         for step in self.needed_for(names):
-            suffix = self.suffix(step.name, place, endings)
+            suffix = self.suffix(step.name, place, half.endings)
             if step.name + suffix not in self.written:
                 self.written.add(step.name + suffix)
-                known = [name + self.suffix(name, place, endings) for name in step.depends_on]
+                known = [name + self.suffix(name, place, half.endings) for name in step.depends_on]
                 paste_fact(step, known, suffix, self.text)
-        yield from (name + self.suffix(name, place, endings) for name in names)
+        yield from (name + self.suffix(name, place, half.endings) for name in names)
 
-    def write_place(self, place: str) -> None:
+    def end_of(self, place: str) -> tuple[str, str]:
+        """Return the first sample and the toggle of the end of the range that a place is; empty if it is none."""
+        ends = {label: end[1:] for label, end in zip(ENDS, self.program.graded.ends, strict=True)}
+        return ends.get(place.removesuffix("_beside"), ("", ""))
+
+    def write_known_place(self, place: str) -> None:
         """Write the distances of a place from the lower and the upper end, over the width."""
         if place in self.written:
             return
         self.written.add(place)
         text, (low, high, _) = self.text, self.program.graded.coordinates
-        end = place.removesuffix("_beside")
-        upper = f"{place} > 1.0"
-        if end in ENDS:
-            first = self.program.graded.ends[ENDS.index(end)][1]
-            beside = place != end
-            text.add(f"x__{place} = {f'abs({first})' if beside else f'-{first} if {first} < 0.0 else 0.0'}")
-            near, far = (low, high) if end == ENDS[0] else (high, low)
+        first, _ = self.end_of(place)
+        if first:
+            x = f"-{first} if {first} < 0.0 else 0.0" if place in ENDS else f"abs({first})"
+            text.add(f"x__{place} = {x}")
+            near, far = (low, high) if place.startswith(ENDS[0]) else (high, low)
             # the first place is at most 2^-60, and 1 + 2^-120 is 1
             text.add(f"{near}__{place} = x__{place} * x__{place}")
             text.add(f"{far}__{place} = 1.0")
-        else:
-            text.add(f"x__{place} = 1.0 / {place} if {upper} else {place}")
-            self.write_parts(place, upper, (low, high))
-
-    def write_parts(self, place: str, upper: str, names: tuple[str, str]) -> None:
-        """Write the distances of a place from both ends; `upper` is where its position counts from the upper one."""
-        text = self.text
+            return
+        upper = f"{place} > 1.0"
+        text.add(f"x__{place} = 1.0 / {place} if {upper} else {place}")
         text.add(f"square__{place} = x__{place} * x__{place}")
         text.add(f"rest__{place} = 1.0 / (1.0 + square__{place})")
         text.add(f"part__{place} = square__{place} * rest__{place}")
-        for name, lower, higher in ((names[0], "part", "rest"), (names[1], "rest", "part")):
-            text.add(f"{name}__{place} = {higher}__{place} if {upper} else {lower}__{place}")
-
-    def is_upper(self, place: str) -> str:
-        """Return kernel text that is 1 where the position of a place is counted from the upper end, else 0."""
-        end = place.removesuffix("_beside")
-        return {"low": "0.0", "high": "1.0"}.get(end, f"(1.0 if {place} > 1.0 else 0.0)")
+        text.add(f"{low}__{place} = rest__{place} if {upper} else part__{place}")
+        text.add(f"{high}__{place} = part__{place} if {upper} else rest__{place}")
 
     # -- what may be extreme -----------------------------------------------------------------------
 
@@ -199,10 +191,13 @@ class KnownWriter(ExtremaWriter):
                 name = self.bind(f"jump__{place}", f"PI if ({place} > 0.0) & ({place} < inf) else nan")
                 found.append(name)
                 place_of = self.place(place, half)
-                yield Candidate(name, f"-{name}", place_of, self.bound_of_jump(), place, half, "2.0")
+                if self.program.has_bounds:
+                    self.text.use("codegen.runtime.cells", "OF_PI")
+                yield Candidate(name, f"-{name}", place_of, "OF_PI", place, half, "2.0")
         none = " & ".join(f"({name} != {name})" for name in dict.fromkeys(found))
         for half in halves:
-            for end, (_, first, _) in zip(ENDS, self.program.graded.ends, strict=True):
+            for end in ENDS:
+                first, _ = self.end_of(end)
                 place = end if search.at_limit else f"{end}_beside"
                 counts = f"({first} != 0.0) | ({none})" if known.places else ""
                 yield self.candidate(search, place, half, counts)
@@ -214,9 +209,9 @@ class KnownWriter(ExtremaWriter):
         sign = "-" if half.mirrored and search.parity < 0 else ""
         text = f"{sign}{value} if {counts} else nan" if counts else f"{sign}{value}"
         name = self.bind(f"value__{label}", text)
-        end, kind = place.removesuffix("_beside"), "1.0"
-        if end in ENDS:
-            first = self.program.graded.ends[ENDS.index(end)][1]
+        first, _ = self.end_of(place)
+        kind = "1.0"
+        if first:
             kind = "0.0"
             if self.program.has_gradients and search.known is not None and not search.known.places:
                 (slope,) = self.values([search.slope], place, half)  # not a number where nothing can move
@@ -226,9 +221,9 @@ class KnownWriter(ExtremaWriter):
 
     def apart_from_folds(self, place: str) -> str:
         """Write whether a place is another one than a fold at an end of the range, which no search finds."""
-        self.write_place(place)
+        self.write_known_place(place)
         (_, low, toggle_low), (_, high, toggle_high) = self.program.graded.ends
-        self.text.use("codegen.runtime.results", "FOLDED")
+        self.text.use("codegen.runtime.cells", "FOLDED")
         upper = f"{place} > 1.0"
         first, toggle = f"({high} if {upper} else {low})", f"({toggle_high} if {upper} else {toggle_low})"
         return self.bind(f"apart__{place}", f"(x__{place} >= FOLDED * abs({first})) | ({toggle} > 0.0)")
@@ -247,14 +242,8 @@ class KnownWriter(ExtremaWriter):
         (found,) = self.values(self.places_wanted, place, half)
         if not half.mirrored:
             return found
-        self.text.use("codegen.runtime.results", "mirror_image")
+        self.text.use("codegen.runtime.cells", "mirror_image")
         return self.bind(f"{found}__image", f"mirror_image({found}, {2.0 * self.program.graded.axis})")
-
-    def bound_of_jump(self) -> str:
-        """Return the error bound of a jump."""
-        if self.program.has_bounds:
-            self.text.use("codegen.runtime.results", "OF_PI")
-        return "OF_PI"
 
     def bound(self, search: ExtremumSearch, place: str, half: Half, label: str) -> str:
         """Write the error bound of a value at a place, if it is requested."""
@@ -263,16 +252,15 @@ class KnownWriter(ExtremaWriter):
         own, slope_bound, bend, slope = self.values(search.bounded_by, place, half)
         (value,) = self.values([search.quantity], place, half)
         text, name = self.text, f"bound__{label}"
-        text.use("codegen.runtime.results", "bound_at_zero", "known")
+        text.use("codegen.runtime.cells", "bound_at_zero", "known")
         if name in self.written:
             return name
         zero = f"zero__{label}"
         text.add(f"own__{label}, {zero} = bound_at_zero({own}, abs({slope}), {slope_bound}, abs({bend}))")
-        end = place.removesuffix("_beside")
-        if end not in ENDS:
+        first, toggle = self.end_of(place)
+        if not first:
             return self.bind(name, f"known({zero})")
-        text.use("codegen.runtime.results", "MARGIN", "has_no_bound", "off_at_end")
-        _, first, toggle = self.program.graded.ends[ENDS.index(end)]
+        text.use("codegen.runtime.cells", "MARGIN", "has_no_bound", "off_at_end")
         off = f"off_at_end(x__{place}, abs({slope}), {slope_bound}, abs({bend}), {first})"
         lost = f"has_no_bound(x__{place}, abs({value}), abs({bend}), {first}, {toggle})"
         at_end = f"(inf if {lost} else known(MARGIN * {own} + {off}))"
@@ -305,13 +293,13 @@ class KnownWriter(ExtremaWriter):
         for candidate in candidates:
             value = candidate.greatest if sign > 0 else candidate.least
             if bounded:
-                text.use("codegen.runtime.results", "of_better")
+                text.use("codegen.runtime.cells", "of_better")
                 ahead = f"extreme, bound, {value}" if sign > 0 else f"-extreme, bound, -({value})"
                 text.add(f"bound = of_better({ahead}, {candidate.bound})")
             if self.places_wanted:
                 text.add(f"place = {candidate.place} if {value} {better} extreme else place")
             text.add(f"extreme = {value} if {value} {better} extreme else extreme")
-        row = results.GREATEST if sign > 0 else results.LEAST
+        row = cells.GREATEST if sign > 0 else cells.LEAST
         text.add(f"best[{row}, {column} + i] = extreme")
         place = (
             "place" if self.places_wanted else f"nan if extreme == {'-inf' if sign > 0 else 'inf'} else 0.0"
@@ -319,30 +307,32 @@ class KnownWriter(ExtremaWriter):
         text.add(f"best[{row | 1}, {column} + i] = {place}")
         if bounded:
             doubt = " | ".join(f"({error_name(end[2])} > 0.0)" for end in self.program.graded.ends)
-            row = results.GREATEST_BOUND if sign > 0 else results.LEAST_BOUND
+            row = cells.GREATEST_BOUND if sign > 0 else cells.LEAST_BOUND
             text.add(f"best[{row}, {column} + i] = inf if {doubt} else bound")
 
     def write_winner(self, candidates: Iterable[Candidate], sign: int, column: int) -> None:
-        """Write where the greatest or least of the candidates is, for its derivatives: see `results.note_winners`."""
+        """Write where the greatest or least of the candidates is, for its derivatives: see `cells.note_winners`."""
         text, kept = self.text, {"BEST": "-inf", "SECOND": "-inf", "PLACE": "nan", "OF_KIND": "nan"}
         kept |= dict.fromkeys(("AT_X", "IN_HALF", "IN_UPPER", "MIRRORED"), "0.0")
         for name, value in kept.items():
             text.add(f"{name}__ = {value}")
-        text.use("codegen.runtime.results", "next_best")
+        text.use("codegen.runtime.cells", "next_best")
         for candidate in candidates:
             at, half = candidate.at, candidate.half
-            self.write_place(at)
+            self.write_known_place(at)
             number = self.sides * self.searched_branches.index(half.branch) + int(half.side < 0)
             values = {"BEST": "high", "PLACE": candidate.place, "OF_KIND": candidate.kind, "AT_X": f"x__{at}"}
-            values |= {"IN_HALF": f"{number}.0", "IN_UPPER": self.is_upper(at)}
-            values |= {"MIRRORED": f"{int(half.mirrored)}.0"}
+            is_upper = f"(1.0 if {at} > 1.0 else 0.0)"
+            if self.end_of(at)[0]:
+                is_upper = "1.0" if at.startswith(ENDS[1]) else "0.0"
+            values |= {"IN_HALF": f"{number}.0", "IN_UPPER": is_upper, "MIRRORED": f"{int(half.mirrored)}.0"}
             text.add(f"high = {candidate.greatest if sign > 0 else f'-({candidate.least})'}")
             text.add("better = high > BEST__")
             text.add(f"SECOND__ = next_best(BEST__, SECOND__, PLACE__, high, {candidate.place})")
             for name, value in values.items():
                 text.add(f"{name}__ = {value} if better else {name}__")
         for name in kept:
-            row = results.WINNER_ROWS * (sign < 0) + getattr(results, name)
+            row = cells.WINNER_ROWS * (sign < 0) + getattr(cells, name)
             text.add(f"winners[{row}, {column} + i] = {name}__")
 
 

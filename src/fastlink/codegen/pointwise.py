@@ -261,7 +261,7 @@ class _PointwiseWriter:
         """Return the kernel."""
         self.text.use("numerics.compiler", "lanes", "entries")
         self.paste(self.constant_steps)
-        with self.text.blocks_of_designs():
+        with self.text.lanes_of("n_designs", "i0"):
             self.write_designs()
             if self.curves or self.cycle_values:
                 if self.program.lanes == "designs":

@@ -125,12 +125,16 @@ class Text:
             self.lines.pop()
 
     @contextmanager
-    def blocks_of_designs(self) -> Iterator[None]:
-        """Append the loop over blocks of designs, which lie in lanes side by side."""
-        with self.block(f"for i0 in range(0, n_designs, {LANES}):"):
-            self.add(f"n_here = min({LANES}, n_designs - i0)")
-            self.add(f"width = (n_here + {MOST_LANES - 1}) & {-MOST_LANES}")
+    def lanes_of(self, total: str, first: str) -> Iterator[None]:
+        """Append a loop over blocks of designs or pieces, which lie in lanes side by side."""
+        with self.block(f"for {first} in range(0, {total}, {LANES}):"):
+            self.count_lanes(total, first)
             yield
+
+    def count_lanes(self, total: str, first: str) -> None:
+        """Append how many lanes there are from the first one on, and how many in whole vectors."""
+        self.add(f"n_here = min({LANES}, {total} - {first})")
+        self.add(f"width = (n_here + {MOST_LANES - 1}) & {-MOST_LANES}")
 
     def use(self, module: str, *names: str) -> None:
         """Import names of a module of fastlink."""

@@ -118,21 +118,20 @@ attributes #2 = { nounwind "stackrealign" "denormal-fp-math"="ieee,ieee" }"""
 class Module:
     """The functions of one kernel under construction."""
 
-    def __init__(self, lanes: int, flags: str = "") -> None:
+    def __init__(self, lanes: int, scope: dict[str, Any], flags: str = "") -> None:
         self.flags = flags
         self.lanes = lanes
+        #: The names of the text, its functions among them, wherever these are called.
+        self.scope = scope
         self.text: list[str] = []
         self.constants: list[str] = []
+        #: The functions of LLVM that are called, each once.
         self.declarations: dict[str, None] = {}
         #: Of each function that was translated, by text and kinds of arguments, its name and the kind of its result.
         self.functions: dict[Hashable, tuple[str, str | None]] = {}
 
     def __str__(self) -> str:
         return "\n".join([*self.constants, *self.declarations, *self.text, ATTRIBUTES])
-
-    def declare(self, text: str) -> None:
-        """Declare a function of LLVM, once."""
-        self.declarations[text] = None
 
     def constant_array(self, values: Sequence[Value]) -> Array:
         """Return a read-only array of known numbers."""
@@ -163,8 +162,8 @@ INTEGER = {
 COMPARISONS = {ast.Lt: "lt", ast.LtE: "le", ast.Gt: "gt", ast.GtE: "ge", ast.Eq: "eq", ast.NotEq: "ne"}
 #: Functions of Python that need no import.
 PYTHON_NAMES = {"abs": abs, "min": min, "max": max, "int": int, "float": float}
-#: The value of a name: a number, several, an array, a place in memory, the counter of lanes.
-Name = Value | Array | Slot | Lane | tuple[Any, ...]
+#: The value of a name: a number, several, an array, a place in memory, the counter of lanes, a function.
+Name = Value | Array | Slot | Lane | tuple[Any, ...] | ast.FunctionDef | Callable[..., Any]
 T = TypeVar("T")
 
 
@@ -194,14 +193,6 @@ def parts_of(node: ast.AST) -> list[ast.AST]:
         else:
             found += [getattr(part, name) for name in names]
     return found
-
-
-def as_load(target: ast.expr) -> ast.expr:
-    """Return the expression that reads what an assignment writes."""
-    if isinstance(target, ast.Name):
-        return ast.Name(target.id, ast.Load())
-    assert isinstance(target, ast.Subscript)
-    return ast.Subscript(target.value, target.slice, ast.Load())
 
 
 #: Loops whose counter is many at once.
@@ -263,8 +254,9 @@ class _Function:
             at = next_one("ptr noalias" if noalias else "ptr")
             shape = (d if d.known is not None else Value(next_one("i64"), "i") for d in arg.shape)
             return Array(at, arg.kind, tuple(shape))
-        assert isinstance(arg, Value)
-        return self.slot(Value(next_one(LLVM[arg.kind]), arg.kind))
+        if isinstance(arg, Value):
+            return self.slot(Value(next_one(LLVM[arg.kind]), arg.kind))
+        return arg
 
     def finish(self, *, merged: bool) -> tuple[str, str | None]:
         """Translate the body, add the function to the module, return its name and the kind of its result."""
@@ -479,7 +471,7 @@ class _Function:
         given = [self.spread(self.to_kind(arg, "f"), lanes) for arg in args]
         vector = type_of("f", lanes)
         full = f"llvm.{name}.{'f64' if lanes == 1 else f'v{lanes}f64'}"
-        self.module.declare(f"declare {vector} @{full}({', '.join([vector] * len(args))})")
+        self.module.declarations[f"declare {vector} @{full}({', '.join([vector] * len(args))})"] = None
         return self.let(f"call {vector} @{full}({', '.join(f'{vector} {x.at}' for x in given)})", "f", lanes)
 
     def refuse(self, node: ast.AST, why: str) -> NoReturn:
@@ -719,11 +711,11 @@ class _Function:
             return self.module.constant_array([self.number(part) for part in node.args[0].elts])
         args = [self.value(arg) for arg in node.args]
         if isinstance(function, ast.FunctionDef) and _is_inlined(function):
-            return self.paste(function, self.scope, args)
+            return self.paste(function, self.module.scope, args)
         if self.width > 1 and (isinstance(function, ast.FunctionDef) or function in OUTLINED):
             self.refuse(node, "lanes call no functions with loops")
         if isinstance(function, ast.FunctionDef):
-            return self.call_function(function, self.scope, args)
+            return self.call_function(function, self.module.scope, args)
         if function in BUILT_IN:
             operation: Any = BUILT_IN[function]
             if len(args) != operation.__code__.co_argcount - 1 or not all(isinstance(a, Value) for a in args):
@@ -757,7 +749,7 @@ class _Function:
             if isinstance(arg, Array):
                 given.append(f"ptr {arg.at}")
                 given += [f"i64 {length.at}" for length in arg.shape if length.known is None]
-            else:
+            elif isinstance(arg, Value):
                 given.append(f"{LLVM[arg.kind]} {arg.at}")
         text = f"@{name}({', '.join(given)})"
         if kind is not None:
@@ -773,20 +765,16 @@ class _Function:
         self.names = {parameter.arg: arg for parameter, arg in zip(node.args.args, args, strict=True)}
         *body, last = node.body
         for statement in body:
-            self.statement_of_pasted(statement)
+            is_docstring = isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant)
+            if not is_docstring and not isinstance(statement, ast.Assign):
+                self.refuse(statement, "an inlined function has assignments only")
+            if not is_docstring:
+                self.statement(statement)
         if not isinstance(last, ast.Return) or last.value is None:
             self.refuse(last, "an inlined function returns at its end")
         result = self.value(last.value)
         self.node, self.names, self.scope, self.straight, self.everywhere, self.flags = outer
         return result
-
-    def statement_of_pasted(self, node: ast.stmt) -> None:
-        """Translate a statement of a text that is pasted: an assignment, or a docstring."""
-        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
-            return
-        if not isinstance(node, ast.Assign):
-            self.refuse(node, "an inlined function has assignments only")
-        self.statement(node)
 
     # -- statements --------------------------------------------------------------------------------
 
@@ -811,7 +799,7 @@ class _Function:
             case ast.Assign(targets=[target]):
                 self.assign(target, self.value(node.value))
             case ast.AugAssign():
-                now = self.number(as_load(node.target))
+                now = self.number(node.target)
                 self.assign(node.target, self.binary(node, node.op, now, self.number(node.value)))
             case ast.If():
                 self.do_if(node)
@@ -996,7 +984,7 @@ def _bits(f: _Function, value: Value, before: str, after: str) -> Value:
 
 
 def _trailing_zeros(f: _Function, x: Value) -> Value:
-    f.module.declare("declare i64 @llvm.cttz.i64(i64, i1)")
+    f.module.declarations["declare i64 @llvm.cttz.i64(i64, i1)"] = None
     return f.let(f"call i64 @llvm.cttz.i64(i64 {f.to_kind(x, 'i').at}, i1 true)", "i")
 
 
@@ -1082,8 +1070,7 @@ def _is_inlined(node: ast.FunctionDef) -> bool:
 def _signature(arg: Name) -> Any:
     if isinstance(arg, Array):
         return arg.kind, tuple(length.known for length in arg.shape)
-    assert isinstance(arg, Value)
-    return arg.kind
+    return arg.kind if isinstance(arg, Value) else arg
 
 
 def translate_function(
@@ -1123,12 +1110,12 @@ def translate(
 ) -> str:
     """Return the LLVM of a kernel: a function ``kernel(ptr)`` of a table."""
     tree = parsed(text)
-    module, args, types = Module(lanes, "".join(f" {flag}" for flag in fast_math)), [], []
+    scope, args, types = scope_of(tree), [], []
+    module = Module(lanes, scope, "".join(f" {flag}" for flag in fast_math))
     for kind, lengths in arguments:
         types += ["ptr" if lengths else "i64", *("i64" for length in lengths if length is None)]
         shape = (Value("", "i") if length is None else constant(length) for length in lengths)
         args.append(Array("", kind, tuple(shape)) if lengths else Value("", kind))
-    scope = scope_of(tree)
     name, _ = translate_function(module, scope["kernel"], scope, args, noalias=True)
     lines, given = [], []
     for k, llvm_type in enumerate(types):

@@ -892,7 +892,7 @@ def request_of(
         raise InputError("is a mask of one map", ("where",), remedy)
     taken = ("links", "input", "solver", "backend", "branch")
     options = {name: of_sweep[name] for name in taken if name in of_sweep}
-    *_, chosen = resolved.plan.recipe
+    chosen = dict(resolved.plan.recipe[2])["extrema"]
     options |= {"extrema": None if chosen == "refined" else chosen, "threads": None}
     options |= angles_of(resolved.catalogue, resolved.positions, ARC in resolved.plan.variants)
     wanted = tuple(dict.fromkeys([*others, *names]))

@@ -527,30 +527,24 @@ OPTIONS = """
 """
 #: Names of variables and functions in the texts of kernels.
 OF_KERNELS = """
-    abs advance_roots advance_valleys append_item append_of_lane append_unresolved array at
-    begin_certain begin_octaves begin_roots begin_valleys best bound_aside bound_at_zero bound_ends
-    bound_hidden bound_zeros clear collect collect_ends collect_fine collect_folds collect_jumps
-    collect_octaves collect_rest collect_toggles collect_unresolved count_near count_turned counts
-    designs divide divided doubt drop_folds end_values ends entries every_vector extrema_at_zeros
-    filled fine_marks flag_undecided flags flattened fluctuation_lanes forget_slopes forget_splits
-    forget_winners from_high from_low from_upper gather gradients has_no_bound i i0 inf j j0 j1 j2
-    judge_winners k keep_at_pole keep_away keep_beside keep_certain keep_fine keep_near keep_octave
-    keep_slope keep_slopes keep_splits keep_turned kernel known lanes lists mark mark_ends mark_fine
-    mark_splits mark_unresolved marks max min mirror_image n_angles n_designs n_ends n_here n_lost
-    n_moving n_near n_octaves n_open n_tries n_turned n_vectors nan next_split note_hidden
-    note_kinks note_uncertain note_winners nothing_yet octaves of_better off_at_end outlined padded
-    piece place_aside place_at_pole place_beside place_ends place_fine place_lost place_near
-    place_octave place_samples place_slope place_split pole_values position range replace_cells rest
-    roots roundness_lanes samples set_aside set_bracket settle_jumps settle_slopes settle_toggles
-    side signs silence_rest silenced solve_lanes split splits square start state step store_best
-    store_bound store_change store_counts store_extrema store_gradient store_list store_status
-    straightness_lanes sums table tile to_sample trial tries turn unlist_jumps unresolved upper v
-    valleys vectors w w2 weigh_octave width winners
-    all_best all_gradients all_lists all_winners begin_pieces clear_all close_pieces collect_both_ends
-    cut_pieces found further insert join_pieces join_winners n_further n_pieces note_pieces numbers p0
-    pieces store_assembly zeros keep_zeros forget_zeros
-    leasts keep_leasts collect_leasts place_leasts n_leasts ranges store_ranges
-    store_gaps
+    abs all_best all_gradients all_lists all_winners append_item append_of_lane array at
+    begin_pieces best bound_aside bound_at_zero bound_ends bound_hidden bound_zeros clear
+    clear_ranges close_pieces collect collect_beside collect_ends collect_jumps collect_leasts
+    collect_rest collect_unresolved copy_row counts cut_pieces designs divide_cells divided doubt
+    drop_folds end_values ends entries evaluate_items every_vector extrema_at_zeros filled
+    find_certain find_hidden find_roots fine_marks flag_undecided flags flattened fluctuation_lanes
+    forget_slopes forget_splits forget_winners forget_zeros found from_high from_low from_upper
+    further gather gradients has_no_bound i i0 inf insert j j0 j1 j2 join_pieces join_winners
+    judge_winners k keep_leasts keep_slopes keep_splits keep_zeros kernel known lanes leasts lists
+    mark mark_ends mark_hiding mark_splits mark_unresolved marks max min mirror_image n_angles
+    n_designs n_ends n_further n_here n_leasts n_open n_pieces n_vectors nan next_split note_kinks
+    note_pieces note_uncertain note_winners nothing_yet numbers octaves of_better off_at_end
+    outlined p0 padded piece pieces place_aside place_samples pole_values position range ranges rest
+    roots roundness_lanes samples search_octaves settle_jumps settle_toggles side signs silence_rest
+    silenced solve_lanes split split_valleys splits square start state step store_assembly
+    store_best store_change store_counts store_extrema store_list store_row straightness_lanes sums
+    table tile trial turn unlist_jumps unresolved upper v valleys values_at_pole values_beside
+    values_lost vectors w w2 width winners zeros
 """
 TAKEN = frozenset({*OPTIONS.split(), *OF_KERNELS.split(), *NAMESPACE})
 #: The beginnings of names that kernels make.

@@ -181,6 +181,15 @@ class ExtremumSearch:
     known: KnownExtremes | None = None
     #: If its zeros cut the range into pieces, before all other searches, the number of the gap, else 0.
     cuts: int = 0
+    #: What is evaluated at these zeros: the second derivative of the gap, and error bounds of it and of its slope.
+    at_zeros: tuple[str, ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All that is evaluated for it."""
+        of_gradients = (name for gradient in self.gradients for name in gradient.names)
+        bounds = *self.bounded_by, *self.certain_by
+        return self.slope, self.quantity, *self.divisors, *bounds, *self.at_zeros, *of_gradients
 
     @property
     def mirrored(self) -> bool:
@@ -191,15 +200,6 @@ class ExtremumSearch:
     def splits(self) -> bool:
         """Whether it is for places at which cells of others are split, and nothing else."""
         return self.kind == "split"
-
-
-def needs_of_zeros(known: Catalogue, search: ExtremumSearch) -> tuple[str, ...]:
-    """Return what is evaluated at zeros of a gap: its second derivative, and error bounds of it and of its slope."""
-    if not search.cuts or known.graded is None or known.graded.gaps is None:
-        return ()
-    gap, position = known.graded.gaps[search.cuts - 1], known.position.name
-    slope = derivative_name(gap, position)
-    return derivative_name(slope, position), error_name(gap), error_name(slope)
 
 
 @dataclass(frozen=True)
@@ -256,10 +256,6 @@ class ExtremaProgram(Program):
         coordinates = dict.fromkeys(self.coordinates, self.catalogue.position.name)
         of_piece = dict.fromkeys((*PIECE, "branch"), "design") if self.in_pieces else {}
         return self._axes_by(coordinates | of_piece)
-
-    def needs_of_zeros(self, search: ExtremumSearch) -> tuple[str, ...]:
-        """Return what is evaluated at the zeros of a gap, see `needs_of_zeros`."""
-        return needs_of_zeros(self.catalogue, search)
 
     @property
     def has_bounds(self) -> bool:
@@ -470,11 +466,20 @@ class Planner:
 
     # -- Values at given input positions, and their reductions
 
-    def output(self, request: Request, *, whole_turn: bool = False, refined: bool = False) -> Output:
+    def output(
+        self,
+        request: Request,
+        *,
+        whole_turn: bool = False,
+        refined: bool = False,
+        is_assembly: bool = False,
+    ) -> Output:
         """Return the result of a request."""
         catalogue, fact = self.catalogue, self.catalogue.public_fact(request.quantity)
         axes: tuple[str, ...] = (BRANCH,)
-        if not catalogue.varies(fact.name):
+        if is_assembly:
+            axes = (BRANCH,) if request.name == ASSEMBLY else (BRANCH, EXTREMUM)
+        elif not catalogue.varies(fact.name):
             axes = ()
         elif request.listed and request.listed != "count":
             axes = (BRANCH, EXTREMUM)
@@ -493,6 +498,7 @@ class Planner:
             self.toggles_of(request) if whole_turn else (),
             "" if refined else self.counted_by(request),
             terms,
+            is_assembly,
         )
 
     def program(
@@ -541,12 +547,10 @@ class Planner:
 
         An arc of the turn is no mirror image of itself, and extremes that are known may be outside of it.
         """
-        found = self._search_of_turn(quantity)
-        if found is not None and self.graded.gaps is not None:  # no piece is the mirror image of another
+        found, is_arc = self._search_of_turn(quantity), ARC in self.variants
+        if found is not None and (is_arc or self.is_in_pieces):  # no piece is the mirror image of another
             found = replace(found, parity=0, slope_parity=0)
-        if found is None or ARC not in self.variants:
-            return found
-        return replace(found, arc=True, parity=0, slope_parity=0, known=None)
+        return replace(found, arc=True, known=None) if found is not None and is_arc else found
 
     def _search_of_turn(self, quantity: str) -> ExtremumSearch | None:
         if signed(quantity) != quantity:
@@ -655,11 +659,12 @@ class Planner:
 
     def searches_for_cuts(self, cells: int) -> list[ExtremumSearch]:
         """Return the searches for zeros of gaps, in their order."""
-        found = []
+        found, position = [], self.catalogue.position.name
         for k, gap in enumerate(self.graded.gaps or (), 1):
-            search = self.search(slope_of_gap(gap))
+            search, slope = self.search(slope_of_gap(gap)), derivative_name(gap, position)
             assert search is not None
-            found.append(replace(search, cells=cells, cuts=k, turns=(), arc=False))
+            at_zeros = derivative_name(slope, position), error_name(gap), error_name(slope)
+            found.append(replace(search, cells=cells, cuts=k, at_zeros=at_zeros, turns=(), arc=False))
         return found
 
     def further_searches(
@@ -747,12 +752,7 @@ class Planner:
             group += self.searches_for_splits(group)
             group += self.searches_for_cuts(cells)
             names = [position, self.graded.bounded_factor, *(name for end in ends for name in end)]
-            names += [
-                name
-                for s in group
-                for name in (s.slope, s.quantity, *s.divisors, *s.bounded_by, *s.certain_by)
-            ]
-            names += [name for s in group for gradient in s.gradients for name in gradient.names]
+            names += [name for s in group for name in s.names]
             of_group = [o for s in group for o in outputs if o.request.quantity == s.quantity and not s.onto]
             if group is first:
                 of_group += [output for output in outputs if output.is_assembly]
@@ -763,7 +763,6 @@ class Planner:
                 if any(s.bounded_by for s in group) and self.graded.gaps is None
             ]
             names += [VALID for o in of_group if o.is_assembly]
-            names += [name for s in group for name in needs_of_zeros(self.catalogue, s)]
             names += [name for s in group[:1] if s.arc for name in ARC_FACTS]
             of_steps = self.made_of(self.steps(names))
             programs.append(ExtremaProgram(**of_steps, outputs=tuple(of_group), searches=tuple(group)))
@@ -831,7 +830,7 @@ class Plan:
     @property
     def positions(self) -> int:
         """The number of input positions, 0 where the plan was not made for any."""
-        return int(self.recipe[5]) if self.recipe else 0
+        return int(dict(self.recipe[2])["angles"]) if self.recipe else 0
 
     @property
     def uses_position(self) -> bool:
@@ -861,7 +860,7 @@ def make_plan(
     extrema: Extrema = "refined",
 ) -> Plan:
     """Resolve the requested names into programs."""
-    names = tuple(names)
+    names, setting = tuple(names), dict[str, Any](angles=angles, extrema=extrema)
     requests = [parse_request(name, catalogue) for name in names]
     for request in requests:
         if request.name in given:
@@ -888,13 +887,7 @@ def make_plan(
                 raise _not_refined(request, catalogue)
     whole_turn = extrema == "refined" and ARC not in variants
     outputs = tuple(
-        replace(
-            planner.output(r, refined=True),
-            axes=(BRANCH,) if r.name == ASSEMBLY else (BRANCH, EXTREMUM),
-            is_assembly=True,
-        )
-        if r.name in assembly
-        else planner.output(r, whole_turn=whole_turn, refined=r.name in refined)
+        planner.output(r, whole_turn=whole_turn, refined=r.name in refined, is_assembly=r.name in assembly)
         for r in requests
     )
     programs: list[Program] = []
@@ -906,8 +899,9 @@ def make_plan(
     kept = max((search.most for search in searched), default=0)
     if len(assembly) > (ASSEMBLY in assembly):
         kept = max(kept, planner.graded.max_extrema_otherwise)
-    recipe = catalogue, names, tuple(given), tuple(branches), tuple(variants), angles, extrema
-    return Plan(catalogue, outputs, tuple(programs), tuple(branches), tuple(variants), kept, recipe)
+    setting |= {"given": planner.given, "branches": planner.branches, "variants": planner.variants}
+    recipe = catalogue, names, tuple(setting.items())
+    return Plan(catalogue, outputs, tuple(programs), planner.branches, planner.variants, kept, recipe)
 
 
 def all_declared(catalogue: Catalogue) -> tuple[Any, ...]:
@@ -915,24 +909,14 @@ def all_declared(catalogue: Catalogue) -> tuple[Any, ...]:
     return catalogue.version, *REDUCTIONS.values()
 
 
-def planned_again(
-    catalogue: Catalogue, names: tuple[str, ...], given: tuple[str, ...], *options: Any
-) -> Plan:
+def planned_again(catalogue: Catalogue, *recipe: Any) -> Plan:
     """Return the plan that `make_plan` made in another process, once as long as nothing is declared."""
-    return _again(all_declared(catalogue), catalogue, names, given, options)
+    return _again(all_declared(catalogue), catalogue, *recipe)
 
 
 @lru_cache(maxsize=64)
-def _again(
-    declared: tuple[Any, ...],
-    catalogue: Catalogue,
-    names: tuple[str, ...],
-    given: tuple[str, ...],
-    options: Any,
-) -> Plan:
-    branches, variants, angles, extrema = options
-    setting: dict[str, Any] = {"branches": branches, "variants": variants, "angles": angles}
-    return make_plan(catalogue, names, given=given, extrema=extrema, **setting)
+def _again(declared: tuple[Any, ...], catalogue: Catalogue, names: tuple[str, ...], setting: Any) -> Plan:
+    return make_plan(catalogue, names, **dict(setting))
 
 
 def _not_refined(request: Request, catalogue: Catalogue) -> InputError:

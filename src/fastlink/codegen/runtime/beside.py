@@ -1,4 +1,7 @@
-"""What samples do not show: ends of the range, toggles, folds octave by octave, kinks, cells to be divided."""
+"""What samples do not show: ends of the range, toggles, folds octave by octave, kinks, cells to be divided.
+
+Arrays are as in `fastlink.codegen.runtime.cells`.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from fastlink.codegen.runtime.cells import (
-    AT_LIMIT,
     BOUND,
     BRANCHES,
     CELLS,
@@ -21,8 +23,10 @@ from fastlink.codegen.runtime.cells import (
     FINE_AT,
     FINE_SAMPLES,
     FIRST,
+    GREATEST,
     HALF,
     HALVES,
+    HAS_LIMIT,
     ITEM_ROWS,
     KIND,
     LANE,
@@ -42,6 +46,7 @@ from fastlink.codegen.runtime.cells import (
     START,
     STEPS,
     TOGGLE,
+    TOLERANCE,
     UNRESOLVED,
     UNRESOLVED_CELL,
     UPPER,
@@ -57,14 +62,18 @@ from fastlink.codegen.runtime.cells import (
     X,
     append_item,
     append_of_lane,
-    append_unresolved,
+    copy_row,
+    evaluate_at,
+    evaluate_items,
+    first_of,
+    is_certain,
     is_unresolved,
     mark,
+    mark_undecided,
     padded,
     position_of,
-    set_bracket,
+    toggle_of,
 )
-from fastlink.codegen.runtime.results import GREATEST, is_certain
 from fastlink.numerics.compiler import inlined, lanes, merged, outlined
 from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, trailing_zeros
 
@@ -73,7 +82,7 @@ from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, trailing_zeros
 
 # At a toggle a quantity has a limit or grows by its order. At a fold, where all bars of a change point are
 # in line, it is a sum of powers of the distance x: it may have a pole there whose factor is as small as
-# masses and loads are, so that nothing shows it but positions far closer. Arrays are as in `results`.
+# masses and loads are, so that nothing shows it but positions far closer.
 
 
 # The first sample stands at 2^-60 of the scale. How much farther from a toggle a quantity is evaluated too, how much
@@ -85,62 +94,41 @@ STEADY = 2.0**-16
 
 
 @inlined
-def _is_fold(s: Any, i: Any, w: Any, table: Any) -> Any:
+def _is_fold(s: Any, i: Any, w: Any) -> Any:
     """Tell whether an item is the first sample beside a fold."""
-    upper, lane = int(s[UPPER, i]), int(s[LANE, i])
-    first = abs(w[table[START] + upper, lane])
-    return (w[table[TOGGLE] + upper, lane] == 0.0) & (first > 0.0) & (s[XA, i] == first)
+    first = abs(first_of(w, s, i))
+    return (toggle_of(w, s, i) == 0.0) & (first > 0.0) & (s[XA, i] == first)
 
 
 @outlined
-def tries(s: Any, count: int, w: Any, table: Any) -> int:
-    """Return at how many positions beside the ends quantities are evaluated: 2 where there is a fold, else 1."""
-    n = 1
+def values_beside(value: Any, s: Any, count: int, vectors: Any, w: Any) -> None:
+    """Keep the values of a quantity farther from the ends of the range, at folds those nearer to them."""
+    evaluate_at(value, s, count, vectors, XA, FARTHER)
+    copy_row(s, count, F, VALUE)
+    folds = 0
     for i in range(count):
-        n = 2 if _is_fold(s, i, w, table) else n
-    return n
+        folds = 1 if _is_fold(s, i, w) else folds
+    if folds > 0:
+        evaluate_at(value, s, count, vectors, XA, NEARER)
+        for i in range(count):
+            s[F, i] = s[VALUE, i] if _is_fold(s, i, w) else s[F, i]
 
 
 @outlined
-def place_beside(s: Any, count: int, k: int) -> None:
-    """Put items beside the ends of the range: farther from them at first, then nearer."""
-    times = FARTHER if k == 0 else NEARER
-    for i in lanes(padded(count)):
-        s[X, i] = times * s[XA, i]
-
-
-@outlined
-def keep_beside(s: Any, count: int, w: Any, table: Any, k: int) -> None:
-    """Keep the values of a quantity at positions beside the ends of the range; the nearer ones at folds alone."""
-    for i in range(count):
-        if k == 0 or _is_fold(s, i, w, table):
-            s[F, i] = s[VALUE, i]
-
-
-@outlined
-def place_ends(s: Any, count: int, times: float) -> None:
-    """Put items at the ends of the range at so many times their positions."""
-    for i in lanes(padded(count)):
-        s[X, i] = times * s[XA, i]
-
-
-@outlined
-def place_lost(s: Any, count: int, w: Any, table: Any, times: float) -> int:
-    """Put items that have no value at a fold itself beside it; return how many they are.
-
-    At so many times the first sample's position; the value there stands for the limit, whose error nothing bounds.
-    """
+def values_lost(value: Any, s: Any, count: int, vectors: Any, w: Any) -> None:
+    """Evaluate a quantity without a value at a fold itself beside it: a limit, whose error nothing bounds."""
     lost = 0
     for i in range(count):
-        first = abs(w[table[START] + int(s[UPPER, i]), int(s[LANE, i])])
+        first = abs(first_of(w, s, i))
         if s[VALUE, i] != s[VALUE, i] and s[X, i] == 0.0 and first > 0.0:
-            s[X, i] = times * first
-            lost = lost + 1
-    return lost
+            s[X, i] = FARTHER * first
+            lost = 1
+    if lost > 0:
+        evaluate_items(value, s, count, vectors)
 
 
 @outlined
-def end_values(s: Any, count: int, w: Any, table: Any, search: Any) -> None:
+def end_values(s: Any, count: int, w: Any, search: Any) -> None:
     """Make values at ends of the range infinite where they grow towards a toggle or fold; an end is of no kind.
 
     At a toggle a quantity grows by its order, unless what grows has the factor 0, as the forces of links without mass:
@@ -150,32 +138,32 @@ def end_values(s: Any, count: int, w: Any, table: Any, search: Any) -> None:
         s[KIND, i] = 0.0
         value, beside = s[VALUE, i], s[F, i]
         if search[ORDER] > 0 and value != 0.0:
-            if _is_fold(s, i, w, table):
+            if _is_fold(s, i, w):
                 s[VALUE, i] = beside * INFINITY if abs(beside) > GROWS * abs(value) else value
-            elif w[table[TOGGLE] + int(s[UPPER, i]), int(s[LANE, i])] > 0.0:
+            elif toggle_of(w, s, i) > 0.0:
                 s[VALUE, i] = value if abs(value - beside) <= STEADY * abs(beside) else value * INFINITY
 
 
 @outlined
-def collect_ends(w: Any, count: int, table: Any, search: Any, best: Any, ends: Any) -> int:
+def collect_ends(w: Any, count: int, table: Any, search: Any, best: Any, ends: Any, every: int) -> int:
     """Make items of the ends of the range where they may be extreme: at toggles, and where there is no extremum.
 
-    An end counts where the first sample is; for a quantity with a value at the end itself, there, unless the position
-    of the first sample is negative: nothing has a value at the end itself then.
+    Of pieces it is every end: where two of them meet may be an extreme. An end counts where the first sample is; for a
+    quantity with a value at the end itself, there, unless the position of the first sample is negative: nothing has a
+    value at the end itself then.
     """
     total = 0
     for i in range(count):
-        empty = False
+        empty = every > 0
         for branch in range(table[BRANCHES]):
             column = (search[NUMBER] * table[BRANCHES] + branch) * LANES + i
             empty = empty or best[GREATEST, column] == -INFINITY
         for half in range(table[HALVES]):
             for upper in range(2):
-                first = w[table[START] + upper, i]
+                first = w[START + upper, i]
                 if first != 0.0 or empty:
-                    x = 0.0 if search[AT_LIMIT] > 0 and first >= 0.0 else abs(first)
-                    set_bracket(ends, total, x, 0.0, x, 0.0)
-                    total = append_item(ends, total, i, half, upper == 1)
+                    x = 0.0 if search[HAS_LIMIT] > 0 and first >= 0.0 else abs(first)
+                    total = append_item(ends, total, i, half, upper == 1, x, 0.0, x, 0.0)
     return total
 
 
@@ -185,7 +173,7 @@ def collect_ends(w: Any, count: int, table: Any, search: Any, best: Any, ends: A
 # 2^-26 of the scale its sign is nothing but rounding, and a wrong one at the last sample hides the extreme
 # that follows. The value at a little distance stands for that at the toggle. Where both signs are certain
 # there is an extreme between that is not looked for: it is in the error bounds of the greatest and least
-# values. Arrays are as in `cells`.
+# values.
 
 
 # The function at a toggle over that at the next sample, below which it vanishes there.
@@ -200,35 +188,39 @@ ROUNDED = 2.0**-6
 # square by an eighth, the kink of a magnitude that is linear in the square by a fourteenth.
 BEYOND = 4.0
 # While that is found, of the items of ends: the function at the first sample, then the quantity away from it; whether
-# an extreme is between.
-NEAR, HIDES = FA, FB
+# an extreme is between; the distance of the first sample.
+NEAR, HIDES, DISTANCE = FA, FB, XC
 
 
 @outlined
-def collect_toggles(w: Any, table: Any, part: Any, samples: Any, count: int, items: Any) -> int:
-    """Make items of the ends at toggles where the function vanishes; return how many there are.
+def collect_beside(
+    w: Any, table: Any, part: Any, samples: Any, count: int, items: Any, at_folds: bool
+) -> int:
+    """Make items of the cells next to folds, or to toggles where the function vanishes; return how many there are.
 
-    The parameters are those of `octaves.collect_folds`; `XC` of an item is the row of its sample.
+    `XC` of an item is the row of the sample at its end.
     """
     total, cells = 0, part[CELLS]
     for upper in range(2):
-        start, toggle, position = table[START] + upper, table[TOGGLE] + upper, upper * (cells + 1)
+        position = upper * (cells + 1)
         for half in range(table[HALVES]):
             first = part[FIRST] + half * (2 * cells + 1)
             end, inner = first + upper * 2 * cells, first + 1 + upper * (2 * cells - 2)
             for i in range(count):
                 f, after = samples[end, i], samples[inner, i]
-                is_toggle = (w[start, i] != 0.0) & (w[toggle, i] != 0.0)
-                if is_toggle & (abs(f) <= SMALL * abs(after)):
-                    set_bracket(items, total, samples[position, i], f, samples[position + 1, i], after)
+                is_fold = w[TOGGLE + upper, i] == 0.0
+                vanishes = at_folds | (abs(f) <= SMALL * abs(after))
+                if (w[START + upper, i] != 0.0) & (is_fold == at_folds) & vanishes:
+                    a, b = samples[position, i], samples[position + 1, i]
                     items[XC, total] = end
-                    total = append_item(items, total, i, half, upper == 1)
+                    total = append_item(items, total, i, half, upper == 1, a, f, b, after)
     return total
 
 
 @outlined
-def settle_toggles(s: Any, count: int, samples: Any) -> None:
-    """Give the samples at toggles the values beside them; 0 would be taken for the zero that is sought."""
+def settle_toggles(slope: Any, s: Any, count: int, vectors: Any, samples: Any) -> None:
+    """Give samples at toggles where the function vanishes the values beside them; 0 would be taken for a zero."""
+    evaluate_at(slope, s, count, vectors, XA, AWAY)
     for i in range(count):
         row, lane, f = int(s[XC, i]), int(s[LANE, i]), s[F, i]
         if ((f < 0.0) | (f > 0.0)) & (abs(s[FA, i]) <= ROUNDED * abs(f)):
@@ -236,43 +228,29 @@ def settle_toggles(s: Any, count: int, samples: Any) -> None:
 
 
 @outlined
-def place_near(s: Any, count: int, w: Any, table: Any, times: float) -> None:
-    """Put items of ends at so many times the distance of the first sample."""
-    for i in range(count):
-        s[X, i] = times * abs(w[table[START] + int(s[UPPER, i]), int(s[LANE, i])])
+def find_hidden(slope: Any, value: Any, s: Any, count: int, vectors: Any, w: Any) -> None:
+    """Mark the ends of the range at toggles with an extreme beside them that is not looked for.
 
-
-@outlined
-def keep_near(s: Any, count: int) -> None:
-    """Keep the function at the first sample."""
-    for i in lanes(padded(count)):
-        s[NEAR, i] = s[F, i]
-
-
-@outlined
-def count_turned(s: Any, count: int, w: Any, table: Any) -> int:
-    """Mark the toggles where the sign at the first sample is another than away from it; return their number."""
+    The sign at the first sample is another than away from it, and is more than rounding.
+    """
+    for i in range(padded(count)):
+        s[DISTANCE, i] = abs(first_of(w, s, i))
+    evaluate_at(slope, s, count, vectors, DISTANCE, 1.0)
+    copy_row(s, count, NEAR, F)
+    evaluate_at(slope, s, count, vectors, DISTANCE, AWAY)
     total = 0
     for i in range(count):
-        is_toggle = w[table[TOGGLE] + int(s[UPPER, i]), int(s[LANE, i])] != 0.0
-        turned = is_toggle & (((s[NEAR, i] < 0.0) & (s[F, i] > 0.0)) | ((s[NEAR, i] > 0.0) & (s[F, i] < 0.0)))
-        s[HIDES, i] = 1.0 if turned else 0.0
-        total = total + 1 if turned else total
-    return total
-
-
-@outlined
-def keep_away(s: Any, count: int) -> None:
-    """Keep the quantity away from the first sample."""
-    for i in lanes(padded(count)):
-        s[NEAR, i] = s[VALUE, i]
-
-
-@outlined
-def keep_turned(s: Any, count: int) -> None:
-    """Leave the marks where the slope at the first sample is certain: else its sign may be rounding."""
-    for i in lanes(padded(count)):
-        s[HIDES, i] = s[HIDES, i] if is_certain(s[SLOPE, i], s[SLOPE_BOUND, i]) else 0.0
+        near, away = s[NEAR, i], s[F, i]
+        turned = ((near < 0.0) & (away > 0.0)) | ((near > 0.0) & (away < 0.0))
+        hides = turned & (toggle_of(w, s, i) != 0.0)
+        s[HIDES, i] = 1.0 if hides else 0.0
+        total = total + 1 if hides else total
+    if total > 0:
+        evaluate_at(value, s, count, vectors, DISTANCE, BEYOND * AWAY)
+        copy_row(s, count, NEAR, VALUE)
+        evaluate_at(value, s, count, vectors, DISTANCE, 1.0)
+        for i in lanes(padded(count)):
+            s[HIDES, i] = s[HIDES, i] if is_certain(s[SLOPE, i], s[SLOPE_BOUND, i]) else 0.0
 
 
 @outlined
@@ -287,7 +265,7 @@ def bound_hidden(s: Any, count: int) -> None:
 # A load by the square of a rate changes its sign with the rate: the slope is a V there, which may dip below
 # zero within a millionth of a cell. Neither the samples nor a parabola through them tell of it, and a
 # search for the least magnitude ends above it. The function on both sides of the place itself tells:
-# between such places it is smooth. Arrays are as in `cells`.
+# between such places it is smooth.
 
 
 #: How many places of one design are kept; a rate is zero twice in a half of the range at most.
@@ -328,11 +306,14 @@ def keep_splits(s: Any, count: int, samples: Any, part: Any, splits: Any, number
             k = int(splits[FC, k])
         if own < MOST_SPLITS:
             n = int(splits[NEXT, 0])
-            set_bracket(splits, n, x * (1.0 - ASIDE), NOT_A_NUMBER, x * (1.0 + ASIDE), NOT_A_NUMBER)
+            before, after = x * (1.0 - ASIDE), x * (1.0 + ASIDE)
             splits[XC, n] = number
             splits[FC, n] = splits[LAST, lane]
             splits[LAST, lane] = n
-            splits[NEXT, 0] = append_item(splits, n, lane, int(s[HALF, i]), upper)
+            half = int(s[HALF, i])
+            splits[NEXT, 0] = append_item(
+                splits, n, lane, half, upper, before, NOT_A_NUMBER, after, NOT_A_NUMBER
+            )
 
 
 @outlined
@@ -340,20 +321,6 @@ def forget_slopes(splits: Any) -> None:
     """Begin with a function that has kinks nowhere."""
     for n in range(LANES, int(splits[NEXT, 0])):
         splits[FA, n] = NOT_A_NUMBER
-
-
-@outlined
-def place_split(s: Any, count: int, after: int) -> None:
-    """Put items at one side of their places."""
-    for i in lanes(padded(count)):
-        s[X, i] = s[XB, i] if after > 0 else s[XA, i]
-
-
-@outlined
-def set_aside(s: Any, count: int) -> None:
-    """Keep the places of items, which others beside them are to stand for."""
-    for i in lanes(padded(count)):
-        s[XA, i] = s[X, i]
 
 
 @outlined
@@ -382,30 +349,31 @@ AT_SEAM = 2.0**-40
 
 
 @outlined
-def place_at_pole(s: Any, count: int, w: Any, table: Any, turn: int, k: int) -> None:
-    """Put items at one side of their places, farther at first, then nearer; then at the places themselves."""
-    off = FAR_FROM_POLE if k == 0 else (NEAR_POLE if k == 1 else 0.0)
-    for i in range(count):
-        if turn + k == 0:
-            s[XB, i] = s[HALF, i]
-        x, half = s[XA, i], int(s[XB, i])
-        seam = (abs(x) < AT_SEAM) & (w[table[START] + int(s[UPPER, i]), int(s[LANE, i])] == 0.0)
-        s[X, i] = off if seam and off > 0.0 else x * (1.0 + (off if turn == 0 else -off))
-        s[HALF, i] = half ^ 1 if seam and turn > 0 and off > 0.0 else half
+def values_at_pole(
+    value: Any, s: Any, count: int, vectors: Any, w: Any, table: Any, search: Any, turn: int
+) -> None:
+    """Keep the values at one side of places, farther and nearer, of a mirrored half those of the mirror."""
+    if turn == 0:
+        copy_row(s, count, XA, X)
+        copy_row(s, count, XB, HALF)
+    for k in range(3):
+        off = FAR_FROM_POLE if k == 0 else (NEAR_POLE if k == 1 else 0.0)  # last at the places themselves
+        for i in range(count):
+            x, half = s[XA, i], int(s[XB, i])
+            seam = (abs(x) < AT_SEAM) & (first_of(w, s, i) == 0.0)
+            s[X, i] = off if seam and off > 0.0 else x * (1.0 + (off if turn == 0 else -off))
+            s[HALF, i] = half ^ 1 if seam and turn > 0 and off > 0.0 else half
+        if k < 2:
+            evaluate_items(value, s, count, vectors)
+            for i in lanes(padded(count)):
+                mirrored = (table[SIDES] == 1) & (s[HALF, i] != s[XB, i])
+                here = s[VALUE, i] * (float(search[PARITY]) if mirrored else 1.0)
+                s[FA, i] = here if k == 0 else s[FA, i]
+                s[FB, i] = here if k == 1 else s[FB, i]
 
 
 @outlined
-def keep_at_pole(s: Any, count: int, table: Any, search: Any, k: int) -> None:
-    """Keep the farther or the nearer value beside a place, of a mirrored half that of the mirror."""
-    for i in lanes(padded(count)):
-        mirrored = (table[SIDES] == 1) & (s[HALF, i] != s[XB, i])
-        value = s[VALUE, i] * (float(search[PARITY]) if mirrored else 1.0)
-        s[FA, i] = value if k == 0 else s[FA, i]
-        s[FB, i] = value if k == 1 else s[FB, i]
-
-
-@outlined
-def pole_values(s: Any, count: int, w: Any, table: Any, search: Any) -> None:
+def pole_values(s: Any, count: int, w: Any, search: Any) -> None:
     """Make values infinite where they grow towards the place; others, whose quotient has a limit, do not count.
 
     What grows towards a toggle or fold is for `end_values` to tell.
@@ -413,7 +381,7 @@ def pole_values(s: Any, count: int, w: Any, table: Any, search: Any) -> None:
     for i in range(count):
         far, near = abs(s[FA, i]), abs(s[FB, i])
         grows = (near > GROWS_AT_POLE * far) | (near == INFINITY)
-        grows = grows & (s[XA, i] >= 2.0 * abs(w[table[START] + int(s[UPPER, i]), int(s[LANE, i])]))
+        grows = grows & (s[XA, i] >= 2.0 * abs(first_of(w, s, i)))
         s[VALUE, i] = s[FB, i] * INFINITY if grows else NOT_A_NUMBER
         s[BOUND, i] = INFINITY
         s[KIND, i] = 0.0 if grows else NOT_A_NUMBER
@@ -433,18 +401,20 @@ def unlist_jumps(s: Any, count: int, splits: Any, numbers: Any) -> None:
 
 
 @outlined
-def keep_slopes(s: Any, count: int, after: int, splits: Any, start: int, split_by: Any) -> None:
-    """Keep the function at one side of the places, of which the items are those from `start` on.
+def keep_slopes(slope: Any, s: Any, count: int, vectors: Any, splits: Any, start: int, split_by: Any) -> None:
+    """Keep the function on both sides of the places, of which the items are those from `start` on.
 
     It has kinks at those alone that were found by searches whose numbers are in `split_by`.
     """
-    row = FB if after > 0 else FA
-    for i in range(count):
-        own = 0
-        for k in range(split_by.size):
-            own = 1 if s[XC, i] == split_by[k] else own
-        splits[row, start + i] = s[F, i] if own > 0 else NOT_A_NUMBER
-        splits[PASSED, start + i] = 0.0
+    for after in range(2):
+        at, kept = (XB, FB) if after == 1 else (XA, FA)
+        evaluate_at(slope, s, count, vectors, at, 1.0)
+        for i in range(count):
+            own = 0
+            for k in range(split_by.size):
+                own = 1 if s[XC, i] == split_by[k] else own
+            splits[kept, start + i] = s[F, i] if own > 0 else NOT_A_NUMBER
+            splits[PASSED, start + i] = 0.0
 
 
 @merged
@@ -512,11 +482,11 @@ def collect_jumps(part: Any, splits: Any, counts: Any, roots: Any) -> None:
     for n in range(LANES, int(splits[NEXT, 0])):
         f, g, upper = splits[FA, n], splits[FB, n], splits[UPPER, n] > 0.0
         if (splits[PASSED, n] > 0.0) & (splits[HALF, n] == part[PART]) & ((f > 0.0) != (g > 0.0)):
+            lane, half, a, b = int(splits[LANE, n]), part[PART], splits[XA, n], splits[XB, n]
             if upper:
-                set_bracket(roots, counts[ROOTS], splits[XB, n], g, splits[XA, n], f)
+                append_of_lane(roots, counts, ROOTS, lane, half, upper, b, g, a, f)
             else:
-                set_bracket(roots, counts[ROOTS], splits[XA, n], f, splits[XB, n], g)
-            append_of_lane(roots, counts, ROOTS, int(splits[LANE, n]), part[PART], upper)
+                append_of_lane(roots, counts, ROOTS, lane, half, upper, a, f, b, g)
 
 
 # -- The cell next to a fold, octave by octave
@@ -529,8 +499,7 @@ def collect_jumps(part: Any, splits: Any, counts: Any, roots: Any) -> None:
 # shows that it is worth it.
 #
 # Close to a fold the slope may be nothing but rounding. A smooth function changes by a millionth with its
-# argument, rounding errors do as they like: signs count where the function stays what it is. Arrays are as
-# in `cells`.
+# argument, rounding errors do as they like: signs count where the function stays what it is.
 
 
 #: From the first sample, 2^-60 of the scale, to the second one, less than 2^-4 of it.
@@ -545,81 +514,55 @@ STEP, CHANGE = 2.0**-20, 2.0**-8
 
 
 @outlined
-def collect_folds(w: Any, table: Any, part: Any, samples: Any, count: int, items: Any) -> int:
-    """Make items of the cells next to folds; return how many there are."""
-    total, cells = 0, part[CELLS]
-    for upper in range(2):
-        start, toggle, position = table[START] + upper, table[TOGGLE] + upper, upper * (cells + 1)
-        folds = 0
-        for i in range(count):
-            folds = folds + (1 if (w[start, i] != 0.0) & (w[toggle, i] == 0.0) else 0)
-        if folds == 0:
-            continue
-        for half in range(table[HALVES]):
-            first = part[FIRST] + half * (2 * cells + 1)
-            end, inner = first + upper * 2 * cells, first + 1 + upper * (2 * cells - 2)
-            for i in range(count):
-                f, after = samples[end, i], samples[inner, i]
-                fold = (w[start, i] != 0.0) & (w[toggle, i] == 0.0)
-                if fold:
-                    set_bracket(items, total, samples[position, i], f, samples[position + 1, i], after)
-                    items[XC, total] = end - upper
-                    total = append_item(items, total, i, half, upper == 1)
-    return total
-
-
-@outlined
-def begin_octaves(s: Any, count: int) -> None:
-    """Open the items whose octaves are sampled in any case: the function is small at the end."""
-    for i in lanes(padded(count)):
-        s[OPEN, i] = 1.0 if abs(s[FA, i]) <= SMALL * abs(s[FB, i]) else 0.0
-
-
-@outlined
-def weigh_octave(s: Any, count: int) -> None:
-    """Open the items of which an octave is of another sign than the next sample, or far greater than both ends."""
-    for i in lanes(padded(count)):
-        f, end, after = s[F, i], abs(s[FA, i]), s[FB, i]
-        most = end if end > abs(after) else abs(after)
-        great = SMALL * abs(f) > most
-        turned = ((f < 0.0) & (after > 0.0)) | ((f > 0.0) & (after < 0.0))
-        s[OPEN, i] = 1.0 if great | turned else s[OPEN, i]
-
-
-@outlined
-def place_octave(s: Any, count: int, k: int, trial: int) -> None:
-    """Put items at the second sample's position over 2^(k+1), or at the first one's; of a trial, beside it."""
+def evaluate_octave(function: Any, s: Any, count: int, vectors: Any, k: int, trial: int) -> None:
+    """Evaluate a function at the second sample's position over 2^(k+1), or the first one's; of a trial, beside it."""
     times, beside = 0.5, 1.0 + (trial * trial) * STEP
     for _ in range(k):
         times = 0.5 * times
     for i in lanes(padded(count)):
         x, least = times * s[XB, i], s[XA, i]
         s[X, i] = beside * (x if x > least else least)
+    evaluate_items(function, s, count, vectors)
 
 
 @outlined
-def keep_octave(s: Any, count: int, k: int, trial: int, octaves: Any) -> None:
-    """Keep the values at the k-th positions; after a trial those alone that are the same beside them, else 0."""
-    if trial == 0:
-        for i in lanes(padded(count)):
-            octaves[k, i] = s[F, i] if s[OPEN, i] > 0.0 else 0.0
-    else:
-        for i in lanes(padded(count)):
-            f = octaves[k, i]
-            octaves[k, i] = f if abs(s[F, i] - f) <= CHANGE * abs(f) else 0.0
+def _weigh_octaves(slope: Any, s: Any, count: int, vectors: Any) -> int:
+    """Open the items whose octaves are sampled; return how many there are.
 
-
-@outlined
-def to_sample(s: Any, count: int, trial: int, octaves: Any) -> int:
-    """Return how many octaves are sampled: all if an item is open, and for a trial if one has values of both signs."""
-    both = 0
+    The function is small at the end, or one of few octaves is of another sign than the next sample, or far greater than
+    both ends.
+    """
+    for i in lanes(padded(count)):
+        s[OPEN, i] = 1.0 if abs(s[FA, i]) <= SMALL * abs(s[FB, i]) else 0.0
+    for k in range(FEW):
+        evaluate_octave(slope, s, count, vectors, COARSE * k + (COARSE >> 1), 0)
+        for i in lanes(padded(count)):
+            f, end, after = s[F, i], abs(s[FA, i]), s[FB, i]
+            most = end if end > abs(after) else abs(after)
+            great = SMALL * abs(f) > most
+            turned = ((f < 0.0) & (after > 0.0)) | ((f > 0.0) & (after < 0.0))
+            s[OPEN, i] = 1.0 if great | turned else s[OPEN, i]
+    total = 0
     for i in range(count):
-        both = 1 if (trial == 0) & (s[OPEN, i] > 0.0) else both
-        above = s[FB, i] > 0.0
-        for k in range(OCTAVES if trial > 0 else 0):
-            f = octaves[k, i]
-            both = 1 if (f == f) & (f != 0.0) & ((f > 0.0) != above) else both
-    return both * OCTAVES
+        total = total + (1 if s[OPEN, i] > 0.0 else 0)
+    return total
+
+
+@outlined
+def _sample_octaves(slope: Any, s: Any, count: int, vectors: Any, octaves: Any) -> None:
+    """Keep the values of open items in all octaves; if one has both signs, those that are the same beside, else 0."""
+    for trial in range(TRIALS + 1):
+        wanted = trial == 0
+        for i in range(count):
+            for k in range(OCTAVES if trial > 0 else 0):
+                f = octaves[k, i]
+                wanted = wanted | ((f == f) & (f != 0.0) & ((f > 0.0) != (s[FB, i] > 0.0)))
+        for k in range(OCTAVES if wanted else 0):
+            evaluate_octave(slope, s, count, vectors, k, trial)
+            for i in lanes(padded(count)):
+                here, before = s[F, i], octaves[k, i]
+                same = before if abs(here - before) <= CHANGE * abs(before) else 0.0
+                octaves[k, i] = (here if s[OPEN, i] > 0.0 else 0.0) if trial == 0 else same
 
 
 @merged
@@ -628,20 +571,32 @@ def _add_root(s: Any, i: int, counts: Any, roots: Any) -> int:
     x, before, place, f = s[X1, i], s[F1, i], s[X2, i], s[F2, i]
     turned = (f > 0.0) != (before > 0.0)
     if turned:
-        n, upper = counts[ROOTS], s[UPPER, i] > 0.0
+        lane, half, upper = int(s[LANE, i]), int(s[HALF, i]), s[UPPER, i] > 0.0
         if upper:
-            set_bracket(roots, n, x, before, place, f)
+            append_of_lane(roots, counts, ROOTS, lane, half, upper, x, before, place, f)
         else:
-            set_bracket(roots, n, place, f, x, before)
-        append_of_lane(roots, counts, ROOTS, int(s[LANE, i]), int(s[HALF, i]), upper)
+            append_of_lane(roots, counts, ROOTS, lane, half, upper, place, f, x, before)
     s[X1, i] = place
     s[F1, i] = f
     return 1 if turned else 0
 
 
 @outlined
-def collect_octaves(s: Any, count: int, octaves: Any, counts: Any, roots: Any, splits: Any) -> None:
-    """Make items of the octaves that hold a zero, and note how many there are."""
+def search_octaves(
+    slope: Any,
+    s: Any,
+    count: int,
+    vectors: Any,
+    octaves: Any,
+    counts: Any,
+    roots: Any,
+    splits: Any,
+    marks: Any,
+) -> None:
+    """Make items of the octaves that hold a zero, in place of the cell: its end at the fold may be rounding."""
+    if _weigh_octaves(slope, s, count, vectors) == 0:
+        return
+    _sample_octaves(slope, s, count, vectors, octaves)
     for i in range(count):
         lane, half, upper = int(s[LANE, i]), int(s[HALF, i]), s[UPPER, i] > 0.0
         found, at = 0, s[XB, i]
@@ -662,17 +617,36 @@ def collect_octaves(s: Any, count: int, octaves: Any, counts: Any, roots: Any, s
                 s[X2, i] = place
                 s[F2, i] = f
                 found = found + _add_root(s, i, counts, roots)
-        s[F, i] = found
+        if found > 0:
+            cell = int(s[XC, i]) - int(s[UPPER, i])
+            marks[cell, lane] = 0
+            marks[cell + 1, lane] = marks[cell + 1, lane] & (ROOT | UNRESOLVED_CELL)
+
+
+# A slope that comes down to so little of itself with half the distance falls: as the distance itself it halves.
+FALLING = 0.75
+# While that is found: the slope at the place before that was certain, 0 before there is one; and whether it falls.
+LAST_SLOPE, FALLS = TOLERANCE, STEPS
 
 
 @outlined
-def replace_cells(s: Any, count: int, marks: Any) -> None:
-    """Take the marks of cells away whose octaves hold a zero: their ends at the fold may be rounding."""
+def mark_hiding(value: Any, s: Any, count: int, vectors: Any, table: Any, search: Any, best: Any) -> None:
+    """Mark the lists of cells that may hide an extreme next to the fold: the slope falls as far as it is certain."""
+    for i in lanes(padded(count)):
+        s[LAST_SLOPE, i] = 0.0
+        s[FALLS, i] = 1.0  # as long as nothing is certain, an extreme may hide
+    for k in range(OCTAVES):
+        evaluate_octave(value, s, count, vectors, k, 0)
+        for i in lanes(padded(count)):
+            slope, last = s[SLOPE, i], s[LAST_SLOPE, i]
+            certain = is_certain(slope, s[SLOPE_BOUND, i])
+            falls = 1.0 if (slope < FALLING * last) | (last == 0.0) else 0.0
+            s[FALLS, i] = falls if certain else s[FALLS, i]
+            s[LAST_SLOPE, i] = slope if certain else FALLING * last
     for i in range(count):
-        lane, cell = int(s[LANE, i]), int(s[XC, i])
-        if s[F, i] > 0.0:
-            marks[cell, lane] = 0
-            marks[cell + 1, lane] = marks[cell + 1, lane] & (ROOT | UNRESOLVED_CELL)
+        silenced = s[FA, i] != s[FA, i]
+        if silenced | (s[FALLS, i] > 0.0):
+            mark_undecided(best, table, search, int(s[LANE, i]), int(s[HALF, i]))
 
 
 # -- Cells in which the samples cannot exclude further zeros, divided until they can
@@ -680,7 +654,7 @@ def replace_cells(s: Any, count: int, marks: Any) -> None:
 # Zeros hide where the function is not resolved: a pair between two samples of one sign, or three between samples of
 # both signs. The fourth differences of the samples tell where: cubic interpolation between equally spaced samples is
 # off by about 3/128 of them where they change little from sample to sample. It is an estimate, no bound: what leaves no
-# trace in six samples stays unseen. Arrays are as in `cells`.
+# trace in six samples stays unseen.
 
 
 # Eight marks at once.
@@ -699,7 +673,9 @@ DOUBT = 0.0625
 
 @inlined
 def unresolved(before: Any, f0: Any, f1: Any, after: Any, fourth0: Any, fourth1: Any) -> Any:
-    """Tell whether a cell may hold more zeros than its ends show, by the cubic through its ends and the samples beside.
+    """Return the mark of a cell that may hold more zeros than its ends show; 0 for others.
+
+    It is by the cubic through its ends and the samples beside.
 
     Of one sign: the cubic, which dips below both ends by at most an eighth of a second difference, comes nearer to zero
     than it may be off. Of both signs: it may turn back.
@@ -711,7 +687,8 @@ def unresolved(before: Any, f0: Any, f1: Any, after: Any, fourth0: Any, fourth1:
     )
     low, high = abs(f0), abs(f1)
     least = 4.0 * (low if low < high else high)
-    return (abs(f1 - f0) if (f0 > 0.0) != (f1 > 0.0) else least) < turn
+    is_doubtful = (abs(f1 - f0) if (f0 > 0.0) != (f1 > 0.0) else least) < turn
+    return UNRESOLVED_CELL if is_doubtful else 0
 
 
 @outlined
@@ -724,8 +701,7 @@ def mark_unresolved(samples: Any, marks: Any, part: Any, width: int) -> None:
             c, d = samples[j + 2, i], samples[j + 3, i]
             fourth0 = (a + c) - 4.0 * (b + f1) + 6.0 * f0
             fourth1 = (b + d) - 4.0 * (f0 + c) + 6.0 * f1
-            doubtful = unresolved(b, f0, f1, c, fourth0, fourth1)
-            marks[j, i] = marks[j, i] | (UNRESOLVED_CELL if doubtful else 0)
+            marks[j, i] = marks[j, i] | unresolved(b, f0, f1, c, fourth0, fourth1)
     for upper in range(2):
         # the two cells at each end of the half, with the fourth difference of the five samples there
         end, step = (last, -1) if upper == 1 else (first, 1)
@@ -735,12 +711,8 @@ def mark_unresolved(samples: Any, marks: Any, part: Any, width: int) -> None:
             f3, f4 = samples[end + 3 * step, i], samples[end + 4 * step, i]
             fourth = (f0 + f4) - 4.0 * (f1 + f3) + 6.0 * f2
             beyond = 4.0 * (f0 + f2) - 6.0 * f1 - f3
-            marks[at0, i] = marks[at0, i] | (
-                UNRESOLVED_CELL if unresolved(beyond, f0, f1, f2, fourth, fourth) else 0
-            )
-            marks[at1, i] = marks[at1, i] | (
-                UNRESOLVED_CELL if unresolved(f0, f1, f2, f3, fourth, fourth) else 0
-            )
+            marks[at0, i] = marks[at0, i] | unresolved(beyond, f0, f1, f2, fourth, fourth)
+            marks[at1, i] = marks[at1, i] | unresolved(f0, f1, f2, f3, fourth, fourth)
     # a valley with an unresolved cell: both of its cells are divided
     for j in range(first + 1, last):
         for i in lanes(width):
@@ -781,32 +753,28 @@ def collect_unresolved(
                     n = next_split(splits, lane, part[PART], upper, a, b)
                     x = splits[near, n] if n > 0 else b
                     f = splits[near + 1, n] if n > 0 else samples[at + 1, lane]
-                    set_bracket(unresolved, counts[UNRESOLVED], a, fa, x, f)
-                    append_unresolved(unresolved, counts[UNRESOLVED], 1, float(part[SIGN]), owner)
-                    append_of_lane(unresolved, counts, UNRESOLVED, lane, part[PART], upper)
+                    unresolved[XC, counts[UNRESOLVED]] = 1.0
+                    unresolved[FC, counts[UNRESOLVED]] = part[SIGN] * (2.0 if owner else 1.0)
+                    append_of_lane(unresolved, counts, UNRESOLVED, lane, part[PART], upper, a, fa, x, f)
                     a, fa, owner = splits[far, n], splits[far + 1, n], False
                     splits[PASSED, n] = 1.0  # of column 0, which is no place, too
 
 
 @outlined
-def place_fine(s: Any, count: int, k: int) -> None:
-    """Put items at the k-th of their fine samples; beyond an end of the range, mirrored."""
-    t = (k - 1) / PARTS
-    for i in lanes(padded(count)):
-        position = (1.0 - t) * s[XA, i] + t * s[XB, i]  # exact at both ends
-        s[FINE_AT + k, i] = position
-        s[X, i] = abs(position)
+def _sample_fine(slope: Any, s: Any, count: int, vectors: Any) -> None:
+    """Keep the values at the fine samples of items; of those beyond an end of the range, at their mirror images."""
+    for k in range(FINE_SAMPLES):
+        t = (k - 1) / PARTS
+        for i in lanes(padded(count)):
+            position = (1.0 - t) * s[XA, i] + t * s[XB, i]  # exact at both ends
+            s[FINE_AT + k, i] = position
+            s[X, i] = abs(position)
+        evaluate_items(slope, s, count, vectors)
+        copy_row(s, count, FINE + k, F)
 
 
 @outlined
-def keep_fine(s: Any, count: int, k: int) -> None:
-    """Keep the values at the k-th fine samples."""
-    for i in lanes(padded(count)):
-        s[FINE + k, i] = s[F, i]
-
-
-@outlined
-def mark_fine(s: Any, count: int, marks: Any) -> None:
+def _mark_fine(s: Any, count: int, marks: Any) -> None:
     """Mark the fine samples of items as `mark` and `mark_unresolved` do; extrapolate first beyond the ends."""
     width = padded(count)
     for i in lanes(width):
@@ -830,13 +798,20 @@ def mark_fine(s: Any, count: int, marks: Any) -> None:
             fourth1 = (s[m1 - 2, i] + s[m1 + 2, i]) - 4.0 * (s[m1 - 1, i] + s[m1 + 1, i]) + 6.0 * s[m1, i]
             one_sign = ((a > 0.0) == (b > 0.0)) & ((c > 0.0) == (b > 0.0))
             sign = 1.0 if s[FC, i] > 0.0 else -1.0
-            doubt = unresolved(a, b, c, s[after, i], fourth0, fourth1)
             flag = mark(a, b, c, sign) & (ROOT | VALLEY if one_sign else ROOT)
-            marks[k, i] = flag | (UNRESOLVED_CELL if doubt else 0)
+            marks[k, i] = flag | unresolved(a, b, c, s[after, i], fourth0, fourth1)
+
+
+@merged
+def _append_part(s: Any, i: int, k: int, to: int, items: Any, counts: Any, kind: int) -> None:
+    """Make an item between two fine samples of a cell."""
+    lane, half, upper = int(s[LANE, i]), int(s[HALF, i]), s[UPPER, i] > 0.0
+    a, fa, b, fb = s[FINE_AT + k, i], s[FINE + k, i], s[FINE_AT + to, i], s[FINE + to, i]
+    append_of_lane(items, counts, kind, lane, half, upper, a, fa, b, fb)
 
 
 @outlined
-def divide(s: Any, count: int, marks: Any, counts: Any, items: Any) -> None:
+def _divide(s: Any, count: int, marks: Any, counts: Any, items: Any) -> None:
     """Make items of the parts of cells that are divided again: unresolved ones, and those about a valley with one.
 
     A valley at an end of a cell may reach into another one that is divided, so its part is divided too. The parts are
@@ -860,32 +835,37 @@ def divide(s: Any, count: int, marks: Any, counts: Any, items: Any) -> None:
         s[DIVIDED, i] = parts
         for k in range(1, PARTS + 1):
             if (parts >> k) & 1 != 0:
-                n = counts[UNRESOLVED]
-                set_bracket(
-                    items, n, s[FINE_AT + k, i], s[FINE + k, i], s[FINE_AT + k + 1, i], s[FINE + k + 1, i]
-                )
                 first = (parts >> (k - 1)) & 1 == 0 and (k > 1 or owner)
-                append_unresolved(items, n, level + 1, 1.0 if s[FC, i] > 0.0 else -1.0, first)
-                append_of_lane(items, counts, UNRESOLVED, int(s[LANE, i]), int(s[HALF, i]), s[UPPER, i] > 0.0)
+                items[XC, counts[UNRESOLVED]] = level + 1
+                items[FC, counts[UNRESOLVED]] = (1.0 if s[FC, i] > 0.0 else -1.0) * (2.0 if first else 1.0)
+                _append_part(s, i, k, k + 1, items, counts, UNRESOLVED)
 
 
 @outlined
-def collect_fine(s: Any, count: int, marks: Any, counts: Any, roots: Any, valleys: Any) -> None:
-    """Make items of the zeros and valleys of cells by their fine samples, but for the parts that are divided again."""
+def divide_cells(
+    slope: Any,
+    s: Any,
+    count: int,
+    vectors: Any,
+    marks: Any,
+    counts: Any,
+    items: Any,
+    roots: Any,
+    valleys: Any,
+) -> None:
+    """Make items of the zeros and valleys of cells by their fine samples, and of the parts that are divided again."""
+    _sample_fine(slope, s, count, vectors)
+    _mark_fine(s, count, marks)
+    _divide(s, count, marks, counts, items)
     for i in range(count):
-        lane, half, upper, parts = int(s[LANE, i]), int(s[HALF, i]), s[UPPER, i] > 0.0, int(s[DIVIDED, i])
-        owner = abs(s[FC, i]) > 1.0
+        parts, owner = int(s[DIVIDED, i]), abs(s[FC, i]) > 1.0
         for k in range(1, PARTS + 2):
-            at, f = FINE_AT + k, FINE + k
+            at = FINE_AT + k
             if marks[k, i] & VALLEY != 0 and (parts >> (k - 1)) & 3 == 0 and (k > 1 or owner):
                 # at an end of the range the bracket begins at the end itself
                 a, b = (0 if s[at - 1, i] < 0.0 else 1), (0 if s[at + 1, i] < 0.0 else 1)
-                n = counts[VALLEYS]
-                set_bracket(valleys, n, s[at - a, i], s[f - a, i], s[at + b, i], s[f + b, i])
-                valleys[XC, n] = s[at, i]
-                valleys[FC, n] = s[f, i]
-                append_of_lane(valleys, counts, VALLEYS, lane, half, upper)
+                valleys[XC, counts[VALLEYS]] = s[at, i]
+                valleys[FC, counts[VALLEYS]] = s[FINE + k, i]
+                _append_part(s, i, k - a, k + b, valleys, counts, VALLEYS)
             if k <= PARTS and (parts >> k) & 1 == 0 and marks[k, i] & ROOT != 0:
-                n = counts[ROOTS]
-                set_bracket(roots, n, s[at, i], s[f, i], s[at + 1, i], s[f + 1, i])
-                append_of_lane(roots, counts, ROOTS, lane, half, upper)
+                _append_part(s, i, k, k + 1, roots, counts, ROOTS)

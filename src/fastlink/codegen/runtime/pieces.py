@@ -10,48 +10,43 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.codegen.runtime.cells import AT_LIMIT as AT_LIMIT_OF
 from fastlink.codegen.runtime.cells import (
-    BOUND,
-    CELLS,
-    FA,
-    FB,
-    FC,
-    IMAGE,
-    LANE,
-    LANES,
-    SLOPE_BOUND,
-    START,
-    THETA,
-    VALUE,
-    XC,
-    F,
-    X,
-    append_item,
-    padded,
-    position_of,
-    set_bracket,
-)
-from fastlink.codegen.runtime.cells import FIRST as FIRST_ROW
-from fastlink.codegen.runtime.results import (
     AT_GREATEST,
     AT_LEAST,
     BEST,
     BEST_ROWS,
+    BOUND,
+    CELLS,
     CODE,
     COUNT,
+    FA,
+    FB,
+    FC,
+    FIRST,
     GREATEST,
     GREATEST_BOUND,
+    IMAGE,
+    LANE,
+    LANES,
     LEAST,
     LEAST_BOUND,
-    LIST_KIND,
     LIST_THETA,
     PLACE,
+    SLOPE_BOUND,
+    THETA,
     TIE,
     UNDECIDED,
+    VALUE,
     WINNER_ROWS,
+    XC,
+    F,
+    append_item,
+    evaluate_at,
+    find_least,
     insert,
-    of_better,
+    note_best,
+    padded,
+    position_of,
 )
 from fastlink.numerics.compiler import AT_LIMIT, SMOOTH, TIED, lanes, merged, outlined
 from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, TWO_PI, sqrt
@@ -59,7 +54,7 @@ from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, TWO_PI, sqrt
 # Rows of pieces: the lane of the design, the branch by its place among the results and as a number, then the values of
 # `fastlink.facts.fact.PIECE`.
 OF_LANE, OF_COLUMN, BRANCH, LOW, WIDTH, OFF, END_LOW, END_HIGH = 0, 1, 2, 3, 4, 5, 6, 14
-BY, GROWS, BENDS, ROUGH, NEAR, SCALE, FIRST, IS_TOGGLE = range(8)
+BY, GROWS, BENDS, ROUGH, NEAR, SCALE, FIRST_SAMPLE, IS_TOGGLE = range(8)
 END_ROWS, PIECE_ROWS = 8, 22
 # Rows of the zeros of a gap: the input position, slope, half the second derivative, how far off the place and the slope
 # may be. Of least values: the input position, the value, and infinite errors where rounding alone tells its sign. The
@@ -98,7 +93,7 @@ def _set_end(pieces: Any, k: int, end: int, distance: float, width: float, whole
     pieces[end + NEAR, k] = way if way < SERIES else SERIES
     pieces[end + SCALE, k] = scale
     first = NEAR_LIMIT if by > 0.0 else (NEAR_UNDECIDED if pieces[end + ROUGH, k] == INFINITY else 0.0)
-    pieces[end + FIRST, k] = first * scale
+    pieces[end + FIRST_SAMPLE, k] = first * scale
     pieces[end + IS_TOGGLE, k] = 1.0 if by > 0.0 else 0.0
 
 
@@ -111,20 +106,21 @@ def forget_zeros(zeros: Any, leasts: Any) -> None:
 
 
 @merged
-def _place(zeros: Any, lane: int, theta: float) -> int:
-    """Make room in a sorted list of zeros; return where, -1 where there is none."""
+def _keep(zeros: Any, lane: int, theta: float, slope: float, bend: float, off: float, rough: float) -> None:
+    """Sort a zero or a least value into those of a piece, if there is room."""
     n = int(zeros[AT, lane, MOST_ZEROS - 1])
-    k = n
-    if n >= MOST_ZEROS - 1:
-        k = -1
-    while k > 0 and zeros[AT, lane, k - 1] > theta:
-        for r in range(ZERO_ROWS):
-            zeros[r, lane, k] = zeros[r, lane, k - 1]
-        k -= 1
-    if k >= 0:
+    if n < MOST_ZEROS - 1:
+        k = n
+        while k > 0 and zeros[AT, lane, k - 1] > theta:
+            for r in range(ZERO_ROWS):
+                zeros[r, lane, k] = zeros[r, lane, k - 1]
+            k -= 1
         zeros[AT, lane, k] = theta
+        zeros[SLOPE_AT, lane, k] = slope
+        zeros[BEND_AT, lane, k] = bend
+        zeros[OFF_AT, lane, k] = off
+        zeros[ROUGH_AT, lane, k] = rough
         zeros[AT, lane, MOST_ZEROS - 1] = n + 1.0
-    return k
 
 
 @outlined
@@ -138,24 +134,16 @@ def keep_zeros(s: Any, count: int, zeros: Any, leasts: Any) -> None:
         lane, theta, slope = int(s[LANE, i]), s[THETA, i], s[VALUE, i]
         depth = 0.5 * slope * slope / s[IMAGE, i] if s[IMAGE, i] > 0.0 else INFINITY
         if (depth <= 4.0 * s[BOUND, i]) & (depth <= UNDECIDED_DEPTH):
-            k = _place(leasts, lane, theta)
-            if k >= 0:
-                leasts[SLOPE_AT, lane, k] = s[BOUND, i]
-                leasts[OFF_AT, lane, k] = INFINITY
-                leasts[ROUGH_AT, lane, k] = INFINITY
+            _keep(leasts, lane, theta, s[BOUND, i], 0.0, INFINITY, INFINITY)
         elif slope == slope:
-            k = _place(zeros, lane, theta)
-            if k >= 0:
-                zeros[SLOPE_AT, lane, k] = slope
-                zeros[BEND_AT, lane, k] = 0.5 * s[IMAGE, i]
-                zeros[OFF_AT, lane, k] = s[BOUND, i] / abs(slope)
-                zeros[ROUGH_AT, lane, k] = s[SLOPE_BOUND, i]
+            off = s[BOUND, i] / abs(slope)
+            _keep(zeros, lane, theta, slope, 0.5 * s[IMAGE, i], off, s[SLOPE_BOUND, i])
 
 
 @outlined
 def collect_leasts(samples: Any, part: Any, count: int, items: Any) -> int:
     """Make items of the cells about small least values of a gap; return how many there are."""
-    cells, first, total = part[CELLS], part[FIRST_ROW], 0
+    cells, first, total = part[CELLS], part[FIRST], 0
     for j in range(1, 2 * cells):
         at, upper = first + j, j > cells
         for i in range(count):
@@ -163,36 +151,28 @@ def collect_leasts(samples: Any, part: Any, count: int, items: Any) -> int:
             if (f > 0.0) & (f < 2.0 * SHARP) & (f <= samples[at - 1, i]) & (f <= samples[at + 1, i]):
                 a = position_of(samples, cells, j - 1, upper, i)
                 b = position_of(samples, cells, j + 1, upper, i)
-                set_bracket(items, total, a, samples[at - 1, i], b, samples[at + 1, i])
                 items[XC, total] = position_of(samples, cells, j, upper, i)
                 items[FC, total] = f
-                total = append_item(items, total, i, 0, upper)
+                before, after = samples[at - 1, i], samples[at + 1, i]
+                total = append_item(items, total, i, 0, upper, a, before, b, after)
     return total
 
 
 @outlined
-def place_leasts(s: Any, count: int) -> None:
-    """Put items where their least values are."""
-    for i in lanes(padded(count)):
-        s[X, i] = s[XC, i]
-
-
-@outlined
-def keep_leasts(s: Any, count: int, leasts: Any) -> None:
+def keep_leasts(slope: Any, value: Any, s: Any, count: int, vectors: Any, flags: Any, leasts: Any) -> None:
     """Sort the least values at items into those of their pieces, if the root of the gap turns sharply there.
 
     Below zero there are two zeros, which are found, unless the gap is that deep by rounding alone: then nothing decides
     whether the loop opens, and as little where the gap is within its error bound.
     """
+    find_least(slope, s, count, vectors, flags)
+    evaluate_at(value, s, count, vectors, XC, 1.0)
     for i in range(count):
         lane, least, deepest = int(s[LANE, i]), s[FC, i], max(abs(s[FA, i]), abs(s[FB, i]))
         flat = (s[F, i] <= 0.0) & (abs(s[F, i]) <= UNDECIDED_DEPTH * deepest)
         if (least > 0.0) & (least < SHARP) & ((s[F, i] > 0.0) | flat):
-            k = _place(leasts, lane, s[THETA, i])
-            if k >= 0:
-                leasts[SLOPE_AT, lane, k] = least
-                leasts[OFF_AT, lane, k] = INFINITY if flat | (least <= 2.0 * s[BOUND, i]) else 0.0
-                leasts[ROUGH_AT, lane, k] = INFINITY if flat else 0.0
+            off = INFINITY if flat | (least <= 2.0 * s[BOUND, i]) else 0.0
+            _keep(leasts, lane, s[THETA, i], least, 0.0, off, INFINITY if flat else 0.0)
 
 
 @outlined
@@ -346,30 +326,8 @@ def cut_pieces(
 
 
 @outlined
-def collect_both_ends(w: Any, count: int, table: Any, search: Any, best: Any, ends: Any) -> int:
-    """Make items of both ends of each piece, see `beside.collect_ends`: where two pieces meet may be an extreme."""
-    total = 0
-    for i in range(count):
-        for upper in range(2):
-            x = 0.0 if search[AT_LIMIT_OF] > 0 else abs(w[table[START] + upper, i])
-            set_bracket(ends, total, x, 0.0, x, 0.0)
-            total = append_item(ends, total, i, 0, upper == 1)
-    return total
-
-
-@outlined
-def clear_all(lists: Any, best: Any, found: Any, ranges: Any) -> None:
-    """Forget the extremes and the ranges of the designs before."""
-    for column in range(best.shape[1]):
-        for r in range(lists.shape[0]):
-            for k in range(lists.shape[2]):
-                lists[r, column, k] = 0.0 if r == LIST_KIND else NOT_A_NUMBER
-        for r in range(best.shape[0]):
-            best[r, column] = 0.0
-        best[GREATEST, column] = -INFINITY
-        best[LEAST, column] = INFINITY
-        best[AT_GREATEST, column] = NOT_A_NUMBER
-        best[AT_LEAST, column] = NOT_A_NUMBER
+def clear_ranges(found: Any, ranges: Any) -> None:
+    """Forget the ranges of the designs before."""
     for column in range(found.shape[1]):
         for r in range(found.shape[0]):
             found[r, column] = 0.0
@@ -443,20 +401,18 @@ def join_pieces(
                 all_best[COUNT, to] += best[COUNT, of]
             if best.shape[0] > BEST_ROWS:
                 all_best[UNDECIDED, to] = max(all_best[UNDECIDED, to], best[UNDECIDED, of])
-                high, low = all_best[GREATEST_BOUND, to], all_best[LEAST_BOUND, to]
-                if best[GREATEST, of] >= best[LEAST, of]:
-                    all_best[GREATEST_BOUND, to] = of_better(
-                        all_best[GREATEST, to], high, best[GREATEST, of], best[GREATEST_BOUND, of]
-                    )
-                    all_best[LEAST_BOUND, to] = of_better(
-                        -all_best[LEAST, to], low, -best[LEAST, of], best[LEAST_BOUND, of]
-                    )
-            if best[GREATEST, of] > all_best[GREATEST, to]:
-                all_best[GREATEST, to] = best[GREATEST, of]
-                all_best[AT_GREATEST, to] = _in_turn(best[AT_GREATEST, of])
-            if best[LEAST, of] < all_best[LEAST, to]:
-                all_best[LEAST, to] = best[LEAST, of]
-                all_best[AT_LEAST, to] = _in_turn(best[AT_LEAST, of])
+            if best[GREATEST, of] >= best[LEAST, of]:
+                has_bounds = best.shape[0] > BEST_ROWS
+                note_best(
+                    all_best,
+                    to,
+                    best[GREATEST, of],
+                    _in_turn(best[AT_GREATEST, of]),
+                    best[GREATEST_BOUND, of] if has_bounds else 0.0,
+                    best[LEAST, of],
+                    _in_turn(best[AT_LEAST, of]),
+                    best[LEAST_BOUND, of] if has_bounds else 0.0,
+                )
 
 
 @outlined
@@ -505,24 +461,3 @@ def store_assembly(result: Any, first: int, count: int, found: Any, w: Any, vali
             part = 1 if found[LIMITS, column] > 0.0 else 0
             code = part if found[LENGTH, column] > 0.0 else 2
             result[first + i, branch] = code if w[valid, i] == 1.0 else 3
-
-
-@outlined
-def store_ranges(result: Any, first: int, count: int, ranges: Any, row: int) -> None:
-    """Store where the ranges begin or end through which designs move, or the gaps that limit these there."""
-    for i in range(count):
-        for branch in range(result.shape[1]):
-            for k in range(result.shape[2]):
-                value = ranges[row, branch * LANES + i, k] if k < MOST_RANGES else NOT_A_NUMBER
-                result[first + i, branch, k] = value
-
-
-@outlined
-def store_gaps(result: Any, first: int, count: int, ranges: Any, row: int) -> None:
-    """Store the numbers of the gaps that limit ranges."""
-    for i in range(count):
-        for branch in range(result.shape[1]):
-            for k in range(result.shape[2]):
-                result[first + i, branch, k] = (
-                    int(ranges[row, branch * LANES + i, k]) if k < MOST_RANGES else 0
-                )
