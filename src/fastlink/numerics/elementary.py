@@ -6,6 +6,8 @@ IEEE: a quantity has the same bits whatever else is requested and however a swee
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import wraps
 from typing import Any
 
 import numpy as np
@@ -26,6 +28,23 @@ def context_of(*values: Any) -> Any:
         if context is not None:
             return context
     return None
+
+
+def of_mpmath(text: Callable[..., Any]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Let kernels and NumPy read a function as `text`; its own body is for numbers of mpmath."""
+
+    def declare(exact: Callable[..., Any]) -> Callable[..., Any]:
+        @compiled_as(text)
+        @wraps(exact)
+        def function(*args: Any) -> Any:
+            if context_of(*args) is not None:
+                return exact(*args)
+            with np.errstate(all="ignore"):  # of branches that are not selected
+                return np.asarray(text(*(np.asarray(x, dtype=float) for x in args)))[()]
+
+        return function
+
+    return declare
 
 
 def sqrt(x: Any) -> Any:
@@ -65,34 +84,16 @@ def trailing_zeros(bits: Any) -> Any:
     return (int(bits) & -int(bits)).bit_length() - 1
 
 
-def _tabled(name: str, x: Any) -> Any:
-    """Return an elementary function by NumPy, or by the context of an mpmath number."""
-    return getattr(context_of(x) or np, name)(x)
+def _of_tables(name: str) -> Callable[[Any], Any]:
+    """Return an elementary function by NumPy, or by the context of an mpmath number; kernels never call it."""
+
+    def function(x: Any) -> Any:
+        return getattr(context_of(x) or np, name)(x)
+
+    return function
 
 
-def sin(x: Any) -> Any:
-    """Sine of an input angle, for tables: never called in a kernel."""
-    return _tabled("sin", x)
-
-
-def cos(x: Any) -> Any:
-    """Cosine of an input angle, for tables: never called in a kernel."""
-    return _tabled("cos", x)
-
-
-def exp(x: Any) -> Any:
-    """Exponential of an input rapidity, for tables: never called in a kernel."""
-    return _tabled("exp", x)
-
-
-def sinh(x: Any) -> Any:
-    """Hyperbolic sine of an input rapidity, for tables: never called in a kernel."""
-    return _tabled("sinh", x)
-
-
-def cosh(x: Any) -> Any:
-    """Hyperbolic cosine of an input rapidity, for tables: never called in a kernel."""
-    return _tabled("cosh", x)
+sin, cos, exp, sinh, cosh = (_of_tables(name) for name in ("sin", "cos", "exp", "sinh", "cosh"))
 
 
 def binary_exponent(x: Any) -> Any:
@@ -162,18 +163,14 @@ def _magnitudes_atan2(y: Any, x: Any) -> Any:
     return np.copysign(angle, y)
 
 
-@compiled_as(_magnitudes_atan2)
+@of_mpmath(_magnitudes_atan2)
 def atan2(y: Any, x: Any) -> Any:
     """Angle of the vector (x, y) in [-pi, pi], within 2 units in the last place.
 
     Signed zeros and infinities as IEEE 754 has them. A libm call in a loop stops its vectorisation
     (10 ns a call, measured); this takes about 1 ns.
     """
-    context = context_of(y, x)
-    if context is not None:
-        return context.atan2(y, x)
-    with np.errstate(invalid="ignore"):  # inf - inf in the branch that is not selected
-        return _magnitudes_atan2(np.asarray(y, dtype=float), np.asarray(x, dtype=float))[()]
+    return context_of(y, x).atan2(y, x)
 
 
 # pi/2 in three parts of 33 bits: multiples up to 2^20 of the first two are exact.
@@ -219,18 +216,16 @@ def _polynomial_sine(x: Any) -> Any:
     return _polynomial_cos_sin(x)[1]
 
 
-@compiled_as(_polynomial_cosine)
+@of_mpmath(_polynomial_cosine)
 def cosine(x: Any) -> Any:
     """Cosine of a direction that a design gives, within 2 roundings.
 
     NaN beyond a million rad. The same polynomials in every reading, for the same bits on every machine.
     """
-    context = context_of(x)
-    return _polynomial_cos_sin(np.asarray(x, dtype=float))[0][()] if context is None else context.cos(x)
+    return context_of(x).cos(x)
 
 
-@compiled_as(_polynomial_sine)
+@of_mpmath(_polynomial_sine)
 def sine(x: Any) -> Any:
     """Sine of a direction that a design gives: see `cosine`."""
-    context = context_of(x)
-    return _polynomial_cos_sin(np.asarray(x, dtype=float))[1][()] if context is None else context.sin(x)
+    return context_of(x).sin(x)
