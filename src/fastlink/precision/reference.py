@@ -6,7 +6,7 @@ The derivatives are differences of the same facts with 50 digits.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -85,13 +85,16 @@ class HighPrecision:
         with as_given(not self.zeroes):
             return self._follow({**base, **changes}, changed, self.steps_after(*changes))
 
+    def varied(self, base: Mapping[str, Any], inputs: Iterable[str]) -> Iterator[dict[str, Any]]:
+        """Yield every value with one input after another greater by `STEP` of it, but those that are 0."""
+        for name in inputs:
+            if base[name] != 0:
+                yield self.moved(base, {name: base[name] * (1 + STEP)})
+
     def condition(self, base: Mapping[str, Any], inputs: Iterable[str]) -> dict[str, Any]:
         """Return the sum of |x df/dx| over inputs x, for each name f."""
         sums = dict.fromkeys(self.names, CONTEXT.zero)
-        for name in inputs:
-            if base[name] == 0:
-                continue
-            moved = self.moved(base, {name: base[name] * (1 + STEP)})
+        for moved in self.varied(base, inputs):
             for quantity in self.names:
                 change = abs(moved[quantity] - base[quantity])
                 sums[quantity] += CONTEXT.zero if CONTEXT.isnan(change) else change / STEP
