@@ -1,12 +1,12 @@
 """Functions of Burmester's focal mechanism: its cubic, constructions on it, conics, the five-bar, straight lines.
 
-Positions of the four-bar MABN are given as for `cubic`. Lengths are 1e-70 to 1e70 m. Others, values that are no finite
+Positions of the four-bar MABN are given as for `cubic`. Lengths are 1e-24 to 1e24 m. Others, values that are no finite
 numbers and shapes that do not broadcast are refused with `fastlink.InputError`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
@@ -77,13 +77,17 @@ def read_position(function: str, *numbers: Any, further: Iterable[tuple[Input, A
     return arrays
 
 
-def corners(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any) -> tuple[Any, Any]:
+def _joints(position: Sequence[Any], *further: str) -> list[Any]:
+    """Return the coordinates of A and B and further quantities of the four-bar, NaN where it does not assemble."""
+    bars = dict(zip(("a1", "a3", "a2", "a4", "theta1", "branch"), position, strict=True))
+    found = evaluate("planar_4r", ["A_x", "A_y", "B_x", "B_y", *further], **bars)
+    return [np.asarray(value) for value in found.values()]
+
+
+def corners(position: Sequence[Any]) -> tuple[Any, Any]:
     """Return the joints A and B as complex numbers, NaN where the four-bar does not assemble."""
-    joints = ["A_x", "A_y", "B_x", "B_y"]
-    found = evaluate("planar_4r", joints, a1=a, a2=c, a3=b, a4=d, theta1=phi, branch=branch)
-    A_x, A_y, B_x, B_y = (np.asarray(found[name]) for name in joints)
-    closes = np.isfinite(B_x)
-    return np.where(closes, A_x + 1j * A_y, np.nan), B_x + 1j * B_y
+    A_x, A_y, B_x, B_y = _joints(position)
+    return np.where(np.isfinite(B_x), A_x + 1j * A_y, np.nan), B_x + 1j * B_y
 
 
 # -- The focal cubic of a position of the four-bar: all points that F can be
@@ -135,14 +139,13 @@ def cubic(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1) -> Any:
     >>> [round(abs(float(np.polynomial.polynomial.polyval2d(x, y, k))), 9) for x, y in on_it]
     [0.0, 0.0, 0.0, 0.0]
     """
-    return coefficients(*read_position("cubic", a, b, c, d, phi, branch))
+    return coefficients(read_position("cubic", a, b, c, d, phi, branch))
 
 
-def coefficients(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any) -> Any:
+def coefficients(position: Sequence[Any]) -> Any:
     """Return the equations of focal cubics of positions that are read; see `cubic`."""
-    four_bar = {"a1": a, "a2": c, "a3": b, "a4": d, "theta1": phi, "branch": branch}
-    values = evaluate("planar_4r", ["A_x", "A_y", "B_x", "B_y", "theta2"], **four_bar)
-    A_x, A_y, B_x, B_y, direction = (np.asarray(value) for value in values.values())
+    A_x, A_y, B_x, B_y, direction = _joints(position, "theta2")
+    c, d = position[2:4]
     half = np.sin(0.5 * direction)
     AB_x, AB_y = c * np.cos(direction), c * np.sin(direction)
     area = cross(A_x, A_y, AB_x, AB_y)
@@ -193,7 +196,7 @@ def trace(position: Iterable[Any], samples: int) -> Any:
     """Return points of the focal cubics of positions that are read; see `cubic_points`."""
     a, b, c, d, phi, branch = position
     size = np.maximum(np.maximum(a, b), np.maximum(c, d))
-    k = coefficients(a / size, b / size, c / size, d / size, phi, branch)
+    k = coefficients((a / size, b / size, c / size, d / size, phi, branch))
     ends = _double_directions(k)
     # from each of the directions to the next one, round half a turn
     width = np.diff(ends, axis=-1, append=ends[..., :1] + np.pi)
@@ -264,14 +267,14 @@ SAMPLES, STEPS = 100, 12
 ON_IT = 1e-9
 
 
-def nearest_point(position: tuple[Any, ...], z: Any) -> Any:
+def nearest_point(position: Sequence[Any], z: Any) -> Any:
     """Return the points of focal cubics that are nearest to points z, as complex numbers."""
     shape = z.shape
     *lengths, phi, branch = (np.ravel(value) for value in position)
     z = np.ravel(z)
     size = 2.0 ** np.ceil(np.log2(np.max(lengths, axis=0)))
     plain = (*(length / size for length in lengths), phi, branch)
-    k = np.moveaxis(coefficients(*plain), 0, -1)
+    k = np.moveaxis(coefficients(plain), 0, -1)
     start = z / size
     found = onto(k, start)
     # on which side of the curve a point lies is rounding; farther ones need the whole curve
@@ -439,8 +442,8 @@ def from_point(
     further = ((point("x"), x), (point("y"), y))
     *position, x, y = read_position("from_point", a, b, c, d, phi, branch, further=further)
     a, b, c, d, phi, branch = position
-    A, B = corners(*position)
-    F = nearest_point(tuple(position), x + 1j * y)
+    A, B = corners(position)
+    F = nearest_point(position, x + 1j * y)
     size = np.maximum(np.maximum(a, b), np.maximum(c, d))
     to_A, to_B, to_M, to_N = (_apart(F - corner, size) for corner in (A, B, 0.0, d))
     with np.errstate(all="ignore"):
@@ -572,26 +575,25 @@ def inscribed_conics(
     >>> [round(float(value), 4) for value in (conic.x1, conic.y1, conic.x2, conic.y2)]
     [1.183, 1.183, 0.317, 0.317]
     """
-    focus = _check_choice(t, x, y)
-    if focus:
-        *position, x, y = read_position("inscribed_conics", a, b, c, d, phi, branch, further=focus)
-        A, B = corners(*position)
-        first = nearest_point(tuple(position), x + 1j * y)
-        return _conic(A, B, position[3], _number(A, B, position[3], first), first)
-    *position, t = read_position("inscribed_conics", a, b, c, d, phi, branch, further=[(PARAMETER, t)])
-    A, B = corners(*position)
-    return _conic(A, B, position[3], t)
+    further = _number_or_focus(t, x, y)
+    arrays = read_position("inscribed_conics", a, b, c, d, phi, branch, further=further)
+    position, N = arrays[:6], arrays[3]
+    A, B = corners(position)
+    if t is not None:
+        return _conic(A, B, N, arrays[6])
+    focus = nearest_point(position, arrays[6] + 1j * arrays[7])
+    return _conic(A, B, N, _number(A, B, N, focus), focus)
 
 
-def _check_choice(t: Any, x: Any, y: Any) -> list[tuple[Input, Any]]:
-    """Return the declared coordinates of a focus, none where t is given."""
+def _number_or_focus(t: Any, x: Any, y: Any) -> list[tuple[Input, Any]]:
+    """Return the declarations of what is given with its values: t, or the coordinates of a focus."""
     missing = [name for name, value in (("x", x), ("y", y)) if value is None]
     if (t is None) == bool(missing) or (t is not None and len(missing) < 2):
         names = "x and y" if len(missing) != 1 else missing[0]
         lacks = "and t are missing" if len(missing) > 1 else "is missing"
         what = f"{names} {'are given together' if t is not None else lacks}"
         raise InputError(what, ("inscribed_conics",), "give t=..., or a focus x=..., y=...")
-    return [] if missing else [(point("x"), x), (point("y"), y)]
+    return [(PARAMETER, t)] if missing else [(point("x"), x), (point("y"), y)]
 
 
 def _number(A: Any, B: Any, N: Any, focus: Any) -> Any:
@@ -704,7 +706,7 @@ def involution(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1, *, x: 
     """
     further = ((point("x"), x), (point("y"), y))
     *position, x, y = read_position("involution", a, b, c, d, phi, branch, further=further)
-    A, B = corners(*position)
+    A, B = corners(position)
     G, N = x + 1j * y, position[3]
     size = np.max(np.abs([A, B, G, N + 0j]), axis=0)
     with np.errstate(invalid="ignore"):  # NaN, where the four-bar does not assemble
@@ -815,8 +817,8 @@ def _least_angles(bars: Any, shares: Any, completion: Any) -> Any:
     """Return the least transmission angle of each support, -1 where there is no crank."""
     a, b, c, d = bars
     rho = ratio_of_share(shares)
-    given = {"a": a, "b": b, "c": c, "d": d, "rho": rho, "completion": completion, "phi": 0.0}
-    angles = evaluate("focal", [LEAST_ANGLE], **given, allow_invalid=True)[LEAST_ANGLE]
+    given = {"rho": rho, "completion": completion, "phi": 0.0, "allow_invalid": True}
+    angles = evaluate("focal", [LEAST_ANGLE], a=a, b=b, c=c, d=d, **given)[LEAST_ANGLE]
     return np.where(np.isnan(angles), -1.0, angles)
 
 

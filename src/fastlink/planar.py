@@ -1,7 +1,7 @@
 """Functions of the planar 4R alone: algebraic equations, coupler curves, balancing.
 
 Designs are given as for `cognates`, branches as numbers or arrays that are broadcast with the designs.
-Lengths are 1e-25 to 1e25 m, coordinates at most 1e25 m: others are refused with `fastlink.InputError`, as their
+Lengths are 1e-24 to 1e24 m, coordinates at most 1e24 m: others are refused with `fastlink.InputError`, as their
 products may leave the range of doubles. So is what is missing, is not a finite number, or does not broadcast.
 """
 
@@ -32,7 +32,7 @@ from fastlink.mechanisms.planar_4r import planar_4r
 from fastlink.numerics.compensated import UNIT_ROUNDING, sum_of_four
 from fastlink.numerics.elementary import PI
 from fastlink.numerics.vectors import cross
-from fastlink.plan.request import branch_codes, check_model, constants_of, selected_variants, value_problems
+from fastlink.plan.request import branch_codes, check_model, constants_of, selected_variants
 from fastlink.space.design_space import MOST_DIMS, DesignSpace, Links, constant, ends_of, in_unit, numbers_of
 from fastlink.space.tables import as_space
 from fastlink.space.units import RADIANS
@@ -67,21 +67,14 @@ def __dir__() -> list[str]:
 # -- Coefficients of the six algebraic input-output equations of the planar 4R
 
 
-#: Which equation of the paper, and products of which factors multiply v_i^2 v_j^2, v_i^2, v_j^2 and 1.
+#: Products of which factors multiply v_i^2 v_j^2, v_i^2, v_j^2 and 1; and what v_i v_j: a number times two lengths.
 IO_PRODUCTS = {
-    "12": (2, "A1 B2", "A2 B1", "C1 D2", "C2 D1"),
-    "13": (3, "A1 B1", "A2 B2", "C2 D2", "C1 D1"),
-    "14": (1, "A1 A2", "B1 B2", "C1 C2", "D1 D2"),
-    "23": (4, "A1 D2", "B2 C1", "B1 C2", "A2 D1"),
-    "24": (5, "A1 C1", "B2 D2", "A2 C2", "B1 D1"),
-    "34": (6, "A1 C2", "B1 D2", "A2 C1", "B2 D1"),
-}
-#: The coefficient of v_i v_j is this number times the product of these two lengths; there is none in 13 and 24.
-IO_CROSS = {
-    "12": (-8.0, "2", "4"),
-    "14": (-8.0, "1", "3"),
-    "23": (-8.0, "1", "3"),
-    "34": (8.0, "2", "4"),
+    "12": ("A1 B2", "A2 B1", "C1 D2", "C2 D1", (-8.0, 2, 4)),
+    "13": ("A1 B1", "A2 B2", "C2 D2", "C1 D1", (0.0, 1, 1)),
+    "14": ("A1 A2", "B1 B2", "C1 C2", "D1 D2", (-8.0, 1, 3)),
+    "23": ("A1 D2", "B2 C1", "B1 C2", "A2 D1", (-8.0, 1, 3)),
+    "24": ("A1 C1", "B2 D2", "A2 C2", "B1 D1", (0.0, 1, 1)),
+    "34": ("A1 C2", "B1 D2", "A2 C1", "B2 D1", (8.0, 2, 4)),
 }
 
 
@@ -118,21 +111,17 @@ def io_coefficients(design: Any = None, *, pair: str = "14", **inputs: Any) -> A
     if not isinstance(pair, str) or pair not in IO_PRODUCTS:
         where, remedy = ("io_coefficients", "pair"), listed(list(IO_PRODUCTS))
         raise InputError(f"{short_repr(pair)} is unknown", where, remedy)
-    lengths = [
-        *papers.read_design("io_coefficients", planar_4r, design, inputs, ("a1", "a2", "a3", "a4")).values()
-    ]
-    unscaled = {f"s{i}": length for i, length in enumerate(lengths, 1)}
+    needed = ("a1", "a2", "a3", "a4")
+    lengths = papers.read_design("io_coefficients", planar_4r, design, inputs, needed)
+    unscaled = {f"s{i}": lengths[f"a{i}"] for i in (1, 2, 3, 4)}
 
-    def factor(name: str) -> Any:
-        return planar_4r.facts[f"factor_{name}"].values(unscaled)[f"factor_{name}"]
+    def product(names: str) -> Any:
+        one, other = (f"factor_{name}" for name in names.split())
+        return planar_4r.facts[one].values(unscaled)[one] * planar_4r.facts[other].values(unscaled)[other]
 
-    _equation, *products = IO_PRODUCTS[pair]
-    vivj, vi, vj, one = (factor(x) * factor(y) for x, y in (str(product).split() for product in products))
-    cross = np.zeros_like(lengths[0])
-    if pair in IO_CROSS:
-        number, x, y = IO_CROSS[pair]
-        cross = number * (lengths[int(x) - 1] * lengths[int(y) - 1])
-    return np.stack(np.broadcast_arrays(vivj, vi, vj, cross, one), axis=-1)
+    *squares, last, (number, i, j) = IO_PRODUCTS[pair]
+    cross = number * (lengths[f"a{i}"] * lengths[f"a{j}"])
+    return np.stack(np.broadcast_arrays(*map(product, squares), cross, product(last)), axis=-1)
 
 
 # -- Roberts' cognates: the three planar 4R that trace one coupler curve
@@ -310,11 +299,7 @@ def _half_width(points: Any) -> float:
     if points.size == 0:
         return float("nan")
     power = np.frexp(np.abs(points).max())[1] + 1  # so that no difference leaves the range of doubles
-    return float(np.ldexp(_half_width_of_small(np.ldexp(points, -power)), power))
-
-
-def _half_width_of_small(points: Any) -> float:
-    """Return half the width of the narrowest strip that holds all points (n, 2), which are less than 1."""
+    points = np.ldexp(points, -power)
     points = points - points[0]
     distance = np.hypot(*points.T)
     size = distance.max()
@@ -324,13 +309,14 @@ def _half_width_of_small(points: Any) -> float:
     try:
         corners = points[ConvexHull(points).vertices]
     except QhullError:  # all in one line, up to roundings
-        return float(0.5 * size * np.ptp(cross(*points[np.argmax(distance)], *points.T)))
-    # The nearest lines run along an edge of the convex hull and through the corner where its edges turn back.
-    edges = np.roll(corners, -1, axis=0) - corners
-    angle = np.unwrap(np.arctan2(edges[:, 1], edges[:, 0]))
-    opposite = np.searchsorted(np.concatenate([angle, angle + 2.0 * np.pi]), angle + np.pi) % len(angle)
-    widths = np.abs(cross(*edges.T, *(corners[opposite] - corners).T)) / np.hypot(*edges.T)
-    return float(0.5 * size * widths.min())
+        width = np.ptp(cross(*points[np.argmax(distance)], *points.T))
+    else:
+        # The nearest lines run along an edge of the convex hull and through the corner where its edges turn back.
+        edges = np.roll(corners, -1, axis=0) - corners
+        angle = np.unwrap(np.arctan2(edges[:, 1], edges[:, 0]))
+        opposite = np.searchsorted(np.concatenate([angle, angle + 2.0 * np.pi]), angle + np.pi) % len(angle)
+        width = np.min(np.abs(cross(*edges.T, *(corners[opposite] - corners).T)) / np.hypot(*edges.T))
+    return float(np.ldexp(0.5 * size * width, power))
 
 
 @door
@@ -857,21 +843,16 @@ def _nodes(
     function: str, design: Any, inputs: Mapping[str, Any], tolerance: Any, *, cusps: bool
 ) -> tuple[Any, Any, Any]:
     """Return the cusps or crunodes by growing X, NaN-padded, and their number."""
-    limit = _check_tolerance(function, tolerance)
+    where = (function, "tolerance")
+    limit = float(in_unit(where, tolerance, np.asarray(constant(*where, tolerance)), "1"))
+    if not 0.0 < limit < 0.1:
+        raise InputError(f"is {limit}", where, "write a number between 0 and 0.1, such as 1e-9")
     X, Y, excess = _double_points(function, design, inputs)
     chosen = np.abs(excess) <= limit if cusps else excess > limit
     X, Y = np.where(chosen, X, np.nan), np.where(chosen, Y, np.nan)
     order = np.argsort(X, axis=-1)
     X, Y = (np.take_along_axis(part, order, axis=-1) for part in (X, Y))
     return X, Y, np.sum(chosen, axis=-1)
-
-
-def _check_tolerance(function: str, tolerance: Any) -> float:
-    where = (function, "tolerance")
-    limit = float(in_unit(where, tolerance, np.asarray(constant(*where, tolerance)), "1"))
-    if not 0.0 < limit < 0.1:
-        raise InputError(f"is {limit}", where, "write a number between 0 and 0.1, such as 1e-9")
-    return limit
 
 
 @door(hint=papers.BY_NAME)
@@ -1056,9 +1037,10 @@ def _counterweight(link: int, product: Any, given: Mapping[str, Any], length: An
     chosen = given.get(f"radius{link}", length) if mass is None else mass
     other = np.abs(product) / chosen
     of_both = (other, chosen) if mass is None else (chosen, other)
-    values = dict(zip(("mass", "radius", "direction"), (*of_both, np.angle(product)), strict=True))
-    arrays = dict(zip(values, np.broadcast_arrays(*values.values()), strict=True))
-    return {f"counterweight{link}_{key}": value[()] for key, value in arrays.items()}
+    values = zip(
+        ("mass", "radius", "direction"), np.broadcast_arrays(*of_both, np.angle(product)), strict=True
+    )
+    return {f"counterweight{link}_{key}": value[()] for key, value in values}
 
 
 # -- The flywheel that keeps the speed of a crank within bounds
@@ -1098,14 +1080,11 @@ def flywheel_inertia(maps: Any, C_s: Any) -> Any:
     26.34
     """
     bound = Input("C_s", "1", "C_s", "coefficient of speed fluctuation", "positive")
-    path = ("flywheel_inertia", "C_s")
-    numbers = in_unit(path, C_s, numbers_of(*path, C_s, MOST_DIMS), bound.units)
-    if problems := value_problems(bound, numbers, "flywheel_inertia"):
-        raise InputError.of(problems)
+    checked, _ = papers.read_numbers("flywheel_inertia", {"C_s": bound}, {"C_s": C_s}, Problems())
     if isinstance(maps, Mapping) and not hasattr(maps, "data_vars"):
-        return _inertia(maps, like(C_s, numbers))
+        return _inertia(maps, checked["C_s"])
     with as_dataset(maps) as dataset:
-        inertia = _inertia(dataset, like(C_s, numbers))
+        inertia = _inertia(dataset, checked["C_s"])
         inertia.attrs = {"units": "kg m2", "long_name": "Moment of inertia of the flywheel", "symbol": "I_S"}
         return inertia.rename("flywheel_inertia").load()
 
@@ -1204,7 +1183,7 @@ RIGHT_SIDE = tuple(
     for kind, of in (("force", "_x"), ("force", "_y"), ("moment", ""))
 )
 LINKS, ROUND_BAR = (1, 2, 3), "round_bar"
-BARS = [f"{name.format(i)}" for i in LINKS for name in ("m{}", "I{}", "G{}_u", "G{}_v")]
+BARS = [name.format(i) for i in LINKS for name in ("m{}", "I{}", "G{}_u", "G{}_v")]
 
 
 class _Wording(Wording):
@@ -1307,9 +1286,7 @@ def bar_properties(design: Any = None, *, links: Links, **inputs: Any) -> dict[s
     with np.errstate(all="ignore"):  # of bars beyond the range of doubles
         facts = read_facts(planar_4r, BARS, values, (ROUND_BAR,))
         volumes = {f"volume{i}": PI * (values["radius"] * values["radius"]) * values[f"a{i}"] for i in LINKS}
-    return {
-        name: of[()] for name, of in {**volumes, **{name: np.asarray(facts[name]) for name in BARS}}.items()
-    }
+    return {name: np.asarray(of)[()] for name, of in (volumes | {name: facts[name] for name in BARS}).items()}
 
 
 # -- Do forces have their extremes where rates have theirs? The hypothesis of Hayes, Hninn and Irani,
@@ -1317,7 +1294,6 @@ def bar_properties(design: Any = None, *, links: Links, **inputs: Any) -> dict[s
 
 
 WHERE = ("force_hypothesis", "maps")
-GIVE_ALL = "give the whole result of the sweep"
 THETA1 = planar_4r.position.name
 ENDS = ("max", "min")
 #: What designs are swept with.
@@ -1373,15 +1349,15 @@ def force_hypothesis(maps: Any, **options: Any) -> xr.Dataset:
         )
     with as_map(maps) as dataset:
         loads, extremes = _loads_and_extremes(dataset)
-        inputs = {str(name): dataset[name] for name in dataset.variables if name in _known_inputs()}
+        known = planar_4r.known_inputs(planar_4r.variant_inputs)
+        inputs = {str(name): dataset[name] for name in dataset.variables if name in known}
         inputs["branch"] = dataset["branch"]
         read = {name: dataset[name] for load in loads for name in _named(load)}
         read |= {place: dataset[place] for place in (_place(*extreme) for extreme in extremes)}
         arrays = dict(zip([*read, *inputs], xr.broadcast(*read.values(), *inputs.values()), strict=True))
         template = arrays[_place(*extremes[0])]
-        bounded = np.all(
-            [np.isfinite(arrays[name].values) for name in read], axis=0
-        )  # others are not evaluated
+        # the others are not evaluated
+        bounded = np.all([np.isfinite(arrays[name].values) for name in read], axis=0)
         design = {name: array.values[bounded] for name, array in arrays.items()}
     found = np.full((2, *template.shape, len(loads), len(extremes)), np.nan)
     greatest = [_greatest(load, design) for load in loads]
@@ -1419,11 +1395,6 @@ def _named(load: str) -> list[str]:
     return [name for end in ENDS for name in (_extreme(load, end), _place(load, end))]
 
 
-def _known_inputs() -> Mapping[str, Any]:
-    """Return all inputs of the planar 4R, those of loads and links among them."""
-    return planar_4r.known_inputs(planar_4r.variant_inputs)
-
-
 def _loads_and_extremes(dataset: xr.Dataset) -> tuple[list[str], list[tuple[str, str]]]:
     """Return the loads of a map, and the extremes of its rates as name and end, or refuse the map."""
     mechanism, position = dataset.attrs.get("mechanism"), dataset.attrs.get("input")
@@ -1444,7 +1415,9 @@ def _loads_and_extremes(dataset: xr.Dataset) -> tuple[list[str], list[tuple[str,
     needed |= {_extreme(load, end): units[load] for load in loads for end in ENDS}
     for name, unit in needed.items():
         if name not in dataset:
-            problems.add(f"{name!r} is missing", WHERE, f"sweep {name!r} too, and {GIVE_ALL}")
+            problems.add(
+                f"{name!r} is missing", WHERE, f"sweep {name!r} too, and give the whole result of the sweep"
+            )
             continue
         problems.attempt(check_units, dataset[name], unit, (*WHERE, name))
     problems.stop()
