@@ -173,19 +173,7 @@ def polar(r: Any, phi: Any) -> Any:
     """Return the double number r e^(j phi) = r (ch phi + j sh phi).
 
     Hegedues and Moore, section 2.1: the analogue of Euler's formula. It is the point of rapidity phi on the Minkowskian
-    circle x^2 - y^2 = r^2 about the origin, on its future-pointing arm x > 0 (the paper prints y > 0).
-
-    Parameters
-    ----------
-    r : float or array_like
-        The radius [m], not negative.
-    phi : float or array_like
-        The rapidity.
-
-    Returns
-    -------
-    ndarray, shape (..., 2)
-        The points.
+    circle x^2 - y^2 = r^2 about the origin, r >= 0 [m], on its future-pointing arm x > 0 (the paper prints y > 0).
 
     Examples
     --------
@@ -336,14 +324,7 @@ def motion(t: Any, a: Any = 0.0, b: Any = 0.0) -> Any:
     """Return the matrix of a motion of the Minkowskian plane in homogeneous coordinates.
 
     Hegedues and Moore, section 2.2: the group of the matrices with rows (ch t, sh t, a), (sh t, ch t, b) and (0, 0, 1),
-    a boost by t followed by a translation.
-
-    Parameters
-    ----------
-    t : float or array_like
-        The angle of the boost.
-    a, b : float or array_like, optional
-        The translation [m].
+    a boost by t followed by a translation [m].
 
     Returns
     -------
@@ -369,19 +350,10 @@ def moved(z: Any, t: Any, a: Any = 0.0, b: Any = 0.0) -> Any:
     The motion of `fastlink.minkowski.motion`, Hegedues and Moore, section 2.2: x + y is multiplied by e^t, x - y by
     e^-t. A point near the light cone keeps its digits where the matrix cancels.
 
-    Parameters
-    ----------
-    z : array_like, shape (..., 2)
-        Points x, y [m].
-    t : float or array_like
-        The angle of the boost.
-    a, b : float or array_like, optional
-        The translation [m].
-
     Returns
     -------
     ndarray, shape (..., 2)
-        The points; what is beyond the range of doubles is infinite.
+        The points [m]; what is beyond the range of doubles is infinite.
 
     Examples
     --------
@@ -657,11 +629,8 @@ def coupler_circles(a: Any, b: Any, g: Any, h: Any, x: Any, y: Any, *, X: Any, Y
 
     Parameters
     ----------
-    a, b, g, h : float or array_like
-        Hyperbolic lengths of OA, CB, OC and AB [m].
-    x, y : float or array_like
-        The coupler point in the frame at A with its first axis along AB [m], AX spacelike (abs(x) > abs(y)), BX of any
-        causal type.
+    a, b, g, h, x, y : float or array_like
+        As for `sextic`, but AX spacelike (abs(x) > abs(y)).
     X, Y : float or array_like
         A point of the ground frame [m].
 

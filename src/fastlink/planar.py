@@ -1,6 +1,7 @@
 """Functions of the planar 4R alone: algebraic equations, coupler curves, balancing.
 
-Designs are given as for `cognates`, branches as numbers or arrays that are broadcast with the designs.
+Designs are given as for `cognates`: inputs that a function does not need are not read. Branches are given as
+numbers or arrays that are broadcast with the designs.
 Lengths are 1e-24 to 1e24 m, coordinates at most 1e24 m: others are refused with `fastlink.InputError`, as their
 products may leave the range of doubles. So is what is missing, is not a finite number, or does not broadcast.
 """
@@ -93,8 +94,6 @@ def io_coefficients(design: Any = None, *, pair: str = "14", **inputs: Any) -> A
 
     Parameters
     ----------
-    design, **inputs : mapping, pandas.DataFrame or xarray.Dataset, or values by name
-        Inputs of ``planar_4r`` by name: the lengths ``a1`` ... ``a4`` [m], broadcast. Other inputs are not read.
     pair : {"12", "13", "14", "23", "24", "34"}
         The two joints: eqs. (2), (3), (1), (4), (5), (6).
 
@@ -554,11 +553,6 @@ BLOCK = 256
 def curve_length(design: Any = None, *, branch: Any = 1, error: bool = False, **inputs: Any) -> Any:
     """Return the length of the path of the coupler point in a branch [m].
 
-    Parameters
-    ----------
-    error : bool
-        Whether to return a bound of the error too.
-
     Returns
     -------
     length : ndarray
@@ -587,11 +581,6 @@ def curve_length(design: Any = None, *, branch: Any = 1, error: bool = False, **
 @door(hint=papers.BY_NAME)
 def curve_area(design: Any = None, *, branch: Any = 1, error: bool = False, **inputs: Any) -> Any:
     """Return the area that the coupler curve encloses over one turn of the input [m2].
-
-    Parameters
-    ----------
-    error : bool
-        Whether to return a bound of the error too.
 
     Returns
     -------
@@ -972,10 +961,8 @@ def force_balance(
 
     Parameters
     ----------
-    design, **inputs : mapping, pandas.DataFrame or xarray.Dataset, or values by name
-        The inputs of ``planar_4r`` by name: lengths, masses and mass centres, broadcast. Other inputs are not read.
     links : Links, optional
-        The source of mass data that the design does not give.
+        The source of masses and mass centres that the design does not give.
     radius1, mass1 : float or array_like, optional
         Radius in m or mass in kg of the counterweight on the crank, one of them; a1 is the radius unless given.
     radius3, mass3 : float or array_like, optional
@@ -1204,11 +1191,10 @@ def force_equations(
 ) -> xr.Dataset:
     """Return matrix A and vector b of eq. (9) of Hayes: the joint forces are A^-1 b.
 
+    Designs give lengths, speed, masses, loads and ``theta1``, as in `fastlink.evaluate`.
+
     Parameters
     ----------
-    design, **inputs : mapping, pandas.DataFrame or xarray.Dataset, or values by name
-        Inputs of ``planar_4r`` by name, as in `fastlink.evaluate`: lengths, speed, masses, loads and
-        ``theta1``.
     links : Links, optional
         The source of mass data that the design does not give.
 
@@ -1251,12 +1237,10 @@ def force_equations(
 
 @door(hint=papers.BY_NAME)
 def bar_properties(design: Any = None, *, links: Links, **inputs: Any) -> dict[str, Any]:
-    """Return volumes, masses, moments of inertia and mass centres of links that are round bars.
+    """Return volumes, masses, moments of inertia and mass centres of links that are round bars of lengths a1, a2, a3.
 
     Parameters
     ----------
-    design, **inputs : mapping, pandas.DataFrame or xarray.Dataset, or values by name
-        The lengths ``a1``, ``a2``, ``a3`` of ``planar_4r`` by name, broadcast. Other inputs are not read.
     links : Links
         The bars, `fastlink.round_bar`.
 

@@ -1026,15 +1026,7 @@ FEW, MANY = DIGITS + 10, 6 * DIGITS
 
 
 class IndependentValues:
-    """Values of a mechanism's quantities that share no formula with its facts.
-
-    Examples
-    --------
-    >>> from fastlink.mechanisms import catalogue
-    >>> checks = IndependentValues(catalogue("planar_4r"), ["omega4", "d_omega4_d_a1", "status"])
-    >>> checks.names
-    ('omega4', 'd_omega4_d_a1')
-    """
+    """Values of a mechanism's quantities that share no formula with its facts."""
 
     def __init__(self, catalogue: Catalogue, names: Iterable[str]) -> None:
         self.model, parsed = model_of(catalogue), catalogue.parse

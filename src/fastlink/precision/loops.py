@@ -57,14 +57,7 @@ def _rounding_in_line(ctx: Any) -> Any:
 
 
 class Series:
-    """A truncated power series, by its terms.
-
-    Examples
-    --------
-    >>> square = Series((3.0, 1.0, 0.0)) * Series((3.0, 1.0, 0.0))
-    >>> square.terms, square.derivative(2)
-    ((9.0, 6.0, 1.0), 2.0)
-    """
+    """A truncated power series, by its terms."""
 
     __slots__ = ("terms",)
 

@@ -37,20 +37,6 @@ class HighPrecision:
 
     Where a step divides by zero or has no finite result, it is evaluated in doubles, which give infinity, NaN or the
     other choice of a `select`, as in the kernels.
-
-    Attributes
-    ----------
-    left_out : list of number
-        The gaps that count as zero in doubles, but were taken as they are by the last call of `at`.
-
-    Examples
-    --------
-    >>> from fastlink.mechanisms import catalogue
-    >>> lengths = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
-    >>> facts = HighPrecision(catalogue("planar_4r"), ["transmission_angle"], [*lengths, "theta1", "branch"])
-    >>> values = facts.at(lengths | {"theta1": 1.0, "branch": 1})
-    >>> print(values["transmission_angle"])
-    0.78937010009877973521061661499753845087244584437223
     """
 
     def __init__(
@@ -63,6 +49,7 @@ class HighPrecision:
         zeroes: bool = False,
     ) -> None:
         self.zeroes = zeroes
+        #: The gaps that count as zero in doubles, but were taken as they are by the last call of `at`.
         self.left_out: list[Any] = []
         self.catalogue, self.names = catalogue, tuple(names)
         given = tuple(given)

@@ -135,13 +135,7 @@ class Extreme:
 
 
 class Stationary:
-    """The extremes of one quantity for some designs, in one branch each.
-
-    Attributes
-    ----------
-    candidates : list of list of Candidate
-        The extremes of each design, by samples.
-    """
+    """The extremes of one quantity for some designs, in one branch each: `candidates` by samples of each design."""
 
     #: The first step towards a zero, over its place.
     first_step = CONTEXT.mpf(10) ** -3
