@@ -280,8 +280,7 @@ def nearest_point(position: Sequence[Any], z: Any) -> Any:
     # on which side of the curve a point lies is rounding; farther ones need the whole curve
     off = np.abs(found - start)
     far = np.flatnonzero(~(off <= ON_IT) & np.isfinite(k[0, 1]))
-    for begin in range(0, far.size, BLOCK):
-        some = far[begin : begin + BLOCK]
+    for some in (far[part] for part in papers.blocks(far.size, BLOCK)):
         traced = trace((value[some] for value in plain), SAMPLES)
         found[some] = _nearest_of(k[..., some], start[some], traced[..., 0] + 1j * traced[..., 1])
     return (found * size).reshape(shape)
@@ -348,10 +347,10 @@ def _foot(k: Any, start: Any, z: Any) -> Any:
             a, b, c = 1.0 + multiplier * xx, multiplier * xy, 1.0 + multiplier * yy
             determinant = a * c - b * b
             # the first two equations by the change of the multiplier
-            by_left = ((c * left.real - b * left.imag) + 1j * (a * left.imag - b * left.real)) / determinant
-            by_slope = (
-                (c * slope.real - b * slope.imag) + 1j * (a * slope.imag - b * slope.real)
-            ) / determinant
+            by_left, by_slope = (
+                ((c * side.real - b * side.imag) + 1j * (a * side.imag - b * side.real)) / determinant
+                for side in (left, slope)
+            )
             change = ((by_left * np.conj(slope)).real + value) / (by_slope * np.conj(slope)).real
             step = by_left - change * by_slope
             sure = np.isfinite(step)
@@ -787,10 +786,8 @@ def best_point(
     position = read_position("best_point", a, b, c, d, phi, branch)
     a, b, c, d, phi, branch = position
     bars = np.stack([np.ravel(length) for length in (a, b, c, d)])
-    blocks = [
-        bars[:, start : start + BLOCK_OF_DRIVES] for start in range(0, max(bars.shape[1], 1), BLOCK_OF_DRIVES)
-    ]
-    found = np.concatenate([_best(block, limits) for block in blocks], axis=1)
+    blocks = papers.blocks(max(bars.shape[1], 1), BLOCK_OF_DRIVES)
+    found = np.concatenate([_best(bars[:, block], limits) for block in blocks], axis=1)
     share, completion = found.reshape(2, *np.shape(a))
     design = {"a": a, "b": b, "c": c, "d": d, "rho": ratio_of_share(share), "completion": completion}
     return construction(design, {"phi": phi, "branch": branch}, by)

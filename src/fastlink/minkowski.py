@@ -77,13 +77,10 @@ def read(function: str, vectors: Mapping[str, Any], numbers: Iterable[tuple[Inpu
     first, second = read_numbers(
         function, declared, values, Problems(), gaps=True, vectors=vectors, greatest=GREATEST
     )
-    _, xs, shape = broadcast_inputs(function, first)
-    _, ys, _ = broadcast_inputs(function, first | second)
-    result = []
-    for name in first:
-        x = np.broadcast_to(xs[name], shape)
-        result.append((x, np.broadcast_to(ys[name], shape)) if name in second else x)
-    return result
+    ordinates = {f"{name}, y": y for name, y in second.items()}
+    _, plain, shape = broadcast_inputs(function, first | ordinates)
+    arrays = {name: np.broadcast_to(value, shape) for name, value in plain.items()}
+    return [(arrays[name], arrays[f"{name}, y"]) if name in second else arrays[name] for name in first]
 
 
 def grown(x: Any, angle: Any) -> Any:

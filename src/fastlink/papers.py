@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -173,6 +173,11 @@ def check_samples(function: str, samples: Any, least: int = 1) -> int:
     return check_whole((function, "samples"), samples, least, MOST_SAMPLES)
 
 
+def blocks(count: int, size: int) -> Iterator[slice]:
+    """Yield the parts of a number of designs that are computed at once."""
+    return (slice(start, start + size) for start in range(0, count, size))
+
+
 # -- Integrate functions of many designs at once, each to its own accuracy and with its own error
 
 
@@ -277,8 +282,7 @@ def coupler_sextic(jj: int, lengths: Sequence[Any], point: Sequence[Any]) -> Any
     shape = np.shape(lengths[0])
     columns = np.array([np.ravel(number) for number in (*lengths, *point)])
     result = np.empty((columns.shape[1], 7, 7))
-    for first in range(0, len(result), BLOCK):
-        part = slice(first, first + BLOCK)
+    for part in blocks(len(result), BLOCK):
         result[part] = np.moveaxis(_sextics(jj, columns[:, part]), -1, 0)
     return result.reshape(*shape, 7, 7)
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -30,7 +30,7 @@ from fastlink.facts.names import ListOfExtrema, Quantity, Reduced
 from fastlink.io.reader import as_dataset, as_map
 from fastlink.maps.units import check_units
 from fastlink.mechanisms.planar_4r import planar_4r
-from fastlink.numerics.compensated import UNIT_ROUNDING, sum_of_four
+from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.numerics.elementary import PI
 from fastlink.numerics.vectors import cross
 from fastlink.plan.request import branch_codes, check_model, constants_of, selected_variants
@@ -111,16 +111,18 @@ def io_coefficients(design: Any = None, *, pair: str = "14", **inputs: Any) -> A
         where, remedy = ("io_coefficients", "pair"), listed(list(IO_PRODUCTS))
         raise InputError(f"{short_repr(pair)} is unknown", where, remedy)
     needed = ("a1", "a2", "a3", "a4")
-    lengths = papers.read_design("io_coefficients", planar_4r, design, inputs, needed)
-    unscaled = {f"s{i}": lengths[f"a{i}"] for i in (1, 2, 3, 4)}
+    lengths = [*papers.read_design("io_coefficients", planar_4r, design, inputs, needed).values()]
+    *products, (number, i, j) = IO_PRODUCTS[pair]
+    *squares, last = (_factor_product(names, lengths) for names in products)
+    cross = number * (lengths[i - 1] * lengths[j - 1])
+    return np.stack(np.broadcast_arrays(*squares, cross, last), axis=-1)
 
-    def product(names: str) -> Any:
-        one, other = (f"factor_{name}" for name in names.split())
-        return planar_4r.facts[one].values(unscaled)[one] * planar_4r.facts[other].values(unscaled)[other]
 
-    *squares, last, (number, i, j) = IO_PRODUCTS[pair]
-    cross = number * (lengths[f"a{i}"] * lengths[f"a{j}"])
-    return np.stack(np.broadcast_arrays(*map(product, squares), cross, product(last)), axis=-1)
+def _factor_product(names: str, lengths: Iterable[Any]) -> Any:
+    """Return the product of two factors of the equations, such as A1 and B2, of the four lengths."""
+    given = {f"s{i}": length for i, length in enumerate(lengths, 1)}
+    one, other = (f"factor_{name}" for name in names.split())
+    return planar_4r.facts[one].values(given)[one] * planar_4r.facts[other].values(given)[other]
 
 
 # -- Roberts' cognates: the three planar 4R that trace one coupler curve
@@ -411,10 +413,7 @@ ROUNDINGS = 24.0
 class Paths:
     """Paths of designs, each in up to four pieces: theta1 below or above 0, from its least or greatest size."""
 
-    a1: Any  # of each design lengths and coupler point u + iv, divided by a power of two
-    a2: Any
-    a3: Any
-    a4: Any
+    lengths: Any  # a1 to a4 of each design, and its coupler point u + iv, divided by a power of two
     p: Any
     side: Any  # 1 in branch 2, -1 in branch 1
     exponent: Any  # of that power
@@ -455,7 +454,7 @@ class Paths:
 
     def motion(self, owner: Any, sign: Any, end: Any, v: Any) -> tuple[Any, Any, Any]:
         """Return the point P, its derivative by v with theta1 growing, and a bound of that one's roundings."""
-        a1, a2, a3, a4 = (part[owner] for part in (self.a1, self.a2, self.a3, self.a4))
+        a1, a2, a3, a4 = self.lengths[:, owner]
         toggle, side = self.toggles[end, owner], self.side[owner]
         d = np.where(toggle, v * v, v)
         rest = self.extent[owner] - d
@@ -511,21 +510,18 @@ def paths_of(curve: dict[str, Any]) -> Paths:
     """Return the paths of designs: lengths, coupler points and branches (n,) by name."""
     lengths = np.stack([curve[f"a{i}"] for i in (1, 2, 3, 4)])
     exponent = np.frexp(lengths.max(axis=0))[1]
-    a1, a2, a3, a4 = np.ldexp(lengths, -exponent)
+    lengths = np.ldexp(lengths, -exponent)
+    a1, a2, a3, a4 = lengths
     p = np.ldexp(curve["P_u"], -exponent) + 1j * np.ldexp(curve["P_v"], -exponent)
-    product = 4.0 * a1 * a4
-    inner = [sum(sum_of_four(*terms)) for terms in ((a2, -a3, a4, -a1), (a3, -a2, a4, -a1))]
-    outer = [sum(sum_of_four(*terms)) for terms in ((a2, a3, a1, -a4), (a2, a3, a4, -a1))]
-    across = [sum(sum_of_four(*terms)) for terms in ((a1, a4, a3, -a2), (a1, a4, a2, -a3))]
-    beyond = sum(sum_of_four(a1, a4, -a2, -a3)) * sum(sum_of_four(a1, a2, a3, a4)) / product
-    # -q-, 1 - q-, q+ and 1 - q+, each by its factors: none cancels.
-    least, from_least = inner[0] * inner[1] / product, across[0] * across[1] / product
-    greatest = outer[0] * outer[1] / product
-    low = (
-        2.0 * np.arctan2(_root(-least), _root(from_least)),
-        2.0 * np.arctan2(_root(from_least), _root(-least)),
+    # -q-, 1 - q-, 1 - q+ and -q+, each by its factors: none cancels.
+    least, from_least, beyond, greatest = (
+        _factor_product(names, lengths) / (4.0 * a1 * a4) for names in ("A1 B1", "C2 D2", "C1 D1", "A2 B2")
     )
-    high = 2.0 * np.arctan2(_root(greatest), _root(beyond)), 2.0 * np.arctan2(_root(beyond), _root(greatest))
+    greatest = -greatest
+    low, high = (
+        2.0 * np.arctan2([_root(sine), _root(cosine)], [_root(cosine), _root(sine)])
+        for sine, cosine in ((-least, from_least), (greatest, beyond))
+    )
     toggles = np.stack([least < 0.0, beyond > 0.0])
     # sin^2(high/2) - sin^2(low/2) = a2 a3/(a1 a4) between two toggles
     narrow = a2 * a3 / (a1 * a4) / np.sin(np.minimum(0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])))
@@ -535,7 +531,7 @@ def paths_of(curve: dict[str, Any]) -> Paths:
     extent = np.where((greatest >= 0.0) & (from_least >= 0.0), extent, np.nan)
     side = np.where(curve["branch"] == 2, 1.0, -1.0)
     outside = np.stack([least, -beyond])
-    return Paths(a1, a2, a3, a4, p, side, exponent, toggles, outside, np.stack(low), np.stack(high), extent)
+    return Paths(lengths, p, side, exponent, toggles, outside, low, high, extent)
 
 
 def _root(x: Any) -> Any:
@@ -575,7 +571,7 @@ def curve_length(design: Any = None, *, branch: Any = 1, error: bool = False, **
     >>> round(float(length), 12), bool(error < 1e-12)  # P = A: 2 pi a1
     (3.14159265359, True)
     """
-    return _integral("curve_length", (design, branch, error, inputs), 1, _speed)
+    return _integral("curve_length", design, inputs, branch, error, 1, _speed)
 
 
 @door(hint=papers.BY_NAME)
@@ -602,7 +598,7 @@ def curve_area(design: Any = None, *, branch: Any = 1, error: bool = False, **in
     >>> round(float(fl.planar.curve_area(design)), 12)  # P = A: pi a1^2
     0.785398163397
     """
-    return _integral("curve_area", (design, branch, error, inputs), 2, _swept)
+    return _integral("curve_area", design, inputs, branch, error, 2, _swept)
 
 
 def _speed(point: Any, velocity: Any, noise: Any) -> tuple[Any, Any]:
@@ -617,22 +613,25 @@ def _swept(point: Any, velocity: Any, noise: Any) -> tuple[Any, Any]:
 
 
 def _integral(
-    function: str, called: tuple[Any, Any, Any, Any], power: int, integrand: Callable[[Any, Any, Any], Any]
+    function: str,
+    design: Any,
+    inputs: Mapping[str, Any],
+    branch: Any,
+    with_error: Any,
+    power: int,
+    integrand: Callable[[Any, Any, Any], Any],
 ) -> Any:
     """Return an integral along coupler curves, a power of a length, with its error where that is asked for."""
-    design, branch, with_error, inputs = called
     with_error = check_switch((function, "error"), with_error)
     curve = curve_inputs(function, design, inputs, branch)
-    shape = curve["a1"].shape
     columns = {name: values.reshape(-1) for name, values in curve.items()}
     results = np.empty((2, columns["a1"].size))
     with np.errstate(all="ignore"):
-        for start in range(0, results.shape[1], BLOCK):
-            block = slice(start, start + BLOCK)
+        for block in papers.blocks(results.shape[1], BLOCK):
             part = {name: values[block] for name, values in columns.items()}
             results[:, block] = _of_block(part, power, integrand)
-    value, bound = results.reshape(2, *shape)[:, ...]
-    return (value[()], bound[()]) if with_error else value[()]
+    value, bound = (of.reshape(curve["a1"].shape)[()] for of in results)
+    return (value, bound) if with_error else value
 
 
 def _of_block(curve: dict[str, Any], power: int, integrand: Callable[[Any, Any, Any], Any]) -> Any:
@@ -1419,8 +1418,7 @@ def _magnitudes(loads: Sequence[str], design: Mapping[str, Any], theta1: Any) ->
     """Return the magnitudes of loads at a position of each design."""
     links = Links("round_bar", {}) if "density" in design or "radius" in design else None
     found = np.full((len(loads), theta1.size), np.nan)
-    for start in range(0, theta1.size, BLOCK_OF_FORCES):
-        part = slice(start, start + BLOCK_OF_FORCES)
+    for part in papers.blocks(theta1.size, BLOCK_OF_FORCES):
         inputs = {name: values[part] for name, values in design.items()}
         at = evaluate(planar_4r.name, loads, links=links, allow_invalid=True, theta1=theta1[part], **inputs)
         for i, load in enumerate(loads):

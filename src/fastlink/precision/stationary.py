@@ -532,10 +532,13 @@ class StationaryInPieces(Stationary):
     def limits_of(self, design: int, side: int) -> list[tuple[Any, int, Any]]:
         """Return the limits where ranges begin (side 1) or end (-1): position, number of the gap, condition.
 
-        They are in the order of where their ranges begin.
+        They are in the order of where their ranges begin, from the seam of kernels on.
         """
-        found = []
-        for at, own, gap in self._limits_by_range(design):
+        found, turn = [], 2.0 * np.pi
+        ordered = sorted(self.limits[design], key=lambda limit: (limit[0] - SEAM) % turn)
+        if ordered and ordered[0][1] < 0:  # the range that the seam cuts is the first
+            ordered = [ordered[-1], *ordered[:-1]]
+        for at, own, gap in ordered:
             if own != side:
                 continue
             candidate = Candidate(0, at, np.nan, END, gap)
@@ -546,14 +549,6 @@ class StationaryInPieces(Stationary):
                     condition += abs(self._zero(moved, candidate) - x) / STEP
             found.append((x % (2 * CONTEXT.pi), (self.graded.gaps or ()).index(gap) + 1, condition))
         return found
-
-    def _limits_by_range(self, design: int) -> list[tuple[float, int, str]]:
-        """Return the limits of a design, each range's beginning before its end, from the seam of kernels on."""
-        turn = 2.0 * np.pi
-        ordered = sorted(self.limits[design], key=lambda limit: (limit[0] - SEAM) % turn)
-        if ordered and ordered[0][1] < 0:  # the range that the seam cuts is the first
-            ordered = [ordered[-1], *ordered[:-1]]
-        return ordered
 
     def _turning(self, design: int, x: NDArray[Any], gap: str) -> NDArray[Any]:
         """Return where parabolas through samples of a gap are least or greatest."""
