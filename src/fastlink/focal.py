@@ -50,26 +50,21 @@ def __dir__() -> list[str]:
 # -- Read a position of the four-bar MABN, as functions of its focal cubic are given it
 
 
-#: The names of the numbers of a position, but for its branch.
-POSITION = ("a", "b", "c", "d", "phi")
+MODE = papers.number("branch", "assembly mode")
 
 
 def point(name: str) -> Input:
     """Return the declaration of a coordinate of a point in the plane."""
-    return Input(name, "m", name, f"coordinate {name} of the point")
+    return papers.number(name, f"coordinate {name} of the point", "m")
 
 
 def read_position(function: str, *numbers: Any, further: Iterable[tuple[Input, Any]] = ()) -> list[Any]:
     """Return a, b, c, d, phi, branch and further numbers as arrays of one shape."""
     *position, branch = numbers
-    declared = [*(focal.inputs[name] for name in "abcd"), focal.position]
-    mode = Input("branch", "1", "branch", "assembly mode")
-    more = [one for one, _ in further]
-    given = (*position, like(branch, branch_codes(planar_4r, branch)), *(value for _, value in further))
-    arrays = papers.broadcast(function, [*declared, mode, *more], *given)
-    named = [*declared, *more]
-    lengths = [*arrays[: len(declared)], *arrays[len(declared) + 1 :]]
-    papers.check_lengths(function, named, lengths, "four lengths")
+    declared = [*(focal.inputs[name] for name in "abcd"), focal.position, MODE, *(one for one, _ in further)]
+    codes = like(branch, branch_codes(planar_4r, branch))
+    arrays = papers.broadcast(function, declared, *position, codes, *(value for _, value in further))
+    papers.check_lengths(function, declared, arrays, "four lengths")
     bars = np.array(arrays[:4])
     if (bars.min(axis=0) <= papers.LEAST_LENGTH * bars.max(axis=0)).any():
         remedy = "write lengths within a factor of 1e24 of each other"
@@ -312,17 +307,15 @@ def _is_on(k: Any, z: Any) -> Any:
 def gradient(k: Any, z: Any) -> tuple[Any, Any, Any, Any, Any]:
     """Return the polynomial k of cubics, its gradient as a complex number, and its second derivatives xx, xy, yy."""
     x, y = z.real, z.imag
-    value = k[0, 1] * y + x * (k[1, 0] + x * (k[2, 0] + x * k[3, 0]))
-    value = value + y * (k[1, 1] * x + k[2, 1] * x * x + y * (k[0, 2] + k[1, 2] * x + k[0, 3] * y))
-    by_x = (
-        k[1, 0] + 2.0 * k[2, 0] * x + 3.0 * k[3, 0] * x * x + y * (k[1, 1] + 2.0 * k[2, 1] * x + k[1, 2] * y)
-    )
-    by_y = (
-        k[0, 1] + 2.0 * k[0, 2] * y + 3.0 * k[0, 3] * y * y + x * (k[1, 1] + k[2, 1] * x + 2.0 * k[1, 2] * y)
-    )
-    xx = 2.0 * k[2, 0] + 6.0 * k[3, 0] * x + 2.0 * k[2, 1] * y
-    yy = 2.0 * k[0, 2] + 6.0 * k[0, 3] * y + 2.0 * k[1, 2] * x
-    return value, by_x + 1j * by_y, xx, k[1, 1] + 2.0 * k[2, 1] * x + 2.0 * k[1, 2] * y, yy
+    (_, k01, k02, k03), (k10, k11, k12, _), (k20, k21, *_), (k30, *_) = k
+    value = k01 * y + x * (k10 + x * (k20 + x * k30))
+    value = value + y * (k11 * x + k21 * x * x + y * (k02 + k12 * x + k03 * y))
+    by_x = k10 + 2.0 * k20 * x + 3.0 * k30 * x * x + y * (k11 + 2.0 * k21 * x + k12 * y)
+    by_y = k01 + 2.0 * k02 * y + 3.0 * k03 * y * y + x * (k11 + k21 * x + 2.0 * k12 * y)
+    xx = 2.0 * k20 + 6.0 * k30 * x + 2.0 * k21 * y
+    xy = k11 + 2.0 * k21 * x + 2.0 * k12 * y
+    yy = 2.0 * k02 + 6.0 * k03 * y + 2.0 * k12 * x
+    return value, by_x + 1j * by_y, xx, xy, yy
 
 
 def onto(k: Any, z: Any) -> Any:
@@ -509,9 +502,9 @@ def _by_other_ratio(design: dict[str, Any], by: str, lambda_: Any) -> dict[str, 
 
 
 #: What t is, for messages.
-PARAMETER = Input("t", "1", "t", "number of the conic")
+PARAMETER = papers.number("t", "number of the conic")
 #: One of the double rays, for the shape of the points.
-RAY = Input("first", "rad", "first", "direction of a double ray")
+RAY = papers.number("first", "direction of a double ray", "rad")
 
 
 class InscribedConic(NamedTuple):
@@ -662,7 +655,7 @@ class Involution:
 
     def partner(self, direction: Any) -> Any:
         """Return the direction of the ray that is paired with the ray of a direction [rad]."""
-        declared = [Input("direction", "rad", "direction", "direction of a ray"), RAY]
+        declared = [papers.number("direction", "direction of a ray", "rad"), RAY]
         angle, _ = papers.broadcast("partner", declared, direction, self.first, gaps=True)
         xx, xy, yy = self._double
         x, y = np.cos(angle), np.sin(angle)
@@ -832,7 +825,8 @@ SHORTEST = 2.0**-100
 def _bars(names: str, rule: Literal["positive", "any"] = "positive") -> list[Input]:
     """Return the declarations of bars; d is always a length."""
     return [
-        Input(name, "m", name, f"length {BARS[name]}", "positive" if name == "d" else rule) for name in names
+        papers.number(name, f"length {BARS[name]}", "m", "positive" if name == "d" else rule)
+        for name in names
     ]
 
 
@@ -874,16 +868,12 @@ def five_bar(
     >>> at["F_x"].round(9), at["F_y"].round(9), np.degrees(at["angle_FQN"]).round(9)
     (array([2., 2.]), array([0.44948974, 0.44948974]), array([90., 90.]))
     """
-    names = "mpqnd"
-    angles = [
-        Input("phi", "rad", "phi", "direction of MP"),
-        Input("omega_angle", "rad", "omega", "angle of MP and PF"),
-    ]
-    mode = Input("branch", "1", "branch", "assembly mode")
-    declared = [*_bars(names), *angles, mode]
+    directions = {"phi": "direction of MP", "omega_angle": "angle of MP and PF"}
+    angles = (papers.number(name, meaning, "rad") for name, meaning in directions.items())
+    declared = [*_bars("mpqnd"), *angles, MODE]
     given = (m, p, q, n, d, phi, omega_angle, like(branch, branch_codes(planar_4r, branch)))
-    m, p, q, n, d, phi, omega_angle, branch = papers.broadcast("five_bar", declared, *given)
-    papers.check_lengths("five_bar", declared[:5], (m, p, q, n, d), "four lengths")
+    m, p, q, n, d, phi, omega_angle, branch = arrays = papers.broadcast("five_bar", declared, *given)
+    papers.check_lengths("five_bar", declared, arrays, "four lengths")
     u = np.exp(1j * phi)
     P = m * u
     # m - p + p (1 - w), in which the first difference alone cancels

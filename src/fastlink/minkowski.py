@@ -15,11 +15,11 @@ import numpy as np
 from fastlink._text import in_words
 from fastlink.engine.evaluate import broadcast_inputs
 from fastlink.errors import InputError, Problems, door
-from fastlink.facts.fact import Input, Rule
+from fastlink.facts.fact import Input
 from fastlink.io.reader import as_dataset
 from fastlink.mechanisms.minkowski_4r import minkowski_4r
 from fastlink.numerics.compensated import sum_of_four, two_product
-from fastlink.papers import broadcast, check_lengths, coupler_sextic, read_numbers
+from fastlink.papers import broadcast, check_lengths, coupler_sextic, number, read_numbers
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -62,11 +62,6 @@ NO_EXPONENT = -10000
 GREATEST = 1e300
 #: Up to it e^angle and its reciprocal are ordinary doubles.
 MOST_OF_EXP = 700.0
-
-
-def number(name: str, meaning: str, units: str = "1", rule: Rule = "any") -> Input:
-    """Return the declaration of a number beside vectors."""
-    return Input(name, units, name, meaning, rule)
 
 
 def read(function: str, vectors: Mapping[str, Any], numbers: Iterable[tuple[Input, Any]] = ()) -> list[Any]:

@@ -11,7 +11,7 @@ from fastlink._text import short_repr
 from fastlink.engine.evaluate import broadcast_inputs, like
 from fastlink.errors import InputError, Problems, check_whole
 from fastlink.facts.catalogue import Catalogue
-from fastlink.facts.fact import Input
+from fastlink.facts.fact import Input, Rule
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.plan.request import keywords_in_si, name_problems, value_problems
 from fastlink.space.design_space import MOST_DIMS, has, in_unit, numbers_of, read_or_none
@@ -87,6 +87,11 @@ def _entries_of(design: Any, known: Collection[str]) -> dict[str, Any] | None:
     return None
 
 
+def number(name: str, meaning: str, units: str = "1", rule: Rule = "any") -> Input:
+    """Return the declaration of a number that is no input of a mechanism."""
+    return Input(name, units, name, meaning, rule)
+
+
 def broadcast(function: str, declared: Iterable[Input], *numbers: Any, gaps: bool = False) -> list[Any]:
     """Return numbers as arrays of one shape."""
     named = {one.name: one for one in declared}
@@ -96,7 +101,7 @@ def broadcast(function: str, declared: Iterable[Input], *numbers: Any, gaps: boo
 
 def broadcast_points(function: str, x: Any, y: Any) -> list[Any]:
     """Return the coordinates of points in the last axis, among which NaN may stand, as arrays of one shape."""
-    declared = (Input(name, "m", name, "coordinate of the points") for name in "xy")
+    declared = (number(name, "coordinate of the points", "m") for name in "xy")
     points = broadcast(function, declared, x, y, gaps=True)
     if not points[0].ndim:
         raise InputError("is one point", (function, "x"), "write arrays of points")

@@ -164,9 +164,8 @@ class Cognate:
             crank and output link of the original are parallel, which is a toggle of theirs. The branch is NaN where
             a direction is, such as where the original does not assemble.
         """
-        directions = (
-            Input(name, "rad", name, "direction of a link") for name in ("theta1", "theta2", "theta4")
-        )
+        names = ("theta1", "theta2", "theta4")
+        directions = (papers.number(name, "direction of a link", "rad") for name in names)
         t1, t2, t4 = papers.broadcast("configuration", directions, theta1, theta2, theta4, gaps=True)
         own = t1 if self.number == 1 else t2
         one, other = {1: (t2, t4), 2: (t1, t4), 3: (t4, t1)}[self.number]
@@ -177,9 +176,8 @@ class Cognate:
 
     def to_ground(self, x: Any, y: Any) -> tuple[Any, Any]:
         """Return a point (x, y) [m] of the linkage's own ground frame in that of the original."""
-        x, y = papers.broadcast(
-            "to_ground", (Input(name, "m", name, "coordinate") for name in "xy"), x, y, gaps=True
-        )
+        declared = (papers.number(name, "coordinate", "m") for name in "xy")
+        x, y = papers.broadcast("to_ground", declared, x, y, gaps=True)
         ground = self.design["a4"]
         cosine, sine = (self.D_x - self.O_x) / ground, (self.D_y - self.O_y) / ground
         return self.O_x + (cosine * x - sine * y), self.O_y + (sine * x + cosine * y)
@@ -1014,7 +1012,7 @@ def _chosen(link: int, radius: Any, mass: Any) -> list[tuple[Input, Any]]:
         raise InputError(what, where, "write one of them, the other follows")
     name, units, value = ("mass", "kg", mass) if mass is not None else ("radius", "m", radius)
     meaning = f"{name} of the counterweight of link {link}"
-    return [] if value is None else [(Input(f"{name}{link}", units, name, meaning, "positive"), value)]
+    return [] if value is None else [(papers.number(f"{name}{link}", meaning, units, "positive"), value)]
 
 
 def _counterweight(link: int, product: Any, given: Mapping[str, Any], length: Any) -> dict[str, Any]:
@@ -1065,7 +1063,7 @@ def flywheel_inertia(maps: Any, C_s: Any) -> Any:
     >>> round(float(fl.planar.flywheel_inertia(maps, C_s=0.02)), 2)
     26.34
     """
-    bound = Input("C_s", "1", "C_s", "coefficient of speed fluctuation", "positive")
+    bound = papers.number("C_s", "coefficient of speed fluctuation", rule="positive")
     checked, _ = papers.read_numbers("flywheel_inertia", {"C_s": bound}, {"C_s": C_s}, Problems())
     if isinstance(maps, Mapping) and not hasattr(maps, "data_vars"):
         return _inertia(maps, checked["C_s"])

@@ -273,8 +273,8 @@ class Stationary:
                 if one.zero and one.kind != END:
                     base = self.facts.at(self._values(design, one.end, CONTEXT.mpf(one.x)))
                     one = replace(one, x=float(self._zero(base, one)))
-                theta, middle, reach = self._read_at(design, one, self.position, *ARC_FACTS)
-                if abs(np.sin(0.5 * (theta - middle))) <= reach + 2.0**-46:
+                angle, centre, half = self._read_at(design, one, self.position, *ARC_FACTS)
+                if abs(np.sin(0.5 * (angle - centre))) <= half + 2.0**-46:
                     inside.append(one)
             self.candidates[design] = inside
         theta, middle, reach = self._sampled((self.position, *ARC_FACTS))
