@@ -163,13 +163,11 @@ def check_lengths(
     problems, greatest = Problems(), GREATEST_LENGTH
     for one, numbers in zip(declared, values, strict=True):
         least = LEAST_LENGTH if one.rule == "positive" else -greatest
-        if one.units != "m" or bool(np.all((numbers >= least) & (numbers <= greatest))):
-            continue
-        bad = numbers[~((numbers >= least) & (numbers <= greatest))].flat[0]
-        remedy = (
-            f"write {least:g} to {greatest:g}, in another unit of length: products of {products} are computed"
-        )
-        problems.add(f"is {bad} ({one.meaning})", (function, one.name), remedy)
+        outside = numbers[~((numbers >= least) & (numbers <= greatest))]
+        if one.units == "m" and outside.size:
+            unit = "in another unit of length"
+            remedy = f"write {least:g} to {greatest:g}, {unit}: products of {products} are computed"
+            problems.add(f"is {outside.flat[0]} ({one.meaning})", (function, one.name), remedy)
     problems.stop()
 
 

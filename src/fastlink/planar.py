@@ -985,9 +985,11 @@ def force_balance(
     check_model(planar_4r, links, ELIMINATED)
     variants = selected_variants(planar_4r, links, ELIMINATED, ())
     needed = [name for name in NEEDED if planar_4r.resolve(name, variants) is None]
-    others: dict[str, Any] = {"further": [*_chosen(1, radius1, mass1), *_chosen(3, radius3, mass3)]}
-    others["optional"] = [*set(NEEDED).difference(needed), *planar_4r.variant_inputs["round_bar"]]
-    given = papers.read_design("force_balance", planar_4r, design, inputs, needed, **others)
+    further = [*_chosen(1, radius1, mass1), *_chosen(3, radius3, mass3)]
+    optional = [*set(NEEDED).difference(needed), *planar_4r.variant_inputs["round_bar"]]
+    given = papers.read_design(
+        "force_balance", planar_4r, design, inputs, needed, optional=optional, further=further
+    )
     with np.errstate(over="ignore", invalid="ignore"):  # of masses beyond 1e200, which are refused
         facts = read_facts(planar_4r, NEEDED, constants_of(planar_4r, links, variants) | given, variants)
         g1, g2, g3 = (np.asarray(facts[f"G{i}_u"]) + 1j * np.asarray(facts[f"G{i}_v"]) for i in (1, 2, 3))
@@ -1019,12 +1021,10 @@ def _counterweight(link: int, product: Any, given: Mapping[str, Any], length: An
     """Return the inputs of a counterweight of a given complex mass times radius."""
     mass = given.get(f"mass{link}")
     chosen = given.get(f"radius{link}", length) if mass is None else mass
-    other = np.abs(product) / chosen
-    of_both = (other, chosen) if mass is None else (chosen, other)
-    values = zip(
-        ("mass", "radius", "direction"), np.broadcast_arrays(*of_both, np.angle(product)), strict=True
-    )
-    return {f"counterweight{link}_{key}": value[()] for key, value in values}
+    names = ("radius", "mass") if mass is None else ("mass", "radius")
+    arrays = np.broadcast_arrays(chosen, np.abs(product) / chosen, np.angle(product))
+    values = dict(zip((*names, "direction"), arrays, strict=True))
+    return {f"counterweight{link}_{key}": values[key][()] for key in ("mass", "radius", "direction")}
 
 
 # -- The flywheel that keeps the speed of a crank within bounds
@@ -1258,9 +1258,8 @@ def bar_properties(design: Any = None, *, links: Links, **inputs: Any) -> dict[s
     check_model(planar_4r, links, ELIMINATED)
     needed = [f"a{i}" for i in LINKS]
     if not isinstance(links, Links):
-        raise InputError(
-            "is missing", ("bar_properties", "links"), "write fl.round_bar(density=..., radius=...)"
-        )
+        remedy = "write fl.round_bar(density=..., radius=...)"
+        raise InputError("is missing", ("bar_properties", "links"), remedy)
     needed += [name for name in planar_4r.variant_inputs[ROUND_BAR] if name not in links.values]
     given = papers.read_design("bar_properties", planar_4r, design, inputs, needed)
     values = constants_of(planar_4r, links, (ROUND_BAR,)) | given

@@ -109,7 +109,7 @@ def ldexp(x: Any, times: Any) -> Any:
 
 
 # Minimax coefficients of (atan(r)/r - 1)/r^2 in r^2 for |r| <= tan(pi/8), degree 23 in r: 0.012 units of rounding.
-ATAN_COEFFICIENTS = (
+(_C0, _C1, _C2, _C3, _C4, _C5, _C6, _C7, _C8, _C9, _C10) = (
     -0.333333333333332,
     0.19999999999953252,
     -0.14285714280166908,
@@ -122,7 +122,6 @@ ATAN_COEFFICIENTS = (
     0.03806218041026196,
     -0.017905080787384044,
 )
-(_C0, _C1, _C2, _C3, _C4, _C5, _C6, _C7, _C8, _C9, _C10) = ATAN_COEFFICIENTS
 TAN_PI_8 = 0.41421356237309503
 # pi/4 = high + low; high has 46 bits, so that small multiples of it are exact.
 PI_4_HIGH = float.fromhex("0x1.921fb54442d00p-1")

@@ -23,7 +23,7 @@ from fastlink.numerics.elementary import (
 )
 
 # Minimax coefficients of (log((1 + s)/(1 - s))/s - 2)/s^2 in s^2 for |s| <= 0.2005: 2^-55.8 of the logarithm.
-LOG_COEFFICIENTS = (
+(_L0, _L1, _L2, _L3, _L4, _L5, _L6) = (
     0.666666666666729,
     0.39999999996057706,
     0.2857142941420829,
@@ -32,7 +32,6 @@ LOG_COEFFICIENTS = (
     0.1524888774956877,
     0.15378368156080974,
 )
-(_L0, _L1, _L2, _L3, _L4, _L5, _L6) = LOG_COEFFICIENTS
 # log(2) = high + low; high has 32 bits, so that multiples of it up to 2^21 are exact.
 LN_2_HIGH = float.fromhex("0x1.62e42feep-1")
 LN_2_LOW = float.fromhex("0x1.a39ef35793c76p-33")

@@ -125,16 +125,12 @@ class Sample:
 
     def bound(self, quantity: str, at: Mapping[str, float]) -> float:
         """Return the error bound of a quantity at a configuration; infinite where it has none."""
+        name, doubles = error_name(quantity), {key: np.float64(value) for key, value in at.items()}
         try:
-            facts = read_facts(
-                self.catalogue,
-                [name := error_name(quantity)],
-                {k: np.float64(v) for k, v in at.items()},
-                self.plan.variants,
-            )
+            bound = float(read_facts(self.catalogue, [name], doubles, self.plan.variants)[name])
         except InputError:
             return np.inf
-        return float(facts[name]) if facts[name] == facts[name] else np.inf
+        return np.inf if math.isnan(bound) else bound
 
     def affordable(self, facts: HighPrecision, share: int, most: int) -> int:
         """Return the number of configurations that a share of the evaluations pays for."""
@@ -454,7 +450,7 @@ def outermost(
     candidates = stationary.candidates[design]
     ends = [stationary.extreme(design, c) for c in candidates if c.kind == END or c.zero]
     if any(c.kind == JUMP for c in candidates) or any(map(stationary.is_half_turn, ends)):
-        return Extreme(sign * CONTEXT.pi, CONTEXT.zero, CONTEXT.nan, CONTEXT.zero)
+        return Extreme(sign * CONTEXT.pi)
     inner = [candidate for candidate in candidates if candidate.kind == sign]
     best = max((sign * candidate.value for candidate in inner), default=-np.inf)
     tied = [c for c in inner if sign * c.value >= best - TIED_EXTREMA * abs(best)]
@@ -465,7 +461,7 @@ def outermost(
     sample, size = stationary.largest_sample(design, sign), stationary.size(design)
     if not extremes or sign * sample > greatest + TIED_EXTREMA * size:
         # a constant, an extreme that no slope shows, or no value at all
-        return Extreme(CONTEXT.mpf(sample), CONTEXT.mpf(size), CONTEXT.nan, CONTEXT.zero)
+        return Extreme(CONTEXT.mpf(sample), CONTEXT.mpf(size))
     if of_all:
         return max((e for e in extremes if not CONTEXT.isnan(e.value)), key=lambda e: sign * e.value)
     equal = [

@@ -128,9 +128,9 @@ class Extreme:
     """An extreme with 50 digits: value and input angle, each with its condition; whether the slope is 0 there."""
 
     value: Any
-    condition: Any
-    position: Any
-    position_condition: Any
+    condition: Any = CONTEXT.zero
+    position: Any = CONTEXT.nan
+    position_condition: Any = CONTEXT.zero
     is_stationary: bool = False
 
 
@@ -342,7 +342,7 @@ class Stationary:
     def extreme(self, design: int, candidate: Candidate, *, positions: bool = False) -> Extreme:
         """Return an extreme with 50 digits; `positions` adds the condition of its angle."""
         if candidate.kind == JUMP:
-            return Extreme(CONTEXT.pi, CONTEXT.zero, CONTEXT.nan, CONTEXT.zero)
+            return Extreme(CONTEXT.pi)
         with CONTEXT.workdps(OF_ENDS if candidate.kind == END else OF_EXTREMES):
             found = self._extreme(design, candidate, positions=positions)
         return replace(found, value=CONTEXT.zero) if abs(found.value) < NOTHING * self.size(design) else found
@@ -389,10 +389,10 @@ class Stationary:
             near, far = (self._at(base, end, x + k * aside)[self.quantity] for k in (FARTHER, FARTHER**2))
             place = self._at(base, end, x)[self.position]
             limit = near * CONTEXT.inf if abs(near) > GROWS * abs(far) else near
-            return Extreme(limit, CONTEXT.zero, place, CONTEXT.zero)
+            return Extreme(limit, position=place)
         aside = ASIDE if (candidate.kind > 0) == (x > 0) else -ASIDE
         value, farther = (self._at(base, end, x * (1 + k * aside))[self.quantity] for k in (1, 2))
-        return Extreme(value, abs(farther - value) / ASIDE, CONTEXT.nan, CONTEXT.zero)
+        return Extreme(value, abs(farther - value) / ASIDE)
 
     def _zero(self, base: Mapping[str, Any], candidate: Candidate) -> Any:
         """Return the place where the fact of a candidate vanishes."""
@@ -449,10 +449,8 @@ class Stationary:
         value, position = there[self.quantity], there[self.position]
         if max(abs(value), abs(farther)) > GROWS * min(abs(value), abs(farther)):
             if abs(value) > size:
-                return Extreme(
-                    CONTEXT.inf if value > 0 else -CONTEXT.inf, CONTEXT.zero, position, CONTEXT.zero
-                )
-            return Extreme(CONTEXT.zero, CONTEXT.mpf(size), position, CONTEXT.zero)
+                return Extreme(value * CONTEXT.inf, position=position)
+            return Extreme(CONTEXT.zero, CONTEXT.mpf(size), position)
         condition, of_position = self._condition_at_end(there, candidate)
         return Extreme(value, condition, position, of_position)
 
