@@ -215,16 +215,18 @@ def _polynomial_sine(x: Any) -> Any:
     return _polynomial_cos_sin(x)[1]
 
 
-@of_mpmath(_polynomial_cosine)
+@compiled_as(_polynomial_cosine)
 def cosine(x: Any) -> Any:
     """Cosine of a direction that a design gives, within 2 roundings.
 
     NaN beyond a million rad. The same polynomials in every reading, for the same bits on every machine.
     """
-    return context_of(x).cos(x)
+    context = context_of(x)
+    return _polynomial_cos_sin(np.asarray(x, dtype=float))[0][()] if context is None else context.cos(x)
 
 
-@of_mpmath(_polynomial_sine)
+@compiled_as(_polynomial_sine)
 def sine(x: Any) -> Any:
     """Sine of a direction that a design gives: see `cosine`."""
-    return context_of(x).sin(x)
+    context = context_of(x)
+    return _polynomial_cos_sin(np.asarray(x, dtype=float))[1][()] if context is None else context.sin(x)

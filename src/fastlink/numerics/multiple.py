@@ -231,9 +231,9 @@ def _rotated(n: Any, x: Parts, start: tuple[Parts, Parts], sign: float) -> tuple
     - T times the error of x.
     """
     c0, c1, s = _series(x, sign)
-    cosine, sine, c = _halved(start[0]), _halved(start[1]), ((c0, *split(c0)), c1)
-    first, first_seconds = _turned(cosine, sine, c, _halved((sign * s[0], sign * s[1], sign * s[2])))
-    second, second_seconds = _turned(sine, cosine, c, _halved(s))
+    cosine, sine, c, halved = _halved(start[0]), _halved(start[1]), ((c0, *split(c0)), c1), _halved(s)
+    first, first_seconds = _turned(cosine, sine, c, _signed(halved, sign))
+    second, second_seconds = _turned(sine, cosine, c, halved)
     of_c = x[0] * x[0] * 2.0**-100
     of_x = abs(n) * 2.0**-190 + abs(x[1]) * 2.0**-105
     of_s = abs(x[0]) * of_c + abs(s[1]) * 2.0**-100 + of_x
@@ -241,6 +241,13 @@ def _rotated(n: Any, x: Parts, start: tuple[Parts, Parts], sign: float) -> tuple
     first_error = of_c * abs_c + first_seconds * 2.0**-100 + of_s * abs_s
     second_error = of_c * abs_s + second_seconds * 2.0**-100 + of_s * abs_c
     return first, first_error, second, second_error
+
+
+def _signed(s: Halved, sign: float) -> Halved:
+    if sign == 1.0:
+        return s
+    (s0, s01, s02), (s1, s11, s12), s2 = s
+    return (-s0, -s01, -s02), (-s1, -s11, -s12), -s2
 
 
 def _in_range(x: Any, grid: Grid) -> tuple[Any, Any]:
@@ -258,7 +265,7 @@ def circular(x: Any) -> tuple[Any, ...]:
     grid = _circle()
     x, without = _in_range(x, grid)
     n, rest = _divided(x, grid)
-    cosine, of_cosine, sine, of_sine = _rotated(n, rest, grid.at(n % (4.0 * STEPS)), grid.sign)
+    cosine, of_cosine, sine, of_sine = _rotated(n, rest, grid.at(_modulo(n, 4.0 * STEPS)), grid.sign)
     return cosine, of_cosine + without, sine, of_sine + without
 
 
@@ -273,6 +280,11 @@ def hyperbolic(x: Any) -> tuple[Any, ...]:
     k = nearest_integer(n / STEPS)
     cosine, of_cosine, sine, of_sine = _rotated(n, rest, grid.at(n - k * STEPS + STEPS / 2.0), grid.sign)
     return cosine, of_cosine + without, sine, of_sine + without, k
+
+
+def _modulo(n: Any, count: float) -> Any:
+    """Return an integer modulo a power of two, from 0."""
+    return n - count * np.floor(n / count) if isinstance(n, np.ndarray) else n % count
 
 
 # -- Unevaluated sums of three doubles with bounds of their errors, for tables of the input position
