@@ -219,13 +219,6 @@ def printable(line: str) -> str:
     """Return a line of at most 390 signs that any terminal shows: others are escaped, addresses left out.
 
     Of a word of more than 200 signs the beginning and the end are shown.
-
-    Examples
-    --------
-    >>> printable(f"mechanism: {chr(27)}[31m is unknown").isprintable()
-    True
-    >>> len(printable(f"{'w' * 5000} is no option"))
-    176
     """
     line = re.sub(r" at 0x[0-9a-fA-F]+", "", line)
     if not line.isprintable():
@@ -373,18 +366,6 @@ def door(function: Callable[P, R] | None = None, *, hint: Hint = "", name: str =
     A hint that is a function tells of what is no parameter where it is written, if it knows; of "" what others tell.
 
     A right call costs a tenth of a microsecond more. A TypeError that the function itself raises is passed on.
-
-    Examples
-    --------
-    >>> @door
-    ... def bar(density, radius=0.01):
-    ...     return density * radius
-    >>> bar(7750.0, raduis=0.02)
-    Traceback (most recent call last):
-    fastlink.errors.CallError: bar: raduis is not a parameter; did you mean 'radius'?
-    >>> bar()
-    Traceback (most recent call last):
-    fastlink.errors.CallError: bar: density is missing; write bar(density, radius=...)
     """
     if function is None:
         return functools.partial(door, hint=hint, name=name)

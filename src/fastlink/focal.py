@@ -1,12 +1,12 @@
 """Functions of Burmester's focal mechanism: its cubic, constructions on it, conics, the five-bar, straight lines.
 
-Positions of the four-bar MABN are given as for `cubic`. Lengths are 1e-70 to 1e70 m. Others, values that are no finite
+Positions of the four-bar MABN are given as for `cubic`. Lengths are 1e-24 to 1e24 m. Others, values that are no finite
 numbers and shapes that do not broadcast are refused with `fastlink.InputError`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
@@ -50,26 +50,21 @@ def __dir__() -> list[str]:
 # -- Read a position of the four-bar MABN, as functions of its focal cubic are given it
 
 
-#: The names of the numbers of a position, but for its branch.
-POSITION = ("a", "b", "c", "d", "phi")
+MODE = papers.number("branch", "assembly mode")
 
 
 def point(name: str) -> Input:
     """Return the declaration of a coordinate of a point in the plane."""
-    return Input(name, "m", name, f"coordinate {name} of the point")
+    return papers.number(name, f"coordinate {name} of the point", "m")
 
 
 def read_position(function: str, *numbers: Any, further: Iterable[tuple[Input, Any]] = ()) -> list[Any]:
     """Return a, b, c, d, phi, branch and further numbers as arrays of one shape."""
     *position, branch = numbers
-    declared = [*(focal.inputs[name] for name in "abcd"), focal.position]
-    mode = Input("branch", "1", "branch", "assembly mode")
-    more = [one for one, _ in further]
-    given = (*position, like(branch, branch_codes(planar_4r, branch)), *(value for _, value in further))
-    arrays = papers.broadcast(function, [*declared, mode, *more], *given)
-    named = [*declared, *more]
-    lengths = [*arrays[: len(declared)], *arrays[len(declared) + 1 :]]
-    papers.check_lengths(function, named, lengths, "four lengths")
+    declared = [*(focal.inputs[name] for name in "abcd"), focal.position, MODE, *(one for one, _ in further)]
+    codes = like(branch, branch_codes(planar_4r, branch))
+    arrays = papers.broadcast(function, declared, *position, codes, *(value for _, value in further))
+    papers.check_lengths(function, declared, arrays, "four lengths")
     bars = np.array(arrays[:4])
     if (bars.min(axis=0) <= papers.LEAST_LENGTH * bars.max(axis=0)).any():
         remedy = "write lengths within a factor of 1e24 of each other"
@@ -77,13 +72,17 @@ def read_position(function: str, *numbers: Any, further: Iterable[tuple[Input, A
     return arrays
 
 
-def corners(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any) -> tuple[Any, Any]:
+def _joints(position: Sequence[Any], *further: str) -> list[Any]:
+    """Return the coordinates of A and B and further quantities of the four-bar, NaN where it does not assemble."""
+    bars = dict(zip(("a1", "a3", "a2", "a4", "theta1", "branch"), position, strict=True))
+    found = evaluate("planar_4r", ["A_x", "A_y", "B_x", "B_y", *further], **bars)
+    return [np.asarray(value) for value in found.values()]
+
+
+def corners(position: Sequence[Any]) -> tuple[Any, Any]:
     """Return the joints A and B as complex numbers, NaN where the four-bar does not assemble."""
-    joints = ["A_x", "A_y", "B_x", "B_y"]
-    found = evaluate("planar_4r", joints, a1=a, a2=c, a3=b, a4=d, theta1=phi, branch=branch)
-    A_x, A_y, B_x, B_y = (np.asarray(found[name]) for name in joints)
-    closes = np.isfinite(B_x)
-    return np.where(closes, A_x + 1j * A_y, np.nan), B_x + 1j * B_y
+    A_x, A_y, B_x, B_y = _joints(position)
+    return np.where(np.isfinite(B_x), A_x + 1j * A_y, np.nan), B_x + 1j * B_y
 
 
 # -- The focal cubic of a position of the four-bar: all points that F can be
@@ -135,14 +134,13 @@ def cubic(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1) -> Any:
     >>> [round(abs(float(np.polynomial.polynomial.polyval2d(x, y, k))), 9) for x, y in on_it]
     [0.0, 0.0, 0.0, 0.0]
     """
-    return coefficients(*read_position("cubic", a, b, c, d, phi, branch))
+    return coefficients(read_position("cubic", a, b, c, d, phi, branch))
 
 
-def coefficients(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any) -> Any:
+def coefficients(position: Sequence[Any]) -> Any:
     """Return the equations of focal cubics of positions that are read; see `cubic`."""
-    four_bar = {"a1": a, "a2": c, "a3": b, "a4": d, "theta1": phi, "branch": branch}
-    values = evaluate("planar_4r", ["A_x", "A_y", "B_x", "B_y", "theta2"], **four_bar)
-    A_x, A_y, B_x, B_y, direction = (np.asarray(value) for value in values.values())
+    A_x, A_y, B_x, B_y, direction = _joints(position, "theta2")
+    c, d = position[2:4]
     half = np.sin(0.5 * direction)
     AB_x, AB_y = c * np.cos(direction), c * np.sin(direction)
     area = cross(A_x, A_y, AB_x, AB_y)
@@ -193,7 +191,7 @@ def trace(position: Iterable[Any], samples: int) -> Any:
     """Return points of the focal cubics of positions that are read; see `cubic_points`."""
     a, b, c, d, phi, branch = position
     size = np.maximum(np.maximum(a, b), np.maximum(c, d))
-    k = coefficients(a / size, b / size, c / size, d / size, phi, branch)
+    k = coefficients((a / size, b / size, c / size, d / size, phi, branch))
     ends = _double_directions(k)
     # from each of the directions to the next one, round half a turn
     width = np.diff(ends, axis=-1, append=ends[..., :1] + np.pi)
@@ -264,21 +262,20 @@ SAMPLES, STEPS = 100, 12
 ON_IT = 1e-9
 
 
-def nearest_point(position: tuple[Any, ...], z: Any) -> Any:
+def nearest_point(position: Sequence[Any], z: Any) -> Any:
     """Return the points of focal cubics that are nearest to points z, as complex numbers."""
     shape = z.shape
     *lengths, phi, branch = (np.ravel(value) for value in position)
     z = np.ravel(z)
     size = 2.0 ** np.ceil(np.log2(np.max(lengths, axis=0)))
     plain = (*(length / size for length in lengths), phi, branch)
-    k = np.moveaxis(coefficients(*plain), 0, -1)
+    k = np.moveaxis(coefficients(plain), 0, -1)
     start = z / size
     found = onto(k, start)
     # on which side of the curve a point lies is rounding; farther ones need the whole curve
     off = np.abs(found - start)
     far = np.flatnonzero(~(off <= ON_IT) & np.isfinite(k[0, 1]))
-    for begin in range(0, far.size, BLOCK):
-        some = far[begin : begin + BLOCK]
+    for some in (far[part] for part in papers.blocks(far.size, BLOCK)):
         traced = trace((value[some] for value in plain), SAMPLES)
         found[some] = _nearest_of(k[..., some], start[some], traced[..., 0] + 1j * traced[..., 1])
     return (found * size).reshape(shape)
@@ -310,17 +307,15 @@ def _is_on(k: Any, z: Any) -> Any:
 def gradient(k: Any, z: Any) -> tuple[Any, Any, Any, Any, Any]:
     """Return the polynomial k of cubics, its gradient as a complex number, and its second derivatives xx, xy, yy."""
     x, y = z.real, z.imag
-    value = k[0, 1] * y + x * (k[1, 0] + x * (k[2, 0] + x * k[3, 0]))
-    value = value + y * (k[1, 1] * x + k[2, 1] * x * x + y * (k[0, 2] + k[1, 2] * x + k[0, 3] * y))
-    by_x = (
-        k[1, 0] + 2.0 * k[2, 0] * x + 3.0 * k[3, 0] * x * x + y * (k[1, 1] + 2.0 * k[2, 1] * x + k[1, 2] * y)
-    )
-    by_y = (
-        k[0, 1] + 2.0 * k[0, 2] * y + 3.0 * k[0, 3] * y * y + x * (k[1, 1] + k[2, 1] * x + 2.0 * k[1, 2] * y)
-    )
-    xx = 2.0 * k[2, 0] + 6.0 * k[3, 0] * x + 2.0 * k[2, 1] * y
-    yy = 2.0 * k[0, 2] + 6.0 * k[0, 3] * y + 2.0 * k[1, 2] * x
-    return value, by_x + 1j * by_y, xx, k[1, 1] + 2.0 * k[2, 1] * x + 2.0 * k[1, 2] * y, yy
+    (_, k01, k02, k03), (k10, k11, k12, _), (k20, k21, *_), (k30, *_) = k
+    value = k01 * y + x * (k10 + x * (k20 + x * k30))
+    value = value + y * (k11 * x + k21 * x * x + y * (k02 + k12 * x + k03 * y))
+    by_x = k10 + 2.0 * k20 * x + 3.0 * k30 * x * x + y * (k11 + 2.0 * k21 * x + k12 * y)
+    by_y = k01 + 2.0 * k02 * y + 3.0 * k03 * y * y + x * (k11 + k21 * x + 2.0 * k12 * y)
+    xx = 2.0 * k20 + 6.0 * k30 * x + 2.0 * k21 * y
+    xy = k11 + 2.0 * k21 * x + 2.0 * k12 * y
+    yy = 2.0 * k02 + 6.0 * k03 * y + 2.0 * k12 * x
+    return value, by_x + 1j * by_y, xx, xy, yy
 
 
 def onto(k: Any, z: Any) -> Any:
@@ -345,10 +340,10 @@ def _foot(k: Any, start: Any, z: Any) -> Any:
             a, b, c = 1.0 + multiplier * xx, multiplier * xy, 1.0 + multiplier * yy
             determinant = a * c - b * b
             # the first two equations by the change of the multiplier
-            by_left = ((c * left.real - b * left.imag) + 1j * (a * left.imag - b * left.real)) / determinant
-            by_slope = (
-                (c * slope.real - b * slope.imag) + 1j * (a * slope.imag - b * slope.real)
-            ) / determinant
+            by_left, by_slope = (
+                ((c * side.real - b * side.imag) + 1j * (a * side.imag - b * side.real)) / determinant
+                for side in (left, slope)
+            )
             change = ((by_left * np.conj(slope)).real + value) / (by_slope * np.conj(slope)).real
             step = by_left - change * by_slope
             sure = np.isfinite(step)
@@ -439,8 +434,8 @@ def from_point(
     further = ((point("x"), x), (point("y"), y))
     *position, x, y = read_position("from_point", a, b, c, d, phi, branch, further=further)
     a, b, c, d, phi, branch = position
-    A, B = corners(*position)
-    F = nearest_point(tuple(position), x + 1j * y)
+    A, B = corners(position)
+    F = nearest_point(position, x + 1j * y)
     size = np.maximum(np.maximum(a, b), np.maximum(c, d))
     to_A, to_B, to_M, to_N = (_apart(F - corner, size) for corner in (A, B, 0.0, d))
     with np.errstate(all="ignore"):
@@ -507,9 +502,9 @@ def _by_other_ratio(design: dict[str, Any], by: str, lambda_: Any) -> dict[str, 
 
 
 #: What t is, for messages.
-PARAMETER = Input("t", "1", "t", "number of the conic")
+PARAMETER = papers.number("t", "number of the conic")
 #: One of the double rays, for the shape of the points.
-RAY = Input("first", "rad", "first", "direction of a double ray")
+RAY = papers.number("first", "direction of a double ray", "rad")
 
 
 class InscribedConic(NamedTuple):
@@ -572,26 +567,25 @@ def inscribed_conics(
     >>> [round(float(value), 4) for value in (conic.x1, conic.y1, conic.x2, conic.y2)]
     [1.183, 1.183, 0.317, 0.317]
     """
-    focus = _check_choice(t, x, y)
-    if focus:
-        *position, x, y = read_position("inscribed_conics", a, b, c, d, phi, branch, further=focus)
-        A, B = corners(*position)
-        first = nearest_point(tuple(position), x + 1j * y)
-        return _conic(A, B, position[3], _number(A, B, position[3], first), first)
-    *position, t = read_position("inscribed_conics", a, b, c, d, phi, branch, further=[(PARAMETER, t)])
-    A, B = corners(*position)
-    return _conic(A, B, position[3], t)
+    further = _number_or_focus(t, x, y)
+    arrays = read_position("inscribed_conics", a, b, c, d, phi, branch, further=further)
+    position, N = arrays[:6], arrays[3]
+    A, B = corners(position)
+    if t is not None:
+        return _conic(A, B, N, arrays[6])
+    focus = nearest_point(position, arrays[6] + 1j * arrays[7])
+    return _conic(A, B, N, _number(A, B, N, focus), focus)
 
 
-def _check_choice(t: Any, x: Any, y: Any) -> list[tuple[Input, Any]]:
-    """Return the declared coordinates of a focus, none where t is given."""
+def _number_or_focus(t: Any, x: Any, y: Any) -> list[tuple[Input, Any]]:
+    """Return the declarations of what is given with its values: t, or the coordinates of a focus."""
     missing = [name for name, value in (("x", x), ("y", y)) if value is None]
     if (t is None) == bool(missing) or (t is not None and len(missing) < 2):
         names = "x and y" if len(missing) != 1 else missing[0]
         lacks = "and t are missing" if len(missing) > 1 else "is missing"
         what = f"{names} {'are given together' if t is not None else lacks}"
         raise InputError(what, ("inscribed_conics",), "give t=..., or a focus x=..., y=...")
-    return [] if missing else [(point("x"), x), (point("y"), y)]
+    return [(PARAMETER, t)] if missing else [(point("x"), x), (point("y"), y)]
 
 
 def _number(A: Any, B: Any, N: Any, focus: Any) -> Any:
@@ -661,7 +655,7 @@ class Involution:
 
     def partner(self, direction: Any) -> Any:
         """Return the direction of the ray that is paired with the ray of a direction [rad]."""
-        declared = [Input("direction", "rad", "direction", "direction of a ray"), RAY]
+        declared = [papers.number("direction", "direction of a ray", "rad"), RAY]
         angle, _ = papers.broadcast("partner", declared, direction, self.first, gaps=True)
         xx, xy, yy = self._double
         x, y = np.cos(angle), np.sin(angle)
@@ -704,7 +698,7 @@ def involution(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1, *, x: 
     """
     further = ((point("x"), x), (point("y"), y))
     *position, x, y = read_position("involution", a, b, c, d, phi, branch, further=further)
-    A, B = corners(*position)
+    A, B = corners(position)
     G, N = x + 1j * y, position[3]
     size = np.max(np.abs([A, B, G, N + 0j]), axis=0)
     with np.errstate(invalid="ignore"):  # NaN, where the four-bar does not assemble
@@ -785,10 +779,8 @@ def best_point(
     position = read_position("best_point", a, b, c, d, phi, branch)
     a, b, c, d, phi, branch = position
     bars = np.stack([np.ravel(length) for length in (a, b, c, d)])
-    blocks = [
-        bars[:, start : start + BLOCK_OF_DRIVES] for start in range(0, max(bars.shape[1], 1), BLOCK_OF_DRIVES)
-    ]
-    found = np.concatenate([_best(block, limits) for block in blocks], axis=1)
+    blocks = papers.blocks(max(bars.shape[1], 1), BLOCK_OF_DRIVES)
+    found = np.concatenate([_best(bars[:, block], limits) for block in blocks], axis=1)
     share, completion = found.reshape(2, *np.shape(a))
     design = {"a": a, "b": b, "c": c, "d": d, "rho": ratio_of_share(share), "completion": completion}
     return construction(design, {"phi": phi, "branch": branch}, by)
@@ -815,8 +807,8 @@ def _least_angles(bars: Any, shares: Any, completion: Any) -> Any:
     """Return the least transmission angle of each support, -1 where there is no crank."""
     a, b, c, d = bars
     rho = ratio_of_share(shares)
-    given = {"a": a, "b": b, "c": c, "d": d, "rho": rho, "completion": completion, "phi": 0.0}
-    angles = evaluate("focal", [LEAST_ANGLE], **given, allow_invalid=True)[LEAST_ANGLE]
+    given = {"rho": rho, "completion": completion, "phi": 0.0, "allow_invalid": True}
+    angles = evaluate("focal", [LEAST_ANGLE], a=a, b=b, c=c, d=d, **given)[LEAST_ANGLE]
     return np.where(np.isnan(angles), -1.0, angles)
 
 
@@ -833,7 +825,8 @@ SHORTEST = 2.0**-100
 def _bars(names: str, rule: Literal["positive", "any"] = "positive") -> list[Input]:
     """Return the declarations of bars; d is always a length."""
     return [
-        Input(name, "m", name, f"length {BARS[name]}", "positive" if name == "d" else rule) for name in names
+        papers.number(name, f"length {BARS[name]}", "m", "positive" if name == "d" else rule)
+        for name in names
     ]
 
 
@@ -875,16 +868,12 @@ def five_bar(
     >>> at["F_x"].round(9), at["F_y"].round(9), np.degrees(at["angle_FQN"]).round(9)
     (array([2., 2.]), array([0.44948974, 0.44948974]), array([90., 90.]))
     """
-    names = "mpqnd"
-    angles = [
-        Input("phi", "rad", "phi", "direction of MP"),
-        Input("omega_angle", "rad", "omega", "angle of MP and PF"),
-    ]
-    mode = Input("branch", "1", "branch", "assembly mode")
-    declared = [*_bars(names), *angles, mode]
+    directions = {"phi": "direction of MP", "omega_angle": "angle of MP and PF"}
+    angles = (papers.number(name, meaning, "rad") for name, meaning in directions.items())
+    declared = [*_bars("mpqnd"), *angles, MODE]
     given = (m, p, q, n, d, phi, omega_angle, like(branch, branch_codes(planar_4r, branch)))
-    m, p, q, n, d, phi, omega_angle, branch = papers.broadcast("five_bar", declared, *given)
-    papers.check_lengths("five_bar", declared[:5], (m, p, q, n, d), "four lengths")
+    m, p, q, n, d, phi, omega_angle, branch = arrays = papers.broadcast("five_bar", declared, *given)
+    papers.check_lengths("five_bar", declared, arrays, "four lengths")
     u = np.exp(1j * phi)
     P = m * u
     # m - p + p (1 - w), in which the first difference alone cancels

@@ -15,11 +15,11 @@ import numpy as np
 from fastlink._text import in_words
 from fastlink.engine.evaluate import broadcast_inputs
 from fastlink.errors import InputError, Problems, door
-from fastlink.facts.fact import Input, Rule
+from fastlink.facts.fact import Input
 from fastlink.io.reader import as_dataset
 from fastlink.mechanisms.minkowski_4r import minkowski_4r
 from fastlink.numerics.compensated import sum_of_four, two_product
-from fastlink.papers import broadcast, check_lengths, coupler_sextic, read_numbers
+from fastlink.papers import broadcast, check_lengths, coupler_sextic, number, read_numbers
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -64,11 +64,6 @@ GREATEST = 1e300
 MOST_OF_EXP = 700.0
 
 
-def number(name: str, meaning: str, units: str = "1", rule: Rule = "any") -> Input:
-    """Return the declaration of a number beside vectors."""
-    return Input(name, units, name, meaning, rule)
-
-
 def read(function: str, vectors: Mapping[str, Any], numbers: Iterable[tuple[Input, Any]] = ()) -> list[Any]:
     """Return the coordinates of each vector, then the numbers, as arrays of one shape; NaN may stand among them."""
     given = [(number(name, "coordinates x, y of a vector", "m"), value) for name, value in vectors.items()]
@@ -77,13 +72,10 @@ def read(function: str, vectors: Mapping[str, Any], numbers: Iterable[tuple[Inpu
     first, second = read_numbers(
         function, declared, values, Problems(), gaps=True, vectors=vectors, greatest=GREATEST
     )
-    _, xs, shape = broadcast_inputs(function, first)
-    _, ys, _ = broadcast_inputs(function, first | second)
-    result = []
-    for name in first:
-        x = np.broadcast_to(xs[name], shape)
-        result.append((x, np.broadcast_to(ys[name], shape)) if name in second else x)
-    return result
+    ordinates = {f"{name}, y": y for name, y in second.items()}
+    _, plain, shape = broadcast_inputs(function, first | ordinates)
+    arrays = {name: np.broadcast_to(value, shape) for name, value in plain.items()}
+    return [(arrays[name], arrays[f"{name}, y"]) if name in second else arrays[name] for name in first]
 
 
 def grown(x: Any, angle: Any) -> Any:
@@ -173,19 +165,7 @@ def polar(r: Any, phi: Any) -> Any:
     """Return the double number r e^(j phi) = r (ch phi + j sh phi).
 
     Hegedues and Moore, section 2.1: the analogue of Euler's formula. It is the point of rapidity phi on the Minkowskian
-    circle x^2 - y^2 = r^2 about the origin, on its future-pointing arm x > 0 (the paper prints y > 0).
-
-    Parameters
-    ----------
-    r : float or array_like
-        The radius [m], not negative.
-    phi : float or array_like
-        The rapidity.
-
-    Returns
-    -------
-    ndarray, shape (..., 2)
-        The points.
+    circle x^2 - y^2 = r^2 about the origin, r >= 0 [m], on its future-pointing arm x > 0 (the paper prints y > 0).
 
     Examples
     --------
@@ -336,14 +316,7 @@ def motion(t: Any, a: Any = 0.0, b: Any = 0.0) -> Any:
     """Return the matrix of a motion of the Minkowskian plane in homogeneous coordinates.
 
     Hegedues and Moore, section 2.2: the group of the matrices with rows (ch t, sh t, a), (sh t, ch t, b) and (0, 0, 1),
-    a boost by t followed by a translation.
-
-    Parameters
-    ----------
-    t : float or array_like
-        The angle of the boost.
-    a, b : float or array_like, optional
-        The translation [m].
+    a boost by t followed by a translation [m].
 
     Returns
     -------
@@ -369,19 +342,10 @@ def moved(z: Any, t: Any, a: Any = 0.0, b: Any = 0.0) -> Any:
     The motion of `fastlink.minkowski.motion`, Hegedues and Moore, section 2.2: x + y is multiplied by e^t, x - y by
     e^-t. A point near the light cone keeps its digits where the matrix cancels.
 
-    Parameters
-    ----------
-    z : array_like, shape (..., 2)
-        Points x, y [m].
-    t : float or array_like
-        The angle of the boost.
-    a, b : float or array_like, optional
-        The translation [m].
-
     Returns
     -------
     ndarray, shape (..., 2)
-        The points; what is beyond the range of doubles is infinite.
+        The points [m]; what is beyond the range of doubles is infinite.
 
     Examples
     --------
@@ -657,11 +621,8 @@ def coupler_circles(a: Any, b: Any, g: Any, h: Any, x: Any, y: Any, *, X: Any, Y
 
     Parameters
     ----------
-    a, b, g, h : float or array_like
-        Hyperbolic lengths of OA, CB, OC and AB [m].
-    x, y : float or array_like
-        The coupler point in the frame at A with its first axis along AB [m], AX spacelike (abs(x) > abs(y)), BX of any
-        causal type.
+    a, b, g, h, x, y : float or array_like
+        As for `sextic`, but AX spacelike (abs(x) > abs(y)).
     X, Y : float or array_like
         A point of the ground frame [m].
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ from fastlink._text import short_repr
 from fastlink.engine.evaluate import broadcast_inputs, like
 from fastlink.errors import InputError, Problems, check_whole
 from fastlink.facts.catalogue import Catalogue
-from fastlink.facts.fact import Input
+from fastlink.facts.fact import Input, Rule
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.plan.request import keywords_in_si, name_problems, value_problems
 from fastlink.space.design_space import MOST_DIMS, has, in_unit, numbers_of, read_or_none
@@ -87,6 +87,11 @@ def _entries_of(design: Any, known: Collection[str]) -> dict[str, Any] | None:
     return None
 
 
+def number(name: str, meaning: str, units: str = "1", rule: Rule = "any") -> Input:
+    """Return the declaration of a number that is no input of a mechanism."""
+    return Input(name, units, name, meaning, rule)
+
+
 def broadcast(function: str, declared: Iterable[Input], *numbers: Any, gaps: bool = False) -> list[Any]:
     """Return numbers as arrays of one shape."""
     named = {one.name: one for one in declared}
@@ -96,7 +101,7 @@ def broadcast(function: str, declared: Iterable[Input], *numbers: Any, gaps: boo
 
 def broadcast_points(function: str, x: Any, y: Any) -> list[Any]:
     """Return the coordinates of points in the last axis, among which NaN may stand, as arrays of one shape."""
-    declared = (Input(name, "m", name, "coordinate of the points") for name in "xy")
+    declared = (number(name, "coordinate of the points", "m") for name in "xy")
     points = broadcast(function, declared, x, y, gaps=True)
     if not points[0].ndim:
         raise InputError("is one point", (function, "x"), "write arrays of points")
@@ -158,19 +163,22 @@ def check_lengths(
     problems, greatest = Problems(), GREATEST_LENGTH
     for one, numbers in zip(declared, values, strict=True):
         least = LEAST_LENGTH if one.rule == "positive" else -greatest
-        if one.units != "m" or bool(np.all((numbers >= least) & (numbers <= greatest))):
-            continue
-        bad = numbers[~((numbers >= least) & (numbers <= greatest))].flat[0]
-        remedy = (
-            f"write {least:g} to {greatest:g}, in another unit of length: products of {products} are computed"
-        )
-        problems.add(f"is {bad} ({one.meaning})", (function, one.name), remedy)
+        outside = numbers[~((numbers >= least) & (numbers <= greatest))]
+        if one.units == "m" and outside.size:
+            unit = "in another unit of length"
+            remedy = f"write {least:g} to {greatest:g}, {unit}: products of {products} are computed"
+            problems.add(f"is {outside.flat[0]} ({one.meaning})", (function, one.name), remedy)
     problems.stop()
 
 
 def check_samples(function: str, samples: Any, least: int = 1) -> int:
     """Return a number of samples of a curve, or refuse it."""
     return check_whole((function, "samples"), samples, least, MOST_SAMPLES)
+
+
+def blocks(count: int, size: int) -> Iterator[slice]:
+    """Yield the parts of a number of designs that are computed at once."""
+    return (slice(start, start + size) for start in range(0, count, size))
 
 
 # -- Integrate functions of many designs at once, each to its own accuracy and with its own error
@@ -277,8 +285,7 @@ def coupler_sextic(jj: int, lengths: Sequence[Any], point: Sequence[Any]) -> Any
     shape = np.shape(lengths[0])
     columns = np.array([np.ravel(number) for number in (*lengths, *point)])
     result = np.empty((columns.shape[1], 7, 7))
-    for first in range(0, len(result), BLOCK):
-        part = slice(first, first + BLOCK)
+    for part in blocks(len(result), BLOCK):
         result[part] = np.moveaxis(_sextics(jj, columns[:, part]), -1, 0)
     return result.reshape(*shape, 7, 7)
 

@@ -1,7 +1,8 @@
 """Functions of the planar 4R alone: algebraic equations, coupler curves, balancing.
 
-Designs are given as for `cognates`, branches as numbers or arrays that are broadcast with the designs.
-Lengths are 1e-25 to 1e25 m, coordinates at most 1e25 m: others are refused with `fastlink.InputError`, as their
+Designs are given as for `cognates`: inputs that a function does not need are not read. Branches are given as
+numbers or arrays that are broadcast with the designs.
+Lengths are 1e-24 to 1e24 m, coordinates at most 1e24 m: others are refused with `fastlink.InputError`, as their
 products may leave the range of doubles. So is what is missing, is not a finite number, or does not broadcast.
 """
 
@@ -9,7 +10,7 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -29,10 +30,10 @@ from fastlink.facts.names import ListOfExtrema, Quantity, Reduced
 from fastlink.io.reader import as_dataset, as_map
 from fastlink.maps.units import check_units
 from fastlink.mechanisms.planar_4r import planar_4r
-from fastlink.numerics.compensated import UNIT_ROUNDING, sum_of_four
+from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.numerics.elementary import PI
 from fastlink.numerics.vectors import cross
-from fastlink.plan.request import branch_codes, check_model, constants_of, selected_variants, value_problems
+from fastlink.plan.request import branch_codes, check_model, constants_of, selected_variants
 from fastlink.space.design_space import MOST_DIMS, DesignSpace, Links, constant, ends_of, in_unit, numbers_of
 from fastlink.space.tables import as_space
 from fastlink.space.units import RADIANS
@@ -67,21 +68,14 @@ def __dir__() -> list[str]:
 # -- Coefficients of the six algebraic input-output equations of the planar 4R
 
 
-#: Which equation of the paper, and products of which factors multiply v_i^2 v_j^2, v_i^2, v_j^2 and 1.
+#: Products of which factors multiply v_i^2 v_j^2, v_i^2, v_j^2 and 1; and what v_i v_j: a number times two lengths.
 IO_PRODUCTS = {
-    "12": (2, "A1 B2", "A2 B1", "C1 D2", "C2 D1"),
-    "13": (3, "A1 B1", "A2 B2", "C2 D2", "C1 D1"),
-    "14": (1, "A1 A2", "B1 B2", "C1 C2", "D1 D2"),
-    "23": (4, "A1 D2", "B2 C1", "B1 C2", "A2 D1"),
-    "24": (5, "A1 C1", "B2 D2", "A2 C2", "B1 D1"),
-    "34": (6, "A1 C2", "B1 D2", "A2 C1", "B2 D1"),
-}
-#: The coefficient of v_i v_j is this number times the product of these two lengths; there is none in 13 and 24.
-IO_CROSS = {
-    "12": (-8.0, "2", "4"),
-    "14": (-8.0, "1", "3"),
-    "23": (-8.0, "1", "3"),
-    "34": (8.0, "2", "4"),
+    "12": ("A1 B2", "A2 B1", "C1 D2", "C2 D1", (-8.0, 2, 4)),
+    "13": ("A1 B1", "A2 B2", "C2 D2", "C1 D1", (0.0, 1, 1)),
+    "14": ("A1 A2", "B1 B2", "C1 C2", "D1 D2", (-8.0, 1, 3)),
+    "23": ("A1 D2", "B2 C1", "B1 C2", "A2 D1", (-8.0, 1, 3)),
+    "24": ("A1 C1", "B2 D2", "A2 C2", "B1 D1", (0.0, 1, 1)),
+    "34": ("A1 C2", "B1 D2", "A2 C1", "B2 D1", (8.0, 2, 4)),
 }
 
 
@@ -100,8 +94,6 @@ def io_coefficients(design: Any = None, *, pair: str = "14", **inputs: Any) -> A
 
     Parameters
     ----------
-    design, **inputs : mapping, pandas.DataFrame or xarray.Dataset, or values by name
-        Inputs of ``planar_4r`` by name: the lengths ``a1`` ... ``a4`` [m], broadcast. Other inputs are not read.
     pair : {"12", "13", "14", "23", "24", "34"}
         The two joints: eqs. (2), (3), (1), (4), (5), (6).
 
@@ -118,21 +110,19 @@ def io_coefficients(design: Any = None, *, pair: str = "14", **inputs: Any) -> A
     if not isinstance(pair, str) or pair not in IO_PRODUCTS:
         where, remedy = ("io_coefficients", "pair"), listed(list(IO_PRODUCTS))
         raise InputError(f"{short_repr(pair)} is unknown", where, remedy)
-    lengths = [
-        *papers.read_design("io_coefficients", planar_4r, design, inputs, ("a1", "a2", "a3", "a4")).values()
-    ]
-    unscaled = {f"s{i}": length for i, length in enumerate(lengths, 1)}
+    needed = ("a1", "a2", "a3", "a4")
+    lengths = [*papers.read_design("io_coefficients", planar_4r, design, inputs, needed).values()]
+    *products, (number, i, j) = IO_PRODUCTS[pair]
+    *squares, last = (_factor_product(names, lengths) for names in products)
+    cross = number * (lengths[i - 1] * lengths[j - 1])
+    return np.stack(np.broadcast_arrays(*squares, cross, last), axis=-1)
 
-    def factor(name: str) -> Any:
-        return planar_4r.facts[f"factor_{name}"].values(unscaled)[f"factor_{name}"]
 
-    _equation, *products = IO_PRODUCTS[pair]
-    vivj, vi, vj, one = (factor(x) * factor(y) for x, y in (str(product).split() for product in products))
-    cross = np.zeros_like(lengths[0])
-    if pair in IO_CROSS:
-        number, x, y = IO_CROSS[pair]
-        cross = number * (lengths[int(x) - 1] * lengths[int(y) - 1])
-    return np.stack(np.broadcast_arrays(vivj, vi, vj, cross, one), axis=-1)
+def _factor_product(names: str, lengths: Iterable[Any]) -> Any:
+    """Return the product of two factors of the equations, such as A1 and B2, of the four lengths."""
+    given = {f"s{i}": length for i, length in enumerate(lengths, 1)}
+    one, other = (f"factor_{name}" for name in names.split())
+    return planar_4r.facts[one].values(given)[one] * planar_4r.facts[other].values(given)[other]
 
 
 # -- Roberts' cognates: the three planar 4R that trace one coupler curve
@@ -174,9 +164,8 @@ class Cognate:
             crank and output link of the original are parallel, which is a toggle of theirs. The branch is NaN where
             a direction is, such as where the original does not assemble.
         """
-        directions = (
-            Input(name, "rad", name, "direction of a link") for name in ("theta1", "theta2", "theta4")
-        )
+        names = ("theta1", "theta2", "theta4")
+        directions = (papers.number(name, "direction of a link", "rad") for name in names)
         t1, t2, t4 = papers.broadcast("configuration", directions, theta1, theta2, theta4, gaps=True)
         own = t1 if self.number == 1 else t2
         one, other = {1: (t2, t4), 2: (t1, t4), 3: (t4, t1)}[self.number]
@@ -187,9 +176,8 @@ class Cognate:
 
     def to_ground(self, x: Any, y: Any) -> tuple[Any, Any]:
         """Return a point (x, y) [m] of the linkage's own ground frame in that of the original."""
-        x, y = papers.broadcast(
-            "to_ground", (Input(name, "m", name, "coordinate") for name in "xy"), x, y, gaps=True
-        )
+        declared = (papers.number(name, "coordinate", "m") for name in "xy")
+        x, y = papers.broadcast("to_ground", declared, x, y, gaps=True)
         ground = self.design["a4"]
         cosine, sine = (self.D_x - self.O_x) / ground, (self.D_y - self.O_y) / ground
         return self.O_x + (cosine * x - sine * y), self.O_y + (sine * x + cosine * y)
@@ -310,11 +298,7 @@ def _half_width(points: Any) -> float:
     if points.size == 0:
         return float("nan")
     power = np.frexp(np.abs(points).max())[1] + 1  # so that no difference leaves the range of doubles
-    return float(np.ldexp(_half_width_of_small(np.ldexp(points, -power)), power))
-
-
-def _half_width_of_small(points: Any) -> float:
-    """Return half the width of the narrowest strip that holds all points (n, 2), which are less than 1."""
+    points = np.ldexp(points, -power)
     points = points - points[0]
     distance = np.hypot(*points.T)
     size = distance.max()
@@ -324,13 +308,14 @@ def _half_width_of_small(points: Any) -> float:
     try:
         corners = points[ConvexHull(points).vertices]
     except QhullError:  # all in one line, up to roundings
-        return float(0.5 * size * np.ptp(cross(*points[np.argmax(distance)], *points.T)))
-    # The nearest lines run along an edge of the convex hull and through the corner where its edges turn back.
-    edges = np.roll(corners, -1, axis=0) - corners
-    angle = np.unwrap(np.arctan2(edges[:, 1], edges[:, 0]))
-    opposite = np.searchsorted(np.concatenate([angle, angle + 2.0 * np.pi]), angle + np.pi) % len(angle)
-    widths = np.abs(cross(*edges.T, *(corners[opposite] - corners).T)) / np.hypot(*edges.T)
-    return float(0.5 * size * widths.min())
+        width = np.ptp(cross(*points[np.argmax(distance)], *points.T))
+    else:
+        # The nearest lines run along an edge of the convex hull and through the corner where its edges turn back.
+        edges = np.roll(corners, -1, axis=0) - corners
+        angle = np.unwrap(np.arctan2(edges[:, 1], edges[:, 0]))
+        opposite = np.searchsorted(np.concatenate([angle, angle + 2.0 * np.pi]), angle + np.pi) % len(angle)
+        width = np.min(np.abs(cross(*edges.T, *(corners[opposite] - corners).T)) / np.hypot(*edges.T))
+    return float(np.ldexp(0.5 * size * width, power))
 
 
 @door
@@ -426,10 +411,7 @@ ROUNDINGS = 24.0
 class Paths:
     """Paths of designs, each in up to four pieces: theta1 below or above 0, from its least or greatest size."""
 
-    a1: Any  # of each design lengths and coupler point u + iv, divided by a power of two
-    a2: Any
-    a3: Any
-    a4: Any
+    lengths: Any  # a1 to a4 of each design, and its coupler point u + iv, divided by a power of two
     p: Any
     side: Any  # 1 in branch 2, -1 in branch 1
     exponent: Any  # of that power
@@ -470,7 +452,7 @@ class Paths:
 
     def motion(self, owner: Any, sign: Any, end: Any, v: Any) -> tuple[Any, Any, Any]:
         """Return the point P, its derivative by v with theta1 growing, and a bound of that one's roundings."""
-        a1, a2, a3, a4 = (part[owner] for part in (self.a1, self.a2, self.a3, self.a4))
+        a1, a2, a3, a4 = self.lengths[:, owner]
         toggle, side = self.toggles[end, owner], self.side[owner]
         d = np.where(toggle, v * v, v)
         rest = self.extent[owner] - d
@@ -526,21 +508,18 @@ def paths_of(curve: dict[str, Any]) -> Paths:
     """Return the paths of designs: lengths, coupler points and branches (n,) by name."""
     lengths = np.stack([curve[f"a{i}"] for i in (1, 2, 3, 4)])
     exponent = np.frexp(lengths.max(axis=0))[1]
-    a1, a2, a3, a4 = np.ldexp(lengths, -exponent)
+    lengths = np.ldexp(lengths, -exponent)
+    a1, a2, a3, a4 = lengths
     p = np.ldexp(curve["P_u"], -exponent) + 1j * np.ldexp(curve["P_v"], -exponent)
-    product = 4.0 * a1 * a4
-    inner = [sum(sum_of_four(*terms)) for terms in ((a2, -a3, a4, -a1), (a3, -a2, a4, -a1))]
-    outer = [sum(sum_of_four(*terms)) for terms in ((a2, a3, a1, -a4), (a2, a3, a4, -a1))]
-    across = [sum(sum_of_four(*terms)) for terms in ((a1, a4, a3, -a2), (a1, a4, a2, -a3))]
-    beyond = sum(sum_of_four(a1, a4, -a2, -a3)) * sum(sum_of_four(a1, a2, a3, a4)) / product
-    # -q-, 1 - q-, q+ and 1 - q+, each by its factors: none cancels.
-    least, from_least = inner[0] * inner[1] / product, across[0] * across[1] / product
-    greatest = outer[0] * outer[1] / product
-    low = (
-        2.0 * np.arctan2(_root(-least), _root(from_least)),
-        2.0 * np.arctan2(_root(from_least), _root(-least)),
+    # -q-, 1 - q-, 1 - q+ and -q+, each by its factors: none cancels.
+    least, from_least, beyond, greatest = (
+        _factor_product(names, lengths) / (4.0 * a1 * a4) for names in ("A1 B1", "C2 D2", "C1 D1", "A2 B2")
     )
-    high = 2.0 * np.arctan2(_root(greatest), _root(beyond)), 2.0 * np.arctan2(_root(beyond), _root(greatest))
+    greatest = -greatest
+    low, high = (
+        2.0 * np.arctan2([_root(sine), _root(cosine)], [_root(cosine), _root(sine)])
+        for sine, cosine in ((-least, from_least), (greatest, beyond))
+    )
     toggles = np.stack([least < 0.0, beyond > 0.0])
     # sin^2(high/2) - sin^2(low/2) = a2 a3/(a1 a4) between two toggles
     narrow = a2 * a3 / (a1 * a4) / np.sin(np.minimum(0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])))
@@ -550,7 +529,7 @@ def paths_of(curve: dict[str, Any]) -> Paths:
     extent = np.where((greatest >= 0.0) & (from_least >= 0.0), extent, np.nan)
     side = np.where(curve["branch"] == 2, 1.0, -1.0)
     outside = np.stack([least, -beyond])
-    return Paths(a1, a2, a3, a4, p, side, exponent, toggles, outside, np.stack(low), np.stack(high), extent)
+    return Paths(lengths, p, side, exponent, toggles, outside, low, high, extent)
 
 
 def _root(x: Any) -> Any:
@@ -567,11 +546,6 @@ BLOCK = 256
 @door(hint=papers.BY_NAME)
 def curve_length(design: Any = None, *, branch: Any = 1, error: bool = False, **inputs: Any) -> Any:
     """Return the length of the path of the coupler point in a branch [m].
-
-    Parameters
-    ----------
-    error : bool
-        Whether to return a bound of the error too.
 
     Returns
     -------
@@ -595,17 +569,12 @@ def curve_length(design: Any = None, *, branch: Any = 1, error: bool = False, **
     >>> round(float(length), 12), bool(error < 1e-12)  # P = A: 2 pi a1
     (3.14159265359, True)
     """
-    return _integral("curve_length", (design, branch, error, inputs), 1, _speed)
+    return _integral("curve_length", design, inputs, branch, error, 1, _speed)
 
 
 @door(hint=papers.BY_NAME)
 def curve_area(design: Any = None, *, branch: Any = 1, error: bool = False, **inputs: Any) -> Any:
     """Return the area that the coupler curve encloses over one turn of the input [m2].
-
-    Parameters
-    ----------
-    error : bool
-        Whether to return a bound of the error too.
 
     Returns
     -------
@@ -627,7 +596,7 @@ def curve_area(design: Any = None, *, branch: Any = 1, error: bool = False, **in
     >>> round(float(fl.planar.curve_area(design)), 12)  # P = A: pi a1^2
     0.785398163397
     """
-    return _integral("curve_area", (design, branch, error, inputs), 2, _swept)
+    return _integral("curve_area", design, inputs, branch, error, 2, _swept)
 
 
 def _speed(point: Any, velocity: Any, noise: Any) -> tuple[Any, Any]:
@@ -642,22 +611,25 @@ def _swept(point: Any, velocity: Any, noise: Any) -> tuple[Any, Any]:
 
 
 def _integral(
-    function: str, called: tuple[Any, Any, Any, Any], power: int, integrand: Callable[[Any, Any, Any], Any]
+    function: str,
+    design: Any,
+    inputs: Mapping[str, Any],
+    branch: Any,
+    with_error: Any,
+    power: int,
+    integrand: Callable[[Any, Any, Any], Any],
 ) -> Any:
     """Return an integral along coupler curves, a power of a length, with its error where that is asked for."""
-    design, branch, with_error, inputs = called
     with_error = check_switch((function, "error"), with_error)
     curve = curve_inputs(function, design, inputs, branch)
-    shape = curve["a1"].shape
     columns = {name: values.reshape(-1) for name, values in curve.items()}
     results = np.empty((2, columns["a1"].size))
     with np.errstate(all="ignore"):
-        for start in range(0, results.shape[1], BLOCK):
-            block = slice(start, start + BLOCK)
+        for block in papers.blocks(results.shape[1], BLOCK):
             part = {name: values[block] for name, values in columns.items()}
             results[:, block] = _of_block(part, power, integrand)
-    value, bound = results.reshape(2, *shape)[:, ...]
-    return (value[()], bound[()]) if with_error else value[()]
+    value, bound = (of.reshape(curve["a1"].shape)[()] for of in results)
+    return (value, bound) if with_error else value
 
 
 def _of_block(curve: dict[str, Any], power: int, integrand: Callable[[Any, Any, Any], Any]) -> Any:
@@ -857,21 +829,16 @@ def _nodes(
     function: str, design: Any, inputs: Mapping[str, Any], tolerance: Any, *, cusps: bool
 ) -> tuple[Any, Any, Any]:
     """Return the cusps or crunodes by growing X, NaN-padded, and their number."""
-    limit = _check_tolerance(function, tolerance)
+    where = (function, "tolerance")
+    limit = float(in_unit(where, tolerance, np.asarray(constant(*where, tolerance)), "1"))
+    if not 0.0 < limit < 0.1:
+        raise InputError(f"is {limit}", where, "write a number between 0 and 0.1, such as 1e-9")
     X, Y, excess = _double_points(function, design, inputs)
     chosen = np.abs(excess) <= limit if cusps else excess > limit
     X, Y = np.where(chosen, X, np.nan), np.where(chosen, Y, np.nan)
     order = np.argsort(X, axis=-1)
     X, Y = (np.take_along_axis(part, order, axis=-1) for part in (X, Y))
     return X, Y, np.sum(chosen, axis=-1)
-
-
-def _check_tolerance(function: str, tolerance: Any) -> float:
-    where = (function, "tolerance")
-    limit = float(in_unit(where, tolerance, np.asarray(constant(*where, tolerance)), "1"))
-    if not 0.0 < limit < 0.1:
-        raise InputError(f"is {limit}", where, "write a number between 0 and 0.1, such as 1e-9")
-    return limit
 
 
 @door(hint=papers.BY_NAME)
@@ -991,10 +958,8 @@ def force_balance(
 
     Parameters
     ----------
-    design, **inputs : mapping, pandas.DataFrame or xarray.Dataset, or values by name
-        The inputs of ``planar_4r`` by name: lengths, masses and mass centres, broadcast. Other inputs are not read.
     links : Links, optional
-        The source of mass data that the design does not give.
+        The source of masses and mass centres that the design does not give.
     radius1, mass1 : float or array_like, optional
         Radius in m or mass in kg of the counterweight on the crank, one of them; a1 is the radius unless given.
     radius3, mass3 : float or array_like, optional
@@ -1020,9 +985,11 @@ def force_balance(
     check_model(planar_4r, links, ELIMINATED)
     variants = selected_variants(planar_4r, links, ELIMINATED, ())
     needed = [name for name in NEEDED if planar_4r.resolve(name, variants) is None]
-    others: dict[str, Any] = {"further": [*_chosen(1, radius1, mass1), *_chosen(3, radius3, mass3)]}
-    others["optional"] = [*set(NEEDED).difference(needed), *planar_4r.variant_inputs["round_bar"]]
-    given = papers.read_design("force_balance", planar_4r, design, inputs, needed, **others)
+    further = [*_chosen(1, radius1, mass1), *_chosen(3, radius3, mass3)]
+    optional = [*set(NEEDED).difference(needed), *planar_4r.variant_inputs["round_bar"]]
+    given = papers.read_design(
+        "force_balance", planar_4r, design, inputs, needed, optional=optional, further=further
+    )
     with np.errstate(over="ignore", invalid="ignore"):  # of masses beyond 1e200, which are refused
         facts = read_facts(planar_4r, NEEDED, constants_of(planar_4r, links, variants) | given, variants)
         g1, g2, g3 = (np.asarray(facts[f"G{i}_u"]) + 1j * np.asarray(facts[f"G{i}_v"]) for i in (1, 2, 3))
@@ -1047,18 +1014,17 @@ def _chosen(link: int, radius: Any, mass: Any) -> list[tuple[Input, Any]]:
         raise InputError(what, where, "write one of them, the other follows")
     name, units, value = ("mass", "kg", mass) if mass is not None else ("radius", "m", radius)
     meaning = f"{name} of the counterweight of link {link}"
-    return [] if value is None else [(Input(f"{name}{link}", units, name, meaning, "positive"), value)]
+    return [] if value is None else [(papers.number(f"{name}{link}", meaning, units, "positive"), value)]
 
 
 def _counterweight(link: int, product: Any, given: Mapping[str, Any], length: Any) -> dict[str, Any]:
     """Return the inputs of a counterweight of a given complex mass times radius."""
     mass = given.get(f"mass{link}")
     chosen = given.get(f"radius{link}", length) if mass is None else mass
-    other = np.abs(product) / chosen
-    of_both = (other, chosen) if mass is None else (chosen, other)
-    values = dict(zip(("mass", "radius", "direction"), (*of_both, np.angle(product)), strict=True))
-    arrays = dict(zip(values, np.broadcast_arrays(*values.values()), strict=True))
-    return {f"counterweight{link}_{key}": value[()] for key, value in arrays.items()}
+    names = ("radius", "mass") if mass is None else ("mass", "radius")
+    arrays = np.broadcast_arrays(chosen, np.abs(product) / chosen, np.angle(product))
+    values = dict(zip((*names, "direction"), arrays, strict=True))
+    return {f"counterweight{link}_{key}": values[key][()] for key in ("mass", "radius", "direction")}
 
 
 # -- The flywheel that keeps the speed of a crank within bounds
@@ -1097,15 +1063,12 @@ def flywheel_inertia(maps: Any, C_s: Any) -> Any:
     >>> round(float(fl.planar.flywheel_inertia(maps, C_s=0.02)), 2)
     26.34
     """
-    bound = Input("C_s", "1", "C_s", "coefficient of speed fluctuation", "positive")
-    path = ("flywheel_inertia", "C_s")
-    numbers = in_unit(path, C_s, numbers_of(*path, C_s, MOST_DIMS), bound.units)
-    if problems := value_problems(bound, numbers, "flywheel_inertia"):
-        raise InputError.of(problems)
+    bound = papers.number("C_s", "coefficient of speed fluctuation", rule="positive")
+    checked, _ = papers.read_numbers("flywheel_inertia", {"C_s": bound}, {"C_s": C_s}, Problems())
     if isinstance(maps, Mapping) and not hasattr(maps, "data_vars"):
-        return _inertia(maps, like(C_s, numbers))
+        return _inertia(maps, checked["C_s"])
     with as_dataset(maps) as dataset:
-        inertia = _inertia(dataset, like(C_s, numbers))
+        inertia = _inertia(dataset, checked["C_s"])
         inertia.attrs = {"units": "kg m2", "long_name": "Moment of inertia of the flywheel", "symbol": "I_S"}
         return inertia.rename("flywheel_inertia").load()
 
@@ -1204,7 +1167,7 @@ RIGHT_SIDE = tuple(
     for kind, of in (("force", "_x"), ("force", "_y"), ("moment", ""))
 )
 LINKS, ROUND_BAR = (1, 2, 3), "round_bar"
-BARS = [f"{name.format(i)}" for i in LINKS for name in ("m{}", "I{}", "G{}_u", "G{}_v")]
+BARS = [name.format(i) for i in LINKS for name in ("m{}", "I{}", "G{}_u", "G{}_v")]
 
 
 class _Wording(Wording):
@@ -1225,11 +1188,10 @@ def force_equations(
 ) -> xr.Dataset:
     """Return matrix A and vector b of eq. (9) of Hayes: the joint forces are A^-1 b.
 
+    Designs give lengths, speed, masses, loads and ``theta1``, as in `fastlink.evaluate`.
+
     Parameters
     ----------
-    design, **inputs : mapping, pandas.DataFrame or xarray.Dataset, or values by name
-        Inputs of ``planar_4r`` by name, as in `fastlink.evaluate`: lengths, speed, masses, loads and
-        ``theta1``.
     links : Links, optional
         The source of mass data that the design does not give.
 
@@ -1272,12 +1234,10 @@ def force_equations(
 
 @door(hint=papers.BY_NAME)
 def bar_properties(design: Any = None, *, links: Links, **inputs: Any) -> dict[str, Any]:
-    """Return volumes, masses, moments of inertia and mass centres of links that are round bars.
+    """Return volumes, masses, moments of inertia and mass centres of links that are round bars of lengths a1, a2, a3.
 
     Parameters
     ----------
-    design, **inputs : mapping, pandas.DataFrame or xarray.Dataset, or values by name
-        The lengths ``a1``, ``a2``, ``a3`` of ``planar_4r`` by name, broadcast. Other inputs are not read.
     links : Links
         The bars, `fastlink.round_bar`.
 
@@ -1298,18 +1258,15 @@ def bar_properties(design: Any = None, *, links: Links, **inputs: Any) -> dict[s
     check_model(planar_4r, links, ELIMINATED)
     needed = [f"a{i}" for i in LINKS]
     if not isinstance(links, Links):
-        raise InputError(
-            "is missing", ("bar_properties", "links"), "write fl.round_bar(density=..., radius=...)"
-        )
+        remedy = "write fl.round_bar(density=..., radius=...)"
+        raise InputError("is missing", ("bar_properties", "links"), remedy)
     needed += [name for name in planar_4r.variant_inputs[ROUND_BAR] if name not in links.values]
     given = papers.read_design("bar_properties", planar_4r, design, inputs, needed)
     values = constants_of(planar_4r, links, (ROUND_BAR,)) | given
     with np.errstate(all="ignore"):  # of bars beyond the range of doubles
         facts = read_facts(planar_4r, BARS, values, (ROUND_BAR,))
         volumes = {f"volume{i}": PI * (values["radius"] * values["radius"]) * values[f"a{i}"] for i in LINKS}
-    return {
-        name: of[()] for name, of in {**volumes, **{name: np.asarray(facts[name]) for name in BARS}}.items()
-    }
+    return {name: np.asarray(of)[()] for name, of in (volumes | {name: facts[name] for name in BARS}).items()}
 
 
 # -- Do forces have their extremes where rates have theirs? The hypothesis of Hayes, Hninn and Irani,
@@ -1317,7 +1274,6 @@ def bar_properties(design: Any = None, *, links: Links, **inputs: Any) -> dict[s
 
 
 WHERE = ("force_hypothesis", "maps")
-GIVE_ALL = "give the whole result of the sweep"
 THETA1 = planar_4r.position.name
 ENDS = ("max", "min")
 #: What designs are swept with.
@@ -1373,15 +1329,15 @@ def force_hypothesis(maps: Any, **options: Any) -> xr.Dataset:
         )
     with as_map(maps) as dataset:
         loads, extremes = _loads_and_extremes(dataset)
-        inputs = {str(name): dataset[name] for name in dataset.variables if name in _known_inputs()}
+        known = planar_4r.known_inputs(planar_4r.variant_inputs)
+        inputs = {str(name): dataset[name] for name in dataset.variables if name in known}
         inputs["branch"] = dataset["branch"]
         read = {name: dataset[name] for load in loads for name in _named(load)}
         read |= {place: dataset[place] for place in (_place(*extreme) for extreme in extremes)}
         arrays = dict(zip([*read, *inputs], xr.broadcast(*read.values(), *inputs.values()), strict=True))
         template = arrays[_place(*extremes[0])]
-        bounded = np.all(
-            [np.isfinite(arrays[name].values) for name in read], axis=0
-        )  # others are not evaluated
+        # the others are not evaluated
+        bounded = np.all([np.isfinite(arrays[name].values) for name in read], axis=0)
         design = {name: array.values[bounded] for name, array in arrays.items()}
     found = np.full((2, *template.shape, len(loads), len(extremes)), np.nan)
     greatest = [_greatest(load, design) for load in loads]
@@ -1419,11 +1375,6 @@ def _named(load: str) -> list[str]:
     return [name for end in ENDS for name in (_extreme(load, end), _place(load, end))]
 
 
-def _known_inputs() -> Mapping[str, Any]:
-    """Return all inputs of the planar 4R, those of loads and links among them."""
-    return planar_4r.known_inputs(planar_4r.variant_inputs)
-
-
 def _loads_and_extremes(dataset: xr.Dataset) -> tuple[list[str], list[tuple[str, str]]]:
     """Return the loads of a map, and the extremes of its rates as name and end, or refuse the map."""
     mechanism, position = dataset.attrs.get("mechanism"), dataset.attrs.get("input")
@@ -1444,7 +1395,9 @@ def _loads_and_extremes(dataset: xr.Dataset) -> tuple[list[str], list[tuple[str,
     needed |= {_extreme(load, end): units[load] for load in loads for end in ENDS}
     for name, unit in needed.items():
         if name not in dataset:
-            problems.add(f"{name!r} is missing", WHERE, f"sweep {name!r} too, and {GIVE_ALL}")
+            problems.add(
+                f"{name!r} is missing", WHERE, f"sweep {name!r} too, and give the whole result of the sweep"
+            )
             continue
         problems.attempt(check_units, dataset[name], unit, (*WHERE, name))
     problems.stop()
@@ -1462,8 +1415,7 @@ def _magnitudes(loads: Sequence[str], design: Mapping[str, Any], theta1: Any) ->
     """Return the magnitudes of loads at a position of each design."""
     links = Links("round_bar", {}) if "density" in design or "radius" in design else None
     found = np.full((len(loads), theta1.size), np.nan)
-    for start in range(0, theta1.size, BLOCK_OF_FORCES):
-        part = slice(start, start + BLOCK_OF_FORCES)
+    for part in papers.blocks(theta1.size, BLOCK_OF_FORCES):
         inputs = {name: values[part] for name, values in design.items()}
         at = evaluate(planar_4r.name, loads, links=links, allow_invalid=True, theta1=theta1[part], **inputs)
         for i, load in enumerate(loads):

@@ -163,7 +163,7 @@ def test_what_fails_or_is_interrupted_leaves_the_file(monkeypatch, tmp_path):
     def fail(self):
         raise ZeroDivisionError("of all things")
 
-    monkeypatch.setattr(Verification, "_measured", fail)
+    monkeypatch.setattr(Verification, "_groups_with_results", fail)
     with pytest.warns(fl.InputWarning, match="not known: .* ZeroDivisionError"):
         maps = sweep_4r(fl.grid(**CRANK), ["theta4"], theta1=8, to=tmp_path / "m.h5")
     with maps:
@@ -173,7 +173,7 @@ def test_what_fails_or_is_interrupted_leaves_the_file(monkeypatch, tmp_path):
     def interrupt(self):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(Verification, "_measured", interrupt)
+    monkeypatch.setattr(Verification, "_groups_with_results", interrupt)
     with pytest.raises(KeyboardInterrupt) as caught:
         sweep_4r(fl.grid(**CRANK), ["theta4"], theta1=8, to=tmp_path / "n.h5")
     assert "100% of the designs are kept" in caught.value.__notes__[0]

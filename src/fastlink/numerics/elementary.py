@@ -6,6 +6,8 @@ IEEE: a quantity has the same bits whatever else is requested and however a swee
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import wraps
 from typing import Any
 
 import numpy as np
@@ -26,6 +28,23 @@ def context_of(*values: Any) -> Any:
         if context is not None:
             return context
     return None
+
+
+def of_mpmath(text: Callable[..., Any]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Let kernels and NumPy read a function as `text`; its own body is for numbers of mpmath."""
+
+    def declare(exact: Callable[..., Any]) -> Callable[..., Any]:
+        @compiled_as(text)
+        @wraps(exact)
+        def function(*args: Any) -> Any:
+            if context_of(*args) is not None:
+                return exact(*args)
+            with np.errstate(all="ignore"):  # of branches that are not selected
+                return np.asarray(text(*(np.asarray(x, dtype=float) for x in args)))[()]
+
+        return function
+
+    return declare
 
 
 def sqrt(x: Any) -> Any:
@@ -65,34 +84,16 @@ def trailing_zeros(bits: Any) -> Any:
     return (int(bits) & -int(bits)).bit_length() - 1
 
 
-def _tabled(name: str, x: Any) -> Any:
-    """Return an elementary function by NumPy, or by the context of an mpmath number."""
-    return getattr(context_of(x) or np, name)(x)
+def _of_tables(name: str) -> Callable[[Any], Any]:
+    """Return an elementary function by NumPy, or by the context of an mpmath number; kernels never call it."""
+
+    def function(x: Any) -> Any:
+        return getattr(context_of(x) or np, name)(x)
+
+    return function
 
 
-def sin(x: Any) -> Any:
-    """Sine of an input angle, for tables: never called in a kernel."""
-    return _tabled("sin", x)
-
-
-def cos(x: Any) -> Any:
-    """Cosine of an input angle, for tables: never called in a kernel."""
-    return _tabled("cos", x)
-
-
-def exp(x: Any) -> Any:
-    """Exponential of an input rapidity, for tables: never called in a kernel."""
-    return _tabled("exp", x)
-
-
-def sinh(x: Any) -> Any:
-    """Hyperbolic sine of an input rapidity, for tables: never called in a kernel."""
-    return _tabled("sinh", x)
-
-
-def cosh(x: Any) -> Any:
-    """Hyperbolic cosine of an input rapidity, for tables: never called in a kernel."""
-    return _tabled("cosh", x)
+sin, cos, exp, sinh, cosh = (_of_tables(name) for name in ("sin", "cos", "exp", "sinh", "cosh"))
 
 
 def binary_exponent(x: Any) -> Any:
@@ -108,7 +109,7 @@ def ldexp(x: Any, times: Any) -> Any:
 
 
 # Minimax coefficients of (atan(r)/r - 1)/r^2 in r^2 for |r| <= tan(pi/8), degree 23 in r: 0.012 units of rounding.
-ATAN_COEFFICIENTS = (
+(_C0, _C1, _C2, _C3, _C4, _C5, _C6, _C7, _C8, _C9, _C10) = (
     -0.333333333333332,
     0.19999999999953252,
     -0.14285714280166908,
@@ -121,7 +122,6 @@ ATAN_COEFFICIENTS = (
     0.03806218041026196,
     -0.017905080787384044,
 )
-(_C0, _C1, _C2, _C3, _C4, _C5, _C6, _C7, _C8, _C9, _C10) = ATAN_COEFFICIENTS
 TAN_PI_8 = 0.41421356237309503
 # pi/4 = high + low; high has 46 bits, so that small multiples of it are exact.
 PI_4_HIGH = float.fromhex("0x1.921fb54442d00p-1")
@@ -162,18 +162,14 @@ def _magnitudes_atan2(y: Any, x: Any) -> Any:
     return np.copysign(angle, y)
 
 
-@compiled_as(_magnitudes_atan2)
+@of_mpmath(_magnitudes_atan2)
 def atan2(y: Any, x: Any) -> Any:
     """Angle of the vector (x, y) in [-pi, pi], within 2 units in the last place.
 
     Signed zeros and infinities as IEEE 754 has them. A libm call in a loop stops its vectorisation
     (10 ns a call, measured); this takes about 1 ns.
     """
-    context = context_of(y, x)
-    if context is not None:
-        return context.atan2(y, x)
-    with np.errstate(invalid="ignore"):  # inf - inf in the branch that is not selected
-        return _magnitudes_atan2(np.asarray(y, dtype=float), np.asarray(x, dtype=float))[()]
+    return context_of(y, x).atan2(y, x)
 
 
 # pi/2 in three parts of 33 bits: multiples up to 2^20 of the first two are exact.

@@ -10,19 +10,20 @@ from typing import Any
 
 import numpy as np
 
-from fastlink.numerics.compiler import compiled_as, inlined
+from fastlink.numerics.compiler import inlined
 from fastlink.numerics.elementary import (
     INFINITY,
     NOT_A_NUMBER,
     bits_of,
     context_of,
     double_of,
+    of_mpmath,
     select,
     sqrt,
 )
 
 # Minimax coefficients of (log((1 + s)/(1 - s))/s - 2)/s^2 in s^2 for |s| <= 0.2005: 2^-55.8 of the logarithm.
-LOG_COEFFICIENTS = (
+(_L0, _L1, _L2, _L3, _L4, _L5, _L6) = (
     0.666666666666729,
     0.39999999996057706,
     0.2857142941420829,
@@ -31,7 +32,6 @@ LOG_COEFFICIENTS = (
     0.1524888774956877,
     0.15378368156080974,
 )
-(_L0, _L1, _L2, _L3, _L4, _L5, _L6) = LOG_COEFFICIENTS
 # log(2) = high + low; high has 32 bits, so that multiples of it up to 2^21 are exact.
 LN_2_HIGH = float.fromhex("0x1.62e42feep-1")
 LN_2_LOW = float.fromhex("0x1.a39ef35793c76p-33")
@@ -114,18 +114,15 @@ def _polynomial_log1p(x: Any) -> Any:
     return select(x > -1.0, value, select(x == -1.0, -INFINITY, NOT_A_NUMBER))
 
 
-@compiled_as(_polynomial_log)
+@of_mpmath(_polynomial_log)
 def log(x: Any) -> Any:
     """Natural logarithm, within 2 units in the last place; -inf at zero, NaN below."""
     context = context_of(x)
-    if context is not None:
-        below = -context.inf if x == 0 else context.nan
-        return context.log(x) if x > 0 else below
-    with np.errstate(all="ignore"):
-        return np.asarray(_polynomial_log(np.asarray(x, dtype=float)))[()]
+    below = -context.inf if x == 0 else context.nan
+    return context.log(x) if x > 0 else below
 
 
-@compiled_as(_polynomial_log_quotient)
+@of_mpmath(_polynomial_log_quotient)
 def log_quotient(x: Any, y: Any, twos: Any) -> Any:
     """Natural logarithm of abs(x/y) times an integer power of two.
 
@@ -133,31 +130,22 @@ def log_quotient(x: Any, y: Any, twos: Any) -> Any:
     quotient and that of its logarithm.
     """
     context = context_of(x, y)
-    if context is not None:
-        return context.nan if x == 0 or y == 0 else context.log(abs(x / y)) + twos * context.ln2
-    with np.errstate(all="ignore"):
-        x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
-        return np.asarray(_polynomial_log_quotient(x, y, twos))[()]
+    return context.nan if x == 0 or y == 0 else context.log(abs(x / y)) + twos * context.ln2
 
 
-@compiled_as(_signed_quotient)
+@of_mpmath(_signed_quotient)
 def quotient_sign(x: Any, y: Any) -> Any:
     """1 or -1, the sign of x/y; 0 where `log_quotient` is NaN."""
     context = context_of(x, y)
-    if context is not None:
-        return context.sign(x) * context.sign(y) if x == x and y == y else context.zero
-    return np.asarray(_signed_quotient(np.asarray(x, dtype=float), np.asarray(y, dtype=float)))[()]
+    return context.sign(x) * context.sign(y) if x == x and y == y else context.zero
 
 
-@compiled_as(_polynomial_log1p)
+@of_mpmath(_polynomial_log1p)
 def log1p(x: Any) -> Any:
     """Natural logarithm of 1 + x, within 2 units in the last place, also for small x."""
     context = context_of(x)
-    if context is not None:
-        below = -context.inf if x == -1 else context.nan
-        return context.log1p(x) if x > -1 else below
-    with np.errstate(all="ignore"):
-        return np.asarray(_polynomial_log1p(np.asarray(x, dtype=float)))[()]
+    below = -context.inf if x == -1 else context.nan
+    return context.log1p(x) if x > -1 else below
 
 
 @inlined

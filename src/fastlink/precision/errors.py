@@ -13,7 +13,7 @@ import numpy as np
 from fastlink.errors import InputError
 from fastlink.facts.arc import ARC
 from fastlink.facts.evaluate import read_facts
-from fastlink.facts.fact import Fact, Input, System, ranges_of
+from fastlink.facts.fact import Fact, System, ranges_of
 from fastlink.facts.names import ErrorBound, error_name, signed
 from fastlink.facts.powers import UNITS, dimensions
 from fastlink.facts.tables import angle_tables
@@ -53,25 +53,12 @@ FEWEST = 8
 
 @dataclass(frozen=True, eq=False)
 class Sample:
-    """Designs of a sweep with their results, and one branch of each for reductions.
-
-    Attributes
-    ----------
-    plan : Plan
-        The plan of the sweep.
-    inputs : mapping of str to array (designs,)
-        The inputs of the designs.
-    positions : array
-        The input positions.
-    branch_indices : array of int
-        For each design the index of its branch among those of the plan.
-    results : mapping of str to array (designs, ...)
-        The results of the sweep by output.
-    """
+    """Designs of a sweep with their results (designs, ...) by output, and one branch of each for reductions."""
 
     plan: Plan
     inputs: dict[str, NDArray[Any]]
     positions: NDArray[Any]
+    #: For each design the index of its branch among those of the plan.
     branch_indices: NDArray[Any]
     results: dict[str, NDArray[Any]] = field(default_factory=dict)
 
@@ -117,23 +104,33 @@ class Sample:
         return [name for name in (*self.movable, position) if facts.steps_after(name)]
 
     def terms(self, quantity: str, design: int) -> float:
-        """Return the size of a quantity of a design by its lengths, masses and rates."""
-        values = {name: float(column[design]) for name, column in self.inputs.items()}
+        """Return the power of two near which a quantity is: of the longest bar, greatest mass and rate of a design."""
         known = self.catalogue.known_inputs(self.plan.variants)
-        return _natural_size(known, values, self.catalogue.public_fact(quantity).units)
+        values = {name: float(column[design]) for name, column in self.inputs.items()}
+        of = {
+            name: dimensions(known[name].units)
+            for name, value in values.items()
+            if 0.0 < abs(value) < math.inf
+        }
+        exponent = {name: math.frexp(values[name])[1] for name in of}
+        bars = [exponent[name] for name in of if of[name] == UNITS["m"] and known[name].rule == "positive"]
+        length = max(bars, default=0)
+        rates = [exponent[n] // -of[n][2] for n in of if of[n][:2] == (0, 0) and of[n][2] < 0]
+        rate = max(rates, default=0)
+        masses = [exponent[n] for n in of if of[n] == UNITS["kg"]]
+        masses = masses or [exponent[n] - of[n][1] * length + of[n][2] * rate for n in of if of[n][0] == 1]
+        powers = dimensions(self.catalogue.public_fact(quantity).units)
+        sizes = max(masses, default=0), length, -rate
+        return math.ldexp(1.0, sum(x * y for x, y in zip(powers, sizes, strict=True)))
 
     def bound(self, quantity: str, at: Mapping[str, float]) -> float:
         """Return the error bound of a quantity at a configuration; infinite where it has none."""
+        name, doubles = error_name(quantity), {key: np.float64(value) for key, value in at.items()}
         try:
-            facts = read_facts(
-                self.catalogue,
-                [name := error_name(quantity)],
-                {k: np.float64(v) for k, v in at.items()},
-                self.plan.variants,
-            )
+            bound = float(read_facts(self.catalogue, [name], doubles, self.plan.variants)[name])
         except InputError:
             return np.inf
-        return float(facts[name]) if facts[name] == facts[name] else np.inf
+        return np.inf if math.isnan(bound) else bound
 
     def affordable(self, facts: HighPrecision, share: int, most: int) -> int:
         """Return the number of configurations that a share of the evaluations pays for."""
@@ -184,33 +181,22 @@ LOST = 1e6
 
 @dataclass
 class MeasuredErrors:
-    """Errors of the values of one variable against exact ones.
+    """Errors of the values of one variable against exact ones."""
 
-    Attributes
-    ----------
-    method : str
-        The reference of the comparison.
-    scale : number
-        The size that errors are relative to, unless it is the exact value: a whole turn for positions.
-    relative, roundings : list of float
-        Errors where both values are finite; relative to the size of such values of the design where the exact one is 0.
-    values, mismatches : int
-        The number of values compared, and of those with another code, finite where the exact one is not, or wrong by
-        more than their error bound or, without one, by more than `LOST`; exact values that no formula of the facts
-        confirms are among these.
-    independent : list of float
-        Differences of exact values from independent ones, in units of `unit_of`.
-    shares : list of float
-        Of the values of an error bound, the share that the error has.
-    """
-
+    #: The reference of the comparison.
     method: str
+    #: The size that errors are relative to, unless it is the exact value: a whole turn for positions.
     scale: Any = 0
+    #: Errors where both values are finite; relative to the size of such values of the design where the exact one is 0.
     relative: list[float] = field(default_factory=list)
     roundings: list[float] = field(default_factory=list)
     values: int = 0
+    #: Values with another code, finite where the exact one is not, or wrong by more than their error bound or, without
+    #: one, by more than `LOST`; exact values that no formula of the facts confirms are among these.
     mismatches: int = 0
+    #: Differences of exact values from independent ones, in units of `unit_of`.
     independent: list[float] = field(default_factory=list)
+    #: Of the values of an error bound, the share that the error has.
     shares: list[float] = field(default_factory=list)
 
     def add(
@@ -287,22 +273,6 @@ class MeasuredErrors:
         return attrs
 
 
-def _natural_size(known: Mapping[str, Input], values: Mapping[str, float], units: str) -> float:
-    """Return the power of two near which a quantity is for a design: of its longest bar, greatest mass and rate."""
-    of = {
-        name: dimensions(known[name].units) for name, value in values.items() if 0.0 < abs(value) < math.inf
-    }
-    exponent = {name: math.frexp(values[name])[1] for name in of}
-    bars = [exponent[name] for name in of if of[name] == UNITS["m"] and known[name].rule == "positive"]
-    length = max(bars, default=0)
-    rates = [exponent[n] // -of[n][2] for n in of if of[n][:2] == (0, 0) and of[n][2] < 0]
-    rate = max(rates, default=0)
-    masses = [exponent[n] for n in of if of[n] == UNITS["kg"]]
-    masses = masses or [exponent[n] - of[n][1] * length + of[n][2] * rate for n in of if of[n][0] == 1]
-    mass = max(masses, default=0)
-    return math.ldexp(1.0, sum(x * y for x, y in zip(dimensions(units), (mass, length, -rate), strict=True)))
-
-
 def unit_of(exact: Any, condition: Any, terms: float) -> Any:
     """Return the size against which two references are compared: that of the terms for a value that vanishes."""
     size = abs(exact) + condition
@@ -317,6 +287,7 @@ ANGLES = 4
 #: Samples that differ by less may change order.
 TIED_SAMPLES = 64 * UNIT_ROUNDING
 FACTS = "the facts with 50 digits"
+TURN = 2 * CONTEXT.pi
 #: The reference of a reduction, by whether it is an extreme, and whether its position is compared.
 METHODS = {
     (False, False): "the exact reduction of the samples in doubles",
@@ -378,7 +349,12 @@ def _same_turn(sample: Sample, quantity: str, value: float, exact: Any) -> Any:
     graded = sample.catalogue.graded
     if graded is None or signed(quantity) not in graded.wraps_at or not abs(value - exact) > CONTEXT.pi:
         return exact
-    return exact + 2 * CONTEXT.pi * CONTEXT.nint((CONTEXT.mpf(value) - exact) / (2 * CONTEXT.pi))
+    return _turned_to(value, exact)
+
+
+def _turned_to(value: float, exact: Any) -> Any:
+    """Return an angle, by whole turns nearest to a value."""
+    return exact + TURN * CONTEXT.nint((CONTEXT.mpf(value) - exact) / TURN)
 
 
 def configurations(sample: Sample, outputs: Sequence[Output], share: int) -> int:
@@ -410,7 +386,9 @@ def sampled(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, 
         measured = MeasuredErrors(METHODS[reduction.has_position, output.request.is_position])
         for design, curve in enumerate(curves[:compared]):
             value = float(sample.result(output.name, design))
-            exact, size = _reduced(reduction, twice_within(curve) if ARC in sample.plan.variants else curve)
+            # the samples at the ends of an arc count half: those between twice
+            parts = [curve, curve[1:-1]] if ARC in sample.plan.variants else [curve]
+            exact, size = _reduced(reduction, np.concatenate(parts))
             if output.toggles and curve.any() and _meets_toggle(sample, output, design):
                 exact = CONTEXT.nan  # the integral does not exist, or is infinite
             if reduction.has_position and not CONTEXT.isnan(exact):
@@ -419,7 +397,8 @@ def sampled(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, 
                     exact, size = _selected_position(value, curve, best, sample.positions), None
                 else:
                     at = sample.configuration(design, sample.branches[design], sample.positions[best])
-                    exact, size = _exact_sample(sample, facts, at)
+                    known = facts.at(at)
+                    exact, size = known[quantity], facts.condition(known, sample.arguments(facts))[quantity]
                     unit = unit_of(exact, size, sample.terms(quantity, design))
                     measured.add_independent(independent.difference(at, quantity, exact, unit))
             of_quantity = reduction.has_position and not output.request.is_position
@@ -436,11 +415,6 @@ def _meets_toggle(sample: Sample, output: Output, design: int) -> bool:
     return any(known[name] > 0 for name in output.toggles)
 
 
-def twice_within(curve: NDArray[Any]) -> NDArray[Any]:
-    """Return the samples of an arc, of whose ends half counts: those between twice."""
-    return np.concatenate([curve, curve[1:-1]])
-
-
 def _reduced(reduction: Reduction, curve: NDArray[Any]) -> tuple[Any, Any]:
     """Return the exact value of a reduction of samples, and the size of its terms."""
     assembles = ~np.isnan(curve)
@@ -448,13 +422,6 @@ def _reduced(reduction: Reduction, curve: NDArray[Any]) -> tuple[Any, Any]:
         return CONTEXT.nan, CONTEXT.zero
     assert reduction.reference is not None  # verification leaves paths out
     return reduction.reference([CONTEXT.mpf(value) for value in curve[assembles].tolist()])
-
-
-def _exact_sample(sample: Sample, facts: HighPrecision, at: Mapping[str, float]) -> tuple[Any, Any]:
-    """Return the value and condition of a curve at one configuration with 50 digits."""
-    exact = facts.at(at)
-    (name,) = facts.names
-    return exact[name], facts.condition(exact, sample.arguments(facts))[name]
 
 
 def _selected_position(value: float, curve: NDArray[Any], best: int, positions: NDArray[Any]) -> Any:
@@ -468,7 +435,6 @@ def _selected_position(value: float, curve: NDArray[Any], best: int, positions: 
 # -- Compare greatest and least values, their positions, and lists of extremes
 
 
-TURN = 2 * CONTEXT.pi
 METHOD = "extremes refined with 50 digits"
 BOUNDED = f"errors against {METHOD}"
 #: Extremes whose values differ by less may change order: a search in doubles cannot tell them apart.
@@ -484,7 +450,7 @@ def outermost(
     candidates = stationary.candidates[design]
     ends = [stationary.extreme(design, c) for c in candidates if c.kind == END or c.zero]
     if any(c.kind == JUMP for c in candidates) or any(map(stationary.is_half_turn, ends)):
-        return Extreme(sign * CONTEXT.pi, CONTEXT.zero, CONTEXT.nan, CONTEXT.zero)
+        return Extreme(sign * CONTEXT.pi)
     inner = [candidate for candidate in candidates if candidate.kind == sign]
     best = max((sign * candidate.value for candidate in inner), default=-np.inf)
     tied = [c for c in inner if sign * c.value >= best - TIED_EXTREMA * abs(best)]
@@ -495,7 +461,7 @@ def outermost(
     sample, size = stationary.largest_sample(design, sign), stationary.size(design)
     if not extremes or sign * sample > greatest + TIED_EXTREMA * size:
         # a constant, an extreme that no slope shows, or no value at all
-        return Extreme(CONTEXT.mpf(sample), CONTEXT.mpf(size), CONTEXT.nan, CONTEXT.zero)
+        return Extreme(CONTEXT.mpf(sample), CONTEXT.mpf(size))
     if of_all:
         return max((e for e in extremes if not CONTEXT.isnan(e.value)), key=lambda e: sign * e.value)
     equal = [
@@ -630,8 +596,8 @@ def _confirm(
 
 def _add_position(measured: MeasuredErrors, value: float, exact: Extreme, zeroed: bool = False) -> None:
     """Compare input angles modulo a turn, relative to a whole one."""
-    turns = CONTEXT.nint((CONTEXT.mpf(value) - exact.position) / TURN) if np.isfinite(value) else 0
-    measured.add(value, exact.position + turns * TURN, TURN + exact.position_condition, zeroed=zeroed)
+    position = _turned_to(value, exact.position) if np.isfinite(value) else exact.position
+    measured.add(value, position, TURN + exact.position_condition, zeroed=zeroed)
 
 
 def _distance(angle: float, other: Any) -> float:

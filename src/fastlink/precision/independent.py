@@ -10,9 +10,9 @@ from __future__ import annotations
 import ast
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property, partial
+from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
 from fastlink.facts.derivative import NoDependence
@@ -40,7 +40,6 @@ from fastlink.precision.loops import (
     rotation,
     solved,
     triangle_angle,
-    unit_vector,
     wrapped,
 )
 from fastlink.precision.reference import CONTEXT, DIGITS, exact_turns, take
@@ -64,13 +63,13 @@ class Model:
     #: The quantities of a configuration, by the order of the derivatives that they need.
     orders: Mapping[str, int]
     #: The quantities of the design as a whole.
-    of_design: tuple[str, ...]
+    of_design: Collection[str]
     #: Adds quantities, of a context, values, an order, whether forces are needed, and those found.
     configuration: Callable[[Any, Mapping[str, Any], int, bool, Values], None]
     #: Adds quantities of the design, of a context, values, and those found.
     design: Callable[[Any, Mapping[str, Any], Values], None]
     #: Quantities that need a linear system of all links.
-    forces: tuple[str, ...] = ()
+    forces: Collection[str] = ()
     #: Returns how many digits the equations lose at values, None where these are too many.
     lost: Callable[[Mapping[str, Any]], int | None] = lambda _: 0
 
@@ -102,15 +101,9 @@ class Model:
         return found
 
 
-def _named(pattern: str, *replaced: Iterable[str], order: int = 0) -> dict[str, int]:
-    """Return names by a pattern with the order of the derivatives that they need."""
-    names = [pattern]
-    for parts in replaced:
-        names = [name.replace("*", part, 1) for name in names for part in parts]
-    return dict.fromkeys(names, order)
-
-
-VECTOR = ("", "_x", "_y")
+def _orders(*names: str) -> dict[str, int]:
+    """Return the order of the derivatives that each name needs: the number of its text."""
+    return {name: order for order, text in enumerate(names) for name in text.split()}
 
 
 def _with_sizes(forces: Mapping[str, Any]) -> Values:
@@ -122,18 +115,24 @@ def _with_sizes(forces: Mapping[str, Any]) -> Values:
 
 
 JOINT_FORCES = ("F41", "F21", "F32", "F43")
-PLANAR_FORCES = (
-    *_named("**", (*JOINT_FORCES, "shaking_force"), VECTOR),
-    *("T41", "input_power", "shaking_moment", "shaking_moment_at", "shaking_moment_printed"),
+PLANAR_FORCES = _orders(
+    "",
+    "",
+    "F41 F41_x F41_y F21 F21_x F21_y F32 F32_x F32_y F43 F43_x F43_y shaking_force shaking_force_x shaking_force_y "
+    "T41 input_power shaking_moment shaking_moment_at shaking_moment_printed",
 )
-PLANAR_JOINTS = _named("joint_angle_*", "1234") | _named("v*", "1234") | {"transmission_angle": 0}
-PLANAR_JOINTS |= _named("joint_omega_*", "1234", order=1) | _named("joint_alpha_*", "1234", order=2)
-PLANAR_PLACES = _named("*_*", "ABP", "xy")
-FIXED_FRAME = PLANAR_JOINTS | PLANAR_PLACES | {"theta2": 0, "theta4": 0}
-FIXED_FRAME |= {"omega2": 1, "omega4": 1, "alpha2": 2, "alpha4": 2, "jerk2": 3, "jerk4": 3}
-FIXED_FRAME |= {"P_vx": 1, "P_vy": 1, "P_speed": 1, "P_ax": 2, "P_ay": 2, "curvature": 2}
-FIXED_FRAME |= dict.fromkeys(PLANAR_FORCES, 2) | {"mechanical_advantage": 1}
-FIXED_FRAME |= {"instant_centre_x": 0, "instant_centre_y": 0, "relative_centre_x": 0}
+PLANAR_JOINTS = _orders(
+    "joint_angle_1 joint_angle_2 joint_angle_3 joint_angle_4 v1 v2 v3 v4 transmission_angle A_x A_y B_x B_y P_x P_y",
+    "joint_omega_1 joint_omega_2 joint_omega_3 joint_omega_4",
+    "joint_alpha_1 joint_alpha_2 joint_alpha_3 joint_alpha_4",
+)
+FIXED_FRAME = PLANAR_JOINTS | PLANAR_FORCES
+FIXED_FRAME |= _orders(
+    "theta2 theta4 instant_centre_x instant_centre_y relative_centre_x",
+    "omega2 omega4 P_vx P_vy P_speed mechanical_advantage",
+    "alpha2 alpha4 P_ax P_ay curvature",
+    "jerk2 jerk4",
+)
 
 
 def _planar_joints(ctx: Any, at: Mapping[str, Any], joint: int, order: int, values: Values) -> list[Series]:
@@ -169,9 +168,9 @@ def _by_joint(ctx: Any, at: Mapping[str, Any], order: int, _: bool, values: Valu
     joint = next(k for k in (1, 2, 3, 4) if f"joint_angle_{k}" in at)
     # a bar that is driven at the ground has its end where the loop does not close, too
     if joint == 1:
-        values |= coordinates({"A": -at["a1"] * unit_vector(ctx, at["joint_angle_1"])})
+        values |= coordinates({"A": -at["a1"] * rotation(ctx, at["joint_angle_1"])})
     elif joint == 4:
-        values |= coordinates({"B": at["a4"] + at["a3"] * unit_vector(ctx, -at["joint_angle_4"])})
+        values |= coordinates({"B": at["a4"] + at["a3"] * rotation(ctx, -at["joint_angle_4"])})
     directions = _planar_joints(ctx, at, joint, order, values)
     _add_places(ctx, at, rotation(ctx, directions[0]), rotation(ctx, directions[1]), values)
 
@@ -179,7 +178,7 @@ def _by_joint(ctx: Any, at: Mapping[str, Any], order: int, _: bool, values: Valu
 def _fixed_frame(ctx: Any, at: Mapping[str, Any], order: int, forces: bool, values: Values) -> None:
     """Add the quantities of the linkage that is driven at O, in the frame of the ground."""
     speed = at.get("omega1"), at.get("alpha1", ctx.mpf(0))
-    values |= coordinates({"A": at["a1"] * unit_vector(ctx, at["theta1"])})
+    values |= coordinates({"A": at["a1"] * rotation(ctx, at["theta1"])})
     given = {**at, "joint_angle_1": at["theta1"] - ctx.pi}
     if "omega1" in at:
         given |= {"joint_omega_1": speed[0], "joint_alpha_1": speed[1]}
@@ -266,8 +265,9 @@ def _add_planar_forces(
     }
 
 
-PLANAR_DESIGN: tuple[str, ...] = ("theta1_low", "theta1_high", "theta4_low", "theta4_high", "grashof_excess")
-PLANAR_DESIGN += ("least_transmission_angle",)
+PLANAR_DESIGN = _orders(
+    "theta1_low theta1_high theta4_low theta4_high grashof_excess least_transmission_angle"
+)
 
 
 def _planar_design(ctx: Any, at: Mapping[str, Any], values: Values) -> None:
@@ -289,20 +289,24 @@ def _planar_design(ctx: Any, at: Mapping[str, Any], values: Values) -> None:
 # -- The offset slider-crank from its closed loop; forces of three free bodies
 
 
-SLIDER_FORCES = (
-    *_named("**", ("F41", "F21", "F32", "shaking_force"), VECTOR),
-    *("side_force", "T41", "input_power", "shaking_moment"),
+SLIDER_FORCES = _orders(
+    "",
+    "",
+    "F41 F41_x F41_y F21 F21_x F21_y F32 F32_x F32_y shaking_force shaking_force_x shaking_force_y side_force "
+    "T41 input_power shaking_moment",
 )
-SLIDER_CRANK = _named("A_*", "xy") | {"slider_position": 0, "theta2": 0, "transmission_angle": 0}
-SLIDER_CRANK |= {"slider_velocity": 1, "slider_acceleration": 2, "slider_jerk": 3}
-SLIDER_CRANK |= {"omega2": 1, "alpha2": 2, "jerk2": 3} | dict.fromkeys(SLIDER_FORCES, 2)
-SLIDER_CRANK |= {"mechanical_advantage": 1, "instant_centre_x": 0, "instant_centre_y": 0}
+SLIDER_CRANK = SLIDER_FORCES | _orders(
+    "A_x A_y slider_position theta2 transmission_angle instant_centre_x instant_centre_y",
+    "slider_velocity omega2 mechanical_advantage",
+    "slider_acceleration alpha2",
+    "slider_jerk jerk2",
+)
 
 
 def _slider_crank(ctx: Any, at: Mapping[str, Any], order: int, forces: bool, values: Values) -> None:
     """Add the quantities of one configuration."""
     r, l, e = (at[name] for name in "rle")
-    values |= coordinates({"A": r * unit_vector(ctx, at["theta"])})
+    values |= coordinates({"A": r * rotation(ctx, at["theta"])})
     drive = drive_of(ctx, at["theta"], order)
     rise = e - r * ctx.sin(drive.terms[0])
     if abs(rise) > l:
@@ -318,7 +322,7 @@ def _slider_crank(ctx: Any, at: Mapping[str, Any], order: int, forces: bool, val
     values["slider_position"] = slider.terms[0]
     values["theta2"] = wrapped(ctx, rod.terms[0])
     values["transmission_angle"] = abs(wrapped(ctx, rod.terms[0] + ctx.pi - ctx.pi / 2))
-    A, slope = r * unit_vector(ctx, at["theta"]), slider.derivative(1) if order else 0
+    A, slope = r * rotation(ctx, at["theta"]), slider.derivative(1) if order else 0
     if slope != 0:
         values["mechanical_advantage"] = 1 / slope
     if A.real != 0:  # OA meets the line through B that is square to its own
@@ -366,23 +370,15 @@ def _slider_design(ctx: Any, at: Mapping[str, Any], values: Values) -> None:
 # -- The Minkowskian 4R from the closure of its loop in null coordinates: eqs. (5) and (9) of Hegedüs and Moore
 
 
-MINKOWSKI = _named("*_*", "ABX", "xy") | dict.fromkeys(("psi", "phi", "cosh_zeta", "zeta"), 0)
-MINKOWSKI |= dict.fromkeys(("AB_rapidity", "AB_orientation", "CB_orientation", "half_angle_root"), 0)
-MINKOWSKI |= dict.fromkeys(("coefficient_A", "coefficient_B", "coefficient_C", "delta", "psi_remark"), 0)
-MINKOWSKI |= {"lambda_AX": 0, "mu_BX": 0, "dpsi_dtheta": 1, "d2psi_dtheta2": 2}
-MINKOWSKI_DESIGN: tuple[str, ...] = (
-    "T1",
-    "T2",
-    "T3",
-    "T4",
-    "T5",
-    "T7",
-    "theta_escape",
-    "r_AX",
-    "s_BX",
-    "gamma",
+MINKOWSKI = _orders(
+    "A_x A_y B_x B_y X_x X_y psi phi cosh_zeta zeta AB_rapidity AB_orientation CB_orientation half_angle_root "
+    "coefficient_A coefficient_B coefficient_C delta psi_remark lambda_AX mu_BX",
+    "dpsi_dtheta",
+    "d2psi_dtheta2",
 )
-MINKOWSKI_DESIGN += ("cosh_theta_min", "cosh_theta_max", "cosh_psi_min", "cosh_psi_max")
+MINKOWSKI_DESIGN = _orders(
+    "T1 T2 T3 T4 T5 T7 theta_escape r_AX s_BX gamma cosh_theta_min cosh_theta_max cosh_psi_min cosh_psi_max"
+)
 #: Rapidities beyond which the equations take too many digits.
 GREATEST = 4000
 
@@ -513,7 +509,7 @@ def _by_F(
     size = (m * m + p * p + square) / abs(2 * m * p)
     sine_squared = closed(ctx, (1 - cosine) * (1 + cosine), size, "the dyad MPF does not reach F")
     omega = ctx.atan2(omega_sign * ctx.sqrt(sine_squared), cosine)
-    seen = m - p * unit_vector(ctx, omega)
+    seen = m - p * rotation(ctx, omega)
 
     def dyad(unknown: list[Series], drive: Series) -> list[Series]:
         missed = rotation(ctx, unknown[0]) * (m - p * rotation(ctx, unknown[1])) - joint_F(drive)
@@ -582,12 +578,15 @@ def _seen_from_AB(joints: Mapping[str, Any], A: Any, B: Any) -> Values:
 # -- Burmester's focal mechanism: its bars from (2.5) and (1.9), its joints from (1.3), (1.4) and (3.2)
 
 
-FOCAL = _named("*_*", "ABPQTF", "xy") | dict.fromkeys(("psi", "omega_angle", "alpha", "beta", "chi"), 0)
-FOCAL |= _named("transmission_angle_*", "PQF") | {"X_x": 0, "X_y": 0, "Y_x": 0}
-FOCAL |= _named("*_*", CIRCLES, ("x", "y", "radius")) | _named("*_*_AB", "MNSF", ("along", "across"))
-FOCAL_BY_ROCKER = FOCAL | {"sigma": 0, "dpsi_dphi": 1, "psi_rate": 1, "dsigma_dphi": 1, "sigma_rate": 1}
-FOCAL_BY_CRANK = FOCAL | {"phi": 0, "dpsi_dsigma": 1, "psi_rate": 1, "dphi_dsigma": 1, "phi_rate": 1}
-FOCAL_DESIGN = ("lambda_", "m", "n", "p", "q", "r", "FT", "s", "S_x", "T_ratio", "line_x", "line_along_AB")
+FOCAL = _orders(
+    "A_x A_y B_x B_y P_x P_y Q_x Q_y T_x T_y F_x F_y X_x X_y Y_x psi omega_angle alpha beta chi "
+    "transmission_angle_P transmission_angle_Q transmission_angle_F PFQX_x PFQX_y PFQX_radius SFTY_x SFTY_y "
+    "SFTY_radius PSQT_x PSQT_y PSQT_radius M_along_AB M_across_AB N_along_AB N_across_AB S_along_AB S_across_AB "
+    "F_along_AB F_across_AB"
+)
+FOCAL_BY_ROCKER = FOCAL | _orders("sigma", "dpsi_dphi psi_rate dsigma_dphi sigma_rate")
+FOCAL_BY_CRANK = FOCAL | _orders("phi", "dpsi_dsigma psi_rate dphi_dsigma phi_rate")
+FOCAL_DESIGN = _orders("lambda_ m n p q r FT s S_x T_ratio line_x line_along_AB")
 
 
 def _focal_design(ctx: Any, at: Mapping[str, Any], values: Values) -> None:
@@ -781,12 +780,13 @@ def _focal_angles(ctx: Any, bars: Mapping[str, Any], places: Mapping[str, Series
 # -- Hart's straight-line linkage: its bars from (7.2) to (7.4), its joints from (1.3) and (1.4)
 
 
-HART = _named("*_*", ("A", "B", "P", "Q", "PF_mid"), "xy") | {"F_x": 0, "psi": 0, "omega_angle": 0}
-HART |= _named("*_*_AB", "MNF", ("along", "across"))
-HART_BY_ROCKER = HART | {"F_y": 0, "dF_y_dphi": 1, "dpsi_dphi": 1}
-HART_BY_LINE = HART | {"phi": 0, "dphi_dF_y": 1, "dpsi_dF_y": 1}
-HART_DESIGN: tuple[str, ...] = ("p", "q", "a", "b", "c", "lambda_", "line_x", "line_along_AB")
-HART_DESIGN += ("F_y_outer", "F_y_inner", "stroke")
+HART = _orders(
+    "A_x A_y B_x B_y P_x P_y Q_x Q_y PF_mid_x PF_mid_y F_x psi omega_angle M_along_AB M_across_AB "
+    "N_along_AB N_across_AB F_along_AB F_across_AB"
+)
+HART_BY_ROCKER = HART | _orders("F_y", "dF_y_dphi dpsi_dphi")
+HART_BY_LINE = HART | _orders("phi", "dphi_dF_y dpsi_dF_y")
+HART_DESIGN = _orders("p q a b c lambda_ line_x line_along_AB F_y_outer F_y_inner stroke")
 
 
 def _hart_design(ctx: Any, at: Mapping[str, Any], values: Values) -> None:
@@ -816,7 +816,7 @@ def _hart(ctx: Any, at: Mapping[str, Any], order: int, _: bool, values: Values) 
         _hart_design(ctx, at, bars)
     finally:
         if "a" in bars and by == "phi":
-            along_MA = unit_vector(ctx, at["phi"])
+            along_MA = rotation(ctx, at["phi"])
             reach = bars["m"] if bars["a"] > 0 else -bars["m"]
             values |= coordinates({"A": abs(bars["a"]) * along_MA, "P": reach * along_MA})
     ratio, branch, drive = bars["lambda_"], at["branch"], drive_of(ctx, at[by], order)
@@ -847,15 +847,14 @@ def _hart(ctx: Any, at: Mapping[str, Any], order: int, _: bool, values: Values) 
 # -- The models by mechanism and input
 
 
-def _by_joint_but(joint: int) -> Model:
-    orders = PLANAR_JOINTS | PLANAR_PLACES
-    del orders[f"joint_angle_{joint}"]
-    return Model(orders, ("grashof_excess",), _by_joint, _planar_design)
-
-
 MODELS = {
     ("planar_4r", "theta1"): Model(FIXED_FRAME, PLANAR_DESIGN, _fixed_frame, _planar_design, PLANAR_FORCES),
-    **{("planar_4r", f"joint_angle_{k}"): _by_joint_but(k) for k in (1, 2, 3, 4)},
+    **{
+        ("planar_4r", f"joint_angle_{k}"): Model(
+            PLANAR_JOINTS, ("grashof_excess",), _by_joint, _planar_design
+        )
+        for k in (1, 2, 3, 4)
+    },
     ("minkowski_4r", "theta"): Model(
         MINKOWSKI, MINKOWSKI_DESIGN, _minkowski_4r, _minkowski_design, lost=_digits_of_rapidity
     ),
@@ -871,19 +870,6 @@ MODELS = {
         SLIDER_FORCES,
     ),
 }
-
-
-class _OfSeries:
-    """The functions of formulas for power series."""
-
-    def __init__(self, ctx: Any) -> None:
-        self.ctx = ctx
-
-    def cos(self, angle: Any) -> Any:
-        return rotation(self.ctx, angle).real if isinstance(angle, Series) else self.ctx.cos(angle)
-
-    def sin(self, angle: Any) -> Any:
-        return rotation(self.ctx, angle).imag if isinstance(angle, Series) else self.ctx.sin(angle)
 
 
 def _blocks(loops: Loops) -> list[tuple[list[str], Formula]]:
@@ -916,14 +902,24 @@ def _of_loops(catalogue: Catalogue, loops: Loops) -> Model:
 
     @cache
     def equations_in(ctx: Any) -> list[Formula]:
-        of_series = _OfSeries(ctx)
-        functions = dict.fromkeys(("cos", "cosine"), of_series.cos)
-        functions |= dict.fromkeys(("sin", "sine"), of_series.sin)
-        turns = {"PI": ctx.pi, "TWO_PI": 2 * ctx.pi}
+        def cosine(angle: Any) -> Any:
+            return rotation(ctx, angle).real
+
+        def sine(angle: Any) -> Any:
+            return rotation(ctx, angle).imag
+
+        names = {
+            "cos": cosine,
+            "cosine": cosine,
+            "sin": sine,
+            "sine": sine,
+            "PI": ctx.pi,
+            "TWO_PI": 2 * ctx.pi,
+        }
         found = []
         for _, law in blocks:
             constants = {name: ctx.mpf(x) for name, x in law.names.items() if isinstance(x, float)}
-            found.append(Formula(law.name, law.parameters, law.lines, {**constants, **turns, **functions}))
+            found.append(Formula(law.name, law.parameters, law.lines, {**constants, **names}))
         return found
 
     def configuration(ctx: Any, at: Mapping[str, Any], order: int, further: bool, values: Values) -> None:
@@ -1030,36 +1026,23 @@ FEW, MANY = DIGITS + 10, 6 * DIGITS
 
 
 class IndependentValues:
-    """Values of a mechanism's quantities that share no formula with its facts.
-
-    Examples
-    --------
-    >>> from fastlink.mechanisms import catalogue
-    >>> checks = IndependentValues(catalogue("planar_4r"), ["omega4", "d_omega4_d_a1", "status"])
-    >>> checks.names
-    ('omega4', 'd_omega4_d_a1')
-    """
+    """Values of a mechanism's quantities that share no formula with its facts."""
 
     def __init__(self, catalogue: Catalogue, names: Iterable[str]) -> None:
-        self.catalogue, self.model = catalogue, model_of(catalogue)
+        self.model, parsed = model_of(catalogue), catalogue.parse
         loops = () if catalogue.loops is None else catalogue.loops.unknowns
         self.turning = TURNING.union(name for name in loops if catalogue.facts[name].units == "rad")
-        known = self.model
-        self.names = tuple(name for name in names if known is not None and known.covers(str(self._of(name))))
-
-    def _of(self, name: str) -> Any:
-        """Return the quantity of a name, of its derivative or of its magnitude."""
-        tree = self.catalogue.parse(name)
-        return tree.of if isinstance(tree, (Derivative, Size)) and isinstance(tree.of, Quantity) else tree
-
-    @cached_property
-    def _by(self) -> dict[str, list[str]]:
-        """The quantities to evaluate with respect to an input; those of "" themselves."""
-        names: dict[str, list[str]] = {}
-        for name in self.names:
-            tree = self.catalogue.parse(name)
-            names.setdefault(tree.by if isinstance(tree, Derivative) else "", []).append(name)
-        return names
+        covered: list[str] = []
+        #: By the input of a derivative, "" for none, the quantity that each name is made of.
+        self._quantities: dict[str, dict[str, str]] = {}
+        for name in names:
+            tree = parsed(name)
+            of = tree.of if isinstance(tree, (Derivative, Size)) and isinstance(tree.of, Quantity) else tree
+            if self.model is not None and self.model.covers(str(of)):
+                by = tree.by if isinstance(tree, Derivative) else ""
+                self._quantities.setdefault(by, {})[name] = str(of)
+                covered.append(name)
+        self.names = tuple(covered)
 
     def difference(self, at: Mapping[str, Any], name: str, exact: Any, unit: Any) -> float | None:
         """Return the difference of one quantity, None if it has no independent value."""
@@ -1071,27 +1054,22 @@ class IndependentValues:
         if self.model is None or lost is None:
             return {}
         found: dict[str, Any] = {}
-        for by, names in self._by.items():
-            if not by:
-                quantities = {name: str(self._of(name)) for name in names}
-                own = self.model.values(context(digits + lost), at, quantities.values())
-                found |= {
-                    name: own[of] if name == of else abs(own[of])
-                    for name, of in quantities.items()
-                    if of in own
-                }
-            else:
-                found |= self._differences(self.model, at, by, names, digits + lost)
+        for by, quantities in self._quantities.items():
+            if by:
+                found |= self._differences(self.model, at, by, quantities, digits + lost)
+                continue
+            own = self.model.values(context(digits + lost), at, quantities.values())
+            known = {name: of for name, of in quantities.items() if of in own}
+            found |= {name: own[of] if name == of else abs(own[of]) for name, of in known.items()}
         return found
 
     def _differences(
-        self, model: Model, at: Mapping[str, Any], by: str, names: Iterable[str], digits: int
+        self, model: Model, at: Mapping[str, Any], by: str, quantities: Mapping[str, str], digits: int
     ) -> dict[str, Any]:
         """Return derivatives as central differences, which have the square of their step as error."""
         ctx = context(2 * digits)
         here = ctx.mpf(at[by])
         step = ctx.mpf(10) ** (-digits // 2) * (abs(here) if here != 0 else 1)
-        quantities = {name: str(self._of(name)) for name in names}
         below, above = (
             model.values(ctx, {**at, by: here + sign * step}, quantities.values()) for sign in (-1, 1)
         )

@@ -57,14 +57,7 @@ def _rounding_in_line(ctx: Any) -> Any:
 
 
 class Series:
-    """A truncated power series, by its terms.
-
-    Examples
-    --------
-    >>> square = Series((3.0, 1.0, 0.0)) * Series((3.0, 1.0, 0.0))
-    >>> square.terms, square.derivative(2)
-    ((9.0, 6.0, 1.0), 2.0)
-    """
+    """A truncated power series, by its terms."""
 
     __slots__ = ("terms",)
 
@@ -74,10 +67,6 @@ class Series:
     def derivative(self, order: int) -> Any:
         """Return a derivative where the drive is 0."""
         return self.terms[order] * factorial(order)
-
-    def differentiated(self) -> Series:
-        """Return the series of the derivative, which has one term less."""
-        return Series(k * term for k, term in enumerate(self.terms[1:], 1))
 
     def __add__(self, other: Any) -> Series:
         if isinstance(other, Series):
@@ -155,13 +144,10 @@ def exponential(ctx: Any, exponent: Series) -> Series:
     return _exponential(ctx.exp(exponent.terms[0]), exponent)
 
 
-def rotation(ctx: Any, angle: Series) -> Series:
-    """Return the direction e^(i x) of a series x, a complex number of size 1."""
-    return _exponential(unit_vector(ctx, angle.terms[0]), angle * ctx.mpc(0, 1))
-
-
-def unit_vector(ctx: Any, angle: Any) -> Any:
-    """Return the complex number of size 1 of an angle."""
+def rotation(ctx: Any, angle: Any) -> Any:
+    """Return the direction e^(i x) of an angle or of a series: a complex number of size 1."""
+    if isinstance(angle, Series):
+        return _exponential(rotation(ctx, angle.terms[0]), angle * ctx.mpc(0, 1))
     return ctx.mpc(*ctx.cos_sin(angle))
 
 
@@ -237,7 +223,7 @@ def angle_between(ctx: Any, one: Any, other: Any) -> Any:
 def argument(ctx: Any, vector: Series) -> Series:
     """Return the direction of a vector as an angle, over the drive."""
     first = ctx.atan2(vector.terms[0].imag, vector.terms[0].real)
-    turning = (vector.differentiated() / vector).imag if len(vector.terms) > 1 else Series(())
+    turning = (Series(k * term for k, term in enumerate(vector.terms[1:], 1)) / vector).imag
     return Series((first, *(term / k for k, term in enumerate(turning.terms, 1))))
 
 
@@ -266,7 +252,7 @@ def polygon(ctx: Any, lengths: Sequence[Any], turn: Series, branch: int) -> list
     Newton's iteration starts where two circles meet.
     """
     first, second, third, fourth = lengths
-    to_start = -(first + second * unit_vector(ctx, turn.terms[0]))
+    to_start = -(first + second * rotation(ctx, turn.terms[0]))
     apex = corner(ctx, to_start, third, fourth, -1 if branch == 1 else 1)
     last = to_start - apex
     start = [ctx.atan2(one.imag, one.real) for one in (apex, last)]
@@ -342,7 +328,7 @@ def chain(
         points = [(mass, local)]
         if f"counterweight{i}_mass" in at:
             turn = at.get(f"counterweight{i}_direction", ctx.mpf(pi))
-            arm = at[f"counterweight{i}_radius"] * unit_vector(ctx, turn)
+            arm = at[f"counterweight{i}_radius"] * rotation(ctx, turn)
             points.append((at[f"counterweight{i}_mass"], arm))
         curves = [(each, (origin + arm * direction).at_speed(*speed)) for each, arm in points]
         whole = sum(each for each, _ in curves)

@@ -6,7 +6,7 @@ The derivatives are differences of the same facts with 50 digits.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -37,20 +37,6 @@ class HighPrecision:
 
     Where a step divides by zero or has no finite result, it is evaluated in doubles, which give infinity, NaN or the
     other choice of a `select`, as in the kernels.
-
-    Attributes
-    ----------
-    left_out : list of number
-        The gaps that count as zero in doubles, but were taken as they are by the last call of `at`.
-
-    Examples
-    --------
-    >>> from fastlink.mechanisms import catalogue
-    >>> lengths = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
-    >>> facts = HighPrecision(catalogue("planar_4r"), ["transmission_angle"], [*lengths, "theta1", "branch"])
-    >>> values = facts.at(lengths | {"theta1": 1.0, "branch": 1})
-    >>> print(values["transmission_angle"])
-    0.78937010009877973521061661499753845087244584437223
     """
 
     def __init__(
@@ -63,6 +49,7 @@ class HighPrecision:
         zeroes: bool = False,
     ) -> None:
         self.zeroes = zeroes
+        #: The gaps that count as zero in doubles, but were taken as they are by the last call of `at`.
         self.left_out: list[Any] = []
         self.catalogue, self.names = catalogue, tuple(names)
         given = tuple(given)
@@ -85,13 +72,16 @@ class HighPrecision:
         with as_given(not self.zeroes):
             return self._follow({**base, **changes}, changed, self.steps_after(*changes))
 
+    def varied(self, base: Mapping[str, Any], inputs: Iterable[str]) -> Iterator[dict[str, Any]]:
+        """Yield every value with one input after another greater by `STEP` of it, but those that are 0."""
+        for name in inputs:
+            if base[name] != 0:
+                yield self.moved(base, {name: base[name] * (1 + STEP)})
+
     def condition(self, base: Mapping[str, Any], inputs: Iterable[str]) -> dict[str, Any]:
         """Return the sum of |x df/dx| over inputs x, for each name f."""
         sums = dict.fromkeys(self.names, CONTEXT.zero)
-        for name in inputs:
-            if base[name] == 0:
-                continue
-            moved = self.moved(base, {name: base[name] * (1 + STEP)})
+        for moved in self.varied(base, inputs):
             for quantity in self.names:
                 change = abs(moved[quantity] - base[quantity])
                 sums[quantity] += CONTEXT.zero if CONTEXT.isnan(change) else change / STEP

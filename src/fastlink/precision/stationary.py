@@ -40,13 +40,7 @@ FURTHER = 137
 
 
 def side_of(doubles: float, slope: Callable[[], Any]) -> float:
-    """Return the sign of a slope, 0 where it is nothing but noise.
-
-    Examples
-    --------
-    >>> side_of(-1e-3, lambda: CONTEXT.mpf(1e-9)), side_of(-1e-3, lambda: +CONTEXT.eps)
-    (1.0, 0.0)
-    """
+    """Return the sign of a slope, 0 where it is nothing but noise."""
     exact = slope()
     if exact != exact or not np.isfinite(doubles):
         return float(np.sign(doubles))
@@ -134,20 +128,14 @@ class Extreme:
     """An extreme with 50 digits: value and input angle, each with its condition; whether the slope is 0 there."""
 
     value: Any
-    condition: Any
-    position: Any
-    position_condition: Any
+    condition: Any = CONTEXT.zero
+    position: Any = CONTEXT.nan
+    position_condition: Any = CONTEXT.zero
     is_stationary: bool = False
 
 
 class Stationary:
-    """The extremes of one quantity for some designs, in one branch each.
-
-    Attributes
-    ----------
-    candidates : list of list of Candidate
-        The extremes of each design, by samples.
-    """
+    """The extremes of one quantity for some designs, in one branch each: `candidates` by samples of each design."""
 
     #: The first step towards a zero, over its place.
     first_step = CONTEXT.mpf(10) ** -3
@@ -168,23 +156,21 @@ class Stationary:
         self.position = catalogue.position.name
         self.slope = derivative_name(quantity, self.position)
         self.inputs = {**inputs, "branch": branches}
-        self.variants = (graded.name, *variants)
-        in_pieces = graded.gaps is not None
-        given = (*self.inputs, *((self.position,) if in_pieces else graded.coordinates))
+        in_pieces, self.zeroes = graded.gaps is not None, zeroes
+        self.variants = tuple(variants) if in_pieces else (graded.name, *variants)
+        self.coordinates = (self.position,) if in_pieces else graded.coordinates
+        zeros = (place.zero for place in graded.breakpoints(signed(quantity), "jump", "pole"))
         arc = (*AT_ENDS, *ARC_FACTS) if ARC in variants else ()
-        names = (
-            quantity,
-            self.position,
-            *(place.zero for place in graded.breakpoints(signed(quantity), "jump", "pole")),
-            *arc,
-        )
-        variants_here = variants if in_pieces else self.variants
-        self.facts = HighPrecision(catalogue, names, given, variants_here, zeroes=zeroes)
+        self.facts = self._facts_of(quantity, self.position, *zeros, *arc, *(graded.gaps or ()))
         self.movable = [n for n in inputs if not catalogue.known_inputs(variants)[n].choices]
         self._sample()
         self.candidates = self._candidates()
         if arc:
             self._keep_arc()
+
+    def _facts_of(self, *names: str) -> HighPrecision:
+        given = (*self.inputs, *self.coordinates)
+        return HighPrecision(self.catalogue, names, given, self.variants, zeroes=self.zeroes)
 
     # -- samples -----------------------------------------------------------------------------------
 
@@ -193,15 +179,27 @@ class Stationary:
     ) -> list[NDArray[Any]]:
         """Return facts of designs at signed x from the lower ends, or upper where `high`."""
         values: dict[str, Any] = {name: column[designs] for name, column in self.inputs.items()}
-        values |= zip(self.graded.coordinates, _leaves(x, high), strict=True)
-        with as_given(not self.facts.zeroes):
+        values |= zip(self.coordinates, self._leaves(x, high), strict=True)
+        with as_given(not self.zeroes), np.errstate(invalid="ignore", divide="ignore"):
             facts = read_facts(self.catalogue, names, values, self.variants)
         return [np.broadcast_to(facts[name], x.shape) for name in names]
 
+    def _leaves(self, x: NDArray[Any], high: NDArray[Any]) -> tuple[NDArray[Any], ...]:
+        """Return the fractions of the range from both ends, and the side, in doubles."""
+        square = x * x
+        far = 1.0 / (1.0 + square)
+        near = square * far
+        return np.where(high, far, near), np.where(high, near, far), np.where(x < 0.0, -1.0, 1.0)
+
     def _sampled(self, names: Sequence[str]) -> list[NDArray[Any]]:
         """Return facts at the samples."""
-        high = np.broadcast_to(np.array([False, True])[:, None], self.x.shape)
+        high = np.broadcast_to(np.arange(self.x.shape[1])[:, None] == 1, self.x.shape)
         return self._read(names, self.x, high, np.arange(len(self.x))[:, None, None])
+
+    def _read_at(self, design: int, candidate: Candidate, *names: str) -> list[float]:
+        """Return facts at a candidate, in doubles."""
+        x, high = np.array([candidate.x]), np.array([bool(candidate.end)])
+        return [float(values[0]) for values in self._read(names, x, high, np.array([design]))]
 
     def _values(self, design: int, end: int, x: Any) -> dict[str, Any]:
         """Return the inputs of a design and the coordinates of a place."""
@@ -275,10 +273,8 @@ class Stationary:
                 if one.zero and one.kind != END:
                     base = self.facts.at(self._values(design, one.end, CONTEXT.mpf(one.x)))
                     one = replace(one, x=float(self._zero(base, one)))
-                x, at = np.array([one.x]), np.array([bool(one.end)])
-                names = (self.position, *ARC_FACTS)
-                theta, middle, reach = self._read(names, x, at, np.array([design]))
-                if abs(np.sin(0.5 * (theta - middle)))[0] <= reach[0] + 2.0**-46:
+                angle, centre, half = self._read_at(design, one, self.position, *ARC_FACTS)
+                if abs(np.sin(0.5 * (angle - centre))) <= half + 2.0**-46:
                     inside.append(one)
             self.candidates[design] = inside
         theta, middle, reach = self._sampled((self.position, *ARC_FACTS))
@@ -313,8 +309,7 @@ class Stationary:
 
     @cached_property
     def _slope_facts(self) -> HighPrecision:
-        given = (*self.inputs, *self.graded.coordinates)
-        return HighPrecision(self.catalogue, (self.slope,), given, self.variants, zeroes=self.facts.zeroes)
+        return self._facts_of(self.slope)
 
     def zeroed(self, design: int) -> bool:
         """Tell whether a gap of a design counts as zero in doubles, but not here."""
@@ -340,16 +335,14 @@ class Stationary:
 
     def angle(self, design: int, candidate: Candidate) -> float:
         """Return the input angle of a candidate, in doubles."""
-        x, high = np.array([candidate.x]), np.array([bool(candidate.end)])
-        (angles,) = self._read((self.position,), x, high, np.array([design]))
-        return float(angles[0])
+        return self._read_at(design, candidate, self.position)[0]
 
     # -- 50 digits ---------------------------------------------------------------------------------
 
     def extreme(self, design: int, candidate: Candidate, *, positions: bool = False) -> Extreme:
         """Return an extreme with 50 digits; `positions` adds the condition of its angle."""
         if candidate.kind == JUMP:
-            return Extreme(CONTEXT.pi, CONTEXT.zero, CONTEXT.nan, CONTEXT.zero)
+            return Extreme(CONTEXT.pi)
         with CONTEXT.workdps(OF_ENDS if candidate.kind == END else OF_EXTREMES):
             found = self._extreme(design, candidate, positions=positions)
         return replace(found, value=CONTEXT.zero) if abs(found.value) < NOTHING * self.size(design) else found
@@ -396,10 +389,10 @@ class Stationary:
             near, far = (self._at(base, end, x + k * aside)[self.quantity] for k in (FARTHER, FARTHER**2))
             place = self._at(base, end, x)[self.position]
             limit = near * CONTEXT.inf if abs(near) > GROWS * abs(far) else near
-            return Extreme(limit, CONTEXT.zero, place, CONTEXT.zero)
+            return Extreme(limit, position=place)
         aside = ASIDE if (candidate.kind > 0) == (x > 0) else -ASIDE
         value, farther = (self._at(base, end, x * (1 + k * aside))[self.quantity] for k in (1, 2))
-        return Extreme(value, abs(farther - value) / ASIDE, CONTEXT.nan, CONTEXT.zero)
+        return Extreme(value, abs(farther - value) / ASIDE)
 
     def _zero(self, base: Mapping[str, Any], candidate: Candidate) -> Any:
         """Return the place where the fact of a candidate vanishes."""
@@ -418,7 +411,7 @@ class Stationary:
     def _leaves_at(self, end: int, x: Any) -> dict[str, Any]:
         near = x * x / (1 + x * x)
         fractions = (1 - near, near) if end else (near, 1 - near)
-        return dict(zip(self.graded.coordinates, (*fractions, CONTEXT.mpf(-1 if x < 0 else 1)), strict=True))
+        return dict(zip(self.coordinates, (*fractions, CONTEXT.mpf(-1 if x < 0 else 1)), strict=True))
 
     def _at(self, base: Mapping[str, Any], end: int, x: Any) -> dict[str, Any]:
         return self.facts.moved(base, self._leaves_at(end, x))
@@ -443,23 +436,32 @@ class Stationary:
     def _position_condition(self, base: Mapping[str, Any], end: int, x: Any, scale: Any) -> Any:
         """Return the condition of the input angle of an extreme, which moves with inputs."""
         total = CONTEXT.zero
-        for name in self.movable:
-            if base[name] != 0:
-                moved = self.facts.moved(base, {name: base[name] * (1 + STEP)})
-                there = self._at(moved, end, x + self._newton(moved, end, x, scale))
-                total += abs(there[self.position] - base[self.position]) / STEP
+        for moved in self.facts.varied(base, self.movable):
+            there = self._at(moved, end, x + self._newton(moved, end, x, scale))
+            total += abs(there[self.position] - base[self.position]) / STEP
         return total
 
     def _at_end(self, base: Mapping[str, Any], candidate: Candidate, size: float) -> Extreme:
-        """Return the limit at a toggle or fold: infinite, 0 or finite."""
-        x = AT_END if candidate.x > 0 else -AT_END
-        farther = self._at(base, candidate.end, FARTHER * x)[self.quantity]
-        base = self._at(base, candidate.end, x)
-        value, position = base[self.quantity], base[self.position]
-        if (limit := _without_limit(value, farther, size, position)) is not None:
-            return limit
-        condition = self.facts.condition(base, self.movable)
-        return Extreme(value, condition[self.quantity], position, condition[self.position])
+        """Return the limit at an end of the range: infinite, 0 or finite."""
+        x, aside = self._end(base, candidate)
+        farther = self._at(base, candidate.end, x + FARTHER * aside)[self.quantity]
+        there = self._at(base, candidate.end, x + aside)
+        value, position = there[self.quantity], there[self.position]
+        if max(abs(value), abs(farther)) > GROWS * min(abs(value), abs(farther)):
+            if abs(value) > size:
+                return Extreme(value * CONTEXT.inf, position=position)
+            return Extreme(CONTEXT.zero, CONTEXT.mpf(size), position)
+        condition, of_position = self._condition_at_end(there, candidate)
+        return Extreme(value, condition, position, of_position)
+
+    def _end(self, base: Mapping[str, Any], candidate: Candidate) -> tuple[Any, Any]:
+        """Return the place of an end, and the way from there into the range."""
+        return CONTEXT.zero, AT_END if candidate.x > 0 else -AT_END
+
+    def _condition_at_end(self, there: Mapping[str, Any], candidate: Candidate) -> tuple[Any, Any]:
+        """Return the conditions of the value beside an end, and of its input angle."""
+        condition = self.facts.condition(there, self.movable)
+        return condition[self.quantity], condition[self.position]
 
 
 #: The fact that is 1 where all loops close.
@@ -487,23 +489,14 @@ class StationaryInPieces(Stationary):
 
     def _sample(self) -> None:
         """Evaluate the quantity and its slope at ``x[design, 0, sample]``, with samples beside limits."""
-        self.variants = tuple(one for one in self.variants if one != self.graded.name)
         count, gaps = self.inputs["branch"].size, self.graded.gaps or ()
-        given = (*self.inputs, self.position)
-        self.facts = HighPrecision(
-            self.catalogue,
-            (*self.facts.names[:1], *self.facts.names[2:], *gaps),
-            given,
-            self.variants,
-            zeroes=self.facts.zeroes,
-        )
         self.folds, self.scale = np.zeros(count, dtype=bool), np.ones((count, 1))
         first = -np.pi + 0.1234567  # at no place that symmetry gives an extreme
         every = np.linspace(first, first + 2.0 * np.pi, TURN_SAMPLES + 1)
         #: The limits of each design: the position, the direction of what closes, the gap.
         self.limits: list[list[tuple[float, int, str]]] = []
         rows = []
-        known = self.catalogue.name, self.catalogue.version, self.variants, self.facts.zeroes
+        known = self.catalogue.name, self.catalogue.version, self.variants, self.zeroes
         for design in range(count):
             key = known, tuple((name, float(column[design])) for name, column in self.inputs.items())
             if key not in _TURNS:  # all quantities of a design have the same
@@ -528,7 +521,7 @@ class StationaryInPieces(Stationary):
 
     def assembly(self, design: int) -> int:
         """Return the code of how a design assembles over the turn."""
-        (valid,) = self._read(("valid",), self.x[design, 0, :1], np.zeros(1, dtype=bool), np.array([design]))
+        (valid,) = self._along(design, self.x[design, 0, :1], "valid")
         if valid[0] != 1.0:
             return 3
         closes = self.closes[design] == 1.0
@@ -537,34 +530,27 @@ class StationaryInPieces(Stationary):
     def limits_of(self, design: int, side: int) -> list[tuple[Any, int, Any]]:
         """Return the limits where ranges begin (side 1) or end (-1): position, number of the gap, condition.
 
-        They are in the order of where their ranges begin.
+        They are in the order of where their ranges begin, from the seam of kernels on.
         """
-        found = []
-        for at, own, gap in self._limits_by_range(design):
+        found, turn = [], 2.0 * np.pi
+        ordered = sorted(self.limits[design], key=lambda limit: (limit[0] - SEAM) % turn)
+        if ordered and ordered[0][1] < 0:  # the range that the seam cuts is the first
+            ordered = [ordered[-1], *ordered[:-1]]
+        for at, own, gap in ordered:
             if own != side:
                 continue
             candidate = Candidate(0, at, np.nan, END, gap)
             with CONTEXT.workdps(OF_ENDS):
                 base = self.facts.at(self._values(design, 0, CONTEXT.mpf(at)))
                 x, condition = self._zero(base, candidate), CONTEXT.zero
-                for name in self.movable:
-                    if base[name] != 0:
-                        moved = self.facts.moved(base, {name: base[name] * (1 + STEP)})
-                        condition += abs(self._zero(moved, candidate) - x) / STEP
+                for moved in self.facts.varied(base, self.movable):
+                    condition += abs(self._zero(moved, candidate) - x) / STEP
             found.append((x % (2 * CONTEXT.pi), (self.graded.gaps or ()).index(gap) + 1, condition))
         return found
 
-    def _limits_by_range(self, design: int) -> list[tuple[float, int, str]]:
-        """Return the limits of a design, each range's beginning before its end, from the seam of kernels on."""
-        turn = 2.0 * np.pi
-        ordered = sorted(self.limits[design], key=lambda limit: (limit[0] - SEAM) % turn)
-        if ordered and ordered[0][1] < 0:  # the range that the seam cuts is the first
-            ordered = [ordered[-1], *ordered[:-1]]
-        return ordered
-
     def _turning(self, design: int, x: NDArray[Any], gap: str) -> NDArray[Any]:
         """Return where parabolas through samples of a gap are least or greatest."""
-        (f,) = self._read((gap,), x, x < -10.0, np.full(x.size, design))
+        (f,) = self._along(design, x, gap)
         with np.errstate(invalid="ignore", divide="ignore"):
             left, right = np.diff(f)[:-1] / np.diff(x)[:-1], np.diff(f)[1:] / np.diff(x)[1:]
             turns = left * right < 0.0
@@ -574,7 +560,7 @@ class StationaryInPieces(Stationary):
 
     def _beside_zeros(self, design: int, x: NDArray[Any], gap: str) -> list[NDArray[Any]]:
         """Return positions on both sides of the zeros of a gap between samples."""
-        (f,) = self._read((gap,), x, x < -10.0, np.full(x.size, design))
+        (f,) = self._along(design, x, gap)
         cells = np.flatnonzero((f[1:] >= 0.0) & (f[:-1] < 0.0) | (f[1:] < 0.0) & (f[:-1] >= 0.0))
         low, high = self._halved(design, gap, 0.0, x[cells], x[cells + 1], f[cells + 1] >= 0.0)
         steps = 10.0 ** -np.array(BESIDE_LIMIT)
@@ -586,19 +572,19 @@ class StationaryInPieces(Stationary):
         """Return cells, between whose ends a fact comes to a value, as narrow as doubles are."""
         for _ in range(HALVINGS if low.size else 0):
             middle = 0.5 * (low + high)
-            (here,) = self._read((name,), middle, middle < -10.0, np.full(middle.size, design))
+            (here,) = self._along(design, middle, name)
             above = (here >= least) == rises
             low, high = np.where(above, low, middle), np.where(above, middle, high)
         return low, high
 
     def _limits(self, design: int, x: NDArray[Any]) -> list[tuple[float, int, str]]:
         """Return the limits of motion between samples, each next to what closes."""
-        (closes,) = self._read((CLOSES,), x, x < -10.0, np.full(x.size, design))
+        (closes,) = self._along(design, x, CLOSES)
         cells = np.flatnonzero((closes[1:] == 1.0) != (closes[:-1] == 1.0))
         rises = closes[cells + 1] == 1.0
         low, high = self._halved(design, CLOSES, 1.0, x[cells], x[cells + 1], rises)
         gaps, outer = self.graded.gaps or (), np.where(rises, low, high)
-        values = self._read(gaps, outer, outer < -10.0, np.full(outer.size, design))
+        values = self._along(design, outer, *gaps)
         first = [
             next((k for k, of in enumerate(values) if not of[cell] >= 0.0), -1) for cell in range(cells.size)
         ]
@@ -616,64 +602,30 @@ class StationaryInPieces(Stationary):
                 found[design].append(Candidate(0, at, np.nan, END, f"{side} {gap}"))
         return found
 
-    def _read(
-        self, names: Sequence[str], x: NDArray[Any], high: NDArray[Any], designs: NDArray[Any]
-    ) -> list[NDArray[Any]]:
-        values: dict[str, Any] = {name: column[designs] for name, column in self.inputs.items()}
-        with as_given(not self.facts.zeroes), np.errstate(invalid="ignore", divide="ignore"):
-            facts = read_facts(self.catalogue, names, values | {self.position: x}, self.variants)
-        return [np.broadcast_to(facts[name], x.shape) for name in names]
+    def _along(self, design: int, x: NDArray[Any], *names: str) -> list[NDArray[Any]]:
+        """Return facts of one design at input positions."""
+        return self._read(names, x, np.zeros(x.shape, dtype=bool), np.full(x.size, design))
 
-    @cached_property
-    def _slope_facts(self) -> HighPrecision:
-        given = (*self.inputs, self.position)
-        return HighPrecision(self.catalogue, (self.slope,), given, self.variants, zeroes=self.facts.zeroes)
-
-    def _sampled(self, names: Sequence[str]) -> list[NDArray[Any]]:
-        designs = np.arange(len(self.x))[:, None, None]
-        return self._read(names, self.x, np.zeros(self.x.shape, dtype=bool), designs)
+    def _leaves(self, x: NDArray[Any], high: NDArray[Any]) -> tuple[NDArray[Any], ...]:
+        return (x,)
 
     def _leaves_at(self, end: int, x: Any) -> dict[str, Any]:
         return {self.position: CONTEXT.mpf(x)}
 
-    def _at_end(self, base: Mapping[str, Any], candidate: Candidate, size: float) -> Extreme:
-        """Return the limit of the quantity where a gap vanishes: infinite, 0 or finite."""
+    def _end(self, base: Mapping[str, Any], candidate: Candidate) -> tuple[Any, Any]:
         side, gap = candidate.zero.split()
-        x = self._zero(base, replace(candidate, zero=gap))
-        aside = AT_END * int(side)
-        farther = self._at(base, 0, x + FARTHER * aside)[self.quantity]
-        base = self._at(base, 0, x + aside)
-        value, position = base[self.quantity], base[self.position]
-        if (limit := _without_limit(value, farther, size, position)) is not None:
-            return limit
-        # a limit moves with the inputs, and the value with it
+        return self._zero(base, replace(candidate, zero=gap)), AT_END * int(side)
+
+    def _condition_at_end(self, there: Mapping[str, Any], candidate: Candidate) -> tuple[Any, Any]:
+        """Return the condition of the value: a limit moves with the inputs, and the value with it."""
         condition = CONTEXT.zero
-        for name in self.movable:
-            if base[name] != 0:
-                moved = self.facts.moved(base, {name: base[name] * (1 + STEP)})
-                there = self._zero(moved, replace(candidate, zero=gap)) + aside
-                condition += abs(self._at(moved, 0, there)[self.quantity] - value) / STEP
-        return Extreme(value, condition, position, condition)
+        for moved in self.facts.varied(there, self.movable):
+            x, aside = self._end(moved, candidate)
+            condition += abs(self._at(moved, 0, x + aside)[self.quantity] - there[self.quantity]) / STEP
+        return condition, condition
 
 
 def stationary_of(catalogue: Catalogue, *arguments: Any, **options: Any) -> Stationary:
     """Return the extremes of a quantity, see `Stationary`."""
     in_pieces = catalogue.graded is not None and catalogue.graded.gaps is not None
     return (StationaryInPieces if in_pieces else Stationary)(catalogue, *arguments, **options)
-
-
-def _without_limit(value: Any, farther: Any, size: float, position: Any) -> Extreme | None:
-    """Return what a quantity comes to at an end towards which it grows or vanishes; None where it has a limit."""
-    if not max(abs(value), abs(farther)) > GROWS * min(abs(value), abs(farther)):
-        return None
-    if abs(value) > size:
-        return Extreme(CONTEXT.inf if value > 0 else -CONTEXT.inf, CONTEXT.zero, position, CONTEXT.zero)
-    return Extreme(CONTEXT.zero, CONTEXT.mpf(size), position, CONTEXT.zero)
-
-
-def _leaves(x: NDArray[Any], high: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
-    """Return the fractions of the range from both ends, and the side, in doubles."""
-    square = x * x
-    far = 1.0 / (1.0 + square)
-    near = square * far
-    return np.where(high, far, near), np.where(high, near, far), np.where(x < 0.0, -1.0, 1.0)

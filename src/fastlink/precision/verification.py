@@ -48,8 +48,6 @@ def check_verify(where: KeyPath, verify: Any) -> int:
     return check_whole(where, verify, 0, EVALUATIONS, remedy)
 
 
-#: The first and the last but one of the chosen designs, and their results by output.
-_Rows = tuple[int, int, "list[NDArray[Any]]"]
 #: Quantities that are rounding errors themselves, which have none.
 OF_ERRORS = ("residual", "deviation")
 #: The remedy for wrong results.
@@ -76,29 +74,6 @@ def with_remark(maps: xr.Dataset) -> xr.Dataset:
     return maps
 
 
-class _Chosen:
-    """The results of chosen designs, collected block by block."""
-
-    def __init__(self, designs: NDArray[Any]) -> None:
-        self.designs = designs
-        self.rows: list[_Rows] = []
-
-    def collect(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
-        """Copy the results of those among start to stop; thread-safe."""
-        first, last = map(int, np.searchsorted(self.designs, (start, stop)))
-        if first < last:
-            chosen = self.designs[first:last] - start
-            self.rows.append((first, last, [array[chosen] for array in arrays]))
-
-    def joined(self) -> list[NDArray[Any]]:
-        """Return the results of all of them, by output."""
-        joined = [np.empty((self.designs.size, *a.shape[1:]), a.dtype) for a in self.rows[0][2]]
-        for first, last, arrays in self.rows:
-            for whole, array in zip(joined, arrays, strict=True):
-                whole[first:last] = array
-        return joined
-
-
 class Verification:
     """A random sample of the designs of a sweep, computed again with 50 digits."""
 
@@ -112,11 +87,15 @@ class Verification:
         # in random order, so that the first of them are a random sample too
         self.order = self.rng.permutation(designs.size)
         self.sample = Sample(plan, space.at(designs[self.order]), positions, branch_indices)
-        self._chosen = _Chosen(designs)
+        #: The first and the last but one of some designs, and their results by output.
+        self._rows: list[tuple[int, int, list[NDArray[Any]]]] = []
 
     def collect(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
         """Copy the results of the sampled designs among start to stop; thread-safe."""
-        self._chosen.collect(start, stop, arrays)
+        first, last = map(int, np.searchsorted(self.designs, (start, stop)))
+        if first < last:
+            chosen = self.designs[first:last] - start
+            self._rows.append((first, last, [array[chosen] for array in arrays]))
 
     def measure(self) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
         """Return attributes of the result, which state a failure too, and of its variables."""
@@ -124,7 +103,10 @@ class Verification:
             return {}, {}
         started = time.perf_counter()
         try:
-            errors, left_out = self._measured()
+            groups, left_out, share = self._groups_with_results()
+            errors: dict[str, MeasuredErrors] = {}
+            for kind, group in groups:
+                errors |= self._errors_of(kind, group, share)
         except (ArithmeticError, ValueError, LookupError, TypeError, AttributeError) as error:
             return {"verify_failed": f"{type(error).__name__}: {error}"}, {}
         attrs: dict[str, Any] = {
@@ -139,7 +121,7 @@ class Verification:
 
     def expected_time(self, count: int) -> float:
         """Return the expected time of so many designs in seconds, from the time that these take."""
-        groups, share = self._groups_with_results()
+        groups, _, share = self._groups_with_results()
         more = replace(self.sample, branch_indices=np.zeros(count, dtype=np.int64))
         seconds = 0.0
         for kind, group in groups:
@@ -149,21 +131,17 @@ class Verification:
             seconds += took * _compared(more, kind, group, share) / _compared(self.sample, kind, group, share)
         return seconds
 
-    def _measured(self) -> tuple[dict[str, MeasuredErrors], list[str]]:
-        """Return the errors of each variable, and the names of the others."""
-        groups, share = self._groups_with_results()
-        errors: dict[str, MeasuredErrors] = {}
-        for kind, group in groups:
-            errors |= self._errors_of(kind, group, share)
-        return errors, _groups(self.sample.plan.outputs)[1]
-
-    def _groups_with_results(self) -> tuple[list[tuple[str, list[Output]]], int]:
-        """Give the sample its results; return the outputs by method, and the evaluations that each may take."""
+    def _groups_with_results(self) -> tuple[list[tuple[str, list[Output]]], list[str], int]:
+        """Give the sample its results; return `_groups` of the outputs, and the evaluations that each may take."""
         outputs = self.sample.plan.outputs
-        for output, rows in zip(outputs, self._chosen.joined(), strict=True):
-            self.sample.results[output.name] = rows[self.order]
-        groups, _ = _groups(outputs)
-        return groups, EVALUATIONS // max(len(groups), 1)
+        for k, output in enumerate(outputs):
+            kind = self._rows[0][2][k]
+            results = np.empty((self.designs.size, *kind.shape[1:]), kind.dtype)
+            for first, last, arrays in self._rows:
+                results[first:last] = arrays[k]
+            self.sample.results[output.name] = results[self.order]
+        groups, left_out = _groups(outputs)
+        return groups, left_out, EVALUATIONS // max(len(groups), 1)
 
     def _errors_of(self, kind: str, group: list[Output], share: int) -> dict[str, MeasuredErrors]:
         if kind == "values":
