@@ -305,17 +305,19 @@ def reopened(part: Path) -> int | None:
     return fd
 
 
-def held_folder(folder: Path) -> int | None:
-    """Hold a folder; return its file number, None where none can be opened. Refused when a live process has it."""
+@contextlib.contextmanager
+def held_folder(folder: Path) -> Iterator[None]:
+    """Hold a folder, where one can be opened; refused when a live process has it."""
     if fcntl is None:
-        return None
+        yield
+        return
     fd = os.open(folder, os.O_RDONLY)
     try:
         _lock(fd, folder)
-    except BaseException:
-        os.close(fd)
-        raise
-    return fd
+        yield
+    finally:
+        with contextlib.suppress(OSError):
+            os.close(fd)
 
 
 def reserve(fd: int, extra: int) -> None:
@@ -334,10 +336,10 @@ def publish(fd: int, part: Path, final: Path, overwrite: bool) -> None:
     # The file stays open where it keeps its name, and is closed where it has the final one.
     if fcntl is None:
         os.close(fd)  # an open file cannot be renamed there
-        _rename(part, final, overwrite)
+        rename(part, final, overwrite)
         return
     _flock(fd, fcntl.LOCK_SH)  # readers may open it from its first moment on
-    _rename(part, final, overwrite)
+    rename(part, final, overwrite)
     with contextlib.suppress(OSError):  # its bytes are on the disk already
         os.close(fd)
     synchronise_folder(final.parent)
@@ -438,7 +440,8 @@ def _hold(part: Path, flags: int = 0) -> int | None:
     return None
 
 
-def _rename(part: Path, final: Path, overwrite: bool) -> None:
+def rename(part: Path, final: Path, overwrite: bool) -> None:
+    """Give a file or a folder its final name; `overwrite` replaces a file, else it fails where the name is taken."""
     if overwrite:
         os.replace(part, final)
         return
