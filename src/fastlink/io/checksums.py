@@ -7,11 +7,12 @@ followed by B is that of A, shifted by the length of B, plus (modulo 2) that of 
 
 from __future__ import annotations
 
+import contextlib
 import math
 import os
 import struct
 import threading
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -193,12 +194,15 @@ def seal(fd: int, values: Mapping[int, int], rest_at: int) -> tuple[int, bytes]:
     gone = joined_ranges([(start, start + nbytes) for start, nbytes in values.items() if nbytes])
     labels = of_file(fd, values, (rest_at, rest_at + 4))
     numbers = [len(gone), rest_at, labels, *(number for ends in gone for number in ends)]
+    return _end_of_hdf5(fd), _sealed(numbers)
+
+
+def _sealed(numbers: Sequence[int]) -> bytes:
+    """Return the seal that holds some numbers."""
     head = SEAL + struct.pack(f"<{len(numbers)}Q", *numbers)
     head += struct.pack("<I", crc32(head))
-    length = max(
-        SHORTEST_SEAL, -(-(len(head) + len(SEAL)) // LENGTH_STEP) * LENGTH_STEP
-    )  # a multiple of three
-    return _end_of_hdf5(fd), head + bytes(length - len(head) - len(SEAL)) + SEAL
+    length = max(SHORTEST_SEAL, -(-(len(head) + len(SEAL)) // LENGTH_STEP) * LENGTH_STEP)
+    return head.ljust(length - len(SEAL), b"\0") + SEAL
 
 
 def seal_is_broken(path: str | os.PathLike[str]) -> bool:
@@ -209,28 +213,25 @@ def seal_is_broken(path: str | os.PathLike[str]) -> bool:
 
 def read_seal(path: str | os.PathLike[str]) -> tuple[bool, int | None]:
     """Return whether the seal of a file is broken, and the checksum of its labels where there is an intact one."""
-    fd = open_to_read(path)
-    try:
-        size, end = os.fstat(fd).st_size, _end_of_hdf5(fd)
-        if size < len(SEAL) or end == size:
-            return False, None
-        tail = bytes(read_all(fd, len(SEAL), size - len(SEAL)))
-        data = bytes(read_all(fd, size - end, end)) if 0 <= end < size else b""
-        if tail != SEAL and not data.startswith(SEAL):
-            return False, None
-        count, rest_at, labels = struct.unpack_from("<3Q", data, len(SEAL))
-        stop = len(SEAL) + 8 * (2 * count + 3)
-        known = SEAL + data[len(SEAL) : stop]
-        if data != known + struct.pack("<I", crc32(known)) + bytes(len(data) - stop - 4 - len(SEAL)) + SEAL:
+    with open_to_read(path) as fd:
+        try:
+            size, end = os.fstat(fd).st_size, _end_of_hdf5(fd)
+            if size < len(SEAL) or end == size:
+                return False, None
+            tail = bytes(read_all(fd, len(SEAL), size - len(SEAL)))
+            data = bytes(read_all(fd, size - end, end)) if 0 <= end < size else b""
+            if tail != SEAL and not data.startswith(SEAL):
+                return False, None
+            (count,) = struct.unpack_from("<Q", data, len(SEAL))
+            numbers = struct.unpack_from(f"<{2 * count + 3}Q", data, len(SEAL))
+            if data != _sealed(numbers):
+                return True, None
+            _, rest_at, labels, *ends = numbers
+            gone = {first: last - first for first, last in zip(ends[::2], ends[1::2], strict=True)}
+            broken = of_file(fd, gone | {end: size - end}, (rest_at, rest_at + 4)) != labels
+            return broken, None if broken else labels
+        except (struct.error, EOFError, OverflowError, ValueError):
             return True, None
-        ends = struct.unpack_from(f"<{2 * count}Q", data, len(SEAL) + 24)
-        gone = {first: last - first for first, last in zip(ends[::2], ends[1::2], strict=True)}
-        broken = of_file(fd, gone | {end: size - end}, (rest_at, rest_at + 4)) != labels
-        return broken, None if broken else labels
-    except (struct.error, EOFError, OverflowError, ValueError):
-        return True, None
-    finally:
-        os.close(fd)
 
 
 def _end_of_hdf5(fd: int) -> int:
@@ -383,6 +384,11 @@ def check_own(path: Path, file: Any) -> None:
         raise InputError(f"{path}: {what}", remedy="give a map that holds its values itself")
 
 
-def open_to_read(path: str | os.PathLike[str]) -> int:
-    """Return the file number of a file that is opened to be read."""
-    return os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
+@contextlib.contextmanager
+def open_to_read(path: str | os.PathLike[str]) -> Iterator[int]:
+    """Yield the file number of a file that is opened to be read."""
+    fd = os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
+    try:
+        yield fd
+    finally:
+        os.close(fd)

@@ -42,6 +42,7 @@ from fastlink.io.layout import (
     FINGERPRINT,
     FORMAT_VERSION,
     HISTORY,
+    MEASURED,
     PLAIN,
     SOURCE,
     Variable,
@@ -51,7 +52,7 @@ from fastlink.io.layout import (
 )
 from fastlink.io.output import output_file, output_folder
 from fastlink.io.output_path import exists_error, part_of, progress_bar, reason, refused
-from fastlink.io.partial_file import check_made_at_once
+from fastlink.io.partial_file import check_target
 from fastlink.io.reader import (
     COMPRESSION,
     OF_PARTS,
@@ -308,8 +309,6 @@ def _taken(array: xr.Variable, takes: list[Any]) -> NDArray[Any]:
 #: Global attributes that are true of a whole run alone.
 OF_RUN = ("designs_of_earlier_runs", "run_time_s", "set_up_time_s", "verified_designs")
 OF_RUN_BEGIN = ("designs_per_", "configurations_per_", "verify_")
-#: Attributes of variables, and their beginnings, that are measured on the designs of a whole run.
-MEASURED = ("verified_values", "verify_mismatches", "independent_", "error_")
 #: Measured on values as they were computed: of rounded values they say nothing.
 OF_DOUBLES = ("error_median_relative", "error_max_roundings", "error_max_of_bound")
 
@@ -930,7 +929,8 @@ def _target(to: Any, form: str, maps: xr.Dataset, nbytes: int, overwrite: bool) 
     sources = files_of(maps)
     if form == "zarr":
         return _folder(to, sources, overwrite)
-    return check_made_at_once(to, nbytes, overwrite, sources, partial(check_path, example="out.nc"))
+    named = partial(check_path, example="out.nc")
+    return check_target(to, nbytes, overwrite, sources, named, at_once=True)
 
 
 def _folder(to: Any, sources: Sequence[Path], overwrite: bool) -> Path:

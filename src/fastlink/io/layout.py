@@ -174,6 +174,8 @@ FORMAT_VERSION = 1
 #: Global attribute of a map that a request has made: the hash of the request.
 FINGERPRINT = "fingerprint"
 
+#: How the names of attributes of a variable begin that verification measures on the designs of a whole run.
+MEASURED = ("verified_values", "verify_mismatches", "independent_", "error_")
 #: Labels of coordinates along ``design`` that are no inputs.
 OF_NUMBERS, OF_LABELS = {"long_name": "number of the design"}, {"long_name": "label of the design"}
 Further = Mapping[str, tuple[tuple[str, ...], NDArray[Any], Mapping[str, Any]]]

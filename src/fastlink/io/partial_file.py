@@ -499,9 +499,14 @@ def check_target(
     overwrite: bool,
     sources: Sequence[Path] = (),
     named: Callable[[KeyPath, Any], Path] = check_output,
+    *,
+    at_once: bool = False,
 ) -> Path:
-    """Return the absolute path of an output file, or refuse it."""
-    # To be called before anything is computed.
+    """Return the absolute path of an output file, or refuse it, before anything is computed.
+
+    What is made at once, with which no later run goes on, is refused too where a run to that name has left its part of
+    a map, which would be lost.
+    """
     target = Path(os.path.realpath(named(("to",), path)))
     check_writable(target)
     if target.is_symlink():  # which realpath could not follow
@@ -519,20 +524,8 @@ def check_target(
         raise refused(f"{path} is a file that is read for it", "choose another name")
     if nbytes_needed + SLACK > free_bytes(target) + given_back(part):
         raise no_room(target, nbytes_needed)
-    return target
-
-
-def check_made_at_once(
-    path: str | Path,
-    nbytes_needed: int,
-    overwrite: bool,
-    sources: Sequence[Path] = (),
-    named: Callable[[KeyPath, Any], Path] = check_output,
-) -> Path:
-    """Return the absolute path of a file that no later run goes on with, or refuse it as `check_target` does."""
-    # Refused too where a run to that name has left its part of a map, which would be lost.
-    target = check_target(path, nbytes_needed, overwrite, sources, named)
-    check_left(target, "", "finish it by the same run, rename or remove it, or choose another name")
+    if at_once:
+        check_left(target, "", "finish it by the same run, rename or remove it, or choose another name")
     return target
 
 

@@ -638,21 +638,16 @@ def _checked(place: Path, *, is_part: bool = False) -> FileCheck:
 def _compared(path: Path, stored: Stored) -> FileCheck:
     """Return the outcome for a file with its checksums."""
     blocks = [(name, *block) for name in stored.values for block in stored.blocks(name)]
-    fd = open_to_read(path)
 
     def is_intact(block: tuple[str, int, Range]) -> bool:
         name, number, (start, stop) = block
         return crc32(read_all(fd, stop - start, stored.values[name].offset + start)) == stored.sums[number]
 
-    try:
-        with ThreadPoolExecutor() as pool:
-            wrong = [
-                block for block, intact in zip(blocks, pool.map(is_intact, blocks), strict=True) if not intact
-            ]
+    with open_to_read(path) as fd, ThreadPoolExecutor() as pool:
+        intact = list(pool.map(is_intact, blocks))
         rest_is_intact = stored.rest_is_intact(fd)
         nbytes = os.fstat(fd).st_size
-    finally:
-        os.close(fd)
+    wrong = [block for block, as_written in zip(blocks, intact, strict=True) if not as_written]
     ranges: dict[str, list[Range]] = {}
     for name, _, (start, stop) in wrong:
         itemsize = stored.values[name].itemsize
