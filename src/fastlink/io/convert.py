@@ -239,8 +239,15 @@ class Source:
         takes: dict[str, Any] = self._takes(variable.name)
         for dim, part in zip(variable.dims, index, strict=False):
             takes[dim] = takes[dim][part]
+        single = tuple(
+            axis for axis, take in enumerate(takes.values()) if isinstance(take, (int, np.integer))
+        )
+        several = [
+            np.atleast_1d(take) if axis in single else take for axis, take in enumerate(takes.values())
+        ]
         try:
-            values = np.asarray(_taken(self._maps[variable.name].variable, list(takes.values())), order="C")
+            taken = _taken(self._maps[variable.name].variable, several)
+            values = np.asarray(taken.squeeze(single), order="C")
         except (OSError, RuntimeError, KeyError, ValueError) as error:
             what = f"{variable.name} cannot be read ({reason(error)})"
             raise InputError(what, where=("maps",), remedy="check the file by `fastlink check`") from error
@@ -284,22 +291,19 @@ def _is_column(coord: xr.DataArray) -> bool:
 
 def _taken(array: xr.Variable, takes: list[Any]) -> NDArray[Any]:
     """Return part of an array: read from the first to the last number along each dimension, then picked."""
-    several = {k: take for k, take in enumerate(takes) if not isinstance(take, (int, np.integer))}
-    spans: list[Any] = [
-        slice(takes[k][0], takes[k][-1] + 1) if k in several else takes[k] for k in range(len(takes))
-    ]
-    apart = {k: take for k, take in several.items() if len(take) < spans[k].stop - spans[k].start}
-    read = math.prod(spans[k].stop - spans[k].start for k in several)
-    if read * array.dtype.itemsize > 2 * BLOCK_BYTES:  # few numbers far from each other
-        for k, take in apart.items():
-            if len(take) > 1:
+    lengths = [int(take[-1]) + 1 - int(take[0]) for take in takes]
+    if math.prod(lengths) * array.dtype.itemsize > 2 * BLOCK_BYTES:  # few numbers far from each other
+        for axis, (take, length) in enumerate(zip(takes, lengths, strict=True)):
+            if 1 < len(take) < length:
                 halves = (take[: len(take) // 2], take[len(take) // 2 :])
-                parts = [_taken(array, [*takes[:k], half, *takes[k + 1 :]]) for half in halves]
-                return np.concatenate(parts, list(several).index(k))
-    values = np.asarray(array[tuple(spans)].values)
-    for k, take in apart.items():
-        picked = slice(None, None, take.step) if isinstance(take, range) else take - take[0]
-        values = values[(slice(None),) * list(several).index(k) + (picked,)]
+                parts = [_taken(array, [*takes[:axis], half, *takes[axis + 1 :]]) for half in halves]
+                return np.concatenate(parts, axis)
+    spans = tuple(slice(int(take[0]), int(take[-1]) + 1) for take in takes)
+    values = np.asarray(array[spans].values)
+    for axis, (take, length) in enumerate(zip(takes, lengths, strict=True)):
+        if len(take) < length:
+            picked = slice(None, None, take.step) if isinstance(take, range) else take - take[0]
+            values = values[(slice(None),) * axis + (picked,)]
     return values
 
 
@@ -828,7 +832,10 @@ def convert(
         if form == "xlsx" and (rows := math.prod(_widest(source).shape)) > MOST_ROWS:
             what = f"the map has {rows:,} rows, and a sheet of Excel {MOST_ROWS:,}"
             raise InputError(what, ("to",), "write a .csv or a .parquet, or select a part")
-        with _shown(source.nbytes, progress) as source.show:
+        bar = progress_bar(source.nbytes, "B", progress)
+        with contextlib.nullcontext() if bar is None else bar:
+            if bar is not None:
+                source.show = bar.update
             WRITERS[form](path, source, overwrite, compression)
     if source.overflows:
         what = f"values that are infinite in {kind}: {', '.join(f'{n:,} of {k}' for k, n in source.overflows.items())}"
@@ -971,14 +978,3 @@ def _command(
     if compression is not None:
         words += ["--compress", str(compression)]
     return shlex.join(words)
-
-
-@contextlib.contextmanager
-def _shown(nbytes: int, visible: bool | None) -> Iterator[Any]:
-    """Yield what is to be told of bytes that are done."""
-    bar = progress_bar(nbytes, "B", visible)
-    try:
-        yield bar.update if bar is not None else lambda count: None
-    finally:
-        if bar is not None:
-            bar.close()

@@ -29,7 +29,6 @@ from fastlink.io.checksums import (
     OF_REST,
     OF_VALUES,
     Range,
-    Ranges,
     add,
     all_but,
     block_count,
@@ -140,10 +139,10 @@ def lay_out(
 
 def lay_labels(path: Path, coords: xr.Dataset, attrs: Mapping[str, Any]) -> None:
     """Create the file with its coordinates and global attributes alone."""
-    with scratch() as (other, fd):
+    with scratch() as (other, fd), os.fdopen(create(path), "r+b", buffering=0) as file:
         reserve(fd, coords.nbytes + SLACK)
         _to_netcdf(other, coords.assign_attrs(plain_attrs(attrs)), "w")
-        copy_to_new(fd, path, {})
+        copy_labels(fd, file.fileno(), {})
 
 
 def as_bytes(dataset: xr.Dataset) -> bytes:
@@ -218,12 +217,6 @@ def scratch() -> Iterator[tuple[Path, int]]:
     finally:
         os.close(fd)
         os.unlink(name)
-
-
-def copy_to_new(source: int, path: Path, values: Mapping[int, int]) -> None:
-    """Create a file with all bytes of an open one besides values, which are so many from somewhere."""
-    with os.fdopen(create(path), "r+b", buffering=0) as file:
-        copy_labels(source, file.fileno(), values)
 
 
 def copy_labels(source: int, target: int, values: Mapping[int, int]) -> None:
@@ -662,15 +655,15 @@ class Writer:
         self._closed = False
         self._fingerprint, self._size = run or ("", 0)
         self._rows = rows or SAME_ROWS
-        self._ranges = Ranges()
+        #: Ranges of designs that an earlier run has written.
+        self.written: list[Range] = []
         self._sums = dict[int, int]()
         of_values = partial(ValuesFile, variables=variables, size=self._size, rows=self._rows)
         try:
             found = None if restart else resume(self.part, self._fingerprint, of_values, lay_out_all)
             if found is not None:
-                self._file, ranges, self._sums = found
-                self._ranges = Ranges(ranges)
-                for name, places in self._file.places(ranges):
+                self._file, self.written, self._sums = found
+                for name, places in self._file.places(self.written):
                     self._nbytes_written[name] += sum(count for _, count in places)
             else:
                 if not restart:
@@ -678,6 +671,8 @@ class Writer:
                 self._file = of_values(*self._started(lay_out_all))
         except OF_HDF5 as error:
             raise self._failure(error) from error
+        #: Ranges of designs that are left to be written.
+        self.pending = missing(self.written, self._size)
         self._fd, self._offsets = self._file.fd, self._file.offsets
         about = {"fingerprint": self._fingerprint, "size": self._size, "offsets": self._offsets}
         self._journal = Journal(self._fd, self.part, about, self.written, self._sums)
@@ -693,24 +688,11 @@ class Writer:
         self._close_to_writers()
         self._keep_or_discard(error)
 
-    @property
-    def pending(self) -> list[Range]:
-        """Ranges of designs that are not written yet."""
-        return missing(self.written, self._size)
-
     def record(self, start: int, stop: int) -> None:
         """Record that all variables of some designs are written, by this thread; thread-safe."""
-        with self._idle:
-            self._ranges.add(start, stop)
         of_thread = self._file.of_thread
         addends, of_thread.addends = of_thread.addends, []
         self._journal.add([(start, stop)], addends)
-
-    @property
-    def written(self) -> list[Range]:
-        """Ranges of designs that are written, by this run or by the one that it resumes."""
-        with self._idle:
-            return self._ranges.joined()
 
     def values(self, name: str, row: tuple[int, ...]) -> NDArray[Any]:
         """Return the values in the file, read where they are looked at: one row of a given shape per design."""
@@ -766,8 +748,6 @@ class Writer:
             add(self._sums, written.addends.items())
             for name, count in written.nbytes.items():
                 self._nbytes_written[name] += count
-            for start, stop in written.ranges:
-                self._ranges.add(start, stop)
         self._journal.add_bytes(sum(written.nbytes.values()))
         self._journal.add(written.ranges, written.addends.items())
 
@@ -833,19 +813,15 @@ class Writer:
         """Lay the file out by way of memory, and reserve its room; return its number and the variables' offsets."""
 
         def lay(path: Path) -> dict[str, int]:
-            with scratch() as (other, laid):
+            with scratch() as (other, laid), os.fdopen(create(path), "r+b", buffering=0) as file:
                 offsets = lay_out(other)
-                copy_to_new(laid, path, {offsets[v.name]: v.nbytes for v in self._variables.values()})
+                of_values = {offsets[variable.name]: variable.nbytes for variable in self._variables.values()}
+                copy_labels(laid, file.fileno(), of_values)
+                # HDF5 gives back at the end what the attributes leave
+                partial_file.reserve(file.fileno(), SLACK)
             return offsets
 
-        fd, offsets = partial_file.begun(self.part, lay)
-        try:
-            # HDF5 gives back at the end what the attributes leave
-            partial_file.reserve(fd, SLACK)
-        except BaseException:
-            partial_file.discard(fd, self.part)
-            raise
-        return fd, offsets
+        return partial_file.begun(self.part, lay)
 
     def _failure(self, error: Exception) -> InputError:
         return not_written(self.path, self._nbytes, error)
