@@ -63,10 +63,7 @@ from fastlink.io.reader import (
 )
 from fastlink.io.where import Indexer, Selection, selected
 from fastlink.io.writer import Writer, auxiliary, create_checksums, label, lay_labels
-from fastlink.space.design_space import (
-    BRANCH,
-    DESIGN,
-)
+from fastlink.space.design_space import BRANCH, DESIGN
 from fastlink.space.tables import FORMAT, STATUS
 
 # -- The compressions of converted files, by name and level, in the words of each library
@@ -803,23 +800,16 @@ def convert(
     ({'a2': 2}, 'float32', 'a2=1.1:1.2')
     """
     problems = Problems()
-    form, compression, kind = "", None, None
-    with problems.at():
-        form = _format(to)
-        compression = check_compression(compress, form)
-    with problems.at():
-        kind = _dtype(dtype)
-    with problems.at():
-        check_switch(("overwrite",), overwrite)
-    with problems.at():
-        progress if progress is None else check_switch(("progress",), progress)
+    form = problems.attempt(_format, to)
+    compression = problems.attempt(check_compression, compress, form) if form else None
+    kind = problems.attempt(_dtype, dtype)
+    problems.attempt(check_switch, ("overwrite",), overwrite)
+    if progress is not None:
+        problems.attempt(check_switch, ("progress",), progress)
     with as_map(maps) as dataset:
         _check_texts(dataset, form, problems)
-        selection, names = Selection(), []
-        with problems.at():
-            names = _quantities(dataset, quantities)
-        with problems.at():
-            selection = selected(dataset, select)
+        names = problems.attempt(_quantities, dataset, quantities)
+        selection = problems.attempt(selected, dataset, select)
         problems.stop()
         source = Source(dataset, selection, names, kind)
         path = _target(to, form, dataset, 0 if compression or form != "hdf5" else source.nbytes, overwrite)

@@ -11,7 +11,6 @@ from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from inspect import signature
-from numbers import Integral
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +24,7 @@ from fastlink.errors import (
     KeyPath,
     Setting,
     check_path,
+    check_whole,
     door,
     not_a_file,
     require_package,
@@ -109,10 +109,10 @@ def check_part(where: KeyPath, value: Any) -> Part:
     pair = value
     if isinstance(value, str) and (found := re.fullmatch(r"(\d{1,9})/(\d{1,9})", value, re.ASCII)):
         pair = [int(number) for number in found.groups()]
-    if isinstance(pair, (list, tuple)) and len(pair) == 2 and all(map(_is_whole, pair)):
-        number, count = map(int, pair)
-        if 1 <= number <= count <= MOST_PARTS:
-            return Part(number, count)
+    if isinstance(pair, (list, tuple)) and len(pair) == 2:
+        with contextlib.suppress(InputError):
+            count = check_whole(where, pair[1], 1, MOST_PARTS)
+            return Part(check_whole(where, pair[0], 1, count), count)
     remedy = ("write k of n parts with k from 1 to n", (", such as ", Setting("part", "3/16")))
     raise InputError(f"is {short_repr(value)}", where=where, remedy=remedy)
 
@@ -277,12 +277,6 @@ def check_open_files(count: int) -> None:
 def scalar(value: Any) -> Any:
     """Return an attribute as xarray reads it: h5netcdf writes a number as an array of one."""
     return value[0] if isinstance(value, np.ndarray) and value.shape == (1,) else value
-
-
-def _is_whole(value: Any) -> bool:
-    return (
-        isinstance(value, Integral) and not isinstance(value, bool) and type(value).__name__ != "timedelta64"
-    )
 
 
 #: Options of xarray that are decided here.

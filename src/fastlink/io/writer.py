@@ -139,10 +139,11 @@ def lay_out(
 
 def lay_labels(path: Path, coords: xr.Dataset, attrs: Mapping[str, Any]) -> None:
     """Create the file with its coordinates and global attributes alone."""
-    with scratch() as (other, fd), os.fdopen(create(path), "r+b", buffering=0) as file:
+    with scratch() as (other, fd):
         reserve(fd, coords.nbytes + SLACK)
         _to_netcdf(other, coords.assign_attrs(plain_attrs(attrs)), "w")
-        copy_labels(fd, file.fileno(), {})
+        with os.fdopen(create(path), "r+b", buffering=0) as file:
+            copy_labels(fd, file.fileno(), {})
 
 
 def as_bytes(dataset: xr.Dataset) -> bytes:
@@ -398,7 +399,7 @@ def resume(
                 return None
             file = values(fd, offsets)
             copy_labels(laid, fd, file.extents)  # its own labels may be torn or changed
-        partial_file.reserve(fd, SLACK)
+        reserve(fd, SLACK)
         whole, found = written, file.sums(written)  # what was cut off reads as zeros
         wrong = [block for block in sums.keys() | found.keys() if sums.get(block) != found.get(block)]
         if wrong:
@@ -813,12 +814,13 @@ class Writer:
         """Lay the file out by way of memory, and reserve its room; return its number and the variables' offsets."""
 
         def lay(path: Path) -> dict[str, int]:
-            with scratch() as (other, laid), os.fdopen(create(path), "r+b", buffering=0) as file:
+            with scratch() as (other, laid):
                 offsets = lay_out(other)
                 of_values = {offsets[variable.name]: variable.nbytes for variable in self._variables.values()}
-                copy_labels(laid, file.fileno(), of_values)
-                # HDF5 gives back at the end what the attributes leave
-                partial_file.reserve(file.fileno(), SLACK)
+                with os.fdopen(create(path), "r+b", buffering=0) as file:
+                    copy_labels(laid, file.fileno(), of_values)
+                    # HDF5 gives back at the end what the attributes leave
+                    reserve(file.fileno(), SLACK)
             return offsets
 
         return partial_file.begun(self.part, lay)

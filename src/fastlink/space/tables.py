@@ -330,6 +330,16 @@ def _read_parquet(path: Path, keep: Collection[str], allow_invalid: bool) -> Col
         raise refused(f"{path} cannot be read as Parquet ({why})", "write it again") from error
 
 
+class _Kept:
+    """The blocks of a table that were read last."""
+
+    def __init__(self) -> None:
+        self.lock, self.blocks = threading.Lock(), OrderedDict[int, dict[Any, Floats]]()
+
+    def __reduce__(self) -> tuple[type[_Kept], tuple[()]]:
+        return _Kept, ()  # another process has read none
+
+
 class TableFile(ABC):
     """A table in a file, of which blocks of rows are read, numbered by the first row of each; thread-safe."""
 
@@ -337,10 +347,7 @@ class TableFile(ABC):
 
     def __init__(self, path: Path) -> None:
         self.path, self.stamp, self.starts = path.absolute(), _stamp(path), [0]
-        self._new()
-
-    def _new(self) -> None:
-        self._lock, self._blocks = threading.Lock(), OrderedDict[int, dict[Any, Floats]]()
+        self._kept = _Kept()
 
     @abstractmethod
     def load(self, block: int) -> dict[Any, Floats]:
@@ -360,24 +367,18 @@ class TableFile(ABC):
             block, first = block + 1, last
 
     def _block(self, block: int) -> dict[Any, Floats]:
-        with self._lock:
-            if block in self._blocks:
-                self._blocks.move_to_end(block)
-                return self._blocks[block]
+        with self._kept.lock:
+            blocks = self._kept.blocks
+            if block in blocks:
+                blocks.move_to_end(block)
+                return blocks[block]
             if _stamp(self.path) != self.stamp:
                 remedy = "leave it as it is until the sweep has ended, and read it again"
                 raise refused(f"{self.path} has changed since it was read", remedy)
-            values = self._blocks[block] = self.load(block)
-            while len(self._blocks) > 2 and sum(map(_nbytes, self._blocks.values())) > KEPT_BYTES:
-                self._blocks.popitem(last=False)
+            values = blocks[block] = self.load(block)
+            while len(blocks) > 2 and sum(map(_nbytes, blocks.values())) > KEPT_BYTES:
+                blocks.popitem(last=False)
             return values
-
-    def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in vars(self).items() if name not in ("_lock", "_blocks")}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        vars(self).update(state)
-        self._new()
 
 
 class FileColumn(Column):
