@@ -37,12 +37,11 @@ from fastlink.facts.arc import ARC
 from fastlink.facts.catalogue import ELIMINATED, Catalogue
 from fastlink.facts.own import declared_names
 from fastlink.io.checksums import Range, Ranges, joined_ranges, missing
-from fastlink.io.finished import finished_map
 from fastlink.io.joining import CORE_TIME, JOINED, RUN_AGAIN, JoinedMap, PartFile, merged, part_files
 from fastlink.io.layout import HISTORY, Variable, history, plain_attrs
 from fastlink.io.output_path import exists_error, not_writable, progress_bar, reason, refused, search_of
 from fastlink.io.partial_file import check_left, check_target
-from fastlink.io.reader import PartOfMap, as_dataset, shown_parts
+from fastlink.io.reader import PartOfMap, as_dataset, finished_map, shown_parts
 from fastlink.io.writer import Writer
 from fastlink.maps import open as open_map
 from fastlink.maps.best import (

@@ -37,7 +37,6 @@ from fastlink.errors import (
 )
 from fastlink.io import partial_file
 from fastlink.io.checksums import OF_REST, pieces
-from fastlink.io.finished import WRITTEN
 from fastlink.io.layout import (
     FINGERPRINT,
     FORMAT_VERSION,
@@ -45,6 +44,7 @@ from fastlink.io.layout import (
     MEASURED,
     PLAIN,
     SOURCE,
+    WRITTEN,
     Variable,
     fault_of_value,
     history,

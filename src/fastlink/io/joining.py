@@ -20,8 +20,7 @@ import xarray as xr
 from fastlink._text import counted, short_repr, unwritable
 from fastlink.errors import InputError, Problem, Problems, check_path, remark
 from fastlink.io.checksums import Range, Stored, check_own, crc32, open_to_read, read_all
-from fastlink.io.finished import WRITTEN
-from fastlink.io.layout import FINGERPRINT, HISTORY, MEASURED, Variable, history
+from fastlink.io.layout import FINGERPRINT, HISTORY, MEASURED, WRITTEN, Variable, history
 from fastlink.io.output_path import left_of, reason, refused
 from fastlink.io.reader import (
     OF_PARTS,

@@ -7,6 +7,7 @@ import math
 import os
 import tempfile
 import threading
+import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
@@ -37,8 +38,15 @@ from fastlink.io.checksums import (
     of_pieces,
     read_all,
 )
-from fastlink.io.finished import marks, stamp
-from fastlink.io.layout import FORMAT_VERSION, Placement, Variable, check_dims, plain_attrs
+from fastlink.io.layout import (
+    FINGERPRINT,
+    FORMAT_VERSION,
+    WRITTEN,
+    Placement,
+    Variable,
+    check_dims,
+    plain_attrs,
+)
 from fastlink.io.output_path import SLACK, not_written, part_of, reason, refused
 from fastlink.io.partial_file import (
     Journal,
@@ -756,7 +764,9 @@ class Writer:
         self, attrs: Mapping[str, Any], of_variables: Mapping[str, Mapping[str, Any]] | None = None
     ) -> None:
         """Add the last attributes and give the file its name."""
-        last = plain_attrs({**marks(self._fingerprint), **attrs, FORMAT: FORMAT_VERSION})
+        now = time.time_ns()
+        marks = {FINGERPRINT: self._fingerprint, WRITTEN: now} if self._fingerprint else {}
+        last = plain_attrs({**marks, **attrs, FORMAT: FORMAT_VERSION})
         further = {name: plain_attrs(added) for name, added in (of_variables or {}).items()}
         for name, nbytes in self._nbytes_written.items():
             variable = self._variables[name]
@@ -771,7 +781,8 @@ class Writer:
                 set_attrs(self._fd, self._file.extents, last, further)
                 self._write_checksums()
                 os.fsync(self._fd)
-                stamp(self.part, last)
+                if marks:  # the time of the file is the one that it says, so that a later change of it shows
+                    os.utime(self.part, ns=(now, now))
                 check_readable(self._fd, self.part, list(self._variables.values()), self._offsets)
             except BaseException as error:
                 failure = self._failure(error) if isinstance(error, OF_HDF5) else error
