@@ -341,11 +341,17 @@ class Stored:
         rest, rest_at = int(file[OF_REST][0]), file[OF_REST].id.get_offset()
         return cls(block_bytes, values, sums if len(sums) == count else [None] * count, rest, rest_at)
 
-    def blocks(self, name: str) -> Iterator[tuple[int, Range]]:
-        """Yield the number of each block of a variable, and its range of bytes from the first value."""
-        nbytes = self.values[name].nbytes
-        for k, start in enumerate(range(0, nbytes, self.block_bytes)):
-            yield self.values[name].first + k, (start, min(start + self.block_bytes, nbytes))
+    def blocks(self, name: str, start: int = 0, stop: int | None = None) -> Iterator[tuple[int, Range]]:
+        """Yield the blocks of a variable that hold some bytes: number, and range of bytes from the first value."""
+        size, nbytes = self.block_bytes, self.values[name].nbytes
+        for first in range(start // size * size, nbytes if stop is None else stop, size):
+            yield first // size, (first, min(first + size, nbytes))
+
+    def read(self, fd: int, name: str, block: int) -> bytearray | None:
+        """Return a block of the values of a variable, None where they have changed."""
+        values, start = self.values[name], block * self.block_bytes
+        data = read_all(fd, min(self.block_bytes, values.nbytes - start), values.offset + start)
+        return data if crc32(data) == self.sums[values.first + block] else None
 
     def rest_is_intact(self, fd: int) -> bool:
         """Tell whether all but the values is as it was written."""

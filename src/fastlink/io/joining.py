@@ -19,7 +19,7 @@ import xarray as xr
 
 from fastlink._text import counted, short_repr, unwritable
 from fastlink.errors import InputError, Problem, Problems, check_path, remark
-from fastlink.io.checksums import Range, Stored, check_own, crc32, open_to_read, read_all
+from fastlink.io.checksums import Range, Stored, check_own, open_to_read
 from fastlink.io.layout import FINGERPRINT, HISTORY, MEASURED, WRITTEN, Variable, history
 from fastlink.io.output_path import left_of, reason, refused
 from fastlink.io.reader import (
@@ -107,8 +107,6 @@ GIVE_PARTS = (
     "give the files that sweeps with part=... or `fastlink run --part ...` have written, or their folder"
 )
 RUN_AGAIN = "run that part again"
-#: Blocks that are read at once.
-AT_ONCE = 8
 
 
 @dataclass(frozen=True)
@@ -147,16 +145,13 @@ class PartFile:
 
     def read(self, name: str, start: int, stop: int) -> Iterator[tuple[int, memoryview]]:
         """Yield bytes of the values of a variable in pieces with their positions; each block of them is checked."""
-        size, values = self.stored.block_bytes, self.stored.values[name]
         with self._opened() as fd:
-            for first in range(start // size * size, stop, AT_ONCE * size):
-                last = min(first + AT_ONCE * size, -(-stop // size) * size, values.nbytes)
-                data = memoryview(read_all(fd, last - first, values.offset + first))
-                for k in range(0, last - first, size):
-                    if crc32(data[k : k + size]) != self.stored.sums[values.first + (first + k) // size]:
-                        raise self._damaged(f"values of {name}")
+            for block, (first, _) in self.stored.blocks(name, start, stop):
+                data = self.stored.read(fd, name, block)
+                if data is None:
+                    raise self._damaged(f"values of {name}")
                 begin = max(first, start)
-                yield begin, data[begin - first : stop - first]
+                yield begin, memoryview(data)[begin - first : stop - first]
 
     @contextlib.contextmanager
     def _opened(self) -> Iterator[int]:
