@@ -392,11 +392,6 @@ class JoinedMap:
     ) -> None:
         """Write the values that are missing in a file; `done` takes each range of designs that is written."""
         copied = [one for one in self.variables if shown is None or one.name not in shown.sources]
-        if not copied:  # a kill from now on leaves what the same join goes on with
-            for designs in writer.pending:
-                writer.record(*designs)
-                done(*designs)
-            return
         pieces, lock, stop = self._pieces(writer.pending), threading.Lock(), threading.Event()
 
         def work() -> None:

@@ -49,6 +49,11 @@ def journal_of(part: Path) -> Path:
     return part.with_name(part.name + ".journal")
 
 
+def fresh_name(path: Path) -> Path:
+    """Return the name of a partial file or a journal until it is laid out."""
+    return path.with_name(path.name + ".new")
+
+
 def read_journal(part: Path) -> tuple[dict[str, Any], list[Range], dict[int, int]] | None:
     """Return the head, the written designs and the checksums of their values; None where no journal can be read."""
     # It ends before a record that a kill or a power cut has torn.
@@ -177,7 +182,7 @@ class Journal:
         """Create the journal with its head and first record, and return its open file number."""
         # It replaces that of an earlier run, whose designs the first record names: at no moment are they
         # without one.
-        fresh = self._path.with_name(self._path.name + ".new")
+        fresh = fresh_name(self._path)
         fresh.unlink(missing_ok=True)  # never through a link
         try:
             with open(fresh, "xb") as file:
@@ -221,11 +226,6 @@ NO_RESERVE = {errno.EINVAL, errno.EOPNOTSUPP, errno.ENOSYS}
 NO_LINK = {errno.EPERM, errno.EOPNOTSUPP, errno.ENOSYS, errno.EMLINK}
 #: Neither the system nor the file system can rename without replacing.
 NO_EXCLUSIVE_RENAME = {errno.EINVAL, errno.EOPNOTSUPP, errno.ENOSYS, errno.EPERM}
-
-
-def fresh_name(part: Path) -> Path:
-    """Return the name of a partial file while it is laid out."""
-    return part.with_name(part.name + ".new")
 
 
 @contextlib.contextmanager

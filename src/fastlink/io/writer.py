@@ -326,7 +326,13 @@ def set_attrs(
 
 def check_readable(fd: int, path: Path, variables: Sequence[Variable], offsets: Mapping[str, int]) -> None:
     """Fail unless a file that is locked by `fd` can be opened, and its variables are where they were laid."""
-    with opened(fd, path, "r") as file:
+    with contextlib.ExitStack() as stack:
+        try:
+            # this process holds the lock that HDF5 would ask for
+            file = stack.enter_context(h5py.File(path, "r", locking=False))
+        except BlockingIOError:  # HDF5_USE_FILE_LOCKING=TRUE in the environment overrules locking=False
+            stack.enter_context(released(fd))
+            file = stack.enter_context(h5py.File(path, "r"))
         for variable in variables:
             found = file[variable.name]
             dims = tuple(str(scale[0].name).removeprefix("/") for scale in found.dims if len(scale))
@@ -334,19 +340,6 @@ def check_readable(fd: int, path: Path, variables: Sequence[Variable], offsets: 
             layout = found.shape, found.dtype, dims, found.id.get_offset()
             if layout != (variable.shape, variable.dtype, variable.dims, offsets[variable.name]):
                 raise RuntimeError(f"{variable.name} is not where it was laid out")
-
-
-@contextlib.contextmanager
-def opened(fd: int, path: Path, mode: str) -> Iterator[Any]:
-    """Open a file that is locked by `fd` by HDF5."""
-    with contextlib.ExitStack() as stack:
-        try:
-            # this process holds the lock that HDF5 would ask for
-            file = stack.enter_context(h5py.File(path, mode, locking=False))
-        except BlockingIOError:  # HDF5_USE_FILE_LOCKING=TRUE in the environment overrules locking=False
-            stack.enter_context(released(fd))
-            file = stack.enter_context(h5py.File(path, mode))
-        yield file
 
 
 # -- Go on with the partial file of a run that did not end

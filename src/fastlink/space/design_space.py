@@ -369,6 +369,9 @@ class Gathered(Column):
         """Write some values."""
         if start == stop:
             return
+        if isinstance(self.source, Column) and self.inner == 1:
+            self.source.read(self.first + start, self.first + stop, out)
+            return
         index = np.arange(self.first + start, self.first + stop)
         if self.inner > 1:
             index //= self.inner
@@ -386,24 +389,9 @@ class Gathered(Column):
     @property
     def definition(self) -> tuple[Any, ...]:
         """The class and its parameters."""
+        if isinstance(self.source, Column) and self.inner == 1:
+            return "consecutive", self.first, self.length, self.source.definition
         return "gathered", self.inner, self.first, self.length, definition_of(self.source)
-
-
-class Consecutive(Column):
-    """Consecutive values of another column."""
-
-    def __init__(self, source: Column, start: int, stop: int) -> None:
-        super().__init__(stop - start, source.bounds)
-        self.source, self.start, self.dtype = source, start, source.dtype
-
-    def read(self, start: int, stop: int, out: NDArray[Any]) -> None:
-        """Write some values."""
-        self.source.read(self.start + start, self.start + stop, out)
-
-    @property
-    def definition(self) -> tuple[Any, ...]:
-        """The class and its parameters."""
-        return "consecutive", self.start, self.length, self.source.definition
 
 
 class Counted(Column):
@@ -481,10 +469,8 @@ def part_of(values: NDArray[Any] | Column, inner: int, start: int, stop: int) ->
     repeated = inner > 1 or stop > len(values)
     if repeated and values.dtype.kind not in "iuf":  # texts, which no file takes block by block
         return values[np.arange(start, stop) // inner % len(values)]
-    if repeated:
+    if repeated or isinstance(values, Column):
         return Gathered(values, inner, start, stop - start)
-    if isinstance(values, Column):
-        return Consecutive(values, start, stop)
     return values[start:stop]
 
 
@@ -732,11 +718,9 @@ class DesignSpace:
             elif name in self.axes:
                 # "clip" writes in place, the default "raise" in a copy of the output; no index needs clipping
                 np.take(self.axes[name], indices[name], out=target, mode="clip")
-            elif indices:
+            else:
                 inner = self.size // self.shape[0]
                 read_into(part_of(self.columns[name], inner, start, stop), 0, stop - start, target)
-            else:
-                read_into(self.columns[name], start, stop, target)
 
     @door
     def consecutive(self, start: int, stop: int) -> DesignSpace:

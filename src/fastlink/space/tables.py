@@ -10,7 +10,7 @@ import re
 import threading
 from abc import ABC, abstractmethod
 from bisect import bisect_right
-from collections import OrderedDict
+from collections import Counter, OrderedDict, defaultdict
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice
@@ -151,7 +151,7 @@ def label_of(values: Any, where: KeyPath) -> NDArray[Any]:
 class Columns:
     """The columns, constants and labels of a table, checked one by one."""
 
-    def __init__(self, keep: Collection[str], allow_invalid: bool, names: Collection[str] = ()) -> None:
+    def __init__(self, keep: Collection[str], allow_invalid: bool, names: Collection[str]) -> None:
         self.keep, self.allow_invalid = keep, allow_invalid
         self.of_map = OF_EVERY_MAP in names
         self.constants: dict[str, float] = {}
@@ -159,8 +159,7 @@ class Columns:
         self.labels: dict[str, NDArray[Any]] = {}
         self.units: dict[str, str] = {}
         #: By column the cells that hold no finite number, the first few by their places, and how many there are.
-        self.bad: dict[str, list[tuple[str, str]]] = {}
-        self.count: dict[str, int] = {}
+        self.bad, self.count = defaultdict[str, list[tuple[str, str]]](list), Counter[str]()
         self.problems, self.source = Problems(), ""
         for name in keep:
             if names and name not in names:
@@ -212,8 +211,8 @@ class Columns:
 
     def doubt(self, name: str, cells: Sequence[tuple[str, str]], count: int) -> None:
         """Note cells of a column that hold no finite number, the first of so many."""
-        self.bad.setdefault(name, []).extend(cells)
-        self.count[name] = self.count.get(name, 0) + count
+        self.bad[name] += cells
+        self.count[name] += count
 
     def doubtful(self, *, may_label: bool) -> dict[str, Problem]:
         """By column the problem of its cells that hold no finite number; labels unless the inputs are known."""
