@@ -438,14 +438,6 @@ def steps(start: int, stop: int) -> Iterator[tuple[int, int]]:
         yield first, min(first + STEP, stop)
 
 
-def read_into(values: NDArray[Any] | Column, start: int, stop: int, out: NDArray[Any]) -> None:
-    """Write values ``start`` to ``stop - 1`` of an array or a column into an array of as many."""
-    if isinstance(values, Column):
-        values.read(start, stop, out)
-    else:
-        out[:] = values[start:stop]
-
-
 def bounds_of(values: NDArray[Any] | Column) -> tuple[float, float]:
     """Return two numbers between which all values are, NaN where one is no number, or there is none."""
     if isinstance(values, Column):
@@ -719,8 +711,11 @@ class DesignSpace:
                 # "clip" writes in place, the default "raise" in a copy of the output; no index needs clipping
                 np.take(self.axes[name], indices[name], out=target, mode="clip")
             else:
-                inner = self.size // self.shape[0]
-                read_into(part_of(self.columns[name], inner, start, stop), 0, stop - start, target)
+                piece = part_of(self.columns[name], self.size // self.shape[0], start, stop)
+                if isinstance(piece, Column):
+                    piece.read(0, stop - start, target)
+                else:
+                    target[:] = piece
 
     @door
     def consecutive(self, start: int, stop: int) -> DesignSpace:
@@ -762,10 +757,8 @@ class DesignSpace:
         for name, label in self.labels.items():
             if not np.ndim(label):
                 labels[name] = label
-            elif name != DESIGN:
+            elif name != DESIGN or (rows == 1 and not isinstance(label, Counted)):
                 labels[name] = part_of(label, rows, start, stop)
-            elif rows == 1 and not isinstance(label, Counted):
-                labels[name] = part_of(label, 1, start, stop)
         # of a part of another space, in the numbers of that one
         first = rows * int(self.attrs.get("design_start", 0)) + start
         last, total = first + stop - start, rows * int(self.attrs.get("design_total", self.size // rows))

@@ -169,11 +169,11 @@ class Columns:
         """Add a column or a constant; what is wrong with it is noted."""
         with self.problems.at():
             check_no_quantity("table", name, given)
-            if is_label(name, self.keep) or is_text(cells_of(given)):
+            cells = cells_of(given)
+            if is_label(name, self.keep) or is_text(cells):
                 self.add_label(name, given)
                 return
             check_input_name("table", head_of(name)[0])
-            cells = cells_of(given)
             values = numbers_of("table", name, _with_gaps(cells) if cells.dtype.kind == "O" else given)
             self.units |= units_of(name, given)
             if values.ndim == 0:
