@@ -15,6 +15,7 @@ import threading
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from itertools import accumulate, repeat
 from pathlib import Path
 from typing import Any
 
@@ -274,12 +275,8 @@ def _shifted(crc: Any, nbytes: Any) -> Any:
 def _powers() -> tuple[NDArray[np.uint32], NDArray[np.uint32]]:
     """Return x to the number of bits of 0, 1, 2, ... bytes, and of so many steps, modulo the polynomial."""
     byte = ONE >> 8
-    few = [ONE]
-    while len(few) <= STEP:
-        few.append(_product(few[-1], byte))
-    many = [ONE]
-    while len(many) <= STEP:
-        many.append(_product(many[-1], few[STEP]))
+    few = list(accumulate(repeat(byte, STEP), _product, initial=ONE))
+    many = list(accumulate(repeat(few[STEP], STEP), _product, initial=ONE))
     return np.array(few[:STEP], np.uint32), np.array(many, np.uint32)
 
 

@@ -754,11 +754,8 @@ def space_of_dataset(dataset: Any, keep: Collection[str], allow_invalid: bool) -
         further: dict[str, Any] = {"units": columns.units, "of_map": columns.of_map}
         labels = {name: label for name, label in columns.labels.items() if label.ndim == 0}
         space = DesignSpace("grid", (), (), columns.constants, attrs=attrs, labels=labels, **further)
-    for dim, axis in axes.items():
-        space = replace(
-            space, dims=(*space.dims, dim), shape=(*space.shape, len(axis)), axes={**space.axes, dim: axis}
-        )
-    return replace(space, ignored=tuple(reader.results))
+    dims, shape = (*space.dims, *axes), (*space.shape, *map(len, axes.values()))
+    return replace(space, dims=dims, shape=shape, axes=axes, ignored=tuple(reader.results))
 
 
 def _add(columns: Columns, reader: _DatasetReader, name: str, variable: Any) -> None:
