@@ -207,14 +207,7 @@ def _read(path: Path, chosen: bool) -> PartFile | None:
             of = PartOfMap.of(attrs)
             if of is not None and WHOLE in file:
                 stored = Stored.of(file)
-                measured = {
-                    name: {
-                        key: scalar(value)
-                        for key, value in file[name].attrs.items()
-                        if key.startswith(MEASURED)
-                    }
-                    for name in stored.values
-                }
+                measured = {name: _measured(file[name].attrs) for name in stored.values}
                 return PartFile(path, of, attrs, stored, measured, labels)
         if any(name in attrs for name in OF_PARTS):
             raise refused(
@@ -228,6 +221,11 @@ def _read(path: Path, chosen: bool) -> PartFile | None:
     except (OSError, RuntimeError, KeyError, ValueError, TypeError, MemoryError) as error:
         raise refused(f"{path} cannot be read ({reason(error)})", GIVE_PARTS, "paths") from error
     return None
+
+
+def _measured(attrs: Any) -> dict[str, Any]:
+    """Return the attributes of a variable that come from verification."""
+    return {name: scalar(attrs[name]) for name in attrs if name.startswith(MEASURED)}
 
 
 def _of_one_map(parts: list[PartFile]) -> list[PartFile]:
