@@ -183,7 +183,7 @@ ENDS = {
     "the last synchronisation": lambda patch: patch.setattr(os, "fsync", raising(errno.EIO)),
     "the last attributes": lambda patch: patch.setattr(writer, "set_attrs", raising(errno.EIO)),
     "the time of the file": lambda patch: patch.setattr(os, "utime", raising(errno.EPERM)),
-    "its name": lambda patch: patch.setattr(partial_file, "_rename", raising(errno.EACCES)),
+    "its name": lambda patch: patch.setattr(partial_file, "rename", raising(errno.EACCES)),
 }
 
 

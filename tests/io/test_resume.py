@@ -21,8 +21,7 @@ import fastlink as fl
 from fastlink.codegen.kernel import Kernel
 from fastlink.io import partial_file
 from fastlink.io.checksums import missing
-from fastlink.io.finished import WRITTEN
-from fastlink.io.layout import FINGERPRINT
+from fastlink.io.layout import FINGERPRINT, WRITTEN
 from fastlink.io.output_path import part_of
 from fastlink.io.partial_file import Journal, journal_of, read_journal
 

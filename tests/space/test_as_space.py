@@ -17,7 +17,7 @@ from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 from fastlink.engine.resolve import resolve
-from fastlink.space.design_space import Consecutive, Converted, Counted, Gathered, definition_of
+from fastlink.space.design_space import Converted, Counted, Gathered, definition_of
 from fastlink.space.samplers import grid
 from fastlink.space.tables import as_space, table
 
@@ -357,7 +357,7 @@ def test_a_part_of_ten_thousand_million_designs_needs_little_memory():
 COMPUTED = {
     "gathered": Gathered(np.linspace(1.0, 2.0, 7), 3, 5, 40),
     "gathered of a column": Gathered(Counted(3, 20), 2, 5, 30),
-    "consecutive": Consecutive(Counted(10, 50), 7, 31),
+    "consecutive": Gathered(Counted(10, 50), 1, 7, 24),
     "counted": Counted(10**10, 33),
     "converted": Converted(Gathered(np.linspace(1.0, 2.0, 7), 1, 2, 20), Fraction(1, 1000)),
 }

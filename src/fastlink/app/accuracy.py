@@ -24,7 +24,7 @@ from fastlink.errors import InputError, door, require_package
 from fastlink.facts.catalogue import ELIMINATED
 from fastlink.io.layout import plain_attrs
 from fastlink.io.output import write_whole
-from fastlink.io.partial_file import check_made_at_once
+from fastlink.io.partial_file import check_target
 from fastlink.io.writer import as_bytes
 from fastlink.mechanisms import name_of
 from fastlink.pictures.picture import check_picture, save
@@ -461,7 +461,7 @@ def accuracy(
     """
     check_options(locals())
     read = read_study(study, trust_code)
-    target = None if to is None else check_made_at_once(to, 0, overwrite, read.sources)
+    target = None if to is None else check_target(to, 0, overwrite, read.sources, at_once=True)
     path = None if picture is None else check_picture(picture, "picture")
     if path is not None:
         require_package("matplotlib", ("picture",))

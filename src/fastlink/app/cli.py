@@ -546,7 +546,7 @@ def run(
     --trust-code
     """
     from fastlink.app.study import run as run_study
-    from fastlink.io.finished import WRITTEN
+    from fastlink.io.layout import WRITTEN
 
     progress, started = False if quiet else None, time.time_ns()
     options: dict[str, Any] = {"threads": threads, "overwrite": overwrite, "restart": restart, "part": part}

@@ -1329,6 +1329,6 @@ class Refinement:
 
 def _unmeasured(attrs: Mapping[Any, Any]) -> dict[Any, Any]:
     """Return the attributes of a result without the errors that were measured on other designs."""
-    from fastlink.io.convert import MEASURED
+    from fastlink.io.layout import MEASURED
 
     return {name: value for name, value in attrs.items() if not str(name).startswith(MEASURED)}

@@ -37,12 +37,11 @@ from fastlink.facts.arc import ARC
 from fastlink.facts.catalogue import ELIMINATED, Catalogue
 from fastlink.facts.own import declared_names
 from fastlink.io.checksums import Range, Ranges, joined_ranges, missing
-from fastlink.io.finished import finished_map
 from fastlink.io.joining import CORE_TIME, JOINED, RUN_AGAIN, JoinedMap, PartFile, merged, part_files
 from fastlink.io.layout import HISTORY, Variable, history, plain_attrs
 from fastlink.io.output_path import exists_error, not_writable, progress_bar, reason, refused, search_of
 from fastlink.io.partial_file import check_left, check_target
-from fastlink.io.reader import PartOfMap, shown_parts
+from fastlink.io.reader import PartOfMap, as_dataset, finished_map, shown_parts
 from fastlink.io.writer import Writer
 from fastlink.maps import open as open_map
 from fastlink.maps.best import (
@@ -841,7 +840,7 @@ def request_of_parts(parts: Sequence[PartFile], own: Any = None) -> tuple[Search
         kept.append(Kept.of_arrays({str(name): one.values for name, one in whole.coords.items()}))
         rows = kept[-1].every // about["rows_of_design"]
         numbers.append(rows if len(rows) else np.array(part.of.range[:1]))
-        with part.dataset() as opened:
+        with as_dataset(part.path) as opened:
             for name in about["columns"]:
                 columns.setdefault(name, []).append(opened[name].values)
     every = np.concatenate(numbers)

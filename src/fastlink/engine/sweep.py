@@ -20,10 +20,9 @@ from fastlink.engine.sinks import into
 from fastlink.errors import door
 from fastlink.facts.catalogue import ELIMINATED
 from fastlink.io.checksums import Range, joined_ranges
-from fastlink.io.finished import finished_map
 from fastlink.io.layout import HISTORY, Variable, history, plain_attrs
 from fastlink.io.partial_file import check_target
-from fastlink.io.reader import Part, PartOfMap
+from fastlink.io.reader import Part, PartOfMap, finished_map
 from fastlink.io.writer import RemoteWriter, Writer, Written
 from fastlink.maps import open as open_map
 from fastlink.precision import DESIGNS, Verification, with_remark

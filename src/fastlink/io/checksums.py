@@ -7,13 +7,15 @@ followed by B is that of A, shifted by the length of B, plus (modulo 2) that of 
 
 from __future__ import annotations
 
+import contextlib
 import math
 import os
 import struct
 import threading
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from itertools import accumulate, repeat
 from pathlib import Path
 from typing import Any
 
@@ -193,12 +195,15 @@ def seal(fd: int, values: Mapping[int, int], rest_at: int) -> tuple[int, bytes]:
     gone = joined_ranges([(start, start + nbytes) for start, nbytes in values.items() if nbytes])
     labels = of_file(fd, values, (rest_at, rest_at + 4))
     numbers = [len(gone), rest_at, labels, *(number for ends in gone for number in ends)]
+    return _end_of_hdf5(fd), _sealed(numbers)
+
+
+def _sealed(numbers: Sequence[int]) -> bytes:
+    """Return the seal that holds some numbers."""
     head = SEAL + struct.pack(f"<{len(numbers)}Q", *numbers)
     head += struct.pack("<I", crc32(head))
-    length = max(
-        SHORTEST_SEAL, -(-(len(head) + len(SEAL)) // LENGTH_STEP) * LENGTH_STEP
-    )  # a multiple of three
-    return _end_of_hdf5(fd), head + bytes(length - len(head) - len(SEAL)) + SEAL
+    length = max(SHORTEST_SEAL, -(-(len(head) + len(SEAL)) // LENGTH_STEP) * LENGTH_STEP)
+    return head.ljust(length - len(SEAL), b"\0") + SEAL
 
 
 def seal_is_broken(path: str | os.PathLike[str]) -> bool:
@@ -209,28 +214,25 @@ def seal_is_broken(path: str | os.PathLike[str]) -> bool:
 
 def read_seal(path: str | os.PathLike[str]) -> tuple[bool, int | None]:
     """Return whether the seal of a file is broken, and the checksum of its labels where there is an intact one."""
-    fd = open_to_read(path)
-    try:
-        size, end = os.fstat(fd).st_size, _end_of_hdf5(fd)
-        if size < len(SEAL) or end == size:
-            return False, None
-        tail = bytes(read_all(fd, len(SEAL), size - len(SEAL)))
-        data = bytes(read_all(fd, size - end, end)) if 0 <= end < size else b""
-        if tail != SEAL and not data.startswith(SEAL):
-            return False, None
-        count, rest_at, labels = struct.unpack_from("<3Q", data, len(SEAL))
-        stop = len(SEAL) + 8 * (2 * count + 3)
-        known = SEAL + data[len(SEAL) : stop]
-        if data != known + struct.pack("<I", crc32(known)) + bytes(len(data) - stop - 4 - len(SEAL)) + SEAL:
+    with open_to_read(path) as fd:
+        try:
+            size, end = os.fstat(fd).st_size, _end_of_hdf5(fd)
+            if size < len(SEAL) or end == size:
+                return False, None
+            tail = bytes(read_all(fd, len(SEAL), size - len(SEAL)))
+            data = bytes(read_all(fd, size - end, end)) if 0 <= end < size else b""
+            if tail != SEAL and not data.startswith(SEAL):
+                return False, None
+            (count,) = struct.unpack_from("<Q", data, len(SEAL))
+            numbers = struct.unpack_from(f"<{2 * count + 3}Q", data, len(SEAL))
+            if data != _sealed(numbers):
+                return True, None
+            _, rest_at, labels, *ends = numbers
+            gone = {first: last - first for first, last in zip(ends[::2], ends[1::2], strict=True)}
+            broken = of_file(fd, gone | {end: size - end}, (rest_at, rest_at + 4)) != labels
+            return broken, None if broken else labels
+        except (struct.error, EOFError, OverflowError, ValueError):
             return True, None
-        ends = struct.unpack_from(f"<{2 * count}Q", data, len(SEAL) + 24)
-        gone = {first: last - first for first, last in zip(ends[::2], ends[1::2], strict=True)}
-        broken = of_file(fd, gone | {end: size - end}, (rest_at, rest_at + 4)) != labels
-        return broken, None if broken else labels
-    except (struct.error, EOFError, OverflowError, ValueError):
-        return True, None
-    finally:
-        os.close(fd)
 
 
 def _end_of_hdf5(fd: int) -> int:
@@ -273,12 +275,8 @@ def _shifted(crc: Any, nbytes: Any) -> Any:
 def _powers() -> tuple[NDArray[np.uint32], NDArray[np.uint32]]:
     """Return x to the number of bits of 0, 1, 2, ... bytes, and of so many steps, modulo the polynomial."""
     byte = ONE >> 8
-    few = [ONE]
-    while len(few) <= STEP:
-        few.append(_product(few[-1], byte))
-    many = [ONE]
-    while len(many) <= STEP:
-        many.append(_product(many[-1], few[STEP]))
+    few = list(accumulate(repeat(byte, STEP), _product, initial=ONE))
+    many = list(accumulate(repeat(few[STEP], STEP), _product, initial=ONE))
     return np.array(few[:STEP], np.uint32), np.array(many, np.uint32)
 
 
@@ -340,11 +338,17 @@ class Stored:
         rest, rest_at = int(file[OF_REST][0]), file[OF_REST].id.get_offset()
         return cls(block_bytes, values, sums if len(sums) == count else [None] * count, rest, rest_at)
 
-    def blocks(self, name: str) -> Iterator[tuple[int, Range]]:
-        """Yield the number of each block of a variable, and its range of bytes from the first value."""
-        nbytes = self.values[name].nbytes
-        for k, start in enumerate(range(0, nbytes, self.block_bytes)):
-            yield self.values[name].first + k, (start, min(start + self.block_bytes, nbytes))
+    def blocks(self, name: str, start: int = 0, stop: int | None = None) -> Iterator[tuple[int, Range]]:
+        """Yield the blocks of a variable that hold some bytes: number, and range of bytes from the first value."""
+        size, nbytes = self.block_bytes, self.values[name].nbytes
+        for first in range(start // size * size, nbytes if stop is None else stop, size):
+            yield first // size, (first, min(first + size, nbytes))
+
+    def read(self, fd: int, name: str, block: int) -> bytearray | None:
+        """Return a block of the values of a variable, None where they have changed."""
+        values, start = self.values[name], block * self.block_bytes
+        data = read_all(fd, min(self.block_bytes, values.nbytes - start), values.offset + start)
+        return data if crc32(data) == self.sums[values.first + block] else None
 
     def rest_is_intact(self, fd: int) -> bool:
         """Tell whether all but the values is as it was written."""
@@ -383,6 +387,11 @@ def check_own(path: Path, file: Any) -> None:
         raise InputError(f"{path}: {what}", remedy="give a map that holds its values itself")
 
 
-def open_to_read(path: str | os.PathLike[str]) -> int:
-    """Return the file number of a file that is opened to be read."""
-    return os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
+@contextlib.contextmanager
+def open_to_read(path: str | os.PathLike[str]) -> Iterator[int]:
+    """Yield the file number of a file that is opened to be read."""
+    fd = os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
+    try:
+        yield fd
+    finally:
+        os.close(fd)

@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import h5py
 import numpy as np
@@ -37,21 +37,22 @@ from fastlink.errors import (
 )
 from fastlink.io import partial_file
 from fastlink.io.checksums import OF_REST, pieces
-from fastlink.io.finished import WRITTEN
 from fastlink.io.layout import (
     FINGERPRINT,
     FORMAT_VERSION,
     HISTORY,
+    MEASURED,
     PLAIN,
     SOURCE,
+    WRITTEN,
     Variable,
     fault_of_value,
     history,
     plain_attrs,
 )
-from fastlink.io.output import OutputFile, OutputFolder
+from fastlink.io.output import output_file, output_folder
 from fastlink.io.output_path import exists_error, part_of, progress_bar, reason, refused
-from fastlink.io.partial_file import check_made_at_once
+from fastlink.io.partial_file import check_target
 from fastlink.io.reader import (
     COMPRESSION,
     OF_PARTS,
@@ -62,10 +63,7 @@ from fastlink.io.reader import (
 )
 from fastlink.io.where import Indexer, Selection, selected
 from fastlink.io.writer import Writer, auxiliary, create_checksums, label, lay_labels
-from fastlink.space.design_space import (
-    BRANCH,
-    DESIGN,
-)
+from fastlink.space.design_space import BRANCH, DESIGN
 from fastlink.space.tables import FORMAT, STATUS
 
 # -- The compressions of converted files, by name and level, in the words of each library
@@ -193,6 +191,9 @@ class Source:
         self.coords.attrs = {}  # those of the result are other ones
         self.variables = [self._variable(name, dtype) for name in names]
         self.overflows: dict[str, int] = {}
+        #: The global attributes of the result, and what is told of bytes that are done.
+        self.attrs: dict[str, Any] = {}
+        self.show: Callable[[int], Any] = lambda nbytes: None
 
     def remarks(self) -> dict[str, str]:
         """Return what is known of the values once all are written, as global attributes."""
@@ -226,15 +227,24 @@ class Source:
         """Yield the values of a variable in blocks: index, first flat number, values."""
         most = max(1, BLOCK_BYTES // self._maps[variable.name].dtype.itemsize)
         for index, first in pieces(variable.shape, most, steps):
-            yield index, first, self.read(variable, index)
+            values = self.read(variable, index)
+            yield index, first, values
+            self.show(values.nbytes)
 
     def read(self, variable: Variable, index: Index) -> NDArray[Any]:
         """Return part of a variable of the result, in its type."""
         takes: dict[str, Any] = self._takes(variable.name)
         for dim, part in zip(variable.dims, index, strict=False):
             takes[dim] = takes[dim][part]
+        single = tuple(
+            axis for axis, take in enumerate(takes.values()) if isinstance(take, (int, np.integer))
+        )
+        several = [
+            np.atleast_1d(take) if axis in single else take for axis, take in enumerate(takes.values())
+        ]
         try:
-            values = np.asarray(_taken(self._maps[variable.name].variable, list(takes.values())), order="C")
+            taken = _taken(self._maps[variable.name].variable, several)
+            values = np.asarray(taken.squeeze(single), order="C")
         except (OSError, RuntimeError, KeyError, ValueError) as error:
             what = f"{variable.name} cannot be read ({reason(error)})"
             raise InputError(what, where=("maps",), remedy="check the file by `fastlink check`") from error
@@ -278,22 +288,19 @@ def _is_column(coord: xr.DataArray) -> bool:
 
 def _taken(array: xr.Variable, takes: list[Any]) -> NDArray[Any]:
     """Return part of an array: read from the first to the last number along each dimension, then picked."""
-    several = {k: take for k, take in enumerate(takes) if not isinstance(take, (int, np.integer))}
-    spans: list[Any] = [
-        slice(takes[k][0], takes[k][-1] + 1) if k in several else takes[k] for k in range(len(takes))
-    ]
-    apart = {k: take for k, take in several.items() if len(take) < spans[k].stop - spans[k].start}
-    read = math.prod(spans[k].stop - spans[k].start for k in several)
-    if read * array.dtype.itemsize > 2 * BLOCK_BYTES:  # few numbers far from each other
-        for k, take in apart.items():
-            if len(take) > 1:
+    lengths = [int(take[-1]) + 1 - int(take[0]) for take in takes]
+    if math.prod(lengths) * array.dtype.itemsize > 2 * BLOCK_BYTES:  # few numbers far from each other
+        for axis, (take, length) in enumerate(zip(takes, lengths, strict=True)):
+            if 1 < len(take) < length:
                 halves = (take[: len(take) // 2], take[len(take) // 2 :])
-                parts = [_taken(array, [*takes[:k], half, *takes[k + 1 :]]) for half in halves]
-                return np.concatenate(parts, list(several).index(k))
-    values = np.asarray(array[tuple(spans)].values)
-    for k, take in apart.items():
-        picked = slice(None, None, take.step) if isinstance(take, range) else take - take[0]
-        values = values[(slice(None),) * list(several).index(k) + (picked,)]
+                parts = [_taken(array, [*takes[:axis], half, *takes[axis + 1 :]]) for half in halves]
+                return np.concatenate(parts, axis)
+    spans = tuple(slice(int(take[0]), int(take[-1]) + 1) for take in takes)
+    values = np.asarray(array[spans].values)
+    for axis, (take, length) in enumerate(zip(takes, lengths, strict=True)):
+        if len(take) < length:
+            picked = slice(None, None, take.step) if isinstance(take, range) else take - take[0]
+            values = values[(slice(None),) * axis + (picked,)]
     return values
 
 
@@ -303,8 +310,6 @@ def _taken(array: xr.Variable, takes: list[Any]) -> NDArray[Any]:
 #: Global attributes that are true of a whole run alone.
 OF_RUN = ("designs_of_earlier_runs", "run_time_s", "set_up_time_s", "verified_designs")
 OF_RUN_BEGIN = ("designs_per_", "configurations_per_", "verify_")
-#: Attributes of variables, and their beginnings, that are measured on the designs of a whole run.
-MEASURED = ("verified_values", "verify_mismatches", "independent_", "error_")
 #: Measured on values as they were computed: of rounded values they say nothing.
 OF_DOUBLES = ("error_median_relative", "error_max_roundings", "error_max_of_bound")
 
@@ -417,21 +422,6 @@ def _round(variable: Variable) -> None:
     )
 
 
-# -- Write a converted map, in one of the formats
-
-
-@dataclass(frozen=True)
-class Task:
-    """What is to be written, and what is to be told of the bytes that are."""
-
-    path: Path
-    source: Source
-    attrs: dict[str, Any]
-    overwrite: bool
-    show: Callable[[int], Any]
-    compression: Compression | None
-
-
 # -- Write a converted map as HDF5 or netCDF-4, which is HDF5: as a sweep does, or compressed
 
 
@@ -476,27 +466,23 @@ class _UntilItFails(io.FileIO):
                 self._error = error
 
 
-def write_hdf5(task: Task) -> None:
+def write_hdf5(path: Path, source: Source, overwrite: bool, compression: Compression | None) -> None:
     """Write a file: with contiguous variables and their checksums, or compressed."""
-    source = task.source
-    if task.compression is not None:
-        _write_compressed(task, task.compression)
+    if compression is not None:
+        _write_compressed(path, source, overwrite, compression)
         return
-    with Writer(task.path, source.coords, source.all, task.attrs, overwrite=task.overwrite) as writer:
+    with Writer(path, source.coords, source.all, source.attrs, overwrite=overwrite) as writer:
         for variable in source.all:
             for _, first, values in source.blocks(variable):
                 writer.write(variable.name, first, values.reshape(-1))
-                task.show(values.nbytes)
         writer.finish(source.remarks())
 
 
-def _write_compressed(task: Task, compression: Compression) -> None:
+def _write_compressed(path: Path, source: Source, overwrite: bool, compression: Compression) -> None:
     """Write a file with compressed chunks, and one checksum of all its bytes."""
-    source = task.source
-    with OutputFile(
-        task.path, task.overwrite, partial(lay_labels, coords=source.coords, attrs=task.attrs)
-    ) as out:
-        target = _UntilItFails(out.fd)
+    lay = partial(lay_labels, coords=source.coords, attrs=source.attrs)
+    with output_file(path, overwrite, lay) as fd:
+        target = _UntilItFails(fd)
         with h5py.File(target, "r+") as file:
             filters = compression.of_hdf5()
             for variable in source.all:
@@ -507,9 +493,7 @@ def _write_compressed(task: Task, compression: Compression) -> None:
                 for index, _, values in source.blocks(variable, chunks):
                     dataset[index] = values
                     target.check()
-                    task.show(values.nbytes)
-            for name, value in {**source.remarks(), FORMAT: FORMAT_VERSION}.items():
-                file.attrs[name] = value
+            file.attrs.update({**source.remarks(), FORMAT: FORMAT_VERSION})
             place = create_checksums(file, [])[OF_REST]
             file.flush()
             of_values: list[Any] = []
@@ -518,8 +502,7 @@ def _write_compressed(task: Task, compression: Compression) -> None:
                     file[variable.name].id.chunk_iter(of_values.append)
         target.check()
         compressed = {int(chunk.byte_offset): int(chunk.size) for chunk in of_values}
-        partial_file.write_seal(out.fd, compressed, place, {})
-        out.publish()
+        partial_file.write_seal(fd, compressed, place, {})
 
 
 # -- Write a converted map as a zarr store, version 2 of the format, which most readers know
@@ -530,21 +513,20 @@ ZARR_CHUNK_BYTES = 1 << 22
 ZARR_FORMAT = 2
 
 
-def write_zarr(task: Task) -> None:
+def write_zarr(path: Path, source: Source, overwrite: bool, compression: Compression | None) -> None:
     """Write a zarr store, chunk by chunk; without a compression by the library's own."""
     import zarr
 
-    source, compression = task.source, task.compression
-    labels = source.coords.assign_attrs(as_json(task.attrs))
-    with OutputFolder(task.path, task.overwrite) as out:
+    labels = source.coords.assign_attrs(as_json(source.attrs))
+    with output_folder(path, overwrite) as folder:
         labels.to_zarr(
-            out.part,
+            folder,
             mode="a",
             zarr_format=ZARR_FORMAT,
             consolidated=False,
             encoding={name: {"_FillValue": None} for name in labels.coords},
         )
-        group = zarr.open_group(str(out.part), mode="r+", zarr_format=ZARR_FORMAT)
+        group = zarr.open_group(str(folder), mode="r+", zarr_format=ZARR_FORMAT)
         for variable in source.all:
             described: dict[str, Any] = {"_ARRAY_DIMENSIONS": list(variable.dims), **as_json(variable.attrs)}
             along = auxiliary(source.coords, variable, source.columns)
@@ -561,11 +543,9 @@ def write_zarr(task: Task) -> None:
                 attributes=described,
             )
             for index, _, values in source.blocks(variable, chunks):
-                array[index if index else ...] = values
-                task.show(values.nbytes)
+                array[index or ...] = values
         group.attrs.update(as_json({**source.remarks(), FORMAT: FORMAT_VERSION}))
-        zarr.consolidate_metadata(str(out.part), zarr_format=ZARR_FORMAT)
-        out.publish()
+        zarr.consolidate_metadata(str(folder), zarr_format=ZARR_FORMAT)
 
 
 # -- Write a converted map as a long table, one row per configuration: CSV or Parquet
@@ -573,8 +553,8 @@ def write_zarr(task: Task) -> None:
 
 #: Bytes of a number as text, with the object that holds it, and of one in a column of a table.
 TEXT_BYTES, NUMBER_BYTES = 100, 8
-#: A function that returns the values of a column for each row.
-Spread = Callable[[NDArray[Any]], NDArray[Any]]
+#: A function that returns the cells of some values.
+Cells = Callable[[NDArray[Any]], NDArray[Any]]
 #: Key of the attributes of a map in those of a Parquet file.
 METADATA = "fastlink"
 
@@ -610,27 +590,25 @@ def _widest(source: Source) -> Variable:
     return max(source.variables, key=lambda variable: len(variable.dims))
 
 
-def _rows(task: Task, cell_bytes: int) -> Iterator[list[tuple[NDArray[Any], Spread]]]:
-    """Yield the values of each column in a block of rows, and what spreads them over these."""
-    source = task.source
+def _rows(source: Source, cell_bytes: int, cells: Cells) -> Iterator[list[NDArray[Any]]]:
+    """Yield the cells of each column in a block of rows, those of values that many rows share made once."""
     fields, widest = _fields(source).values(), _widest(source)
     most = max(1, BLOCK_BYTES // (cell_bytes * len(fields)))
+    of_rows = max(math.prod(one.shape) for one in source.variables)
     for index, _ in pieces(widest.shape, most):
         box = {dim: slice(0, size) for dim, size in zip(widest.dims, widest.shape, strict=True)}
         for dim, part in zip(widest.dims, index, strict=False):
             box[dim] = slice(part, part + 1) if isinstance(part, int) else part
         sizes = {dim: part.stop - part.start for dim, part in box.items()}
-        columns = list[tuple[NDArray[Any], Spread]]()
+        columns = list[NDArray[Any]]()
         for one in fields:
             if isinstance(one, Variable):
                 values = source.read(one, tuple(box[dim] for dim in one.dims))
             else:
                 values = one.variable.isel({dim: box[dim] for dim in one.dims}).values
-            columns.append((values, partial(_spread, dims=one.dims, sizes=sizes)))
+            columns.append(_spread(cells(values), one.dims, sizes))
         yield columns
-        task.show(
-            source.nbytes * math.prod(sizes.values()) // max(math.prod(one.shape) for one in source.variables)
-        )
+        source.show(source.nbytes * math.prod(sizes.values()) // of_rows)
 
 
 def _spread(values: NDArray[Any], dims: tuple[Any, ...], sizes: Mapping[Any, int]) -> NDArray[Any]:
@@ -640,71 +618,63 @@ def _spread(values: NDArray[Any], dims: tuple[Any, ...], sizes: Mapping[Any, int
     return np.broadcast_to(ordered[places], tuple(sizes.values())).ravel()
 
 
-def write_csv(task: Task) -> None:
+@contextlib.contextmanager
+def _table_file(path: Path, overwrite: bool) -> Iterator[BinaryIO]:
+    """Yield a new file to write a table to."""
+    with output_file(path, overwrite) as fd, os.fdopen(os.dup(fd), "wb") as file:
+        yield file
+
+
+def write_csv(path: Path, source: Source, overwrite: bool, compression: Compression | None) -> None:
     """Write a CSV file; its numbers are read back with the same bits."""
-    with OutputFile(task.path, task.overwrite, _empty) as out:
-        with os.fdopen(os.dup(out.fd), "w", encoding="utf-8", newline="") as file:
-            file.write(",".join(map(_quoted, _fields(task.source))) + "\n")
-            for columns in _rows(task, TEXT_BYTES):
-                texts = [spread(_texts(values)).tolist() for values, spread in columns]
-                file.write("\n".join(map(",".join, zip(*texts, strict=True))) + "\n")
-        out.publish()
+    with _table_file(path, overwrite) as file:
+        file.write((",".join(map(_quoted, _fields(source))) + "\n").encode())
+        for columns in _rows(source, TEXT_BYTES, _texts):
+            rows = zip(*(column.tolist() for column in columns), strict=True)
+            file.write(("\n".join(map(",".join, rows)) + "\n").encode())
 
 
-def write_parquet(task: Task) -> None:
+def write_parquet(path: Path, source: Source, overwrite: bool, compression: Compression | None) -> None:
     """Write a Parquet file, a row group for each block; without a compression by the library's own."""
     import pyarrow as pa
     from pyarrow import parquet
 
-    schema = pa.schema(
-        [
-            pa.field(name, _arrow(pa, one.dtype), metadata=_metadata(one.attrs))
-            for name, one in _fields(task.source).items()
-        ],
-        metadata={METADATA: json.dumps(as_json(task.attrs))},
-    )
+    fields = [
+        pa.field(name, _arrow(pa, one.dtype), metadata=_as_texts(one.attrs))
+        for name, one in _fields(source).items()
+    ]
+    schema = pa.schema(fields, metadata={METADATA: json.dumps(as_json(source.attrs))})
     options: dict[str, Any] = {}
-    if compression := task.compression:
+    if compression is not None:
         options = {"compression": compression.name, "compression_level": compression.level}
-    with OutputFile(task.path, task.overwrite, _empty) as out:
-        with (
-            os.fdopen(os.dup(out.fd), "wb") as file,
-            parquet.ParquetWriter(file, schema, **options) as writer,
-        ):
-            for columns in _rows(task, NUMBER_BYTES):
-                arrays = [
-                    pa.array(spread(values), field.type)
-                    for (values, spread), field in zip(columns, schema, strict=True)
-                ]
-                writer.write_batch(pa.record_batch(arrays, schema=schema), row_group_size=len(arrays[0]))
-        out.publish()
+    with _table_file(path, overwrite) as file, parquet.ParquetWriter(file, schema, **options) as writer:
+        for columns in _rows(source, NUMBER_BYTES, np.asarray):
+            arrays = [pa.array(column, field.type) for column, field in zip(columns, schema, strict=True)]
+            writer.write_batch(pa.record_batch(arrays, schema=schema), row_group_size=len(arrays[0]))
 
 
-def write_xlsx(task: Task) -> None:
+def write_xlsx(path: Path, source: Source, overwrite: bool, compression: Compression | None) -> None:
     """Write an Excel workbook: a sheet of the rows, to 16 digits, and one that says what each column is."""
     import openpyxl
 
-    fields, book = _fields(task.source), openpyxl.Workbook(write_only=True)
-    rows, about = book.create_sheet("designs"), book.create_sheet("columns")
-    rows.freeze_panes = "A2"
-    with OutputFile(task.path, task.overwrite, _empty) as out:
-        rows.append(list(fields))
+    fields, book = _fields(source), openpyxl.Workbook(write_only=True)
+    sheet, about = book.create_sheet("designs"), book.create_sheet("columns")
+    sheet.freeze_panes = "A2"
+    with _table_file(path, overwrite) as file:
+        sheet.append(list(fields))
         try:
-            for columns in _rows(task, TEXT_BYTES):
-                cells = [[_cell(value) for value in spread(values).tolist()] for values, spread in columns]
-                for row in zip(*cells, strict=True):
-                    rows.append(row)
+            for columns in _rows(source, TEXT_BYTES, np.asarray):
+                for row in zip(*(map(_cell, column.tolist()) for column in columns), strict=True):
+                    sheet.append(row)
         except BaseException:
-            rows.close()  # its text waits in a file of its own
+            sheet.close()  # its text waits in a file of its own
             raise
         about.append(["column", "units", "meaning"])
         for name, one in fields.items():
             about.append([name, *(_cell(str(one.attrs.get(key, ""))) for key in ("units", "long_name"))])
-        for name, value in as_json(task.attrs).items():
-            about.append([name, "", _cell(value if isinstance(value, str) else json.dumps(value))])
-        with os.fdopen(os.dup(out.fd), "wb") as file:
-            book.save(file)
-        out.publish()
+        for name, value in _as_texts(source.attrs).items():
+            about.append([name, "", _cell(value)])
+        book.save(file)
 
 
 def _cell(value: Any) -> Any:
@@ -714,10 +684,6 @@ def _cell(value: Any) -> Any:
     if not isinstance(value, float) or math.isfinite(value):
         return value
     return None if math.isnan(value) else repr(value)
-
-
-def _empty(path: Path) -> None:
-    os.close(partial_file.create(path))
 
 
 def _texts(values: NDArray[Any]) -> NDArray[Any]:
@@ -745,7 +711,8 @@ def _arrow(pa: Any, dtype: np.dtype[Any]) -> Any:
     return pa.from_numpy_dtype(dtype) if dtype.kind in "iuf" else pa.string()
 
 
-def _metadata(attrs: Mapping[str, Any]) -> dict[str, str]:
+def _as_texts(attrs: Mapping[str, Any]) -> dict[str, str]:
+    """Return attributes as texts, those that are none as JSON."""
     return {
         name: value if isinstance(value, str) else json.dumps(value) for name, value in as_json(attrs).items()
     }
@@ -833,37 +800,33 @@ def convert(
     ({'a2': 2}, 'float32', 'a2=1.1:1.2')
     """
     problems = Problems()
-    form, compression, kind = "", None, None
-    with problems.at():
-        form = _format(to)
-        compression = check_compression(compress, form)
-    with problems.at():
-        kind = _dtype(dtype)
-    with problems.at():
-        check_switch(("overwrite",), overwrite)
-    with problems.at():
-        progress if progress is None else check_switch(("progress",), progress)
+    form = problems.attempt(_format, to)
+    compression = problems.attempt(check_compression, compress, form) if form else None
+    kind = problems.attempt(_dtype, dtype)
+    problems.attempt(check_switch, ("overwrite",), overwrite)
+    if progress is not None:
+        problems.attempt(check_switch, ("progress",), progress)
     with as_map(maps) as dataset:
         _check_texts(dataset, form, problems)
-        selection, names = Selection(), []
-        with problems.at():
-            names = _quantities(dataset, quantities)
-        with problems.at():
-            selection = selected(dataset, select)
+        names = problems.attempt(_quantities, dataset, quantities)
+        selection = problems.attempt(selected, dataset, select)
         problems.stop()
         source = Source(dataset, selection, names, kind)
         path = _target(to, form, dataset, 0 if compression or form != "hdf5" else source.nbytes, overwrite)
         command = _command(dataset, to, selection, quantities, dtype, compression)
-        attrs = labelled(dataset, source, selection, command)
+        source.attrs = labelled(dataset, source, selection, command)
         if compression is not None:
-            attrs[COMPRESSION] = str(compression)
+            source.attrs[COMPRESSION] = str(compression)
         if form in TABLES:
             check_table(source.variables)
         if form == "xlsx" and (rows := math.prod(_widest(source).shape)) > MOST_ROWS:
             what = f"the map has {rows:,} rows, and a sheet of Excel {MOST_ROWS:,}"
             raise InputError(what, ("to",), "write a .csv or a .parquet, or select a part")
-        with _shown(source.nbytes, progress) as show:
-            WRITERS[form](Task(path, source, attrs, overwrite, show, compression))
+        bar = progress_bar(source.nbytes, "B", progress)
+        with contextlib.nullcontext() if bar is None else bar:
+            if bar is not None:
+                source.show = bar.update
+            WRITERS[form](path, source, overwrite, compression)
     if source.overflows:
         what = f"values that are infinite in {kind}: {', '.join(f'{n:,} of {k}' for k, n in source.overflows.items())}"
         remark(what, ("dtype",), "keep float64 if they matter")
@@ -963,7 +926,8 @@ def _target(to: Any, form: str, maps: xr.Dataset, nbytes: int, overwrite: bool) 
     sources = files_of(maps)
     if form == "zarr":
         return _folder(to, sources, overwrite)
-    return check_made_at_once(to, nbytes, overwrite, sources, partial(check_path, example="out.nc"))
+    named = partial(check_path, example="out.nc")
+    return check_target(to, nbytes, overwrite, sources, named, at_once=True)
 
 
 def _folder(to: Any, sources: Sequence[Path], overwrite: bool) -> Path:
@@ -1004,14 +968,3 @@ def _command(
     if compression is not None:
         words += ["--compress", str(compression)]
     return shlex.join(words)
-
-
-@contextlib.contextmanager
-def _shown(nbytes: int, visible: bool | None) -> Iterator[Any]:
-    """Yield what is to be told of bytes that are done."""
-    bar = progress_bar(nbytes, "B", visible)
-    try:
-        yield bar.update if bar is not None else lambda count: None
-    finally:
-        if bar is not None:
-            bar.close()

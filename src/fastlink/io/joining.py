@@ -19,9 +19,8 @@ import xarray as xr
 
 from fastlink._text import counted, short_repr, unwritable
 from fastlink.errors import InputError, Problem, Problems, check_path, remark
-from fastlink.io.checksums import Range, Stored, check_own, crc32, open_to_read, read_all
-from fastlink.io.finished import WRITTEN
-from fastlink.io.layout import FINGERPRINT, HISTORY, Variable, history
+from fastlink.io.checksums import Range, Stored, check_own, open_to_read
+from fastlink.io.layout import FINGERPRINT, HISTORY, MEASURED, WRITTEN, Variable, history
 from fastlink.io.output_path import left_of, reason, refused
 from fastlink.io.reader import (
     OF_PARTS,
@@ -32,11 +31,11 @@ from fastlink.io.reader import (
     PartOfMap,
     Shown,
     Source,
+    as_dataset,
     check_open_files,
     check_seal,
     existing_map,
     is_hdf5,
-    open_map,
     readable,
     scalar,
 )
@@ -50,8 +49,8 @@ from fastlink.space.tables import FORMAT
 
 #: The number of parts that a map was joined from, and the seconds of all their threads.
 JOINED, CORE_TIME = "joined_parts", "core_time_s"
-#: How the attributes of a variable begin that verification adds: counts, and errors.
-COUNTS, ERRORS = ("verified_values", "verify_mismatches", "independent_values"), ("error_", "independent_")
+#: What verification counts of a variable; the other attributes that it adds are errors.
+COUNTS = ("verified_values", "verify_mismatches", "independent_values")
 #: Global attributes that are sums over the parts, besides the numbers of designs.
 SUMS = (
     *("configurations", "set_up_time_s", "run_time_s"),
@@ -61,11 +60,6 @@ SUMS = (
 OF_VERIFICATION = ("verify_seed", "verify_left_out")
 RATES = ("designs_per_second", "configurations_per_second")
 EARLIER = "designs_of_earlier_runs"
-
-
-def is_measured(name: str) -> bool:
-    """Tell whether an attribute of a variable comes from verification."""
-    return name in COUNTS or name.startswith(ERRORS)
 
 
 def merged(parts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
@@ -95,7 +89,7 @@ def merged_errors(parts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     # Counts are sums, errors the greatest of all parts; of their medians too, which the median of all does
     # not exceed.
     result: dict[str, Any] = {}
-    for name in dict.fromkeys(name for attrs in parts for name in attrs if is_measured(name)):
+    for name in dict.fromkeys(name for attrs in parts for name in attrs):
         found = [attrs[name] for attrs in parts if name in attrs]
         result[name] = sum(found) if name in COUNTS else found[0] if isinstance(found[0], str) else max(found)
     return result
@@ -113,8 +107,6 @@ GIVE_PARTS = (
     "give the files that sweeps with part=... or `fastlink run --part ...` have written, or their folder"
 )
 RUN_AGAIN = "run that part again"
-#: Blocks that are read at once.
-AT_ONCE = 8
 
 
 @dataclass(frozen=True)
@@ -133,12 +125,6 @@ class PartFile:
     measured: Mapping[str, Mapping[str, Any]]
     #: The checksum of all that is not values, and of their checksums, where it has a seal.
     labels: int | None
-
-    @contextlib.contextmanager
-    def dataset(self) -> Iterator[xr.Dataset]:
-        """Yield the part as a Dataset."""
-        with readable(self.path), open_map(self.path) as opened:
-            yield opened
 
     def whole(self) -> xr.Dataset:
         """Return the coordinates that the part keeps of the whole."""
@@ -159,26 +145,20 @@ class PartFile:
 
     def read(self, name: str, start: int, stop: int) -> Iterator[tuple[int, memoryview]]:
         """Yield bytes of the values of a variable in pieces with their positions; each block of them is checked."""
-        size, values = self.stored.block_bytes, self.stored.values[name]
         with self._opened() as fd:
-            for first in range(start // size * size, stop, AT_ONCE * size):
-                last = min(first + AT_ONCE * size, -(-stop // size) * size, values.nbytes)
-                data = memoryview(read_all(fd, last - first, values.offset + first))
-                for k in range(0, last - first, size):
-                    if crc32(data[k : k + size]) != self.stored.sums[values.first + (first + k) // size]:
-                        raise self._damaged(f"values of {name}")
+            for block, (first, _) in self.stored.blocks(name, start, stop):
+                data = self.stored.read(fd, name, block)
+                if data is None:
+                    raise self._damaged(f"values of {name}")
                 begin = max(first, start)
-                yield begin, data[begin - first : stop - first]
+                yield begin, memoryview(data)[begin - first : stop - first]
 
     @contextlib.contextmanager
     def _opened(self) -> Iterator[int]:
         """Yield the number of the file, open to be read."""
         try:
-            fd = open_to_read(self.path)
-            try:
+            with open_to_read(self.path) as fd:
                 yield fd
-            finally:
-                os.close(fd)
         except (OSError, EOFError) as error:
             raise refused(f"{self.path} cannot be read ({reason(error)})", RUN_AGAIN, "paths") from error
 
@@ -245,7 +225,7 @@ def _read(path: Path, chosen: bool) -> PartFile | None:
 
 def _measured(attrs: Any) -> dict[str, Any]:
     """Return the attributes of a variable that come from verification."""
-    return {name: scalar(attrs[name]) for name in attrs if is_measured(name)}
+    return {name: scalar(attrs[name]) for name in attrs if name.startswith(MEASURED)}
 
 
 def _of_one_map(parts: list[PartFile]) -> list[PartFile]:
@@ -287,7 +267,7 @@ def _complete(parts: Sequence[PartFile]) -> list[PartFile]:
         if left := _unfinished(parts, absent):
             which += f"; {left.name} is of a run that has not finished"
         problems.add(which, ("paths",), f"run it, by part='{absent}' or `fastlink run --part {absent}`")
-    if more := len(missing) - MOST_NAMED if len(missing) > MOST_NAMED else 0:
+    if (more := len(missing) - MOST_NAMED) > 0:
         problems.add(f"{counted(more, 'more part')} of {count} are missing", ("paths",), "run all of them")
     problems.stop()
     return [by_number[k] for k in range(1, count + 1)]
@@ -319,10 +299,10 @@ class JoinedMap:
         self._shared = math.prod(self._shape[1:])
         for part in parts:
             part.check_labels()
-        with parts[0].dataset() as opened:
+        with as_dataset(parts[0].path) as opened:
             labels = {name: [values] for name, values in self._labels(opened, parts[0]).items()}
             for part in parts[1:] if labels else ():
-                with part.dataset() as other:
+                with as_dataset(part.path) as other:
                     for name, values in self._labels(other, part).items():
                         labels[name].append(values)
             #: Coordinates, and the global attributes that are known before its values.
@@ -410,11 +390,6 @@ class JoinedMap:
     ) -> None:
         """Write the values that are missing in a file; `done` takes each range of designs that is written."""
         copied = [one for one in self.variables if shown is None or one.name not in shown.sources]
-        if not copied:  # a kill from now on leaves what the same join goes on with
-            for designs in writer.pending:
-                writer.record(*designs)
-                done(*designs)
-            return
         pieces, lock, stop = self._pieces(writer.pending), threading.Lock(), threading.Event()
 
         def work() -> None:
@@ -522,7 +497,9 @@ class JoinedMap:
         swept = list(zip(self._dims, self._shape, strict=True))
         leading = found.dims.index(DESIGN) if swept else 0
         axes = own + swept if leading else swept + own
-        attrs = {str(name): value for name, value in found.attrs.items() if not is_measured(str(name))}
+        attrs = {
+            str(name): value for name, value in found.attrs.items() if not str(name).startswith(MEASURED)
+        }
         dims, shape = tuple(dim for dim, _ in axes), tuple(length for _, length in axes)
         return Variable(str(found.name), dims, shape, found.dtype, attrs, leading)
 

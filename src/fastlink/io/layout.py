@@ -173,7 +173,11 @@ def history(command: str, before: str = "") -> str:
 FORMAT_VERSION = 1
 #: Global attribute of a map that a request has made: the hash of the request.
 FINGERPRINT = "fingerprint"
+#: Global attribute of a map: the time at which it was finished, in ns since 1970.
+WRITTEN = "written_time_ns"
 
+#: How the names of attributes of a variable begin that verification measures on the designs of a whole run.
+MEASURED = ("verified_values", "verify_mismatches", "independent_", "error_")
 #: Labels of coordinates along ``design`` that are no inputs.
 OF_NUMBERS, OF_LABELS = {"long_name": "number of the design"}, {"long_name": "label of the design"}
 Further = Mapping[str, tuple[tuple[str, ...], NDArray[Any], Mapping[str, Any]]]

@@ -49,6 +49,11 @@ def journal_of(part: Path) -> Path:
     return part.with_name(part.name + ".journal")
 
 
+def fresh_name(path: Path) -> Path:
+    """Return the name of a partial file or a journal until it is laid out."""
+    return path.with_name(path.name + ".new")
+
+
 def read_journal(part: Path) -> tuple[dict[str, Any], list[Range], dict[int, int]] | None:
     """Return the head, the written designs and the checksums of their values; None where no journal can be read."""
     # It ends before a record that a kill or a power cut has torn.
@@ -177,7 +182,7 @@ class Journal:
         """Create the journal with its head and first record, and return its open file number."""
         # It replaces that of an earlier run, whose designs the first record names: at no moment are they
         # without one.
-        fresh = self._path.with_name(self._path.name + ".new")
+        fresh = fresh_name(self._path)
         fresh.unlink(missing_ok=True)  # never through a link
         try:
             with open(fresh, "xb") as file:
@@ -221,11 +226,6 @@ NO_RESERVE = {errno.EINVAL, errno.EOPNOTSUPP, errno.ENOSYS}
 NO_LINK = {errno.EPERM, errno.EOPNOTSUPP, errno.ENOSYS, errno.EMLINK}
 #: Neither the system nor the file system can rename without replacing.
 NO_EXCLUSIVE_RENAME = {errno.EINVAL, errno.EOPNOTSUPP, errno.ENOSYS, errno.EPERM}
-
-
-def fresh_name(part: Path) -> Path:
-    """Return the name of a partial file while it is laid out."""
-    return part.with_name(part.name + ".new")
 
 
 @contextlib.contextmanager
@@ -305,17 +305,19 @@ def reopened(part: Path) -> int | None:
     return fd
 
 
-def held_folder(folder: Path) -> int | None:
-    """Hold a folder; return its file number, None where none can be opened. Refused when a live process has it."""
+@contextlib.contextmanager
+def held_folder(folder: Path) -> Iterator[None]:
+    """Hold a folder, where one can be opened; refused when a live process has it."""
     if fcntl is None:
-        return None
+        yield
+        return
     fd = os.open(folder, os.O_RDONLY)
     try:
         _lock(fd, folder)
-    except BaseException:
-        os.close(fd)
-        raise
-    return fd
+        yield
+    finally:
+        with contextlib.suppress(OSError):
+            os.close(fd)
 
 
 def reserve(fd: int, extra: int) -> None:
@@ -334,10 +336,10 @@ def publish(fd: int, part: Path, final: Path, overwrite: bool) -> None:
     # The file stays open where it keeps its name, and is closed where it has the final one.
     if fcntl is None:
         os.close(fd)  # an open file cannot be renamed there
-        _rename(part, final, overwrite)
+        rename(part, final, overwrite)
         return
     _flock(fd, fcntl.LOCK_SH)  # readers may open it from its first moment on
-    _rename(part, final, overwrite)
+    rename(part, final, overwrite)
     with contextlib.suppress(OSError):  # its bytes are on the disk already
         os.close(fd)
     synchronise_folder(final.parent)
@@ -438,7 +440,8 @@ def _hold(part: Path, flags: int = 0) -> int | None:
     return None
 
 
-def _rename(part: Path, final: Path, overwrite: bool) -> None:
+def rename(part: Path, final: Path, overwrite: bool) -> None:
+    """Give a file or a folder its final name; `overwrite` replaces a file, else it fails where the name is taken."""
     if overwrite:
         os.replace(part, final)
         return
@@ -496,9 +499,14 @@ def check_target(
     overwrite: bool,
     sources: Sequence[Path] = (),
     named: Callable[[KeyPath, Any], Path] = check_output,
+    *,
+    at_once: bool = False,
 ) -> Path:
-    """Return the absolute path of an output file, or refuse it."""
-    # To be called before anything is computed.
+    """Return the absolute path of an output file, or refuse it, before anything is computed.
+
+    What is made at once, with which no later run goes on, is refused too where a run to that name has left its part of
+    a map, which would be lost.
+    """
     target = Path(os.path.realpath(named(("to",), path)))
     check_writable(target)
     if target.is_symlink():  # which realpath could not follow
@@ -516,20 +524,8 @@ def check_target(
         raise refused(f"{path} is a file that is read for it", "choose another name")
     if nbytes_needed + SLACK > free_bytes(target) + given_back(part):
         raise no_room(target, nbytes_needed)
-    return target
-
-
-def check_made_at_once(
-    path: str | Path,
-    nbytes_needed: int,
-    overwrite: bool,
-    sources: Sequence[Path] = (),
-    named: Callable[[KeyPath, Any], Path] = check_output,
-) -> Path:
-    """Return the absolute path of a file that no later run goes on with, or refuse it as `check_target` does."""
-    # Refused too where a run to that name has left its part of a map, which would be lost.
-    target = check_target(path, nbytes_needed, overwrite, sources, named)
-    check_left(target, "", "finish it by the same run, rename or remove it, or choose another name")
+    if at_once:
+        check_left(target, "", "finish it by the same run, rename or remove it, or choose another name")
     return target
 
 

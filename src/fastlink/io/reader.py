@@ -1,4 +1,4 @@
-"""Open and check finished maps and the parts whose values they show; refuse other files."""
+"""Open and check finished maps and the parts whose values they show; refuse other files, or those of other requests."""
 
 from __future__ import annotations
 
@@ -7,11 +7,10 @@ import hashlib
 import os
 import re
 import traceback
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from inspect import signature
-from numbers import Integral
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +24,7 @@ from fastlink.errors import (
     KeyPath,
     Setting,
     check_path,
+    check_whole,
     door,
     not_a_file,
     require_package,
@@ -36,15 +36,14 @@ from fastlink.io.checksums import (
     Range,
     Stored,
     check_own,
-    crc32,
     joined_ranges,
     open_to_read,
-    read_all,
     read_seal,
     seal_is_broken,
 )
-from fastlink.io.layout import FINGERPRINT, FORMAT_VERSION
-from fastlink.io.output_path import left_of, reason
+from fastlink.io.layout import FINGERPRINT, FORMAT_VERSION, WRITTEN, Variable, plain_attrs
+from fastlink.io.output_path import existing_file, exists_error, left_of, reason
+from fastlink.io.partial_file import forget_journal, forget_published
 from fastlink.space.tables import FORMAT
 
 # -- Open finished maps, lazily, and refuse other files
@@ -109,10 +108,10 @@ def check_part(where: KeyPath, value: Any) -> Part:
     pair = value
     if isinstance(value, str) and (found := re.fullmatch(r"(\d{1,9})/(\d{1,9})", value, re.ASCII)):
         pair = [int(number) for number in found.groups()]
-    if isinstance(pair, (list, tuple)) and len(pair) == 2 and all(map(_is_whole, pair)):
-        number, count = map(int, pair)
-        if 1 <= number <= count <= MOST_PARTS:
-            return Part(number, count)
+    if isinstance(pair, (list, tuple)) and len(pair) == 2:
+        with contextlib.suppress(InputError):
+            count = check_whole(where, pair[1], 1, MOST_PARTS)
+            return Part(check_whole(where, pair[0], 1, count), count)
     remedy = ("write k of n parts with k from 1 to n", (", such as ", Setting("part", "3/16")))
     raise InputError(f"is {short_repr(value)}", where=where, remedy=remedy)
 
@@ -279,12 +278,6 @@ def scalar(value: Any) -> Any:
     return value[0] if isinstance(value, np.ndarray) and value.shape == (1,) else value
 
 
-def _is_whole(value: Any) -> bool:
-    return (
-        isinstance(value, Integral) and not isinstance(value, bool) and type(value).__name__ != "timedelta64"
-    )
-
-
 #: Options of xarray that are decided here.
 DECIDED = ("filename_or_obj", "engine", "chunks", "kwargs")
 GIVE_A_MAP = "give the result of a sweep, or the path of its file"
@@ -379,11 +372,12 @@ def open_map(path: str | os.PathLike[str], *, chunks: Any = None, **options: Any
         raise InputError(what, remedy="give a map that a sweep has written") from error
     version = dataset.attrs.get(FORMAT)
     if isinstance(version, (int, np.integer)) and version <= FORMAT_VERSION:
-        if engine != "zarr" and str(dataset.attrs.get(COMPRESSION, BUILT_IN)).partition(":")[0] != BUILT_IN:
+        by = str(dataset.attrs.get(COMPRESSION, BUILT_IN)).partition(":")[0]
+        if engine != "zarr" and by != BUILT_IN:
             with contextlib.ExitStack() as stack:
                 stack.callback(dataset.close)
                 require_package("hdf5plugin", ("path",))
-                register_filter(str(dataset.attrs[COMPRESSION]).partition(":")[0])
+                register_filter(by)
                 stack.pop_all()
         return dataset
     dataset.close()
@@ -522,6 +516,102 @@ def _refuse_option(path: Path, engine: Any, chunks: Any, options: dict[str, Any]
     raise InputError(what, where=given, remedy="see xarray.open_dataset") from error
 
 
+# -- Tell whether a finished map is that of a request, and in what it differs
+
+
+#: Steps of the times of files, in ns: of most file systems, Windows, microseconds, HFS+ and NFS 2, FAT.
+STEPS = (1, 100, 1000, 10**9, 2 * 10**9)
+#: Longer coordinates are not read to say in what two maps differ.
+LONGEST_READ = 10**7
+#: Differences that are named.
+MOST_NAMED = 5
+
+
+def finished_map(
+    to: str | Path,
+    fingerprint: str,
+    *,
+    verified: int,
+    attrs: Mapping[str, Any],
+    coords: xr.Dataset | None = None,
+    variables: Sequence[Variable] = (),
+) -> xr.Dataset | None:
+    """Return an existing file, opened, if it is the finished map of a request, None where none is; else refuse it."""
+    path = existing_file(to)
+    if path is None:
+        return None
+    with contextlib.suppress(OSError):
+        forget_published(path)
+        forget_journal(path)
+    try:
+        found = open_map(path)
+    except PartsError:
+        raise
+    except InputError:
+        raise exists_error(path, "and is not a map") from None
+    known = found.attrs
+    same = known.get(FINGERPRINT) == fingerprint
+    if same and known.get("verified_designs", 0) >= verified and _is_untouched(path, known):
+        return found
+    with found:
+        if not same:
+            why = _difference(found, coords, variables, plain_attrs(attrs))
+        elif not _is_untouched(path, known):
+            why = "changed or copied since it was written"
+        else:
+            why = f"with {known.get('verified_designs', 0)} verified designs, not {verified}"
+    raise exists_error(path, why)
+
+
+def _is_untouched(path: Path, attrs: Mapping[str, Any]) -> bool:
+    """Tell whether a file has the time that its attributes say, to a step of its file system."""
+    said, found = int(attrs.get(WRITTEN, -1)), path.stat().st_mtime_ns
+    return any(said // step * step == found for step in STEPS)
+
+
+def _difference(
+    found: xr.Dataset, coords: xr.Dataset | None, variables: Sequence[Variable], attrs: Mapping[str, Any]
+) -> str:
+    """Return in what a map differs from a request, as far as a short look tells."""
+    labels = {**({} if coords is None else coords.attrs), **attrs}
+    if found.attrs.get("mechanism") != labels.get("mechanism"):
+        return f"a map of {found.attrs.get('mechanism')}"
+    part, wanted = (
+        "a whole map" if of is None else f"part {of.part}" for of in map(PartOfMap.of, (found.attrs, labels))
+    )
+    if part != wanted:
+        return f"{part}, not {wanted}"
+    others = [
+        name
+        for name in labels
+        if name not in OF_PARTS and not np.array_equal(np.asarray(found.attrs.get(name)), labels[name])
+    ]
+    if coords is None:
+        return f"a map with other {', '.join(others[:MOST_NAMED])}" if others else "of another search"
+    names = {variable.name for variable in variables if not variable.is_coordinate}
+    computed = {variable.name for variable in variables if variable.is_coordinate}
+    parts = ["quantities"] if names != set(map(str, found.data_vars)) else []
+    both = [] if parts else [one for one in variables if one.name in found.variables]
+    dims = [(one.dims, tuple(map(str, found[one.name].dims))) for one in both]
+    parts += ["layout"] if any(a != b and sorted(a) == sorted(b) for a, b in dims) else []
+    parts += [
+        str(name)
+        for name in dict.fromkeys([*coords.coords, *found.coords])
+        if name not in computed
+        and (name not in coords.coords or name not in found.coords or _differ(coords[name], found[name]))
+    ]
+    parts += ["versions" if name == "source" else name for name in others if name not in ("threads", "title")]
+    parts = parts or [name for name in others if name == "title"]
+    more = ", ..." if len(parts) > MOST_NAMED else ""
+    return f"a map with other {', '.join(parts[:MOST_NAMED])}{more}" if parts else "a map by another version"
+
+
+def _differ(one: xr.DataArray, other: xr.DataArray) -> bool:
+    if one.shape != other.shape or one.size > LONGEST_READ:
+        return one.shape != other.shape
+    return not np.array_equal(one.values, other.values)
+
+
 # -- Check the bytes of a map against the checksums inside it
 
 
@@ -638,21 +728,16 @@ def _checked(place: Path, *, is_part: bool = False) -> FileCheck:
 def _compared(path: Path, stored: Stored) -> FileCheck:
     """Return the outcome for a file with its checksums."""
     blocks = [(name, *block) for name in stored.values for block in stored.blocks(name)]
-    fd = open_to_read(path)
 
     def is_intact(block: tuple[str, int, Range]) -> bool:
-        name, number, (start, stop) = block
-        return crc32(read_all(fd, stop - start, stored.values[name].offset + start)) == stored.sums[number]
+        name, number, _ = block
+        return stored.read(fd, name, number) is not None
 
-    try:
-        with ThreadPoolExecutor() as pool:
-            wrong = [
-                block for block, intact in zip(blocks, pool.map(is_intact, blocks), strict=True) if not intact
-            ]
+    with open_to_read(path) as fd, ThreadPoolExecutor() as pool:
+        intact = list(pool.map(is_intact, blocks))
         rest_is_intact = stored.rest_is_intact(fd)
         nbytes = os.fstat(fd).st_size
-    finally:
-        os.close(fd)
+    wrong = [block for block, as_written in zip(blocks, intact, strict=True) if not as_written]
     ranges: dict[str, list[Range]] = {}
     for name, _, (start, stop) in wrong:
         itemsize = stored.values[name].itemsize

@@ -7,6 +7,7 @@ import math
 import os
 import tempfile
 import threading
+import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
@@ -29,7 +30,6 @@ from fastlink.io.checksums import (
     OF_REST,
     OF_VALUES,
     Range,
-    Ranges,
     add,
     all_but,
     block_count,
@@ -38,8 +38,15 @@ from fastlink.io.checksums import (
     of_pieces,
     read_all,
 )
-from fastlink.io.finished import marks, stamp
-from fastlink.io.layout import FORMAT_VERSION, Placement, Variable, check_dims, plain_attrs
+from fastlink.io.layout import (
+    FINGERPRINT,
+    FORMAT_VERSION,
+    WRITTEN,
+    Placement,
+    Variable,
+    check_dims,
+    plain_attrs,
+)
 from fastlink.io.output_path import SLACK, not_written, part_of, reason, refused
 from fastlink.io.partial_file import (
     Journal,
@@ -140,26 +147,25 @@ def lay_out(
 
 def lay_labels(path: Path, coords: xr.Dataset, attrs: Mapping[str, Any]) -> None:
     """Create the file with its coordinates and global attributes alone."""
-    with scratch() as other:
-        with open(other, "r+b") as file:
-            reserve(file.fileno(), coords.nbytes + SLACK)
+    with scratch() as (other, fd):
+        reserve(fd, coords.nbytes + SLACK)
         _to_netcdf(other, coords.assign_attrs(plain_attrs(attrs)), "w")
-        _copy_to_new(other, path, {})
+        with os.fdopen(create(path), "r+b", buffering=0) as file:
+            copy_labels(fd, file.fileno(), {})
 
 
 def as_bytes(dataset: xr.Dataset) -> bytes:
     """Return the HDF5 file of a small dataset, made in memory."""
-    with scratch() as file:
-        _to_netcdf(file, dataset, "w")
-        return file.read_bytes()
+    with scratch() as (path, _):
+        _to_netcdf(path, dataset, "w")
+        return path.read_bytes()
 
 
 def create_checksums(file: Any, variables: Sequence[Variable]) -> dict[str, int]:
     """Create the checksums of the values of some variables, and of all else; return their offsets."""
     group = file.create_group(CHECKSUMS)
     about = {"algorithm": ALGORITHM, "block_bytes": BLOCK_BYTES}
-    for name, value in plain_attrs(about | {"variables": " ".join(v.name for v in variables)}).items():
-        group.attrs[name] = value
+    group.attrs.update(plain_attrs(about | {"variables": " ".join(v.name for v in variables)}))
     sizes = {OF_VALUES: sum(block_count(variable.nbytes) for variable in variables), OF_REST: 1}
     offsets = {
         name: _reserved(group, name.partition("/")[2], (n,), "u4")[1] for name, n in sizes.items() if n
@@ -200,8 +206,8 @@ def _to_netcdf(path: Path, coords: xr.Dataset, mode: Literal["w", "a"]) -> None:
 
 
 @contextlib.contextmanager
-def scratch() -> Iterator[Path]:
-    """Yield the path of an empty file for HDF5 to write: in memory and nameless, where the system has such files."""
+def scratch() -> Iterator[tuple[Path, int]]:
+    """Yield path and number of an empty file for HDF5 to write: in memory and nameless, where there are such files."""
     # An error of the disk amid HDF5's own writes may end the process by a violation of memory; amid ours,
     # which copy the file to its place, it is an exception. A file without a name is gone with the process,
     # however that ends.
@@ -210,45 +216,20 @@ def scratch() -> Iterator[Path]:
         try:
             path = Path(f"/proc/self/fd/{fd}")
             if path.exists():
-                yield path
+                yield path, fd
                 return
         finally:
             os.close(fd)
     fd, name = tempfile.mkstemp(".h5", "fastlink-")
-    os.close(fd)
     try:
-        yield Path(name)
+        yield Path(name), fd
     finally:
+        os.close(fd)
         os.unlink(name)
 
 
-def laid_in_memory(
-    path: Path, lay_out: Callable[[Path], dict[str, int]], variables: Sequence[Variable]
-) -> dict[str, int]:
-    """Create the file that `lay_out` lays out, by way of memory; return the variables' offsets."""
-    with scratch() as other:
-        offsets = lay_out(other)
-        _copy_to_new(other, path, value_extents(offsets, variables))
-    return offsets
-
-
-def _copy_to_new(source: Path, path: Path, values: Mapping[int, int]) -> None:
-    with os.fdopen(create(path), "r+b", buffering=0) as file:
-        copy_labels(source, file.fileno(), values)
-
-
-def value_extents(offsets: Mapping[str, int], variables: Sequence[Variable]) -> dict[int, int]:
-    """Return the bytes of all values, by where they begin."""
-    return {offsets[variable.name]: variable.nbytes for variable in variables}
-
-
-def copy_labels(path: Path, fd: int, values: Mapping[int, int]) -> None:
+def copy_labels(source: int, target: int, values: Mapping[int, int]) -> None:
     """Give an open file all bytes of another besides values, which are so many from somewhere, and its length."""
-    with open(path, "rb") as file:
-        _copy(file.fileno(), fd, values)
-
-
-def _copy(source: int, target: int, values: Mapping[int, int]) -> None:
     for position, labels in all_but(source, values):
         write_all(target, memoryview(labels), position)
     os.ftruncate(target, os.fstat(source).st_size)
@@ -289,8 +270,7 @@ def label(
         # unless attached, dimensions are matched by length and equal axes are swapped
         if dim != variable.name:
             dataset.dims[axis].attach_scale(file[dim])
-    for name, value in plain_attrs(variable.attrs).items():
-        dataset.attrs[name] = value
+    dataset.attrs.update(plain_attrs(variable.attrs))
     along = auxiliary(coords, variable, computed)
     if along and not variable.is_coordinate:
         dataset.attrs["coordinates"] = along
@@ -336,19 +316,23 @@ def set_attrs(
     of_variables: Mapping[str, Mapping[str, Any]],
 ) -> None:
     """Add attributes, global and of variables, to an open file whose values are so many bytes from somewhere."""
-    with scratch() as path:
-        with open(path, "r+b") as file:
-            _copy(fd, file.fileno(), values)
+    with scratch() as (path, other):
+        copy_labels(fd, other, values)
         with h5py.File(path, "r+", **NAMELESS) as file:
             for group, added in (("/", attrs), *of_variables.items()):
-                for name, value in added.items():
-                    file[group].attrs[name] = value
-        copy_labels(path, fd, values)
+                file[group].attrs.update(added)
+        copy_labels(other, fd, values)
 
 
 def check_readable(fd: int, path: Path, variables: Sequence[Variable], offsets: Mapping[str, int]) -> None:
     """Fail unless a file that is locked by `fd` can be opened, and its variables are where they were laid."""
-    with opened(fd, path, "r") as file:
+    with contextlib.ExitStack() as stack:
+        try:
+            # this process holds the lock that HDF5 would ask for
+            file = stack.enter_context(h5py.File(path, "r", locking=False))
+        except BlockingIOError:  # HDF5_USE_FILE_LOCKING=TRUE in the environment overrules locking=False
+            stack.enter_context(released(fd))
+            file = stack.enter_context(h5py.File(path, "r"))
         for variable in variables:
             found = file[variable.name]
             dims = tuple(str(scale[0].name).removeprefix("/") for scale in found.dims if len(scale))
@@ -356,19 +340,6 @@ def check_readable(fd: int, path: Path, variables: Sequence[Variable], offsets: 
             layout = found.shape, found.dtype, dims, found.id.get_offset()
             if layout != (variable.shape, variable.dtype, variable.dims, offsets[variable.name]):
                 raise RuntimeError(f"{variable.name} is not where it was laid out")
-
-
-@contextlib.contextmanager
-def opened(fd: int, path: Path, mode: str) -> Iterator[Any]:
-    """Open a file that is locked by `fd` by HDF5."""
-    with contextlib.ExitStack() as stack:
-        try:
-            # this process holds the lock that HDF5 would ask for
-            file = stack.enter_context(h5py.File(path, mode, locking=False))
-        except BlockingIOError:  # HDF5_USE_FILE_LOCKING=TRUE in the environment overrules locking=False
-            stack.enter_context(released(fd))
-            file = stack.enter_context(h5py.File(path, mode))
-        yield file
 
 
 # -- Go on with the partial file of a run that did not end
@@ -405,111 +376,42 @@ class SameRows:
     evaluated = ranges
 
 
-@dataclass(frozen=True)
-class Resumed:
-    """A partial file to go on with."""
-
-    #: The open file, held.
-    fd: int
-    #: Where the values of each variable begin.
-    offsets: dict[str, int]
-    #: The designs that are written, and as they were written.
-    ranges: list[Range]
-    #: The checksums of their values, by block.
-    sums: dict[int, int]
-
-
-def first_blocks(variables: Sequence[Variable]) -> dict[str, int]:
-    """Return the number of the first block of each variable."""
-    counts = [block_count(variable.nbytes) for variable in variables]
-    return {variable.name: sum(counts[:k]) for k, variable in enumerate(variables)}
+SAME_ROWS = SameRows()
 
 
 def resume(
-    part: Path,
-    run: tuple[str, int, Rows],
-    variables: Sequence[Variable],
-    lay_out: LayOut,
-) -> Resumed | None:
+    part: Path, fingerprint: str, values: Callable[[int, Mapping[str, int]], ValuesFile], lay_out: LayOut
+) -> tuple[ValuesFile, list[Range], dict[int, int]] | None:
     """Hold the partial file of an earlier run of the same fingerprint, if there is one that can be gone on with."""
     # Its labels are laid out again, and its values read: designs whose values have changed since are to be
     # written again.
-    fingerprint, size, rows = run
     journal = read_journal(part) if fingerprint else None
     if journal is None or journal[0].get("fingerprint") != fingerprint:
         return None
     fd = partial_file.reopened(part)
     if fd is None:
         return None
-    about, ranges, sums = journal
+    about, written, sums = journal
     try:
-        with scratch() as path:
+        with scratch() as (path, laid):
             offsets = lay_out(path)
             if offsets != about["offsets"]:
                 os.close(fd)
                 return None
-            # its own labels may be torn or changed
-            copy_labels(path, fd, value_extents(offsets, variables))
-        partial_file.reserve(fd, SLACK)
-        values = _Values(fd, offsets, variables, size, rows)
-        whole, found = ranges, values.sums(ranges)  # what was cut off reads as zeros
+            file = values(fd, offsets)
+            copy_labels(laid, fd, file.extents)  # its own labels may be torn or changed
+        reserve(fd, SLACK)
+        whole, found = written, file.sums(written)  # what was cut off reads as zeros
         wrong = [block for block in sums.keys() | found.keys() if sums.get(block) != found.get(block)]
         if wrong:
-            whole = values.without(wrong, whole)
-            found = values.sums(whole)
-            lost = _count(ranges) - _count(whole)
+            whole = file.without(wrong, written)
+            found = file.sums(whole)
+            lost = _count(written) - _count(whole)
             remark(f"{part}: the values of {lost:,} designs have changed; they are computed again")
     except BaseException:
         os.close(fd)
         raise
-    return Resumed(fd, offsets, whole, found)
-
-
-class _Values:
-    """The values in a partial file."""
-
-    def __init__(
-        self, fd: int, offsets: Mapping[str, int], variables: Sequence[Variable], size: int, rows: Rows
-    ) -> None:
-        self.fd, self.offsets, self.variables, self.size, self.rows = fd, offsets, variables, size, rows
-        self.first = first_blocks(variables)
-
-    def placement(self, variable: Variable) -> Placement:
-        """Return where the values of each design lie."""
-        return variable.placement(self.size * self.rows.length)
-
-    def sums(self, ranges: list[Range]) -> dict[int, int]:
-        """Return the checksums of the values of some designs, by block."""
-        groups = (
-            (variable, places)
-            for variable in self.variables
-            for of_designs in ranges
-            for start, stop in self.rows.ranges(*of_designs)
-            for places in _groups(self.placement(variable).pieces(start, stop))
-        )
-        result: dict[int, int] = {}
-        with ThreadPoolExecutor() as pool:
-            for addends in pool.map(self._of_group, groups):
-                add(result, addends)
-        return result
-
-    def _of_group(self, group: tuple[Variable, list[Range]]) -> list[tuple[int, int]]:
-        variable, places = group
-        offset, first = self.offsets[variable.name], self.first[variable.name]
-        pieces = ((at, memoryview(read_all(self.fd, count, offset + at))) for at, count in places)
-        return [(first + k, addend) for k, addend in of_pieces(pieces, variable.nbytes)]
-
-    def without(self, blocks: list[int], ranges: list[Range]) -> list[Range]:
-        """Return ranges without the designs that have values in some blocks."""
-        gone = []
-        for variable in self.variables:
-            first = self.first[variable.name]
-            for block in blocks:
-                start, stop = ((block - first + k) * BLOCK_BYTES for k in (0, 1))
-                if 0 <= start < variable.nbytes:
-                    gone += self.placement(variable).rows_in(start, min(stop, variable.nbytes))
-        designs = [piece for rows in gone for piece in self.rows.evaluated(*rows)]
-        return missing(joined_ranges([*missing(ranges, self.size), *designs]), self.size)
+    return file, whole, found
 
 
 def _groups(places: list[Range]) -> Iterator[list[Range]]:
@@ -536,27 +438,37 @@ def _count(ranges: list[Range]) -> int:
 
 
 class ValuesFile:
-    """The values in a laid-out file."""
+    """The values in a laid-out file, of so many designs that are evaluated and the rows that follow from each."""
 
-    def __init__(self, fd: int, offsets: Mapping[str, int], variables: Sequence[Variable]) -> None:
-        self.fd, self._offsets = fd, offsets
+    def __init__(
+        self,
+        fd: int,
+        offsets: Mapping[str, int],
+        variables: Sequence[Variable],
+        size: int = 0,
+        rows: Rows = SAME_ROWS,
+    ) -> None:
+        self.fd, self.offsets, self._size, self._rows = fd, dict(offsets), size, rows
         self._variables = {variable.name: variable for variable in variables}
-        self._first_block = first_blocks(variables)
+        counts = [block_count(variable.nbytes) for variable in variables]
+        self._first_block = {one.name: sum(counts[:k]) for k, one in enumerate(variables)}
         #: The bytes of the values of each variable, by where they begin.
-        self.extents = value_extents(offsets, variables)
+        self.extents = {offsets[variable.name]: variable.nbytes for variable in variables}
+        self.of_thread = OfThread()
 
-    def pieces(
-        self, name: str, start: int, block: NDArray[Any], of_thread: OfThread
-    ) -> list[tuple[int, memoryview]]:
+    def pieces(self, name: str, start: int, block: NDArray[Any]) -> list[tuple[int, memoryview]]:
         """Return the bytes of a block, each piece with its position from the first value. See `Writer.write`."""
         places = self._places(name, start, block)
-        in_order = of_thread.by_value(block) if self._variables[name].leading else block
+        in_order = self.of_thread.by_value(block) if self._variables[name].leading else block
         return list(cut(in_order.reshape(-1).view(np.uint8).data, places))
 
     def put(self, name: str, pieces: Sequence[tuple[int, memoryview]]) -> list[tuple[int, int]]:
         """Write pieces, and return what they add to the checksums; thread-safe."""
         for position, data in pieces:
-            partial_file.write_all(self.fd, data, self._offsets[name] + position)
+            partial_file.write_all(self.fd, data, self.offsets[name] + position)
+        return self._addends(name, pieces)
+
+    def _addends(self, name: str, pieces: Iterable[tuple[int, Any]]) -> list[tuple[int, int]]:
         first = self._first_block[name]
         return [(first + k, addend) for k, addend in of_pieces(pieces, self._variables[name].nbytes)]
 
@@ -577,6 +489,46 @@ class ValuesFile:
             raise ValueError(f"{name}: designs {start} to {start + len(block)} of {count}")
         return variable.placement(count).pieces(start, start + len(block))
 
+    def places(self, ranges: Iterable[Range]) -> Iterator[tuple[str, list[Range]]]:
+        """Yield where the values of some designs lie among those of each variable."""
+        for name, variable in self._variables.items():
+            placement = self._placement(variable)
+            for designs in ranges:
+                for start, stop in self._rows.ranges(*designs):
+                    yield name, placement.pieces(start, stop)
+
+    def sums(self, ranges: Iterable[Range]) -> dict[int, int]:
+        """Return the checksums of the values of some designs, by block, as they are read."""
+
+        def of_group(group: tuple[str, list[Range]]) -> list[tuple[int, int]]:
+            name, places = group
+            offset = self.offsets[name]
+            pieces = ((at, memoryview(read_all(self.fd, count, offset + at))) for at, count in places)
+            return self._addends(name, pieces)
+
+        groups = ((name, group) for name, places in self.places(ranges) for group in _groups(places))
+        result: dict[int, int] = {}
+        with ThreadPoolExecutor() as pool:
+            for addends in pool.map(of_group, groups):
+                add(result, addends)
+        return result
+
+    def without(self, blocks: Sequence[int], ranges: list[Range]) -> list[Range]:
+        """Return ranges without the designs that have values in some blocks."""
+        gone = missing(ranges, self._size)
+        for name, variable in self._variables.items():
+            for block in blocks:
+                start = (block - self._first_block[name]) * BLOCK_BYTES
+                if 0 <= start < variable.nbytes:
+                    stop = min(start + BLOCK_BYTES, variable.nbytes)
+                    for rows in self._placement(variable).rows_in(start, stop):
+                        gone += self._rows.evaluated(*rows)
+        return missing(joined_ranges(gone), self._size)
+
+    def _placement(self, variable: Variable) -> Placement:
+        """Return where the values of each design lie."""
+        return variable.placement(self._size * self._rows.length)
+
 
 # -- Write into the file of a run from another process or machine that sees it, and report what was written
 
@@ -593,10 +545,8 @@ class Written:
     ranges: list[Range] = field(default_factory=list)
     #: What their values add to the checksums, by block.
     addends: dict[int, int] = field(default_factory=dict)
-    #: The number of values of each variable.
-    values: dict[str, int] = field(default_factory=dict)
-    #: The bytes of all of them.
-    nbytes: int = 0
+    #: The bytes of the values of each variable.
+    nbytes: dict[str, int] = field(default_factory=dict)
 
 
 class RemoteWriter:
@@ -619,7 +569,6 @@ class RemoteWriter:
     def __enter__(self) -> RemoteWriter:
         self._fd = self._opened()
         self._file = ValuesFile(self._fd, self._offsets, self._variables)
-        self._of_thread = OfThread()
         return self
 
     def __exit__(self, *error: object) -> None:
@@ -627,10 +576,8 @@ class RemoteWriter:
 
     def write(self, name: str, start: int, block: NDArray[Any]) -> None:
         """Write values, as `Writer.write`."""
-        pieces = self._file.pieces(name, start, block, self._of_thread)
-        add(self._written.addends, self._file.put(name, pieces))
-        self._written.values[name] = self._written.values.get(name, 0) + block.size
-        self._written.nbytes += block.nbytes
+        add(self._written.addends, self._file.put(name, self._file.pieces(name, start, block)))
+        self._written.nbytes[name] = self._written.nbytes.get(name, 0) + block.nbytes
 
     def record(self, start: int, stop: int) -> None:
         """Note that all variables of some designs are written."""
@@ -704,23 +651,31 @@ class Writer:
         self.part = part_of(self.path)
         self._overwrite = overwrite
         self._variables = {variable.name: variable for variable in variables}
-        self._values_written = dict.fromkeys(self._variables, 0)
+        self._nbytes_written = dict.fromkeys(self._variables, 0)
         self._idle = threading.Condition()
         self._writing = 0
         self._closed = False
         self._fingerprint, self._size = run or ("", 0)
-        self._rows = rows or SameRows()
-        self._ranges = Ranges()
+        self._rows = rows or SAME_ROWS
+        #: Ranges of designs that an earlier run has written.
+        self.written: list[Range] = []
         self._sums = dict[int, int]()
-        self._of_thread = OfThread()
+        of_values = partial(ValuesFile, variables=variables, size=self._size, rows=self._rows)
         try:
-            if restart or not self._resumed(lay_out_all):
+            found = None if restart else resume(self.part, self._fingerprint, of_values, lay_out_all)
+            if found is not None:
+                self._file, self.written, self._sums = found
+                for name, places in self._file.places(self.written):
+                    self._nbytes_written[name] += sum(count for _, count in places)
+            else:
                 if not restart:
                     check_left(self.path, self._fingerprint)
-                self._start(lay_out_all)
+                self._file = of_values(*self._started(lay_out_all))
         except OF_HDF5 as error:
             raise self._failure(error) from error
-        self._file = ValuesFile(self._fd, self._offsets, variables)
+        #: Ranges of designs that are left to be written.
+        self.pending = missing(self.written, self._size)
+        self._fd, self._offsets = self._file.fd, self._file.offsets
         about = {"fingerprint": self._fingerprint, "size": self._size, "offsets": self._offsets}
         self._journal = Journal(self._fd, self.part, about, self.written, self._sums)
 
@@ -735,23 +690,11 @@ class Writer:
         self._close_to_writers()
         self._keep_or_discard(error)
 
-    @property
-    def pending(self) -> list[Range]:
-        """Ranges of designs that are not written yet."""
-        return missing(self.written, self._size)
-
     def record(self, start: int, stop: int) -> None:
         """Record that all variables of some designs are written, by this thread; thread-safe."""
-        with self._idle:
-            self._ranges.add(start, stop)
-        addends, self._of_thread.addends = self._of_thread.addends, []
+        of_thread = self._file.of_thread
+        addends, of_thread.addends = of_thread.addends, []
         self._journal.add([(start, stop)], addends)
-
-    @property
-    def written(self) -> list[Range]:
-        """Ranges of designs that are written, by this run or by the one that it resumes."""
-        with self._idle:
-            return self._ranges.joined()
 
     def values(self, name: str, row: tuple[int, ...]) -> NDArray[Any]:
         """Return the values in the file, read where they are looked at: one row of a given shape per design."""
@@ -765,7 +708,7 @@ class Writer:
 
     def write(self, name: str, start: int, block: NDArray[Any]) -> None:
         """Write the values of consecutive designs of one variable; thread-safe."""
-        self.write_pieces(name, self._file.pieces(name, start, block, self._of_thread))
+        self.write_pieces(name, self._file.pieces(name, start, block))
 
     def write_pieces(self, name: str, pieces: Sequence[tuple[int, memoryview]]) -> None:
         """Write bytes of the values of a variable, each piece at its position from the first value; thread-safe."""
@@ -782,10 +725,10 @@ class Writer:
         else:
             nbytes = sum(len(data) for _, data in pieces)
             self._journal.add_bytes(nbytes)
-            self._of_thread.addends += added
+            self._file.of_thread.addends += added
             with self._idle:
                 add(self._sums, added)
-                self._values_written[name] += nbytes // self._variables[name].dtype.itemsize
+                self._nbytes_written[name] += nbytes
         finally:
             with self._idle:
                 self._writing -= 1
@@ -805,22 +748,23 @@ class Writer:
             if self._journal.error:
                 raise self._failure(self._journal.error)
             add(self._sums, written.addends.items())
-            for name, count in written.values.items():
-                self._values_written[name] += count
-            for start, stop in written.ranges:
-                self._ranges.add(start, stop)
-        self._journal.add_bytes(written.nbytes)
+            for name, count in written.nbytes.items():
+                self._nbytes_written[name] += count
+        self._journal.add_bytes(sum(written.nbytes.values()))
         self._journal.add(written.ranges, written.addends.items())
 
     def finish(
         self, attrs: Mapping[str, Any], of_variables: Mapping[str, Mapping[str, Any]] | None = None
     ) -> None:
         """Add the last attributes and give the file its name."""
-        last = plain_attrs({**marks(self._fingerprint), **attrs, FORMAT: FORMAT_VERSION})
+        now = time.time_ns()
+        marks = {FINGERPRINT: self._fingerprint, WRITTEN: now} if self._fingerprint else {}
+        last = plain_attrs({**marks, **attrs, FORMAT: FORMAT_VERSION})
         further = {name: plain_attrs(added) for name, added in (of_variables or {}).items()}
-        for name, count in self._values_written.items():
-            expected = math.prod(self._variables[name].shape)
-            if count != expected:
+        for name, nbytes in self._nbytes_written.items():
+            variable = self._variables[name]
+            if nbytes != variable.nbytes:
+                count, expected = nbytes // variable.dtype.itemsize, math.prod(variable.shape)
                 raise RuntimeError(f"{self.path}: {count} of {expected} values of {name} were written")
         with uninterrupted():
             self._close_to_writers()
@@ -830,7 +774,8 @@ class Writer:
                 set_attrs(self._fd, self._file.extents, last, further)
                 self._write_checksums()
                 os.fsync(self._fd)
-                stamp(self.part, last)
+                if marks:  # the time of the file is the one that it says, so that a later change of it shows
+                    os.utime(self.part, ns=(now, now))
                 check_readable(self._fd, self.part, list(self._variables.values()), self._offsets)
             except BaseException as error:
                 failure = self._failure(error) if isinstance(error, OF_HDF5) else error
@@ -857,22 +802,6 @@ class Writer:
             raise failure from error
         self._journal.remove()
 
-    def _resumed(self, lay_out: LayOut) -> bool:
-        """Go on with a run of the same fingerprint, if there is one."""
-        variables = list(self._variables.values())
-        run = self._fingerprint, self._size, self._rows
-        found = resume(self.part, run, variables, lay_out)
-        if found is None:
-            return False
-        self._fd, self._offsets, self._sums = found.fd, found.offsets, found.sums
-        self._ranges = Ranges(found.ranges)
-        rows = [of_rows for designs in found.ranges for of_rows in self._rows.ranges(*designs)]
-        for name, variable in self._variables.items():
-            placement = variable.placement(self._size * self._rows.length)
-            nbytes = sum(count for of_rows in rows for _, count in placement.pieces(*of_rows))
-            self._values_written[name] = nbytes // variable.dtype.itemsize
-        return True
-
     def _keep_or_discard(self, error: BaseException | None) -> None:
         """Keep the partial file where its journal names designs, to be resumed; else remove it."""
         if not self._journal.recorded:
@@ -881,20 +810,24 @@ class Writer:
             return
         with contextlib.suppress(OSError):
             os.close(self._fd)
-        share = sum(stop - start for start, stop in self._journal.recorded) / self._size
+        share = _count(self._journal.recorded) / self._size
         if error is not None:
             error.add_note(f"{share:.0%} of the designs are kept in {self.part}; run the same again to go on")
 
-    def _start(self, lay_out: LayOut) -> None:
-        """Lay the file out, and reserve its room."""
-        lay = partial(laid_in_memory, lay_out=lay_out, variables=list(self._variables.values()))
-        self._fd, self._offsets = partial_file.begun(self.part, lay)
-        try:
-            # HDF5 gives back at the end what the attributes leave
-            partial_file.reserve(self._fd, SLACK)
-        except BaseException:
-            partial_file.discard(self._fd, self.part)
-            raise
+    def _started(self, lay_out: LayOut) -> tuple[int, dict[str, int]]:
+        """Lay the file out by way of memory, and reserve its room; return its number and the variables' offsets."""
+
+        def lay(path: Path) -> dict[str, int]:
+            with scratch() as (other, laid):
+                offsets = lay_out(other)
+                of_values = {offsets[variable.name]: variable.nbytes for variable in self._variables.values()}
+                with os.fdopen(create(path), "r+b", buffering=0) as file:
+                    copy_labels(laid, file.fileno(), of_values)
+                    # HDF5 gives back at the end what the attributes leave
+                    reserve(file.fileno(), SLACK)
+            return offsets
+
+        return partial_file.begun(self.part, lay)
 
     def _failure(self, error: Exception) -> InputError:
         return not_written(self.path, self._nbytes, error)

@@ -369,6 +369,9 @@ class Gathered(Column):
         """Write some values."""
         if start == stop:
             return
+        if isinstance(self.source, Column) and self.inner == 1:
+            self.source.read(self.first + start, self.first + stop, out)
+            return
         index = np.arange(self.first + start, self.first + stop)
         if self.inner > 1:
             index //= self.inner
@@ -386,24 +389,9 @@ class Gathered(Column):
     @property
     def definition(self) -> tuple[Any, ...]:
         """The class and its parameters."""
+        if isinstance(self.source, Column) and self.inner == 1:
+            return "consecutive", self.first, self.length, self.source.definition
         return "gathered", self.inner, self.first, self.length, definition_of(self.source)
-
-
-class Consecutive(Column):
-    """Consecutive values of another column."""
-
-    def __init__(self, source: Column, start: int, stop: int) -> None:
-        super().__init__(stop - start, source.bounds)
-        self.source, self.start, self.dtype = source, start, source.dtype
-
-    def read(self, start: int, stop: int, out: NDArray[Any]) -> None:
-        """Write some values."""
-        self.source.read(self.start + start, self.start + stop, out)
-
-    @property
-    def definition(self) -> tuple[Any, ...]:
-        """The class and its parameters."""
-        return "consecutive", self.start, self.length, self.source.definition
 
 
 class Counted(Column):
@@ -450,14 +438,6 @@ def steps(start: int, stop: int) -> Iterator[tuple[int, int]]:
         yield first, min(first + STEP, stop)
 
 
-def read_into(values: NDArray[Any] | Column, start: int, stop: int, out: NDArray[Any]) -> None:
-    """Write values ``start`` to ``stop - 1`` of an array or a column into an array of as many."""
-    if isinstance(values, Column):
-        values.read(start, stop, out)
-    else:
-        out[:] = values[start:stop]
-
-
 def bounds_of(values: NDArray[Any] | Column) -> tuple[float, float]:
     """Return two numbers between which all values are, NaN where one is no number, or there is none."""
     if isinstance(values, Column):
@@ -481,10 +461,8 @@ def part_of(values: NDArray[Any] | Column, inner: int, start: int, stop: int) ->
     repeated = inner > 1 or stop > len(values)
     if repeated and values.dtype.kind not in "iuf":  # texts, which no file takes block by block
         return values[np.arange(start, stop) // inner % len(values)]
-    if repeated:
+    if repeated or isinstance(values, Column):
         return Gathered(values, inner, start, stop - start)
-    if isinstance(values, Column):
-        return Consecutive(values, start, stop)
     return values[start:stop]
 
 
@@ -732,11 +710,12 @@ class DesignSpace:
             elif name in self.axes:
                 # "clip" writes in place, the default "raise" in a copy of the output; no index needs clipping
                 np.take(self.axes[name], indices[name], out=target, mode="clip")
-            elif indices:
-                inner = self.size // self.shape[0]
-                read_into(part_of(self.columns[name], inner, start, stop), 0, stop - start, target)
             else:
-                read_into(self.columns[name], start, stop, target)
+                piece = part_of(self.columns[name], self.size // self.shape[0], start, stop)
+                if isinstance(piece, Column):
+                    piece.read(0, stop - start, target)
+                else:
+                    target[:] = piece
 
     @door
     def consecutive(self, start: int, stop: int) -> DesignSpace:
@@ -778,10 +757,8 @@ class DesignSpace:
         for name, label in self.labels.items():
             if not np.ndim(label):
                 labels[name] = label
-            elif name != DESIGN:
+            elif name != DESIGN or (rows == 1 and not isinstance(label, Counted)):
                 labels[name] = part_of(label, rows, start, stop)
-            elif rows == 1 and not isinstance(label, Counted):
-                labels[name] = part_of(label, 1, start, stop)
         # of a part of another space, in the numbers of that one
         first = rows * int(self.attrs.get("design_start", 0)) + start
         last, total = first + stop - start, rows * int(self.attrs.get("design_total", self.size // rows))

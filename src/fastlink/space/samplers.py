@@ -53,6 +53,9 @@ class _Last(threading.local):
     def __init__(self) -> None:
         self.range, self.values = (0, 0), np.empty(0)
 
+    def __reduce__(self) -> tuple[type[_Last], tuple[()]]:
+        return _Last, ()  # another process has computed none
+
 
 class _Axis(Column):
     """An input that is sampled uniformly between two ends."""
@@ -77,13 +80,6 @@ class _Axis(Column):
         np.minimum(out, high, out=out)  # where the sum is rounded to beyond the end
         if stop - start <= STEP:
             self._last.range, self._last.values = (start, stop), out.copy()
-
-    def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in vars(self).items() if name != "_last"}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        vars(self).update(state)
-        self._last = _Last()
 
 
 class SobolAxis(_Axis):
@@ -418,14 +414,13 @@ def _sample(
 ) -> DesignSpace:
     """Return the sample whose columns ``axes(n, seed, ranges)`` gives."""
     problems = Problems()
-    with problems.at():
-        n = check_whole((kind, "n"), n, 1, MOST_SAMPLES, f"write an integer from 1 to {MOST_SAMPLES}")
-    with problems.at():
-        check_whole((kind, "seed"), seed, 0, MOST_SEED, f"write an integer from 0 to {MOST_SEED}")
+    remedy = f"write an integer from 1 to {MOST_SAMPLES}"
+    problems.attempt(check_whole, (kind, "n"), n, 1, MOST_SAMPLES, remedy)
+    remedy = f"write an integer from 0 to {MOST_SEED}"
+    problems.attempt(check_whole, (kind, "seed"), seed, 0, MOST_SEED, remedy)
     constants, bounds, units = _read(kind, ranges, _range, problems)
     if not (bounds or problems.noted):
-        remedy = ("write ", Pair(), " for at least one, or use a grid")
-        problems.add("no input has a range", (kind,), remedy)
+        problems.add("no input has a range", (kind,), ("write ", Pair(), " for at least one, or use a grid"))
     problems.stop()
     columns = dict(zip(bounds, axes(int(n), int(seed), list(bounds.values())), strict=True))
     return sampled(kind, constants, columns, _sample_attrs(kind, int(n), int(seed), bounds), units=units)

@@ -10,7 +10,7 @@ import re
 import threading
 from abc import ABC, abstractmethod
 from bisect import bisect_right
-from collections import OrderedDict
+from collections import Counter, OrderedDict, defaultdict
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice
@@ -151,7 +151,7 @@ def label_of(values: Any, where: KeyPath) -> NDArray[Any]:
 class Columns:
     """The columns, constants and labels of a table, checked one by one."""
 
-    def __init__(self, keep: Collection[str], allow_invalid: bool, names: Collection[str] = ()) -> None:
+    def __init__(self, keep: Collection[str], allow_invalid: bool, names: Collection[str]) -> None:
         self.keep, self.allow_invalid = keep, allow_invalid
         self.of_map = OF_EVERY_MAP in names
         self.constants: dict[str, float] = {}
@@ -159,8 +159,7 @@ class Columns:
         self.labels: dict[str, NDArray[Any]] = {}
         self.units: dict[str, str] = {}
         #: By column the cells that hold no finite number, the first few by their places, and how many there are.
-        self.bad: dict[str, list[tuple[str, str]]] = {}
-        self.count: dict[str, int] = {}
+        self.bad, self.count = defaultdict[str, list[tuple[str, str]]](list), Counter[str]()
         self.problems, self.source = Problems(), ""
         for name in keep:
             if names and name not in names:
@@ -170,11 +169,11 @@ class Columns:
         """Add a column or a constant; what is wrong with it is noted."""
         with self.problems.at():
             check_no_quantity("table", name, given)
-            if is_label(name, self.keep) or is_text(cells_of(given)):
+            cells = cells_of(given)
+            if is_label(name, self.keep) or is_text(cells):
                 self.add_label(name, given)
                 return
             check_input_name("table", head_of(name)[0])
-            cells = cells_of(given)
             values = numbers_of("table", name, _with_gaps(cells) if cells.dtype.kind == "O" else given)
             self.units |= units_of(name, given)
             if values.ndim == 0:
@@ -212,8 +211,8 @@ class Columns:
 
     def doubt(self, name: str, cells: Sequence[tuple[str, str]], count: int) -> None:
         """Note cells of a column that hold no finite number, the first of so many."""
-        self.bad.setdefault(name, []).extend(cells)
-        self.count[name] = self.count.get(name, 0) + count
+        self.bad[name] += cells
+        self.count[name] += count
 
     def doubtful(self, *, may_label: bool) -> dict[str, Problem]:
         """By column the problem of its cells that hold no finite number; labels unless the inputs are known."""
@@ -330,6 +329,16 @@ def _read_parquet(path: Path, keep: Collection[str], allow_invalid: bool) -> Col
         raise refused(f"{path} cannot be read as Parquet ({why})", "write it again") from error
 
 
+class _Kept:
+    """The blocks of a table that were read last."""
+
+    def __init__(self) -> None:
+        self.lock, self.blocks = threading.Lock(), OrderedDict[int, dict[Any, Floats]]()
+
+    def __reduce__(self) -> tuple[type[_Kept], tuple[()]]:
+        return _Kept, ()  # another process has read none
+
+
 class TableFile(ABC):
     """A table in a file, of which blocks of rows are read, numbered by the first row of each; thread-safe."""
 
@@ -337,10 +346,7 @@ class TableFile(ABC):
 
     def __init__(self, path: Path) -> None:
         self.path, self.stamp, self.starts = path.absolute(), _stamp(path), [0]
-        self._new()
-
-    def _new(self) -> None:
-        self._lock, self._blocks = threading.Lock(), OrderedDict[int, dict[Any, Floats]]()
+        self._kept = _Kept()
 
     @abstractmethod
     def load(self, block: int) -> dict[Any, Floats]:
@@ -360,24 +366,18 @@ class TableFile(ABC):
             block, first = block + 1, last
 
     def _block(self, block: int) -> dict[Any, Floats]:
-        with self._lock:
-            if block in self._blocks:
-                self._blocks.move_to_end(block)
-                return self._blocks[block]
+        with self._kept.lock:
+            blocks = self._kept.blocks
+            if block in blocks:
+                blocks.move_to_end(block)
+                return blocks[block]
             if _stamp(self.path) != self.stamp:
                 remedy = "leave it as it is until the sweep has ended, and read it again"
                 raise refused(f"{self.path} has changed since it was read", remedy)
-            values = self._blocks[block] = self.load(block)
-            while len(self._blocks) > 2 and sum(map(_nbytes, self._blocks.values())) > KEPT_BYTES:
-                self._blocks.popitem(last=False)
+            values = blocks[block] = self.load(block)
+            while len(blocks) > 2 and sum(map(_nbytes, blocks.values())) > KEPT_BYTES:
+                blocks.popitem(last=False)
             return values
-
-    def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in vars(self).items() if name not in ("_lock", "_blocks")}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        vars(self).update(state)
-        self._new()
 
 
 class FileColumn(Column):
@@ -754,11 +754,8 @@ def space_of_dataset(dataset: Any, keep: Collection[str], allow_invalid: bool) -
         further: dict[str, Any] = {"units": columns.units, "of_map": columns.of_map}
         labels = {name: label for name, label in columns.labels.items() if label.ndim == 0}
         space = DesignSpace("grid", (), (), columns.constants, attrs=attrs, labels=labels, **further)
-    for dim, axis in axes.items():
-        space = replace(
-            space, dims=(*space.dims, dim), shape=(*space.shape, len(axis)), axes={**space.axes, dim: axis}
-        )
-    return replace(space, ignored=tuple(reader.results))
+    dims, shape = (*space.dims, *axes), (*space.shape, *map(len, axes.values()))
+    return replace(space, dims=dims, shape=shape, axes=axes, ignored=tuple(reader.results))
 
 
 def _add(columns: Columns, reader: _DatasetReader, name: str, variable: Any) -> None:
