@@ -17,9 +17,8 @@ import subprocess
 import tempfile
 import textwrap
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from inspect import signature
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from matplotlib.lines import Line2D
@@ -36,7 +35,7 @@ from fastlink.io.output import write_whole
 from fastlink.maps.units import half_turn
 from fastlink.pictures.charts import cut
 from fastlink.pictures.labels import mathematical, units_text
-from fastlink.pictures.motion import PLANES, STAY_IN_FILM, Names, function_of, samples_of
+from fastlink.pictures.motion import PLANES, STAY, STAY_IN_FILM, Names, finite_of, function_of, samples_of
 from fastlink.pictures.style import LINES, NotebookFigure, drawable, limits_of
 from fastlink.space.units import RADIANS
 
@@ -51,8 +50,9 @@ if TYPE_CHECKING:
 
 INK, FAINT, GHOST = "0.15", "0.62", "0.72"
 POINT = 1.0 / 72.0
-#: Of a slider in points: half its length and half its height.
-SLIDER = (10.0, 6.0)
+#: Of a slider in points: half its length and half its height; its corners in these.
+SLIDER = np.array([10.0, 6.0])
+CORNERS = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
 #: Round the letters of names, over lines.
 HALO = withStroke(linewidth=2.0, foreground="white")
 HATCH: dict[str, Any] = {"spacing": 4.0, "length": 0.6}
@@ -89,10 +89,15 @@ def add_ground(axis: Any, at: Any, size: float) -> None:
     _line(axis, x, y, at, zorder=4.5, color=INK, linewidth=0.7)
 
 
+def add_mark(axis: Any, at: Any, size: float, marker: Any = "o", **style: Any) -> None:
+    """Draw a mark at a place."""
+    style = {"linestyle": "none", "zorder": 6, **style}
+    axis.plot(*np.reshape(at, (2, 1)), marker=marker, markersize=size, **style)
+
+
 def add_joint(axis: Any, at: Any, colour: Any, size: float) -> None:
     """Draw a revolute joint."""
-    style = {"marker": "o", "markersize": size, "markerfacecolor": "white", "markeredgecolor": colour}
-    axis.plot(*np.reshape(at, (2, 1)), linestyle="none", markeredgewidth=1.3, zorder=6, **style)
+    add_mark(axis, at, size, markerfacecolor="white", markeredgecolor=colour, markeredgewidth=1.3)
 
 
 def _quartered() -> Path:
@@ -106,15 +111,13 @@ def _quartered() -> Path:
 def add_centre(axis: Any, at: Any, colour: Any, size: float) -> None:
     """Draw a mass centre."""
     for marker, face in (("o", "white"), (CENTRE, colour)):
-        style = {"marker": marker, "color": face, "markersize": size, "markeredgewidth": 0.0}
-        axis.plot(*np.reshape(at, (2, 1)), linestyle="none", zorder=6, **style)
+        add_mark(axis, at, size, marker, color=face, markeredgewidth=0.0)
 
 
 def add_slider(axis: Any, at: Any, colour: Any, size: float) -> None:
     """Draw a slider that runs along x."""
-    x, y = np.multiply(SLIDER, size)
     style = {"facecolor": "white", "edgecolor": colour, "linewidth": 1.4, "zorder": 3.5}
-    _shape(axis, [(-x, -y), (x, -y), (x, y), (-x, y)], at, **style)
+    _shape(axis, CORNERS * SLIDER * size, at, **style)
 
 
 def add_guide(axis: Any, low: float, high: float, y: float, size: float) -> None:
@@ -186,40 +189,24 @@ def _is_of_branch(locus: Locus) -> bool:
     return "branch" in signature(function_of(locus)).parameters
 
 
-def _shown_loci(sheet: Sheet) -> list[Locus]:
-    motion = sheet.motion
-    return [one for one in motion.picture.loci if one.group in sheet.show and one.by in ("", motion.input)]
-
-
 def legend_of_loci(sheet: Sheet) -> list[Any]:
     """Return the legend of the loci that are shown."""
     single = sheet.colour(0) if len(sheet.motion.branches) == 1 else FAINT
     return [
         Line2D([], [], color=single if _is_of_branch(one) else FAINT, linewidth=0.9, label=one.meaning)
-        for one in _shown_loci(sheet)
+        for one in sheet.loci
     ]
 
 
-def add_following(sheet: Sheet, position: float) -> None:
-    """Draw loci and circles as they are at a position."""
-    picture = sheet.motion.picture
-    for circle in picture.circles:
-        if circle.group in sheet.show and picture.point(circle.centre).kind != "ground":
-            add_arms(sheet, position, circle)
-    for locus in _shown_loci(sheet):
-        _add_locus(sheet, position, locus)
-
-
-def _add_locus(sheet: Sheet, position: float, locus: Locus) -> None:
+def add_locus(sheet: Sheet, position: float, locus: Locus) -> None:
     """Draw the curve that a function of fastlink gives for a position, in each branch if they differ."""
     motion, function, of_branch = sheet.motion, function_of(locus), _is_of_branch(locus)
-    inputs = {**motion.design, motion.input: position}
-    given = {name: inputs[name] for name in signature(function).parameters if name in inputs}
+    taken = signature(function).parameters
     further = motion.values(list(locus.given.values()), [position])
     for k in np.flatnonzero(motion.assembles(position)[:, 0])[: None if of_branch else 1].tolist():
-        own: dict[str, Any] = {"branch": motion.branches[k]} if of_branch else {}
-        own |= {key: float(further[fact][k, 0]) for key, fact in locus.given.items()}
-        curve = function(**given, **own)
+        inputs = {**motion.design, motion.input: position, "branch": motion.branches[k]}
+        own = {key: float(further[fact][k, 0]) for key, fact in locus.given.items()}
+        curve = function(**{name: value for name, value in inputs.items() if name in taken} | own)
         colour = sheet.colour(k) if of_branch else FAINT
         style = {"color": colour, "linewidth": 0.9, "alpha": 0.75, "zorder": 1.2}
         if locus.gives == "points":
@@ -271,88 +258,73 @@ RADIUS, FURTHER_RADIUS = 17.0, 6.0
 CLOSE = 9.0
 
 
-def _loads(motion: Motion, kind: str, positions: Any) -> dict[str, Any]:
-    """Return each load of a kind over branches, positions, and its components."""
-    components = {one.name: one.components for one in motion.picture.loads[kind]}
-    values = motion.values([name for names in components.values() for name in names], positions)
-    return {one: np.stack([values[name] for name in names], axis=-1) for one, names in components.items()}
-
-
-def _scaled_by(motion: Motion, kind: str, positions: Any, moves: bool) -> tuple[Any, dict[str, Any], float]:
-    """Return the positions of which the loads have one scale, the loads there, and the greatest of them."""
-    positions = motion.spread(61, ends=False) if moves else positions
-    values = _loads(motion, kind, positions)
+def _loads(motion: Motion, kind: str, positions: Any) -> tuple[dict[str, Any], float]:
+    """Return each load of a kind over branches, positions, and its components; and how great the greatest is."""
+    values = motion.vectors({one.name: one.components for one in motion.picture.loads[kind]}, positions)
     sizes = np.stack([np.linalg.norm(one, axis=-1) for one in values.values()])
-    return positions, values, float(sizes[np.isfinite(sizes)].max(initial=0.0)) or 1.0
+    return values, float(sizes[np.isfinite(sizes)].max(initial=0.0)) or 1.0
+
+
+def _at_one_scale(motion: Motion, positions: Any, moves: bool) -> Any:
+    """Return the positions of which the loads have one scale: of the whole motion where the linkage moves."""
+    return motion.spread(61, ends=False) if moves else positions
 
 
 def ends_of_forces(motion: Motion, positions: Any, longest: float, *, moves: bool) -> Any:
     """Return where the arrows of all forces end, the longest of them of a given length."""
-    positions, values, greatest = _scaled_by(motion, FORCES, positions, moves)
+    positions = _at_one_scale(motion, positions, moves)
+    values, greatest = _loads(motion, FORCES, positions)
     places, unit = motion.places(positions), longest / greatest
-    ends = [places[one.at] + unit * values[one.name] for one in motion.picture.forces]
-    found = np.concatenate([one.reshape(-1, 2) for one in ends])
-    return found[np.isfinite(found).all(axis=1)]
+    return finite_of(places[one.at] + unit * values[one.name] for one in motion.picture.forces)
 
 
-class Loads:
-    """The forces and torques of one picture."""
+def legend_of_loads(sheet: Sheet, position: float) -> list[Any]:
+    """Settle the scale of the forces and torques that are shown, and return their legend."""
+    handles = []
+    for kind in (kind for kind in (FORCES, TORQUES) if kind in sheet.show):
+        positions = _at_one_scale(sheet.motion, [position], sheet.moves)
+        _, greatest = _loads(sheet.motion, kind, positions)
+        sheet.greatest[kind] = greatest
+        marker, size, width = MARKS[kind]
+        style: dict[str, Any] = {"markersize": size, "linewidth": width, "markeredgewidth": 0.6}
+        label = f"{kind}, the greatest {short_number(float(f'{greatest:.3g}'))} {UNITS[kind]}"
+        colour = LINES[3] if len(sheet.motion.branches) == 1 else INK
+        handles.append(Line2D([], [], color=colour, marker=marker, label=label, **style))
+    return handles
 
-    def __init__(self, sheet: Sheet) -> None:
-        self.sheet = sheet
-        #: The greatest one of each kind that is shown.
-        self.greatest: dict[str, float] = {}
 
-    def scale(self, position: float) -> list[Any]:
-        """Find the greatest of each kind, of the whole motion where one moves, and return the legend."""
-        handles = []
-        for kind in (kind for kind in (FORCES, TORQUES) if kind in self.sheet.show):
-            _, _, greatest = _scaled_by(self.sheet.motion, kind, [position], self.sheet.moves)
-            self.greatest[kind] = greatest
-            marker, size, width = MARKS[kind]
-            style: dict[str, Any] = {"markersize": size, "linewidth": width, "markeredgewidth": 0.6}
-            label = f"{kind}, the greatest {short_number(float(f'{greatest:.3g}'))} {UNITS[kind]}"
-            handles.append(Line2D([], [], color=self._colour(0, INK), marker=marker, label=label, **style))
-        return handles
+def add_loads(sheet: Sheet, position: float, places: Any) -> None:
+    """Draw the forces and torques that are shown at a position, then their names."""
+    motion, named = sheet.motion, []
+    for kind, greatest in sheet.greatest.items():
+        values, _ = _loads(motion, kind, [position])
+        for one in motion.picture.loads[kind]:
+            for k, value in enumerate(values[one.name][:, 0] / greatest):
+                at, colour = places[one.at][k], LINES[3] if len(motion.branches) == 1 else sheet.colour(k)
+                if np.isfinite([*value, *at]).all():
+                    add = _add_force if kind == FORCES else _add_torque
+                    named.append((one.name, k, colour, add(sheet, k, value, at, colour)))
+    for name, k, colour, at in named:
+        symbol = motion.catalogue.public_fact(name).symbol.strip("|")
+        middle = sheet.names.place(f"{name} {k}", symbol.replace("_", ""), at, CLOSE)
+        sheet.write(mathematical(symbol), middle, colour)
 
-    def draw(self, position: float, places: Any) -> None:
-        """Draw what is shown at a position."""
-        add = {FORCES: self._force, TORQUES: self._torque}
-        named = []
-        for kind, greatest in self.greatest.items():
-            values = _loads(self.sheet.motion, kind, [position])
-            for one in self.sheet.motion.picture.loads[kind]:
-                for k, value in enumerate(values[one.name][:, 0] / greatest):
-                    at = places[one.at][k]
-                    if np.isfinite([*value, *at]).all():
-                        named.append((one.name, k, add[kind](k, value, at)))
-        for name, k, at in named:
-            symbol = self.sheet.motion.catalogue.public_fact(name).symbol.strip("|")
-            middle = self.sheet.names.place(f"{name} {k}", symbol.replace("_", ""), at, CLOSE)
-            self.sheet.write(mathematical(symbol), middle, self._colour(k))
 
-    def _colour(self, k: int, shared: str = "") -> str:
-        """Return the colour in a branch; in the legend, that of all."""
-        if len(self.sheet.motion.branches) == 1:
-            return LINES[3]
-        return shared or self.sheet.colour(k)
+def _add_force(sheet: Sheet, k: int, vector: Any, start: Any, colour: str) -> Any:
+    """Draw an arrow; return the place beside which its name stands."""
+    end = start + LONGEST * sheet.side * vector
+    arrow = {"arrowstyle": "-|>", "color": colour, "linewidth": 1.4, "shrinkA": 0, "shrinkB": 0}
+    sheet.names.keep_free(samples_of([start, end], sheet.scale))
+    sheet.axis.annotate("", end, start, arrowprops=arrow, zorder=6.5)
+    return end
 
-    def _force(self, k: int, vector: Any, start: Any) -> Any:
-        """Draw an arrow; return the place beside which its name stands."""
-        sheet = self.sheet
-        end = start + LONGEST * min(np.ptp(sheet.view[:2]), np.ptp(sheet.view[2:])) * vector
-        arrow = {"arrowstyle": "-|>", "color": self._colour(k), "linewidth": 1.4, "shrinkA": 0, "shrinkB": 0}
-        sheet.names.keep_free(samples_of([start, end], sheet.scale))
-        sheet.axis.annotate("", end, start, arrowprops=arrow, zorder=6.5)
-        return end
 
-    def _torque(self, k: int, value: Any, at: Any) -> Any:
-        """Draw a curved arrow; return the place beside which its name stands."""
-        sheet = self.sheet
-        radius = (RADIUS + FURTHER_RADIUS * k) * sheet.size
-        arc = add_turn(sheet.axis, at, float(value[0]), radius, self._colour(k))
-        sheet.names.keep_free(at + arc / sheet.scale)
-        return at + arc[len(arc) // 2] / sheet.scale
+def _add_torque(sheet: Sheet, k: int, value: Any, at: Any, colour: str) -> Any:
+    """Draw a curved arrow; return the place beside which its name stands."""
+    radius = (RADIUS + FURTHER_RADIUS * k) * sheet.size
+    arc = add_turn(sheet.axis, at, float(value[0]), radius, colour)
+    sheet.names.keep_free(at + arc / sheet.scale)
+    return at + arc[len(arc) // 2] / sheet.scale
 
 
 # -- Show more than the linkage, each thing by a word: paths, limits, circles, light cones, curvature combs
@@ -398,7 +370,7 @@ def _add_paths(sheet: Sheet, position: float) -> list[Any]:
                 if np.isfinite(line).all(axis=-1).any():
                     style = branch_line(look, zorder=2.0, gid=f"path {one.name} {branch}")
                     sheet.axis.plot(*line.T, **style)
-                    sheet.keep_free(samples_of(line, sheet.scale)[::2], 0.5)
+                    sheet.names.keep_free(samples_of(line, sheet.scale)[::2], 0.5)
     letters = " and ".join(_lettered(one.name) if one.is_named else "the middle of a bar" for one in traced)
     style = branch_line(1) if len(motion.branches) == 1 else {"color": FAINT, "linewidth": 1.3}
     return [Line2D([], [], label=f"path of {letters}", **style)]
@@ -411,7 +383,7 @@ def _add_circles(sheet: Sheet, position: float, group: str) -> list[Any]:
         if circle.group == group and motion.picture.point(circle.centre).kind == "ground":
             arms += add_arms(sheet, position, circle)
     for one in arms:
-        sheet.keep_free(samples_of(one.get_xydata(), sheet.scale)[::2], 0.4)
+        sheet.names.keep_free(samples_of(one.get_xydata(), sheet.scale)[::2], 0.4)
     for guide in motion.picture.guides:
         if guide.group == group and not guide.slider and guide.x is not None and motion.has(guide.x):
             x = motion.number(guide.x)
@@ -443,7 +415,8 @@ def _add_cones(sheet: Sheet, position: float) -> list[Any]:
     """Draw the light lines through the ground pivots."""
     reach, style = 2.0 * float(np.ptp(sheet.view)), dict[str, Any](color="0.85", linewidth=0.8)
     for at in sheet.ground.values():
-        for line in sheet.plane.cone(at, reach):
+        for side in (1.0, -1.0):
+            line = at + reach * np.array([[-1.0, -side], [1.0, side]])
             sheet.axis.plot(*line.T, zorder=0.5, **style)
     return [Line2D([], [], label="light lines", **style)]
 
@@ -452,14 +425,11 @@ def _add_comb(sheet: Sheet, position: float) -> list[Any]:
     """Draw the curvature of each path that is shown as teeth across it, on the outer side."""
     motion, handles = sheet.motion, list[Any]()
     centre = 0.5 * (sheet.view[::2] + sheet.view[1::2])
-    size = min(np.ptp(sheet.view[:2]), np.ptp(sheet.view[2:]))
+    size = sheet.side
     for point in _traced(sheet, unless="path"):
         ranges = motion.along(2 * TEETH, position)
-        every = np.concatenate(
-            [np.hypot(*np.moveaxis(_curved(sheet, point, one)[1], -1, 0)).ravel() for one in ranges]
-        )
-        every = every[np.isfinite(every)]
-        usual = float(np.median(every)) if every.size else 0.0
+        bends = finite_of(_curved(sheet, point, one)[1] for one in ranges)
+        usual = float(np.median(np.hypot(*bends.T))) if bends.size else 0.0
         if usual * size < STRAIGHT:
             continue
         for positions in ranges:
@@ -502,12 +472,11 @@ def _slope(motion: Motion, coordinate: Value) -> Value:
 def _curved(sheet: Sheet, point: Point, positions: Any) -> tuple[Any, Any]:
     """Return the places of a point and the vectors of curvature of its path, over branches."""
     motion = sheet.motion
-    slopes = [_slope(motion, xy) for xy in (point.x, point.y)]
+    slopes = {"": [_slope(motion, xy) for xy in (point.x, point.y)]}
     aside = ASIDE * (motion.span[1] - motion.span[0])
 
     def slope(shift: float) -> Any:
-        values = motion.values(slopes, positions + shift)
-        return np.stack([values[name] for name in slopes], axis=-1)
+        return motion.vectors(slopes, positions + shift)[""]
 
     with np.errstate(all="ignore"):  # the first derivatives are facts
         bend = (slope(aside) - slope(-aside)) / (2.0 * aside)
@@ -551,30 +520,42 @@ PLATE = 0.14
 USUAL_JOINT = 7.5
 
 
-@dataclass(frozen=True)
-class Style:
-    """The width of a bar, the sizes of joints and letters in points, and whether bars carry their lengths' symbols."""
+class Style(NamedTuple):
+    """The width of a bar, and the sizes of joints and letters, in points."""
 
-    bar: float = 3.6
-    joint: float = USUAL_JOINT
-    font: float = 10.0
-    lengths: bool = True
+    bar: float
+    joint: float
+    font: float
+
+
+#: By how many linkages stand in a row.
+STYLES = {
+    1: Style(3.6, USUAL_JOINT, 10.0),
+    2: Style(3.2, 6.5, 9.5),
+    3: Style(2.8, 5.6, 8.5),
+    4: Style(2.4, 5.6, 8.5),
+}
 
 
 class Sheet:
-    """The picture of a design in one pair of axes."""
+    """The picture of a design in one pair of axes of a board."""
 
-    def __init__(
-        self, axis: Any, motion: Motion, view: Any, scale: float, show: frozenset[str], *, style: Style
-    ) -> None:
-        self.axis, self.motion, self.view, self.scale = axis, motion, view, scale
-        self.show, self.style, self.size = show, style, style.joint / USUAL_JOINT
+    def __init__(self, axis: Any, motion: Motion, board: Board, style: Style) -> None:
+        self.axis, self.motion, self.view, self.scale = axis, motion, board.view, board.scale
+        self.show, self.style, self.size = board.request.show, style, style.joint / USUAL_JOINT
+        in_film = board.request.moves
+        #: Whether lengths have their symbols; whether one scale of forces is for the whole motion.
+        self.lengths = style is STYLES[1] and not in_film
+        self.moves = in_film or len(board.request.positions) > 1
         self.plane = PLANES[motion.picture.metric]
-        self.names = Names(scale, view)
-        #: Whether one scale of forces is for the whole motion.
-        self.moves = False
-        self.loads = Loads(self)
-        self.free: list[tuple[Any, float]] = []
+        self.names = Names(self.scale, self.view, STAY_IN_FILM if in_film else STAY)
+        self.loci = [
+            one for one in motion.picture.loci if one.group in self.show and one.by in ("", motion.input)
+        ]
+        #: The shorter side of the view.
+        self.side = min(np.ptp(self.view[:2]), np.ptp(self.view[2:]))
+        #: The greatest force and torque, of those that are shown.
+        self.greatest: dict[str, float] = {}
         #: The places of the ground pivots.
         self.ground: dict[str, Any] = {}
 
@@ -587,24 +568,24 @@ class Sheet:
         axis.set_axis_off()
         pivots = [one for one in motion.points if one.kind == "ground"]
         self.ground = {name: at[0] for name, at in motion.places_at(position, pivots).items()}
-        handles = add_overlays(self, position)
-        handles += self.loads.scale(position)
+        handles = [*add_overlays(self, position), *legend_of_loads(self, position)]
         for bar in motion.picture.bars:
             if bar.is_ground:
                 at = np.array([self.ground[name] for name in bar.points.split()])
                 axis.plot(*at.T, color="0.75", linewidth=1.0, linestyle=(0, (8, 3, 1, 3)), zorder=2.2)
-                self.keep_free(samples_of(at, self.scale), 0.3)
+                self.names.keep_free(samples_of(at, self.scale), 0.3)
         corner = np.stack(np.meshgrid([-12.0, -6.0, 0.0, 6.0, 12.0], [-7.0, -11.0, -15.0]), axis=-1)
         for at in self.ground.values():
             if np.isfinite(at).all():
                 add_ground(axis, at, self.size)
-                self.keep_free(at + corner * self.size / self.scale, 2.0)
+                self.names.keep_free(at + corner * self.size / self.scale, 2.0)
         for guide in motion.picture.guides:
             if guide.slider and guide.y is not None:
                 (low, high), y = self._run(guide.slider), motion.number(guide.y)
                 add_guide(axis, low, high, y, self.size)
                 hatched = np.array([[low, y], [high, y]]) - [0.0, 1.3 * SLIDER[1] * self.size / self.scale]
-                self.keep_free(samples_of(hatched, self.scale), 0.7)
+                self.names.keep_free(samples_of(hatched, self.scale), 0.7)
+        self.names.rest()
         return handles
 
     def _run(self, slider: str) -> tuple[float, float]:
@@ -613,10 +594,6 @@ class Sheet:
         x = self.motion.places(along, [self.motion.picture.point(slider)])[slider][..., 0]
         edge = 16.0 / self.scale
         return float(np.nanmin(x)) - edge, float(np.nanmax(x)) + edge
-
-    def keep_free(self, points: Any, weight: float) -> None:
-        """Note points that names should not cover."""
-        self.free.append((points, weight))
 
     # -- the linkage -----------------------------------------------------------------------------------------------
 
@@ -631,9 +608,11 @@ class Sheet:
         }
         common = {name: self._is_common(at) for name, at in places.items()}
         names.clear()
-        for cloud, weight in self.free:
-            names.keep_free(cloud, weight)
-        add_following(self, position)
+        for circle in motion.picture.circles:
+            if circle.group in self.show and motion.picture.point(circle.centre).kind != "ground":
+                add_arms(self, position, circle)
+        for locus in self.loci:
+            add_locus(self, position, locus)
         for bar in motion.picture.bars:
             if not bar.is_ground:
                 self._bar(bar, position, places, common)
@@ -642,9 +621,9 @@ class Sheet:
                 self._point(one, at, colour)
         if not assembled.any():
             self.write("does not assemble", 0.5 * (self.view[::2] + self.view[1::2]), "0.4")
-        self.loads.draw(position, places)
+        add_loads(self, position, places)
         self._letters(points, places, common)
-        if self.style.lengths:
+        if self.lengths:
             self._symbols(places, common)
 
     def _is_common(self, at: Any) -> bool:
@@ -667,15 +646,13 @@ class Sheet:
         joint, kind = self.style.joint, point.kind
         if kind == "slider":
             add_slider(self.axis, at, colour, self.size)
-            half = np.multiply(SLIDER, self.size) / self.scale
-            corners = at + half * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)])
+            corners = at + SLIDER * self.size / self.scale * np.concatenate([CORNERS, CORNERS[:1]])
             self.names.keep_free(samples_of(corners, self.scale))
             add_joint(self.axis, at, colour, 0.8 * joint)
         elif point.group == CENTRES:
             add_centre(self.axis, at, colour, 1.1 * joint)
         elif kind in ("traced", "mark"):
-            size = (0.5 if kind == "traced" else 0.4) * joint
-            self.axis.plot(*np.reshape(at, (2, 1)), "o", color=colour, markersize=size, zorder=6)
+            add_mark(self.axis, at, (0.5 if kind == "traced" else 0.4) * joint, color=colour)
         else:
             add_joint(self.axis, at, colour, joint)
 
@@ -760,9 +737,7 @@ class Sheet:
 
     def symbol(self, name: str) -> str:
         """Return the symbol of a fact or an input."""
-        known = self.motion.catalogue
-        inputs = known.known_inputs(known.variant_inputs)
-        return inputs[name].symbol if name in inputs else known.facts[name].symbol
+        return (self.motion.known_inputs.get(name) or self.motion.catalogue.facts[name]).symbol
 
     def write(self, text: str, at: Any, colour: Any) -> None:
         """Write the name of something."""
@@ -878,71 +853,43 @@ class Board:
         self.view = _view(request)
         rows = -(-len(request.sheets) // MOST_IN_A_ROW)
         columns = -(-len(request.sheets) // rows)
-        self.width = WIDTHS[columns]
-        self.height = self.width * float(np.ptp(self.view[2:]) / np.ptp(self.view[:2]))
-        self.scale = POINTS * self.width / float(np.ptp(self.view[:2]))
+        wide = WIDTHS[columns]
+        high = wide * float(np.ptp(self.view[2:]) / np.ptp(self.view[:2]))
+        self.scale = POINTS * wide / float(np.ptp(self.view[:2]))
         self.figure = NotebookFigure(layout=None)
         #: The axes with their places in inches, from the upper left corner.
         self.placed: list[tuple[Any, tuple[float, float, float, float]]] = []
         self.sheets: list[Sheet] = []
-        letters = int(self.width * TITLE_LETTERS)
-        self.sheets_of = [(motion, at, textwrap.fill(title, letters)) for motion, at, title in request.sheets]
-        handles = self._add_sheets(columns)
-        page, low = self._block(columns)
-        self.curves = self._add_curves(page, low)
-        page += BESIDE if request.curves else 0.0
-        self._finish(page, low, [*self._legend_of_branches(), *handles])
-        self.moving: list[Any] = []
-
-    def _title_height(self) -> float:
-        return LINE * 1.2 * max(title.count("\n") + bool(title) for *_, title in self.sheets_of)
-
-    def _add_sheets(self, columns: int) -> list[Any]:
-        """Add the axes of each linkage with what stands still, and return its legend."""
         handles: list[Any] = []
-        style, each = self._style(columns), self.height + self._title_height() + MARGIN
-        for number, (motion, position, title) in enumerate(self.sheets_of):
+        titles = [textwrap.fill(title, int(wide * TITLE_LETTERS)) for *_, title in request.sheets]
+        above = LINE * 1.2 * max(title.count("\n") + bool(title) for title in titles)
+        top, each = MARGIN + TITLE, high + above + MARGIN
+        for number, (title, (motion, position, _)) in enumerate(zip(titles, request.sheets, strict=True)):
             row, column = divmod(number, columns)
-            left = MARGIN + column * (self.width + MARGIN)
-            top = MARGIN + TITLE + row * each + self._title_height()
-            axis = self._axes((left, top, self.width, self.height))
-            sheet = Sheet(axis, motion, self.view, self.scale, self.request.show, style=style)
-            sheet.moves = self.request.moves or len(self.request.positions) > 1
-            if self.request.moves:
-                sheet.names.stay = STAY_IN_FILM
+            axis = self._axes((MARGIN + column * (wide + MARGIN), top + row * each + above, wide, high))
+            sheet = Sheet(axis, motion, self, STYLES[columns])
             found = sheet.background(position)
             handles = handles or found
             if title:
-                axis.set_title(title, fontsize=style.font, pad=3.0)
+                axis.set_title(title, fontsize=sheet.style.font, pad=3.0)
             self.sheets.append(sheet)
         add_scale(self.sheets[0].axis, self.view, float(np.ptp(self.view[:2])))
-        return handles
+        page, low = MARGIN + columns * (wide + MARGIN), top + rows * each - MARGIN
+        self.curves: Curves | None = None
+        if request.curves:
+            low = max(low, top + CURVE * len(request.curves) + 0.5)
+            self.curves = self._add_curves(page, top + 0.1, low - 0.4)
+            page += BESIDE
+        self._finish(page, low, [*self._legend_of_branches(), *handles])
+        self.moving: list[Any] = []
 
-    def _block(self, columns: int) -> tuple[float, float]:
-        """Return how wide the linkages are with their margins, and how far down they or the curves reach."""
-        rows = -(-len(self.sheets) // columns)
-        low = MARGIN + TITLE + rows * (self.height + self._title_height() + MARGIN) - MARGIN
-        least = MARGIN + TITLE + CURVE * len(self.request.curves) + 0.5
-        return MARGIN + columns * (self.width + MARGIN), max(low, least) if self.request.curves else low
-
-    def _add_curves(self, left: float, low: float) -> Curves | None:
+    def _add_curves(self, left: float, top: float, low: float) -> Curves:
         """Add the axes of curves on the right."""
-        names, top = self.request.curves, MARGIN + TITLE + 0.1
-        if not names:
-            return None
-        gap = 0.12
-        each = (low - 0.4 - top + gap) / len(names)
-        axes = [
-            self._axes((left + 0.6, top + k * each, BESIDE - 0.6 - MARGIN, each - gap))
-            for k in range(len(names))
-        ]
+        names, gap = self.request.curves, 0.12
+        each = (low - top + gap) / len(names)
+        tops = [top + k * each for k in range(len(names))]
+        axes = [self._axes((left + 0.6, one, BESIDE - 0.6 - MARGIN, each - gap)) for one in tops]
         return Curves(axes, self.motion, names, self.request.degrees)
-
-    def _style(self, columns: int) -> Style:
-        if columns == 1:
-            return Style(lengths=not self.request.moves)
-        bars = {2: 3.2, 3: 2.8, 4: 2.4}[columns]
-        return Style(bars, 5.6 if columns > 2 else 6.5, 8.5 if columns > 2 else 9.5, lengths=False)
 
     def _axes(self, box: tuple[float, float, float, float]) -> Any:
         """Return new axes with their place in inches, from the upper left corner: left, top, width, height."""
@@ -996,16 +943,14 @@ class Board:
         for bar in motion.picture.bars:
             if bar.orientation:
                 code = motion.values([bar.orientation], self.request.positions)[bar.orientation][k, 0]
-                words = motion.catalogue.facts[bar.orientation].flags.get(
-                    int(code) if code == code else 0, ""
-                )
+                words = motion.catalogue.facts[bar.orientation].flags.get(int(np.nan_to_num(code)), "")
                 text += f"; {next(iter(bar.lengths)).replace(' ', '')} {words.replace('_', '-')}"
         return text
 
     def _caption(self, width: float) -> list[str]:
         """Return the numbers of the design and its words, a few lines."""
         motion, degrees = self.motion, self.request.degrees
-        inputs = motion.catalogue.known_inputs(motion.catalogue.variant_inputs)
+        inputs = motion.known_inputs
         told = {name for name in inputs if inputs[name].choices and len(self.request.motions) > 1}
         own = [
             _valued(inputs[name], value)
@@ -1057,23 +1002,20 @@ def _view(request: Request) -> Any:
     bounded = all(one.picture.metric == "euclidean" for one in request.motions)
     for motion in request.motions:
         points = [point for point in motion.points if point.kind != "mark"]
-        corners += [at.reshape(-1, 2) for at in motion.places(request.positions, points).values()]
-        traced = motion.traced(request.show)
-        moving = [one for one in points if request.moves or one.kind == "slider"] + traced
+        corners += motion.places(request.positions, points).values()
+        moving = [one for one in points if request.moves or one.kind == "slider"]
         along = motion.along(61, None if request.moves else request.positions) if bounded else []
         along += [motion.spread(61)] if request.moves and not bounded else []
         if "limits" in request.show and bounded and not motion.turns_fully:
-            ends = [end for one in motion.around(request.positions) for end in one]
-            corners += [at.reshape(-1, 2) for at in motion.places(ends, points).values()]
+            corners += motion.places(np.ravel(motion.around(request.positions)), points).values()
         for one in along:
-            corners += [at.reshape(-1, 2) for at in motion.places(one, moving).values()]
+            corners += motion.places(one, [*moving, *motion.traced(request.show)]).values()
         for circle in motion.picture.circles if bounded and "circles" in request.show else ():
             if motion.picture.point(circle.centre).kind == "ground" and circle.group == "circles":
                 centre = motion.places_at(0.0, [motion.picture.point(circle.centre)])[circle.centre][:1]
                 radius = motion.number(circle.radius)
                 corners += [centre + radius * np.array([[1.0, 1.0], [-1.0, -1.0]])]
-    every = np.concatenate(corners)
-    every = every[np.isfinite(every).all(axis=1)]
+    every = finite_of(corners)
     low, high = every.min(axis=0), every.max(axis=0)
     if not bounded and request.moves:
         low, high = np.percentile(every, 4, axis=0), np.percentile(every, 96, axis=0)
