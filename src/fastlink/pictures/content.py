@@ -246,8 +246,7 @@ def content_of(values: Values) -> dict[str, Any]:
     names = values.names
     if not names:
         raise InputError("has no variables of numbers", where=("maps",), remedy="give a map with results")
-    inner = [str(dim) for name in names for dim in maps[name].dims]
-    dims = [dim for dim in dict.fromkeys([*map(str, maps.sizes), *inner]) if dim in inner]
+    drawn = {dim for name in names for dim in values.dims(name)}
     along = [
         str(name) for name, one in maps.coords.items() if one.dims == (DESIGN,) and one.dtype.kind in "iuf"
     ]
@@ -255,7 +254,7 @@ def content_of(values: Values) -> dict[str, Any]:
         "file": Path(str(values.path or maps.encoding.get("source", ""))).name,
         "title": str(maps.attrs.get("title", "")),
         "version": str(maps.attrs.get("fastlink_version", "")),
-        "dims": [_dimension(maps, dim) for dim in dims],
+        "dims": [_dimension(maps, dim) for dim in map(str, maps.sizes) if dim in drawn],
         "columns": [{"name": name, **_labels(maps[name])} for name in along if name != DESIGN],
         "step": values.step,
         "constants": [
@@ -264,12 +263,7 @@ def content_of(values: Values) -> dict[str, Any]:
             if one.ndim == 0 and one.dtype.kind in "iuf"
         ],
         "variables": [
-            {
-                "name": name,
-                "dims": [str(dim) for dim in maps[name].dims],
-                **_request(maps, name),
-                **_labels(maps[name]),
-            }
+            {"name": name, "dims": values.dims(name), **_request(maps, name), **_labels(maps[name])}
             for name in names
         ],
         "colours": colour_tables(),
@@ -469,22 +463,6 @@ POOLS: dict[str, Callable[[NDArray[Any]], NDArray[Any]]] = {
 }
 
 
-def pooled(
-    read: Callable[[slice], NDArray[Any]], rows: range, columns: int, steps: tuple[int, int], pool: str
-) -> NDArray[np.float32]:
-    """Return one value for each cell of rows and columns, read a few rows at a time."""
-    down, across = steps
-    high = max(1, BLOCK // (down * columns)) * down
-    found = []
-    for start in range(rows.start, rows.stop, high):
-        block = np.asarray(read(slice(start, min(rows.stop, start + high))), dtype=float)
-        beyond = (-block.shape[0] % down, -columns % across)
-        padded = np.pad(block, [(0, one) for one in beyond], constant_values=np.nan)
-        cells = padded.reshape(padded.shape[0] // down, down, padded.shape[1] // across, across)
-        found.append(POOLS[pool](cells).astype(np.float32))
-    return np.concatenate(found)
-
-
 # -- Read what a page shows of a map: a picture's values at the resolution of a screen, a row, a sample
 
 
@@ -518,6 +496,10 @@ class Values:
         """How many designs of a sample follow each other for one that is shown."""
         return -(-int(self.maps.sizes.get(DESIGN, 1)) // MOST_DESIGNS)
 
+    def dims(self, name: str) -> list[str]:
+        """Return the dimensions of a variable or coordinate."""
+        return [str(dim) for dim in self.maps[name].dims]
+
     def part(self, name: str, places: Mapping[str, int | slice]) -> NDArray[Any]:
         """Return a part of a variable or coordinate.
 
@@ -531,6 +513,16 @@ class Values:
             source = self.mapped[name]
             return np.asarray(variable[index].values if source is None else source[index])
 
+    def along(self, name: str, at: Mapping[str, int], ranges: Mapping[str, range]) -> NDArray[Any]:
+        """Return a variable over ranges of places, in their order, repeated along those that it lacks."""
+        slices = {dim: slice(one.start, one.stop, one.step) for dim, one in ranges.items()}
+        dims = self.dims(name)
+        found = self.part(name, {dim: slices[dim] if dim in slices else at[dim] for dim in dims})
+        own = [dim for dim in dims if dim in ranges]
+        found = found.transpose([own.index(dim) for dim in ranges if dim in own])
+        whole = found[tuple(slice(None) if dim in own else None for dim in ranges)]
+        return np.broadcast_to(whole, tuple(map(len, ranges.values())))
+
     def picture(
         self,
         name: str,
@@ -540,7 +532,7 @@ class Values:
         pool: str = ONE,
     ) -> tuple[NDArray[np.float32], dict[str, int], str]:
         """Return the values over one or two axes, the first along rows, the steps between them, and what they are."""
-        dims = [str(dim) for dim in self.maps[name].dims]
+        dims = self.dims(name)
         own = [dim for dim in dims if dim in axes]
         ranges, steps = {}, {}
         for dim in own:
@@ -548,53 +540,58 @@ class Values:
             most = MOST_CELLS if len(axes) > 1 else MOST_CELLS * MOST_CELLS
             ranges[dim] = range(low, high + 1)
             steps[dim] = max(1, -(-len(ranges[dim]) // most))
-        shape = [len(one) for one in ranges.values()]
-        if max(steps.values()) == 1 or math.prod(shape) > MOST_POOLED or not self.scale(name)["pools"]:
+        size = math.prod(map(len, ranges.values()))
+        if max(steps.values()) == 1 or size > MOST_POOLED or not self.scale(name)["pools"]:
             pool = ONE
         key = name, axes, str(ranges), str([at[dim] for dim in dims if dim not in own]), pool
         found = self.kept.get(key)
         if found is None:
-            values = self._pictured(name, at, ranges, steps, pool)
+            if pool == ONE:
+                values = self.along(name, at, {dim: one[:: steps[dim]] for dim, one in ranges.items()})
+            else:
+                values = self._pooled(name, at, ranges, steps, POOLS[pool])
             order = [own.index(axis) for axis in axes if axis in own]
-            found = np.ascontiguousarray(values.transpose(order))
+            found = np.ascontiguousarray(values.transpose(order), dtype=np.float32)
             with self.lock:
                 self.kept[key] = found
                 while len(self.kept) > KEPT:
                     self.kept.popitem(last=False)
         return found, steps, pool
 
-    def _pictured(
-        self, name: str, at: Mapping[str, int], ranges: dict[str, range], steps: dict[str, int], pool: str
+    def _pooled(
+        self,
+        name: str,
+        at: Mapping[str, int],
+        ranges: Mapping[str, range],
+        steps: Mapping[str, int],
+        pool: Callable[[NDArray[Any]], NDArray[Any]],
     ) -> NDArray[np.float32]:
-        """Return the values of a picture in the order of the variable's dimensions."""
-        places: dict[str, int | slice] = {
-            str(dim): at[str(dim)] for dim in self.maps[name].dims if dim not in ranges
-        }
-        if pool == ONE:
-            places |= {dim: slice(one.start, one.stop, steps[dim]) for dim, one in ranges.items()}
-            return self.part(name, places).astype(np.float32)
-        (first, rows), *others = ranges.items()
-        places |= {dim: slice(one.start, one.stop) for dim, one in others}
-        columns, across = (len(others[0][1]), steps[others[0][0]]) if others else (1, 1)
-
-        def read(some: slice) -> NDArray[Any]:
-            return self.part(name, {**places, first: some}).reshape(-1, columns)
-
-        found = pooled(read, rows, columns, (steps[first], across), pool)
-        return found if others else found[:, 0]
+        """Return one value for each cell, in the order of the variable's dimensions, read a few rows at a time."""
+        first, *others = ranges
+        down, across = steps[first], steps[others[0]] if others else 1
+        columns = math.prod(len(ranges[dim]) for dim in others)
+        high = max(1, BLOCK // (down * columns)) * down
+        found = []
+        for start in range(0, len(ranges[first]), high):
+            part = {**ranges, first: ranges[first][start : start + high]}
+            block = self.along(name, at, part).reshape(-1, columns).astype(float)
+            beyond = (-block.shape[0] % down, -columns % across)
+            padded = np.pad(block, [(0, one) for one in beyond], constant_values=np.nan)
+            cells = padded.reshape(padded.shape[0] // down, down, padded.shape[1] // across, across)
+            found.append(pool(cells).astype(np.float32))
+        whole = np.concatenate(found)
+        return whole if others else whole[:, 0]
 
     def column(self, name: str, at: Mapping[str, int]) -> NDArray[np.float32]:
         """Return the values of a variable or coordinate of the designs of a sample."""
-        places: dict[str, int | slice] = {
-            str(dim): at[str(dim)] for dim in self.maps[name].dims if dim != DESIGN
-        }
-        return self.part(name, {**places, DESIGN: slice(None, None, self.step)}).astype(np.float32)
+        some = range(0, self.maps.sizes[DESIGN], self.step)
+        return self.along(name, at, {DESIGN: some}).astype(np.float32)
 
     def row(self, at: Mapping[str, int]) -> dict[str, Any]:
         """Return all values of one place, those of inputs along ``design`` too."""
         found = {}
         for name in (*self.names, *map(str, self.maps.coords)):
-            dims = [str(dim) for dim in self.maps[name].dims]
+            dims = self.dims(name)
             if name in at or not set(dims) <= at.keys() or not dims:
                 continue
             value = self.part(name, {dim: at[dim] for dim in dims})
@@ -607,41 +604,24 @@ class Values:
             from fastlink.pictures.style import scale_of
 
             array = self.maps[name]
-            sizes = {str(dim): length for dim, length in array.sizes.items()}
-            steps = _steps(sizes, SAMPLED)
-            places: dict[str, int | slice] = {dim: slice(None, None, step) for dim, step in steps.items()}
-            sample = self.part(name, places)
-            self.scales[name] = scale_of(array, sample, self._regular(array, sample.shape, places))
+            some = _thinned({dim: range(array.sizes[dim]) for dim in self.dims(name)}, SAMPLED)
+            self.scales[name] = scale_of(array, self.along(name, {}, some), self._regular(name, some))
         return self.scales[name]
 
-    def _regular(self, array: xr.DataArray, shape: tuple[int, ...], places: Mapping[str, Any]) -> Any:
+    def _regular(self, name: str, some: Mapping[str, range]) -> Any:
         """Return which values of a sample are of designs without toggles, None where that is not known."""
-        if (
-            STATUS not in self.names
-            or array.name == STATUS
-            or not set(self.maps[STATUS].dims) <= set(array.dims)
-        ):
+        if STATUS not in self.names or name == STATUS or not {*self.dims(STATUS)} <= some.keys():
             return None
-        status = self.maps[STATUS]
-        if not (flags := flags_of(status)):
-            return None
-        codes = self.part(STATUS, {dim: one for dim, one in places.items() if dim in status.dims})
-        own = [dim for dim in array.dims if dim in status.dims]
-        codes = codes.transpose([status.dims.index(dim) for dim in own])
-        whole = codes[tuple(slice(None) if dim in status.dims else None for dim in array.dims)]
-        return np.broadcast_to(whole == next(iter(flags.values())), shape)
+        flags = flags_of(self.maps[STATUS])
+        return self.along(STATUS, {}, some) == next(iter(flags.values())) if flags else None
 
 
-def _steps(sizes: Mapping[str, int], most: int) -> dict[str, int]:
-    """Return steps along dimensions that leave about so many values, from the longest dimension first."""
-    steps = dict.fromkeys(sizes, 1)
-
-    def left(dim: str) -> int:
-        return -(-sizes[dim] // steps[dim])
-
-    while np.prod([left(dim) for dim in sizes], dtype=float) > most:
-        steps[max(sizes, key=left)] += 1
-    return steps
+def _thinned(ranges: dict[str, range], most: int) -> dict[str, range]:
+    """Return about so many places of ranges from 0, by steps along the longest first."""
+    while math.prod(map(len, ranges.values())) > most:
+        dim = max(ranges, key=lambda one: len(ranges[one]))
+        ranges[dim] = range(0, ranges[dim].stop, ranges[dim].step + 1)
+    return ranges
 
 
 def _mapped(path: Path | None, name: str, variable: xr.Variable) -> Any:

@@ -20,7 +20,6 @@ from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fastlink._text import size
 from fastlink.errors import (
@@ -82,10 +81,10 @@ def _kind(values: Values, name: str) -> np.dtype[Any]:
 
 def _packed(values: Values, name: str) -> dict[str, Any]:
     """Return the dimensions of a variable or column, and its values compressed, the first bytes of all first."""
-    array, kind = values.maps[name], _kind(values, name)
+    kind = _kind(values, name)
     apart = np.ascontiguousarray(values.part(name, {}), dtype=kind).reshape(-1, 1).view(np.uint8).T
     data = base64.b64encode(zlib.compress(apart.tobytes())).decode()
-    return {"type": kind.str[1:], "dims": [str(dim) for dim in array.dims], "data": data}
+    return {"type": kind.str[1:], "dims": values.dims(name), "data": data}
 
 
 # -- Rank the designs of a region of a picture, and choose some of them to be drawn
@@ -110,9 +109,9 @@ def region_of(
     some = _some(ranges)
     grid = np.meshgrid(*some.values(), indexing="ij")
     found = {
-        one: _along(values, one, at, some).ravel().tolist()
+        one: values.along(one, at, some).ravel().tolist()
         for one in values.names
-        if {str(dim) for dim in values.maps[one].dims} <= {*at, *axes}
+        if {*values.dims(one)} <= {*at, *axes}
     }
     numbers = _best(values, name, at, ranges, -1.0 if largest else 1.0)
     places = [
@@ -141,13 +140,13 @@ def _best(
 ) -> Iterator[tuple[Any, ...]]:
     """Yield the numbers along each axis of the designs of least value times sign; of equal ones the first."""
     shape = tuple(map(len, ranges.values()))
-    first = next(dim for dim in map(str, values.maps[name].dims) if dim in ranges)
+    first = next(dim for dim in values.dims(name) if dim in ranges)
     whole, axis = ranges[first], list(ranges).index(first)
     step = max(1, BLOCK // max(1, math.prod(shape) // len(whole)))
     ranked, chosen = np.empty(0), np.empty(0, dtype=np.int64)
     for start in range(0, len(whole), step):
         part = {**ranges, first: whole[start : start + step]}
-        flat = sign * _along(values, name, at, part).ravel().astype(float)
+        flat = sign * values.along(name, at, part).ravel().astype(float)
         bound = ranked.max() if len(ranked) == MOST_BEST else np.inf
         finite = np.flatnonzero((flat <= bound) & np.isfinite(flat))
         numbers = list(np.unravel_index(finite, tuple(map(len, part.values()))))
@@ -158,17 +157,6 @@ def _best(
         kept = order[least(ranked[order], MOST_BEST)]
         ranked, chosen = ranked[kept], chosen[kept]
     return iter([np.unravel_index(one, shape) for one in chosen[np.lexsort((chosen, ranked))]])
-
-
-def _along(values: Values, name: str, at: Mapping[str, int], ranges: Ranges) -> NDArray[Any]:
-    """Return the values of a variable over ranges of places, in their order."""
-    dims = [str(dim) for dim in values.maps[name].dims]
-    slices = {dim: slice(one.start, one.stop, one.step) for dim, one in ranges.items()}
-    found = values.part(name, {dim: slices.get(dim, at.get(dim, 0)) for dim in dims})
-    own = [dim for dim in dims if dim in ranges]
-    found = found.transpose([own.index(dim) for dim in ranges if dim in own])
-    whole = found[tuple(slice(None) if dim in own else None for dim in ranges)]
-    return np.broadcast_to(whole, tuple(map(len, ranges.values())))
 
 
 # -- Serve the page of one map on this machine: to whoever has its token, and nothing else than that map
