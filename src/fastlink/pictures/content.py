@@ -35,7 +35,7 @@ from fastlink.numerics.compiler import COMPILED_AS, INLINED
 from fastlink.pictures.draw import picture_of
 from fastlink.pictures.motion import Motion
 from fastlink.plan.query import parse_request
-from fastlink.plan.request import constants_of, selected_variants
+from fastlink.plan.request import constants_of
 from fastlink.space.design_space import BRANCH, DESIGN, taken_links
 from fastlink.space.tables import STATUS
 from fastlink.space.units import DEGREES
@@ -89,16 +89,16 @@ class _Script:
     """Functions in JavaScript, each after those that it calls."""
 
     def __init__(self) -> None:
-        self.names: dict[Any, str] = {}
-        self.texts: list[str] = []
+        #: The name and the text of each.
+        self.made: dict[Any, tuple[str, str]] = {}
 
     def add(self, function: Callable[..., Any]) -> str:
         """Return the name of a function in the script, to which it is added if it is not there."""
-        if function not in self.names:
+        if function not in self.made:
             text = _Text(self, function).text()
-            name = self.names[function] = f"f{len(self.names)}"
-            self.texts.append(f"const {name} = {text};")
-        return self.names[function]
+            name = f"f{len(self.made)}"
+            self.made[function] = name, f"const {name} = {text};"
+        return self.made[function][0]
 
 
 class _Text:
@@ -113,13 +113,13 @@ class _Text:
 
     def text(self) -> str:
         """Return the whole function."""
-        lines = " ".join(filter(None, map(self.statement, self.body)))
+        lines = " ".join(map(self.statement, self.body))
         own = sorted(self.local - set(self.parameters))
         declared = f"let {', '.join(map(_own, own))}; " if own else ""
         return f"({', '.join(map(_own, self.parameters))}) => {{ {declared}{lines} }}"
 
     def statement(self, node: ast.stmt) -> str:
-        """Return an assignment or a return; of a docstring nothing."""
+        """Return an assignment or a return."""
         match node:
             case ast.Return(value=ast.expr() as value):
                 return f"return {self.value(value)};"
@@ -177,14 +177,10 @@ def _own(name: str) -> str:
 
 def _number(value: Any) -> str:
     """Return a number as JavaScript."""
-    if isinstance(value, (bool, np.bool_)):
-        return "true" if value else "false"
-    if not isinstance(value, (int, float, np.number)):
+    if not isinstance(value, (int, float, np.number, np.bool_)):
         raise Untranslatable(repr(value))
-    number = float(value)
-    if math.isfinite(number):
-        return repr(number).removesuffix(".0") if number >= 0 else f"({number!r})"
-    return "NaN" if math.isnan(number) else "Infinity" if number > 0 else "(-Infinity)"
+    text = json.dumps(bool(value) if isinstance(value, (bool, np.bool_)) else float(value))
+    return f"({text})" if value < 0 else text.removesuffix(".0")
 
 
 def script_of(
@@ -208,22 +204,19 @@ def script_of(
     selected, known = tuple(variants), {*given, "branch", position, *tables}
     for name in dict.fromkeys(names):
         steps = [one for one in catalogue.dependencies([name], known, selected) if one.names[0] not in lines]
-        mark = len(script.texts), dict(script.names)
+        before = dict(script.made)
         try:
             added = {own: _entry(script, one) for one in steps for own in one.names}
         except Untranslatable:
-            del script.texts[mark[0] :]
-            script.names = mark[1]
+            script.made = before
             continue
         lines |= added
         found.append(name)
     for name in sorted(tables):
-        of = low_parts.get(name, name)
-        function = "() => 0" if name in low_parts else script.add(catalogue.tables[of].formula)
-        lines[name] = (
-            f"[{function}, {json.dumps([] if name in low_parts else [position])}, {json.dumps([name])}]"
-        )
-    functions = "\n".join(script.texts)
+        is_low = name in low_parts
+        function = "() => 0" if is_low else script.add(catalogue.tables[name].formula)
+        lines[name] = f"[{function}, {json.dumps([] if is_low else [position])}, {json.dumps([name])}]"
+    functions = "\n".join(text for _, text in script.made.values())
     entries = ",\n".join(f"{json.dumps(name)}: {line}" for name, line in lines.items())
     return f"(() => {{\n{PRELUDE}{functions}\nreturn {{\n{entries}\n}};\n}})()", tuple(found)
 
@@ -328,14 +321,11 @@ def _mechanism(maps: xr.Dataset) -> dict[str, Any] | None:
         return None
     known = catalogue.known_inputs(catalogue.variant_inputs)
     inputs = {one: float(np.ravel(maps[one].values[..., None])[0]) for one in known if one in maps.variables}
-    degrees = [one for one in inputs if maps[one].attrs.get("units") in DEGREES]
     design = dict(inputs)
     links = taken_links(design)
-    variants = selected_variants(catalogue, links, "eliminated", design)
-    constants = {
-        one: value for one, value in constants_of(catalogue, links, variants).items() if one not in inputs
-    }
     motion = Motion(name, catalogue, picture, design, tuple(catalogue.branches), links)
+    every = constants_of(catalogue, links, motion.variants).items()
+    constants = {one: value for one, value in every if one not in inputs}
     points = [one for one in motion.points if one.kind != "mark"]
     needed = [value for one in points for value in (one.x, one.y)]
     needed += [end for ends in picture.spans.values() for end in ends]
@@ -345,7 +335,7 @@ def _mechanism(maps: xr.Dataset) -> dict[str, Any] | None:
     needed += [one for one in components if motion.has(one)]
     asked = [_request(maps, str(one))["of"][0] for one in maps.data_vars]
     facts = [one for one in [*needed, *curves, *asked] if isinstance(one, str) and one in catalogue.facts]
-    script, found = script_of(catalogue, facts, [*inputs, *constants], variants)
+    script, found = script_of(catalogue, facts, [*inputs, *constants], motion.variants)
     in_script = {*found}
     if not {value for one in points for value in (one.x, one.y) if value in catalogue.facts} <= in_script:
         return None
@@ -356,7 +346,7 @@ def _mechanism(maps: xr.Dataset) -> dict[str, Any] | None:
         "script": script,
         "inputs": list(inputs),
         "rules": {one: known[one].rule for one in inputs if not known[one].choices},
-        "degrees": degrees,
+        "degrees": [one for one in inputs if maps[one].attrs.get("units") in DEGREES],
         "constants": constants,
         "branches": {str(branch): meaning for branch, meaning in catalogue.branches.items()},
         "position": {"name": position.name, "symbol": position.symbol, "units": position.units,
@@ -365,9 +355,9 @@ def _mechanism(maps: xr.Dataset) -> dict[str, Any] | None:
         "study": {
             "links": [] if links is None else list(links.values),
             "model": "" if links is None else links.model,
-            "count": int(maps.attrs.get(f"{catalogue.position.name}_count", 0)),
+            "count": int(maps.attrs.get(f"{position.name}_count", 0)),
             "extrema": str(maps.attrs.get("extrema", "")),
-            "input": "" if catalogue is find_catalogue(name) else catalogue.position.name,
+            "input": "" if catalogue is find_catalogue(name) else position.name,
         },
         "curves": [
             {"name": one, "meaning": fact.title, "symbol": fact.symbol, "units": fact.units}

@@ -11,7 +11,7 @@ import operator
 import secrets
 import threading
 import zlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from os import PathLike
@@ -205,15 +205,6 @@ class Server:
         self.http.shutdown()
         self.http.server_close()
 
-    def answers(self) -> dict[str, Callable[[dict[str, Any]], bytes]]:
-        """Return what can be asked for, besides the page."""
-        return {
-            "/picture": self._picture,
-            "/column": self._column,
-            "/row": self._row,
-            "/region": self._region,
-        }
-
     def _picture(self, query: dict[str, Any]) -> bytes:
         name = str(query["name"])
         pool = str(query.get("pool", ONE))
@@ -285,7 +276,8 @@ class Server:
             return 403, text, b"refused: open the address that fastlink has printed, with its token"
         if address.path == "/":
             return 200, "text/html; charset=utf-8", self.page
-        answer = self.answers().get(address.path)
+        answers = {"picture": self._picture, "column": self._column, "row": self._row, "region": self._region}
+        answer = answers.get(address.path.removeprefix("/"))
         if answer is None:
             return 404, text, b"there is nothing of that name"
         try:

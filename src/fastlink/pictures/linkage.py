@@ -12,12 +12,11 @@ import io
 import json
 import pathlib
 import re
-import shutil
 import subprocess
 import tempfile
 import textwrap
-from collections.abc import Callable, Sequence
-from inspect import signature
+from collections.abc import Sequence
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -32,10 +31,17 @@ from fastlink._text import filled, short_number
 from fastlink.errors import InputError
 from fastlink.facts.names import derivative_name
 from fastlink.io.output import write_whole
-from fastlink.maps.units import half_turn
+from fastlink.maps.units import DEGREE
 from fastlink.pictures.charts import cut
 from fastlink.pictures.labels import mathematical, units_text
-from fastlink.pictures.motion import PLANES, STAY, STAY_IN_FILM, Names, finite_of, function_of, samples_of
+from fastlink.pictures.motion import (
+    PLANES,
+    Names,
+    finite_of,
+    function_of,
+    parameters_of,
+    samples_of,
+)
 from fastlink.pictures.style import LINES, NotebookFigure, drawable, limits_of
 from fastlink.space.units import RADIANS
 
@@ -108,18 +114,6 @@ def _quartered() -> Path:
     return Path.make_compound_path(*map(Path, (circle, 0.84 * circle[::-1], *quarters)))
 
 
-def add_centre(axis: Any, at: Any, colour: Any, size: float) -> None:
-    """Draw a mass centre."""
-    for marker, face in (("o", "white"), (CENTRE, colour)):
-        add_mark(axis, at, size, marker, color=face, markeredgewidth=0.0)
-
-
-def add_slider(axis: Any, at: Any, colour: Any, size: float) -> None:
-    """Draw a slider that runs along x."""
-    style = {"facecolor": "white", "edgecolor": colour, "linewidth": 1.4, "zorder": 3.5}
-    _shape(axis, CORNERS * SLIDER * size, at, **style)
-
-
 def add_guide(axis: Any, low: float, high: float, y: float, size: float) -> None:
     """Draw the hatched line on which a slider runs along x."""
     below = ScaledTranslation(0.0, -SLIDER[1] * size * POINT, axis.figure.dpi_scale_trans)
@@ -171,7 +165,7 @@ def add_arms(sheet: Sheet, position: float, circle: Circle) -> list[Any]:
     motion, seen, drawn = sheet.motion, set(), list[Any]()
     if not motion.has(circle.radius):
         return []
-    centres = motion.places_at(position, [motion.picture.point(circle.centre)])[circle.centre]
+    centres = motion.place(circle.centre, position)[:, 0]
     radii = motion.values([circle.radius], [position])[circle.radius][:, 0]
     for centre, radius in zip(centres, radii, strict=True):
         key = (*np.round(centre * sheet.scale, 3), round(float(radius) * sheet.scale, 3))
@@ -184,29 +178,26 @@ def add_arms(sheet: Sheet, position: float, circle: Circle) -> list[Any]:
     return drawn
 
 
-def _is_of_branch(locus: Locus) -> bool:
-    """Tell whether the curve differs by branch."""
-    return "branch" in signature(function_of(locus)).parameters
-
-
 def legend_of_loci(sheet: Sheet) -> list[Any]:
     """Return the legend of the loci that are shown."""
-    single = sheet.colour(0) if len(sheet.motion.branches) == 1 else FAINT
-    return [
-        Line2D([], [], color=single if _is_of_branch(one) else FAINT, linewidth=0.9, label=one.meaning)
-        for one in sheet.loci
-    ]
+    handles = []
+    for locus in sheet.loci:
+        own = "branch" in parameters_of(locus) and len(sheet.motion.branches) == 1
+        colour = sheet.colour(0) if own else FAINT
+        handles.append(Line2D([], [], color=colour, linewidth=0.9, label=locus.meaning))
+    return handles
 
 
 def add_locus(sheet: Sheet, position: float, locus: Locus) -> None:
     """Draw the curve that a function of fastlink gives for a position, in each branch if they differ."""
-    motion, function, of_branch = sheet.motion, function_of(locus), _is_of_branch(locus)
-    taken = signature(function).parameters
+    motion, taken = sheet.motion, parameters_of(locus)
+    of_branch = "branch" in taken
     further = motion.values(list(locus.given.values()), [position])
     for k in np.flatnonzero(motion.assembles(position)[:, 0])[: None if of_branch else 1].tolist():
         inputs = {**motion.design, motion.input: position, "branch": motion.branches[k]}
         own = {key: float(further[fact][k, 0]) for key, fact in locus.given.items()}
-        curve = function(**{name: value for name, value in inputs.items() if name in taken} | own)
+        given = {name: value for name, value in inputs.items() if name in taken}
+        curve = function_of(locus)(**given, **own)
         colour = sheet.colour(k) if of_branch else FAINT
         style = {"color": colour, "linewidth": 0.9, "alpha": 0.75, "zorder": 1.2}
         if locus.gives == "points":
@@ -293,14 +284,15 @@ def legend_of_loads(sheet: Sheet, position: float) -> list[Any]:
     return handles
 
 
-def add_loads(sheet: Sheet, position: float, places: Any) -> None:
+def add_loads(sheet: Sheet, position: float) -> None:
     """Draw the forces and torques that are shown at a position, then their names."""
     motion, named = sheet.motion, []
     for kind, greatest in sheet.greatest.items():
         values, _ = _loads(motion, kind, [position])
         for one in motion.picture.loads[kind]:
             for k, value in enumerate(values[one.name][:, 0] / greatest):
-                at, colour = places[one.at][k], LINES[3] if len(motion.branches) == 1 else sheet.colour(k)
+                at = sheet.places[one.at][k]
+                colour = LINES[3] if len(motion.branches) == 1 else sheet.colour(k)
                 if np.isfinite([*value, *at]).all():
                     add = _add_force if kind == FORCES else _add_torque
                     named.append((one.name, k, colour, add(sheet, k, value, at, colour)))
@@ -480,33 +472,23 @@ def _curved(sheet: Sheet, point: Point, positions: Any) -> tuple[Any, Any]:
 
     with np.errstate(all="ignore"):  # the first derivatives are facts
         bend = (slope(aside) - slope(-aside)) / (2.0 * aside)
-        return motion.places(positions, [point])[point.name], sheet.plane.curvature(slope(0.0), bend)
-
-
-#: What is drawn by a word of its own.
-OF_WORDS: dict[str, Callable[[Sheet, float], list[Any]]] = {
-    "cone": _add_cones,
-    "limits": _add_limits,
-    "comb": _add_comb,
-}
+        return motion.place(point.name, positions), sheet.plane.curvature(slope(0.0), bend)
 
 
 def add_overlays(sheet: Sheet, position: float) -> list[Any]:
     """Draw all that is shown besides the linkage, as for a position, and return its legend."""
     handles = [line for group in sorted(sheet.show) for line in _add_circles(sheet, position, group)]
     handles += [*legend_of_loci(sheet), *_add_paths(sheet, position)]
-    for word, add in OF_WORDS.items():
+    for word, add in (("cone", _add_cones), ("limits", _add_limits), ("comb", _add_comb)):
         if word in sheet.show:
             handles += add(sheet, position)
-    marks = {CENTRES: (CENTRE, "mass centres"), "foci": ("x", "second focus of the conic")}
-    for word in sorted(marks.keys() & sheet.show):
-        marker, label = marks[word]
-        style: dict[str, Any] = {
-            "linestyle": "none",
-            "color": INK,
-            "markeredgewidth": 1.0 * (word != CENTRES),
-        }
-        handles.append(Line2D([], [], marker=marker, label=label, **style))
+    for word, marker, label, edge in (
+        (CENTRES, CENTRE, "mass centres", 0.0),
+        ("foci", "x", "second focus of the conic", 1.0),
+    ):
+        if word in sheet.show:
+            style: dict[str, Any] = {"linestyle": "none", "color": INK, "markeredgewidth": edge}
+            handles.append(Line2D([], [], marker=marker, label=label, **style))
     return handles
 
 
@@ -548,7 +530,7 @@ class Sheet:
         self.lengths = style is STYLES[1] and not in_film
         self.moves = in_film or len(board.request.positions) > 1
         self.plane = PLANES[motion.picture.metric]
-        self.names = Names(self.scale, self.view, STAY_IN_FILM if in_film else STAY)
+        self.names = Names(self.scale, self.view, in_film)
         self.loci = [
             one for one in motion.picture.loci if one.group in self.show and one.by in ("", motion.input)
         ]
@@ -558,6 +540,9 @@ class Sheet:
         self.greatest: dict[str, float] = {}
         #: The places of the ground pivots.
         self.ground: dict[str, Any] = {}
+        #: The places of the points in the picture, over branches; those that are the same in all.
+        self.places: dict[str, Any] = {}
+        self.common: set[str] = set()
 
     # -- what stands still -----------------------------------------------------------------------------------------
 
@@ -591,7 +576,7 @@ class Sheet:
     def _run(self, slider: str) -> tuple[float, float]:
         """Return how far the ground of a slider reaches."""
         along = np.concatenate(self.motion.along(61))
-        x = self.motion.places(along, [self.motion.picture.point(slider)])[slider][..., 0]
+        x = self.motion.place(slider, along)[..., 0]
         edge = 16.0 / self.scale
         return float(np.nanmin(x)) - edge, float(np.nanmax(x)) + edge
 
@@ -602,11 +587,11 @@ class Sheet:
         motion, names = self.motion, self.names
         points = [one for one in motion.points if not one.group or one.group in self.show]
         assembled = motion.assembles(position)
-        places = {
+        self.places = {
             one.name: at if one.kind == "ground" else np.where(assembled, at, np.nan)
             for one, at in zip(points, motion.places_at(position, points).values(), strict=True)
         }
-        common = {name: self._is_common(at) for name, at in places.items()}
+        self.common = {name for name, at in self.places.items() if self._is_common(at)}
         names.clear()
         for circle in motion.picture.circles:
             if circle.group in self.show and motion.picture.point(circle.centre).kind != "ground":
@@ -615,16 +600,16 @@ class Sheet:
             add_locus(self, position, locus)
         for bar in motion.picture.bars:
             if not bar.is_ground:
-                self._bar(bar, position, places, common)
+                self._bar(bar, position)
         for one in points:
-            for at, colour in self._in_branches(places[one.name], common[one.name]):
-                self._point(one, at, colour)
+            for k, colour in self._in_branches(one.name):
+                self._point(one, self.places[one.name][k], colour)
         if not assembled.any():
             self.write("does not assemble", 0.5 * (self.view[::2] + self.view[1::2]), "0.4")
-        add_loads(self, position, places)
-        self._letters(points, places, common)
+        add_loads(self, position)
+        self._letters([one.name for one in points if one.is_named])
         if self.lengths:
-            self._symbols(places, common)
+            self._symbols()
 
     def _is_common(self, at: Any) -> bool:
         """Tell whether a point is the same in all branches in which it exists."""
@@ -633,10 +618,13 @@ class Sheet:
             return len(self.motion.branches) < 2
         return float(np.ptp(finite, axis=0).max()) <= SAME * float(np.ptp(self.view[:2]))
 
-    def _in_branches(self, at: Any, common: bool) -> list[tuple[Any, Any]]:
-        """Return the places of a point with their colours: one if they agree."""
-        finite = np.flatnonzero(np.isfinite(at).all(axis=-1)).tolist()
-        return [(at[k], INK) for k in finite[:1]] if common else [(at[k], self.colour(k)) for k in finite]
+    def _in_branches(self, *names: str) -> list[tuple[int, str]]:
+        """Return the branches, by index, in which some points are, and their colours: one where all of them agree."""
+        places = np.stack([self.places[name] for name in names])
+        finite = np.flatnonzero(np.isfinite(places).all(axis=(0, 2))).tolist()
+        if self.common.issuperset(names):
+            return [(k, INK) for k in finite[:1]]
+        return [(k, self.colour(k)) for k in finite]
 
     def colour(self, k: int) -> str:
         """Return the colour of the branch with an index."""
@@ -645,71 +633,65 @@ class Sheet:
     def _point(self, point: Point, at: Any, colour: Any) -> None:
         joint, kind = self.style.joint, point.kind
         if kind == "slider":
-            add_slider(self.axis, at, colour, self.size)
+            box = {"facecolor": "white", "edgecolor": colour, "linewidth": 1.4, "zorder": 3.5}
+            _shape(self.axis, CORNERS * SLIDER * self.size, at, **box)
             corners = at + SLIDER * self.size / self.scale * np.concatenate([CORNERS, CORNERS[:1]])
             self.names.keep_free(samples_of(corners, self.scale))
             add_joint(self.axis, at, colour, 0.8 * joint)
         elif point.group == CENTRES:
-            add_centre(self.axis, at, colour, 1.1 * joint)
+            for marker, face in (("o", "white"), (CENTRE, colour)):
+                add_mark(self.axis, at, 1.1 * joint, marker, color=face, markeredgewidth=0.0)
         elif kind in ("traced", "mark"):
             add_mark(self.axis, at, (0.5 if kind == "traced" else 0.4) * joint, color=colour)
         else:
             add_joint(self.axis, at, colour, joint)
 
-    def _bar(self, bar: Bar, position: float, places: Any, common: Any) -> None:
+    def _bar(self, bar: Bar, position: float) -> None:
         """Draw a bar, or a plate, in each branch that has it."""
-        names = [name for name in bar.points.split() if name in places]
-        corners = np.stack([places[name] for name in names], axis=1)
-        present = np.flatnonzero(np.isfinite(corners).all(axis=(1, 2)))
-        is_common = all(common[name] for name in names)
-        for k in present[:1] if is_common else present:
-            at, branch = corners[k], self.motion.branches[k]
-            colour = INK if is_common else self.colour(k)
-            self._outline(bar, names, at, branch, colour, hollow=not is_common and branch > 1)
+        names = [name for name in bar.points.split() if name in self.places]
+        for k, colour in self._in_branches(*names):
+            places = {name: self.places[name][k] for name in names}
+            at = np.stack([*places.values()])
+            self._outline(bar, places, self.motion.branches[k], colour)
             if len(at) > 2:
                 self.axis.fill(*at.T, facecolor=colour, alpha=PLATE, linewidth=0, zorder=3.0)
             if bar.orientation:
                 side = self.motion.values([bar.orientation], [position])[bar.orientation][k, 0]
-                self._direction(at[0], at[1], "white" if side < 0.0 else colour, colour)
+                head = {"facecolor": "white" if side < 0.0 else colour, "edgecolor": colour, "linewidth": 1.2}
+                head |= {"arrowstyle": "-|>,head_length=0.55,head_width=0.3", "shrinkA": 0, "shrinkB": 0}
+                start, along = at[0], at[1] - at[0]
+                self.axis.annotate("", start + 0.6 * along, start + 0.5 * along, arrowprops=head, zorder=5)
             self.names.keep_free(samples_of(np.concatenate([at, at[:1]]), self.scale))
 
-    def _direction(self, start: Any, end: Any, face: Any, colour: Any) -> None:
-        """Draw the head of an arrow on a bar."""
-        arrow = {"arrowstyle": "-|>,head_length=0.55,head_width=0.3", "edgecolor": colour, "facecolor": face}
-        arrow |= {"shrinkA": 0, "shrinkB": 0, "linewidth": 1.2}
-        along = end - start
-        self.axis.annotate("", start + 0.6 * along, start + 0.5 * along, arrowprops=arrow, zorder=5)
-
-    def _outline(
-        self, bar: Bar, names: list[str], at: Any, branch: int, colour: Any, *, hollow: bool
-    ) -> None:
+    def _outline(self, bar: Bar, places: dict[str, Any], branch: int, colour: str) -> None:
         """Draw a bar: thick along lengths, hollow in the second branch; thin round the rest of a plate."""
+        edges = list(pairwise([*places, next(iter(places))]))
         thick = [tuple(pair.split()) for pair in bar.lengths]
-        if len(names) == 2:
-            thick = thick or [(names[0], names[1])]  # whose length is a number, or changes
-        edges = list(zip(names, [*names[1:], names[0]], strict=True)) if len(names) > 2 else []
+        if len(places) == 2:
+            thick = thick or edges[:1]  # whose length is a number, or changes
         thin = [pair for pair in edges if pair not in thick and pair[::-1] not in thick]
         width, style = self.style.bar, {"solid_capstyle": "round", "zorder": 4.0}
-        ends = {(a, b): at[[names.index(a), names.index(b)]].T for a, b in (*thick, *thin)}
         for kind, pairs, wide in (("bar", thick, width), ("edge", thin, 0.3 * width)):
             for a, b in pairs:
                 look = {"color": colour, "linewidth": wide, "gid": f"{kind} {a} {b} {branch}", **style}
-                self.axis.plot(*ends[a, b], **look)
-        for a, b in thick if hollow else ():
-            self.axis.plot(*ends[a, b], color="white", linewidth=0.45 * width, **style)
+                self.axis.plot(*np.transpose([places[a], places[b]]), **look)
+        for a, b in thick if branch > 1 and colour != INK else ():
+            line = np.transpose([places[a], places[b]])
+            self.axis.plot(*line, color="white", linewidth=0.45 * width, **style)
 
-    def _letters(self, points: Any, places: Any, common: Any) -> None:
+    def _letters(self, named: list[str]) -> None:
         """Write the names of points; those that stand in one place share it."""
         groups: list[tuple[Any, Any, list[str]]] = []
         near = 0.6 * self.style.joint / self.scale
-        for one in filter(lambda one: one.is_named, points):
-            for at, colour in self._in_branches(places[one.name], common[one.name]):
+        for name in named:
+            for k, colour in self._in_branches(name):
+                at = self.places[name][k]
                 self.names.keep_free(at + np.array([[0.0, 0.0], [3.0, 0.0], [-3.0, 0.0]]) / self.scale, 1.5)
                 letters = next((names for place, _, names in groups if np.hypot(*(place - at)) < near), None)
                 if letters is None:
-                    groups.append((at, colour, [one.name]))
-                elif one.name not in letters:
-                    letters.append(one.name)
+                    groups.append((at, colour, [name]))
+                elif name not in letters:
+                    letters.append(name)
         for number, (at, colour, letters) in enumerate(groups):
             if self._is_in_view(at):
                 text = ", ".join(letters)
@@ -720,24 +702,17 @@ class Sheet:
         view = self.view
         return bool(view[0] <= at[0] <= view[1] and view[2] <= at[1] <= view[3])
 
-    def _symbols(self, places: Any, common: Any) -> None:
+    def _symbols(self) -> None:
         """Write the symbols of lengths along bars, those of the first branch."""
+        known, facts = self.motion.known_inputs, self.motion.catalogue.facts
         for bar in self.motion.picture.bars:
             for pair, length in bar.lengths.items():
-                a, b = (places[name] for name in pair.split())
-                present = np.flatnonzero(np.isfinite(a + b).all(axis=-1))
-                if not present.size or not self._is_in_view(0.5 * (a[present[0]] + b[present[0]])):
-                    continue
-                k = present[0]
-                is_common = all(common[name] for name in pair.split())
-                colour = "0.5" if bar.is_ground else INK if is_common else self.colour(k)
-                symbol = self.symbol(length)
-                middle = self.names.beside(pair, symbol.replace("_", ""), a[k], b[k])
-                self.write(mathematical(symbol), middle, colour)
-
-    def symbol(self, name: str) -> str:
-        """Return the symbol of a fact or an input."""
-        return (self.motion.known_inputs.get(name) or self.motion.catalogue.facts[name]).symbol
+                for k, colour in self._in_branches(*pair.split())[:1]:
+                    start, end = (self.places[name][k] for name in pair.split())
+                    if self._is_in_view(0.5 * (start + end)):
+                        symbol = (known.get(length) or facts[length]).symbol
+                        middle = self.names.beside(pair, symbol.replace("_", ""), start, end)
+                        self.write(mathematical(symbol), middle, "0.5" if bar.is_ground else colour)
 
     def write(self, text: str, at: Any, colour: Any) -> None:
         """Write the name of something."""
@@ -763,65 +738,58 @@ class Curves:
     def __init__(self, axes: Sequence[Any], motion: Motion, names: Sequence[str], degrees: bool) -> None:
         self.axes, self.motion, self.names, self.degrees = axes, motion, names, degrees
         known = motion.catalogue
-        self.units = {name: known.public_fact(name).units for name in names}
+        #: What stands along an axis, by its name: a quantity, or the input.
+        self.labels: dict[str, Any] = {name: known.public_fact(name) for name in names}
+        self.labels[motion.input] = known.position
         for axis, name in zip(axes, names, strict=True):
             self._draw(axis, name)
-            fact = known.public_fact(name)
-            units = "" if fact.flags else units_text(self._units(fact.units))
-            axis.set_ylabel(f"{mathematical(fact.symbol)}{units and f' [{units}]'}", fontsize=9)
+            axis.set_ylabel(self._label(name), fontsize=9)
             axis.tick_params(labelsize=8, labelbottom=axis is axes[-1])
             axis.grid(color="0.92", linewidth=0.8)
             axis.set_axisbelow(True)
-        position = known.position
-        units = units_text(self._units(position.units))
-        axes[-1].set_xlabel(f"{mathematical(position.symbol)}{units and f' [{units}]'}", fontsize=9)
+        axes[-1].set_xlabel(self._label(motion.input), fontsize=9)
 
-    def _units(self, units: str) -> str:
-        return "°" if self.degrees and units == RADIANS else "" if units == "1" else units
+    def _units(self, name: str) -> str:
+        units: str = self.labels[name].units
+        return DEGREE if self.degrees and units == RADIANS else units
 
-    def _scaled(self, values: Any, units: str) -> Any:
-        return np.degrees(values) if self.degrees and units == RADIANS else values
+    def _label(self, name: str) -> str:
+        units = self._units(name)
+        return mathematical(self.labels[name].symbol) + ("" if units == "1" else f" [{units_text(units)}]")
 
-    def _at(self, positions: Any) -> Any:
-        return self._scaled(np.asarray(positions, dtype=float), self.motion.catalogue.position.units)
+    def _values(self, name: str, positions: Any) -> Any:
+        """Return a quantity, or the input, over branches and positions, as it is shown."""
+        values = self.motion.values([name], positions)[name]
+        return np.degrees(values) if self._units(name) == DEGREE else values
 
     def _draw(self, axis: Any, name: str) -> None:
         motion, every = self.motion, []
-        units = self.units[name]
         for positions in motion.along(CURVE_POINTS):
-            values = self._scaled(motion.values([name], positions)[name], units)
-            for k, branch in enumerate(motion.looks):
-                x, y = cut(
-                    self._at(positions), drawable(values[k]), self._units(units).replace("°", "degree")
-                )
-                axis.plot(x, y, **branch_line(branch))
-                every.append(values[k])
+            curves = zip(self._values(motion.input, positions), self._values(name, positions), strict=True)
+            for branch, (along, values) in zip(motion.looks, curves, strict=True):
+                axis.plot(*cut(along, drawable(values), self._units(name)), **branch_line(branch))
+                every.append(values)
         low, high, extend = limits_of(drawable(np.concatenate(every)), np.concatenate(every), MOST_RANGE)
         if extend != "neither":
             axis.set_ylim(low - 0.05 * (high - low), high + 0.05 * (high - low))
-        ends = self._at([motion.ranges[0][0], motion.ranges[-1][1]])
+        ends = self._values(motion.input, [motion.ranges[0][0], motion.ranges[-1][1]])[0]
         axis.set_xlim(*ends)
-        half = half_turn(motion.catalogue.position.units)
-        if half is not None and self.degrees:
+        if self._units(motion.input) == DEGREE:
             step = next(step for step in (5, 10, 15, 30, 45, 60, 90) if (ends[1] - ends[0]) / step <= 8.5)
             axis.set_xticks(np.arange(np.ceil(ends[0] / step), np.floor(ends[1] / step) + 1) * step)
 
     def mark(self, positions: Sequence[float]) -> None:
-        """Mark the input and the values there."""
-        shown = [self._within(position) for position in positions]
+        """Mark the input, moved by whole turns into what the axes show, and the values there."""
+        low, shown = self.motion.ranges[0][0], np.asarray(positions)
+        shown = low + (shown - low) % (2.0 * np.pi) if self.motion.turns else shown
         for axis, name in zip(self.axes, self.names, strict=True):
-            for position, x in zip(positions, self._at(shown), strict=True):
+            for position, x in zip(positions, self._values(self.motion.input, shown)[0], strict=True):
                 axis.axvline(x, color="0.35", linewidth=0.9, zorder=1.5)
-                values = self._scaled(self.motion.values([name], [position])[name][:, 0], self.units[name])
+                values = self._values(name, [position])[:, 0]
                 for branch, value in zip(self.motion.looks, values, strict=True):
                     if np.isfinite(value):
                         style = {"markersize": 5, "markeredgecolor": "white", "zorder": 5}
                         axis.plot([x], [value], "o", color=colour_of(branch), **style)
-
-    def _within(self, position: float) -> float:
-        """Return a position moved by whole turns into what the axis shows."""
-        low = self.motion.ranges[0][0]
-        return low + (position - low) % (2.0 * np.pi) if self.motion.turns else position
 
 
 # -- The whole picture: one or several sheets, curves beside them, the legend and the numbers of the design
@@ -880,7 +848,10 @@ class Board:
             low = max(low, top + CURVE * len(request.curves) + 0.5)
             self.curves = self._add_curves(page, top + 0.1, low - 0.4)
             page += BESIDE
-        self._finish(page, low, [*self._legend_of_branches(), *handles])
+        if len(self.motion.branches) > 1:  # one alone is named by the numbers below
+            looks = enumerate(map(branch_line, self.motion.branches))
+            handles = [*(Line2D([], [], label=self._branch(k), **look) for k, look in looks), *handles]
+        self._finish(page, low, handles)
         self.moving: list[Any] = []
 
     def _add_curves(self, left: float, top: float, low: float) -> Curves:
@@ -921,15 +892,6 @@ class Board:
             at = (0.6 * MARGIN + LINE * (number + 0.5)) / height
             figure.text(0.5, at, line, fontsize=8, color="0.35", **centre)
 
-    def _legend_of_branches(self) -> list[Any]:
-        """Return a line for each branch, none for one alone, which the numbers name."""
-        if len(self.motion.branches) < 2:
-            return []
-        return [
-            Line2D([], [], **branch_line(b), label=self._branch(k))
-            for k, b in enumerate(self.motion.branches)
-        ]
-
     def _branch(self, k: int) -> str:
         """Return a branch in words."""
         branch = self.motion.branches[k]
@@ -950,15 +912,13 @@ class Board:
     def _caption(self, width: float) -> list[str]:
         """Return the numbers of the design and its words, a few lines."""
         motion, degrees = self.motion, self.request.degrees
-        inputs = motion.known_inputs
-        told = {name for name in inputs if inputs[name].choices and len(self.request.motions) > 1}
+        inputs, several = motion.known_inputs, len(self.request.motions) > 1
+        given = motion.design | ({} if motion.links is None else motion.links.values)
         own = [
             _valued(inputs[name], value)
-            for name, value in motion.design.items()
-            if name in inputs and name not in told
+            for name, value in given.items()
+            if name in inputs and not (several and inputs[name].choices)  # which the titles say
         ]
-        if motion.links is not None:
-            own += [_valued(inputs[name], value) for name, value in motion.links.values.items()]
         symbol = mathematical(motion.catalogue.position.symbol)
         if len(self.request.positions) == 1 and not self.request.moves:
             own.append(f"{symbol} = {motion.shown(self.request.positions[0], degrees)}")
@@ -1012,7 +972,7 @@ def _view(request: Request) -> Any:
             corners += motion.places(one, [*moving, *motion.traced(request.show)]).values()
         for circle in motion.picture.circles if bounded and "circles" in request.show else ():
             if motion.picture.point(circle.centre).kind == "ground" and circle.group == "circles":
-                centre = motion.places_at(0.0, [motion.picture.point(circle.centre)])[circle.centre][:1]
+                centre = motion.place(circle.centre, 0.0)[:1, 0]
                 radius = motion.number(circle.radius)
                 corners += [centre + radius * np.array([[1.0, 1.0], [-1.0, -1.0]])]
     every = finite_of(corners)
@@ -1058,14 +1018,6 @@ DPI, COLOURS = 90, 48
 SECONDS = 6.0  # of a cycle
 #: Away from the ends of the motion, so that no two pictures in a row are the same.
 PHASE = 0.25
-INSTALL = "install it, such as by `apt install ffmpeg`, or write a .gif or an .html"
-
-
-def check_film(path: pathlib.Path) -> None:
-    """Refuse a film where there is no program that writes it."""
-    if path.suffix.lower() == ".mp4" and shutil.which("ffmpeg") is None:
-        what = "ffmpeg, which writes films, is not installed"
-        raise InputError(what, where=("animate",), remedy=INSTALL)
 
 
 def write_film(board: Board, path: pathlib.Path, frames: int) -> None:

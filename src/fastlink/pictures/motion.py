@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib import import_module
-from inspect import signature
+from inspect import Parameter, signature
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -74,7 +74,9 @@ class Motion:
         """Return facts, inputs and constants, each over branches and positions."""
         positions = np.atleast_1d(np.asarray(positions, dtype=float))
         shape = (len(self.branches), positions.size)
-        known: dict[Any, Any] = {**self._given_by_default, **self.design, self.input: positions}
+        every = self.catalogue.inputs.values()
+        by_default = {one.name: one.default for one in every if one.default is not None and not one.choices}
+        known: dict[Any, Any] = {**by_default, **self.design, self.input: positions}
         facts = [name for name in dict.fromkeys(names) if isinstance(name, str) and name not in known]
         if facts:
             known |= self._evaluated(facts, np.array(self.branches)[:, None], positions)
@@ -82,12 +84,6 @@ class Motion:
             name: np.broadcast_to(known[name] if isinstance(name, str) else float(name), shape)
             for name in names
         }
-
-    @property
-    def _given_by_default(self) -> dict[str, float]:
-        """The inputs that the design leaves at their defaults."""
-        every = self.catalogue.inputs.items()
-        return {name: one.default for name, one in every if one.default is not None and not one.choices}
 
     def number(self, value: Value) -> float:
         """Return a value of the design: what does not depend on branch and position."""
@@ -145,14 +141,18 @@ class Motion:
         of_links = self.links.values if self.links is not None else {}
         inputs = self.known_inputs.values()
         defaults = [one.name for one in inputs if one.default is not None or one.choices]
-        variants = selected_variants(self.catalogue, self.links, "eliminated", self.design)
-        return not missing_inputs(self.catalogue, name, variants, (*self.design, *of_links, *defaults))
+        return not missing_inputs(self.catalogue, name, self.variants, (*self.design, *of_links, *defaults))
 
     def lacks(self, locus: Locus) -> list[str]:
         """Return what the function of a locus takes and the design does not give."""
         given = {*self.design, self.input, *locus.given, "branch"}
-        taken = signature(function_of(locus)).parameters.values()
+        taken = parameters_of(locus).values()
         return [one.name for one in taken if one.default is one.empty and one.name not in given]
+
+    @cached_property
+    def variants(self) -> tuple[str, ...]:
+        """The variants of facts that the design selects."""
+        return selected_variants(self.catalogue, self.links, "eliminated", self.design)
 
     @cached_property
     def known_inputs(self) -> dict[str, Input]:
@@ -181,6 +181,10 @@ class Motion:
         """Return each point over branches, positions, and x and y."""
         points = self.points if points is None else points
         return self.vectors({one.name: (one.x, one.y) for one in points}, positions)
+
+    def place(self, name: str, positions: Any) -> Any:
+        """Return one point by its name, over branches, positions, and x and y."""
+        return self.places(positions, [self.picture.point(name)])[name]
 
     def places_at(self, position: float, points: Sequence[Point]) -> dict[str, Any]:
         """Return each point at one position, over branches, and x and y."""
@@ -218,16 +222,10 @@ class Motion:
         return found
 
     @cached_property
-    def _samples(self) -> Any:
-        low, high = self.span
-        step = (high - low) / SAMPLES
-        return low + step * (np.arange(SAMPLES) + 0.5)
-
-    @cached_property
     def ranges(self) -> tuple[tuple[float, float], ...]:
         """The ranges of the input in which a branch exists; of a full turn, one of 2 pi."""
         low, high = self.span
-        inner = self._samples
+        inner = low + (high - low) / SAMPLES * (np.arange(SAMPLES) + 0.5)
         samples = np.concatenate(([low], inner, [high]))
         inside = self.assembles(samples).any(axis=0)
         if inside.all() or not inside.any():
@@ -323,6 +321,11 @@ def function_of(locus: Locus) -> Callable[..., Any]:
     package, name = locus.function.split(".")
     found: Callable[..., Any] = getattr(import_module(f"fastlink.{package}"), name)
     return found
+
+
+def parameters_of(locus: Locus) -> Mapping[str, Parameter]:
+    """Return what the function of a curve takes."""
+    return signature(function_of(locus)).parameters
 
 
 #: An option of the evaluation that drawing lacks.
@@ -436,11 +439,11 @@ def samples_of(line: Any, scale: float) -> Any:
 class Names:
     """The names of one picture, placed one after the other."""
 
-    def __init__(self, scale: float, view: Any, stay: float) -> None:
+    def __init__(self, scale: float, view: Any, in_film: bool) -> None:
         self.scale, self.view = scale, np.asarray(view, dtype=float)
         self.last: dict[str, int] = {}
         #: What it costs to stand elsewhere than in the picture before.
-        self.stay = stay
+        self.stay = STAY_IN_FILM if in_film else STAY
         self.cloud, self.weights = np.empty((0, 2)), np.empty(0)
         self.still = 0
 
