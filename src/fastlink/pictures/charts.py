@@ -150,11 +150,11 @@ def _axes(figure: Any, shown: Selection, rows: list[list[Panel]], is_code: bool)
             if i == len(rows) - 1 or j >= len(rows[i + 1]):
                 axis.set_xlabel(textwrap.fill(label_of(variable[free[0]]), letters))
                 if free[0] in shown.names:
-                    name_places(axis.xaxis, shown.names[free[0]], turned=True)
+                    name_places(axis.xaxis, shown.names[free[0]])
             if j == 0:
                 axis.set_ylabel(textwrap.fill(label_of(variable[free[1]]), letters))
                 if free[1] in shown.names:
-                    name_places(axis.yaxis, shown.names[free[1]], turned=False)
+                    name_places(axis.yaxis, shown.names[free[1]])
             if shown.split is not None:
                 axis.xaxis.label.set_fontsize(8)
                 axis.yaxis.label.set_fontsize(8)
@@ -425,7 +425,7 @@ def _scale_along(axis: Any, shown: Selection) -> None:
     along = shown.variable[dim]
     x, half = along.values, half_turn(along.attrs.get("units"))
     if dim in shown.names:
-        name_places(axis.xaxis, shown.names[dim], turned=True)
+        name_places(axis.xaxis, shown.names[dim])
     elif half is not None and x[0] >= 0.0 and x[-1] <= 2.0 * half:
         axis.set_xlim(0.0, 2.0 * half)
         ticks = QUARTERS if along.attrs["units"] == RADIAN else None
@@ -705,12 +705,10 @@ def draw_corner(cloud: Cloud, front: Any = None) -> Any:
             if front is not None:
                 _mark(axis, front[:, [j, i]].T, joined=False)
         _name_sides(axis, cloud.columns, i, j)
-    names_of = [
-        (column.label(name=False), column.array.attrs.get("long_name", column.array.name))
-        for column in cloud.columns
-    ]
-    text = "\n".join(f"{symbol}: {plain(name)}" for symbol, name in names_of)
     if count > 2:
+        arrays = [(column.label(name=False), column.array) for column in cloud.columns]
+        words = [f"{symbol}: {plain(one.attrs.get('long_name', one.name))}" for symbol, one in arrays]
+        text = "\n".join(words)
         figure.text(0.99, 0.9, text, ha="right", va="top", fontsize=8.5, linespacing=1.5, in_layout=False)
     return figure
 
@@ -809,14 +807,13 @@ def _histogram(axis: Any, column: Column, counts: Any) -> None:
 
 def draw_cumulative(clouds: Sequence[Cloud]) -> Any:
     """Draw the share of rows with at most a value, one picture for each unit."""
-    columns = [cloud.columns[0] for cloud in clouds]
-    units = list(dict.fromkeys(_unit(column) for column in columns))
-    figure = NotebookFigure(figsize=(1.6 + 5.0 * len(units), 4.4))
-    axes = figure.subplots(1, len(units), sharey=True, squeeze=False)[0]
-    for axis, unit in zip(axes, units, strict=True):
-        group = [
-            (cloud, column) for cloud, column in zip(clouds, columns, strict=True) if _unit(column) == unit
-        ]
+    groups: dict[str, list[tuple[Cloud, Column]]] = {}
+    for cloud in clouds:
+        (column,) = cloud.columns
+        groups.setdefault(_unit(column), []).append((cloud, column))
+    figure = NotebookFigure(figsize=(1.6 + 5.0 * len(groups), 4.4))
+    axes = figure.subplots(1, len(groups), sharey=True, squeeze=False)[0]
+    for axis, (unit, group) in zip(axes, groups.items(), strict=True):
         for k, (cloud, column) in enumerate(group):
             infinite = cloud.infinite
             values, counts = cloud.below(str(column.array.name))

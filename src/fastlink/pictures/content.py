@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import reduce
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import h5py
 import numpy as np
@@ -430,6 +430,10 @@ def page_of(content: dict[str, Any], nonce: str = "") -> str:
 #    greatest
 
 
+#: By dimensions: a place, the first and the last one of a part, and all of them.
+Places: TypeAlias = Mapping[str, int]
+Window: TypeAlias = Mapping[str, tuple[int, int]]
+Ranges: TypeAlias = Mapping[str, range]
 #: The word for a picture that shows one design of each cell.
 ONE = "one"
 #: Values that are read at once.
@@ -503,7 +507,7 @@ class Values:
             source = self.mapped[name]
             return np.asarray(variable[index].values if source is None else source[index])
 
-    def along(self, name: str, at: Mapping[str, int], ranges: Mapping[str, range]) -> NDArray[Any]:
+    def along(self, name: str, at: Places, ranges: Ranges) -> NDArray[Any]:
         """Return a variable over ranges of places, in their order, repeated along those that it lacks."""
         slices = {dim: slice(one.start, one.stop, one.step) for dim, one in ranges.items()}
         dims = self.dims(name)
@@ -514,12 +518,7 @@ class Values:
         return np.broadcast_to(whole, tuple(map(len, ranges.values())))
 
     def picture(
-        self,
-        name: str,
-        axes: tuple[str, ...],
-        at: Mapping[str, int],
-        window: Mapping[str, tuple[int, int]],
-        pool: str = ONE,
+        self, name: str, axes: tuple[str, ...], at: Places, window: Window, pool: str = ONE
     ) -> tuple[NDArray[np.float32], dict[str, int], str]:
         """Return the values over one or two axes, the first along rows, the steps between them, and what they are."""
         dims = self.dims(name)
@@ -539,7 +538,7 @@ class Values:
             if pool == ONE:
                 values = self.along(name, at, {dim: one[:: steps[dim]] for dim, one in ranges.items()})
             else:
-                values = self._pooled(name, at, ranges, steps, POOLS[pool])
+                values = self._pooled(name, at, ranges, steps, pool)
             order = [own.index(axis) for axis in axes if axis in own]
             found = np.ascontiguousarray(values.transpose(order), dtype=np.float32)
             with self.lock:
@@ -549,12 +548,7 @@ class Values:
         return found, steps, pool
 
     def _pooled(
-        self,
-        name: str,
-        at: Mapping[str, int],
-        ranges: Mapping[str, range],
-        steps: Mapping[str, int],
-        pool: Callable[[NDArray[Any]], NDArray[Any]],
+        self, name: str, at: Places, ranges: Ranges, steps: Mapping[str, int], pool: str
     ) -> NDArray[np.float32]:
         """Return one value for each cell, in the order of the variable's dimensions, read a few rows at a time."""
         first, *others = ranges
@@ -568,16 +562,16 @@ class Values:
             beyond = (-block.shape[0] % down, -columns % across)
             padded = np.pad(block, [(0, one) for one in beyond], constant_values=np.nan)
             cells = padded.reshape(padded.shape[0] // down, down, padded.shape[1] // across, across)
-            found.append(pool(cells).astype(np.float32))
+            found.append(POOLS[pool](cells).astype(np.float32))
         whole = np.concatenate(found)
         return whole if others else whole[:, 0]
 
-    def column(self, name: str, at: Mapping[str, int]) -> NDArray[np.float32]:
+    def column(self, name: str, at: Places) -> NDArray[np.float32]:
         """Return the values of a variable or coordinate of the designs of a sample."""
         some = range(0, self.maps.sizes[DESIGN], self.step)
         return self.along(name, at, {DESIGN: some}).astype(np.float32)
 
-    def row(self, at: Mapping[str, int]) -> dict[str, Any]:
+    def row(self, at: Places) -> dict[str, Any]:
         """Return all values of one place, those of inputs along ``design`` too."""
         found = {}
         for name in (*self.names, *map(str, self.maps.coords)):
@@ -598,7 +592,7 @@ class Values:
             self.scales[name] = scale_of(array, self.along(name, {}, some), self._regular(name, some))
         return self.scales[name]
 
-    def _regular(self, name: str, some: Mapping[str, range]) -> Any:
+    def _regular(self, name: str, some: Ranges) -> Any:
         """Return which values of a sample are of designs without toggles, None where that is not known."""
         if STATUS not in self.names or name == STATUS or not {*self.dims(STATUS)} <= some.keys():
             return None

@@ -41,7 +41,6 @@ from fastlink.io.reader import as_map
 from fastlink.mechanisms import NAMES, SHEET, mechanism_of_map, name_of, picture_of_own
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.pictures.cad import DXF, is_cad, written
-from fastlink.pictures.labels import mathematical
 from fastlink.pictures.maps import nearest_place, values_at
 from fastlink.pictures.motion import Motion, as_draw
 from fastlink.pictures.picture import KINDS, check_picture, save
@@ -265,9 +264,8 @@ BEYOND = 1.25
 class Request:
     """The whole of what a picture shows."""
 
-    #: The designs side by side, one for each value of a choice, and what tells them apart.
+    #: The designs side by side, one for each value of a choice.
     motions: tuple[Motion, ...]
-    titles: tuple[str, ...]
     #: The input positions, side by side too.
     positions: Any
     #: Words, see `fastlink.draw`.
@@ -280,18 +278,14 @@ class Request:
 
     @cached_property
     def sheets(self) -> list[tuple[Motion, float, str]]:
-        """Each design at each position, with its title."""
-        return [
-            (motion, float(position), self._title(title, motion, float(position)))
-            for motion, title in zip(self.motions, self.titles, strict=True)
-            for position in self.positions
-        ]
-
-    def _title(self, title: str, motion: Motion, position: float) -> str:
-        if len(self.positions) < 2:
-            return title
-        symbol = mathematical(motion.catalogue.position.symbol)
-        return f"{title}{title and ', '}{symbol} = {motion.shown(position, self.degrees, brief=True)}"
+        """Each design at each position, with what tells it from the others."""
+        found = []
+        for motion, position in product(self.motions, self.positions.tolist()):
+            parts = _choices(motion) if len(self.motions) > 1 else []
+            if len(self.positions) > 1:
+                parts.append(motion.stated(position, self.degrees, brief=True))
+            found.append((motion, position, ", ".join(parts)))
+        return found
 
 
 def request_of(source: Source, strip: Any, curves: Any, show: Any, degrees: Any, moves: bool) -> Request:
@@ -299,12 +293,10 @@ def request_of(source: Source, strip: Any, curves: Any, show: Any, degrees: Any,
     links, catalogue = source.links, find_catalogue(source.mechanism, source.input)
     picture, problems = picture_of(name_of(source.mechanism), catalogue), Problems()
     branches: tuple[int, ...] = tuple(catalogue.branches)
-    with problems.at():
-        branches = branches if source.branch is None else check_branches(catalogue, source.branch)
-    with problems.at():
-        check_model(catalogue, links, "eliminated")
-    with problems.at():
-        check_switch(("degrees",), degrees)
+    if source.branch is not None:
+        branches = problems.attempt(check_branches, catalogue, source.branch)
+    problems.attempt(check_model, catalogue, links, "eliminated")
+    problems.attempt(check_switch, ("degrees",), degrees)
     with problems.at():
         strip = None if strip is None else check_whole(("strip",), strip, 2, MOST_SHEETS)
     inputs = {name: value for name, value in source.inputs.items() if name not in OPTIONS}
@@ -330,10 +322,12 @@ def request_of(source: Source, strip: Any, curves: Any, show: Any, degrees: Any,
         problems.add("shows one position that moves", ("animate",), "leave strip and further positions out")
     problems.stop()
     reach = 0.0 if positions is None else BEYOND * float(np.abs(positions).max())
-    motions = tuple(
-        Motion(source.mechanism, catalogue, picture, numbers | choice, tuple(sorted(branches)), links, reach)
-        for choice in _choices(catalogue, links, numbers)
-    )
+    variants = selected_variants(catalogue, links, "eliminated", numbers)
+    choices, given = all_choices(catalogue, numbers, variants), tuple(sorted(branches))
+    designs = [
+        numbers | dict(zip(choices, map(float, one), strict=True)) for one in product(*choices.values())
+    ]
+    motions = tuple(Motion(source.mechanism, catalogue, picture, one, given, links, reach) for one in designs)
     words, names = _words(motions[0], show), _curves(motions[0], curves, source.own)
     degrees = degrees or in_degrees or positions is None
     key = usual_name(catalogue.position.name, RADIANS) if in_degrees else catalogue.position.name
@@ -349,8 +343,7 @@ def request_of(source: Source, strip: Any, curves: Any, show: Any, degrees: Any,
             replace(motion, branches=(motion.branches[k],))
             for motion, k in zip(drawable, places, strict=True)
         )
-    titles = tuple(_title(motion, len(drawable)) for motion in drawable)
-    return Request(drawable, titles, positions, words, names, degrees, moves)
+    return Request(drawable, positions, words, names, degrees, moves)
 
 
 def picture_of(mechanism: str, catalogue: Catalogue) -> Picture:
@@ -387,9 +380,8 @@ def _numbers(catalogue: Catalogue, source: Source, problems: Problems) -> tuple[
         with problems.at():
             positions = np.atleast_1d(numbers_of("draw", name, given.pop(name)))
             if not 1 <= positions.size <= MOST_SHEETS:
-                what = f"holds {positions.size} positions"
-                raise InputError(what, ("draw", name), f"write 1 to {MOST_SHEETS}")
-            if catalogue.position.units == RADIANS and not in_degrees:
+                problems.add(f"holds {positions.size} positions", ("draw", name), f"write 1 to {MOST_SHEETS}")
+            elif catalogue.position.units == RADIANS and not in_degrees:
                 remark_on_angles(name, positions if positions.size > 1 else positions[0], "draw")
         given.pop(name, None)
     numbers = {}
@@ -407,23 +399,14 @@ def _check_computed(motion: Motion, names: list[str], curve: int = 0) -> None:
     as_draw(lambda: evaluate(motion.mechanism, names, **given), curve)
 
 
-def _choices(
-    catalogue: Catalogue, links: Links | None, numbers: Mapping[str, float]
-) -> list[dict[str, float]]:
-    """Return each value of a choice that the design leaves open, one alone where there are none."""
-    variants = selected_variants(catalogue, links, "eliminated", numbers)
-    found = all_choices(catalogue, numbers, variants)
-    return [dict(zip(found, map(float, codes), strict=True)) for codes in product(*found.values())]
-
-
-def _title(motion: Motion, count: int) -> str:
-    """Return what tells a design from the others side by side."""
-    chosen = {name: one.choices for name, one in motion.known_inputs.items() if one.choices and count > 1}
-    return ", ".join(
-        f"{name} {value:g}: {in_words(chosen[name][int(value)])}"
+def _choices(motion: Motion) -> list[str]:
+    """Return the inputs of a design that are choices, and what they mean."""
+    known = motion.known_inputs
+    return [
+        f"{name} {value:g}: {in_words(known[name].choices[int(value)])}"
         for name, value in motion.design.items()
-        if name in chosen
-    )
+        if name in known and known[name].choices
+    ]
 
 
 def _words(motion: Motion, show: Any) -> frozenset[str]:

@@ -11,7 +11,7 @@ import operator
 import secrets
 import threading
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import ExitStack
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from os import PathLike
@@ -35,7 +35,7 @@ from fastlink.io.output import write_whole
 from fastlink.io.output_path import check_writable, reason
 from fastlink.io.reader import as_map
 from fastlink.maps.best import least
-from fastlink.pictures.content import ONE, POOLS, Values, content_of, page_of
+from fastlink.pictures.content import ONE, POOLS, Places, Ranges, Values, Window, content_of, page_of
 
 # -- Write a map as one page that needs neither Python nor a network
 
@@ -92,17 +92,9 @@ def _packed(values: Values, name: str) -> dict[str, Any]:
 #: Designs of a region that are drawn, and those that are listed as the best; values that are read at once.
 MOST_ROWS, MOST_BEST, BLOCK = 1500, 12, 1 << 22
 
-Ranges = dict[str, range]
-
 
 def region_of(
-    values: Values,
-    name: str,
-    axes: tuple[str, ...],
-    at: Mapping[str, int],
-    window: Mapping[str, tuple[int, int]],
-    *,
-    largest: bool,
+    values: Values, name: str, axes: tuple[str, ...], at: Places, window: Window, *, largest: bool
 ) -> dict[str, Any]:
     """Return some designs of a region with all variables, and the best of all of them."""
     ranges = {dim: range(window[dim][0], window[dim][1] + 1) for dim in axes}
@@ -135,9 +127,7 @@ def _some(ranges: Ranges) -> Ranges:
     return found
 
 
-def _best(
-    values: Values, name: str, at: Mapping[str, int], ranges: Ranges, sign: float
-) -> Iterator[tuple[Any, ...]]:
+def _best(values: Values, name: str, at: Places, ranges: Ranges, sign: float) -> Iterator[tuple[Any, ...]]:
     """Yield the numbers along each axis of the designs of least value times sign; of equal ones the first."""
     shape = tuple(map(len, ranges.values()))
     first = next(dim for dim in values.dims(name) if dim in ranges)
@@ -288,11 +278,11 @@ class Server:
             return 500, text, printable(f"the map cannot be read ({reason(error)})").encode()
 
 
-def _places(query: dict[str, Any]) -> dict[str, int]:
+def _places(query: dict[str, Any]) -> Places:
     return {str(dim): operator.index(place) for dim, place in query["at"].items()}
 
 
-def _window(query: dict[str, Any]) -> dict[str, tuple[int, int]]:
+def _window(query: dict[str, Any]) -> Window:
     return {
         str(dim): (operator.index(low), operator.index(high)) for dim, (low, high) in query["window"].items()
     }

@@ -256,14 +256,8 @@ def _loads(motion: Motion, kind: str, positions: Any) -> tuple[dict[str, Any], f
     return values, float(sizes[np.isfinite(sizes)].max(initial=0.0)) or 1.0
 
 
-def _at_one_scale(motion: Motion, positions: Any, moves: bool) -> Any:
-    """Return the positions of which the loads have one scale: of the whole motion where the linkage moves."""
-    return motion.spread(61, ends=False) if moves else positions
-
-
-def ends_of_forces(motion: Motion, positions: Any, longest: float, *, moves: bool) -> Any:
+def ends_of_forces(motion: Motion, positions: Any, longest: float) -> Any:
     """Return where the arrows of all forces end, the longest of them of a given length."""
-    positions = _at_one_scale(motion, positions, moves)
     values, greatest = _loads(motion, FORCES, positions)
     places, unit = motion.places(positions), longest / greatest
     return finite_of(places[one.at] + unit * values[one.name] for one in motion.picture.forces)
@@ -273,7 +267,7 @@ def legend_of_loads(sheet: Sheet, position: float) -> list[Any]:
     """Settle the scale of the forces and torques that are shown, and return their legend."""
     handles = []
     for kind in (kind for kind in (FORCES, TORQUES) if kind in sheet.show):
-        positions = _at_one_scale(sheet.motion, [position], sheet.moves)
+        positions = sheet.motion.spread(61, ends=False) if sheet.moves else [position]
         _, greatest = _loads(sheet.motion, kind, positions)
         sheet.greatest[kind] = greatest
         marker, size, width = MARKS[kind]
@@ -559,6 +553,7 @@ class Sheet:
                 at = np.array([self.ground[name] for name in bar.points.split()])
                 axis.plot(*at.T, color="0.75", linewidth=1.0, linestyle=(0, (8, 3, 1, 3)), zorder=2.2)
                 self.names.keep_free(samples_of(at, self.scale), 0.3)
+        edge = 16.0 / self.scale
         corner = np.stack(np.meshgrid([-12.0, -6.0, 0.0, 6.0, 12.0], [-7.0, -11.0, -15.0]), axis=-1)
         for at in self.ground.values():
             if np.isfinite(at).all():
@@ -566,19 +561,13 @@ class Sheet:
                 self.names.keep_free(at + corner * self.size / self.scale, 2.0)
         for guide in motion.picture.guides:
             if guide.slider and guide.y is not None:
-                (low, high), y = self._run(guide.slider), motion.number(guide.y)
+                x = motion.place(guide.slider, np.concatenate(motion.along(61)))[..., 0]
+                low, high, y = np.nanmin(x) - edge, np.nanmax(x) + edge, motion.number(guide.y)
                 add_guide(axis, low, high, y, self.size)
                 hatched = np.array([[low, y], [high, y]]) - [0.0, 1.3 * SLIDER[1] * self.size / self.scale]
                 self.names.keep_free(samples_of(hatched, self.scale), 0.7)
         self.names.rest()
         return handles
-
-    def _run(self, slider: str) -> tuple[float, float]:
-        """Return how far the ground of a slider reaches."""
-        along = np.concatenate(self.motion.along(61))
-        x = self.motion.place(slider, along)[..., 0]
-        edge = 16.0 / self.scale
-        return float(np.nanmin(x)) - edge, float(np.nanmax(x)) + edge
 
     # -- the linkage -----------------------------------------------------------------------------------------------
 
@@ -666,7 +655,7 @@ class Sheet:
     def _outline(self, bar: Bar, places: dict[str, Any], branch: int, colour: str) -> None:
         """Draw a bar: thick along lengths, hollow in the second branch; thin round the rest of a plate."""
         edges = list(pairwise([*places, next(iter(places))]))
-        thick = [tuple(pair.split()) for pair in bar.lengths]
+        thick: list[Any] = [tuple(pair.split()) for pair in bar.lengths]
         if len(places) == 2:
             thick = thick or edges[:1]  # whose length is a number, or changes
         thin = [pair for pair in edges if pair not in thick and pair[::-1] not in thick]
@@ -893,17 +882,12 @@ class Board:
             figure.text(0.5, at, line, fontsize=8, color="0.35", **centre)
 
     def _branch(self, k: int) -> str:
-        """Return a branch in words."""
-        branch = self.motion.branches[k]
-        return f"branch {branch}: {self.motion.catalogue.branches[branch]}{self._orientations(k)}"
-
-    def _orientations(self, k: int) -> str:
-        """Return which bars of a branch point to the future and to the past, of a single picture."""
-        if len(self.request.sheets) > 1 or self.request.moves:
-            return ""
-        motion, text = self.motion, ""
+        """Return a branch in words; of a single picture also which bars point to the future and to the past."""
+        motion, branch = self.motion, self.motion.branches[k]
+        is_single = len(self.request.sheets) == 1 and not self.request.moves
+        text = f"branch {branch}: {motion.catalogue.branches[branch]}"
         for bar in motion.picture.bars:
-            if bar.orientation:
+            if bar.orientation and is_single:
                 code = motion.values([bar.orientation], self.request.positions)[bar.orientation][k, 0]
                 words = motion.catalogue.facts[bar.orientation].flags.get(int(np.nan_to_num(code)), "")
                 text += f"; {next(iter(bar.lengths)).replace(' ', '')} {words.replace('_', '-')}"
@@ -913,20 +897,18 @@ class Board:
         """Return the numbers of the design and its words, a few lines."""
         motion, degrees = self.motion, self.request.degrees
         inputs, several = motion.known_inputs, len(self.request.motions) > 1
-        given = motion.design | ({} if motion.links is None else motion.links.values)
+        given = {**motion.design, **({} if motion.links is None else motion.links.values)}
         own = [
             _valued(inputs[name], value)
             for name, value in given.items()
             if name in inputs and not (several and inputs[name].choices)  # which the titles say
         ]
-        symbol = mathematical(motion.catalogue.position.symbol)
         if len(self.request.positions) == 1 and not self.request.moves:
-            own.append(f"{symbol} = {motion.shown(self.request.positions[0], degrees)}")
+            own.append(motion.stated(self.request.positions[0], degrees))
         words = [motion.meaning("status")] if "status" in motion.catalogue.facts else []
         words += [self._branch(0)] if len(motion.branches) < 2 else []
-        if not motion.turns_fully:
-            ends = [] if motion.ranges == (motion.span,) else motion.range_texts(degrees)
-            words += [f"{symbol} {', '.join(ends)}"] if ends else []
+        if motion.ranges and motion.ranges != (motion.span,):
+            words.append(f"{motion.symbol} {', '.join(motion.range_texts(degrees))}")
         return [*_filled(own, ", ", width), *_filled(words, "; ", width)]
 
     def show(self, positions: Sequence[float] | None = None) -> None:
@@ -937,11 +919,8 @@ class Board:
         for sheet, position in zip(self.sheets, given, strict=True):
             sheet.linkage(position)
         if self.request.moves:
-            symbol = mathematical(self.motion.catalogue.position.symbol)
-            text, axis = self.motion.shown(given[0], self.request.degrees, brief=True), self.sheets[0].axis
-            axis.text(
-                0.0, 1.0, f"{symbol} = {text}", transform=axis.transAxes, va="top", fontsize=9, color=INK
-            )
+            text, axis = self.motion.stated(given[0], self.request.degrees, brief=True), self.sheets[0].axis
+            axis.text(0.0, 1.0, text, transform=axis.transAxes, va="top", fontsize=9, color=INK)
         if self.curves is not None:
             self.curves.mark(given)
         self.moving = [one for one in self._artists() if one not in still]
@@ -982,7 +961,10 @@ def _view(request: Request) -> Any:
     if FORCES in request.show:
         longest = LONGEST * GROWN * max((high - low).min(), FLATTEST * (high - low).max())
         moves = request.moves or len(request.positions) > 1
-        ends = [ends_of_forces(one, request.positions, longest, moves=moves) for one in request.motions]
+        ends = [
+            ends_of_forces(one, one.spread(61, ends=False) if moves else request.positions, longest)
+            for one in request.motions
+        ]
         every = np.concatenate([*ends, [low, high]])
         low, high = np.nanmin(every, axis=0), np.nanmax(every, axis=0)
     middle, size = 0.5 * (low + high), high - low

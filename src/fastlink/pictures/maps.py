@@ -315,11 +315,11 @@ def sameness(variable: xr.DataArray, values: Any) -> str:
     return f"{plain(short_number(low))}{'' if units == '1' else f' {units_text(units)}'} {where}"
 
 
-def name_places(axis: Any, names: Sequence[str], turned: bool) -> None:
-    """Label an axis by the names of its places, not more than fit on it."""
+def name_places(axis: Any, names: Sequence[str]) -> None:
+    """Label an axis by the names of its places, not more than fit on it; those along x are turned."""
     step = -(-len(names) // MOST_NAMES)
     shown = [textwrap.shorten(plain(name), 24, placeholder="...") for name in names[::step]]
-    axis.set_ticks(range(0, len(names), step), shown, rotation=30 if turned else 0, ha="right")
+    axis.set_ticks(range(0, len(names), step), shown, rotation=30 if axis.axis_name == "x" else 0, ha="right")
 
 
 # -- Draw a variable of a map: check the request, select, draw

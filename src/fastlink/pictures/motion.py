@@ -17,6 +17,7 @@ import numpy as np
 from fastlink._text import in_words, short_number
 from fastlink.engine.evaluate import evaluate
 from fastlink.errors import InputError, InputWarning, KeyPath, Setting
+from fastlink.pictures.labels import mathematical
 from fastlink.plan.request import missing_inputs, selected_variants
 from fastlink.space.units import RADIANS
 
@@ -64,6 +65,11 @@ class Motion:
     def input(self) -> str:
         """The name of the input."""
         return self.catalogue.position.name
+
+    @property
+    def symbol(self) -> str:
+        """The symbol of the input."""
+        return mathematical(self.catalogue.position.symbol)
 
     @property
     def turns(self) -> bool:
@@ -296,15 +302,15 @@ class Motion:
 
     def check(self, positions: Any, degrees: bool, key: str) -> None:
         """Refuse a design that never assembles, and positions at all of which it does not."""
-        words = self.meaning("status") if "status" in self.catalogue.facts else ""
+        why = f" ({self.meaning('status')})" if "status" in self.catalogue.facts else ""
         if not self.ranges:
-            what = f"the linkage does not assemble at any {self.input}{f' ({words})' if words else ''}"
+            what = f"the linkage does not assemble at any {self.input}{why}"
             raise InputError(what, where=("draw",), remedy="draw another design")
         if positions is None or self.assembles(positions).any():
             return
         at = " and ".join(self.shown(one, degrees) for one in np.atleast_1d(positions)[:3])
         ranges = " or ".join(self.range_texts(degrees))
-        what = f"the linkage does not assemble at {at}{f' ({words})' if words else ''}"
+        what = f"the linkage does not assemble at {at}{why}"
         raise InputError(what, where=("draw", key), remedy=f"write a position from {ranges}")
 
     def shown(self, position: float, degrees: bool, brief: bool = False) -> str:
@@ -314,6 +320,10 @@ class Motion:
             return f"{angle:.4g}°" if brief else f"{short_number(round(angle, 3))}°"
         units = "" if self.catalogue.position.units == "1" else f" {self.catalogue.position.units}"
         return f"{position:.4g}{units}" if brief else f"{short_number(float(position))}{units}"
+
+    def stated(self, position: float, degrees: bool, brief: bool = False) -> str:
+        """Return the input and a position as text."""
+        return f"{self.symbol} = {self.shown(position, degrees, brief)}"
 
 
 def function_of(locus: Locus) -> Callable[..., Any]:
