@@ -409,9 +409,8 @@ def _add_cones(sheet: Sheet, position: float) -> list[Any]:
 
 def _add_comb(sheet: Sheet, position: float) -> list[Any]:
     """Draw the curvature of each path that is shown as teeth across it, on the outer side."""
-    motion, handles = sheet.motion, list[Any]()
+    motion, handles, size = sheet.motion, list[Any](), sheet.side
     centre = 0.5 * (sheet.view[::2] + sheet.view[1::2])
-    size = sheet.side
     for point in _traced(sheet, unless="path"):
         ranges = motion.along(2 * TEETH, position)
         bends = finite_of(_curved(sheet, point, one)[1] for one in ranges)
@@ -458,11 +457,11 @@ def _slope(motion: Motion, coordinate: Value) -> Value:
 def _curved(sheet: Sheet, point: Point, positions: Any) -> tuple[Any, Any]:
     """Return the places of a point and the vectors of curvature of its path, over branches."""
     motion = sheet.motion
-    slopes = {"": [_slope(motion, xy) for xy in (point.x, point.y)]}
+    slopes = {point.name: [_slope(motion, xy) for xy in (point.x, point.y)]}
     aside = ASIDE * (motion.span[1] - motion.span[0])
 
     def slope(shift: float) -> Any:
-        return motion.vectors(slopes, positions + shift)[""]
+        return motion.vectors(slopes, positions + shift)[point.name]
 
     with np.errstate(all="ignore"):  # the first derivatives are facts
         bend = (slope(aside) - slope(-aside)) / (2.0 * aside)
@@ -497,8 +496,9 @@ USUAL_JOINT = 7.5
 
 
 class Style(NamedTuple):
-    """The width of a bar, and the sizes of joints and letters, in points."""
+    """The width of a sheet in inches; that of a bar, and the sizes of joints and letters, in points."""
 
+    width: float
     bar: float
     joint: float
     font: float
@@ -506,10 +506,10 @@ class Style(NamedTuple):
 
 #: By how many linkages stand in a row.
 STYLES = {
-    1: Style(3.6, USUAL_JOINT, 10.0),
-    2: Style(3.2, 6.5, 9.5),
-    3: Style(2.8, 5.6, 8.5),
-    4: Style(2.4, 5.6, 8.5),
+    1: Style(5.6, 3.6, USUAL_JOINT, 10.0),
+    2: Style(4.2, 3.2, 6.5, 9.5),
+    3: Style(3.2, 2.8, 5.6, 8.5),
+    4: Style(2.7, 2.4, 5.6, 8.5),
 }
 
 
@@ -521,7 +521,7 @@ class Sheet:
         self.show, self.style, self.size = board.request.show, style, style.joint / USUAL_JOINT
         in_film = board.request.moves
         #: Whether lengths have their symbols; whether one scale of forces is for the whole motion.
-        self.lengths = style is STYLES[1] and not in_film
+        self.lengths = len(board.request.sheets) == 1 and not in_film
         self.moves = in_film or len(board.request.positions) > 1
         self.plane = PLANES[motion.picture.metric]
         self.names = Names(self.scale, self.view, in_film)
@@ -784,9 +784,8 @@ class Curves:
 # -- The whole picture: one or several sheets, curves beside them, the legend and the numbers of the design
 
 
-#: In inches: the width of one sheet by how many stand in a row, the margin, a line of text, the curves beside.
-WIDTHS = {1: 5.6, 2: 4.2, 3: 3.2, 4: 2.7}
-MOST_IN_A_ROW = 4
+MOST_IN_A_ROW = len(STYLES)
+#: In inches: the margin, a line of text, the title, the curves beside, and each of these.
 MARGIN, LINE, TITLE, BESIDE, CURVE = 0.25, 0.19, 0.3, 3.6, 1.25
 #: The height of a sheet over its width.
 FLATTEST, TALLEST = 0.42, 1.1
@@ -810,7 +809,7 @@ class Board:
         self.view = _view(request)
         rows = -(-len(request.sheets) // MOST_IN_A_ROW)
         columns = -(-len(request.sheets) // rows)
-        wide = WIDTHS[columns]
+        wide = STYLES[columns].width
         high = wide * float(np.ptp(self.view[2:]) / np.ptp(self.view[:2]))
         self.scale = POINTS * wide / float(np.ptp(self.view[:2]))
         self.figure = NotebookFigure(layout=None)
@@ -837,10 +836,10 @@ class Board:
             low = max(low, top + CURVE * len(request.curves) + 0.5)
             self.curves = self._add_curves(page, top + 0.1, low - 0.4)
             page += BESIDE
-        if len(self.motion.branches) > 1:  # one alone is named by the numbers below
-            looks = enumerate(map(branch_line, self.motion.branches))
-            handles = [*(Line2D([], [], label=self._branch(k), **look) for k, look in looks), *handles]
-        self._finish(page, low, handles)
+        # one alone is named by the numbers below
+        branches = self.motion.branches if len(self.motion.branches) > 1 else ()
+        named = [Line2D([], [], label=self._branch(k), **branch_line(b)) for k, b in enumerate(branches)]
+        self._finish(page, low, [*named, *handles])
         self.moving: list[Any] = []
 
     def _add_curves(self, left: float, top: float, low: float) -> Curves:
