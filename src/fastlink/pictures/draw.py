@@ -107,7 +107,7 @@ def read_source(
     is_map = has(mechanism, "data_vars")
     if is_map or _is_file(mechanism):
         source = mechanism if is_map else check_path(("mechanism",), mechanism)
-        is_study = not is_map and _ends(source) == STUDY
+        is_study = not is_map and source.suffix.lower() == STUDY
         found = _of_study(source, design, at, trust_code) if is_study else _of_map(source, design, at)
         catalogue = find_catalogue(found.mechanism, found.input)
         known = {*catalogue.all_inputs, catalogue.position.name}
@@ -130,16 +130,13 @@ def read_source(
     return Source(mechanism, {**names, **inputs})
 
 
-def _ends(source: Any) -> str:
-    return Path(source).suffix.lower() if isinstance(source, (str, os.PathLike)) else ""
-
-
 def _is_file(source: Any) -> bool:
     """Tell whether a caller means a file rather than a mechanism."""
     if isinstance(source, str) and (source in NAMES or "\0" in source):
         return False
     try:
-        return isinstance(source, os.PathLike) or _ends(source) in (STUDY, *MAPS)
+        is_path = isinstance(source, os.PathLike)
+        return is_path or (isinstance(source, str) and Path(source).suffix.lower() in (STUDY, *MAPS))
     except Exception:  # whatever a class of somebody's does
         return False
 

@@ -155,18 +155,17 @@ def scale_of(variable: xr.DataArray, sample: Any, regular: Any = None) -> dict[s
     if looks := flag_looks(variable):
         return {"kind": "codes", "colours": {str(code): colour for code, _, colour in looks}, "pools": False}
     values = np.ravel(np.asarray(sample, dtype=float))
-    told: dict[str, Any]
     if are_counts(values):
-        norm, colours, _ = count_colours(values)
-        kind, told = "counts", {"pools": False}
-    else:
-        values = np.where(np.isfinite(values), drawable(values), np.nan)
-        inside = np.ones(values.shape, bool) if regular is None or not np.any(regular) else np.ravel(regular)
-        norm, colours, extend = colours_of(values, inside, half_turn(variable.attrs.get("units")))
-        kind = "log" if isinstance(norm, LogNorm) else "linear"
-        # an angle and that half a turn further on have no mean
-        told = {"extend": extend, "pools": colours.name != CYCLIC}
-    return {"kind": kind, "low": float(norm.vmin), "high": float(norm.vmax), "map": colours.name, **told}
+        low, high = float(np.nanmin(values)), float(np.nanmax(values))
+        return {"kind": "counts", "low": low - 0.5, "high": high + 0.5, "map": "viridis", "pools": False}
+    values = np.where(np.isfinite(values), drawable(values), np.nan)
+    inside = np.ones(values.shape, bool) if regular is None or not np.any(regular) else np.ravel(regular)
+    norm, colours, extend = colours_of(values, inside, half_turn(variable.attrs.get("units")))
+    low, high = float(norm.vmin), float(norm.vmax)
+    kind = "log" if isinstance(norm, LogNorm) else "linear"
+    scale = {"kind": kind, "low": low, "high": high, "map": colours.name, "extend": extend}
+    # an angle and that half a turn further on have no mean
+    return {**scale, "pools": colours.name != CYCLIC}
 
 
 # -- Figures that a notebook shows, outside matplotlib's global state
