@@ -113,23 +113,18 @@ class _Text:
 
     def text(self) -> str:
         """Return the whole function."""
-        lines = " ".join(map(self.statement, self.body))
+        lines = " ".join(map(self.written, self.body))
         own = sorted(self.local - set(self.parameters))
         declared = f"let {', '.join(map(_own, own))}; " if own else ""
         return f"({', '.join(map(_own, self.parameters))}) => {{ {declared}{lines} }}"
 
-    def statement(self, node: ast.stmt) -> str:
-        """Return an assignment or a return."""
+    def written(self, node: ast.AST) -> str:
+        """Return a statement, an expression, or what is assigned to."""
         match node:
             case ast.Return(value=ast.expr() as value):
-                return f"return {self.value(value)};"
+                return f"return {self.written(value)};"
             case ast.Assign(targets=[target]):
-                return f"{self.value(target)} = {self.value(node.value)};"
-        raise Untranslatable(ast.unparse(node))
-
-    def value(self, node: ast.expr) -> str:
-        """Return an expression, or what is assigned to."""
-        match node:
+                return f"{self.written(target)} = {self.written(node.value)};"
             case ast.Constant(value=bool() | int() | float() as number):
                 return _number(number)
             case ast.Name(id=name) if name in self.local:
@@ -137,17 +132,17 @@ class _Text:
             case ast.Name() | ast.Attribute():
                 return _number(self.global_of(node))
             case ast.Tuple(elts=parts):
-                return f"[{', '.join(map(self.value, parts))}]"
+                return f"[{', '.join(map(self.written, parts))}]"
             case ast.BinOp() if type(node.op) in SIGNS:
-                return f"({self.value(node.left)} {SIGNS[type(node.op)]} {self.value(node.right)})"
+                return f"({self.written(node.left)} {SIGNS[type(node.op)]} {self.written(node.right)})"
             case ast.UnaryOp(op=ast.USub()):
-                return f"(-{self.value(node.operand)})"
+                return f"(-{self.written(node.operand)})"
             case ast.Compare(ops=[sign], comparators=[other]) if type(sign) in SIGNS:
-                return f"({self.value(node.left)} {SIGNS[type(sign)]} {self.value(other)})"
+                return f"({self.written(node.left)} {SIGNS[type(sign)]} {self.written(other)})"
             case ast.Subscript(slice=ast.Constant(value=int() as place)):
-                return f"{self.value(node.value)}[{place}]"
+                return f"{self.written(node.value)}[{place}]"
             case ast.Call(keywords=[]):
-                return self.call(self.global_of(node.func), [self.value(arg) for arg in node.args])
+                return self.call(self.global_of(node.func), [self.written(arg) for arg in node.args])
         raise Untranslatable(ast.unparse(node))
 
     def global_of(self, node: ast.expr) -> Any:
@@ -327,8 +322,8 @@ def _mechanism(maps: xr.Dataset) -> dict[str, Any] | None:
     every = constants_of(catalogue, links, motion.variants).items()
     constants = {one: value for one, value in every if one not in inputs}
     points = [one for one in motion.points if one.kind != "mark"]
-    needed = [value for one in points for value in (one.x, one.y)]
-    needed += [end for ends in picture.spans.values() for end in ends]
+    coordinates = [value for one in points for value in (one.x, one.y)]
+    needed = [*coordinates, *(end for ends in picture.spans.values() for end in ends)]
     needed += [bar.orientation for bar in picture.bars if bar.orientation]
     curves = [one for one in _curves(maps, catalogue) if motion.has(one)]
     components = [one for loads in picture.loads.values() for load in loads for one in load.components]
@@ -337,7 +332,7 @@ def _mechanism(maps: xr.Dataset) -> dict[str, Any] | None:
     facts = [one for one in [*needed, *curves, *asked] if isinstance(one, str) and one in catalogue.facts]
     script, found = script_of(catalogue, facts, [*inputs, *constants], motion.variants)
     in_script = {*found}
-    if not {value for one in points for value in (one.x, one.y) if value in catalogue.facts} <= in_script:
+    if not catalogue.facts.keys() & coordinates <= in_script:
         return None
     position = catalogue.position
     return {
