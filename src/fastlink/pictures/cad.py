@@ -59,13 +59,12 @@ def _shapes(motion: Motion, position: float, show: frozenset[str]) -> Iterator[S
             yield layer, "text", _in_mm([places[one.name][k]]), one.name
         along = motion.along(361, position)
         for guide in (one for one in motion.picture.guides if one.slider):
-            sliders = motion.places(np.concatenate(along), [motion.picture.point(guide.slider)])
-            x = sliders[guide.slider][k, :, 0]
+            x = motion.place(guide.slider, np.concatenate(along))[k, :, 0]
             run = np.stack([[np.nanmin(x), np.nanmax(x)], [motion.number(guide.y or 0.0)] * 2], axis=-1)
             yield "ground", "line", _in_mm(run), ""
         for positions in along:
             for one in traced:
-                path = motion.places(positions, [one])[one.name][k]
+                path = motion.place(one.name, positions)[k]
                 gaps = np.flatnonzero(~np.isfinite(path).all(axis=-1))
                 for piece in np.split(path, gaps):
                     piece = piece[np.isfinite(piece).all(axis=-1)]

@@ -18,7 +18,7 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator, MaxNLocator
 from matplotlib.transforms import ScaledTranslation
-from scipy.ndimage import distance_transform_edt
+from scipy.ndimage import binary_opening, distance_transform_edt
 
 from fastlink._text import in_words
 from fastlink.maps.best import INFINITE as INFINITE_ROWS
@@ -29,7 +29,6 @@ from fastlink.pictures.maps import branches_of, name_places, panels_of, sameness
 from fastlink.pictures.style import (
     ABSENT,
     CYCLIC,
-    FLAGS,
     INFINITE,
     LINES,
     VEIL,
@@ -42,6 +41,7 @@ from fastlink.pictures.style import (
     flag_colours,
     flag_handles,
     flag_indices,
+    flag_looks,
     limits_of,
     near,
 )
@@ -74,26 +74,28 @@ def draw_maps(figure: Any, shown: Selection) -> None:
     variable, free, status = shown.variable, shown.free, shown.status
     rows = _wrapped(panels_of(shown))
     panels = [panel for row in rows for panel in row]
-    axes = _axes(figure, shown, rows, bool(flags_of(variable)))
+    coded = bool(flags_of(variable))
+    axes = _axes(figure, shown, rows, coded)
     values = np.stack([panel.array.transpose(free[1], free[0]).values for panel in panels]).astype(float)
     codes, flags = codes_of(shown, panels), {} if status is None else flags_of(status)
     same = sameness(variable, values)
     infinite = np.isinf(values)
     values = np.where(infinite, np.nan, drawable(values))
     # neither has contours, neither grows without bound
-    plain = bool(flags_of(variable)) or are_counts(values)
+    plain = coded or are_counts(values)
     veiled = _veiled(values, codes, flags)
     norm, colours, extend = _scale(variable, values, ~veiled)
     veiled &= not plain
     x, y = (variable[dim].values for dim in free)
-    blocks = np.array([_in_blocks(veil) for veil in veiled])
-    handles = flag_handles(variable, values) if flags_of(variable) else []
+    # hatching needs room: cells that are part of two by two such cells
+    blocks = binary_opening(veiled, np.ones((1, 2, 2)))
+    handles = flag_handles(variable, values)
     numbers = _numbered(variable, values, handles)
     for axis, panel, cells, beyond, veil, block in zip(
         axes, panels, values, infinite, veiled, blocks, strict=True
     ):
         axis.set_facecolor(ABSENT)
-        drawn = flag_indices(variable, cells) if flags_of(variable) else near(cells, norm)
+        drawn = flag_indices(variable, cells) if coded else near(cells, norm)
         image = _fill(axis, x, y, np.ma.masked_invalid(drawn), norm=norm, cmap=colours)
         if beyond.any():
             _fill(axis, x, y, np.ma.masked_equal(beyond, False), cmap=ListedColormap([INFINITE]))
@@ -108,12 +110,12 @@ def draw_maps(figure: Any, shown: Selection) -> None:
         axis.set_title(panel.title)
         if same:
             _write(axis, same)
-    if not flags_of(variable) and not same:
+    if not coded and not same:
         ticks = MaxNLocator(integer=True) if are_counts(values) else None
         bar = figure.colorbar(image, ax=list(axes), extend=extend, pad=0.02, ticks=ticks)
         bar.set_label(label_of(variable, name=False))
     handles += _reasons(codes, flags, veiled, blocks, infinite, np.isnan(values) & ~infinite)
-    _add_legend(axes, handles, beside=bool(flags_of(variable)))
+    _add_legend(axes, handles, beside=coded)
 
 
 def _wrapped(rows: list[list[Panel]]) -> list[list[Panel]]:
@@ -148,11 +150,11 @@ def _axes(figure: Any, shown: Selection, rows: list[list[Panel]], is_code: bool)
             if i == len(rows) - 1 or j >= len(rows[i + 1]):
                 axis.set_xlabel(textwrap.fill(label_of(variable[free[0]]), letters))
                 if free[0] in shown.names:
-                    name_places(axis.xaxis, shown.names[free[0]], turned=True)
+                    name_places(axis.xaxis, shown.names[free[0]])
             if j == 0:
                 axis.set_ylabel(textwrap.fill(label_of(variable[free[1]]), letters))
                 if free[1] in shown.names:
-                    name_places(axis.yaxis, shown.names[free[1]], turned=False)
+                    name_places(axis.yaxis, shown.names[free[1]])
             if shown.split is not None:
                 axis.xaxis.label.set_fontsize(8)
                 axis.yaxis.label.set_fontsize(8)
@@ -234,13 +236,6 @@ def _reasons(
         label = _why_absent(None if codes is None else codes[absent], flags)
         handles.append(Patch(facecolor=ABSENT, label=label))
     return handles
-
-
-def _in_blocks(veiled: Any) -> Any:
-    """Return the cells that are part of two by two such cells: hatching needs room."""
-    corners = veiled[1:, 1:] & veiled[1:, :-1] & veiled[:-1, 1:] & veiled[:-1, :-1]
-    padded = np.pad(corners, 1)
-    return padded[1:, 1:] | padded[1:, :-1] | padded[:-1, 1:] | padded[:-1, :-1]
 
 
 def _add_contours(axis: Any, x: Any, y: Any, cells: Any, norm: Any, small: bool) -> None:
@@ -430,7 +425,7 @@ def _scale_along(axis: Any, shown: Selection) -> None:
     along = shown.variable[dim]
     x, half = along.values, half_turn(along.attrs.get("units"))
     if dim in shown.names:
-        name_places(axis.xaxis, shown.names[dim], turned=True)
+        name_places(axis.xaxis, shown.names[dim])
     elif half is not None and x[0] >= 0.0 and x[-1] <= 2.0 * half:
         axis.set_xlim(0.0, 2.0 * half)
         ticks = QUARTERS if along.attrs["units"] == RADIAN else None
@@ -555,6 +550,10 @@ class Column:
         return np.minimum((np.where(inside, share, 0.0) * count).astype(np.int64), count - 1), inside
 
 
+#: Rows in cells of some columns, and sums, by the names of these.
+Cells = dict[tuple[str, ...], Any]
+
+
 @dataclass
 class Cloud:
     """The rows of a map that meet some conditions and have a number in every column."""
@@ -602,25 +601,22 @@ class Cloud:
         for _, values in reading:
             yield drawable(values) * factors
 
-    def cells(self, wanted: Sequence[Sequence[str]]) -> list[tuple[Any, Any]]:
+    def cells(self, wanted: Sequence[tuple[str, ...]]) -> Cells:
         """Return the rows in each cell of one column, or of two (the second first); sums of a third; in one pass."""
-        columns = [[self.names[name] for name in names] for names in wanted]
-        shapes = [(CELLS,) * len(over[:2]) for over in columns]
-        found = [(np.zeros(CELLS ** len(shape)), np.zeros(CELLS ** len(shape))) for shape in shapes]
-        used = sorted({k for over in columns for k in over[:2]})
+        found = {names: np.zeros((2, *[CELLS] * len(names[:2]))) for names in wanted}
+        used = {name for names in wanted for name in names[:2]}
         for values in [self.points] if self.points is not None else self._blocks(self._reading()):
-            places = {k: self.columns[k].places(values[:, k]) for k in used}
-            for over, shape, (counts, sums) in zip(columns, shapes, found, strict=True):
-                own = [places[k] for k in over[:2]]
+            by_name = {name: values[:, k] for name, k in self.names.items()}
+            places = {name: self.columns[self.names[name]].places(by_name[name]) for name in used}
+            for names, (counts, sums) in found.items():
+                own = [places[name] for name in names[:2]]
                 inside = np.logical_and.reduce([one for _, one in own])
-                flat = np.ravel_multi_index([cell[inside] for cell, _ in reversed(own)], shape)
-                counts += np.bincount(flat, minlength=counts.size)
-                for k in over[2:]:
-                    sums += np.bincount(flat, values[inside, k], minlength=counts.size)
-        return [
-            (counts.reshape(shape), sums.reshape(shape))
-            for shape, (counts, sums) in zip(shapes, found, strict=True)
-        ]
+                flat = np.ravel_multi_index([cell[inside] for cell, _ in reversed(own)], counts.shape)
+                counts += np.bincount(flat, minlength=counts.size).reshape(counts.shape)
+                for name in names[2:]:
+                    added = np.bincount(flat, by_name[name][inside], minlength=counts.size)
+                    sums += added.reshape(counts.shape)
+        return found
 
     def below(self, name: str) -> tuple[Any, Any]:
         """Return values of a column, growing, and how many rows have at most that."""
@@ -663,12 +659,12 @@ def draw_scatter(cloud: Cloud, front: Any = None) -> Any:
     """Draw the rows over two columns; a third colours them; those of a front are marked and joined."""
     figure = NotebookFigure(figsize=(7.2, 5.2))
     axis = figure.subplots()
-    names = list(cloud.names)
+    names = tuple(cloud.names)
     x, y, *third = cloud.columns
     if front is not None:
         for column, values in zip((x, y), front.T, strict=True):
             column.show_around(values)
-    counted = _counted(cloud, [names] if cloud.points is None else [])
+    counted = cloud.cells([names] if cloud.points is None else [])
     image = _fill_with_rows(axis, cloud, names, counted, faint=front is not None)
     axis.set_xlabel(textwrap.fill(x.label(), LETTERS + 14))
     axis.set_ylabel(textwrap.fill(y.label(), LETTERS))
@@ -697,7 +693,7 @@ def draw_corner(cloud: Cloud, front: Any = None) -> Any:
     grid = figure.subplots(count, count, squeeze=False)
     names = list(cloud.names)
     pairs = [(names[j], names[i]) for i in range(count) for j in range(i)] if cloud.points is None else []
-    counted = _counted(cloud, [*((name,) for name in names), *pairs])
+    counted = cloud.cells([*((name,) for name in names), *pairs])
     for i, j in itertools.product(range(count), repeat=2):
         axis = grid[i][j]
         if j > i:
@@ -709,22 +705,12 @@ def draw_corner(cloud: Cloud, front: Any = None) -> Any:
             if front is not None:
                 _mark(axis, front[:, [j, i]].T, joined=False)
         _name_sides(axis, cloud.columns, i, j)
-    names_of = [
-        (column.label(name=False), column.array.attrs.get("long_name", column.array.name))
-        for column in cloud.columns
-    ]
-    text = "\n".join(f"{symbol}: {plain(name)}" for symbol, name in names_of)
     if count > 2:
+        arrays = [(column.label(name=False), column.array) for column in cloud.columns]
+        words = [f"{symbol}: {plain(one.attrs.get('long_name', one.name))}" for symbol, one in arrays]
+        text = "\n".join(words)
         figure.text(0.99, 0.9, text, ha="right", va="top", fontsize=8.5, linespacing=1.5, in_layout=False)
     return figure
-
-
-Cells = dict[tuple[str, ...], tuple[Any, Any]]
-
-
-def _counted(cloud: Cloud, wanted: Sequence[Sequence[str]]) -> Cells:
-    """Return the rows in cells of some columns, and sums, by the names of these."""
-    return dict(zip(map(tuple, wanted), cloud.cells(wanted), strict=True))
 
 
 def _name_sides(axis: Any, columns: Sequence[Column], i: int, j: int) -> None:
@@ -738,12 +724,12 @@ def _name_sides(axis: Any, columns: Sequence[Column], i: int, j: int) -> None:
         axis.set_ylabel(columns[i].label(name=False), fontsize=9)
 
 
-def _fill_with_rows(axis: Any, cloud: Cloud, names: Sequence[str], counted: Cells, faint: bool) -> Any:
+def _fill_with_rows(axis: Any, cloud: Cloud, names: tuple[str, ...], counted: Cells, faint: bool) -> Any:
     """Draw points, or cells where rows are many; return what a colour bar belongs to."""
     x, y, *third = (cloud.columns[cloud.names[name]] for name in names)
     _scales(axis, x, y)
     if cloud.points is None:
-        counts, sums = counted[tuple(names)]
+        counts, sums = counted[names]
         cells = np.ma.masked_equal(counts, 0.0)
         look: dict[str, Any] = {
             "norm": LogNorm(1.0, max(2.0, counts.max())),
@@ -760,9 +746,8 @@ def _fill_with_rows(axis: Any, cloud: Cloud, names: Sequence[str], counted: Cell
     size = float(np.clip(3e4 / max(1, cloud.count), 1.0, 16.0))
     look = {"s": size, "linewidths": 0.0, "rasterized": cloud.count > 2000}
     if third and third[0].flags:
-        codes = list(third[0].flags.values())
-        colours = [FLAGS[codes.index(int(one)) % len(FLAGS)] for one in values[2]]
-        axis.scatter(values[0], values[1], c=colours, **look)
+        colour_of = {code: colour for code, _, colour in flag_looks(third[0].array)}
+        axis.scatter(values[0], values[1], c=[colour_of[int(one)] for one in values[2]], **look)
         return None
     if third:
         norm, shades, _ = colours_of(values[2][None], np.ones((1, cloud.count), bool), None)
@@ -802,8 +787,8 @@ def _mark(axis: Any, points: Any, joined: bool) -> None:
 def _code_legend(axis: Any, column: Column, values: Any) -> None:
     """Name the colours of a code, those that occur."""
     handles = [
-        Line2D([], [], linestyle="none", marker="o", color=FLAGS[k % len(FLAGS)], label=in_words(meaning))
-        for k, (meaning, code) in enumerate(column.flags.items())
+        Line2D([], [], linestyle="none", marker="o", color=colour, label=meaning)
+        for code, meaning, colour in flag_looks(column.array)
         if (values == code).any()
     ]
     axis.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=9)
@@ -822,14 +807,13 @@ def _histogram(axis: Any, column: Column, counts: Any) -> None:
 
 def draw_cumulative(clouds: Sequence[Cloud]) -> Any:
     """Draw the share of rows with at most a value, one picture for each unit."""
-    columns = [cloud.columns[0] for cloud in clouds]
-    units = list(dict.fromkeys(_unit(column) for column in columns))
-    figure = NotebookFigure(figsize=(1.6 + 5.0 * len(units), 4.4))
-    axes = figure.subplots(1, len(units), sharey=True, squeeze=False)[0]
-    for axis, unit in zip(axes, units, strict=True):
-        group = [
-            (cloud, column) for cloud, column in zip(clouds, columns, strict=True) if _unit(column) == unit
-        ]
+    groups: dict[str, list[tuple[Cloud, Column]]] = {}
+    for cloud in clouds:
+        (column,) = cloud.columns
+        groups.setdefault(_unit(column), []).append((cloud, column))
+    figure = NotebookFigure(figsize=(1.6 + 5.0 * len(groups), 4.4))
+    axes = figure.subplots(1, len(groups), sharey=True, squeeze=False)[0]
+    for axis, (unit, group) in zip(axes, groups.items(), strict=True):
         for k, (cloud, column) in enumerate(group):
             infinite = cloud.infinite
             values, counts = cloud.below(str(column.array.name))

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import reduce
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import h5py
 import numpy as np
@@ -35,7 +35,7 @@ from fastlink.numerics.compiler import COMPILED_AS, INLINED
 from fastlink.pictures.draw import picture_of
 from fastlink.pictures.motion import Motion
 from fastlink.plan.query import parse_request
-from fastlink.plan.request import constants_of, selected_variants
+from fastlink.plan.request import constants_of
 from fastlink.space.design_space import BRANCH, DESIGN, taken_links
 from fastlink.space.tables import STATUS
 from fastlink.space.units import DEGREES
@@ -89,16 +89,16 @@ class _Script:
     """Functions in JavaScript, each after those that it calls."""
 
     def __init__(self) -> None:
-        self.names: dict[Any, str] = {}
-        self.texts: list[str] = []
+        #: The name and the text of each.
+        self.made: dict[Any, tuple[str, str]] = {}
 
     def add(self, function: Callable[..., Any]) -> str:
         """Return the name of a function in the script, to which it is added if it is not there."""
-        if function not in self.names:
+        if function not in self.made:
             text = _Text(self, function).text()
-            name = self.names[function] = f"f{len(self.names)}"
-            self.texts.append(f"const {name} = {text};")
-        return self.names[function]
+            name = f"f{len(self.made)}"
+            self.made[function] = name, f"const {name} = {text};"
+        return self.made[function][0]
 
 
 class _Text:
@@ -113,23 +113,18 @@ class _Text:
 
     def text(self) -> str:
         """Return the whole function."""
-        lines = " ".join(filter(None, map(self.statement, self.body)))
+        lines = " ".join(map(self.written, self.body))
         own = sorted(self.local - set(self.parameters))
         declared = f"let {', '.join(map(_own, own))}; " if own else ""
         return f"({', '.join(map(_own, self.parameters))}) => {{ {declared}{lines} }}"
 
-    def statement(self, node: ast.stmt) -> str:
-        """Return an assignment or a return; of a docstring nothing."""
+    def written(self, node: ast.AST) -> str:
+        """Return a statement, an expression, or what is assigned to."""
         match node:
             case ast.Return(value=ast.expr() as value):
-                return f"return {self.value(value)};"
+                return f"return {self.written(value)};"
             case ast.Assign(targets=[target]):
-                return f"{self.value(target)} = {self.value(node.value)};"
-        raise Untranslatable(ast.unparse(node))
-
-    def value(self, node: ast.expr) -> str:
-        """Return an expression, or what is assigned to."""
-        match node:
+                return f"{self.written(target)} = {self.written(node.value)};"
             case ast.Constant(value=bool() | int() | float() as number):
                 return _number(number)
             case ast.Name(id=name) if name in self.local:
@@ -137,17 +132,17 @@ class _Text:
             case ast.Name() | ast.Attribute():
                 return _number(self.global_of(node))
             case ast.Tuple(elts=parts):
-                return f"[{', '.join(map(self.value, parts))}]"
+                return f"[{', '.join(map(self.written, parts))}]"
             case ast.BinOp() if type(node.op) in SIGNS:
-                return f"({self.value(node.left)} {SIGNS[type(node.op)]} {self.value(node.right)})"
+                return f"({self.written(node.left)} {SIGNS[type(node.op)]} {self.written(node.right)})"
             case ast.UnaryOp(op=ast.USub()):
-                return f"(-{self.value(node.operand)})"
+                return f"(-{self.written(node.operand)})"
             case ast.Compare(ops=[sign], comparators=[other]) if type(sign) in SIGNS:
-                return f"({self.value(node.left)} {SIGNS[type(sign)]} {self.value(other)})"
+                return f"({self.written(node.left)} {SIGNS[type(sign)]} {self.written(other)})"
             case ast.Subscript(slice=ast.Constant(value=int() as place)):
-                return f"{self.value(node.value)}[{place}]"
+                return f"{self.written(node.value)}[{place}]"
             case ast.Call(keywords=[]):
-                return self.call(self.global_of(node.func), [self.value(arg) for arg in node.args])
+                return self.call(self.global_of(node.func), [self.written(arg) for arg in node.args])
         raise Untranslatable(ast.unparse(node))
 
     def global_of(self, node: ast.expr) -> Any:
@@ -177,14 +172,10 @@ def _own(name: str) -> str:
 
 def _number(value: Any) -> str:
     """Return a number as JavaScript."""
-    if isinstance(value, (bool, np.bool_)):
-        return "true" if value else "false"
-    if not isinstance(value, (int, float, np.number)):
+    if not isinstance(value, (int, float, np.number, np.bool_)):
         raise Untranslatable(repr(value))
-    number = float(value)
-    if math.isfinite(number):
-        return repr(number).removesuffix(".0") if number >= 0 else f"({number!r})"
-    return "NaN" if math.isnan(number) else "Infinity" if number > 0 else "(-Infinity)"
+    text = json.dumps(bool(value) if isinstance(value, (bool, np.bool_)) else float(value))
+    return f"({text})" if value < 0 else text.removesuffix(".0")
 
 
 def script_of(
@@ -208,22 +199,19 @@ def script_of(
     selected, known = tuple(variants), {*given, "branch", position, *tables}
     for name in dict.fromkeys(names):
         steps = [one for one in catalogue.dependencies([name], known, selected) if one.names[0] not in lines]
-        mark = len(script.texts), dict(script.names)
+        before = dict(script.made)
         try:
             added = {own: _entry(script, one) for one in steps for own in one.names}
         except Untranslatable:
-            del script.texts[mark[0] :]
-            script.names = mark[1]
+            script.made = before
             continue
         lines |= added
         found.append(name)
     for name in sorted(tables):
-        of = low_parts.get(name, name)
-        function = "() => 0" if name in low_parts else script.add(catalogue.tables[of].formula)
-        lines[name] = (
-            f"[{function}, {json.dumps([] if name in low_parts else [position])}, {json.dumps([name])}]"
-        )
-    functions = "\n".join(script.texts)
+        is_low = name in low_parts
+        function = "() => 0" if is_low else script.add(catalogue.tables[name].formula)
+        lines[name] = f"[{function}, {json.dumps([] if is_low else [position])}, {json.dumps([name])}]"
+    functions = "\n".join(text for _, text in script.made.values())
     entries = ",\n".join(f"{json.dumps(name)}: {line}" for name, line in lines.items())
     return f"(() => {{\n{PRELUDE}{functions}\nreturn {{\n{entries}\n}};\n}})()", tuple(found)
 
@@ -246,8 +234,7 @@ def content_of(values: Values) -> dict[str, Any]:
     names = values.names
     if not names:
         raise InputError("has no variables of numbers", where=("maps",), remedy="give a map with results")
-    inner = [str(dim) for name in names for dim in maps[name].dims]
-    dims = [dim for dim in dict.fromkeys([*map(str, maps.sizes), *inner]) if dim in inner]
+    drawn = {dim for name in names for dim in values.dims(name)}
     along = [
         str(name) for name, one in maps.coords.items() if one.dims == (DESIGN,) and one.dtype.kind in "iuf"
     ]
@@ -255,7 +242,7 @@ def content_of(values: Values) -> dict[str, Any]:
         "file": Path(str(values.path or maps.encoding.get("source", ""))).name,
         "title": str(maps.attrs.get("title", "")),
         "version": str(maps.attrs.get("fastlink_version", "")),
-        "dims": [_dimension(maps, dim) for dim in dims],
+        "dims": [_dimension(maps, dim) for dim in map(str, maps.sizes) if dim in drawn],
         "columns": [{"name": name, **_labels(maps[name])} for name in along if name != DESIGN],
         "step": values.step,
         "constants": [
@@ -264,12 +251,7 @@ def content_of(values: Values) -> dict[str, Any]:
             if one.ndim == 0 and one.dtype.kind in "iuf"
         ],
         "variables": [
-            {
-                "name": name,
-                "dims": [str(dim) for dim in maps[name].dims],
-                **_request(maps, name),
-                **_labels(maps[name]),
-            }
+            {"name": name, "dims": values.dims(name), **_request(maps, name), **_labels(maps[name])}
             for name in names
         ],
         "colours": colour_tables(),
@@ -334,26 +316,23 @@ def _mechanism(maps: xr.Dataset) -> dict[str, Any] | None:
         return None
     known = catalogue.known_inputs(catalogue.variant_inputs)
     inputs = {one: float(np.ravel(maps[one].values[..., None])[0]) for one in known if one in maps.variables}
-    degrees = [one for one in inputs if maps[one].attrs.get("units") in DEGREES]
     design = dict(inputs)
     links = taken_links(design)
-    variants = selected_variants(catalogue, links, "eliminated", design)
-    constants = {
-        one: value for one, value in constants_of(catalogue, links, variants).items() if one not in inputs
-    }
     motion = Motion(name, catalogue, picture, design, tuple(catalogue.branches), links)
+    every = constants_of(catalogue, links, motion.variants).items()
+    constants = {one: value for one, value in every if one not in inputs}
     points = [one for one in motion.points if one.kind != "mark"]
-    needed = [value for one in points for value in (one.x, one.y)]
-    needed += [end for ends in picture.spans.values() for end in ends]
+    coordinates = [value for one in points for value in (one.x, one.y)]
+    needed = [*coordinates, *(end for ends in picture.spans.values() for end in ends)]
     needed += [bar.orientation for bar in picture.bars if bar.orientation]
     curves = [one for one in _curves(maps, catalogue) if motion.has(one)]
     components = [one for loads in picture.loads.values() for load in loads for one in load.components]
     needed += [one for one in components if motion.has(one)]
     asked = [_request(maps, str(one))["of"][0] for one in maps.data_vars]
     facts = [one for one in [*needed, *curves, *asked] if isinstance(one, str) and one in catalogue.facts]
-    script, found = script_of(catalogue, facts, [*inputs, *constants], variants)
+    script, found = script_of(catalogue, facts, [*inputs, *constants], motion.variants)
     in_script = {*found}
-    if not {value for one in points for value in (one.x, one.y) if value in catalogue.facts} <= in_script:
+    if not catalogue.facts.keys() & coordinates <= in_script:
         return None
     position = catalogue.position
     return {
@@ -362,7 +341,7 @@ def _mechanism(maps: xr.Dataset) -> dict[str, Any] | None:
         "script": script,
         "inputs": list(inputs),
         "rules": {one: known[one].rule for one in inputs if not known[one].choices},
-        "degrees": degrees,
+        "degrees": [one for one in inputs if maps[one].attrs.get("units") in DEGREES],
         "constants": constants,
         "branches": {str(branch): meaning for branch, meaning in catalogue.branches.items()},
         "position": {"name": position.name, "symbol": position.symbol, "units": position.units,
@@ -371,9 +350,9 @@ def _mechanism(maps: xr.Dataset) -> dict[str, Any] | None:
         "study": {
             "links": [] if links is None else list(links.values),
             "model": "" if links is None else links.model,
-            "count": int(maps.attrs.get(f"{catalogue.position.name}_count", 0)),
+            "count": int(maps.attrs.get(f"{position.name}_count", 0)),
             "extrema": str(maps.attrs.get("extrema", "")),
-            "input": "" if catalogue is find_catalogue(name) else catalogue.position.name,
+            "input": "" if catalogue is find_catalogue(name) else position.name,
         },
         "curves": [
             {"name": one, "meaning": fact.title, "symbol": fact.symbol, "units": fact.units}
@@ -446,6 +425,10 @@ def page_of(content: dict[str, Any], nonce: str = "") -> str:
 #    greatest
 
 
+#: By dimensions: a place, the first and the last one of a part, and all of them.
+Places: TypeAlias = Mapping[str, int]
+Window: TypeAlias = Mapping[str, tuple[int, int]]
+Ranges: TypeAlias = Mapping[str, range]
 #: The word for a picture that shows one design of each cell.
 ONE = "one"
 #: Values that are read at once.
@@ -467,22 +450,6 @@ POOLS: dict[str, Callable[[NDArray[Any]], NDArray[Any]]] = {
     "least": lambda cells: np.fmin.reduce(cells, axis=(1, 3)),
     "greatest": lambda cells: np.fmax.reduce(cells, axis=(1, 3)),
 }
-
-
-def pooled(
-    read: Callable[[slice], NDArray[Any]], rows: range, columns: int, steps: tuple[int, int], pool: str
-) -> NDArray[np.float32]:
-    """Return one value for each cell of rows and columns, read a few rows at a time."""
-    down, across = steps
-    high = max(1, BLOCK // (down * columns)) * down
-    found = []
-    for start in range(rows.start, rows.stop, high):
-        block = np.asarray(read(slice(start, min(rows.stop, start + high))), dtype=float)
-        beyond = (-block.shape[0] % down, -columns % across)
-        padded = np.pad(block, [(0, one) for one in beyond], constant_values=np.nan)
-        cells = padded.reshape(padded.shape[0] // down, down, padded.shape[1] // across, across)
-        found.append(POOLS[pool](cells).astype(np.float32))
-    return np.concatenate(found)
 
 
 # -- Read what a page shows of a map: a picture's values at the resolution of a screen, a row, a sample
@@ -518,6 +485,10 @@ class Values:
         """How many designs of a sample follow each other for one that is shown."""
         return -(-int(self.maps.sizes.get(DESIGN, 1)) // MOST_DESIGNS)
 
+    def dims(self, name: str) -> list[str]:
+        """Return the dimensions of a variable or coordinate."""
+        return [str(dim) for dim in self.maps[name].dims]
+
     def part(self, name: str, places: Mapping[str, int | slice]) -> NDArray[Any]:
         """Return a part of a variable or coordinate.
 
@@ -531,16 +502,21 @@ class Values:
             source = self.mapped[name]
             return np.asarray(variable[index].values if source is None else source[index])
 
+    def along(self, name: str, at: Places, ranges: Ranges) -> NDArray[Any]:
+        """Return a variable over ranges of places, in their order, repeated along those that it lacks."""
+        slices = {dim: slice(one.start, one.stop, one.step) for dim, one in ranges.items()}
+        dims = self.dims(name)
+        found = self.part(name, {dim: slices[dim] if dim in slices else at[dim] for dim in dims})
+        own = [dim for dim in dims if dim in ranges]
+        found = found.transpose([own.index(dim) for dim in ranges if dim in own])
+        whole = found[tuple(slice(None) if dim in own else None for dim in ranges)]
+        return np.broadcast_to(whole, tuple(map(len, ranges.values())))
+
     def picture(
-        self,
-        name: str,
-        axes: tuple[str, ...],
-        at: Mapping[str, int],
-        window: Mapping[str, tuple[int, int]],
-        pool: str = ONE,
+        self, name: str, axes: tuple[str, ...], at: Places, window: Window, pool: str = ONE
     ) -> tuple[NDArray[np.float32], dict[str, int], str]:
         """Return the values over one or two axes, the first along rows, the steps between them, and what they are."""
-        dims = [str(dim) for dim in self.maps[name].dims]
+        dims = self.dims(name)
         own = [dim for dim in dims if dim in axes]
         ranges, steps = {}, {}
         for dim in own:
@@ -548,53 +524,53 @@ class Values:
             most = MOST_CELLS if len(axes) > 1 else MOST_CELLS * MOST_CELLS
             ranges[dim] = range(low, high + 1)
             steps[dim] = max(1, -(-len(ranges[dim]) // most))
-        shape = [len(one) for one in ranges.values()]
-        if max(steps.values()) == 1 or math.prod(shape) > MOST_POOLED or not self.scale(name)["pools"]:
+        size = math.prod(map(len, ranges.values()))
+        if max(steps.values()) == 1 or size > MOST_POOLED or not self.scale(name)["pools"]:
             pool = ONE
         key = name, axes, str(ranges), str([at[dim] for dim in dims if dim not in own]), pool
         found = self.kept.get(key)
         if found is None:
-            values = self._pictured(name, at, ranges, steps, pool)
+            if pool == ONE:
+                values = self.along(name, at, {dim: one[:: steps[dim]] for dim, one in ranges.items()})
+            else:
+                values = self._pooled(name, at, ranges, steps, pool)
             order = [own.index(axis) for axis in axes if axis in own]
-            found = np.ascontiguousarray(values.transpose(order))
+            found = np.ascontiguousarray(values.transpose(order), dtype=np.float32)
             with self.lock:
                 self.kept[key] = found
                 while len(self.kept) > KEPT:
                     self.kept.popitem(last=False)
         return found, steps, pool
 
-    def _pictured(
-        self, name: str, at: Mapping[str, int], ranges: dict[str, range], steps: dict[str, int], pool: str
+    def _pooled(
+        self, name: str, at: Places, ranges: Ranges, steps: Mapping[str, int], pool: str
     ) -> NDArray[np.float32]:
-        """Return the values of a picture in the order of the variable's dimensions."""
-        places: dict[str, int | slice] = {
-            str(dim): at[str(dim)] for dim in self.maps[name].dims if dim not in ranges
-        }
-        if pool == ONE:
-            places |= {dim: slice(one.start, one.stop, steps[dim]) for dim, one in ranges.items()}
-            return self.part(name, places).astype(np.float32)
-        (first, rows), *others = ranges.items()
-        places |= {dim: slice(one.start, one.stop) for dim, one in others}
-        columns, across = (len(others[0][1]), steps[others[0][0]]) if others else (1, 1)
+        """Return one value for each cell, in the order of the variable's dimensions, read a few rows at a time."""
+        first, *others = ranges
+        down, across = steps[first], steps[others[0]] if others else 1
+        columns = math.prod(len(ranges[dim]) for dim in others)
+        high = max(1, BLOCK // (down * columns)) * down
+        found = []
+        for start in range(0, len(ranges[first]), high):
+            part = {**ranges, first: ranges[first][start : start + high]}
+            block = self.along(name, at, part).reshape(-1, columns).astype(float)
+            beyond = (-block.shape[0] % down, -columns % across)
+            padded = np.pad(block, [(0, one) for one in beyond], constant_values=np.nan)
+            cells = padded.reshape(padded.shape[0] // down, down, padded.shape[1] // across, across)
+            found.append(POOLS[pool](cells).astype(np.float32))
+        whole = np.concatenate(found)
+        return whole if others else whole[:, 0]
 
-        def read(some: slice) -> NDArray[Any]:
-            return self.part(name, {**places, first: some}).reshape(-1, columns)
-
-        found = pooled(read, rows, columns, (steps[first], across), pool)
-        return found if others else found[:, 0]
-
-    def column(self, name: str, at: Mapping[str, int]) -> NDArray[np.float32]:
+    def column(self, name: str, at: Places) -> NDArray[np.float32]:
         """Return the values of a variable or coordinate of the designs of a sample."""
-        places: dict[str, int | slice] = {
-            str(dim): at[str(dim)] for dim in self.maps[name].dims if dim != DESIGN
-        }
-        return self.part(name, {**places, DESIGN: slice(None, None, self.step)}).astype(np.float32)
+        some = range(0, self.maps.sizes[DESIGN], self.step)
+        return self.along(name, at, {DESIGN: some}).astype(np.float32)
 
-    def row(self, at: Mapping[str, int]) -> dict[str, Any]:
+    def row(self, at: Places) -> dict[str, Any]:
         """Return all values of one place, those of inputs along ``design`` too."""
         found = {}
         for name in (*self.names, *map(str, self.maps.coords)):
-            dims = [str(dim) for dim in self.maps[name].dims]
+            dims = self.dims(name)
             if name in at or not set(dims) <= at.keys() or not dims:
                 continue
             value = self.part(name, {dim: at[dim] for dim in dims})
@@ -607,41 +583,24 @@ class Values:
             from fastlink.pictures.style import scale_of
 
             array = self.maps[name]
-            sizes = {str(dim): length for dim, length in array.sizes.items()}
-            steps = _steps(sizes, SAMPLED)
-            places: dict[str, int | slice] = {dim: slice(None, None, step) for dim, step in steps.items()}
-            sample = self.part(name, places)
-            self.scales[name] = scale_of(array, sample, self._regular(array, sample.shape, places))
+            some = _thinned({dim: range(array.sizes[dim]) for dim in self.dims(name)}, SAMPLED)
+            self.scales[name] = scale_of(array, self.along(name, {}, some), self._regular(name, some))
         return self.scales[name]
 
-    def _regular(self, array: xr.DataArray, shape: tuple[int, ...], places: Mapping[str, Any]) -> Any:
+    def _regular(self, name: str, some: Ranges) -> Any:
         """Return which values of a sample are of designs without toggles, None where that is not known."""
-        if (
-            STATUS not in self.names
-            or array.name == STATUS
-            or not set(self.maps[STATUS].dims) <= set(array.dims)
-        ):
+        if STATUS not in self.names or name == STATUS or not {*self.dims(STATUS)} <= some.keys():
             return None
-        status = self.maps[STATUS]
-        if not (flags := flags_of(status)):
-            return None
-        codes = self.part(STATUS, {dim: one for dim, one in places.items() if dim in status.dims})
-        own = [dim for dim in array.dims if dim in status.dims]
-        codes = codes.transpose([status.dims.index(dim) for dim in own])
-        whole = codes[tuple(slice(None) if dim in status.dims else None for dim in array.dims)]
-        return np.broadcast_to(whole == next(iter(flags.values())), shape)
+        flags = flags_of(self.maps[STATUS])
+        return self.along(STATUS, {}, some) == next(iter(flags.values())) if flags else None
 
 
-def _steps(sizes: Mapping[str, int], most: int) -> dict[str, int]:
-    """Return steps along dimensions that leave about so many values, from the longest dimension first."""
-    steps = dict.fromkeys(sizes, 1)
-
-    def left(dim: str) -> int:
-        return -(-sizes[dim] // steps[dim])
-
-    while np.prod([left(dim) for dim in sizes], dtype=float) > most:
-        steps[max(sizes, key=left)] += 1
-    return steps
+def _thinned(ranges: dict[str, range], most: int) -> dict[str, range]:
+    """Return about so many places of ranges from 0, by steps along the longest first."""
+    while math.prod(map(len, ranges.values())) > most:
+        dim = max(ranges, key=lambda one: len(ranges[one]))
+        ranges[dim] = range(0, ranges[dim].stop, ranges[dim].step + 1)
+    return ranges
 
 
 def _mapped(path: Path | None, name: str, variable: xr.Variable) -> Any:

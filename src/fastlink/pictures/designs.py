@@ -164,8 +164,12 @@ def _rows(maps: xr.Dataset, wanted: list[Any], kind: str, where: Any, degrees: b
         title = f"{max(cloud.considered for cloud in clouds):,} rows{_of(where)}"
         return _titled(draw_cumulative(clouds), maps, title, _branches_of(clouds))
     cloud = _cloud(maps, wanted, where, degrees)
-    if kind == "scatter":
-        _check_colour(cloud)
+    for column in cloud.columns[2:] if kind == "scatter" and cloud.points is None else ():
+        if column.flags:
+            example = {str(column.array.name): next(iter(column.flags))}
+            what = f"{column.array.name} is a code, which colours single points, and there are {cloud.count:,} rows"
+            remedy = ("choose a meaning by ", Setting("where", example))
+            raise InputError(what, where=("names",), remedy=remedy)
     drawer = draw_scatter if kind == "scatter" else draw_corner
     return _titled(drawer(cloud), maps, cloud.note() + _of(where), _branches_of([cloud]))
 
@@ -213,16 +217,6 @@ def _kind(kind: Any, names: Sequence[Any]) -> str:
     if twice:
         raise InputError(f"holds {short_repr(twice[0])} twice", where=("names",), remedy="name it once")
     return str(known)
-
-
-def _check_colour(cloud: Cloud) -> None:
-    """Refuse a code as the colour of cells."""
-    for column in cloud.columns[2:]:
-        if cloud.points is None and column.flags:
-            example = {str(column.array.name): next(iter(column.flags))}
-            what = f"{column.array.name} is a code, which colours single points, and there are {cloud.count:,} rows"
-            remedy = ("choose a meaning by ", Setting("where", example))
-            raise InputError(what, where=("names",), remedy=remedy)
 
 
 def _check_name(maps: xr.Dataset, name: Any) -> None:

@@ -9,7 +9,9 @@ from functools import cached_property
 from importlib import import_module
 from importlib.util import find_spec
 from inspect import signature
+from itertools import product
 from pathlib import Path
+from shutil import which
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -39,7 +41,6 @@ from fastlink.io.reader import as_map
 from fastlink.mechanisms import NAMES, SHEET, mechanism_of_map, name_of, picture_of_own
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.pictures.cad import DXF, is_cad, written
-from fastlink.pictures.labels import mathematical
 from fastlink.pictures.maps import nearest_place, values_at
 from fastlink.pictures.motion import Motion, as_draw
 from fastlink.pictures.picture import KINDS, check_picture, save
@@ -106,7 +107,7 @@ def read_source(
     is_map = has(mechanism, "data_vars")
     if is_map or _is_file(mechanism):
         source = mechanism if is_map else check_path(("mechanism",), mechanism)
-        is_study = not is_map and _ends(source) == STUDY
+        is_study = not is_map and source.suffix.lower() == STUDY
         found = _of_study(source, design, at, trust_code) if is_study else _of_map(source, design, at)
         catalogue = find_catalogue(found.mechanism, found.input)
         known = {*catalogue.all_inputs, catalogue.position.name}
@@ -129,16 +130,13 @@ def read_source(
     return Source(mechanism, {**names, **inputs})
 
 
-def _ends(source: Any) -> str:
-    return Path(source).suffix.lower() if isinstance(source, (str, os.PathLike)) else ""
-
-
 def _is_file(source: Any) -> bool:
     """Tell whether a caller means a file rather than a mechanism."""
     if isinstance(source, str) and (source in NAMES or "\0" in source):
         return False
     try:
-        return isinstance(source, os.PathLike) or _ends(source) in (STUDY, *MAPS)
+        is_path = isinstance(source, os.PathLike)
+        return is_path or (isinstance(source, str) and Path(source).suffix.lower() in (STUDY, *MAPS))
     except Exception:  # whatever a class of somebody's does
         return False
 
@@ -225,11 +223,8 @@ def _places(along: Mapping[str, Any], design: Any, at: Any, units: Mapping[str, 
     if design is None and size > 1:
         dim = next(iter(along))
         example = {dim: float(along[dim][0])} if along[dim].dtype.kind in "iuf" else {}
-        remedy = (
-            "choose one by ",
-            Setting(DESIGN, 0),
-            *((", or ", Setting("at", example)) if example else ()),
-        )
+        by_values = (", or ", Setting("at", example)) if example else ()
+        remedy = ("choose one by ", Setting(DESIGN, 0), *by_values)
         raise InputError(f"there are {counted(size, 'design')}", where=("design",), remedy=remedy)
     number = 0 if design is None else check_whole(("design",), design, 0, size - 1)
     return tuple(int(k) for k in np.unravel_index(number, shape)) if shape else ()
@@ -266,9 +261,8 @@ BEYOND = 1.25
 class Request:
     """The whole of what a picture shows."""
 
-    #: The designs side by side, one for each value of a choice, and what tells them apart.
+    #: The designs side by side, one for each value of a choice.
     motions: tuple[Motion, ...]
-    titles: tuple[str, ...]
     #: The input positions, side by side too.
     positions: Any
     #: Words, see `fastlink.draw`.
@@ -281,18 +275,14 @@ class Request:
 
     @cached_property
     def sheets(self) -> list[tuple[Motion, float, str]]:
-        """Each design at each position, with its title."""
-        return [
-            (motion, float(position), self._title(title, motion, float(position)))
-            for motion, title in zip(self.motions, self.titles, strict=True)
-            for position in self.positions
-        ]
-
-    def _title(self, title: str, motion: Motion, position: float) -> str:
-        if len(self.positions) < 2:
-            return title
-        symbol = mathematical(motion.catalogue.position.symbol)
-        return f"{title}{title and ', '}{symbol} = {motion.shown(position, self.degrees, brief=True)}"
+        """Each design at each position, with what tells it from the others."""
+        found = []
+        for motion, position in product(self.motions, self.positions.tolist()):
+            parts = _choices(motion) if len(self.motions) > 1 else []
+            if len(self.positions) > 1:
+                parts.append(motion.stated(position, self.degrees, brief=True))
+            found.append((motion, position, ", ".join(parts)))
+        return found
 
 
 def request_of(source: Source, strip: Any, curves: Any, show: Any, degrees: Any, moves: bool) -> Request:
@@ -300,12 +290,10 @@ def request_of(source: Source, strip: Any, curves: Any, show: Any, degrees: Any,
     links, catalogue = source.links, find_catalogue(source.mechanism, source.input)
     picture, problems = picture_of(name_of(source.mechanism), catalogue), Problems()
     branches: tuple[int, ...] = tuple(catalogue.branches)
-    with problems.at():
-        branches = branches if source.branch is None else check_branches(catalogue, source.branch)
-    with problems.at():
-        check_model(catalogue, links, "eliminated")
-    with problems.at():
-        check_switch(("degrees",), degrees)
+    if source.branch is not None:
+        branches = problems.attempt(check_branches, catalogue, source.branch)
+    problems.attempt(check_model, catalogue, links, "eliminated")
+    problems.attempt(check_switch, ("degrees",), degrees)
     with problems.at():
         strip = None if strip is None else check_whole(("strip",), strip, 2, MOST_SHEETS)
     inputs = {name: value for name, value in source.inputs.items() if name not in OPTIONS}
@@ -319,14 +307,11 @@ def request_of(source: Source, strip: Any, curves: Any, show: Any, degrees: Any,
         )
         somewhere = inputs | ({catalogue.position.name: 0.0} if of_position else {})
         as_draw(lambda: evaluate(source.mechanism, ["status"], **own, **somewhere))
-    driving = (catalogue.position.name,)
+    driving, several = (catalogue.position.name,), "holds several values"
     for k, one in enumerate(problems.noted):
-        if (
-            len(one.where) > 2 and split(str(one.where[1]), driving)[0] not in driving
-        ):  # of a list, as of a1=0,4
-            problems.noted[k] = Problem(
-                "holds several values", one.where[:2], "write one number, with a point"
-            )
+        # an element of a list, as of a1=0,4
+        if len(one.where) > 2 and split(str(one.where[1]), driving)[0] not in driving:
+            problems.noted[k] = Problem(several, one.where[:2], "write one number, with a point")
     numbers, positions, in_degrees = _numbers(catalogue, source, problems)
     if positions is not None and strip is not None:
         problems.add("is given beside strip", ("draw", catalogue.position.name), "leave one of them out")
@@ -334,10 +319,12 @@ def request_of(source: Source, strip: Any, curves: Any, show: Any, degrees: Any,
         problems.add("shows one position that moves", ("animate",), "leave strip and further positions out")
     problems.stop()
     reach = 0.0 if positions is None else BEYOND * float(np.abs(positions).max())
-    motions = tuple(
-        Motion(source.mechanism, catalogue, picture, numbers | choice, tuple(sorted(branches)), links, reach)
-        for choice in _choices(catalogue, links, numbers)
-    )
+    variants = selected_variants(catalogue, links, "eliminated", numbers)
+    choices, given = all_choices(catalogue, numbers, variants), tuple(sorted(branches))
+    designs = [
+        numbers | dict(zip(choices, map(float, one), strict=True)) for one in product(*choices.values())
+    ]
+    motions = tuple(Motion(source.mechanism, catalogue, picture, one, given, links, reach) for one in designs)
     words, names = _words(motions[0], show), _curves(motions[0], curves, source.own)
     degrees = degrees or in_degrees or positions is None
     key = usual_name(catalogue.position.name, RADIANS) if in_degrees else catalogue.position.name
@@ -347,9 +334,13 @@ def request_of(source: Source, strip: Any, curves: Any, show: Any, degrees: Any,
     if positions is None:
         positions = drawable[0].spread(strip, ends=False) if strip else np.array([drawable[0].usual])
     if source.branch is None and (moves or words & set(motions[0].picture.loads)):
-        drawable = tuple(_one_branch(motion, positions) for motion in drawable)
-    titles = tuple(_title(motion, len(drawable)) for motion in drawable)
-    return Request(drawable, titles, positions, words, names, degrees, moves)
+        # the first that a design has there: arrows and films of several cover each other
+        places = [int(motion.assembles(positions).any(axis=1).argmax()) for motion in drawable]
+        drawable = tuple(
+            replace(motion, branches=(motion.branches[k],))
+            for motion, k in zip(drawable, places, strict=True)
+        )
+    return Request(drawable, positions, words, names, degrees, moves)
 
 
 def picture_of(mechanism: str, catalogue: Catalogue) -> Picture:
@@ -363,17 +354,12 @@ def picture_of(mechanism: str, catalogue: Catalogue) -> Picture:
         if "@" in mechanism or mechanism.endswith(SHEET):
             remedy = "plot its curves: a sheet has no joints and bars"
         raise InputError(f"{mechanism} has no picture", where=("mechanism",), remedy=remedy) from None
-    known = {*catalogue.facts, *catalogue.inputs, catalogue.position.name}
-    for inputs in catalogue.variant_inputs.values():
-        known |= set(inputs)
-    lacking = [
-        one.name
-        for one in picture.points
-        if one.kind in ("joint", "slider") and not {one.x, one.y} <= known | {0.0}
-    ]
-    if lacking:
-        what = f"by {catalogue.position.name}, {mechanism} has no coordinates of {lacking[0]}"
-        raise InputError(what, where=("input",), remedy="leave input out")
+    inputs = catalogue.known_inputs(catalogue.variant_inputs)
+    known = {*catalogue.facts, *inputs, catalogue.position.name, 0.0}
+    for one in picture.points:
+        if one.kind in ("joint", "slider") and not {one.x, one.y} <= known:
+            what = f"by {catalogue.position.name}, {mechanism} has no coordinates of {one.name}"
+            raise InputError(what, where=("input",), remedy="leave input out")
     return picture
 
 
@@ -390,8 +376,9 @@ def _numbers(catalogue: Catalogue, source: Source, problems: Problems) -> tuple[
     if name in given and ("draw", name) not in known:
         with problems.at():
             positions = np.atleast_1d(numbers_of("draw", name, given.pop(name)))
-            _check_positions(name, positions)
-            if catalogue.position.units == RADIANS and not in_degrees:
+            if not 1 <= positions.size <= MOST_SHEETS:
+                problems.add(f"holds {positions.size} positions", ("draw", name), f"write 1 to {MOST_SHEETS}")
+            elif catalogue.position.units == RADIANS and not in_degrees:
                 remark_on_angles(name, positions if positions.size > 1 else positions[0], "draw")
         given.pop(name, None)
     numbers = {}
@@ -402,16 +389,6 @@ def _numbers(catalogue: Catalogue, source: Source, problems: Problems) -> tuple[
     return numbers, positions, in_degrees
 
 
-def _check_positions(name: str, positions: Any) -> None:
-    """Refuse positions that are not finite, none, or too many."""
-    if not 1 <= positions.size <= MOST_SHEETS:
-        what = f"holds {positions.size} positions"
-        raise InputError(what, where=("draw", name), remedy=f"write 1 to {MOST_SHEETS}")
-    if not np.isfinite(positions).all():
-        bad = positions[~np.isfinite(positions)][0]
-        raise InputError(f"is {bad}", where=("draw", name), remedy="write finite numbers")
-
-
 def _check_computed(motion: Motion, names: list[str], curve: int = 0) -> None:
     """Refuse quantities that the design does not give, as the evaluation does."""
     of = {"branch": motion.branches[0], "links": motion.links, "input": motion.input}
@@ -419,34 +396,14 @@ def _check_computed(motion: Motion, names: list[str], curve: int = 0) -> None:
     as_draw(lambda: evaluate(motion.mechanism, names, **given), curve)
 
 
-def _choices(
-    catalogue: Catalogue, links: Links | None, numbers: Mapping[str, float]
-) -> list[dict[str, float]]:
-    """Return each value of a choice that the design leaves open, one alone where there are none."""
-    variants = selected_variants(catalogue, links, "eliminated", numbers)
-    found = all_choices(catalogue, numbers, variants)
-    choices: list[dict[str, float]] = [{}]
-    for name, codes in found.items():
-        choices = [{**one, name: float(code)} for one in choices for code in codes]
-    return choices
-
-
-def _one_branch(motion: Motion, positions: Any) -> Motion:
-    """Return a design in the first branch that it has there: arrows and films of several cover each other."""
-    found = int(motion.assembles(positions).any(axis=1).argmax())
-    return replace(motion, branches=(motion.branches[found],))
-
-
-def _title(motion: Motion, count: int) -> str:
-    """Return what tells a design from the others side by side."""
-    inputs = motion.catalogue.known_inputs(motion.catalogue.variant_inputs)
-    chosen = [name for name in motion.design if name in inputs and inputs[name].choices]
-    if count < 2:
-        return ""
-    return ", ".join(
-        f"{name} {motion.design[name]:g}: {in_words(inputs[name].choices[int(motion.design[name])])}"
-        for name in chosen
-    )
+def _choices(motion: Motion) -> list[str]:
+    """Return the inputs of a design that are choices, and what they mean."""
+    known = motion.known_inputs
+    return [
+        f"{name} {value:g}: {in_words(known[name].choices[int(value)])}"
+        for name, value in motion.design.items()
+        if name in known and known[name].choices
+    ]
 
 
 def _words(motion: Motion, show: Any) -> frozenset[str]:
@@ -457,13 +414,9 @@ def _words(motion: Motion, show: Any) -> frozenset[str]:
     words = _listed("show", show.split() if isinstance(show, str) else show)
     lacking = {locus.group: motion.lacks(locus) for locus in motion.picture.loci}
     if ALL in words:
-        without = {word for word, names in lacking.items() if names}
-        without |= {
-            kind
-            for kind, ones in loads.items()
-            if not all(motion.has(c) for one in ones for c in one.components)
-        }
-        return frozenset(known) - without
+        for kind, ones in loads.items():
+            lacking[kind] = [name for one in ones for name in one.components if not motion.has(name)]
+        return frozenset(word for word in known if not lacking.get(word))
     problems = Problems()
     for word in words:
         with problems.at():
@@ -492,24 +445,15 @@ def _curves(motion: Motion, curves: Any, own: str) -> tuple[str, ...]:
         with problems.at("curves", k):
             if is_own(name, own):
                 what = f"{name!r} is of quantities of a user's own, of which a map has the text and runs none"
-                remedy = (
-                    "draw the study that made the map, with ",
-                    Setting("trust_code", True),
-                    ", or the extension",
-                )
+                trusted = Setting("trust_code", True)
+                remedy = ("draw the study that made the map, with ", trusted, ", or the extension")
                 raise InputError(what, remedy=remedy)
-            _check_curve(motion, name, k)
+            _check_computed(motion, [name], k)
+            if not motion.catalogue.varies(name):
+                curved = [one for one in motion.catalogue.public if motion.catalogue.varies(one)]
+                raise InputError(f"{name} is one number for a design", remedy=suggest(name, curved))
     problems.stop()
     return names
-
-
-def _check_curve(motion: Motion, name: str, k: int) -> None:
-    """Refuse a quantity without a curve over the input."""
-    _check_computed(motion, [name], k)
-    if not motion.catalogue.varies(name):
-        curved = [one for one in motion.catalogue.public if motion.catalogue.varies(one)]
-        what = f"{name} is one number for a design"
-        raise InputError(what, remedy=suggest(name, curved))
 
 
 # -- Draw a mechanism: check the request, draw, write
@@ -611,12 +555,10 @@ def draw(
     for_cad = path is not None and is_cad(path) and animate is None
     if not for_cad:
         require_package("matplotlib", ("draw",))
-    film = None
-    if animate is not None:
-        from fastlink.pictures.linkage import check_film
-
-        film = check_picture(animate, "animate", kinds=FILMS, example="linkage.gif")
-        check_film(film)
+    film = None if animate is None else check_picture(animate, "animate", kinds=FILMS, example="linkage.gif")
+    if film is not None and film.suffix.lower() == ".mp4" and which("ffmpeg") is None:
+        remedy = "install it, such as by `apt install ffmpeg`, or write a .gif or an .html"
+        raise InputError("ffmpeg, which writes films, is not installed", ("animate",), remedy)
     check_switch(("trust_code",), trust_code)
     frames = check_whole(("frames",), frames, 2, MOST_FRAMES)
     source = read_source(mechanism, design, at, inputs, trust_code)

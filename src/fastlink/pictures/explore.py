@@ -11,7 +11,7 @@ import operator
 import secrets
 import threading
 import zlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import ExitStack
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from os import PathLike
@@ -20,7 +20,6 @@ from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fastlink._text import size
 from fastlink.errors import (
@@ -36,7 +35,7 @@ from fastlink.io.output import write_whole
 from fastlink.io.output_path import check_writable, reason
 from fastlink.io.reader import as_map
 from fastlink.maps.best import least
-from fastlink.pictures.content import ONE, POOLS, Values, content_of, page_of
+from fastlink.pictures.content import ONE, POOLS, Places, Ranges, Values, Window, content_of, page_of
 
 # -- Write a map as one page that needs neither Python nor a network
 
@@ -82,10 +81,10 @@ def _kind(values: Values, name: str) -> np.dtype[Any]:
 
 def _packed(values: Values, name: str) -> dict[str, Any]:
     """Return the dimensions of a variable or column, and its values compressed, the first bytes of all first."""
-    array, kind = values.maps[name], _kind(values, name)
+    kind = _kind(values, name)
     apart = np.ascontiguousarray(values.part(name, {}), dtype=kind).reshape(-1, 1).view(np.uint8).T
     data = base64.b64encode(zlib.compress(apart.tobytes())).decode()
-    return {"type": kind.str[1:], "dims": [str(dim) for dim in array.dims], "data": data}
+    return {"type": kind.str[1:], "dims": values.dims(name), "data": data}
 
 
 # -- Rank the designs of a region of a picture, and choose some of them to be drawn
@@ -93,26 +92,18 @@ def _packed(values: Values, name: str) -> dict[str, Any]:
 #: Designs of a region that are drawn, and those that are listed as the best; values that are read at once.
 MOST_ROWS, MOST_BEST, BLOCK = 1500, 12, 1 << 22
 
-Ranges = dict[str, range]
-
 
 def region_of(
-    values: Values,
-    name: str,
-    axes: tuple[str, ...],
-    at: Mapping[str, int],
-    window: Mapping[str, tuple[int, int]],
-    *,
-    largest: bool,
+    values: Values, name: str, axes: tuple[str, ...], at: Places, window: Window, *, largest: bool
 ) -> dict[str, Any]:
     """Return some designs of a region with all variables, and the best of all of them."""
     ranges = {dim: range(window[dim][0], window[dim][1] + 1) for dim in axes}
     some = _some(ranges)
     grid = np.meshgrid(*some.values(), indexing="ij")
     found = {
-        one: _along(values, one, at, some).ravel().tolist()
+        one: values.along(one, at, some).ravel().tolist()
         for one in values.names
-        if {str(dim) for dim in values.maps[one].dims} <= {*at, *axes}
+        if {*values.dims(one)} <= {*at, *axes}
     }
     numbers = _best(values, name, at, ranges, -1.0 if largest else 1.0)
     places = [
@@ -136,18 +127,16 @@ def _some(ranges: Ranges) -> Ranges:
     return found
 
 
-def _best(
-    values: Values, name: str, at: Mapping[str, int], ranges: Ranges, sign: float
-) -> Iterator[tuple[Any, ...]]:
+def _best(values: Values, name: str, at: Places, ranges: Ranges, sign: float) -> Iterator[tuple[Any, ...]]:
     """Yield the numbers along each axis of the designs of least value times sign; of equal ones the first."""
     shape = tuple(map(len, ranges.values()))
-    first = next(dim for dim in map(str, values.maps[name].dims) if dim in ranges)
+    first = next(dim for dim in values.dims(name) if dim in ranges)
     whole, axis = ranges[first], list(ranges).index(first)
     step = max(1, BLOCK // max(1, math.prod(shape) // len(whole)))
     ranked, chosen = np.empty(0), np.empty(0, dtype=np.int64)
     for start in range(0, len(whole), step):
         part = {**ranges, first: whole[start : start + step]}
-        flat = sign * _along(values, name, at, part).ravel().astype(float)
+        flat = sign * values.along(name, at, part).ravel().astype(float)
         bound = ranked.max() if len(ranked) == MOST_BEST else np.inf
         finite = np.flatnonzero((flat <= bound) & np.isfinite(flat))
         numbers = list(np.unravel_index(finite, tuple(map(len, part.values()))))
@@ -158,17 +147,6 @@ def _best(
         kept = order[least(ranked[order], MOST_BEST)]
         ranked, chosen = ranked[kept], chosen[kept]
     return iter([np.unravel_index(one, shape) for one in chosen[np.lexsort((chosen, ranked))]])
-
-
-def _along(values: Values, name: str, at: Mapping[str, int], ranges: Ranges) -> NDArray[Any]:
-    """Return the values of a variable over ranges of places, in their order."""
-    dims = [str(dim) for dim in values.maps[name].dims]
-    slices = {dim: slice(one.start, one.stop, one.step) for dim, one in ranges.items()}
-    found = values.part(name, {dim: slices.get(dim, at.get(dim, 0)) for dim in dims})
-    own = [dim for dim in dims if dim in ranges]
-    found = found.transpose([own.index(dim) for dim in ranges if dim in own])
-    whole = found[tuple(slice(None) if dim in own else None for dim in ranges)]
-    return np.broadcast_to(whole, tuple(map(len, ranges.values())))
 
 
 # -- Serve the page of one map on this machine: to whoever has its token, and nothing else than that map
@@ -216,15 +194,6 @@ class Server:
         """Stop serving."""
         self.http.shutdown()
         self.http.server_close()
-
-    def answers(self) -> dict[str, Callable[[dict[str, Any]], bytes]]:
-        """Return what can be asked for, besides the page."""
-        return {
-            "/picture": self._picture,
-            "/column": self._column,
-            "/row": self._row,
-            "/region": self._region,
-        }
 
     def _picture(self, query: dict[str, Any]) -> bytes:
         name = str(query["name"])
@@ -297,7 +266,8 @@ class Server:
             return 403, text, b"refused: open the address that fastlink has printed, with its token"
         if address.path == "/":
             return 200, "text/html; charset=utf-8", self.page
-        answer = self.answers().get(address.path)
+        answers = {"picture": self._picture, "column": self._column, "row": self._row, "region": self._region}
+        answer = answers.get(address.path.removeprefix("/"))
         if answer is None:
             return 404, text, b"there is nothing of that name"
         try:
@@ -308,11 +278,11 @@ class Server:
             return 500, text, printable(f"the map cannot be read ({reason(error)})").encode()
 
 
-def _places(query: dict[str, Any]) -> dict[str, int]:
+def _places(query: dict[str, Any]) -> Places:
     return {str(dim): operator.index(place) for dim, place in query["at"].items()}
 
 
-def _window(query: dict[str, Any]) -> dict[str, tuple[int, int]]:
+def _window(query: dict[str, Any]) -> Window:
     return {
         str(dim): (operator.index(low), operator.index(high)) for dim, (low, high) in query["window"].items()
     }

@@ -12,14 +12,12 @@ import io
 import json
 import pathlib
 import re
-import shutil
 import subprocess
 import tempfile
 import textwrap
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from inspect import signature
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from matplotlib.lines import Line2D
@@ -33,10 +31,17 @@ from fastlink._text import filled, short_number
 from fastlink.errors import InputError
 from fastlink.facts.names import derivative_name
 from fastlink.io.output import write_whole
-from fastlink.maps.units import half_turn
+from fastlink.maps.units import DEGREE
 from fastlink.pictures.charts import cut
 from fastlink.pictures.labels import mathematical, units_text
-from fastlink.pictures.motion import PLANES, STAY_IN_FILM, Names, function_of, samples_of
+from fastlink.pictures.motion import (
+    PLANES,
+    Names,
+    finite_of,
+    function_of,
+    parameters_of,
+    samples_of,
+)
 from fastlink.pictures.style import LINES, NotebookFigure, drawable, limits_of
 from fastlink.space.units import RADIANS
 
@@ -51,8 +56,9 @@ if TYPE_CHECKING:
 
 INK, FAINT, GHOST = "0.15", "0.62", "0.72"
 POINT = 1.0 / 72.0
-#: Of a slider in points: half its length and half its height.
-SLIDER = (10.0, 6.0)
+#: Of a slider in points: half its length and half its height; its corners in these.
+SLIDER = np.array([10.0, 6.0])
+CORNERS = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
 #: Round the letters of names, over lines.
 HALO = withStroke(linewidth=2.0, foreground="white")
 HATCH: dict[str, Any] = {"spacing": 4.0, "length": 0.6}
@@ -89,10 +95,15 @@ def add_ground(axis: Any, at: Any, size: float) -> None:
     _line(axis, x, y, at, zorder=4.5, color=INK, linewidth=0.7)
 
 
+def add_mark(axis: Any, at: Any, size: float, marker: Any = "o", **style: Any) -> None:
+    """Draw a mark at a place."""
+    style = {"linestyle": "none", "zorder": 6, **style}
+    axis.plot(*np.reshape(at, (2, 1)), marker=marker, markersize=size, **style)
+
+
 def add_joint(axis: Any, at: Any, colour: Any, size: float) -> None:
     """Draw a revolute joint."""
-    style = {"marker": "o", "markersize": size, "markerfacecolor": "white", "markeredgecolor": colour}
-    axis.plot(*np.reshape(at, (2, 1)), linestyle="none", markeredgewidth=1.3, zorder=6, **style)
+    add_mark(axis, at, size, markerfacecolor="white", markeredgecolor=colour, markeredgewidth=1.3)
 
 
 def _quartered() -> Path:
@@ -101,20 +112,6 @@ def _quartered() -> Path:
     circle = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
     quarters = [np.concatenate([[(0.0, 0.0)], circle[k : k + 11]]) for k in (0, 20)]
     return Path.make_compound_path(*map(Path, (circle, 0.84 * circle[::-1], *quarters)))
-
-
-def add_centre(axis: Any, at: Any, colour: Any, size: float) -> None:
-    """Draw a mass centre."""
-    for marker, face in (("o", "white"), (CENTRE, colour)):
-        style = {"marker": marker, "color": face, "markersize": size, "markeredgewidth": 0.0}
-        axis.plot(*np.reshape(at, (2, 1)), linestyle="none", zorder=6, **style)
-
-
-def add_slider(axis: Any, at: Any, colour: Any, size: float) -> None:
-    """Draw a slider that runs along x."""
-    x, y = np.multiply(SLIDER, size)
-    style = {"facecolor": "white", "edgecolor": colour, "linewidth": 1.4, "zorder": 3.5}
-    _shape(axis, [(-x, -y), (x, -y), (x, y), (-x, y)], at, **style)
 
 
 def add_guide(axis: Any, low: float, high: float, y: float, size: float) -> None:
@@ -168,7 +165,7 @@ def add_arms(sheet: Sheet, position: float, circle: Circle) -> list[Any]:
     motion, seen, drawn = sheet.motion, set(), list[Any]()
     if not motion.has(circle.radius):
         return []
-    centres = motion.places_at(position, [motion.picture.point(circle.centre)])[circle.centre]
+    centres = motion.place(circle.centre, position)[:, 0]
     radii = motion.values([circle.radius], [position])[circle.radius][:, 0]
     for centre, radius in zip(centres, radii, strict=True):
         key = (*np.round(centre * sheet.scale, 3), round(float(radius) * sheet.scale, 3))
@@ -181,45 +178,26 @@ def add_arms(sheet: Sheet, position: float, circle: Circle) -> list[Any]:
     return drawn
 
 
-def _is_of_branch(locus: Locus) -> bool:
-    """Tell whether the curve differs by branch."""
-    return "branch" in signature(function_of(locus)).parameters
-
-
-def _shown_loci(sheet: Sheet) -> list[Locus]:
-    motion = sheet.motion
-    return [one for one in motion.picture.loci if one.group in sheet.show and one.by in ("", motion.input)]
-
-
 def legend_of_loci(sheet: Sheet) -> list[Any]:
     """Return the legend of the loci that are shown."""
-    single = sheet.colour(0) if len(sheet.motion.branches) == 1 else FAINT
-    return [
-        Line2D([], [], color=single if _is_of_branch(one) else FAINT, linewidth=0.9, label=one.meaning)
-        for one in _shown_loci(sheet)
-    ]
+    handles = []
+    for locus in sheet.loci:
+        own = "branch" in parameters_of(locus) and len(sheet.motion.branches) == 1
+        colour = sheet.colour(0) if own else FAINT
+        handles.append(Line2D([], [], color=colour, linewidth=0.9, label=locus.meaning))
+    return handles
 
 
-def add_following(sheet: Sheet, position: float) -> None:
-    """Draw loci and circles as they are at a position."""
-    picture = sheet.motion.picture
-    for circle in picture.circles:
-        if circle.group in sheet.show and picture.point(circle.centre).kind != "ground":
-            add_arms(sheet, position, circle)
-    for locus in _shown_loci(sheet):
-        _add_locus(sheet, position, locus)
-
-
-def _add_locus(sheet: Sheet, position: float, locus: Locus) -> None:
+def add_locus(sheet: Sheet, position: float, locus: Locus) -> None:
     """Draw the curve that a function of fastlink gives for a position, in each branch if they differ."""
-    motion, function, of_branch = sheet.motion, function_of(locus), _is_of_branch(locus)
-    inputs = {**motion.design, motion.input: position}
-    given = {name: inputs[name] for name in signature(function).parameters if name in inputs}
+    motion, taken = sheet.motion, parameters_of(locus)
+    of_branch = "branch" in taken
     further = motion.values(list(locus.given.values()), [position])
     for k in np.flatnonzero(motion.assembles(position)[:, 0])[: None if of_branch else 1].tolist():
-        own: dict[str, Any] = {"branch": motion.branches[k]} if of_branch else {}
-        own |= {key: float(further[fact][k, 0]) for key, fact in locus.given.items()}
-        curve = function(**given, **own)
+        inputs = {**motion.design, motion.input: position, "branch": motion.branches[k]}
+        own = {key: float(further[fact][k, 0]) for key, fact in locus.given.items()}
+        given = {name: value for name, value in inputs.items() if name in taken}
+        curve = function_of(locus)(**given, **own)
         colour = sheet.colour(k) if of_branch else FAINT
         style = {"color": colour, "linewidth": 0.9, "alpha": 0.75, "zorder": 1.2}
         if locus.gives == "points":
@@ -271,88 +249,68 @@ RADIUS, FURTHER_RADIUS = 17.0, 6.0
 CLOSE = 9.0
 
 
-def _loads(motion: Motion, kind: str, positions: Any) -> dict[str, Any]:
-    """Return each load of a kind over branches, positions, and its components."""
-    components = {one.name: one.components for one in motion.picture.loads[kind]}
-    values = motion.values([name for names in components.values() for name in names], positions)
-    return {one: np.stack([values[name] for name in names], axis=-1) for one, names in components.items()}
-
-
-def _scaled_by(motion: Motion, kind: str, positions: Any, moves: bool) -> tuple[Any, dict[str, Any], float]:
-    """Return the positions of which the loads have one scale, the loads there, and the greatest of them."""
-    positions = motion.spread(61, ends=False) if moves else positions
-    values = _loads(motion, kind, positions)
+def _loads(motion: Motion, kind: str, positions: Any) -> tuple[dict[str, Any], float]:
+    """Return each load of a kind over branches, positions, and its components; and how great the greatest is."""
+    values = motion.vectors({one.name: one.components for one in motion.picture.loads[kind]}, positions)
     sizes = np.stack([np.linalg.norm(one, axis=-1) for one in values.values()])
-    return positions, values, float(sizes[np.isfinite(sizes)].max(initial=0.0)) or 1.0
+    return values, float(sizes[np.isfinite(sizes)].max(initial=0.0)) or 1.0
 
 
-def ends_of_forces(motion: Motion, positions: Any, longest: float, *, moves: bool) -> Any:
+def ends_of_forces(motion: Motion, positions: Any, longest: float) -> Any:
     """Return where the arrows of all forces end, the longest of them of a given length."""
-    positions, values, greatest = _scaled_by(motion, FORCES, positions, moves)
+    values, greatest = _loads(motion, FORCES, positions)
     places, unit = motion.places(positions), longest / greatest
-    ends = [places[one.at] + unit * values[one.name] for one in motion.picture.forces]
-    found = np.concatenate([one.reshape(-1, 2) for one in ends])
-    return found[np.isfinite(found).all(axis=1)]
+    return finite_of(places[one.at] + unit * values[one.name] for one in motion.picture.forces)
 
 
-class Loads:
-    """The forces and torques of one picture."""
+def legend_of_loads(sheet: Sheet, position: float) -> list[Any]:
+    """Settle the scale of the forces and torques that are shown, and return their legend."""
+    handles = []
+    for kind in (kind for kind in (FORCES, TORQUES) if kind in sheet.show):
+        positions = sheet.motion.spread(61, ends=False) if sheet.moves else [position]
+        _, greatest = _loads(sheet.motion, kind, positions)
+        sheet.greatest[kind] = greatest
+        marker, size, width = MARKS[kind]
+        style: dict[str, Any] = {"markersize": size, "linewidth": width, "markeredgewidth": 0.6}
+        label = f"{kind}, the greatest {short_number(float(f'{greatest:.3g}'))} {UNITS[kind]}"
+        colour = LINES[3] if len(sheet.motion.branches) == 1 else INK
+        handles.append(Line2D([], [], color=colour, marker=marker, label=label, **style))
+    return handles
 
-    def __init__(self, sheet: Sheet) -> None:
-        self.sheet = sheet
-        #: The greatest one of each kind that is shown.
-        self.greatest: dict[str, float] = {}
 
-    def scale(self, position: float) -> list[Any]:
-        """Find the greatest of each kind, of the whole motion where one moves, and return the legend."""
-        handles = []
-        for kind in (kind for kind in (FORCES, TORQUES) if kind in self.sheet.show):
-            _, _, greatest = _scaled_by(self.sheet.motion, kind, [position], self.sheet.moves)
-            self.greatest[kind] = greatest
-            marker, size, width = MARKS[kind]
-            style: dict[str, Any] = {"markersize": size, "linewidth": width, "markeredgewidth": 0.6}
-            label = f"{kind}, the greatest {short_number(float(f'{greatest:.3g}'))} {UNITS[kind]}"
-            handles.append(Line2D([], [], color=self._colour(0, INK), marker=marker, label=label, **style))
-        return handles
+def add_loads(sheet: Sheet, position: float) -> None:
+    """Draw the forces and torques that are shown at a position, then their names."""
+    motion, named = sheet.motion, []
+    for kind, greatest in sheet.greatest.items():
+        values, _ = _loads(motion, kind, [position])
+        for one in motion.picture.loads[kind]:
+            for k, value in enumerate(values[one.name][:, 0] / greatest):
+                at = sheet.places[one.at][k]
+                colour = LINES[3] if len(motion.branches) == 1 else sheet.colour(k)
+                if np.isfinite([*value, *at]).all():
+                    add = _add_force if kind == FORCES else _add_torque
+                    named.append((one.name, k, colour, add(sheet, k, value, at, colour)))
+    for name, k, colour, at in named:
+        symbol = motion.catalogue.public_fact(name).symbol.strip("|")
+        middle = sheet.names.place(f"{name} {k}", symbol.replace("_", ""), at, CLOSE)
+        sheet.write(mathematical(symbol), middle, colour)
 
-    def draw(self, position: float, places: Any) -> None:
-        """Draw what is shown at a position."""
-        add = {FORCES: self._force, TORQUES: self._torque}
-        named = []
-        for kind, greatest in self.greatest.items():
-            values = _loads(self.sheet.motion, kind, [position])
-            for one in self.sheet.motion.picture.loads[kind]:
-                for k, value in enumerate(values[one.name][:, 0] / greatest):
-                    at = places[one.at][k]
-                    if np.isfinite([*value, *at]).all():
-                        named.append((one.name, k, add[kind](k, value, at)))
-        for name, k, at in named:
-            symbol = self.sheet.motion.catalogue.public_fact(name).symbol.strip("|")
-            middle = self.sheet.names.place(f"{name} {k}", symbol.replace("_", ""), at, CLOSE)
-            self.sheet.write(mathematical(symbol), middle, self._colour(k))
 
-    def _colour(self, k: int, shared: str = "") -> str:
-        """Return the colour in a branch; in the legend, that of all."""
-        if len(self.sheet.motion.branches) == 1:
-            return LINES[3]
-        return shared or self.sheet.colour(k)
+def _add_force(sheet: Sheet, k: int, vector: Any, start: Any, colour: str) -> Any:
+    """Draw an arrow; return the place beside which its name stands."""
+    end = start + LONGEST * sheet.side * vector
+    arrow = {"arrowstyle": "-|>", "color": colour, "linewidth": 1.4, "shrinkA": 0, "shrinkB": 0}
+    sheet.names.keep_free(samples_of([start, end], sheet.scale))
+    sheet.axis.annotate("", end, start, arrowprops=arrow, zorder=6.5)
+    return end
 
-    def _force(self, k: int, vector: Any, start: Any) -> Any:
-        """Draw an arrow; return the place beside which its name stands."""
-        sheet = self.sheet
-        end = start + LONGEST * min(np.ptp(sheet.view[:2]), np.ptp(sheet.view[2:])) * vector
-        arrow = {"arrowstyle": "-|>", "color": self._colour(k), "linewidth": 1.4, "shrinkA": 0, "shrinkB": 0}
-        sheet.names.keep_free(samples_of([start, end], sheet.scale))
-        sheet.axis.annotate("", end, start, arrowprops=arrow, zorder=6.5)
-        return end
 
-    def _torque(self, k: int, value: Any, at: Any) -> Any:
-        """Draw a curved arrow; return the place beside which its name stands."""
-        sheet = self.sheet
-        radius = (RADIUS + FURTHER_RADIUS * k) * sheet.size
-        arc = add_turn(sheet.axis, at, float(value[0]), radius, self._colour(k))
-        sheet.names.keep_free(at + arc / sheet.scale)
-        return at + arc[len(arc) // 2] / sheet.scale
+def _add_torque(sheet: Sheet, k: int, value: Any, at: Any, colour: str) -> Any:
+    """Draw a curved arrow; return the place beside which its name stands."""
+    radius = (RADIUS + FURTHER_RADIUS * k) * sheet.size
+    arc = add_turn(sheet.axis, at, float(value[0]), radius, colour)
+    sheet.names.keep_free(at + arc / sheet.scale)
+    return at + arc[len(arc) // 2] / sheet.scale
 
 
 # -- Show more than the linkage, each thing by a word: paths, limits, circles, light cones, curvature combs
@@ -398,7 +356,7 @@ def _add_paths(sheet: Sheet, position: float) -> list[Any]:
                 if np.isfinite(line).all(axis=-1).any():
                     style = branch_line(look, zorder=2.0, gid=f"path {one.name} {branch}")
                     sheet.axis.plot(*line.T, **style)
-                    sheet.keep_free(samples_of(line, sheet.scale)[::2], 0.5)
+                    sheet.names.keep_free(samples_of(line, sheet.scale)[::2], 0.5)
     letters = " and ".join(_lettered(one.name) if one.is_named else "the middle of a bar" for one in traced)
     style = branch_line(1) if len(motion.branches) == 1 else {"color": FAINT, "linewidth": 1.3}
     return [Line2D([], [], label=f"path of {letters}", **style)]
@@ -411,7 +369,7 @@ def _add_circles(sheet: Sheet, position: float, group: str) -> list[Any]:
         if circle.group == group and motion.picture.point(circle.centre).kind == "ground":
             arms += add_arms(sheet, position, circle)
     for one in arms:
-        sheet.keep_free(samples_of(one.get_xydata(), sheet.scale)[::2], 0.4)
+        sheet.names.keep_free(samples_of(one.get_xydata(), sheet.scale)[::2], 0.4)
     for guide in motion.picture.guides:
         if guide.group == group and not guide.slider and guide.x is not None and motion.has(guide.x):
             x = motion.number(guide.x)
@@ -443,23 +401,20 @@ def _add_cones(sheet: Sheet, position: float) -> list[Any]:
     """Draw the light lines through the ground pivots."""
     reach, style = 2.0 * float(np.ptp(sheet.view)), dict[str, Any](color="0.85", linewidth=0.8)
     for at in sheet.ground.values():
-        for line in sheet.plane.cone(at, reach):
+        for side in (1.0, -1.0):
+            line = at + reach * np.array([[-1.0, -side], [1.0, side]])
             sheet.axis.plot(*line.T, zorder=0.5, **style)
     return [Line2D([], [], label="light lines", **style)]
 
 
 def _add_comb(sheet: Sheet, position: float) -> list[Any]:
     """Draw the curvature of each path that is shown as teeth across it, on the outer side."""
-    motion, handles = sheet.motion, list[Any]()
+    motion, handles, size = sheet.motion, list[Any](), sheet.side
     centre = 0.5 * (sheet.view[::2] + sheet.view[1::2])
-    size = min(np.ptp(sheet.view[:2]), np.ptp(sheet.view[2:]))
     for point in _traced(sheet, unless="path"):
         ranges = motion.along(2 * TEETH, position)
-        every = np.concatenate(
-            [np.hypot(*np.moveaxis(_curved(sheet, point, one)[1], -1, 0)).ravel() for one in ranges]
-        )
-        every = every[np.isfinite(every)]
-        usual = float(np.median(every)) if every.size else 0.0
+        bends = finite_of(_curved(sheet, point, one)[1] for one in ranges)
+        usual = float(np.median(np.hypot(*bends.T))) if bends.size else 0.0
         if usual * size < STRAIGHT:
             continue
         for positions in ranges:
@@ -502,42 +457,31 @@ def _slope(motion: Motion, coordinate: Value) -> Value:
 def _curved(sheet: Sheet, point: Point, positions: Any) -> tuple[Any, Any]:
     """Return the places of a point and the vectors of curvature of its path, over branches."""
     motion = sheet.motion
-    slopes = [_slope(motion, xy) for xy in (point.x, point.y)]
+    slopes = {point.name: [_slope(motion, xy) for xy in (point.x, point.y)]}
     aside = ASIDE * (motion.span[1] - motion.span[0])
 
     def slope(shift: float) -> Any:
-        values = motion.values(slopes, positions + shift)
-        return np.stack([values[name] for name in slopes], axis=-1)
+        return motion.vectors(slopes, positions + shift)[point.name]
 
     with np.errstate(all="ignore"):  # the first derivatives are facts
         bend = (slope(aside) - slope(-aside)) / (2.0 * aside)
-        return motion.places(positions, [point])[point.name], sheet.plane.curvature(slope(0.0), bend)
-
-
-#: What is drawn by a word of its own.
-OF_WORDS: dict[str, Callable[[Sheet, float], list[Any]]] = {
-    "cone": _add_cones,
-    "limits": _add_limits,
-    "comb": _add_comb,
-}
+        return motion.place(point.name, positions), sheet.plane.curvature(slope(0.0), bend)
 
 
 def add_overlays(sheet: Sheet, position: float) -> list[Any]:
     """Draw all that is shown besides the linkage, as for a position, and return its legend."""
     handles = [line for group in sorted(sheet.show) for line in _add_circles(sheet, position, group)]
     handles += [*legend_of_loci(sheet), *_add_paths(sheet, position)]
-    for word, add in OF_WORDS.items():
+    for word, add in (("cone", _add_cones), ("limits", _add_limits), ("comb", _add_comb)):
         if word in sheet.show:
             handles += add(sheet, position)
-    marks = {CENTRES: (CENTRE, "mass centres"), "foci": ("x", "second focus of the conic")}
-    for word in sorted(marks.keys() & sheet.show):
-        marker, label = marks[word]
-        style: dict[str, Any] = {
-            "linestyle": "none",
-            "color": INK,
-            "markeredgewidth": 1.0 * (word != CENTRES),
-        }
-        handles.append(Line2D([], [], marker=marker, label=label, **style))
+    for word, marker, label, edge in (
+        (CENTRES, CENTRE, "mass centres", 0.0),
+        ("foci", "x", "second focus of the conic", 1.0),
+    ):
+        if word in sheet.show:
+            style: dict[str, Any] = {"linestyle": "none", "color": INK, "markeredgewidth": edge}
+            handles.append(Line2D([], [], marker=marker, label=label, **style))
     return handles
 
 
@@ -551,32 +495,48 @@ PLATE = 0.14
 USUAL_JOINT = 7.5
 
 
-@dataclass(frozen=True)
-class Style:
-    """The width of a bar, the sizes of joints and letters in points, and whether bars carry their lengths' symbols."""
+class Style(NamedTuple):
+    """The width of a sheet in inches; that of a bar, and the sizes of joints and letters, in points."""
 
-    bar: float = 3.6
-    joint: float = USUAL_JOINT
-    font: float = 10.0
-    lengths: bool = True
+    width: float
+    bar: float
+    joint: float
+    font: float
+
+
+#: By how many linkages stand in a row.
+STYLES = {
+    1: Style(5.6, 3.6, USUAL_JOINT, 10.0),
+    2: Style(4.2, 3.2, 6.5, 9.5),
+    3: Style(3.2, 2.8, 5.6, 8.5),
+    4: Style(2.7, 2.4, 5.6, 8.5),
+}
 
 
 class Sheet:
-    """The picture of a design in one pair of axes."""
+    """The picture of a design in one pair of axes of a board."""
 
-    def __init__(
-        self, axis: Any, motion: Motion, view: Any, scale: float, show: frozenset[str], *, style: Style
-    ) -> None:
-        self.axis, self.motion, self.view, self.scale = axis, motion, view, scale
-        self.show, self.style, self.size = show, style, style.joint / USUAL_JOINT
+    def __init__(self, axis: Any, motion: Motion, board: Board, style: Style) -> None:
+        self.axis, self.motion, self.view, self.scale = axis, motion, board.view, board.scale
+        self.show, self.style, self.size = board.request.show, style, style.joint / USUAL_JOINT
+        in_film = board.request.moves
+        #: Whether lengths have their symbols; whether one scale of forces is for the whole motion.
+        self.lengths = len(board.request.sheets) == 1 and not in_film
+        self.moves = in_film or len(board.request.positions) > 1
         self.plane = PLANES[motion.picture.metric]
-        self.names = Names(scale, view)
-        #: Whether one scale of forces is for the whole motion.
-        self.moves = False
-        self.loads = Loads(self)
-        self.free: list[tuple[Any, float]] = []
+        self.names = Names(self.scale, self.view, in_film)
+        self.loci = [
+            one for one in motion.picture.loci if one.group in self.show and one.by in ("", motion.input)
+        ]
+        #: The shorter side of the view.
+        self.side = min(np.ptp(self.view[:2]), np.ptp(self.view[2:]))
+        #: The greatest force and torque, of those that are shown.
+        self.greatest: dict[str, float] = {}
         #: The places of the ground pivots.
         self.ground: dict[str, Any] = {}
+        #: The places of the points in the picture, over branches; those that are the same in all.
+        self.places: dict[str, Any] = {}
+        self.common: set[str] = set()
 
     # -- what stands still -----------------------------------------------------------------------------------------
 
@@ -587,36 +547,27 @@ class Sheet:
         axis.set_axis_off()
         pivots = [one for one in motion.points if one.kind == "ground"]
         self.ground = {name: at[0] for name, at in motion.places_at(position, pivots).items()}
-        handles = add_overlays(self, position)
-        handles += self.loads.scale(position)
+        handles = [*add_overlays(self, position), *legend_of_loads(self, position)]
         for bar in motion.picture.bars:
             if bar.is_ground:
                 at = np.array([self.ground[name] for name in bar.points.split()])
                 axis.plot(*at.T, color="0.75", linewidth=1.0, linestyle=(0, (8, 3, 1, 3)), zorder=2.2)
-                self.keep_free(samples_of(at, self.scale), 0.3)
+                self.names.keep_free(samples_of(at, self.scale), 0.3)
+        edge = 16.0 / self.scale
         corner = np.stack(np.meshgrid([-12.0, -6.0, 0.0, 6.0, 12.0], [-7.0, -11.0, -15.0]), axis=-1)
         for at in self.ground.values():
             if np.isfinite(at).all():
                 add_ground(axis, at, self.size)
-                self.keep_free(at + corner * self.size / self.scale, 2.0)
+                self.names.keep_free(at + corner * self.size / self.scale, 2.0)
         for guide in motion.picture.guides:
             if guide.slider and guide.y is not None:
-                (low, high), y = self._run(guide.slider), motion.number(guide.y)
+                x = motion.place(guide.slider, np.concatenate(motion.along(61)))[..., 0]
+                low, high, y = np.nanmin(x) - edge, np.nanmax(x) + edge, motion.number(guide.y)
                 add_guide(axis, low, high, y, self.size)
                 hatched = np.array([[low, y], [high, y]]) - [0.0, 1.3 * SLIDER[1] * self.size / self.scale]
-                self.keep_free(samples_of(hatched, self.scale), 0.7)
+                self.names.keep_free(samples_of(hatched, self.scale), 0.7)
+        self.names.rest()
         return handles
-
-    def _run(self, slider: str) -> tuple[float, float]:
-        """Return how far the ground of a slider reaches."""
-        along = np.concatenate(self.motion.along(61))
-        x = self.motion.places(along, [self.motion.picture.point(slider)])[slider][..., 0]
-        edge = 16.0 / self.scale
-        return float(np.nanmin(x)) - edge, float(np.nanmax(x)) + edge
-
-    def keep_free(self, points: Any, weight: float) -> None:
-        """Note points that names should not cover."""
-        self.free.append((points, weight))
 
     # -- the linkage -----------------------------------------------------------------------------------------------
 
@@ -625,27 +576,29 @@ class Sheet:
         motion, names = self.motion, self.names
         points = [one for one in motion.points if not one.group or one.group in self.show]
         assembled = motion.assembles(position)
-        places = {
+        self.places = {
             one.name: at if one.kind == "ground" else np.where(assembled, at, np.nan)
             for one, at in zip(points, motion.places_at(position, points).values(), strict=True)
         }
-        common = {name: self._is_common(at) for name, at in places.items()}
+        self.common = {name for name, at in self.places.items() if self._is_common(at)}
         names.clear()
-        for cloud, weight in self.free:
-            names.keep_free(cloud, weight)
-        add_following(self, position)
+        for circle in motion.picture.circles:
+            if circle.group in self.show and motion.picture.point(circle.centre).kind != "ground":
+                add_arms(self, position, circle)
+        for locus in self.loci:
+            add_locus(self, position, locus)
         for bar in motion.picture.bars:
             if not bar.is_ground:
-                self._bar(bar, position, places, common)
+                self._bar(bar, position)
         for one in points:
-            for at, colour in self._in_branches(places[one.name], common[one.name]):
-                self._point(one, at, colour)
+            for k, colour in self._in_branches(one.name):
+                self._point(one, self.places[one.name][k], colour)
         if not assembled.any():
             self.write("does not assemble", 0.5 * (self.view[::2] + self.view[1::2]), "0.4")
-        self.loads.draw(position, places)
-        self._letters(points, places, common)
-        if self.style.lengths:
-            self._symbols(places, common)
+        add_loads(self, position)
+        self._letters([one.name for one in points if one.is_named])
+        if self.lengths:
+            self._symbols()
 
     def _is_common(self, at: Any) -> bool:
         """Tell whether a point is the same in all branches in which it exists."""
@@ -654,10 +607,13 @@ class Sheet:
             return len(self.motion.branches) < 2
         return float(np.ptp(finite, axis=0).max()) <= SAME * float(np.ptp(self.view[:2]))
 
-    def _in_branches(self, at: Any, common: bool) -> list[tuple[Any, Any]]:
-        """Return the places of a point with their colours: one if they agree."""
-        finite = np.flatnonzero(np.isfinite(at).all(axis=-1)).tolist()
-        return [(at[k], INK) for k in finite[:1]] if common else [(at[k], self.colour(k)) for k in finite]
+    def _in_branches(self, *names: str) -> list[tuple[int, str]]:
+        """Return the branches, by index, in which some points are, and their colours: one where all of them agree."""
+        places = np.stack([self.places[name] for name in names])
+        finite = np.flatnonzero(np.isfinite(places).all(axis=(0, 2))).tolist()
+        if self.common.issuperset(names):
+            return [(k, INK) for k in finite[:1]]
+        return [(k, self.colour(k)) for k in finite]
 
     def colour(self, k: int) -> str:
         """Return the colour of the branch with an index."""
@@ -666,73 +622,65 @@ class Sheet:
     def _point(self, point: Point, at: Any, colour: Any) -> None:
         joint, kind = self.style.joint, point.kind
         if kind == "slider":
-            add_slider(self.axis, at, colour, self.size)
-            half = np.multiply(SLIDER, self.size) / self.scale
-            corners = at + half * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)])
+            box = {"facecolor": "white", "edgecolor": colour, "linewidth": 1.4, "zorder": 3.5}
+            _shape(self.axis, CORNERS * SLIDER * self.size, at, **box)
+            corners = at + SLIDER * self.size / self.scale * np.concatenate([CORNERS, CORNERS[:1]])
             self.names.keep_free(samples_of(corners, self.scale))
             add_joint(self.axis, at, colour, 0.8 * joint)
         elif point.group == CENTRES:
-            add_centre(self.axis, at, colour, 1.1 * joint)
+            for marker, face in (("o", "white"), (CENTRE, colour)):
+                add_mark(self.axis, at, 1.1 * joint, marker, color=face, markeredgewidth=0.0)
         elif kind in ("traced", "mark"):
-            size = (0.5 if kind == "traced" else 0.4) * joint
-            self.axis.plot(*np.reshape(at, (2, 1)), "o", color=colour, markersize=size, zorder=6)
+            add_mark(self.axis, at, (0.5 if kind == "traced" else 0.4) * joint, color=colour)
         else:
             add_joint(self.axis, at, colour, joint)
 
-    def _bar(self, bar: Bar, position: float, places: Any, common: Any) -> None:
+    def _bar(self, bar: Bar, position: float) -> None:
         """Draw a bar, or a plate, in each branch that has it."""
-        names = [name for name in bar.points.split() if name in places]
-        corners = np.stack([places[name] for name in names], axis=1)
-        present = np.flatnonzero(np.isfinite(corners).all(axis=(1, 2)))
-        is_common = all(common[name] for name in names)
-        for k in present[:1] if is_common else present:
-            at, branch = corners[k], self.motion.branches[k]
-            colour = INK if is_common else self.colour(k)
-            self._outline(bar, names, at, branch, colour, hollow=not is_common and branch > 1)
+        names = [name for name in bar.points.split() if name in self.places]
+        for k, colour in self._in_branches(*names):
+            places = {name: self.places[name][k] for name in names}
+            at = np.stack([*places.values()])
+            self._outline(bar, places, self.motion.branches[k], colour)
             if len(at) > 2:
                 self.axis.fill(*at.T, facecolor=colour, alpha=PLATE, linewidth=0, zorder=3.0)
             if bar.orientation:
                 side = self.motion.values([bar.orientation], [position])[bar.orientation][k, 0]
-                self._direction(at[0], at[1], "white" if side < 0.0 else colour, colour)
+                head = {"facecolor": "white" if side < 0.0 else colour, "edgecolor": colour, "linewidth": 1.2}
+                head |= {"arrowstyle": "-|>,head_length=0.55,head_width=0.3", "shrinkA": 0, "shrinkB": 0}
+                start, along = at[0], at[1] - at[0]
+                self.axis.annotate("", start + 0.6 * along, start + 0.5 * along, arrowprops=head, zorder=5)
             self.names.keep_free(samples_of(np.concatenate([at, at[:1]]), self.scale))
 
-    def _direction(self, start: Any, end: Any, face: Any, colour: Any) -> None:
-        """Draw the head of an arrow on a bar."""
-        arrow = {"arrowstyle": "-|>,head_length=0.55,head_width=0.3", "edgecolor": colour, "facecolor": face}
-        arrow |= {"shrinkA": 0, "shrinkB": 0, "linewidth": 1.2}
-        along = end - start
-        self.axis.annotate("", start + 0.6 * along, start + 0.5 * along, arrowprops=arrow, zorder=5)
-
-    def _outline(
-        self, bar: Bar, names: list[str], at: Any, branch: int, colour: Any, *, hollow: bool
-    ) -> None:
+    def _outline(self, bar: Bar, places: dict[str, Any], branch: int, colour: str) -> None:
         """Draw a bar: thick along lengths, hollow in the second branch; thin round the rest of a plate."""
-        thick = [tuple(pair.split()) for pair in bar.lengths]
-        if len(names) == 2:
-            thick = thick or [(names[0], names[1])]  # whose length is a number, or changes
-        edges = list(zip(names, [*names[1:], names[0]], strict=True)) if len(names) > 2 else []
+        edges = list(pairwise([*places, next(iter(places))]))
+        thick: list[Any] = [tuple(pair.split()) for pair in bar.lengths]
+        if len(places) == 2:
+            thick = thick or edges[:1]  # whose length is a number, or changes
         thin = [pair for pair in edges if pair not in thick and pair[::-1] not in thick]
         width, style = self.style.bar, {"solid_capstyle": "round", "zorder": 4.0}
-        ends = {(a, b): at[[names.index(a), names.index(b)]].T for a, b in (*thick, *thin)}
         for kind, pairs, wide in (("bar", thick, width), ("edge", thin, 0.3 * width)):
             for a, b in pairs:
                 look = {"color": colour, "linewidth": wide, "gid": f"{kind} {a} {b} {branch}", **style}
-                self.axis.plot(*ends[a, b], **look)
-        for a, b in thick if hollow else ():
-            self.axis.plot(*ends[a, b], color="white", linewidth=0.45 * width, **style)
+                self.axis.plot(*np.transpose([places[a], places[b]]), **look)
+        for a, b in thick if branch > 1 and colour != INK else ():
+            line = np.transpose([places[a], places[b]])
+            self.axis.plot(*line, color="white", linewidth=0.45 * width, **style)
 
-    def _letters(self, points: Any, places: Any, common: Any) -> None:
+    def _letters(self, named: list[str]) -> None:
         """Write the names of points; those that stand in one place share it."""
         groups: list[tuple[Any, Any, list[str]]] = []
         near = 0.6 * self.style.joint / self.scale
-        for one in filter(lambda one: one.is_named, points):
-            for at, colour in self._in_branches(places[one.name], common[one.name]):
+        for name in named:
+            for k, colour in self._in_branches(name):
+                at = self.places[name][k]
                 self.names.keep_free(at + np.array([[0.0, 0.0], [3.0, 0.0], [-3.0, 0.0]]) / self.scale, 1.5)
                 letters = next((names for place, _, names in groups if np.hypot(*(place - at)) < near), None)
                 if letters is None:
-                    groups.append((at, colour, [one.name]))
-                elif one.name not in letters:
-                    letters.append(one.name)
+                    groups.append((at, colour, [name]))
+                elif name not in letters:
+                    letters.append(name)
         for number, (at, colour, letters) in enumerate(groups):
             if self._is_in_view(at):
                 text = ", ".join(letters)
@@ -743,26 +691,17 @@ class Sheet:
         view = self.view
         return bool(view[0] <= at[0] <= view[1] and view[2] <= at[1] <= view[3])
 
-    def _symbols(self, places: Any, common: Any) -> None:
+    def _symbols(self) -> None:
         """Write the symbols of lengths along bars, those of the first branch."""
+        known, facts = self.motion.known_inputs, self.motion.catalogue.facts
         for bar in self.motion.picture.bars:
             for pair, length in bar.lengths.items():
-                a, b = (places[name] for name in pair.split())
-                present = np.flatnonzero(np.isfinite(a + b).all(axis=-1))
-                if not present.size or not self._is_in_view(0.5 * (a[present[0]] + b[present[0]])):
-                    continue
-                k = present[0]
-                is_common = all(common[name] for name in pair.split())
-                colour = "0.5" if bar.is_ground else INK if is_common else self.colour(k)
-                symbol = self.symbol(length)
-                middle = self.names.beside(pair, symbol.replace("_", ""), a[k], b[k])
-                self.write(mathematical(symbol), middle, colour)
-
-    def symbol(self, name: str) -> str:
-        """Return the symbol of a fact or an input."""
-        known = self.motion.catalogue
-        inputs = known.known_inputs(known.variant_inputs)
-        return inputs[name].symbol if name in inputs else known.facts[name].symbol
+                for k, colour in self._in_branches(*pair.split())[:1]:
+                    start, end = (self.places[name][k] for name in pair.split())
+                    if self._is_in_view(0.5 * (start + end)):
+                        symbol = (known.get(length) or facts[length]).symbol
+                        middle = self.names.beside(pair, symbol.replace("_", ""), start, end)
+                        self.write(mathematical(symbol), middle, "0.5" if bar.is_ground else colour)
 
     def write(self, text: str, at: Any, colour: Any) -> None:
         """Write the name of something."""
@@ -788,73 +727,65 @@ class Curves:
     def __init__(self, axes: Sequence[Any], motion: Motion, names: Sequence[str], degrees: bool) -> None:
         self.axes, self.motion, self.names, self.degrees = axes, motion, names, degrees
         known = motion.catalogue
-        self.units = {name: known.public_fact(name).units for name in names}
+        #: What stands along an axis, by its name: a quantity, or the input.
+        self.labels: dict[str, Any] = {name: known.public_fact(name) for name in names}
+        self.labels[motion.input] = known.position
         for axis, name in zip(axes, names, strict=True):
             self._draw(axis, name)
-            fact = known.public_fact(name)
-            units = "" if fact.flags else units_text(self._units(fact.units))
-            axis.set_ylabel(f"{mathematical(fact.symbol)}{units and f' [{units}]'}", fontsize=9)
+            axis.set_ylabel(self._label(name), fontsize=9)
             axis.tick_params(labelsize=8, labelbottom=axis is axes[-1])
             axis.grid(color="0.92", linewidth=0.8)
             axis.set_axisbelow(True)
-        position = known.position
-        units = units_text(self._units(position.units))
-        axes[-1].set_xlabel(f"{mathematical(position.symbol)}{units and f' [{units}]'}", fontsize=9)
+        axes[-1].set_xlabel(self._label(motion.input), fontsize=9)
 
-    def _units(self, units: str) -> str:
-        return "°" if self.degrees and units == RADIANS else "" if units == "1" else units
+    def _units(self, name: str) -> str:
+        units: str = self.labels[name].units
+        return DEGREE if self.degrees and units == RADIANS else units
 
-    def _scaled(self, values: Any, units: str) -> Any:
-        return np.degrees(values) if self.degrees and units == RADIANS else values
+    def _label(self, name: str) -> str:
+        units = self._units(name)
+        return mathematical(self.labels[name].symbol) + ("" if units == "1" else f" [{units_text(units)}]")
 
-    def _at(self, positions: Any) -> Any:
-        return self._scaled(np.asarray(positions, dtype=float), self.motion.catalogue.position.units)
+    def _values(self, name: str, positions: Any) -> Any:
+        """Return a quantity, or the input, over branches and positions, as it is shown."""
+        values = self.motion.values([name], positions)[name]
+        return np.degrees(values) if self._units(name) == DEGREE else values
 
     def _draw(self, axis: Any, name: str) -> None:
         motion, every = self.motion, []
-        units = self.units[name]
         for positions in motion.along(CURVE_POINTS):
-            values = self._scaled(motion.values([name], positions)[name], units)
-            for k, branch in enumerate(motion.looks):
-                x, y = cut(
-                    self._at(positions), drawable(values[k]), self._units(units).replace("°", "degree")
-                )
-                axis.plot(x, y, **branch_line(branch))
-                every.append(values[k])
+            curves = zip(self._values(motion.input, positions), self._values(name, positions), strict=True)
+            for branch, (along, values) in zip(motion.looks, curves, strict=True):
+                axis.plot(*cut(along, drawable(values), self._units(name)), **branch_line(branch))
+                every.append(values)
         low, high, extend = limits_of(drawable(np.concatenate(every)), np.concatenate(every), MOST_RANGE)
         if extend != "neither":
             axis.set_ylim(low - 0.05 * (high - low), high + 0.05 * (high - low))
-        ends = self._at([motion.ranges[0][0], motion.ranges[-1][1]])
+        ends = self._values(motion.input, [motion.ranges[0][0], motion.ranges[-1][1]])[0]
         axis.set_xlim(*ends)
-        half = half_turn(motion.catalogue.position.units)
-        if half is not None and self.degrees:
+        if self._units(motion.input) == DEGREE:
             step = next(step for step in (5, 10, 15, 30, 45, 60, 90) if (ends[1] - ends[0]) / step <= 8.5)
             axis.set_xticks(np.arange(np.ceil(ends[0] / step), np.floor(ends[1] / step) + 1) * step)
 
     def mark(self, positions: Sequence[float]) -> None:
-        """Mark the input and the values there."""
-        shown = [self._within(position) for position in positions]
+        """Mark the input, moved by whole turns into what the axes show, and the values there."""
+        low, shown = self.motion.ranges[0][0], np.asarray(positions)
+        shown = low + (shown - low) % (2.0 * np.pi) if self.motion.turns else shown
         for axis, name in zip(self.axes, self.names, strict=True):
-            for position, x in zip(positions, self._at(shown), strict=True):
+            for position, x in zip(positions, self._values(self.motion.input, shown)[0], strict=True):
                 axis.axvline(x, color="0.35", linewidth=0.9, zorder=1.5)
-                values = self._scaled(self.motion.values([name], [position])[name][:, 0], self.units[name])
+                values = self._values(name, [position])[:, 0]
                 for branch, value in zip(self.motion.looks, values, strict=True):
                     if np.isfinite(value):
                         style = {"markersize": 5, "markeredgecolor": "white", "zorder": 5}
                         axis.plot([x], [value], "o", color=colour_of(branch), **style)
 
-    def _within(self, position: float) -> float:
-        """Return a position moved by whole turns into what the axis shows."""
-        low = self.motion.ranges[0][0]
-        return low + (position - low) % (2.0 * np.pi) if self.motion.turns else position
-
 
 # -- The whole picture: one or several sheets, curves beside them, the legend and the numbers of the design
 
 
-#: In inches: the width of one sheet by how many stand in a row, the margin, a line of text, the curves beside.
-WIDTHS = {1: 5.6, 2: 4.2, 3: 3.2, 4: 2.7}
-MOST_IN_A_ROW = 4
+MOST_IN_A_ROW = len(STYLES)
+#: In inches: the margin, a line of text, the title, the curves beside, and each of these.
 MARGIN, LINE, TITLE, BESIDE, CURVE = 0.25, 0.19, 0.3, 3.6, 1.25
 #: The height of a sheet over its width.
 FLATTEST, TALLEST = 0.42, 1.1
@@ -878,71 +809,46 @@ class Board:
         self.view = _view(request)
         rows = -(-len(request.sheets) // MOST_IN_A_ROW)
         columns = -(-len(request.sheets) // rows)
-        self.width = WIDTHS[columns]
-        self.height = self.width * float(np.ptp(self.view[2:]) / np.ptp(self.view[:2]))
-        self.scale = POINTS * self.width / float(np.ptp(self.view[:2]))
+        wide = STYLES[columns].width
+        high = wide * float(np.ptp(self.view[2:]) / np.ptp(self.view[:2]))
+        self.scale = POINTS * wide / float(np.ptp(self.view[:2]))
         self.figure = NotebookFigure(layout=None)
         #: The axes with their places in inches, from the upper left corner.
         self.placed: list[tuple[Any, tuple[float, float, float, float]]] = []
         self.sheets: list[Sheet] = []
-        letters = int(self.width * TITLE_LETTERS)
-        self.sheets_of = [(motion, at, textwrap.fill(title, letters)) for motion, at, title in request.sheets]
-        handles = self._add_sheets(columns)
-        page, low = self._block(columns)
-        self.curves = self._add_curves(page, low)
-        page += BESIDE if request.curves else 0.0
-        self._finish(page, low, [*self._legend_of_branches(), *handles])
-        self.moving: list[Any] = []
-
-    def _title_height(self) -> float:
-        return LINE * 1.2 * max(title.count("\n") + bool(title) for *_, title in self.sheets_of)
-
-    def _add_sheets(self, columns: int) -> list[Any]:
-        """Add the axes of each linkage with what stands still, and return its legend."""
         handles: list[Any] = []
-        style, each = self._style(columns), self.height + self._title_height() + MARGIN
-        for number, (motion, position, title) in enumerate(self.sheets_of):
+        titles = [textwrap.fill(title, int(wide * TITLE_LETTERS)) for *_, title in request.sheets]
+        above = LINE * 1.2 * max(title.count("\n") + bool(title) for title in titles)
+        top, each = MARGIN + TITLE, high + above + MARGIN
+        for number, (title, (motion, position, _)) in enumerate(zip(titles, request.sheets, strict=True)):
             row, column = divmod(number, columns)
-            left = MARGIN + column * (self.width + MARGIN)
-            top = MARGIN + TITLE + row * each + self._title_height()
-            axis = self._axes((left, top, self.width, self.height))
-            sheet = Sheet(axis, motion, self.view, self.scale, self.request.show, style=style)
-            sheet.moves = self.request.moves or len(self.request.positions) > 1
-            if self.request.moves:
-                sheet.names.stay = STAY_IN_FILM
+            axis = self._axes((MARGIN + column * (wide + MARGIN), top + row * each + above, wide, high))
+            sheet = Sheet(axis, motion, self, STYLES[columns])
             found = sheet.background(position)
             handles = handles or found
             if title:
-                axis.set_title(title, fontsize=style.font, pad=3.0)
+                axis.set_title(title, fontsize=sheet.style.font, pad=3.0)
             self.sheets.append(sheet)
         add_scale(self.sheets[0].axis, self.view, float(np.ptp(self.view[:2])))
-        return handles
+        page, low = MARGIN + columns * (wide + MARGIN), top + rows * each - MARGIN
+        self.curves: Curves | None = None
+        if request.curves:
+            low = max(low, top + CURVE * len(request.curves) + 0.5)
+            self.curves = self._add_curves(page, top + 0.1, low - 0.4)
+            page += BESIDE
+        # one alone is named by the numbers below
+        branches = self.motion.branches if len(self.motion.branches) > 1 else ()
+        named = [Line2D([], [], label=self._branch(k), **branch_line(b)) for k, b in enumerate(branches)]
+        self._finish(page, low, [*named, *handles])
+        self.moving: list[Any] = []
 
-    def _block(self, columns: int) -> tuple[float, float]:
-        """Return how wide the linkages are with their margins, and how far down they or the curves reach."""
-        rows = -(-len(self.sheets) // columns)
-        low = MARGIN + TITLE + rows * (self.height + self._title_height() + MARGIN) - MARGIN
-        least = MARGIN + TITLE + CURVE * len(self.request.curves) + 0.5
-        return MARGIN + columns * (self.width + MARGIN), max(low, least) if self.request.curves else low
-
-    def _add_curves(self, left: float, low: float) -> Curves | None:
+    def _add_curves(self, left: float, top: float, low: float) -> Curves:
         """Add the axes of curves on the right."""
-        names, top = self.request.curves, MARGIN + TITLE + 0.1
-        if not names:
-            return None
-        gap = 0.12
-        each = (low - 0.4 - top + gap) / len(names)
-        axes = [
-            self._axes((left + 0.6, top + k * each, BESIDE - 0.6 - MARGIN, each - gap))
-            for k in range(len(names))
-        ]
+        names, gap = self.request.curves, 0.12
+        each = (low - top + gap) / len(names)
+        tops = [top + k * each for k in range(len(names))]
+        axes = [self._axes((left + 0.6, one, BESIDE - 0.6 - MARGIN, each - gap)) for one in tops]
         return Curves(axes, self.motion, names, self.request.degrees)
-
-    def _style(self, columns: int) -> Style:
-        if columns == 1:
-            return Style(lengths=not self.request.moves)
-        bars = {2: 3.2, 3: 2.8, 4: 2.4}[columns]
-        return Style(bars, 5.6 if columns > 2 else 6.5, 8.5 if columns > 2 else 9.5, lengths=False)
 
     def _axes(self, box: tuple[float, float, float, float]) -> Any:
         """Return new axes with their place in inches, from the upper left corner: left, top, width, height."""
@@ -974,54 +880,34 @@ class Board:
             at = (0.6 * MARGIN + LINE * (number + 0.5)) / height
             figure.text(0.5, at, line, fontsize=8, color="0.35", **centre)
 
-    def _legend_of_branches(self) -> list[Any]:
-        """Return a line for each branch, none for one alone, which the numbers name."""
-        if len(self.motion.branches) < 2:
-            return []
-        return [
-            Line2D([], [], **branch_line(b), label=self._branch(k))
-            for k, b in enumerate(self.motion.branches)
-        ]
-
     def _branch(self, k: int) -> str:
-        """Return a branch in words."""
-        branch = self.motion.branches[k]
-        return f"branch {branch}: {self.motion.catalogue.branches[branch]}{self._orientations(k)}"
-
-    def _orientations(self, k: int) -> str:
-        """Return which bars of a branch point to the future and to the past, of a single picture."""
-        if len(self.request.sheets) > 1 or self.request.moves:
-            return ""
-        motion, text = self.motion, ""
+        """Return a branch in words; of a single picture also which bars point to the future and to the past."""
+        motion, branch = self.motion, self.motion.branches[k]
+        is_single = len(self.request.sheets) == 1 and not self.request.moves
+        text = f"branch {branch}: {motion.catalogue.branches[branch]}"
         for bar in motion.picture.bars:
-            if bar.orientation:
+            if bar.orientation and is_single:
                 code = motion.values([bar.orientation], self.request.positions)[bar.orientation][k, 0]
-                words = motion.catalogue.facts[bar.orientation].flags.get(
-                    int(code) if code == code else 0, ""
-                )
+                words = motion.catalogue.facts[bar.orientation].flags.get(int(np.nan_to_num(code)), "")
                 text += f"; {next(iter(bar.lengths)).replace(' ', '')} {words.replace('_', '-')}"
         return text
 
     def _caption(self, width: float) -> list[str]:
         """Return the numbers of the design and its words, a few lines."""
         motion, degrees = self.motion, self.request.degrees
-        inputs = motion.catalogue.known_inputs(motion.catalogue.variant_inputs)
-        told = {name for name in inputs if inputs[name].choices and len(self.request.motions) > 1}
+        inputs, several = motion.known_inputs, len(self.request.motions) > 1
+        given = {**motion.design, **({} if motion.links is None else motion.links.values)}
         own = [
             _valued(inputs[name], value)
-            for name, value in motion.design.items()
-            if name in inputs and name not in told
+            for name, value in given.items()
+            if name in inputs and not (several and inputs[name].choices)  # which the titles say
         ]
-        if motion.links is not None:
-            own += [_valued(inputs[name], value) for name, value in motion.links.values.items()]
-        symbol = mathematical(motion.catalogue.position.symbol)
         if len(self.request.positions) == 1 and not self.request.moves:
-            own.append(f"{symbol} = {motion.shown(self.request.positions[0], degrees)}")
+            own.append(motion.stated(self.request.positions[0], degrees))
         words = [motion.meaning("status")] if "status" in motion.catalogue.facts else []
         words += [self._branch(0)] if len(motion.branches) < 2 else []
-        if not motion.turns_fully:
-            ends = [] if motion.ranges == (motion.span,) else motion.range_texts(degrees)
-            words += [f"{symbol} {', '.join(ends)}"] if ends else []
+        if motion.ranges and motion.ranges != (motion.span,):
+            words.append(f"{motion.symbol} {', '.join(motion.range_texts(degrees))}")
         return [*_filled(own, ", ", width), *_filled(words, "; ", width)]
 
     def show(self, positions: Sequence[float] | None = None) -> None:
@@ -1032,11 +918,8 @@ class Board:
         for sheet, position in zip(self.sheets, given, strict=True):
             sheet.linkage(position)
         if self.request.moves:
-            symbol = mathematical(self.motion.catalogue.position.symbol)
-            text, axis = self.motion.shown(given[0], self.request.degrees, brief=True), self.sheets[0].axis
-            axis.text(
-                0.0, 1.0, f"{symbol} = {text}", transform=axis.transAxes, va="top", fontsize=9, color=INK
-            )
+            text, axis = self.motion.stated(given[0], self.request.degrees, brief=True), self.sheets[0].axis
+            axis.text(0.0, 1.0, text, transform=axis.transAxes, va="top", fontsize=9, color=INK)
         if self.curves is not None:
             self.curves.mark(given)
         self.moving = [one for one in self._artists() if one not in still]
@@ -1057,30 +940,30 @@ def _view(request: Request) -> Any:
     bounded = all(one.picture.metric == "euclidean" for one in request.motions)
     for motion in request.motions:
         points = [point for point in motion.points if point.kind != "mark"]
-        corners += [at.reshape(-1, 2) for at in motion.places(request.positions, points).values()]
-        traced = motion.traced(request.show)
-        moving = [one for one in points if request.moves or one.kind == "slider"] + traced
+        corners += motion.places(request.positions, points).values()
+        moving = [one for one in points if request.moves or one.kind == "slider"]
         along = motion.along(61, None if request.moves else request.positions) if bounded else []
         along += [motion.spread(61)] if request.moves and not bounded else []
         if "limits" in request.show and bounded and not motion.turns_fully:
-            ends = [end for one in motion.around(request.positions) for end in one]
-            corners += [at.reshape(-1, 2) for at in motion.places(ends, points).values()]
+            corners += motion.places(np.ravel(motion.around(request.positions)), points).values()
         for one in along:
-            corners += [at.reshape(-1, 2) for at in motion.places(one, moving).values()]
+            corners += motion.places(one, [*moving, *motion.traced(request.show)]).values()
         for circle in motion.picture.circles if bounded and "circles" in request.show else ():
             if motion.picture.point(circle.centre).kind == "ground" and circle.group == "circles":
-                centre = motion.places_at(0.0, [motion.picture.point(circle.centre)])[circle.centre][:1]
+                centre = motion.place(circle.centre, 0.0)[:1, 0]
                 radius = motion.number(circle.radius)
                 corners += [centre + radius * np.array([[1.0, 1.0], [-1.0, -1.0]])]
-    every = np.concatenate(corners)
-    every = every[np.isfinite(every).all(axis=1)]
+    every = finite_of(corners)
     low, high = every.min(axis=0), every.max(axis=0)
     if not bounded and request.moves:
         low, high = np.percentile(every, 4, axis=0), np.percentile(every, 96, axis=0)
     if FORCES in request.show:
         longest = LONGEST * GROWN * max((high - low).min(), FLATTEST * (high - low).max())
         moves = request.moves or len(request.positions) > 1
-        ends = [ends_of_forces(one, request.positions, longest, moves=moves) for one in request.motions]
+        ends = [
+            ends_of_forces(one, one.spread(61, ends=False) if moves else request.positions, longest)
+            for one in request.motions
+        ]
         every = np.concatenate([*ends, [low, high]])
         low, high = np.nanmin(every, axis=0), np.nanmax(every, axis=0)
     middle, size = 0.5 * (low + high), high - low
@@ -1116,14 +999,6 @@ DPI, COLOURS = 90, 48
 SECONDS = 6.0  # of a cycle
 #: Away from the ends of the motion, so that no two pictures in a row are the same.
 PHASE = 0.25
-INSTALL = "install it, such as by `apt install ffmpeg`, or write a .gif or an .html"
-
-
-def check_film(path: pathlib.Path) -> None:
-    """Refuse a film where there is no program that writes it."""
-    if path.suffix.lower() == ".mp4" and shutil.which("ffmpeg") is None:
-        what = "ffmpeg, which writes films, is not installed"
-        raise InputError(what, where=("animate",), remedy=INSTALL)
 
 
 def write_film(board: Board, path: pathlib.Path, frames: int) -> None:

@@ -83,19 +83,17 @@ def select(
     status = _status(dataset, name, places, free, beside)
     drawn: list[xr.DataArray] = [variable] if status is None else [variable, status]
     names: dict[str, list[str]] = {}
-    for dim in free:
-        along = variable[dim]
-        if is_scale(along.values):
-            order = np.argsort(along.values, kind="stable")
-        else:
-            names[dim], order = [str(value) for value in along.values], np.arange(along.size)
+    for dim in free if beside is None else [*free, beside]:
+        along = variable[dim].values
+        order = np.argsort(along, kind="stable") if is_scale(along) else np.arange(along.size)
+        if dim == beside:  # by growing values, evenly over all of them
+            order = order[spread(along.size, MOST_BESIDE)]
+        elif len(free) == 2:
+            order = order[:: -(-along.size // MOST_CELLS)]
+        if dim != beside and not is_scale(along):
+            names[dim] = [str(along[k]) for k in order]
             drawn = [_by_place(array, dim) for array in drawn]
-        step = -(-along.size // MOST_CELLS) if len(free) == 2 else 1
-        names |= {dim: names[dim][::step]} if dim in names else {}
-        drawn = [array.isel({dim: order[::step]}) for array in drawn]
-    if beside is not None:
-        few = _few(variable, beside)
-        drawn = [array.isel({beside: few}) if beside in array.dims else array for array in drawn]
+        drawn = [array.isel({dim: order}) if dim in array.dims else array for array in drawn]
     read = [array.load() for array in drawn]
     return Selection(read[0], free, fixed, read[1] if status is not None else None, names, beside)
 
@@ -106,15 +104,7 @@ def _check_split(variable: xr.DataArray, option: str, dim: Any, at: Mapping[str,
     there = dict.fromkeys(map(str, variable.coords), listed(known))
     check_choice((option,), dim, known, f" to {variable.name}", lambda one: there.get(one, ""))
     if dim in at:
-        what = f"{dim} is fixed by at"
-        raise InputError(what, where=(option,), remedy="leave one of them out")
-
-
-def _few(variable: xr.DataArray, dim: str) -> Any:
-    """Return some places along a dimension by growing values, evenly over all of them."""
-    values = variable[dim].values
-    order = np.argsort(values, kind="stable") if is_scale(values) else np.arange(len(values))
-    return order[spread(len(order), MOST_BESIDE)]
+        raise InputError(f"{dim} is fixed by at", where=(option,), remedy="leave one of them out")
 
 
 def spread(count: int, most: int) -> Any:
@@ -202,12 +192,8 @@ def _check_free(variable: xr.DataArray, name: str, free: list[str], split: tuple
     if split is not None and len(free) == {"lines": 2, "panels": 1}[split[0]]:
         option, other = ("lines", "panels") if split[0] == "lines" else ("panels", "lines")
         what = f"{name} has the dimensions {', '.join([*free, str(split[1])])}"
-        remedy = (
-            "write ",
-            Setting(other, str(split[1])),
-            *((", or fix one by at",) if option == "lines" else ()),
-        )
-        raise InputError(what, where=(option,), remedy=remedy)
+        fix = (", or fix one by at",) if option == "lines" else ()
+        raise InputError(what, where=(option,), remedy=("write ", Setting(other, str(split[1])), *fix))
     if len(free) > 2:
         what = f"{name} has the dimensions {', '.join(_listed(variable[dim]) for dim in free)}"
         values = variable[free[-1]].values
@@ -329,11 +315,11 @@ def sameness(variable: xr.DataArray, values: Any) -> str:
     return f"{plain(short_number(low))}{'' if units == '1' else f' {units_text(units)}'} {where}"
 
 
-def name_places(axis: Any, names: Sequence[str], turned: bool) -> None:
-    """Label an axis by the names of its places, not more than fit on it."""
+def name_places(axis: Any, names: Sequence[str]) -> None:
+    """Label an axis by the names of its places, not more than fit on it; those along x are turned."""
     step = -(-len(names) // MOST_NAMES)
     shown = [textwrap.shorten(plain(name), 24, placeholder="...") for name in names[::step]]
-    axis.set_ticks(range(0, len(names), step), shown, rotation=30 if turned else 0, ha="right")
+    axis.set_ticks(range(0, len(names), step), shown, rotation=30 if axis.axis_name == "x" else 0, ha="right")
 
 
 # -- Draw a variable of a map: check the request, select, draw

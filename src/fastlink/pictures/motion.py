@@ -5,24 +5,26 @@ from __future__ import annotations
 import itertools
 import re
 import warnings
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib import import_module
-from inspect import signature
+from inspect import Parameter, signature
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from fastlink._text import in_words, short_number
 from fastlink.engine.evaluate import evaluate
-from fastlink.errors import InputError, InputWarning, KeyPath, Remedy, Setting
+from fastlink.errors import InputError, InputWarning, KeyPath, Setting
+from fastlink.pictures.labels import mathematical
 from fastlink.plan.request import missing_inputs, selected_variants
 from fastlink.space.units import RADIANS
 
 if TYPE_CHECKING:
     from fastlink.engine.extend import Extension
     from fastlink.facts.catalogue import Catalogue
+    from fastlink.facts.fact import Input
     from fastlink.mechanisms._shared.picture import Locus, Picture, Point, Value
     from fastlink.space.design_space import Links
 
@@ -65,6 +67,11 @@ class Motion:
         return self.catalogue.position.name
 
     @property
+    def symbol(self) -> str:
+        """The symbol of the input."""
+        return mathematical(self.catalogue.position.symbol)
+
+    @property
     def turns(self) -> bool:
         """Whether the input turns, so that its range is a circle."""
         return self.catalogue.position.units == RADIANS
@@ -73,7 +80,9 @@ class Motion:
         """Return facts, inputs and constants, each over branches and positions."""
         positions = np.atleast_1d(np.asarray(positions, dtype=float))
         shape = (len(self.branches), positions.size)
-        known: dict[Any, Any] = {**self._given_by_default, **self.design, self.input: positions}
+        every = self.catalogue.inputs.values()
+        by_default = {one.name: one.default for one in every if one.default is not None and not one.choices}
+        known: dict[Any, Any] = {**by_default, **self.design, self.input: positions}
         facts = [name for name in dict.fromkeys(names) if isinstance(name, str) and name not in known]
         if facts:
             known |= self._evaluated(facts, np.array(self.branches)[:, None], positions)
@@ -81,12 +90,6 @@ class Motion:
             name: np.broadcast_to(known[name] if isinstance(name, str) else float(name), shape)
             for name in names
         }
-
-    @property
-    def _given_by_default(self) -> dict[str, float]:
-        """The inputs that the design leaves at their defaults."""
-        every = self.catalogue.inputs.items()
-        return {name: one.default for name, one in every if one.default is not None and not one.choices}
 
     def number(self, value: Value) -> float:
         """Return a value of the design: what does not depend on branch and position."""
@@ -142,20 +145,25 @@ class Motion:
         if name not in self.catalogue.facts:
             return False
         of_links = self.links.values if self.links is not None else {}
-        given = (*self.design, *of_links)
-        variants = selected_variants(self.catalogue, self.links, "eliminated", self.design)
-        return not missing_inputs(self.catalogue, name, variants, (*given, *self._defaults))
+        inputs = self.known_inputs.values()
+        defaults = [one.name for one in inputs if one.default is not None or one.choices]
+        return not missing_inputs(self.catalogue, name, self.variants, (*self.design, *of_links, *defaults))
 
     def lacks(self, locus: Locus) -> list[str]:
         """Return what the function of a locus takes and the design does not give."""
         given = {*self.design, self.input, *locus.given, "branch"}
-        taken = signature(function_of(locus)).parameters.values()
+        taken = parameters_of(locus).values()
         return [one.name for one in taken if one.default is one.empty and one.name not in given]
 
     @cached_property
-    def _defaults(self) -> tuple[str, ...]:
-        declared = self.catalogue.known_inputs(self.catalogue.variant_inputs).values()
-        return tuple(one.name for one in declared if one.default is not None or one.choices)
+    def variants(self) -> tuple[str, ...]:
+        """The variants of facts that the design selects."""
+        return selected_variants(self.catalogue, self.links, "eliminated", self.design)
+
+    @cached_property
+    def known_inputs(self) -> dict[str, Input]:
+        """The inputs that a design may give."""
+        return self.catalogue.known_inputs(self.catalogue.variant_inputs)
 
     @cached_property
     def points(self) -> tuple[Point, ...]:
@@ -170,11 +178,19 @@ class Motion:
         names = {name for word in words for name in self.picture.traced.get(word, "").split()}
         return [one for one in self.points if one.name in names]
 
+    def vectors(self, components: Mapping[str, Sequence[Value]], positions: Any) -> dict[str, Any]:
+        """Return vectors by their names, each over branches, positions, and its components."""
+        values = self.values([value for one in components.values() for value in one], positions)
+        return {name: np.stack([values[key] for key in one], axis=-1) for name, one in components.items()}
+
     def places(self, positions: Any, points: Sequence[Point] | None = None) -> dict[str, Any]:
         """Return each point over branches, positions, and x and y."""
         points = self.points if points is None else points
-        values = self.values([value for one in points for value in (one.x, one.y)], positions)
-        return {one.name: np.stack([values[one.x], values[one.y]], axis=-1) for one in points}
+        return self.vectors({one.name: (one.x, one.y) for one in points}, positions)
+
+    def place(self, name: str, positions: Any) -> Any:
+        """Return one point by its name, over branches, positions, and x and y."""
+        return self.places(positions, [self.picture.point(name)])[name]
 
     def places_at(self, position: float, points: Sequence[Point]) -> dict[str, Any]:
         """Return each point at one position, over branches, and x and y."""
@@ -212,16 +228,10 @@ class Motion:
         return found
 
     @cached_property
-    def _samples(self) -> Any:
-        low, high = self.span
-        step = (high - low) / SAMPLES
-        return low + step * (np.arange(SAMPLES) + 0.5)
-
-    @cached_property
     def ranges(self) -> tuple[tuple[float, float], ...]:
         """The ranges of the input in which a branch exists; of a full turn, one of 2 pi."""
         low, high = self.span
-        inner = self._samples
+        inner = low + (high - low) / SAMPLES * (np.arange(SAMPLES) + 0.5)
         samples = np.concatenate(([low], inner, [high]))
         inside = self.assembles(samples).any(axis=0)
         if inside.all() or not inside.any():
@@ -235,10 +245,13 @@ class Motion:
             found = [(last[0], first[1] + 2.0 * np.pi), *found[1:-1]]
         return tuple((float(a), float(b)) for a, b in found)
 
+    @property
+    def widest(self) -> tuple[float, float]:
+        """The widest of these ranges."""
+        return max(self.ranges, key=lambda one: one[1] - one[0])
+
     def _ends(self, one: Any, other: Any, begins_inside: Any) -> Any:
         """Return where the linkage just assembles between neighbours of which it does at one alone."""
-        if not one.size:
-            return one
         good, bad = np.where(begins_inside, one, other), np.where(begins_inside, other, one)
         for _ in range(HALVINGS):
             middle = 0.5 * (good + bad)
@@ -274,30 +287,30 @@ class Motion:
 
     def spread(self, count: int, ends: bool = True) -> Any:
         """Return so many positions over the widest range, of a full turn without its end."""
-        low, high = max(self.ranges, key=lambda one: one[1] - one[0])
+        low, high = self.widest
         if self.turns_fully:
             return np.arange(count) * ((high - low) / count)
-        return (
-            np.linspace(low, high, count) if ends else low + (high - low) * (np.arange(count) + 0.5) / count
-        )
+        if ends:
+            return np.linspace(low, high, count)
+        return low + (high - low) * (np.arange(count) + 0.5) / count
 
     @property
     def usual(self) -> float:
         """The position of a picture unless one is given."""
-        low, high = max(self.ranges, key=lambda one: one[1] - one[0])
+        low, high = self.widest
         return USUAL * 2.0 * np.pi if self.turns_fully else low + 2.0 * USUAL * (high - low)
 
     def check(self, positions: Any, degrees: bool, key: str) -> None:
         """Refuse a design that never assembles, and positions at all of which it does not."""
-        words = self.meaning("status") if "status" in self.catalogue.facts else ""
+        why = f" ({self.meaning('status')})" if "status" in self.catalogue.facts else ""
         if not self.ranges:
-            what = f"the linkage does not assemble at any {self.input}{f' ({words})' if words else ''}"
+            what = f"the linkage does not assemble at any {self.input}{why}"
             raise InputError(what, where=("draw",), remedy="draw another design")
         if positions is None or self.assembles(positions).any():
             return
         at = " and ".join(self.shown(one, degrees) for one in np.atleast_1d(positions)[:3])
         ranges = " or ".join(self.range_texts(degrees))
-        what = f"the linkage does not assemble at {at}{f' ({words})' if words else ''}"
+        what = f"the linkage does not assemble at {at}{why}"
         raise InputError(what, where=("draw", key), remedy=f"write a position from {ranges}")
 
     def shown(self, position: float, degrees: bool, brief: bool = False) -> str:
@@ -308,12 +321,25 @@ class Motion:
         units = "" if self.catalogue.position.units == "1" else f" {self.catalogue.position.units}"
         return f"{position:.4g}{units}" if brief else f"{short_number(float(position))}{units}"
 
+    def stated(self, position: float, degrees: bool, brief: bool = False) -> str:
+        """Return the input and a position as text."""
+        return f"{self.symbol} = {self.shown(position, degrees, brief)}"
+
 
 def function_of(locus: Locus) -> Callable[..., Any]:
     """Return the function of fastlink that gives a curve."""
     package, name = locus.function.split(".")
     found: Callable[..., Any] = getattr(import_module(f"fastlink.{package}"), name)
     return found
+
+
+def parameters_of(locus: Locus) -> Mapping[str, Parameter]:
+    """Return what the function of a curve takes."""
+    return signature(function_of(locus)).parameters
+
+
+#: An option of the evaluation that drawing lacks.
+ALLOW = Setting("allow_invalid", True)
 
 
 def as_draw(function: Callable[[], T], curve: int = 0) -> T:
@@ -331,19 +357,11 @@ def as_draw(function: Callable[[], T], curve: int = 0) -> T:
         for one in error.problems:
             head, rest = one.where[:1], one.where[2 if one.where[:1] == ("quantities",) else 1 :]
             where = (*heads.get(head, head), *rest)
-            problems.append(replace(one, where=where, remedy=_without(one.remedy, "allow_invalid")))
+            remedy = one.remedy
+            if not isinstance(remedy, str):
+                remedy = tuple(part for part in remedy if not isinstance(part, tuple) or ALLOW not in part)
+            problems.append(replace(one, where=where, remedy=remedy))
         raise InputError.of(problems) from None
-
-
-def _without(remedy: Remedy, option: str) -> Remedy:
-    """Return a remedy without the part that names an option of another function."""
-    if isinstance(remedy, str):
-        return remedy
-
-    def names_it(part: Any) -> bool:
-        return isinstance(part, tuple) and any(isinstance(p, Setting) and p.name == option for p in part)
-
-    return tuple(part for part in remedy if not names_it(part))
 
 
 # -- The planes in which mechanisms stand: their circles, and the light cones of the Minkowskian one
@@ -375,10 +393,6 @@ class Euclidean:
         size = np.hypot(slope[..., 0], slope[..., 1])
         return ((across * bend).sum(axis=-1) / size**4)[..., None] * across
 
-    def cone(self, apex: Any, reach: float) -> list[Any]:
-        """Return the light lines through a point: none."""
-        return []
-
 
 class Minkowskian:
     """The plane of the metric x^2 - y^2."""
@@ -394,10 +408,6 @@ class Minkowskian:
         x, y = slope[..., 0], slope[..., 1]
         turn, norm = x * bend[..., 1] - y * bend[..., 0], (x - y) * (x + y)
         return (turn / (norm * np.abs(norm)))[..., None] * slope[..., ::-1]
-
-    def cone(self, apex: Any, reach: float) -> list[Any]:
-        """Return both light lines through a point."""
-        return [apex + reach * np.array([[-1.0, -side], [1.0, side]]) for side in (1.0, -1.0)]
 
 
 PLANES: dict[str, Euclidean | Minkowskian] = {"euclidean": Euclidean(), "minkowskian": Minkowskian()}
@@ -418,38 +428,46 @@ FURTHER, FARTHER = 6.0, 3.0
 NEAR, OUTSIDE = 1.7, 6.0
 
 
+def finite_of(places: Iterable[Any]) -> Any:
+    """Return those places of some arrays that are finite, one below the other."""
+    every = np.concatenate([np.asarray(one, dtype=float).reshape(-1, 2) for one in places])
+    return every[np.isfinite(every).all(axis=1)]
+
+
 def samples_of(line: Any, scale: float) -> Any:
     """Return points along a broken line, close to each other in the picture; `scale` is points per unit."""
-    line = np.asarray(line, dtype=float)
-    line = line[np.isfinite(line).all(axis=-1)]
+    line = finite_of([line])
     pieces = [line]
     for start, end in itertools.pairwise(line):
         count = min(400, int(np.hypot(*(end - start)) * scale / STEP))
         if count > 1:
             share = np.linspace(0.0, 1.0, count)[:, None]
             pieces.append(start + share * (end - start))
-    return np.concatenate(pieces) if line.size else np.empty((0, 2))
+    return np.concatenate(pieces)
 
 
 class Names:
     """The names of one picture, placed one after the other."""
 
-    def __init__(self, scale: float, view: Any) -> None:
+    def __init__(self, scale: float, view: Any, in_film: bool) -> None:
         self.scale, self.view = scale, np.asarray(view, dtype=float)
         self.last: dict[str, int] = {}
         #: What it costs to stand elsewhere than in the picture before.
-        self.stay = STAY
-        self.clear()
+        self.stay = STAY_IN_FILM if in_film else STAY
+        self.cloud, self.weights = np.empty((0, 2)), np.empty(0)
+        self.still = 0
+
+    def rest(self) -> None:
+        """Keep what must not be covered so far for good."""
+        self.still = len(self.cloud)
 
     def clear(self) -> None:
-        """Forget what must not be covered, but not where names stood, so that they move little."""
-        self.cloud = np.empty((0, 2))
-        self.weights = np.empty(0)
+        """Forget what moves and must not be covered, but not where names stood, so that they move little."""
+        self.cloud, self.weights = self.cloud[: self.still], self.weights[: self.still]
 
     def keep_free(self, points: Any, weight: float = 1.0) -> None:
         """Add points that names should not cover."""
-        points = np.asarray(points, dtype=float).reshape(-1, 2)
-        points = points[np.isfinite(points).all(axis=1)]
+        points = finite_of([points])
         self.cloud = np.concatenate([self.cloud, points])
         self.weights = np.concatenate([self.weights, np.full(len(points), weight)])
 

@@ -107,11 +107,16 @@ def limits_of(values: Any, regular: Any, most: float) -> tuple[float, float, str
     return low, high, {(True, True): "both", (True, False): "min", (False, True): "max"}.get(ends, "neither")
 
 
+def flag_looks(variable: xr.DataArray) -> list[tuple[int, str, str]]:
+    """Return each code of a variable with its meaning in words and its colour."""
+    flags = enumerate(flags_of(variable).items())
+    return [(code, in_words(meaning), FLAGS[k % len(FLAGS)]) for k, (meaning, code) in flags]
+
+
 def flag_colours(variable: xr.DataArray) -> tuple[Any, Any, str]:
     """Return norm and colour map of the indices of a code, one colour for each."""
-    count = len(flags_of(variable))
-    colours = ListedColormap([FLAGS[index % len(FLAGS)] for index in range(count)])
-    return Normalize(-0.5, count - 0.5), colours, "neither"
+    colours = [colour for *_, colour in flag_looks(variable)]
+    return Normalize(-0.5, len(colours) - 0.5), ListedColormap(colours), "neither"
 
 
 def flag_indices(variable: xr.DataArray, values: Any) -> Any:
@@ -125,8 +130,8 @@ def flag_indices(variable: xr.DataArray, values: Any) -> Any:
 def flag_handles(variable: xr.DataArray, values: Any) -> list[Any]:
     """Return the legend of a code, for the values that occur."""
     return [
-        Patch(facecolor=FLAGS[index % len(FLAGS)], label=in_words(meaning))
-        for index, (meaning, code) in enumerate(flags_of(variable).items())
+        Patch(facecolor=colour, label=meaning)
+        for code, meaning, colour in flag_looks(variable)
         if (values == code).any()
     ]
 
@@ -147,9 +152,8 @@ def colour_tables() -> dict[str, list[str]]:
 
 def scale_of(variable: xr.DataArray, sample: Any, regular: Any = None) -> dict[str, Any]:
     """Return how values become colours, from a sample of them."""
-    if flags := flags_of(variable):
-        colours = {str(code): FLAGS[k % len(FLAGS)] for k, code in enumerate(flags.values())}
-        return {"kind": "codes", "colours": colours, "pools": False}
+    if looks := flag_looks(variable):
+        return {"kind": "codes", "colours": {str(code): colour for code, _, colour in looks}, "pools": False}
     values = np.ravel(np.asarray(sample, dtype=float))
     if are_counts(values):
         low, high = float(np.nanmin(values)), float(np.nanmax(values))
@@ -158,11 +162,9 @@ def scale_of(variable: xr.DataArray, sample: Any, regular: Any = None) -> dict[s
     inside = np.ones(values.shape, bool) if regular is None or not np.any(regular) else np.ravel(regular)
     norm, colours, extend = colours_of(values, inside, half_turn(variable.attrs.get("units")))
     low, high = float(norm.vmin), float(norm.vmax)
-    if isinstance(norm, CenteredNorm):
-        low, high = norm.vcenter - norm.halfrange, norm.vcenter + norm.halfrange
     kind = "log" if isinstance(norm, LogNorm) else "linear"
+    scale = {"kind": kind, "low": low, "high": high, "map": colours.name, "extend": extend}
     # an angle and that half a turn further on have no mean
-    scale = {"kind": kind, "low": float(low), "high": float(high), "map": colours.name, "extend": extend}
     return {**scale, "pools": colours.name != CYCLIC}
 
 
