@@ -8,7 +8,7 @@ import numbers
 import re
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import astuple, dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, SupportsIndex, overload
 
 import numpy as np
@@ -231,6 +231,7 @@ class GivenInput:
     allowed: str
     meaning: str
     links: str
+    mechanism: str = field(default="", repr=False)
 
 
 def row_of(name: str, catalogue: Catalogue) -> Quantity:
@@ -293,20 +294,21 @@ def given_inputs(catalogue: Catalogue) -> list[GivenInput]:
     for given in catalogue.inputs.values():
         models = [model.name for model in catalogue.models_of(given.name)]
         links = f"given by {', '.join(models)}" if models else _instead(catalogue, given)
-        rows.append(_given(given, links))
+        rows.append(_given(given, links, catalogue))
     for model, inputs in catalogue.variant_inputs.items():
         for given in inputs.values():
             default = "" if given.default is None else f", {given.default:.6g} by default"
-            rows.append(_given(given, _instead(catalogue, given) or f"of {model}{default}"))
+            links = _instead(catalogue, given) or f"of {model}{default}"
+            rows.append(_given(given, links, catalogue))
     return rows
 
 
-def _given(given: Input, links: str) -> GivenInput:
+def _given(given: Input, links: str, catalogue: Catalogue) -> GivenInput:
     codes = "; ".join(f"{code}: {meaning}" for code, meaning in given.choices.items())
     allowed = ", ".join(map(str, given.choices)) or RULES.get(given.rule, "any")
     links = links or ("all unless one is given" if codes else "")
     meaning = f"{given.meaning} ({codes})" if codes else given.meaning
-    return GivenInput(given.name, given.units, allowed, meaning, links)
+    return GivenInput(given.name, given.units, allowed, meaning, links, catalogue.name)
 
 
 def _instead(catalogue: Catalogue, given: Input) -> str:
@@ -317,7 +319,9 @@ def _instead(catalogue: Catalogue, given: Input) -> str:
 # -- List the quantities and inputs of a mechanism, or find them by what they mean
 
 COLUMNS = ("name", "units", "dims", "meaning", "source")
-MEANING_WIDTH, SOURCE_WIDTH = 46, 34
+INPUT_COLUMNS = ("name", "units", "allowed", "meaning", "links")
+#: Columns that are folded, and their widths.
+WIDTHS = {"meaning": 46, "source": 34}
 #: The least score of a name that is found, and its least share of the best one.
 LEAST, SHARE = 0.42, 0.6
 
@@ -337,12 +341,12 @@ class QuantityList(list[Quantity]):
         self,
         rows: Iterable[Quantity],
         catalogues: Sequence[Catalogue],
-        found: Sequence[tuple[str, GivenInput]] | None = None,
+        found: list[GivenInput] | None = None,
     ) -> None:
         super().__init__(rows)
-        self._catalogues, self._found = tuple(catalogues), found
+        self._catalogues, self._is_found = tuple(catalogues), found is not None
         self.mechanism = catalogues[0].name if len(catalogues) == 1 else ""
-        self.inputs = given_inputs(catalogues[0]) if found is None else [given for _, given in found]
+        self.inputs = given_inputs(catalogues[0]) if found is None else found
 
     @overload
     def __getitem__(self, key: SupportsIndex | str, /) -> Quantity: ...
@@ -360,39 +364,33 @@ class QuantityList(list[Quantity]):
         return row_of(key, self._catalogues[0])
 
     def __repr__(self) -> str:
-        if self._found is not None:
-            return self._repr_found(self._found)
+        if self._is_found:
+            return self._repr_found()
         (catalogue,) = self._catalogues
         return "\n\n".join(
             (
                 f"{self.mechanism}: {catalogue.title}",
-                _text_table(COLUMNS, self._cells(grouped=True)),
-                textwrap.fill(naming(*self._catalogues).replace("`", ""), 110),
+                _text_table(COLUMNS, self, grouped=True),
+                textwrap.fill(naming(catalogue).replace("`", ""), 110),
                 "Inputs; only those that the requested quantities depend on are needed:",
-                _text_table(_header(GivenInput), [astuple(given) for given in self.inputs]),
+                _text_table(INPUT_COLUMNS, self.inputs),
             )
         )
 
     __str__ = __repr__
 
-    def _repr_found(self, found: Sequence[tuple[str, GivenInput]]) -> str:
+    def _repr_found(self) -> str:
         """Return what was found as text: quantities, then inputs, each with its mechanism if there are several."""
-        named = len(self._catalogues) > 1
-        parts = []
-        if self:
-            pairs = zip(self, self._cells(), strict=True)
-            rows = [((row.mechanism,) if named else ()) + cells for row, cells in pairs]
-            parts.append(_text_table(("mechanism", *COLUMNS) if named else COLUMNS, rows))
-        if found:
-            header = ("mechanism", *_header(GivenInput)) if named else _header(GivenInput)
-            given = [((mechanism,) if named else ()) + astuple(one) for mechanism, one in found]
-            parts += ["Inputs:", _text_table(header, given)]
+        of = ("mechanism",) if len(self._catalogues) > 1 else ()
+        parts = [_text_table((*of, *COLUMNS), self)] if self else []
+        if self.inputs:
+            parts += ["Inputs:", _text_table((*of, *INPUT_COLUMNS), self.inputs)]
         return "\n\n".join(parts) or "Nothing was found; try another word, or list all quantities."
 
     def _repr_html_(self) -> str:
         """Return the quantities as a notebook shows them."""
-        rows = [(row.mechanism, *cells) for row, cells in zip(self, self._cells(), strict=True)]
-        return html_table(("mechanism", *COLUMNS), rows)
+        columns = ("mechanism", *COLUMNS)
+        return html_table(columns, [_cells(row, columns) for row in self])
 
     def formulas(self) -> str:
         """Return the formula of each quantity as text, with the sheet and the line where it stands."""
@@ -418,7 +416,7 @@ class QuantityList(list[Quantity]):
         tables = [
             part
             for group, rows in itertools.groupby(self, lambda row: row.group)
-            for part in (f"#### {group}", _markdown_table(COLUMNS, [_cells(row) for row in rows]))
+            for part in (f"#### {group}", _markdown_table(COLUMNS, rows))
         ]
         return "\n\n".join(
             (
@@ -426,23 +424,15 @@ class QuantityList(list[Quantity]):
                 f"{catalogue.title}. Assembly modes:",
                 "\n".join(f"- `branch` {number}: {meaning}" for number, meaning in branches),
                 "### Quantities",
-                naming(*self._catalogues),
+                naming(catalogue),
                 *tables,
                 "### Inputs",
                 "Any input can be swept. Only the inputs that the requested quantities depend on are needed. Inputs "
                 "that a model of links gives need not be given; if they are, they replace the model's. Inputs with a "
                 "default belong to a load or a further motion, which exists only if one of its inputs is given.",
-                _markdown_table(_header(GivenInput), [astuple(given) for given in self.inputs]),
+                _markdown_table(INPUT_COLUMNS, self.inputs),
             )
         )
-
-    def _cells(self, grouped: bool = False) -> list[tuple[str, ...]]:
-        lines = []
-        for group, rows in itertools.groupby(self, lambda row: row.group):
-            if grouped:
-                lines += [("",) * len(COLUMNS), (f"{group}:", *[""] * (len(COLUMNS) - 1))]
-            lines += map(_cells, rows)
-        return lines
 
 
 @door
@@ -485,9 +475,9 @@ def quantities(
         remedy: Remedy = ("write True or False", (", or ", Setting("find", internal)))
         raise InputError(f"is {internal!r}", ("internal",), remedy)
     internal = check_options({"internal": internal})["internal"]
+    known = f"write one of {', '.join(map(repr, NAMES))}"
     if mechanism is None and find is None:
-        known = ", ".join(map(repr, NAMES))
-        remedy = (f"write one of {known}", (", or ", Setting("find", "torque"), " to search them all"))
+        remedy = (known, (", or ", Setting("find", "torque"), " to search them all"))
         raise InputError("is missing", ("mechanism",), remedy)
     if find is not None:
         return _found(
@@ -497,7 +487,9 @@ def quantities(
     try:
         catalogue = find_catalogue(mechanism, input)
     except InputError as error:
-        raise _or_find(mechanism, error) from None
+        if not isinstance(mechanism, str) or mechanism in NAMES or not str(error.remedy).startswith("known"):
+            raise  # what it is about is no word that could be searched for
+        raise InputError(error.what, error.where, (known, (", or ", Setting("find", mechanism)))) from None
     rows = public_rows(catalogue)
     if internal:
         every = (DESIGN, BRANCH, catalogue.position.name)
@@ -508,15 +500,6 @@ def quantities(
                 texts = fact.name, fact.units, dims, fact.meaning, fact.source, fact.symbol
                 rows.append(Quantity(*texts, (), catalogue.name, "Steps"))
     return QuantityList(rows, [catalogue])
-
-
-def _or_find(mechanism: object, error: InputError) -> InputError:
-    """Return the error of an unknown mechanism; a word that finds quantities is to be written as one."""
-    if isinstance(mechanism, str) and mechanism not in NAMES and str(error.remedy).startswith("known"):
-        known = ", ".join(map(repr, NAMES))
-        remedy = (f"write one of {known}", (", or ", Setting("find", mechanism)))
-        return InputError(error.what, error.where, remedy)
-    return error
 
 
 def _found(phrase: str, catalogues: Sequence[Catalogue]) -> QuantityList:
@@ -531,7 +514,7 @@ def _found(phrase: str, catalogues: Sequence[Catalogue]) -> QuantityList:
         [(one, of) for one, of in sorted(found, key=lambda pair: pair[0]) if one.score >= least]
         for found in (ranked, given)
     )
-    inputs = [(of.name, {row.name: row for row in given_inputs(of)}[one.name]) for one, of in given]
+    inputs = [row for one, of in given for row in given_inputs(of) if row.name == one.name]
     return QuantityList([row_of(one.name, of) for one, of in ranked], catalogues, inputs)
 
 
@@ -541,25 +524,26 @@ def document() -> str:
     return "\n\n".join((head, *(quantities(name).markdown() for name in NAMES))) + "\n"
 
 
-def _cells(row: Quantity) -> tuple[str, ...]:
-    return row.name, row.units, f"({', '.join(row.dims)})", row.meaning, row.source
+def _cells(row: Quantity | GivenInput, columns: Sequence[str]) -> list[str]:
+    values = [getattr(row, name) for name in columns]
+    return [value if isinstance(value, str) else f"({', '.join(value)})" for value in values]
 
 
-def _header(row: type) -> tuple[str, ...]:
-    return tuple(column.name for column in fields(row))
+def _text_table(columns: Sequence[str], rows: Iterable[Quantity | GivenInput], grouped: bool = False) -> str:
+    """Return a table as aligned text, long cells folded; where wanted, each group below its name."""
+    lines: list[list[str]] = []
+    for group, members in itertools.groupby(rows, lambda row: getattr(row, "group", "")):
+        rest = [""] * (len(columns) - 1)
+        lines += [["", *rest], [f"{group}:", *rest]] if grouped else []
+        lines += [_cells(row, columns) for row in members]
+    return folded(columns, lines, [WIDTHS.get(name) for name in columns])
 
 
-def _text_table(header: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
-    """Return a table as aligned text, long cells folded."""
-    widths = {"meaning": MEANING_WIDTH, "source": SOURCE_WIDTH}
-    return folded(header, rows, [widths.get(name) for name in header])
-
-
-def _markdown_table(header: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
-    lines = [list(header), ["---"] * len(header)]
+def _markdown_table(columns: Sequence[str], rows: Iterable[Quantity | GivenInput]) -> str:
+    lines = [[*columns], ["---"] * len(columns)]
     for row in rows:
-        cells = zip(header, row, strict=True)
-        lines.append([f"`{cell}`" if name == "name" else cell.replace("|", "\\|") for name, cell in cells])
+        name, *others = _cells(row, columns)
+        lines.append([f"`{name}`", *(cell.replace("|", "\\|") for cell in others)])
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
