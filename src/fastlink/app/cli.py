@@ -245,7 +245,7 @@ def command(function: C) -> C:
 
 
 def by_name(
-    texts: Iterable[str],
+    texts: Iterable[str] | None,
     where: str,
     form: str,
     example: Mapping[str, Any],
@@ -259,7 +259,7 @@ def by_name(
     from fastlink.space.units import named_with_unit
 
     given: dict[str, Any] = {}
-    for text in texts:
+    for text in texts or ():
         name, equals, value = (part.strip() for part in text.partition("="))
         key, options = name.replace("-", "_"), _Options(doors[0]).names if doors else {}
         if equals and (key in options or any(key in signature(one).parameters for one in doors)):
@@ -477,7 +477,7 @@ def draw(
     from fastlink.space.design_space import taken_links
 
     given: dict[str, Any] = by_name(
-        inputs or [], "inputs", "NAME=VALUE", EXAMPLE, numbers_of, (draw, draw_mechanism)
+        inputs, "inputs", "NAME=VALUE", EXAMPLE, numbers_of, (draw, draw_mechanism)
     )
     fixed = by_name(at, "at", "DIM=VALUE", EXAMPLE, numbers_of) if at else None
     picture = to if to is not None or animate is not None else Path(f"{Path(mechanism).stem}.png")
@@ -760,9 +760,9 @@ def synthesise(
         "rotation_length": rotation_length,
         "turn_deg": turns,
     }
-    ranges = by_name(bounds or [], "bounds", "NAME=LO,HI", {"a1": "0.1,1"}, numbers_of)
+    ranges = by_name(bounds, "bounds", "NAME=LO,HI", {"a1": "0.1,1"}, numbers_of)
     given |= {"bounds": ranges or None, "where": _conditions(where or []) or None}
-    given["fixed"] = by_name(fixed or [], "fixed", "NAME=NUMBER", {"O_x": "0"}, numbers_of) or None
+    given["fixed"] = by_name(fixed, "fixed", "NAME=NUMBER", {"O_x": "0"}, numbers_of) or None
     given |= {"minimise": minimise or (), "maximise": maximise or (), "top": top, "seed": seed}
     names = [] if quantities is None else _parts(quantities)
     found = find(mechanism, names, to=to, overwrite=overwrite, restart=restart, **given).load()
@@ -800,9 +800,7 @@ def tolerance(
     from fastlink.app.report import changes_listed
     from fastlink.app.tolerance import tolerance as found_by
 
-    given = by_name(
-        tolerances or [], "tolerances", "INPUT=T", {"a1": 1e-4}, _number_or_text, (tolerance, found_by)
-    )
+    given = by_name(tolerances, "tolerances", "INPUT=T", {"a1": 1e-4}, _number_or_text, (tolerance, found_by))
     names = None if quantities is None else _parts(quantities)
     options: dict[str, Any] = {"contributions": contributions, "to": to, "overwrite": overwrite}
     options["trust_code"] = trust_code
@@ -844,7 +842,7 @@ def convert(
     """
     from fastlink.io.convert import convert
 
-    conditions = by_name(select or [], "select", "NAME=VALUES", {"a2": "1.1:1.2"}, text_of)
+    conditions = by_name(select, "select", "NAME=VALUES", {"a2": "1.1:1.2"}, text_of)
     names = None if quantities is None else _parts(quantities)
     options: dict[str, Any] = {"dtype": dtype, "compress": compress, "overwrite": overwrite}
     options["progress"] = False if quiet else None
@@ -904,7 +902,7 @@ def plot(
         "lines": lines,
     }
     own |= {"minimise": minimise or (), "maximise": maximise or (), "where": _conditions(where or []) or None}
-    own["at"] = by_name(at or [], "at", "DIM=VALUE", {"a4": 1.0}, numbers_of) or None
+    own["at"] = by_name(at, "at", "DIM=VALUE", {"a4": 1.0}, numbers_of) or None
     drawn(file, given, **own, to=picture)
     typer.echo(str(picture))
 

@@ -13,7 +13,7 @@ import textwrap
 import threading
 import time
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from inspect import signature
@@ -91,13 +91,12 @@ class Timing:
 def timing_of(
     request: ResolvedSweep,
     *,
-    threads: int | None = None,
+    threads: int,
     block: int | None = None,
     verify: int = 0,
     folder: Path | None = None,
 ) -> Timing:
     """Time a sample of the designs of a request; kernels that are not compiled yet are compiled first."""
-    threads = threads or default_threads()
     for kernel in request.kernels:
         kernel.compiled(request.backend)
     total = request.positions.size
@@ -106,9 +105,9 @@ def timing_of(
     job = sample.job()
     tables = time.perf_counter() - started
     length = designs_per_block(sample, threads, block)
-    with _Scratch(job, folder if request.space.size > 1 else None) as scratch:
+    with _scratch(folder if request.space.size > 1 else None) as write:
         axis = request.scaling_axis
-        sink = scratch.write if axis is None else axis.over(scratch.write)
+        sink = write if axis is None else axis.over(write)
         seconds, designs = _evaluated(sample, job, sink, threads, length)
     positions = sample.positions.size if request.plan.uses_position else 0
     evaluation = (total / positions if positions else 1.0) * (tables + seconds / designs * job.size)
@@ -146,33 +145,27 @@ def _spread(size: int, count: int) -> list[tuple[int, int]]:
     return [(max(start, end), start + each) for start, end in ranges if end < start + each]
 
 
-class _Scratch:
-    """A file without a name that takes results for a moment, over and over; where there is none, memory."""
+@contextlib.contextmanager
+def _scratch(folder: Path | None) -> Iterator[Sink]:
+    """Yield a sink that takes results for a moment, over and over: a file without a name, else memory."""
+    lock, position, fd = threading.Lock(), 0, -1
 
-    def __init__(self, job: Job, folder: Path | None) -> None:
-        self.stack, self.folder = contextlib.ExitStack(), folder
-        self.lock, self.position, self.fd = threading.Lock(), 0, -1
-
-    def __enter__(self) -> _Scratch:
-        if self.folder is not None:
-            with contextlib.suppress(OSError):
-                self.fd = self.stack.enter_context(tempfile.TemporaryFile(dir=self.folder)).fileno()
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self.stack.close()
-
-    def write(self, start: int, stop: int, arrays: Sequence[NDArray[Any]]) -> None:
-        """Write the results of a block, as a sink does."""
+    def write(start: int, stop: int, arrays: Sequence[NDArray[Any]]) -> None:
+        nonlocal position
         for array in arrays:
-            if self.fd < 0:
+            if fd < 0:
                 array.copy()
                 continue
-            with self.lock:
-                position = self.position
-                self.position = (position + array.nbytes) % MOST_BYTES
+            with lock:
+                own, position = position, (position + array.nbytes) % MOST_BYTES
             with contextlib.suppress(OSError):  # a full disk is refused elsewhere
-                write_all(self.fd, array.reshape(-1).view(np.uint8).data, position)
+                write_all(fd, array.reshape(-1).view(np.uint8).data, own)
+
+    with contextlib.ExitStack() as stack:
+        if folder is not None:
+            with contextlib.suppress(OSError):
+                fd = stack.enter_context(tempfile.TemporaryFile(dir=folder)).fileno()
+        yield write
 
 
 def _verification(request: ResolvedSweep, verify: int) -> float:

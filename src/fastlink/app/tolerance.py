@@ -43,13 +43,12 @@ HOWS = ("worst", "rss")
 
 
 def from_derivatives(
-    maps: xr.Dataset, subject: Subject, slopes: Mapping[str, Mapping[str, str]]
+    maps: xr.Dataset, subject: Subject, slopes: Mapping[str, Mapping[str, str]], wanted: Sequence[str]
 ) -> xr.Dataset | None:
     """Return results and changes from the derivatives that a map has; None where it lacks one, or has other units."""
     space = subject.space
     if any(is_tolerance(name) and name not in space.constants for name in space.names):
         return None
-    wanted = [name for of in slopes for name in (of, *(change_name(of, how) for how in HOWS))]
     labels = labels_of(resolve(subject.mechanism, space, wanted, **subject.options))
     results = [str(name) for name in labels.data_vars if name not in wanted or name in slopes]
     known = [*results, *(name for of in slopes.values() for name in of.values())]
@@ -231,15 +230,16 @@ def tolerance(
         if names is None:  # what a map has for the changes of others
             known = {name for of in slopes.values() for name in of.values()}
             slopes = {name: of for name, of in slopes.items() if name not in known}
-        further = [name for of in slopes.values() for name in of.values()] if contributions else []
-        found = None if dataset is None or to is not None else from_derivatives(dataset, subject, slopes)
-    wanted = [name for of in slopes for name in (of, *(change_name(of, how) for how in HOWS))]
+        read = [name for of in slopes.values() for name in of.values()]
+        wanted = [name for of in slopes for name in (of, *(change_name(of, how) for how in HOWS))]
+        found = None
+        if dataset is not None and to is None:
+            found = from_derivatives(dataset, subject, slopes, wanted)
     if found is None:
         given: dict[str, Any] = {"to": to, "overwrite": overwrite, "progress": progress}
-        asked = list(dict.fromkeys([*wanted, *further]))
+        asked = list(dict.fromkeys([*wanted, *(read if contributions else ())]))
         found = sweep(subject.mechanism, subject.space, asked, **subject.options, **given)
     found = with_contributions(found, slopes if contributions else {})
-    read = [name for of in slopes.values() for name in of.values()]
     found = found.drop_vars([name for name in read if name in found and name not in wanted])
     if subject.rows is None or to is not None or BRANCH not in found.dims:
         return found

@@ -201,16 +201,13 @@ class Rows:
 
     def read(self, array: xr.DataArray, block: Block) -> NDArray[Any]:
         """Return the values of a variable in the rows of a block; it has some of the dimensions, or none."""
-        if not array.dims:
-            return np.broadcast_to(array.values, block.count)
         parts = dict(zip(self.sizes, block.index, strict=False))  # the last dimensions are whole
-        own = array.variable[{dim: part for dim, part in parts.items() if dim in array.dims}]
-        kept = [dim for dim in self.sizes if not isinstance(parts.get(dim), int)]
-        values = own.transpose(*(dim for dim in kept if dim in own.dims)).values
-        values = values[tuple(slice(None) if dim in own.dims else None for dim in kept)]
-        lengths = [self.sizes[dim] for dim in kept[1:]]
-        whole = np.broadcast_to(values, (block.count // math.prod(lengths), *lengths))
-        return whole.reshape(-1)
+        own = array.variable[{dim: part for dim, part in parts.items() if dim in array.dims}].load()
+        first, *others = (dim for dim in self.sizes if not isinstance(parts.get(dim), int))
+        sizes = {dim: self.sizes[dim] for dim in others}
+        sizes = {first: block.count // math.prod(sizes.values()), **sizes}
+        whole = own.set_dims(sizes)  # type: ignore[no-untyped-call]
+        return np.asarray(whole.transpose(*sizes).values).reshape(-1)
 
     def taken(self, maps: xr.Dataset, flat: NDArray[np.int64]) -> xr.Dataset:
         """Return everything that a map says of some rows, along ``design``."""
