@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_type_hints
 import typer
 import typer.core
 
+import fastlink as fl
 from fastlink.errors import (
     BRITISH,
     InputError,
@@ -333,9 +334,7 @@ def _print_notes(error: BaseException) -> None:
 
 def _print_version(wanted: bool) -> None:
     if wanted:
-        from fastlink._text import __version__
-
-        typer.echo(f"fastlink {__version__}")
+        typer.echo(f"fastlink {fl.__version__}")
         raise typer.Exit
 
 
@@ -365,11 +364,10 @@ def print_summary(maps: Any) -> None:
 def extension_of(file: Path, own: Path | None, trusted: bool) -> Extension | None:
     """Return the extension that a Python file declares for a map, None where no file is named."""
     from fastlink.app.study import load_extension
-    from fastlink.io.reader import open_map
 
     if own is None:
         return None
-    with open_map(file) as maps:
+    with fl.open(file) as maps:
         return load_extension(Path(), str(own), str(maps.attrs.get("mechanism")), trusted)
 
 
@@ -382,9 +380,7 @@ EXAMPLE = {"a1": 0.4}
 @command
 def mechanisms() -> None:
     """List the mechanisms."""
-    from fastlink.mechanisms.listing import mechanisms as list_mechanisms
-
-    typer.echo(str(list_mechanisms()))
+    typer.echo(str(fl.mechanisms()))
 
 
 @command
@@ -426,13 +422,11 @@ def quantities(
     --find PHRASE  Only what a phrase means, such as torque.
     --source  Show the formula of each, and the sheet and the line where it stands.
     """
-    from fastlink.app.report import quantities as list_quantities
-
     if mechanism is not None and mechanism.lower().endswith(".toml"):
         from fastlink.app.study import mechanism_of_study
 
         mechanism = mechanism_of_study(mechanism)
-    found = list_quantities(mechanism, internal=every, input=input, find=find)
+    found = fl.quantities(mechanism, internal=every, input=input, find=find)
     typer.echo(found.formulas() if source else str(found))
 
 
@@ -473,18 +467,15 @@ def draw(
     --frames N  Pictures of a film.
     --trust-code
     """
-    from fastlink.pictures.draw import draw as draw_mechanism
     from fastlink.space.design_space import taken_links
 
-    given: dict[str, Any] = by_name(
-        inputs, "inputs", "NAME=VALUE", EXAMPLE, numbers_of, (draw, draw_mechanism)
-    )
+    given: dict[str, Any] = by_name(inputs, "inputs", "NAME=VALUE", EXAMPLE, numbers_of, (draw, fl.draw))
     fixed = by_name(at, "at", "DIM=VALUE", EXAMPLE, numbers_of) if at else None
     picture = to if to is not None or animate is not None else Path(f"{Path(mechanism).stem}.png")
     own: dict[str, Any] = {"at": fixed, "branch": branch, "input": input, "strip": strip, "show": show}
     own |= {"curves": curves or (), "degrees": degrees, "to": picture, "links": taken_links(given)}
     own |= {"animate": animate, "frames": frames, "trust_code": trust_code}
-    draw_mechanism(mechanism, design, **own, **given)
+    fl.draw(mechanism, design, **own, **given)
     for path in filter(None, (picture, animate)):
         typer.echo(str(path))
 
@@ -510,9 +501,7 @@ def explain(
     --measure/--no-measure  Run a sample of the designs to say how long all take; by default if all is compiled already.
     --trust-code
     """
-    from fastlink.app.explain import explain as explain_study
-
-    found = explain_study(study, measure=measure, trust_code=trust_code)
+    found = fl.explain(study, measure=measure, trust_code=trust_code)
     typer.echo(found.text(kernels=kernels, code=text, ir=ir, asm=asm))
 
 
@@ -545,7 +534,6 @@ def run(
     --dask ADDRESS  Run on a dask.distributed cluster: the address of its scheduler, or its scheduler file.
     --trust-code
     """
-    from fastlink.app.study import run as run_study
     from fastlink.io.layout import WRITTEN
 
     progress, started = False if quiet else None, time.time_ns()
@@ -556,7 +544,7 @@ def run(
             from fastlink.engine.cluster import connected
 
             options["client"] = stack.enter_context(connected(("client",), client))
-        maps = stack.enter_context(run_study(study, to=to, progress=progress, **options))
+        maps = stack.enter_context(fl.run(study, to=to, progress=progress, **options))
         if maps.attrs[WRITTEN] < started:
             typer.echo(f"{maps.encoding['source']} is up to date")
         if not quiet:
@@ -588,13 +576,12 @@ def join(
     --quantities-file FILE.py
     --trust-code
     """
-    from fastlink.design.search import join
     from fastlink.io.joining import part_files
 
     options: dict[str, Any] = {"progress": False if quiet else None, "copy": copy, "overwrite": overwrite}
     if mechanism is not None:
         options["mechanism"] = extension_of(part_files(paths)[0].path, mechanism, trust_code)
-    with join(paths, to=to, restart=restart, **options) as maps:
+    with fl.join(paths, to=to, restart=restart, **options) as maps:
         if not quiet:
             print_summary(maps)
 
@@ -620,9 +607,7 @@ def check(
 
     FILE
     """
-    from fastlink.io.reader import check
-
-    found = check(file)
+    found = fl.check(file)
     typer.echo(str(found))
     if not found:
         raise typer.Exit(NOT_AS_WANTED)
@@ -660,10 +645,7 @@ def best(
     --trust-code
     """
     from fastlink.app.report import listed, refinement_columns
-    from fastlink.design.best import best as find
     from fastlink.io.convert import check_conversion
-    from fastlink.io.convert import convert as convert_map
-    from fastlink.io.reader import open_map
     from fastlink.space.units import DEGREES, split
 
     wanted = _conditions(where or [])
@@ -673,12 +655,12 @@ def best(
             raise InputError("is given without --refine", (name,), f"add --refine{mend}")
     options["refine"] = refine if changing is None else _parts(changing)
     options |= {"where": wanted or None, "top": top, "mechanism": extension_of(file, mechanism, trust_code)}
-    with open_map(file) as maps:
+    with fl.open(file) as maps:
         if to is not None:
             check_conversion(maps, to, overwrite)
-        found = find(maps, **options).load()
+        found = fl.best(maps, **options).load()
     if to is not None:
-        convert_map(found, to, overwrite=overwrite)
+        fl.convert(found, to, overwrite=overwrite)
     names = [*(minimise or ()), *(maximise or ()), *wanted]
     in_degrees = degrees or any(split(name, found.variables)[1] in DEGREES for name in wanted)
     typer.echo(listed(found, [*names, *refinement_columns(found)], degrees=in_degrees))
@@ -742,30 +724,28 @@ def synthesise(
     --restart  Throw away what a stopped run has left.
     """
     from fastlink.app.report import listed
-    from fastlink.synthesis.found import synthesise as find
 
     if motion and function:
         raise InputError("is given beside --motion", ("function",), "write one of them")
-    times = None if timing is None or timing == "even" else numbers_of(timing)
-    if timing not in (None, "even") and not isinstance(times, list):
+    times: Any = timing if timing is None or timing == "even" else numbers_of(timing)
+    if times != timing and not isinstance(times, list):
         raise InputError(f"is {timing!r}", ("timing",), "write numbers with commas, or even")
-    turns = None if turn_deg is None else numbers_of(turn_deg)
     of = "motion" if motion else "function" if function else "path"
-    given: dict[str, Any] = {of: file, "timing": times if times is not None else timing}
+    given: dict[str, Any] = {of: file, "timing": times}
     given |= {
         "closed": closed or None,
         "exact": exact,
         "travel": travel,
         "precision_points": precision_points,
         "rotation_length": rotation_length,
-        "turn_deg": turns,
+        "turn_deg": None if turn_deg is None else numbers_of(turn_deg),
     }
     ranges = by_name(bounds, "bounds", "NAME=LO,HI", {"a1": "0.1,1"}, numbers_of)
     given |= {"bounds": ranges or None, "where": _conditions(where or []) or None}
     given["fixed"] = by_name(fixed, "fixed", "NAME=NUMBER", {"O_x": "0"}, numbers_of) or None
     given |= {"minimise": minimise or (), "maximise": maximise or (), "top": top, "seed": seed}
     names = [] if quantities is None else _parts(quantities)
-    found = find(mechanism, names, to=to, overwrite=overwrite, restart=restart, **given).load()
+    found = fl.synthesise(mechanism, names, to=to, overwrite=overwrite, restart=restart, **given).load()
     if not found.sizes["design"]:
         raise InputError(str(found.attrs["reason"]), (), "widen the limits, or try other seeds")
     columns = [str(name) for name, one in found.data_vars.items() if one.dims == ("design",)]
@@ -798,9 +778,10 @@ def tolerance(
     --trust-code
     """
     from fastlink.app.report import changes_listed
-    from fastlink.app.tolerance import tolerance as found_by
 
-    given = by_name(tolerances, "tolerances", "INPUT=T", {"a1": 1e-4}, _number_or_text, (tolerance, found_by))
+    given = by_name(
+        tolerances, "tolerances", "INPUT=T", {"a1": 1e-4}, _number_or_text, (tolerance, fl.tolerance)
+    )
     names = None if quantities is None else _parts(quantities)
     options: dict[str, Any] = {"contributions": contributions, "to": to, "overwrite": overwrite}
     options["trust_code"] = trust_code
@@ -808,7 +789,7 @@ def tolerance(
         what = "is for a map: a study names the file of its quantities itself"
         raise InputError(what, ("mechanism",), "leave it out")
     options["mechanism"] = extension_of(source, mechanism, trust_code)
-    with found_by(source, names, **options, **given) as found:
+    with fl.tolerance(source, names, **options, **given) as found:
         typer.echo(changes_listed(found))
 
 
@@ -840,13 +821,11 @@ def convert(
     --overwrite
     --quiet  Print no progress.
     """
-    from fastlink.io.convert import convert
-
     conditions = by_name(select, "select", "NAME=VALUES", {"a2": "1.1:1.2"}, text_of)
     names = None if quantities is None else _parts(quantities)
     options: dict[str, Any] = {"dtype": dtype, "compress": compress, "overwrite": overwrite}
     options["progress"] = False if quiet else None
-    typer.echo(str(convert(file, to, select=conditions or None, quantities=names, **options)))
+    typer.echo(str(fl.convert(file, to, select=conditions or None, quantities=names, **options)))
 
 
 @command
@@ -886,11 +865,9 @@ def plot(
     --degrees  Show angles in degrees, and read those of --at so.
     --to PICTURE
     """
-    from fastlink.pictures.designs import plot as drawn
-
     given = [one for name in names or [] for one in (_parts(name) if "=" not in name else [name])]
     options = [one for one in given if one.find("=") > 0]
-    for dim, value in by_name(options, "names", "NAME", {}, str, (plot, drawn)).items():
+    for dim, value in by_name(options, "names", "NAME", {}, str, (plot, fl.plot)).items():
         at_it = ("write ", Setting("at", {dim: value}))
         raise InputError(f"{dim}={value} is no variable", ("names",), at_it)
     picture = to if to is not None else Path(f"{'-'.join(given) or 'front'}.png")
@@ -903,7 +880,7 @@ def plot(
     }
     own |= {"minimise": minimise or (), "maximise": maximise or (), "where": _conditions(where or []) or None}
     own["at"] = by_name(at, "at", "DIM=VALUE", {"a4": 1.0}, numbers_of) or None
-    drawn(file, given, **own, to=picture)
+    fl.plot(file, given, **own, to=picture)
     typer.echo(str(picture))
 
 
@@ -924,9 +901,7 @@ def explore(
     --port N  Where the page is served; 0 for a free port.
     --browser/--no-browser  Open the page in the browser.
     """
-    from fastlink.pictures.explore import explore as serve
-
-    with serve(file, to=to, port=port, browser=browser) as page:
+    with fl.explore(file, to=to, port=port, browser=browser) as page:
         if to is not None:
             typer.echo(str(to))
             return
@@ -956,11 +931,9 @@ def accuracy(
     --overwrite
     --trust-code
     """
-    from fastlink.app.accuracy import accuracy as measure
-
     options: dict[str, Any] = {"to": to, "picture": picture, "overwrite": overwrite, "trust_code": trust_code}
     announce = functools.partial(typer.echo, err=True)
-    measured = measure(study, designs=designs, outside=outside, announce=announce, **options)
+    measured = fl.accuracy(study, designs=designs, outside=outside, announce=announce, **options)
     typer.echo(measured.fastlink.summary())
 
 
