@@ -383,6 +383,7 @@ def truth_of(subject: Subject, rng: np.random.Generator) -> Truth:
 # -- Measure error against run time of a study's quantities, by every method
 
 
+CHANGE_POINTS = "change_points"
 #: The variables of the result, each over methods and quantities.
 LABELS = {
     "error_max": ("1", "largest relative error"),
@@ -391,9 +392,8 @@ LABELS = {
     "ns_per_design": ("ns", "run time of a design in all branches, one thread, least of repetitions"),
     "missed": ("1", "extremes that are off by more than 1 %, infinite wrongly, or not found"),
     "values": ("1", "values compared"),
+    CHANGE_POINTS: ("1", "designs that are change points, whose extremes are left out"),
 }
-CHANGE_POINTS = "change_points"
-LABELS_OF_ALL = LABELS | {CHANGE_POINTS: ("1", "designs that are change points, whose extremes are left out")}
 MISSED = 0.01
 
 
@@ -553,7 +553,7 @@ def _labelled(
 ) -> xr.Dataset:
     methods = list(dict.fromkeys(method for method, _ in rows))
     data: dict[str, Any] = {}
-    for name, (units, meaning) in LABELS_OF_ALL.items():
+    for name, (units, meaning) in LABELS.items():
         values = [[rows.get((method, q), {}).get(name, np.nan) for q in quantities] for method in methods]
         data[name] = (("way", "quantity"), np.array(values), {"units": units, "long_name": meaning})
     coords = {"way": ("way", methods), "quantity": ("quantity", quantities)}

@@ -877,10 +877,14 @@ class Study:
     space: DesignSpace
     #: The options of the sweep besides mechanism, designs and quantities.
     options: dict[str, Any]
-    #: The files that it was read from: itself, a table of designs, and Python code that declares quantities.
-    sources: tuple[Path, ...]
     #: The mechanism: its name, or one with the quantities that a file beside the study declares.
     mechanism: str | Extension
+
+    @property
+    def sources(self) -> tuple[Path, ...]:
+        """The files that it was read from: itself, a table of designs, and Python code that declares quantities."""
+        others = (self.tables["design"].get("table"), self.tables.get(KEY))
+        return (self.path, *(self.path.parent / other for other in others if other is not None))
 
     @property
     def quantities(self) -> list[str]:
@@ -1107,11 +1111,7 @@ def read_study(path: str | Path, trust_code: bool = False) -> Study:
     for name, values in request.positions.items():
         unit = split(name, (driven.position.name,))[1]
         request.options["angles"] = InUnit(values, unit) if unit else values
-    design = tables["design"]
-    others = [design["table"]] if "table" in design else []
-    others += [tables[KEY]] if KEY in tables else []
-    sources = (path, *(path.parent / other for other in others))
-    return Study(path, text, tables, request.space, request.options, sources, mechanism)
+    return Study(path, text, tables, request.space, request.options, mechanism)
 
 
 def mechanism_of_study(path: str | Path) -> Any:

@@ -100,7 +100,7 @@ def best(
         choice = problems.attempt(choice_of, dataset, minimise, maximise, where, top=top, infinite=infinite)
         problems.stop()
         if only is None:
-            return remarked(chosen(dataset, choice).of(dataset), f"{WIDEN}, or refine, which leaves the grid")
+            return remarked(chosen(choice).of(dataset), f"{WIDEN}, or refine, which leaves the grid")
         from fastlink.design.refine import Model, Refinement, candidates, spans_of
 
         with as_map(dataset) as own:
@@ -109,7 +109,7 @@ def best(
         refinement = Refinement(own, model, spans, choice.objectives, choice.wanted)
         one = len(choice.objectives) == 1
         top = choice.top if one else None
-        selected = chosen(own, choice.refined(candidates(choice.top)))
+        selected = chosen(choice.refined(candidates(choice.top)))
         looked = {result.name for result in refinement.results}
         starts = selected.of(own.drop_vars([name for name in own.data_vars if name not in looked])).load()
         searched = math.prod(selected.rows.shape)

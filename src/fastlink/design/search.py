@@ -128,14 +128,13 @@ class Stream:
 
     def __init__(self, resolved: ResolvedSweep, choice: Choice, along: Mapping[str, NDArray[Any]]) -> None:
         self.resolved, self.choice, self.along = resolved, choice, along
-        arrays = [*(one.array for one in choice.objectives), *(one.array for one in choice.wanted)]
-        dims = dict.fromkeys(str(dim) for array in arrays for dim in array.dims if dim != DESIGN)
+        dims = dict.fromkeys(str(dim) for array in choice.arrays for dim in array.dims if dim != DESIGN)
         self.lengths = resolved.lengths
         order = [dim for dim in (BRANCH, *along) if dim in dims]
         #: The dimensions of objectives and conditions besides the design, and their lengths; rows are in C order.
         self.sizes = {dim: self.lengths[dim] for dim in order}
         self.rows_of_design = math.prod(self.sizes.values())
-        self.names = list(dict.fromkeys(str(array.name) for array in arrays))
+        self.names = list(dict.fromkeys(str(array.name) for array in choice.arrays))
         outputs = {output.name: k for k, output in enumerate(resolved.plan.outputs)}
         self.outputs = {name: outputs[name] for name in self.names if name in outputs}
         self.inputs = [name for name in self.names if name in resolved.space.names]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -344,7 +343,6 @@ MISSED = "missed"
 WIDEN = "widen the conditions or the ranges, or search more designs"
 #: So many rows that miss least are kept for each design that is wanted, to refine them.
 NEAREST = 64
-NOT_A_NUMBER, INFINITE = "not a number", "infinite"
 
 
 @dataclass(frozen=True)
@@ -376,6 +374,11 @@ class Choice:
         if len(self.objectives) > 1:
             return self
         return replace(self, top=rows, nearest=NEAREST * self.top, enough=self.top)
+
+    @property
+    def arrays(self) -> list[xr.DataArray]:
+        """The variables of objectives and conditions."""
+        return [*(one.array for one in self.objectives), *(one.array for one in self.wanted)]
 
     @property
     def limits(self) -> list[Condition]:
@@ -420,12 +423,6 @@ class Selection:
     def only(self, numbers: Sequence[int]) -> Selection:
         """Return some of them, by their numbers among these."""
         return replace(self, places=self.places[list(numbers)])
-
-
-def chosen(maps: xr.Dataset, choice: Choice) -> Selection:
-    """Return the best rows of a map, see `fastlink.best`; it is read block by block."""
-    arrays = [*(one.array for one in choice.objectives), *(one.array for one in choice.wanted)]
-    return _best_of(Rows.of(arrays), choice)
 
 
 def _objectives(maps: xr.Dataset, minimise: Any, maximise: Any) -> list[Objective]:
@@ -630,14 +627,10 @@ class Reading:
                 self.nearest = merged_nearest(self.choice.nearest, self.nearest, own)
             yield block.first + places, points
 
-    @property
-    def left_out(self) -> Counter[str]:
-        """How many rows meet the conditions and do not count, by why."""
-        return Counter({NOT_A_NUMBER: self.tally.not_numbers, INFINITE: self.tally.infinite})
-
     def noted(self) -> str:
         """Return what was left out, to follow the number of those considered."""
-        parts = [f"{count:,} {kind}" for kind, count in self.left_out.items() if count]
+        counts = (self.tally.not_numbers, "not a number"), (self.tally.infinite, "infinite")
+        parts = [f"{count:,} {kind}" for count, kind in counts if count]
         return f", without {', '.join(parts)}" if parts else ""
 
 
@@ -646,33 +639,34 @@ def kept_of(points: NDArray[np.float64], top: int) -> NDArray[np.int64]:
     return nondominated(points) if points.shape[1] > 1 else least(points[:, 0], top)
 
 
-def _best_of(rows: Rows, choice: Choice) -> Selection:
-    """Return the best rows, the best of the first objective first."""
-    sought, reading = choice.objectives, Reading(rows, choice)
-    chosen, kept = np.empty(0, dtype=np.int64), np.empty((0, len(sought)))
-    for places, points in reading:
+def chosen(choice: Choice) -> Selection:
+    """Return the best rows of a map, see `fastlink.best`, which are read block by block."""
+    sought, rows = choice.objectives, Rows.of(choice.arrays)
+    reading = Reading(rows, choice)
+    places, kept = np.empty(0, dtype=np.int64), np.empty((0, len(sought)))
+    for own, points in reading:
         if len(sought) > 1:
             left = undominated(points, kept)
-            places, points = places[left], points[left]
-        chosen, kept = np.concatenate((chosen, places)), np.concatenate((kept, points))
+            own, points = own[left], points[left]
+        places, kept = np.concatenate((places, own)), np.concatenate((kept, points))
         again = kept_of(kept, choice.top)
-        chosen, kept = chosen[again], kept[again]
+        places, kept = places[again], kept[again]
     considered = f"of {reading.tally.considered:,}"
     near, _ = reading.nearest
-    if not len(chosen) and not len(near):
+    if not len(places) and not len(near):
         raise reading.tally.nothing_found(choice, math.prod(rows.shape))
-    if not len(chosen):
+    if not len(places):
         about = f"{reading.tally.none_of(choice, math.prod(rows.shape))}; the nearest ones"
         return Selection(rows, near, about + reading.noted(), choice)
-    near = near[: choice.nearest if len(chosen) < choice.enough else 0]
+    near = near[: choice.nearest if len(places) < choice.enough else 0]
     if len(sought) > 1:
-        about = f"the front of {len(chosen):,} {considered} rows by the {joined(list(map(str, sought)))}"
+        about = f"the front of {len(places):,} {considered} rows by the {joined(list(map(str, sought)))}"
     else:
-        chosen = chosen[np.lexsort((chosen, kept[:, 0]))]
+        places = places[np.lexsort((places, kept[:, 0]))]
         word = "least" if sought[0].sign > 0 else "greatest"
-        about = f"{len(chosen)} {word} {considered} values of {sought[0].array.name}"
+        about = f"{len(places)} {word} {considered} values of {sought[0].array.name}"
         about += f", {len(near)} that miss conditions least" if len(near) else ""
-    return Selection(rows, np.concatenate((chosen, near)), about + reading.noted(), choice)
+    return Selection(rows, np.concatenate((places, near)), about + reading.noted(), choice)
 
 
 def least(values: NDArray[np.float64], n: int) -> NDArray[np.int64]:
@@ -695,8 +689,7 @@ def top(maps: xr.Dataset, n: int, by: str, *, largest: bool, where: Any, infinit
     check_switch(("infinite",), infinite)
     key = objective(maps, "by", by, -1.0 if largest else 1.0)
     wanted = conditions(maps, where)
-    rows = Rows.of([key.array])
     for condition in wanted:
         for dim, length in condition.array.sizes.items():
-            check_along(condition.array.name, str(dim), length, rows.sizes)
-    return remarked(_best_of(rows, Choice([key], wanted, n, infinite, nearest=n)).of(maps))
+            check_along(condition.array.name, str(dim), length, key.array.sizes)
+    return remarked(chosen(Choice([key], wanted, n, infinite, nearest=n)).of(maps))

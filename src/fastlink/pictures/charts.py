@@ -21,7 +21,6 @@ from matplotlib.transforms import ScaledTranslation
 from scipy.ndimage import binary_opening, distance_transform_edt
 
 from fastlink._text import in_words
-from fastlink.maps.best import INFINITE as INFINITE_ROWS
 from fastlink.maps.best import Choice, Condition, Objective, Reading, Rows
 from fastlink.maps.units import DEGREE, RADIAN, flags_of, half_turn
 from fastlink.pictures.labels import constants_of, label_of, plain, title_of
@@ -588,13 +587,13 @@ class Cloud:
         for column, values in zip(self.columns, some.T, strict=True):
             column.settle(values)
         self.points = some if step == 1 and self.count <= MOST_POINTS else None
-        self.considered, self.infinite = reading.tally.considered, reading.left_out[INFINITE_ROWS]
+        self.considered, self.infinite = reading.tally.considered, reading.tally.infinite
         self.noted = reading.noted()
 
     def _reading(self) -> Reading:
         arrays = [column.array for column in self.columns]
-        rows = Rows.of([*arrays, *(one.array for one in self.wanted)])
-        return Reading(rows, Choice([Objective(array, 1.0) for array in arrays], list(self.wanted)))
+        choice = Choice([Objective(array, 1.0) for array in arrays], list(self.wanted))
+        return Reading(Rows.of(choice.arrays), choice)
 
     def _blocks(self, reading: Reading) -> Iterator[Any]:
         factors = np.array([column.factor for column in self.columns])

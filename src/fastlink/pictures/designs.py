@@ -178,7 +178,7 @@ def _front(maps: xr.Dataset, minimise: Any, maximise: Any, where: Any, degrees: 
     """Draw the Pareto front of a map among all its rows."""
     from fastlink.pictures.charts import draw_corner, draw_scatter
 
-    found = chosen(maps, choice_of(maps, minimise, maximise, where)).of(maps)
+    found = chosen(choice_of(maps, minimise, maximise, where)).of(maps)
     if MISSED in found.coords:
         raise InputError("leaves no row of the map", ("where",), "widen the conditions")
     names = [*listed(minimise), *listed(maximise)]

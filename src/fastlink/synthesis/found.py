@@ -1231,7 +1231,7 @@ def selected(every: xr.Dataset, solved: Solved) -> xr.Dataset:
     for one in choice.wanted:
         attrs[f"excluded_by_{one.name}"] = int(np.count_nonzero(~one.holds(one.array.values)))
     try:
-        selection = chosen(left, choice)
+        selection = chosen(choice)
         best = with_missed(left.isel({DESIGN: selection.places}), choice.limits)
     except InputError as error:
         return _ended(left.isel({DESIGN: slice(0, 0)}), attrs, error.what)
