@@ -659,7 +659,7 @@ def labels_of(resolved: ResolvedSweep) -> xr.Dataset:
     columns = {name: np.asarray(values) for name, values in space.columns.items()}
     one = replace(resolved, space=replace(space, columns=columns, labels={}), scaling_axis=None)
     arrays = [np.zeros_like(array) for array in allocated(one.shapes, 1)]
-    return labels.labelled(one, labels.variables_of(one), arrays, {})
+    return labels.labelled(one, labels.variables(one), arrays, {})
 
 
 def write(path: Path, found: xr.Dataset, fingerprint: str, made: str, **options: Any) -> None:

@@ -311,21 +311,16 @@ class Function(Suggesting):
         doubles = given.size + math.prod((given.size // len(self.inputs), len(self.quantities), *self.shape))
         check_memory(8 * doubles, "the result", where=("function", "x"), remedy="pass fewer designs at once")
         flat = given.reshape(len(self.inputs), -1)
-        far = np.zeros(flat.shape[1], dtype=bool)
-        for declared, row in zip(self._declared, flat, strict=True):
-            far |= beyond_range(declared, row)
+        far = np.any(list(map(beyond_range, self._declared, flat)), axis=0)
         if far.any():
             flat = np.where(far, np.nan, flat)
         result = np.empty((len(self.quantities), flat.shape[1], *self.shape))
         for start in range(0, flat.shape[1], self._block):
             block = slice(start, start + self._block)
             self._evaluate_block(flat[:, block], result[:, block], *bound)
-        bad = np.zeros(flat.shape[1], dtype=bool)
-        for declared, row in zip(self._declared, flat, strict=True):
-            bad |= ~declared.allows(row)
-        if bad.any():
-            for k in self._numbers:
-                result[k, bad] = np.nan
+        good = np.all(list(map(Input.allows, self._declared, flat)), axis=0)
+        for k in self._numbers if not good.all() else ():
+            result[k, ~good] = np.nan
         if far.any() and self._flag is not None:
             result[self._flag[0], far] = self._flag[1]
         return result.reshape(len(self.quantities), *given.shape[1:], *self.shape)
