@@ -258,9 +258,7 @@ def angles_of(catalogue: Catalogue, positions: NDArray[np.float64], arc: bool) -
     """Return input positions as the option of a sweep: the number of equal steps over one turn, or an arc, if so."""
     count = len(positions)
     turn = catalogue.positions is None and np.array_equal(positions, check_positions(catalogue, count))
-    if arc or turn:
-        return {"angles": count}
-    return {"angles": positions}
+    return {"angles": count if arc or turn else positions}
 
 
 @dataclass(frozen=True, eq=False)
@@ -286,7 +284,7 @@ class Results:
         """Return the results (points, results) of designs (inputs, points)."""
         found = np.empty((designs.shape[1], len(self.names)))
         if self._over_cycle is not None:
-            found[:, self._of_cycle] = self._over_cycle(self._of_design(designs)).T
+            found[:, self._of_cycle] = self._over_cycle(designs[: self._count]).T
         if self._of_points:
             read = self._evaluated([self.names[k] for k in self._of_points], designs)
             for k in self._of_points:
@@ -300,17 +298,18 @@ class Results:
         absent = [k for k in self._of_cycle if k not in places]
         found[:, absent] = np.nan
         if function is not None:
-            count = len(self.inputs) - self.at_position
-            slopes = function.gradient(self._of_design(designs))
-            found[:, places, :count] = np.moveaxis(slopes, 2, 0)
+            slopes = function.gradient(designs[: self._count])
+            found[:, places, : self._count] = np.moveaxis(slopes, 2, 0)
         names = self._slopes_at_points
         read = self._evaluated([name for name in names.values() if name], designs)
         for (k, j), name in names.items():
             found[:, k, j] = read[name] if name else np.nan
         return found
 
-    def _of_design(self, designs: NDArray[np.float64]) -> NDArray[np.float64]:
-        return designs[: len(self.inputs) - self.at_position]
+    @property
+    def _count(self) -> int:
+        """The number of the inputs of a design, which come first."""
+        return len(self.inputs) - self.at_position
 
     @property
     def _of_cycle(self) -> list[int]:
@@ -321,9 +320,8 @@ class Results:
         return [k for k, one in enumerate(self.pointwise) if one]
 
     def _function(self, names: Sequence[str]) -> Function:
-        inputs = self.inputs[: len(self.inputs) - self.at_position]
         options: dict[str, Any] = {"branch": self.branch, **self.model.options, **self.codes}
-        return function(self.model.mechanism, inputs, names, **options)
+        return function(self.model.mechanism, self.inputs[: self._count], names, **options)
 
     @cached_property
     def _over_cycle(self) -> Function | None:
@@ -990,8 +988,7 @@ class End:
 
     #: The number of its start.
     row: int
-    #: What computes its results, and the designs that can be reached.
-    reader: Results
+    #: The designs that could be reached.
     points: Points
     #: How it was reached.
     descent: Descent
@@ -1159,7 +1156,7 @@ class Refinement:
     def _noted(self, ends: list[End], new: End) -> bool:
         """Add an end, or count it with one that is the same design; tell whether it is a new one."""
         for k, old in enumerate(ends):
-            if old.reader is not new.reader:
+            if old.points.reader is not new.points.reader:
                 continue
             heights = [self.results[0].sign * one.descent.values[0] for one in (new, old)]
             worse, better = (old, new) if heights[0] < heights[1] else (new, old)
@@ -1171,13 +1168,12 @@ class Refinement:
 
     def _ended(self, row: xr.Dataset, number: int) -> End:
         """Return the end of the descent from one design."""
-        reader = self._reader(row)
         start = np.array([float(row[name]) for name in self.inputs])
-        points = Points(reader, self.results, self.codes, self.spans, start, self.limits)
+        points = Points(self._reader(row), self.results, self.codes, self.spans, start, self.limits)
         descent = self._descent(points, row)
         stays = descent.point is points.begin and points.has_start
         design = start if stays else points.designs(descent.point[None])[:, 0]
-        return End(number, reader, points, descent, design if design is start else self._wrapped(design))
+        return End(number, points, descent, design if design is start else self._wrapped(design))
 
     def _descent(self, points: Points, row: xr.Dataset) -> Descent:
         aims = [one for one in self.results if one.sign]
@@ -1208,8 +1204,8 @@ class Refinement:
         if key not in self._readers:
             names = tuple(name for name in self.looked if name not in self.inputs)
             pointwise = tuple(name in self.pointwise for name in names)
-            options: dict[str, Any] = {"codes": fixed, "at_position": self.at_position}
-            self._readers[key] = Results(self.model, names, pointwise, tuple(self.inputs), branch, **options)
+            given_for_each = tuple(self.inputs), branch, fixed, self.at_position
+            self._readers[key] = Results(self.model, names, pointwise, *given_for_each)
         return self._readers[key]
 
     def _recomputed(self, found: xr.Dataset, designs: NDArray[np.float64]) -> xr.Dataset:

@@ -46,11 +46,6 @@ from fastlink.io.reader import PartOfMap, shown_parts
 from fastlink.io.writer import Writer
 from fastlink.maps import open as open_map
 from fastlink.maps.best import (
-    ACTIVE,
-    GAIN,
-    MISSED,
-    REFINEMENT,
-    STARTS,
     Choice,
     Tally,
     choice_of,
@@ -106,8 +101,7 @@ class Kept(Tally):
 
     def arrays(self) -> dict[str, Any]:
         """Return everything as arrays by name, as a file keeps them."""
-        names = ("rows", "points", "designs", "near", "missed", *COUNTS)
-        return {name: np.asarray(getattr(self, name)) for name in names}
+        return {name: np.asarray(value) for name, value in vars(self).items()}
 
     @property
     def every(self) -> NDArray[np.int64]:
@@ -582,13 +576,9 @@ class SearchRequest:
         moved = {name: values if np.ndim(values) else values[()] for name, values in moved.items()}
         places = {dim: np.searchsorted(self.along[dim], refined[dim].values) for dim in places}
         result = self.rows(moved, places, names, verify)
-        added = [
-            str(n) for n in refined.data_vars if str(n).endswith(f"_{GAIN}") or n in (REFINEMENT, STARTS)
-        ]
-        result = result.assign({name: refined[name].variable for name in added})
+        added = refined.drop_vars([name for name in refined.variables if name in result.variables])
         result.attrs["selection"] = refined.attrs["selection"]
-        texts = [name for name in (ACTIVE, MISSED) if name in refined.coords]
-        return result.assign_coords({name: refined[name].variable for name in texts})
+        return result.assign(added.data_vars).assign_coords(added.coords)
 
     def of_part(self, stream: Stream, kept: Kept, of: PartOfMap, about: Mapping[str, Any]) -> xr.Dataset:
         """Return the rows that a part keeps as a map, not refined; where there is none its first row stands there."""

@@ -311,7 +311,9 @@ class Function(Suggesting):
         doubles = given.size + math.prod((given.size // len(self.inputs), len(self.quantities), *self.shape))
         check_memory(8 * doubles, "the result", where=("function", "x"), remedy="pass fewer designs at once")
         flat = given.reshape(len(self.inputs), -1)
-        far = np.any(list(map(beyond_range, self._declared, flat)), axis=0)
+        far = np.zeros(flat.shape[1], dtype=bool)
+        for beyond in map(beyond_range, self._declared, flat):
+            far |= beyond
         if far.any():
             flat = np.where(far, np.nan, flat)
         result = np.empty((len(self.quantities), flat.shape[1], *self.shape))

@@ -19,7 +19,7 @@ from fastlink.engine.run import aligned, default_threads
 from fastlink.machine import work_in_threads
 from fastlink.synthesis.kernels import assembled, rates
 
-__all__ = ["NUMBERS", "Candidates", "PathTask", "pins", "refinement", "solve_path"]
+__all__ = ["NUMBERS", "Candidates", "Task", "pins", "refinement", "solve_path"]
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -70,10 +70,10 @@ SPANS = (0.05, 0.1, 0.17, 0.25, 0.35, 0.45, 0.57, 0.7, 0.85, 1.0)
 
 
 @dataclass(frozen=True)
-class PathTask:
-    """A path that was checked."""
+class Task:
+    """A path or a motion that was checked."""
 
-    #: The points.
+    #: The points, of a motion those of the body.
     target: NDArray[np.complex128]
     #: Crank angles from the first point on, where the timing is given.
     times: NDArray[np.float64] | None = None
@@ -89,8 +89,10 @@ class PathTask:
     lower: NDArray[np.float64] = field(default_factory=lambda: np.full(10, -np.inf))
     upper: NDArray[np.float64] = field(default_factory=lambda: np.full(10, np.inf))
     #: Of poses the directions, and the length that weighs them.
-    angles: NDArray[np.float64] | None = None
+    angles: Any = None
     length: float = 1.0
+    #: The numbers of a linkage that are given, of two to four poses; NaN where one is free.
+    fixed: NDArray[np.float64] = field(default_factory=lambda: np.full(10, np.nan))
 
     def __post_init__(self) -> None:
         if not self.weights.size:
@@ -100,6 +102,11 @@ class PathTask:
     def size(self) -> float:
         """The sum of the squared distances from the mean."""
         return float(np.sum(np.abs(self.target - self.target.mean()) ** 2))
+
+    @property
+    def extent(self) -> float:
+        """The greatest distance from the mean, or the length that weighs angles where all points are one."""
+        return float(np.abs(self.target - self.target.mean()).max()) or self.length
 
     @property
     def is_whole(self) -> bool:
@@ -209,7 +216,7 @@ def at_shares(values: Any, points: Complex, share: Floats) -> Any:
     return np.interp((share + rows).ravel(), table, values.ravel()).reshape(len(points), -1)
 
 
-def starts_of(task: PathTask, count: int, keep: int, seed: int, skip: int = 0) -> Candidates:
+def starts_of(task: Task, count: int, keep: int, seed: int, skip: int = 0) -> Candidates:
     """Return the linkages whose curves are most like a path, of so many shapes.
 
     Each curve has equal places, by its length or with times by the crank angle. What the best turn, size and place of
@@ -292,7 +299,7 @@ def starts_of(task: PathTask, count: int, keep: int, seed: int, skip: int = 0) -
     return Candidates(numbers, signs, theta, best[rows], np.ones(len(rows), dtype=np.int64))
 
 
-def refined(task: PathTask, found: Candidates, most: int, *, angles_only: bool = False) -> Candidates:
+def refined(task: Task, found: Candidates, most: int, *, angles_only: bool = False) -> Candidates:
     """Return linkages after so many steps at most, the best first."""
     source = refinement()
     code = load_kernel(source, backend_of(None))
@@ -338,7 +345,7 @@ SAME = 1e-6
 
 
 def solve_path(
-    task: PathTask,
+    task: Task,
     seed: int,
     rounds: int = ROUNDS,
     steps: Any = lambda step, *of: step(*of),
@@ -382,7 +389,7 @@ def solve_path(
 BY_LENGTH, LENGTH_STEPS, UNIFORM, FINE = 60, 40, 100, 256
 
 
-def solve_curve(task: PathTask, seed: int) -> Candidates:
+def solve_curve(task: Task, seed: int) -> Candidates:
     """Return linkages whose whole curves follow a closed path, and what they become if points alone count."""
     starts = starts_of(task, SHAPES, BY_LENGTH, seed)
     fit_limits(task, starts)
@@ -391,7 +398,7 @@ def solve_curve(task: PathTask, seed: int) -> Candidates:
     return merged(joined(refined(task, found, 10, angles_only=True), polished))
 
 
-def by_length(task: PathTask, found: Candidates) -> Candidates:
+def by_length(task: Task, found: Candidates) -> Candidates:
     """Return linkages refined so that equal shares of the length of curves and path meet.
 
     By Levenberg-Marquardt with differences. Unknowns are the logarithms of the shortest link and of Grashof's sums, so
@@ -459,9 +466,7 @@ def by_length(task: PathTask, found: Candidates) -> Candidates:
     return made
 
 
-def varied(
-    task: PathTask, numbers: Floats, theta: Floats, side: Floats, change: float, rng: Any
-) -> Candidates:
+def varied(task: Task, numbers: Floats, theta: Floats, side: Floats, change: float, rng: Any) -> Candidates:
     """Return linkages that pass a path to its rounding, near others: these are changed at random and refined."""
     n, by = numbers.copy(), change * rng.normal(size=numbers.shape)
     lengths = [0, 1] if task.slider else [0, 1, 2, 3]
@@ -478,7 +483,7 @@ def varied(
     return made.at(made.cost <= EXACT**2 * task.size)
 
 
-def fit_limits(task: PathTask, found: Candidates) -> None:
+def fit_limits(task: Task, found: Candidates) -> None:
     """Move starts into the limits of their numbers: given lengths size all, angles turn by whole turns."""
     numbers = found.numbers
     for k in range(2 if task.slider else 4):
@@ -598,7 +603,7 @@ class Fit:
     From points; or from poses, in places and in directions times a length: the last number is the body's angle from AB.
     """
 
-    def __init__(self, task: PathTask, theta: Floats, side: float) -> None:
+    def __init__(self, task: Task, theta: Floats, side: float) -> None:
         self.task, self.theta, self.side = task, theta.copy(), side
 
     @np.errstate(all="ignore")  # at a dead point rates are infinite
