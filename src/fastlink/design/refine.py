@@ -87,7 +87,7 @@ def swept_inputs(catalogue: Catalogue, maps: xr.Dataset) -> dict[str, Input]:
     return {name: known[name] for name in swept if not known[name].choices}
 
 
-def spans_of(catalogue: Catalogue, maps: xr.Dataset, only: Sequence[str] = ()) -> list[Span]:
+def spans_of(catalogue: Catalogue, maps: xr.Dataset, only: Sequence[str]) -> list[Span]:
     """Return the inputs of a map that may change, with their ranges in it.
 
     Of a sample the ranges are those that it was drawn from. Inputs of a table that change together with another one,
@@ -112,7 +112,7 @@ def spans_of_space(
     catalogue: Catalogue,
     space: DesignSpace,
     bounds: Mapping[str, tuple[float, float]],
-    only: Sequence[str] = (),
+    only: Sequence[str],
 ) -> list[Span]:
     """Return the inputs of a design space that may change, within given ranges or else those of the space."""
     known = catalogue.known_inputs(catalogue.variant_inputs)
@@ -215,7 +215,7 @@ class Model:
     knows_positions: bool = True
 
     @classmethod
-    def of_map(cls, maps: xr.Dataset, own: Any = None) -> Model:
+    def of_map(cls, maps: xr.Dataset, own: Any) -> Model:
         """Return that of a map, by its labels, perhaps with the quantities of a user that it was made with."""
         attrs = maps.attrs
         name, input = mechanism_of_map(attrs), attrs.get("input")

@@ -809,7 +809,7 @@ def to_file(
     return open_map(path)
 
 
-def request_of_parts(parts: Sequence[PartFile], own: Any = None) -> tuple[SearchRequest, list[Kept], Any]:
+def request_of_parts(parts: Sequence[PartFile], own: Any) -> tuple[SearchRequest, list[Kept], Any]:
     """Return the search that parts make together, what each has kept, and how many designs are verified.
 
     Its designs are those that were kept, which know their numbers among all.

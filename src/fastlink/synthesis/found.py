@@ -522,7 +522,7 @@ def _solve_path(asked: Asked, steps: Steps, path: Any, timing: Any, closed: Any)
         upper = np.where(np.isfinite(asked.upper), asked.upper, longest)
         asked = replace(asked, upper=upper, lower=np.where(np.isfinite(asked.lower), asked.lower, -longest))
     slider = asked.slider
-    task = paths.Task(target, times, is_closed, crank, weights, slider, asked.lower, asked.upper)
+    task = paths.PathTask(target, times, is_closed, crank, weights, slider, asked.lower, asked.upper)
     attrs: dict[str, Any] = {"closed": int(is_closed)}
     if asked.exact:
         found, attrs["complete"] = _all_exact(asked, task, steps)
@@ -586,7 +586,7 @@ def joined_linkages(one: Linkages, other: Linkages) -> Linkages:
     return Linkages(numbers, theta, side, starts, more, one.slider)
 
 
-def _all_exact(asked: Asked, task: paths.Task, steps: Steps) -> tuple[Linkages, str]:
+def _all_exact(asked: Asked, task: paths.PathTask, steps: Steps) -> tuple[Linkages, str]:
     """Return all linkages that pass points exactly, where algebra gives them, and how many that are."""
     count = len(task.target)
     best = "leave it out: least squares find the best"
@@ -623,7 +623,7 @@ def _of_nine(points: NDArray[np.complex128], **options: int) -> tuple[Linkages, 
     return found, complete + (f"; {len(triples.lost)} paths did not arrive" if len(triples.lost) else "")
 
 
-def _through_nine(task: paths.Task, attempt: int) -> paths.Candidates:
+def _through_nine(task: paths.PathTask, attempt: int) -> paths.Candidates:
     """Return linkages that pass nine of the points in order, refined on all: where curves of many shapes are alike.
 
     The best of a sample of shapes lies in a long valley then, and what passes all points is not near its start. Each
@@ -675,7 +675,7 @@ def _solve_motion(asked: Asked, steps: Steps, motion: Any, rotation_length: Any)
     if asked.where is None or isinstance(asked.where, Mapping):
         asked = asked.with_limits_as_conditions()
     of_body: dict[str, Any] = {"angles": angles, "length": length, "fixed": fixed}
-    task = paths.Task(points, crank=False, slider=asked.slider, **of_body)
+    task = paths.PathTask(points, crank=False, slider=asked.slider, **of_body)
     if count == 4:
         _check_curves(task)
     numbers, theta, side, body, dyads = steps(poses.solve_motion, task, asked.seed)
@@ -697,7 +697,7 @@ def _solve_motion(asked: Asked, steps: Steps, motion: Any, rotation_length: Any)
     return Solved("motion", asked, found, coords, attrs, *objectives, with_defects=count >= 5, path=task)
 
 
-def _check_curves(task: paths.Task) -> None:
+def _check_curves(task: paths.PathTask) -> None:
     """Refuse pivots that no link has in four poses: fixed ones off the centre-point curve, moving ones off a circle."""
     o = complex(*task.fixed[6:8])
     d = np.nan if task.slider else o + task.fixed[3] * np.exp(1j * task.fixed[8])
@@ -716,7 +716,7 @@ def _check_curves(task: paths.Task) -> None:
 
 
 def _solve_function(
-    asked: Asked, steps: Steps, function: Any, over: Any, turn: Any, turn_deg: Any, points: Any, travel: Any
+    asked: Asked, steps: Steps, function: Any, over: Any, turn: Any, turn_deg: Any, travel: Any, points: Any
 ) -> Solved:
     slider, given = asked.slider, None
     if points is not None:
@@ -873,6 +873,14 @@ def _turns(turn: Any, turn_deg: Any, slider: bool) -> list[tuple[float, float]] 
     fine = [low * high > 0.0 and max(-low, high) <= 2.0 * np.pi for low, high in made]
     _check(len(fine) == 2 - slider and all(fine) and made[0][0] > 0.0, name, what, remedy)
     return made
+
+
+#: The tasks: what solves each, and the options that are its own.
+TASKS: dict[str, tuple[Callable[..., Solved], tuple[str, ...]]] = {
+    "path": (_solve_path, ("timing", "closed")),
+    "motion": (_solve_motion, ("rotation_length",)),
+    "function": (_solve_function, ("over", "turn", "turn_deg", "travel", "precision_points")),
+}
 
 
 # -- Conditions on what fastlink computes, and other objectives, of paths and motions
@@ -1369,10 +1377,8 @@ def synthesise(
     >>> found.attrs["complete"], bool((found.path_error < 1e-12).all())
     ('all 2 linkages of five timed points', True)
     """
-    began = time.perf_counter()
-    problems = Problems()
-    given = {"path": path, "motion": motion, "function": function}
-    tasks = [name for name, value in given.items() if value is not None]
+    call, began, problems = dict(locals()), time.perf_counter(), Problems()
+    tasks = [name for name in TASKS if call[name] is not None]
     if len(tasks) != 1:
         what = f"has {joined(tasks)}" if tasks else "has no task"
         problems.add(what, ("synthesise",), "write one of path=..., motion=..., function=...")
@@ -1385,27 +1391,19 @@ def synthesise(
     problems.attempt(check_switch, ("exact",), exact)
     names = problems.attempt(check_names, "quantities", quantities) if quantities else ()
     limits = _limits(bounds, fixed, slider, problems)
-    only = {"path": {"timing": timing, "closed": closed}, "motion": {"rotation_length": rotation_length},
-            "function": {"over": over, "turn": turn, "turn_deg": turn_deg, "travel": travel,
-                         "precision_points": precision_points}}  # fmt: skip
-    for task, options in only.items():
-        for name, value in options.items():
-            if value is not None and tasks != [task]:
+    for task, (_, options) in TASKS.items():
+        for name in options:
+            if call[name] is not None and tasks != [task]:
                 problems.add(f"is for {task}=...", (name,), "leave it out")
     problems.stop()
+    solve_task, options = TASKS[tasks[0]]
     known = find_catalogue("slider_crank" if slider else "planar_4r", None)
     asked = Asked(known, tuple(names or ()), where, minimise, maximise, top, *limits, seed, exact)
     asked.others()  # unknown names are refused before anything is computed
     about = {"mechanism": mechanism, "synthesis": tasks[0], **dict(attrs or {})}
 
     def solve(steps: Steps) -> xr.Dataset:
-        if tasks[0] == "path":
-            solved = _solve_path(asked, steps, path, timing, closed)
-        elif tasks[0] == "motion":
-            solved = _solve_motion(asked, steps, motion, rotation_length)
-        else:
-            ask = function, over, turn, turn_deg, precision_points, travel
-            solved = _solve_function(asked, steps, *ask)
+        solved = solve_task(asked, steps, *(call[name] for name in (*tasks, *options)))
         none = not len(solved.found)
         if none:
             solved.found = _one(solved)
@@ -1419,9 +1417,8 @@ def synthesise(
 
     if to is None:
         return solve(Steps())
-    options = {**given, **only["path"], **only["motion"], **only["function"]}
     words: list[Any] = [environment(), mechanism, names, top, seed, exact]
-    words += [_as_text(value, over) for value in options.values()]
+    words += [_as_text(call[name], over) for name in (*TASKS, *(n for _, own in TASKS.values() for n in own))]
     words += [*map(repr, (where, bounds, fixed, minimise, maximise))]
     fingerprint = hashlib.sha256(repr(words).encode()).hexdigest()
 

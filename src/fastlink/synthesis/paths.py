@@ -19,7 +19,7 @@ from fastlink.engine.run import aligned, default_threads
 from fastlink.machine import work_in_threads
 from fastlink.synthesis.kernels import assembled, rates
 
-__all__ = ["NUMBERS", "Candidates", "Task", "pins", "refinement", "solve_path"]
+__all__ = ["NUMBERS", "Candidates", "PathTask", "pins", "refinement", "solve_path"]
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -70,7 +70,7 @@ SPANS = (0.05, 0.1, 0.17, 0.25, 0.35, 0.45, 0.57, 0.7, 0.85, 1.0)
 
 
 @dataclass(frozen=True)
-class Task:
+class PathTask:
     """A path or a motion that was checked."""
 
     #: The points, of a motion those of the body.
@@ -142,7 +142,7 @@ class Candidates:
         return Candidates(*(np.array(part[rows], order="C") for part in self.parts()))
 
 
-def shapes_of(count: int, seed: int, skip: int = 0, slider: bool = False) -> Floats:
+def shapes_of(count: int, seed: int, skip: int, slider: bool) -> Floats:
     """Return shapes (a2, a3, a4, P_u, P_v by a1) of cranks that turn fully, from a Sobol sequence.
 
     a1 and the three sums of Grashof's condition are free positive numbers: each of them times a1 as a power of ten; of
@@ -216,7 +216,7 @@ def at_shares(values: Any, points: Complex, share: Floats) -> Any:
     return np.interp((share + rows).ravel(), table, values.ravel()).reshape(len(points), -1)
 
 
-def starts_of(task: Task, count: int, keep: int, seed: int, skip: int = 0) -> Candidates:
+def starts_of(task: PathTask, count: int, keep: int, seed: int, skip: int = 0) -> Candidates:
     """Return the linkages whose curves are most like a path, of so many shapes.
 
     Each curve has equal places, by its length or with times by the crank angle. What the best turn, size and place of
@@ -299,7 +299,7 @@ def starts_of(task: Task, count: int, keep: int, seed: int, skip: int = 0) -> Ca
     return Candidates(numbers, signs, theta, best[rows], np.ones(len(rows), dtype=np.int64))
 
 
-def refined(task: Task, found: Candidates, most: int, *, angles_only: bool = False) -> Candidates:
+def refined(task: PathTask, found: Candidates, most: int, *, angles_only: bool = False) -> Candidates:
     """Return linkages after so many steps at most, the best first."""
     source = refinement()
     code = load_kernel(source, backend_of(None))
@@ -340,18 +340,11 @@ SHAPES, SHAPES_OPEN, KEPT = 4096, 1024, 1000
 STAGES = ((KEPT, 30), (300, 150), (40, 1500))
 #: Rounds at most; an error so small beside the size of the path counts as none.
 ROUNDS, EXACT = 4, 1e-11
-#: Linkages that are the same to so much of their size are told once.
-SAME = 1e-6
+#: Linkages that are the same to so much of their size are told once; and how many are told at most.
+SAME, MOST = 1e-6, 400
 
 
-def solve_path(
-    task: Task,
-    seed: int,
-    rounds: int = ROUNDS,
-    steps: Any = lambda step, *of: step(*of),
-    *,
-    all_rounds: bool = False,
-) -> Candidates:
+def solve_path(task: PathTask, seed: int, rounds: int, steps: Any, *, all_rounds: bool) -> Candidates:
     """Return the linkages that come nearest to a path, all different ones that were found, the best first.
 
     Rounds of starts go on until a linkage passes all points, or the best one was found a second time; or all are made,
@@ -389,7 +382,7 @@ def solve_path(
 BY_LENGTH, LENGTH_STEPS, UNIFORM, FINE = 60, 40, 100, 256
 
 
-def solve_curve(task: Task, seed: int) -> Candidates:
+def solve_curve(task: PathTask, seed: int) -> Candidates:
     """Return linkages whose whole curves follow a closed path, and what they become if points alone count."""
     starts = starts_of(task, SHAPES, BY_LENGTH, seed)
     fit_limits(task, starts)
@@ -398,7 +391,7 @@ def solve_curve(task: Task, seed: int) -> Candidates:
     return merged(joined(refined(task, found, 10, angles_only=True), polished))
 
 
-def by_length(task: Task, found: Candidates) -> Candidates:
+def by_length(task: PathTask, found: Candidates) -> Candidates:
     """Return linkages refined so that equal shares of the length of curves and path meet.
 
     By Levenberg-Marquardt with differences. Unknowns are the logarithms of the shortest link and of Grashof's sums, so
@@ -407,11 +400,9 @@ def by_length(task: Task, found: Candidates) -> Candidates:
     target = task.target - task.target.mean()
     around = np.append(target, target[0])[None]
     wanted = at_shares(around, around, np.arange(UNIFORM) / UNIFORM)[0]
-    size, lower, upper = float(np.sqrt(np.mean(np.abs(wanted) ** 2))), task.lower.copy(), task.upper.copy()
-    middle = task.target.mean()
-    for ends in (lower, upper):
-        ends[6:8] -= middle.real, middle.imag
-    n = found.numbers - np.array([*[0.0] * 6, middle.real, middle.imag, 0.0, 0.0])
+    size, middle = float(np.sqrt(np.mean(np.abs(wanted) ** 2))), task.target.mean()
+    shift = np.array([*[0.0] * 6, middle.real, middle.imag, 0.0, 0.0])
+    n = found.numbers - shift
     double = (n[:, 0] > n[:, 3])[:, None]
 
     def unknowns(n: Floats) -> Floats:
@@ -449,7 +440,7 @@ def by_length(task: Task, found: Candidates) -> Candidates:
         h = h + np.einsum("mi,ij->mij", damping[:, None] * diagonal + least, np.eye(10))
         step = -solved(h, (j @ now[:, :, None])[:, :, 0])
         moved = x + np.concatenate([np.clip(step[:, :4], -1.0, 1.0), step[:, 4:]], axis=1)
-        n = np.clip(numbers(moved, double), lower, upper)
+        n = np.clip(numbers(moved, double), task.lower - shift, task.upper - shift)
         n[:, 9] = 0.0
         moved[:, :9] = np.concatenate([unknowns(n), n[:, 4:9]], axis=1)
         other = off(moved, double, found.signs)
@@ -462,11 +453,13 @@ def by_length(task: Task, found: Candidates) -> Candidates:
     made.numbers, made.cost = numbers(x, double[order]), cost[order]
     turns = x[:, 9:] + made.signs[:, 1:] * 2.0 * np.pi * np.arange(FINE + 1) / FINE
     made.theta = at_shares(turns, pins(made.numbers, turns, made.signs[:, :1])[-1], task.share)
-    made.numbers += np.array([*[0.0] * 6, middle.real, middle.imag, 0.0, 0.0])
+    made.numbers += shift
     return made
 
 
-def varied(task: Task, numbers: Floats, theta: Floats, side: Floats, change: float, rng: Any) -> Candidates:
+def varied(
+    task: PathTask, numbers: Floats, theta: Floats, side: Floats, change: float, rng: Any
+) -> Candidates:
     """Return linkages that pass a path to its rounding, near others: these are changed at random and refined."""
     n, by = numbers.copy(), change * rng.normal(size=numbers.shape)
     lengths = [0, 1] if task.slider else [0, 1, 2, 3]
@@ -483,7 +476,7 @@ def varied(task: Task, numbers: Floats, theta: Floats, side: Floats, change: flo
     return made.at(made.cost <= EXACT**2 * task.size)
 
 
-def fit_limits(task: Task, found: Candidates) -> None:
+def fit_limits(task: PathTask, found: Candidates) -> None:
     """Move starts into the limits of their numbers: given lengths size all, angles turn by whole turns."""
     numbers = found.numbers
     for k in range(2 if task.slider else 4):
@@ -549,9 +542,9 @@ def solved(matrices: Floats, right: Floats) -> Floats:
     return np.where(singular[:, None], np.nan, found)
 
 
-def merged(found: Candidates, most: int = 400) -> Candidates:
+def merged(found: Candidates) -> Candidates:
     """Return different linkages, the best of each, with the number of starts that ended there."""
-    kept, starts = different(found.numbers, found.signs[:, 0], found.starts, most)
+    kept, starts = different(found.numbers, found.signs[:, 0], found.starts, MOST)
     result = found.at(kept)
     result.starts = np.array(starts, dtype=np.int64)
     return result
@@ -575,7 +568,7 @@ def different(
 
 
 @np.errstate(all="ignore")
-def curve_of(n: Floats, theta: Floats, side: float, slider: bool = False) -> tuple[Any, ...]:
+def curve_of(n: Floats, theta: Floats, side: float, slider: bool) -> tuple[Any, ...]:
     """Return coupler points of one linkage, and their derivatives by its numbers and (last) the crank angle.
 
     Then the direction of AB as a complex number, the derivatives of its angle, and whether the bars meet.
@@ -603,7 +596,7 @@ class Fit:
     From points; or from poses, in places and in directions times a length: the last number is the body's angle from AB.
     """
 
-    def __init__(self, task: Task, theta: Floats, side: float) -> None:
+    def __init__(self, task: PathTask, theta: Floats, side: float) -> None:
         self.task, self.theta, self.side = task, theta.copy(), side
 
     @np.errstate(all="ignore")  # at a dead point rates are infinite

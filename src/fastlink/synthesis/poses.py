@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from fastlink.synthesis.paths import Complex, Fit, Floats, Task, from_pins, solved, wrapped
+from fastlink.synthesis.paths import Complex, Fit, Floats, PathTask, from_pins, solved, wrapped
 
 __all__ = ["dyads_of", "dyads_of_five", "pairs_of", "solve_motion"]
 
@@ -140,7 +140,7 @@ def _listed(centres: Complex, pins: Complex) -> Complex:
     return np.stack([centres[fine], pins[fine]])
 
 
-def family_of(task: Task, seed: int) -> Complex:
+def family_of(task: PathTask, seed: int) -> Complex:
     """Return dyads of two to four poses: those of the poses with further ones that are drawn about them."""
     rng = np.random.default_rng(seed)
     count = len(task.target)
@@ -156,7 +156,7 @@ def family_of(task: Task, seed: int) -> Complex:
     return _listed(*dyads_of_five(poses[..., 0] + 1j * poses[..., 1], poses[..., 2]))
 
 
-def sliders_of(task: Task, angles: Any = None, free: Any = 0.0) -> tuple[Complex, Complex]:
+def sliders_of(task: PathTask, angles: Floats, free: Any = 0.0) -> tuple[Complex, Complex]:
     """Return directions across a line, and the body points that move along it: of four poses the one there is.
 
     Re(conj(n) (d + e w)) = k is linear in conj(n) w and k for each direction n. Of more poses it is the one whose
@@ -178,7 +178,7 @@ def sliders_of(task: Task, angles: Any = None, free: Any = 0.0) -> tuple[Complex
     return across, task.extent * (found[0] + 1j * found[1]) / np.conj(across)
 
 
-def linkages_of(task: Task, c: Any, w: Any, d: Any, v: Any) -> tuple[Floats, Floats, Floats, Floats]:
+def linkages_of(task: PathTask, c: Any, w: Any, d: Any, v: Any) -> tuple[Floats, Floats, Floats, Floats]:
     """Return linkages of dyads with centres and body points c, w that are driven, and d, v.
 
     As numbers, crank angles at each pose, signs of B beside the line from A to D, and angles of the body from AB.
@@ -191,7 +191,7 @@ def linkages_of(task: Task, c: Any, w: Any, d: Any, v: Any) -> tuple[Floats, Flo
     return np.where(met, task.fixed, numbers), np.unwrap(theta, axis=1), side, -np.angle(v - w)
 
 
-def _from_fixed(task: Task, numbers: Floats) -> Floats:
+def _from_fixed(task: PathTask, numbers: Floats) -> Floats:
     """Return how far numbers of linkages are from those that are given, lengths by the size of the task."""
     off = numbers - task.fixed
     off[..., :8] /= task.extent
@@ -200,7 +200,7 @@ def _from_fixed(task: Task, numbers: Floats) -> Floats:
 
 
 @np.errstate(all="ignore")
-def as_given(task: Task, c: Any, w: Any, d: Any, v: Any) -> tuple[NDArray[np.bool_], Complex]:
+def as_given(task: PathTask, c: Any, w: Any, d: Any, v: Any) -> tuple[NDArray[np.bool_], Complex]:
     """Return which pairs of dyads have the numbers that are given and meet the poses, after they were moved to these.
 
     Fixed pivots begin where they are to be: what is left is linear in the moving ones then, and the first step of
@@ -252,7 +252,7 @@ def as_given(task: Task, c: Any, w: Any, d: Any, v: Any) -> tuple[NDArray[np.boo
     return np.asarray(np.abs(off(x)).max(axis=1) <= MET * longest**2), np.stack(made)
 
 
-def on_circle(task: Task, pivot: complex | None = None) -> bool:
+def on_circle(task: PathTask, pivot: complex | None = None) -> bool:
     """Tell whether the places of a fixed pivot in the body, or those of the body's own point, are on a circle."""
     places = task.target if pivot is None else np.exp(-1j * task.angles) * (pivot - task.target)
     places = (places - places[0]) / task.extent
@@ -261,7 +261,7 @@ def on_circle(task: Task, pivot: complex | None = None) -> bool:
     return bool(np.ptp(np.abs(places - middle)) <= MET * (1.0 + np.abs(places).max() + abs(middle)))
 
 
-def nearest_centre(task: Task) -> float:
+def nearest_centre(task: PathTask) -> float:
     """Return O_y of the centre-point curve of four poses for the O_x that is given, next to the one that is."""
     c, w = family_of(task, 0)[:, :MOVED]
     alone = replace(task, fixed=np.where(np.arange(10) == 6, task.fixed, np.nan), slider=False)
@@ -275,7 +275,7 @@ def _squares(away: Complex) -> Floats:
     return np.asarray(((away - away[:, :1]) * np.conj(away + away[:, :1])).real[:, 1:])
 
 
-def pairs_of(task: Task, dyads: Complex) -> tuple[Floats, Floats, Floats, Floats]:
+def pairs_of(task: PathTask, dyads: Complex) -> tuple[Floats, Floats, Floats, Floats]:
     """Return the linkages of all pairs of dyads, driven by the first of each, or of all with the sliders there are."""
     c, w = dyads
     if task.slider:
@@ -295,7 +295,7 @@ def pairs_of(task: Task, dyads: Complex) -> tuple[Floats, Floats, Floats, Floats
     return linkages_of(task, c[first], w[first], d[other], v[other])
 
 
-def varied(task: Task, pins: tuple[Complex, ...], change: float, rng: Any) -> tuple[Floats, ...]:
+def varied(task: PathTask, pins: tuple[Complex, ...], change: float, rng: Any) -> tuple[Floats, ...]:
     """Return linkages that meet poses exactly, near others (their pins): both dyads are changed at random."""
     c, d, a, b, _ = pins
     e = np.exp(1j * task.angles)
@@ -323,7 +323,7 @@ def varied(task: Task, pins: tuple[Complex, ...], change: float, rng: Any) -> tu
     return linkages_of(task, c, w, d, v)
 
 
-def solve_motion(task: Task, seed: int) -> tuple[Floats, Floats, Floats, Floats, int]:
+def solve_motion(task: PathTask, seed: int) -> tuple[Floats, Floats, Floats, Floats, int]:
     """Return the linkages of a motion as `pairs_of` does, and how many dyads with a crank they are made of."""
     if len(task.target) >= 5:
         dyads = dyads_of(task.target, task.angles)
@@ -339,10 +339,10 @@ def solve_motion(task: Task, seed: int) -> tuple[Floats, Floats, Floats, Floats,
 
 
 def _on_poses(
-    task: Task, numbers: Floats, theta: Floats, sides: Floats, bodies: Floats
+    task: PathTask, numbers: Floats, theta: Floats, sides: Floats, bodies: Floats
 ) -> tuple[Floats, Floats, Floats, Floats]:
     """Return linkages that come nearest to poses, from others, in places and in directions."""
-    kept = []
+    kept = np.zeros(len(numbers), dtype=bool)
     for row, x in enumerate(numbers):
         fit = Fit(task, theta[row], float(np.sign(sides[row].sum()) or 1.0))
         start = np.append(x[:9], bodies[row])
@@ -351,9 +351,7 @@ def _on_poses(
         best = least_squares(lambda v, fit=fit: fit(v)[0], start, lambda v, fit=fit: fit(v)[1], method="trf",
                              x_scale="jac", xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=300).x  # fmt: skip
         fit(best)
-        if (best[: 2 if task.slider else 4] > 0.0).all():
-            kept.append((np.append(best[:9], 0.0), fit.theta, np.full(len(fit.theta), fit.side), best[9]))
-    if not kept:
-        return numbers[:0], theta[:0], sides[:0], bodies[:0]
-    found, angles, signs, body = (np.array(part) for part in zip(*kept, strict=True))
-    return found, angles, signs, body
+        kept[row] = (best[: 2 if task.slider else 4] > 0.0).all()
+        numbers[row], bodies[row] = np.append(best[:9], 0.0), best[9]
+        theta[row], sides[row] = fit.theta, fit.side
+    return numbers[kept], theta[kept], sides[kept], bodies[kept]
