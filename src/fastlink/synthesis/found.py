@@ -12,7 +12,6 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -1416,35 +1415,31 @@ def synthesise(
         return result
 
     if to is None:
-        return solve(Steps())
+        return solve(Steps(Unfinished(None, "", False, dict)))
     words: list[Any] = [environment(), mechanism, names, top, seed, exact]
     words += [_as_text(call[name], over) for name in (*TASKS, *(n for _, own in TASKS.values() for n in own))]
     words += [*map(repr, (where, bounds, fixed, minimise, maximise))]
     fingerprint = hashlib.sha256(repr(words).encode()).hexdigest()
 
     def found(target: Path) -> tuple[xr.Dataset, None]:
-        with Steps(Unfinished(target, fingerprint, dict), restart) as steps:
+        with Steps(Unfinished(target, fingerprint, restart, dict)) as steps:
             result = solve(steps)
         if not result.sizes[DESIGN]:
             raise InputError(f"{result.attrs['reason']}; nothing is written", ("where",), "widen the limits")
         return result, None
 
-    request: Any = SimpleNamespace(about=lambda: about, fingerprint=fingerprint)
-    made = f"synthesise {mechanism}"
-    return to_file(Path(to), request, found, made=made, overwrite=overwrite, restart=restart)
+    ways: dict[str, Any] = {"made": f"synthesise {mechanism}", "overwrite": overwrite, "restart": restart}
+    return to_file(Path(to), about, fingerprint, found, **ways)
 
 
 class Steps(AbstractContextManager["Steps"]):
     """Steps of a run in turn: those of an earlier one, which was stopped, have their arrays beside its file."""
 
-    def __init__(self, unfinished: Unfinished | None = None, restart: bool = False) -> None:
+    def __init__(self, unfinished: Unfinished) -> None:
         self.unfinished, self.number = unfinished, 0
-        if unfinished is not None and restart:
-            unfinished.remove()
-        earlier = None if unfinished is None else unfinished.read()
-        self.made: dict[str, Any] = earlier[0] if earlier else {}
+        self.made: dict[str, Any]
+        self.made, ((_, self.done),) = unfinished.read() or ({}, [(0, 0)])
         self.made.pop("about", None)
-        self.done = earlier[1][0][1] if earlier else 0
 
     def __call__(self, step: Callable[..., Sequence[Any]], *of: Any) -> list[Any]:
         """Return the arrays that a step makes, or has made."""
@@ -1452,7 +1447,7 @@ class Steps(AbstractContextManager["Steps"]):
         if self.number > self.done:
             self.made |= {f"{name}{k}": np.asarray(one) for k, one in enumerate(step(*of))}
             self.done = self.number
-            if self.unfinished is not None and time.monotonic() >= self.unfinished.due:
+            if time.monotonic() >= self.unfinished.due:
                 self.unfinished.write(self, [(0, self.done)])
         count = sum(key.startswith(name) for key in self.made)
         return [self.made[f"{name}{k}"].copy() for k in range(count)]
@@ -1463,11 +1458,9 @@ class Steps(AbstractContextManager["Steps"]):
 
     def __exit__(self, kind: Any, error: BaseException | None, traceback: Any) -> None:
         """Keep what a run that was stopped has done; else nothing."""
-        if self.unfinished is None:
-            return
         if error is None:
             self.unfinished.remove()
-        elif self.done:
+        elif self.done and self.unfinished.path is not None:
             with contextlib.suppress(InputError):
                 self.unfinished.write(self, [(0, self.done)])
                 one = self.done == 1
