@@ -482,9 +482,7 @@ class SearchRequest:
     options: dict[str, Any]
     #: What is computed of these.
     quantities: tuple[str, ...]
-    #: The inputs that a refinement may change, none named for all; None for no refinement.
-    only: tuple[str, ...] | None
-    #: What is searched for, as it was given, and which rows that are.
+    #: What is searched for and refined, as it was given, and which rows that are.
     asked: dict[str, Any]
     choice: Choice
     #: The labels of the sweep, with one design.
@@ -605,7 +603,7 @@ class SearchRequest:
         about = {
             "environment": environment().hex(),
             "quantities": self.quantities,
-            "asked": self.asked | {"refine": self.only if self.only else self.only is not None},
+            "asked": self.asked,
             "options": options,
             "columns": list(columns),
             "rows_of_design": stream.rows_of_design,
@@ -885,8 +883,8 @@ def request_of(
     options |= {"extrema": None if chosen == "refined" else chosen, "threads": None}
     options |= angles_of(resolved.catalogue, resolved.positions, ARC in resolved.plan.variants)
     wanted = tuple(dict.fromkeys([*others, *names]))
-    about = choice_asked, choice, labels, space.size, space.attrs
-    request = SearchRequest(mechanism, resolved, options, wanted, only, *about)
+    about = choice_asked | {"refine": asked["refine"]}, choice, labels, space.size, space.attrs
+    request = SearchRequest(mechanism, resolved, options, wanted, *about)
     if only is not None:
         spans = asked.get("spans")
         request.spans = spans or spans_of_space(resolved.catalogue, space, bounds, only)

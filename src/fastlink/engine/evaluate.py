@@ -199,7 +199,8 @@ def evaluate(
     results = {name: np.broadcast_to(arrays[name], shape) for name in names}
     if template is not None:
         labels = _labels(catalogue, version, names)
-        return {name: _labelled(template, name, results[name], labels[name]) for name in names}
+        labelled = {name: template.copy(data=np.array(results[name])).rename(name) for name in names}
+        return {name: result.assign_attrs(labels[name]) for name, result in labelled.items()}
     return {name: value[()] for name, value in results.items()}
 
 
@@ -296,13 +297,6 @@ def _labels(catalogue: Catalogue, version: int, names: tuple[str, ...]) -> dict[
         if catalogue.public_fact(name).flags:
             del labels[name]["units"]  # of a code
     return labels
-
-
-def _labelled(template: Any, name: str, values: Any, labels: dict[str, Any]) -> Any:
-    """Return a quantity as a DataArray."""
-    result = template.copy(data=np.array(values)).rename(name)
-    result.attrs = dict(labels)
-    return result
 
 
 def _branches(catalogue: Catalogue, branch: Any, allow_invalid: bool) -> Any:

@@ -640,8 +640,7 @@ def _through_nine(task: paths.PathTask, attempt: int) -> paths.Candidates:
     theta = np.array([np.interp(share, share[some], one) for one in found.theta]).reshape(-1, last + 1)
     signs = np.stack([found.side[:, 0], order], axis=1)
     starts = paths.Candidates(found.numbers.copy(), signs, theta, np.zeros(len(found)), found.starts)
-    paths.fit_limits(task, starts)
-    return paths.refined(task, starts, 300)
+    return paths.refined(task, paths.fit_limits(task, starts), 300)
 
 
 def _different(found: Linkages) -> Linkages:

@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from fastlink.codegen.kernel import backend_of, load_kernel
-from fastlink.codegen.source import Array, Source
+from fastlink.codegen.source import Source
 from fastlink.engine.run import default_threads
-from fastlink.synthesis.paths import in_threads
+from fastlink.synthesis.paths import doubles, in_threads
 
 __all__ = ["Triples", "cognates", "solutions"]
 
@@ -448,17 +448,11 @@ def _source(kernel: str) -> Source:
     for name, number in (CONTROL | {"rounds": ROUNDS}).items():
         text = text.replace(f"{{{name}}}", repr(number))
     unknowns = (16, 2, WIDE)
-    scratch = (
-        Array("z", "float64", unknowns),
-        Array("past", "float64", (6, *unknowns)) if kernel == TRACK else Array("low", "float64", unknowns),
-        Array("g", "float64", (8, 2, 7, 2, WIDE)),
-        Array("m", "float64", (8, 10, 2, WIDE)),
-        Array("f", "float64", (12, WIDE)),
-        Array("step", "float64", (2, *unknowns)),
-        Array("v", "float64", (19, WIDE)),
-    )
-    results = Array("ends", "float64", (32, None)), Array("told", "float64", (TOLD[kernel], None))
-    return Source(text, 32, 9, scratch, results)
+    own: dict[str, Any] = {"past": (6, *unknowns)} if kernel == TRACK else {"low": unknowns}
+    scratch = {"z": unknowns, **own, "g": (8, 2, 7, 2, WIDE), "m": (8, 10, 2, WIDE), "f": (12, WIDE),
+               "step": (2, *unknowns), "v": (19, WIDE)}  # fmt: skip
+    results: dict[str, Any] = {"ends": (32, None), "told": (TOLD[kernel], None)}
+    return Source(text, 32, 9, doubles(scratch), doubles(results))
 
 
 def _run(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.resources import files
@@ -52,7 +52,12 @@ def refinement() -> Source:
     shapes: dict[str, tuple[Any, ...]] = {name: (count, WIDE) for name, count in rows.items()} | {
         "m": (N_ANGLES, 11, WIDE), "along": (N_ANGLES, WIDE), "slope": (N_ANGLES, WIDE),
         "across": (N_ANGLES, 11, WIDE), "g": (23, 11), "w": (13, 12), "h": (10, 10)}  # fmt: skip
-    return _Refinement(text, 0, 0, tuple(Array(name, "float64", shape) for name, shape in shapes.items()), ())
+    return _Refinement(text, 0, 0, doubles(shapes), ())
+
+
+def doubles(shapes: Mapping[str, tuple[Any, ...]]) -> tuple[Array, ...]:
+    """Return arrays of doubles for a kernel."""
+    return tuple(Array(name, "float64", shape) for name, shape in shapes.items())
 
 
 #: Numbers of a linkage in kernels.
@@ -296,7 +301,7 @@ def starts_of(task: PathTask, count: int, keep: int, seed: int, skip: int = 0) -
     numbers[:, 6], numbers[:, 7], numbers[:, 8] = place.real, place.imag, np.angle(factor)
     numbers[:, 9] = 2.0 * np.pi * first[:, 0] / PLACES if timed else 0.0
     signs = np.concatenate([side[rows], sense], axis=1)
-    return Candidates(numbers, signs, theta, best[rows], np.ones(len(rows), dtype=np.int64))
+    return fit_limits(task, Candidates(numbers, signs, theta, best[rows], np.ones(len(rows), dtype=np.int64)))
 
 
 def refined(task: PathTask, found: Candidates, most: int, *, angles_only: bool = False) -> Candidates:
@@ -358,7 +363,6 @@ def solve_path(task: PathTask, seed: int, rounds: int, steps: Any, *, all_rounds
 
     def refined_starts(number: int) -> tuple[Any, ...]:
         starts = starts_of(task, shapes, min(kept, shapes), seed, number * shapes)
-        fit_limits(task, starts)
         for most, count in STAGES:  # fewer of longer ones
             most, count = max(8, int(most * few)), max(30, int(count * few))
             # what passes all points already stays: by other measures it may be the best
@@ -384,9 +388,7 @@ BY_LENGTH, LENGTH_STEPS, UNIFORM, FINE = 60, 40, 100, 256
 
 def solve_curve(task: PathTask, seed: int) -> Candidates:
     """Return linkages whose whole curves follow a closed path, and what they become if points alone count."""
-    starts = starts_of(task, SHAPES, BY_LENGTH, seed)
-    fit_limits(task, starts)
-    found = by_length(task, starts)
+    found = by_length(task, starts_of(task, SHAPES, BY_LENGTH, seed))
     polished = refined(task, found.at(slice(0, BY_LENGTH // 3)), 300)
     return merged(joined(refined(task, found, 10, angles_only=True), polished))
 
@@ -470,14 +472,12 @@ def varied(
     n[:, 8:] += by[:, 8:] * [1.0, task.times is not None]
     sense = np.ones(len(n)) if task.times is not None else np.sign(theta[:, -1] - theta[:, 0])
     signs, ones = np.stack([side, sense], axis=1), np.ones(len(n), dtype=np.int64)
-    starts = Candidates(n, signs, theta, 0.0 * side, ones)
-    fit_limits(task, starts)
-    made = refined(task, starts, 100)
+    made = refined(task, fit_limits(task, Candidates(n, signs, theta, 0.0 * side, ones)), 100)
     return made.at(made.cost <= EXACT**2 * task.size)
 
 
-def fit_limits(task: PathTask, found: Candidates) -> None:
-    """Move starts into the limits of their numbers: given lengths size all, angles turn by whole turns."""
+def fit_limits(task: PathTask, found: Candidates) -> Candidates:
+    """Return starts moved, in place, into the limits of numbers: given lengths size all, angles turn by whole turns."""
     numbers = found.numbers
     for k in range(2 if task.slider else 4):
         if task.lower[k] == task.upper[k]:
@@ -487,6 +487,7 @@ def fit_limits(task: PathTask, found: Candidates) -> None:
         low = task.lower[k] if np.isfinite(task.lower[k]) else -np.pi
         numbers[:, k] = low + np.remainder(numbers[:, k] - low, 2.0 * np.pi)
     np.clip(numbers, task.lower, task.upper, out=numbers)
+    return found
 
 
 def joined(*several: Candidates) -> Candidates:
