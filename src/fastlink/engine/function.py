@@ -23,7 +23,7 @@ from fastlink.facts.catalogue import ELIMINATED, Catalogue
 from fastlink.facts.derivative import NoDependence, is_tolerance
 from fastlink.facts.fact import Input
 from fastlink.facts.names import Derivative, GradientStatus, Reduced, derivative_name
-from fastlink.facts.powers import beyond_range
+from fastlink.facts.powers import any_beyond_range, beyond_range
 from fastlink.machine import check_memory
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.numerics.compiler import MOVING, NOTHING
@@ -278,7 +278,7 @@ class Function(Suggesting):
         self._shapes = [
             tuple(lengths[axis] if axis in output.axes else 1 for axis in axes) for output in plan.outputs
         ]
-        known = resolved.catalogue.known_inputs(plan.variants)
+        known = self._known = resolved.catalogue.known_inputs(plan.variants)
         #: The inputs by their own names; by what rows in other units are multiplied, none where all are in SI.
         self._names = [split(name, known)[0] for name in self.inputs]
         self._factors = [factor for factor in factors if set(factors) - {1}]
@@ -303,9 +303,7 @@ class Function(Suggesting):
         doubles = given.size + math.prod((given.size // len(self.inputs), len(self.quantities), *self.shape))
         check_memory(8 * doubles, "the result", where=("function", "x"), remedy="pass fewer designs at once")
         flat = given.reshape(len(self.inputs), -1)
-        far = np.zeros(flat.shape[1], dtype=bool)
-        for beyond in map(beyond_range, self._declared, flat):
-            far |= beyond
+        far = any_beyond_range(self._known, dict(zip(self._names, flat, strict=True)))
         if far.any():
             flat = np.where(far, np.nan, flat)
         result = np.empty((len(self.quantities), flat.shape[1], *self.shape))

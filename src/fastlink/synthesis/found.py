@@ -672,8 +672,7 @@ def _solve_motion(asked: Asked, steps: Steps, motion: Any, rotation_length: Any)
     fixed = np.where((asked.lower == asked.upper) & (count < 5), asked.lower, np.nan)
     if asked.where is None or isinstance(asked.where, Mapping):
         asked = asked.with_limits_as_conditions()
-    of_body: dict[str, Any] = {"angles": angles, "length": length, "fixed": fixed}
-    task = paths.PathTask(points, crank=False, slider=asked.slider, **of_body)
+    task = paths.PathTask(points, crank=False, slider=asked.slider, angles=angles, length=length, fixed=fixed)
     if count == 4:
         _check_curves(task)
     numbers, theta, side, body, dyads = steps(poses.solve_motion, task, asked.seed)
@@ -690,8 +689,7 @@ def _solve_motion(asked: Asked, steps: Steps, motion: Any, rotation_length: Any)
         made = counted(attrs["dyads"], "dyad"), counted(len(found), "linkage")
         attrs["complete"] = f"all {made[0]} of five poses, {made[1]}"
     coords = {"target_x": rows[:, 0], "target_y": rows[:, 1], "target_angle": angles}
-    objectives = ("pose_error", "") if count >= 5 else ("", "least_transmission_angle_used")
-
+    objectives = ("pose_error", "") if count >= 5 else ("", USED)
     return Solved("motion", asked, found, coords, attrs, *objectives, with_defects=count >= 5, path=task)
 
 
@@ -900,7 +898,7 @@ def within_conditions(solved: Solved, steps: Steps) -> Linkages | None:
         least = (solved.minimise if solved.task == "function" else error) if solved.minimise else ()
         most = solved.maximise or ()
     choice = choice_of(every, least, most, asked.where, top=None)
-    limits = [one for one in choice.limits if one.name not in asked.labels and one.name in every.variables]
+    limits = [one for one in choice.limits if one.name not in asked.labels]
     if solved.task == "function":
         again: Linkages = solved.again([*limits, *(one for one in choice.limits if one.name == USED)])
         return again
@@ -1000,9 +998,7 @@ def _refined_within(
     scale = np.where(np.isin(free, (8, 9)), 1.0, size)
     inputs = 3 if asked.slider else 6
     branch = 2 if side > 0 else 1
-    results: Any = (
-        function(asked.catalogue.name, asked.names[:inputs], names, branch=branch) if names else None
-    )
+    call: Any = function(asked.catalogue.name, asked.names[:inputs], names, branch=branch) if names else None
     # the last unknown is the greatest distance, where that is minimised or limited
     greatest = aim.array.name in GREATEST.values() or near < np.inf
     x = np.append(start[free] / scale, [np.abs(fit(start, True)[0]).max() / size] * greatest)
@@ -1014,8 +1010,8 @@ def _refined_within(
 
     def values(x: Floats, name: str) -> tuple[float, Floats]:
         n, k, slopes = numbers(x)[:inputs], names.index(name), np.zeros(10)
-        slopes[:inputs] = results.gradient(n)[k]
-        return float(results(n)[k]), np.nan_to_num(np.append(slopes[free] * scale, [0.0] * greatest))
+        slopes[:inputs] = call.gradient(n)[k]
+        return float(call(n)[k]), np.nan_to_num(np.append(slopes[free] * scale, [0.0] * greatest))
 
     def distances(x: Floats) -> tuple[Floats, Floats]:
         off, slopes = fit(numbers(x), True)
