@@ -553,8 +553,7 @@ class SearchRequest:
         designs, places = stream.places(rows)
         space = self.resolved.space
         inside = designs if self.numbers is None else np.searchsorted(self.numbers, designs)
-        columns: dict[str, Any] = {DESIGN: designs, **space.at(inside)}
-        columns |= {name: space.constants[name] for name in space.constants}
+        columns: dict[str, Any] = {DESIGN: designs, **space.at(inside), **space.constants}
         of_row = space.size // space.shape[0] if space.dims else 1
         for name, label in space.labels.items():
             columns[name] = np.array([label[k] for k in inside // of_row]) if np.ndim(label) else label

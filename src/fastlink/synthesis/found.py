@@ -609,9 +609,9 @@ def _all_exact(asked: Asked, task: paths.PathTask, steps: Steps) -> tuple[Linkag
     return Linkages(*parts), str(complete)
 
 
-def _of_nine(points: NDArray[np.complex128], **options: int) -> tuple[Linkages, str]:
+def _of_nine(points: NDArray[np.complex128], ways: int = nine_points.WAYS) -> tuple[Linkages, str]:
     """Return a linkage of each triple of cognates through nine points, and how many triples there are."""
-    triples = nine_points.solutions(points, **options)
+    triples = nine_points.solutions(points, ways)
     real = triples.unknowns[triples.real]
     turns = np.concatenate([np.ones((len(real), 1)), real[:, 8:]], axis=1)
     x, a, y, b = (real[:, k, None] for k in range(4))

@@ -322,12 +322,12 @@ def refined(task: PathTask, found: Candidates, most: int, *, angles_only: bool =
     def work(part: Candidates, scratch: Any) -> None:
         code(part.numbers, part.signs, part.theta, part.cost, *fixed, *scratch)
 
-    in_threads(work, made, source, 2 * n + 10, default_threads())
+    in_threads(work, made, source, 2 * n + 10)
     whole = joined(*made)
     return whole.at(np.isfinite(whole.cost))
 
 
-def in_threads(work: Any, parts: Sequence[Any], source: Source, rows: int, threads: int) -> None:
+def in_threads(work: Any, parts: Sequence[Any], source: Source, rows: int) -> None:
     """Work on parts by a kernel, each thread with its scratch."""
     left = iter(parts)
 
@@ -336,7 +336,7 @@ def in_threads(work: Any, parts: Sequence[Any], source: Source, rows: int, threa
         for part in left:
             work(part, scratch)
 
-    work_in_threads(each, min(threads, len(parts)), "synthesis", threading.Event())
+    work_in_threads(each, min(default_threads(), len(parts)), "synthesis", threading.Event())
 
 
 #: Shapes that are compared in each round, of closed or timed paths and of open ones; starts that are refined.
