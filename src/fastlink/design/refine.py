@@ -221,7 +221,7 @@ class Model:
         name, input = mechanism_of_map(attrs), attrs.get("input")
         mechanism: str | Extension = name
         if own is not None:
-            mechanism = check_declared(("mechanism",), own, name, str(attrs.get("own_quantities", "")))
+            mechanism = check_declared(own, name, str(attrs.get("own_quantities", "")))
         catalogue = find_catalogue(mechanism, input)
         known = catalogue.known_inputs(catalogue.variant_inputs)
         given = [name for name in known if name in maps.variables]

@@ -819,7 +819,7 @@ def request_of_parts(parts: Sequence[PartFile], own: Any) -> tuple[SearchRequest
         raise InputError(what, ("paths",), "join with the version that has searched the parts")
     mechanism, text = mechanism_of_map(attrs), str(attrs.get("own_quantities", ""))
     if own is not None:
-        mechanism = check_declared(("mechanism",), own, mechanism, text)  # type: ignore[assignment]
+        mechanism = check_declared(own, mechanism, text)  # type: ignore[assignment]
     elif text:
         raise own_refused(("mechanism",), declared_names(text)[0])
     kept, numbers, columns = list[Kept](), list[Any](), dict[str, list[Any]]()

@@ -579,10 +579,10 @@ def joined_linkages(one: Linkages, other: Linkages) -> Linkages:
     if "curve" in more:
         more["curve"][: len(one)] = more["curve"].max(initial=0) + 1 + np.arange(len(one))
         more["cognate"][: len(one)] = 1
-    numbers, theta, side, starts = (
-        np.concatenate([getattr(k, name) for k in (one, other)]) for name in ARRAYS
-    )
-    return Linkages(numbers, theta, side, starts, more, one.slider)
+    arrays: dict[str, Any] = {
+        name: np.concatenate([getattr(one, name), getattr(other, name)]) for name in ARRAYS
+    }
+    return replace(one, **arrays, more=more)
 
 
 def _all_exact(asked: Asked, task: paths.PathTask, steps: Steps) -> tuple[Linkages, str]:
@@ -594,7 +594,7 @@ def _all_exact(asked: Asked, task: paths.PathTask, steps: Steps) -> tuple[Linkag
         _check(count == 5, "exact", f"is for five points with timing, and there are {count}", best)
         # the crank of a linkage turns as the coupler of a cognate does: points with times are poses of that
         timed = replace(task, angles=task.times)
-        numbers, theta, side, _ = poses.pairs_of(timed, poses.dyads_of(task.target, task.times))
+        numbers, theta, side, _ = poses.pairs_of(timed, poses.dyads_of(timed))
         found = cognates_of(Linkages(numbers, theta, side)).at(slice(2, None, 6))
         found.numbers[:, 9] = wrapped(found.theta[:, 0] - task.times[0])
         found.theta, found.more = found.numbers[:, 9:] + task.times, {}

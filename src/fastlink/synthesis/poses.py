@@ -129,9 +129,10 @@ def _on_circles(d: Complex, e: Complex, centre: Complex, pin: Complex, steps: in
     return centre, pin
 
 
-def dyads_of(points: Complex, angles: Floats) -> Complex:
+def dyads_of(task: PathTask) -> Complex:
     """Return all RR dyads of five poses; of more, those of the linear form's least squares, then nearest to circles."""
-    return _listed(*dyads_of_five(points[None], angles[None], 2 if len(points) == 5 else 8))
+    steps = 2 if len(task.target) == 5 else 8
+    return _listed(*dyads_of_five(task.target[None], task.angles[None], steps))
 
 
 def _listed(centres: Complex, pins: Complex) -> Complex:
@@ -326,7 +327,7 @@ def varied(task: PathTask, pins: tuple[Complex, ...], change: float, rng: Any) -
 def solve_motion(task: PathTask, seed: int) -> tuple[Floats, Floats, Floats, Floats, int]:
     """Return the linkages of a motion as `pairs_of` does, and how many dyads with a crank they are made of."""
     if len(task.target) >= 5:
-        dyads = dyads_of(task.target, task.angles)
+        dyads = dyads_of(task)
         found = pairs_of(task, dyads)
         return *(_on_poses(task, *found) if len(task.target) > 5 or task.slider else found), dyads.shape[1]
     dyads = family_of(task, seed)
