@@ -746,7 +746,7 @@ class _Walk:
 
         ends: list[Any] = [(0.0, 1.0)] * len(self.start) + [(None, None)] * joint
         how: dict[str, Any] = {"method": "SLSQP", "options": {"maxiter": MOST_STEPS, "ftol": PRECISION}}
-        # else the best point so far is known, and the linear programs go on from there
+        # where it fails the best point so far is known, and the linear programs go on from there
         with contextlib.suppress(ValueError, ArithmeticError, np.linalg.LinAlgError):
             minimize(objective, start, jac=True, bounds=ends, constraints=constraints, **how)
 
@@ -783,9 +783,10 @@ class _Walk:
             below = (self.high - margin - values)[high] / size[high]
             signs = self.signs[aims] / size[aims]
             fall = z[count:].sum() - signs * (values - self.first)[aims]
-            limited = slopes[low] / size[low, None], -slopes[high] / size[high, None]
-            by = np.concatenate((*limited, -signs[:, None] * slopes[aims]))
-            found = np.pad(by, ((0, 0), (0, len(z) - count)))
+            found = np.zeros((len(low) + len(high) + len(aims), len(z)))
+            found[: len(low), :count] = slopes[low] / size[low, None]
+            found[len(low) : len(low) + len(high), :count] = -slopes[high] / size[high, None]
+            found[len(low) + len(high) :, :count] = -signs[:, None] * slopes[aims]
             found[len(low) + len(high) :, count:] = 1.0
             return np.concatenate((above, below, fall)), found
 
@@ -794,8 +795,8 @@ class _Walk:
     def _rows_of_targets(self, z: Floats) -> tuple[Floats, Floats]:
         """Return what must be 0, and its slopes."""
         values, slopes = self._at(z)
-        of = self.targets
-        found = np.pad(slopes[of] / self.size[of, None], ((0, 0), (0, len(z) - len(self.start))))
+        of, found = self.targets, np.zeros((len(self.targets), len(z)))
+        found[:, : len(self.start)] = slopes[of] / self.size[of, None]
         return (values - self.points.limits[0])[of] / self.size[of], found
 
     # -- towards limits that are missed: least squares ----------------------------------------------------------------

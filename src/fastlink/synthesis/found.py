@@ -1032,15 +1032,15 @@ def _refined_within(
         (value, slopes), unit = values(x, name), max(abs(end), 1e-6)
         return sign * (value - end) / unit - 1e-9, sign * slopes / unit
 
-    def turns(x: Floats) -> tuple[Floats, Floats]:
+    rules = [constraint("ineq", partial(limit, *end)) for end in _ends(limits)]
+    rules += [constraint("ineq", distances)] * greatest
+    if of.crank:
         longer = 1.0 if start[3] >= start[0] else -1.0
         of_bars = [[-longer, -1, 1, longer], [-longer, 1, -1, longer], [-1, 1, 1, -1]]
         folds = np.array([[-1, 1, -1, 0], [-1, 1, 1, 0]] if asked.slider else of_bars, dtype=float)
-        by = np.pad(folds, ((0, 0), (0, 6)))[:, free] * scale / size
-        return folds @ numbers(x)[:4] / size - 1e-6, np.pad(by, ((0, 0), (0, int(greatest))))
-
-    rules = [constraint("ineq", partial(limit, *end)) for end in _ends(limits)]
-    rules += [constraint("ineq", distances)] * greatest + [constraint("ineq", turns)] * of.crank
+        wide = np.zeros((len(folds), len(x)))
+        wide[:, : len(free)] = np.pad(folds, ((0, 0), (0, 6)))[:, free] * scale / size
+        rules.append(constraint("ineq", lambda x: (folds @ numbers(x)[:4] / size - 1e-6, wide)))
     low = np.append(asked.lower[free] / scale, [0.0] * greatest)
     high = np.append(asked.upper[free] / scale, [near / size] * greatest)
     # far from a least-squares objective the first step knows no curvature: it is kept short, and others follow
