@@ -80,7 +80,7 @@ def check(
     names: tuple[str, ...] = ()
     with problems.at():
         names = check_names("quantities", quantities)
-        _check_quantities(catalogue, all_declared(catalogue), names)
+        _check_quantities(catalogue, names)
         names = names if "status" in names or not companions else (*names, "status")
     problems.attempt(request.check_model, catalogue, links, solver)
     variants = request.selected_variants(catalogue, links, solver, () if space is None else space.names)
@@ -105,8 +105,9 @@ def check(
 
 
 @lru_cache(maxsize=256)
-def _check_quantities(catalogue: Catalogue, declared: tuple[Any, ...], names: tuple[str, ...]) -> None:
+def _check_quantities(catalogue: Catalogue, names: tuple[str, ...]) -> None:
     """Refuse unknown quantities; checked once, since it takes longer than all other checks together (0.15 ms)."""
+    # what is declared later takes no name away, and what was refused is looked at again
     problems = Problems()
     for k, name in enumerate(names):
         with problems.at("quantities", k):
